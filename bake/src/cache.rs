@@ -7,10 +7,10 @@
 //! Files appear when they are whole, and those of one name have the same content whoever writes them: nobody locks, and every file may be removed at any
 //! time. What is missing or damaged is not found, and made again.
 
-use crate::BakeError;
 use crate::hexadecimal::{self, hex};
 use crate::io::{digest, read_file, write_atomic};
 use crate::traffic::{Asked, Digest, Traffic};
+use pelage_import::BakeError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};

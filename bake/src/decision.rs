@@ -1,15 +1,16 @@
 //! What a recipe leaves open and a bake chooses: said with the line of a recipe that would say it otherwise.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
-/// One choice of a bake.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+/// A choice that the recipe left open and the bake made.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Decision {
-    /// What was open, in words: `length of hair`.
+    /// Name of the choice, in words: `length of hair`.
     pub what: &'static str,
-    /// What was chosen, in words: `31 mm`.
+    /// Value chosen, in words: `31 mm`.
     pub chosen: String,
-    /// The line of a recipe that says the same, and that an author edits to say otherwise: `hair.length_m = 0.031`.
+    /// Recipe line that states the same value: `hair.length_m = 0.031`.
     pub line: String,
 }
 

@@ -1,15 +1,15 @@
 //! The only module of the library that touches files.
 
-use crate::BakeError;
-use crate::guides::read::GuideFormat;
-use crate::image_file::{MAX_TEXELS, decode_image};
-use crate::mesh::Model;
 use crate::picture::Picture;
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::stages::import::{ImportOptions, import, import_strands, input_record};
 use crate::traffic;
 use crate::unfinished::Unfinished;
+use pelage_import::BakeError;
+use pelage_import::guides::read::GuideFormat;
+use pelage_import::image_file::{MAX_TEXELS, decode_image};
+use pelage_import::mesh::Model;
 use sha2::{Digest as _, Sha256};
 use std::fs::FileType;
 use std::io::{self, Read as _, Write as _};

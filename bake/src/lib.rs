@@ -1,25 +1,18 @@
 //! The offline half of pelage: a glTF or OBJ model and a recipe go in, a `.pelage` package comes out.
 //!
 //! [`pipeline`] reads top to bottom in the order of the [`stages`]; each stage is a function of plain data in a module of its own. [`strands`]
-//! plants hair by hair on a baked skin what a package shows as layers, and [`judge`] says how good a bake and its pictures are.
+//! plants hair by hair on a baked skin what a package shows as layers.
 //! No stage touches a file, a clock or a global; the same inputs give the same bytes on any number of threads.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
 
-mod angle;
 pub mod cache;
 pub mod decision;
-pub mod error;
 pub mod groom_map;
-pub mod guides;
-pub mod herd;
 pub mod hexadecimal;
-pub(crate) mod image_file;
 pub mod io;
-pub mod judge;
 pub mod mask;
-pub mod mesh;
-pub(crate) mod noise;
+pub mod noise;
 pub mod picture;
 pub mod pipeline;
 pub mod rebake;
@@ -27,7 +20,7 @@ pub mod recipe;
 pub mod recorded;
 pub mod remade;
 pub mod reslice;
-pub(crate) mod sample;
+mod sample;
 pub mod sky_file;
 pub mod stages;
 pub mod steps;
@@ -36,4 +29,4 @@ pub mod traffic;
 pub mod unfinished;
 pub mod y4m;
 
-pub use error::BakeError;
+pub use pelage_import::{BakeError, guides, mesh};

@@ -1,9 +1,9 @@
 //! Pictures in memory, of linear light: what renderers draw and what is compared.
 
-use crate::BakeError;
-use crate::image_file::bounded_reader;
 use image::{EncodableLayout, ImageBuffer, ImageFormat, PixelWithColorType, RgbaImage};
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
+use pelage_import::BakeError;
+use pelage_import::image_file::bounded_reader;
 
 /// A picture of linear light with coverage.
 #[derive(Clone, Debug, PartialEq)]

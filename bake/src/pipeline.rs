@@ -11,12 +11,12 @@ mod outputs;
 pub use lay::{Laid, lay};
 pub use outputs::{Groomed, Kept, Output, Outputs, Packed, Shells, Told, Visible};
 
-use crate::BakeError;
 use crate::decision::Decision;
-use crate::mesh::Model;
 use crate::recipe::Recipe;
 use crate::stages::surface::Measures;
 use outputs::made;
+use pelage_import::BakeError;
+use pelage_import::mesh::Model;
 use pelage_params::{Knob, Tables as _};
 
 /// The stages after `import`, in order; what a progress display counts.

@@ -1,10 +1,10 @@
 //! A model that is baked again and again while its recipe changes.
 
-use crate::BakeError;
-use crate::mesh::Model;
 use crate::pipeline::{Baked, Kept, Output, Outputs, Told, baked, run};
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
+use pelage_import::BakeError;
+use pelage_import::mesh::Model;
 
 /// What the steps of a bake made, kept for the next one: only what a change of the recipe decides about is made again.
 ///

@@ -5,13 +5,13 @@
 //! out keeps its default.
 //!
 //! ```
-//! use pelage_bake::recipe::{Recipe, Style};
+//! use crate::recipe::{Recipe, Style};
 //! let mut recipe = Recipe::parse("fox.toml", "[hair]\nstyle = \"curly\"\nlength_m = 0.03\n")?;
 //! recipe.set("hair.density=900")?;
 //! assert_eq!((recipe.hair.style, recipe.hair.density), (Style::Curly, 900));
 //! let error = Recipe::parse("fox.toml", "[hair]\ndensty = 900\n").unwrap_err().to_string();
 //! assert!(error.contains("line 2") && error.contains("hair.density"), "{error}");
-//! # Ok::<(), pelage_bake::BakeError>(())
+//! # Ok::<(), pelage_import::BakeError>(())
 //! ```
 
 mod coats;
@@ -46,7 +46,7 @@ pub use params::{
 pub use pelage_params::SrgbColor;
 pub use style::Style;
 
-use crate::BakeError;
+use pelage_import::BakeError;
 use pelage_params::{Knob, ParamError};
 
 pelage_params::tables! {
@@ -110,12 +110,6 @@ const INTRODUCTION: [&str; 4] = [
     "The pictures show the hare of `assets/models`, which has no recipe, with three values of one key.",
     "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin chores write-docs`.",
 ];
-
-impl From<pelage_params::OutOfRange> for BakeError {
-    fn from(pelage_params::OutOfRange { name, reason }: pelage_params::OutOfRange) -> Self {
-        Self::Params { what: name, reason }
-    }
-}
 
 /// The paths among those that keys may name, each once with the key that names it first.
 fn each_once<'a>(named: impl IntoIterator<Item = (String, Option<&'a str>)>) -> Vec<(String, &'a str)> {
@@ -290,9 +284,9 @@ impl Recipe {
     }
 }
 
-/// The coat of before there were others, for tests that any hair serves: one kind of strands, few and thick.
-#[cfg(test)]
-pub(crate) fn natural() -> Recipe {
+/// The coat `natural`, for tests: one kind of strands, few and thick.
+#[doc(hidden)]
+pub fn natural() -> Recipe {
     Recipe::of_coat(Coat::Natural).unwrap_or_else(|error| panic!("{error}"))
 }
 

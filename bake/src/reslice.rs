@@ -5,8 +5,6 @@
 //!
 //! A [`Slicer`] has the model, and keeps what a bake made of it.
 
-use crate::BakeError;
-use crate::mesh::Model;
 use crate::pipeline::{Output, Outputs, Told, run};
 use crate::recipe::Recipe;
 use crate::stages::assemble::{Content, carried, kept_texture};
@@ -18,6 +16,8 @@ use crate::stages::pack::{Skin, SkinFins, simplified};
 use crate::steps::Steps;
 use crate::strands::tile_hair;
 use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
+use pelage_import::BakeError;
+use pelage_import::mesh::Model;
 
 /// The package's skin as it is, with or without lists of fewer triangles as `recipe` says.
 fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<Skin<'a>, FormatError> {

@@ -1,8 +1,8 @@
 //! Reading images at a point.
 
-use crate::mesh::Image;
 use glam::{Vec2, Vec4};
 use pelage_formats::meaning::srgb_to_linear;
+use pelage_import::mesh::Image;
 
 /// What lies beyond an image's border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

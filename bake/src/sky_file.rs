@@ -1,9 +1,9 @@
 //! Skies on disk: panoramas in Radiance HDR and OpenEXR, and lights in TOML.
 
-use crate::BakeError;
-use crate::image_file::bounded_reader;
 use crate::io::{read_file, read_text};
 use glam::DVec3;
+use pelage_import::BakeError;
+use pelage_import::image_file::bounded_reader;
 use pelage_stage::sky::{Environment, FitParams, Panorama, environment_from_toml};
 use std::path::Path;
 

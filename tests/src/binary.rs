@@ -1,4 +1,4 @@
-//! The real `pelage` binary, run in fresh folders.
+//! The real binaries `pelage` and `pelage-lab`, run in fresh folders.
 
 use std::ffi::OsStr;
 use std::hash::{Hash as _, Hasher as _};
@@ -6,16 +6,30 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-/// The `pelage` binary of this build's profile, built by cargo once per test process.
+/// The binary `pelage` of this build's profile, built by cargo once per test process.
 ///
 /// Cargo hands a binary's path only to tests of its own package, and builds it only for them.
 ///
 /// # Panics
 ///
 /// Where cargo cannot build it: no test that needs the binary can say anything then.
-pub fn pelage() -> &'static Path {
-    static BINARY: OnceLock<PathBuf> = OnceLock::new();
-    BINARY.get_or_init(|| {
+pub fn pelage() -> PathBuf {
+    folder().join(format!("pelage{}", std::env::consts::EXE_SUFFIX))
+}
+
+/// The binary `pelage-lab`: the same command with `chart`.
+///
+/// # Panics
+///
+/// As [`pelage`].
+pub fn lab() -> PathBuf {
+    folder().join(format!("pelage-lab{}", std::env::consts::EXE_SUFFIX))
+}
+
+/// The folder of both binaries, once they are built.
+fn folder() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
         let test = std::env::current_exe().unwrap_or_else(|e| panic!("no path of the test: {e}"));
         // <target>/<profile>/deps/<test>, or <target>/<profile>/<chore>
         let folder = test.ancestors().skip(1).find(|f| f.file_name() != Some(OsStr::new("deps")));
@@ -28,16 +42,14 @@ pub fn pelage() -> &'static Path {
         let output = Command::new(cargo)
             // The whole workspace, and with it a small test, so that the features are those of `cargo test --workspace`: then
             // there is nothing left to compile but pelage.
-            .args(["build", "--workspace", "--bin", "pelage", "--test", "formats", "--profile", profile])
+            .args(["build", "--workspace", "--bin", "pelage", "--bin", "pelage-lab", "--test", "formats", "--profile", profile])
             // `tests/timed.sh` sets it for the test harness; build scripts would run again for it.
             .env_remove("RUSTC_BOOTSTRAP")
             .current_dir(workspace())
             .output()
             .unwrap_or_else(|e| panic!("cargo cannot be run: {e}"));
         assert!(output.status.success(), "building pelage: {}", String::from_utf8_lossy(&output.stderr));
-        let binary = folder.join(format!("pelage{}", std::env::consts::EXE_SUFFIX));
-        assert!(binary.is_file(), "cargo built pelage, but not as {}", binary.display());
-        binary
+        folder.to_owned()
     })
 }
 
@@ -47,7 +59,7 @@ fn fixtures() -> &'static Path {
     FOLDER.get_or_init(|| {
         let folder = pelage().with_file_name("fixtures");
         let changed = |path: &Path| path.metadata().and_then(|found| found.modified());
-        if changed(&folder).is_ok_and(|folder| changed(pelage()).is_ok_and(|binary| binary > folder)) {
+        if changed(&folder).is_ok_and(|folder| changed(&pelage()).is_ok_and(|binary| binary > folder)) {
             std::fs::remove_dir_all(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         }
         std::fs::create_dir_all(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
@@ -93,6 +105,7 @@ pub struct Run {
 #[derive(Debug)]
 pub struct Sandbox {
     folder: tempfile::TempDir,
+    program: fn() -> PathBuf,
 }
 
 impl Default for Sandbox {
@@ -108,7 +121,14 @@ impl Sandbox {
     ///
     /// Where the system refuses.
     pub fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap_or_else(|e| panic!("no temporary folder: {e}")) }
+        let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("no temporary folder: {e}"));
+        Self { folder, program: pelage }
+    }
+
+    /// Runs `pelage-lab` in the place of `pelage`.
+    #[must_use]
+    pub fn with_lab(self) -> Self {
+        Self { program: lab, ..self }
     }
 
     /// The folder.
@@ -145,7 +165,7 @@ impl Sandbox {
 
     /// A command that will run `pelage` here, with nothing on stdin.
     pub fn command(&self, args: &[impl AsRef<OsStr>]) -> Command {
-        let mut command = Command::new(pelage());
+        let mut command = Command::new((self.program)());
         command.args(args).current_dir(self.path()).stdin(Stdio::null());
         // Mesa's device selection looks there for a display; where it is unset, as in a container, the driver writes "error:" lines of its own on stderr.
         command.env("XDG_RUNTIME_DIR", self.path());

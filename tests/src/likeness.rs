@@ -2,8 +2,8 @@
 
 use crate::binary::workspace;
 use pelage_bake::io;
-use pelage_bake::judge::likeness::Likeness;
 use pelage_bake::picture::Picture;
+use pelage_truth::likeness::Likeness;
 use std::path::{Path, PathBuf};
 
 /// One setting looks more like the truth than another.

@@ -1,8 +1,9 @@
-//! The reference pages that are made from the code: of recipes and their coats, of looks and of the command line.
+//! The reference pages generated from the code: recipes and their coats, looks, the command line and its JSON schemas.
 
 use crate::binary::{Sandbox, workspace};
 use pelage_bake::recipe;
 use pelage_stage::Look;
+use serde_json::Value;
 use std::path::PathBuf;
 
 /// Every page with the path where it stands.
@@ -10,11 +11,13 @@ use std::path::PathBuf;
 /// # Panics
 /// Where the binary does not say what its command line is.
 pub fn pages() -> Vec<(PathBuf, String)> {
-    let run = Sandbox::new().run(&["commands-page"]);
+    let run = Sandbox::new().with_lab().run(&["commands-page", "--json"]);
     assert_eq!(run.code, Some(0), "{run:?}");
+    let said: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
     let page = |name: &str, text: String| (workspace().join("bake/docs").join(name), text);
     vec![
-        page("commands.md", run.stdout),
+        page("commands.md", format!("{}\n", said["page"].as_str().unwrap_or_default().trim_end())),
+        page("schemas.json", format!("{:#}\n", said["schemas"])),
         page("recipe.md", recipe::reference_page()),
         page("coats.md", recipe::coats_page(|picture| workspace().join("bake/docs").join(picture).exists())),
         page("look.md", Look::reference_page()),

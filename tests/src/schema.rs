@@ -1,13 +1,21 @@
-//! A checker for the part of JSON Schema that `bake/src/cli/schema/` uses: `type`, `required`, `properties`, `items`, `enum`.
+//! A checker for the part of JSON Schema that `bake/docs/schemas.json` uses.
 
 use crate::binary::{Run, workspace};
 use serde_json::Value;
+use std::sync::LazyLock;
 
-/// The one JSON object that a run wrote to stdout, held against the schema `name` of `bake/src/cli/schema/`.
+/// The schemas of the results of all commands, by name.
+static SCHEMAS: LazyLock<Value> = LazyLock::new(|| {
+    let path = workspace().join("bake/docs/schemas.json");
+    let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    serde_json::from_slice(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+});
+
+/// Parses the one JSON object that a run wrote to stdout and checks it against the schema `name`.
 ///
 /// # Panics
 ///
-/// Where it is no JSON, or breaks the schema.
+/// If it is not JSON or violates the schema.
 #[track_caller]
 pub fn answer(run: &Run, name: &str) -> Value {
     let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
@@ -15,20 +23,17 @@ pub fn answer(run: &Run, name: &str) -> Value {
     value
 }
 
-/// Holds a value against the schema `name`.
+/// Checks a value against the schema `name`.
 ///
 /// # Panics
 ///
-/// Where it breaks it.
+/// If there is no such schema, or the value violates it.
 #[track_caller]
 pub fn hold(name: &str, value: &Value) {
-    let path = workspace().join(format!("bake/src/cli/schema/{name}.json"));
-    let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    let schema = serde_json::from_slice(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    check(&schema, value).unwrap_or_else(|e| panic!("{name}: {e}"));
+    check(&SCHEMAS, &SCHEMAS[name], value).unwrap_or_else(|e| panic!("{name}: {e}"));
 }
 
-/// The same of a run that did what it was asked for.
+/// Does the same as [`answer`] for a run that succeeded.
 ///
 /// # Panics
 ///
@@ -39,51 +44,90 @@ pub fn done(run: &Run, name: &str) -> Value {
     answer(run, name)
 }
 
-/// The first place where `value` breaks `schema`, or a schema word that this checker does not know: a rule that is not
-/// understood must not pass for one that holds.
+/// Finds the first place where `value` violates `schema`, or a keyword that this checker does not know.
+///
+/// * `root`: document that references are resolved in
 ///
 /// # Errors
 ///
-/// JSON pointer and what was expected there.
-pub fn check(schema: &Value, value: &Value) -> Result<(), String> {
-    check_at("", schema, value)
+/// JSON pointer and the expectation there.
+pub fn check(root: &Value, schema: &Value, value: &Value) -> Result<(), String> {
+    Checker { root }.check("", schema, value)
 }
 
-fn check_at(at: &str, schema: &Value, value: &Value) -> Result<(), String> {
-    let rules = schema.as_object().ok_or(format!("{at}: the schema is no object"))?;
-    for (word, rule) in rules {
-        let fail = |what: String| Err(format!("{at}: {what}, found {value}"));
-        let texts = || rule.as_array().cloned().unwrap_or_else(|| vec![rule.clone()]);
-        match word.as_str() {
-            "$schema" | "title" | "description" => {}
-            "type" if !texts().iter().any(|t| has_type(t, value)) => return fail(format!("expected type {rule}")),
-            "enum" if !texts().contains(value) => return fail(format!("expected one of {rule}")),
-            "type" | "enum" => {}
-            // As in JSON Schema, a rule about objects says nothing of null.
-            "required" if !value.is_object() => {}
-            "required" => {
-                for key in texts() {
-                    if value.get(key.as_str().unwrap_or_default()).is_none() {
-                        return fail(format!("expected key {key}"));
-                    }
-                }
-            }
-            "properties" => {
-                for (key, rule) in rule.as_object().into_iter().flatten() {
-                    if let Some(field) = value.get(key) {
-                        check_at(&format!("{at}/{key}"), rule, field)?;
-                    }
-                }
-            }
-            "items" => {
-                for (i, item) in value.as_array().into_iter().flatten().enumerate() {
-                    check_at(&format!("{at}/{i}"), rule, item)?;
-                }
-            }
-            other => return Err(format!("{at}: schema word {other:?} is not one that this checker knows")),
+struct Checker<'a> {
+    root: &'a Value,
+}
+
+impl Checker<'_> {
+    fn check(&self, at: &str, schema: &Value, value: &Value) -> Result<(), String> {
+        if *schema == Value::Bool(true) {
+            return Ok(());
         }
+        let rules = schema.as_object().ok_or(format!("{at}: the schema is not an object"))?;
+        let no_rules = serde_json::Map::new();
+        let properties = rules.get("properties").and_then(Value::as_object).unwrap_or(&no_rules);
+        for (word, rule) in rules {
+            let fail = |what: String| Err(format!("{at}: {what}, found {value}"));
+            let texts = || rule.as_array().cloned().unwrap_or_else(|| vec![rule.clone()]);
+            let bound = || rule.as_f64().unwrap_or(f64::NAN);
+            let number = value.as_f64();
+            let length = value.as_array().map(|items| items.len() as f64);
+            match word.as_str() {
+                "$schema" | "title" | "description" | "format" => {}
+                "$ref" => {
+                    let target = rule.as_str().and_then(|rule| self.root.pointer(rule.strip_prefix('#')?));
+                    self.check(at, target.ok_or(format!("{at}: {rule} leads nowhere"))?, value)?;
+                }
+                "anyOf" | "oneOf" => {
+                    let tried: Vec<_> = texts().iter().map(|rule| self.check(at, rule, value)).collect();
+                    let held = tried.iter().filter(|tried| tried.is_ok()).count();
+                    if held == 0 || (word == "oneOf" && held > 1) {
+                        return fail(format!("expected {word} of the alternatives ({tried:?})"));
+                    }
+                }
+                "type" if !texts().iter().any(|t| has_type(t, value)) => return fail(format!("expected type {rule}")),
+                "enum" if !texts().contains(value) => return fail(format!("expected one of {rule}")),
+                "const" if rule != value => return fail(format!("expected {rule}")),
+                // A rule about numbers or arrays does not apply to other types.
+                "minimum" if number.is_some_and(|n| n < bound()) => return fail(format!("expected at least {rule}")),
+                "maximum" if number.is_some_and(|n| n > bound()) => return fail(format!("expected at most {rule}")),
+                "minItems" if length.is_some_and(|n| n < bound()) => return fail(format!("expected {rule} items")),
+                "maxItems" if length.is_some_and(|n| n > bound()) => return fail(format!("expected {rule} items")),
+                "type" | "enum" | "const" | "minimum" | "maximum" | "minItems" | "maxItems" => {}
+                // A rule about objects does not apply to null.
+                "required" if !value.is_object() => {}
+                "required" => {
+                    for key in texts() {
+                        if value.get(key.as_str().unwrap_or_default()).is_none() {
+                            return fail(format!("expected key {key}"));
+                        }
+                    }
+                }
+                "properties" => {
+                    for (key, rule) in properties {
+                        if let Some(field) = value.get(key) {
+                            self.check(&format!("{at}/{key}"), rule, field)?;
+                        }
+                    }
+                }
+                "additionalProperties" => {
+                    for (key, field) in value.as_object().into_iter().flatten() {
+                        if !properties.contains_key(key) {
+                            self.check(&format!("{at}/{key}"), rule, field)?;
+                        }
+                    }
+                }
+                "items" => {
+                    for (i, item) in value.as_array().into_iter().flatten().enumerate() {
+                        self.check(&format!("{at}/{i}"), rule, item)?;
+                    }
+                }
+                other => return Err(format!("{at}: this checker does not know the keyword {other:?}")),
+            }
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 fn has_type(name: &Value, value: &Value) -> bool {
@@ -105,16 +149,42 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn what_breaks_a_schema_is_found() {
+    fn violations_are_found() {
         let schema = json!({
             "type": "object",
             "required": ["list"],
-            "properties": { "list": { "type": "array", "items": { "type": ["integer", "null"], "enum": [1, 2, null] } } },
+            "properties": {
+                "list": {
+                    "type": "array",
+                    "items": { "type": ["integer", "null"], "enum": [1, 2, null] },
+                    "maxItems": 2
+                },
+                "other": { "anyOf": [{ "$ref": "#/$defs/Small" }, { "type": "null" }] },
+                "kind": { "oneOf": [{ "const": "a" }, { "const": "b" }] },
+            },
+            "additionalProperties": { "type": "integer" },
+            "$defs": { "Small": { "type": "integer", "minimum": 1, "maximum": 3 } },
         });
-        assert_eq!(check(&schema, &json!({ "list": [1, null], "more": 1 })), Ok(()));
-        for wrong in [json!([]), json!({}), json!({ "list": 1 }), json!({ "list": [1.5] }), json!({ "list": [3] })] {
-            assert!(check(&schema, &wrong).is_err(), "{wrong}");
+        let check = |value: Value| {
+            let mut rules = schema.clone();
+            rules.as_object_mut().and_then(|rules| rules.remove("$defs"));
+            check(&schema, &rules, &value)
+        };
+        assert_eq!(check(json!({ "list": [1, null], "more": 1, "other": 3, "kind": "b" })), Ok(()));
+        assert_eq!(check(json!({ "list": [], "other": null })), Ok(()));
+        let lists = [json!(1), json!([1.5]), json!([3]), json!([1, 1, 1])];
+        let objects = [
+            json!({ "list": [], "other": 0 }),
+            json!({ "list": [], "other": 4 }),
+            json!({ "list": [], "kind": "c" }),
+            json!({ "list": [], "more": "text" }),
+        ];
+        let wrong = lists.map(|list| json!({ "list": list })).into_iter().chain(objects);
+        for wrong in wrong.chain([json!([]), json!({})]) {
+            assert!(check(wrong.clone()).is_err(), "{wrong}");
         }
-        assert!(check(&json!({ "minimum": 1 }), &json!(1)).is_err(), "an unknown word must not pass");
+        for schema in [json!({ "multipleOf": 1 }), json!({ "$ref": "#/$defs/None" }), Value::Null] {
+            assert!(super::check(&schema, &schema, &json!(1)).is_err(), "{schema} must not pass");
+        }
     }
 }

@@ -6,8 +6,6 @@
 
 mod fit;
 
-use crate::BakeError;
-use crate::mesh::{Image, Mesh, Model, RestPose};
 use crate::pipeline::{self, Groomed, Laid, Output, Outputs, Told};
 use crate::recipe::{CombSource, GroomCoordinates};
 use crate::sample::{Encoding, Wrap, bilinear};
@@ -17,6 +15,8 @@ use crate::stages::surface::Surface;
 use fit::Reading;
 use glam::{Vec2, Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
+use pelage_import::BakeError;
+use pelage_import::mesh::{Image, Mesh, Model, RestPose};
 
 /// Free texels past the border of what is painted over a model's own coordinates, as a share of the image's width.
 const GUTTER: f32 = 1.0 / 128.0;

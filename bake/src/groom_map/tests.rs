@@ -1,9 +1,9 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::mesh::{Material, MeshPart};
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
+use pelage_import::mesh::{Material, MeshPart};
 
 const RINGS: u32 = 28;
 const SIDES: u32 = 14;

@@ -1,8 +1,8 @@
 //! A set of pixels, and what is asked of it.
 
 use super::distance;
-use crate::BakeError;
 use image::RgbaImage;
+use pelage_import::BakeError;
 
 /// A set of pixels.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -81,7 +81,7 @@ impl Mask {
     /// # Errors
     ///
     /// [`BakeError::Params`] where the sizes differ.
-    pub(crate) fn same_size(&self, other: &Self) -> Result<(), BakeError> {
+    pub fn same_size(&self, other: &Self) -> Result<(), BakeError> {
         if (self.width, self.height) == (other.width, other.height) {
             return Ok(());
         }

@@ -1,8 +1,6 @@
 //! The `surface` stage: how the recipe, the body and the model's own marks lay the hair's tile on a model, and what was chosen where the recipe is silent.
 
-use crate::BakeError;
 use crate::decision::Decision;
-use crate::mesh::{DrawnComb, Model, RestPose};
 use crate::recipe::{
     self, ColorParams, CombSource, GroomCoordinates, HairColors, Recipe, ShadingModel, SrgbColor, SurfaceSource,
 };
@@ -13,6 +11,8 @@ use crate::stages::metric::{self, InTile};
 use crate::stages::size;
 use crate::stages::surface::{self, Comb, Surface, SurfaceParams};
 use pelage_formats::Bounds;
+use pelage_import::BakeError;
+use pelage_import::mesh::{DrawnComb, Model, RestPose};
 use std::collections::BTreeSet;
 
 /// What the `surface` stage leaves behind.

@@ -1,9 +1,7 @@
 //! What the steps are told, what they make, and what they keep over being run again.
 
 use super::lay::Laid;
-use crate::BakeError;
 use crate::decision::Decision;
-use crate::mesh::{Image, Model};
 use crate::recipe::{InkParams, PackParams, Recipe};
 use crate::remade::Remade;
 use crate::stages::groom::{Coat, Colors, GroomTextures, MapImages};
@@ -17,6 +15,8 @@ use crate::stages::textures::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::Visibility;
 use crate::steps::Steps;
 use pelage_formats::{RootsInfo, StrandsData};
+use pelage_import::BakeError;
+use pelage_import::mesh::{Image, Model};
 use std::sync::Arc;
 
 /// What a bake is told: the same for all its steps.

@@ -7,6 +7,7 @@ use super::joint_groom::JointGroom;
 use super::maps::{ColorMap, FilePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
 use super::style::Style;
+use pelage_import::ImportOptions;
 use pelage_params::{PowerOfTwo, SrgbColor, params, words};
 use pelage_stage::Viewpoint;
 
@@ -14,7 +15,7 @@ params! {
     /// `[model]`: how the model is read.
     ModelParams in model {
         /// Metres per unit of the model. glTF says metres; set it where an exporter did not keep to that, and for OBJ, which does not say.
-        unit_m: f32 = 1.0, in 1e-6..=1e6;
+        unit_m: f32 = 1.0, in ImportOptions::UNIT_M;
         /// Names of materials where no hair grows, such as eyes and hooves. `*` stands for any characters, `?` for one; `[]` has hair grow everywhere. Left
         /// out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and clothes are found by the names of materials, nodes and meshes in eight languages,
         /// and small parts by gloss or by the shape of eyes. What is in doubt grows hair; the bake says what it found. Of a material that also covers
@@ -382,9 +383,9 @@ params! {
         /// ks: the highlight, white whatever the hair's colour: on combed dark hair much of it looks like dust.
         specular: [f32; 3] = [0.09; 3], in 0.0..=100.0;
         /// pd: 0 lights all directions alike, higher darkens hair that points to the light.
-        diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent, in 0.0..=10_000.0;
+        diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent, in pelage_formats::Shading::EXPONENT;
         /// ps: higher is a narrower highlight.
-        specular_exponent: f32 = 60.0, in 0.0..=10_000.0;
+        specular_exponent: f32 = 60.0, in pelage_formats::Shading::EXPONENT;
         /// Share of the ambient light that reaches the skin: 0 black roots, towards 1 flat.
         ambient_floor: f32 = pelage_formats::Shading::default().ambient_floor, in 0.0..=0.999;
         /// How far light creeps past the terminator, as −N·L: small is a hard edge.

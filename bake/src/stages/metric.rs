@@ -4,10 +4,10 @@
 //! wide as both allow: a narrow one repeats more often, but over fewer pixels than its strands are worth.
 
 use super::groom::Lengths;
-use crate::BakeError;
 use crate::decision::{Decision, metres_in_words};
 use crate::recipe::{Recipe, SurfaceSource};
 use pelage_formats::Bounds;
+use pelage_import::BakeError;
 
 /// A hair whose root is thinner than this, texels, fades instead of showing, in every mip level: a coarser tile is a ghost of the coat.
 pub const LEAST_HAIR_TEXELS: f64 = 1.0;

@@ -1,8 +1,8 @@
 //! What morph targets do to the vertices of a package: where they go, and how normals and the tile's axes turn with the skin.
 
-use crate::mesh::Model;
 use glam::{DMat3, DVec3, Vec3};
 use pelage_formats::{MeshData, MorphDelta, Morphs};
+use pelage_import::mesh::Model;
 use std::collections::{BTreeMap, HashMap};
 
 /// What moves a normal or a direction by less is left out: nobody sees it.
@@ -123,8 +123,8 @@ pub fn of_mesh(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
     use super::*;
-    use crate::mesh::{MorphRows, RowDelta};
     use pelage_formats::{Animation, AttributeVertex, GeometryVertex, MorphMotion, MorphTarget, SkinVertex};
+    use pelage_import::mesh::{MorphRows, RowDelta};
 
     /// A square of 4 * 4 places in the plane z = 0, torn along the middle column, and what one target does to each vertex.
     fn square(row: impl Fn(Vec3) -> Option<RowDelta>) -> Morphs {

@@ -1,8 +1,6 @@
 //! What the stages made in a package's own terms, and all of it together as one: the `pack` stage.
 
 use super::assemble::{Content, NamedTexture, Textures, assemble, carried, lent};
-use crate::BakeError;
-use crate::mesh::Model;
 use crate::recipe::{HairColors, Recipe};
 use crate::remade::Remade;
 use crate::stages::detail;
@@ -24,6 +22,8 @@ use pelage_formats::{
     InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
     Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
 };
+use pelage_import::BakeError;
+use pelage_import::mesh::Model;
 use std::sync::Arc;
 
 /// The skin of a package: what it says of the model, without hair.
@@ -419,15 +419,16 @@ pub fn with_recipe(package: &[u8], file: &str, text: &str, inputs: Vec<InputReco
 }
 
 fn materials(pieces: &SkinPieces<'_>, base_colors: &[u32], grooms: &[u32]) -> Vec<Material> {
-    let convert = |((i, m), color): ((usize, &crate::mesh::Material), &crate::stages::groom::MaterialColor)| Material {
-        name: m.full_name(),
-        base_color: color.factor,
-        base_color_texture: color.image.map(|image| base_colors[image]),
-        groom_texture: pieces.groom_of_material.get(i).copied().flatten().map(|texture| grooms[texture]),
-        alpha_cutoff: m.alpha_cutoff,
-        furred: pieces.furred.get(i).copied().unwrap_or(false),
-        double_sided: m.double_sided,
-    };
+    let convert =
+        |((i, m), color): ((usize, &pelage_import::mesh::Material), &crate::stages::groom::MaterialColor)| Material {
+            name: m.full_name(),
+            base_color: color.factor,
+            base_color_texture: color.image.map(|image| base_colors[image]),
+            groom_texture: pieces.groom_of_material.get(i).copied().flatten().map(|texture| grooms[texture]),
+            alpha_cutoff: m.alpha_cutoff,
+            furred: pieces.furred.get(i).copied().unwrap_or(false),
+            double_sided: m.double_sided,
+        };
     pieces.model.materials.iter().enumerate().zip(&pieces.colors.materials).map(convert).collect()
 }
 

@@ -1,6 +1,5 @@
 //! The `scatter` stage: tables of how the fibres of the hair scatter light (Marschner 2003; after Nguyen and Donnelly 2005), as a package has them.
 
-use crate::BakeError;
 use crate::recipe::{BcQuality, FibreParams};
 use crate::stages::groom::report_unmatched;
 use crate::stages::textures::{AlphaMode, RawLevel, TextureEncoder};
@@ -8,6 +7,7 @@ use half::f16;
 use pelage_formats::meaning::scattering::means::Means;
 use pelage_formats::meaning::scattering::tables::Tables;
 use pelage_formats::{FibreInfo, FibreOptics, TextureFormat};
+use pelage_import::BakeError;
 use rayon::prelude::*;
 
 /// The fibres of a package, with their tables.

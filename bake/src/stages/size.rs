@@ -1,10 +1,10 @@
 //! What the size, place and winding of a model say about it: a size that no coat of hair suits is refused, what is odd is told.
 
 use super::groom::Lengths;
-use crate::BakeError;
 use crate::recipe::{ModelParams, Recipe};
 use glam::{DVec3, Vec3};
 use pelage_formats::Bounds;
+use pelage_import::BakeError;
 
 /// A longest side outside of this, metres, is told: from a mouse to a whale all animals lie inside.
 const ANIMALS_M: std::ops::RangeInclusive<f64> = 0.01..=30.0;
@@ -130,8 +130,8 @@ fn is_inside_out(bounds: &Bounds, positions: &[Vec3], triangles: &[[u32; 3]]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::RestPose;
     use crate::stages::groom;
+    use pelage_import::mesh::RestPose;
 
     fn ball(radius: f32, inwards: bool) -> (Bounds, Vec<Vec3>, Vec<[u32; 3]>) {
         let corners = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];

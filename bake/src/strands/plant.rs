@@ -11,7 +11,6 @@
 
 use super::curves::{CurvePoint, Curves, simplified};
 use super::skin::{Skin, mix};
-use crate::BakeError;
 use crate::noise::{hash, uniform};
 use crate::recipe::Recipe;
 use crate::stages::groom::{Lengths, Water};
@@ -20,7 +19,10 @@ use glam::DVec3;
 use pelage_formats::Manifest;
 use pelage_formats::meaning::hair_offset;
 use pelage_formats::meaning::planting::{Crossed, Footing, Roots, SurfaceWalk};
+use pelage_import::BakeError;
 use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::collections::BTreeSet;
 
 /// Points of a strand that lie this near to the line without them are left out, radii of the strand. A tenth moves no edge by more than a
@@ -29,28 +31,34 @@ pub(super) const SIMPLIFICATION: f64 = 0.1;
 /// Strands that one scene may hold: about 12 GiB.
 const MAX_STRANDS: f64 = 2e7;
 
-/// What became of the tile's strands.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Counts of the tile's strands as they were planted on the skin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct GroomReport {
     /// Strands on the skin.
+    #[serde(skip)]
     pub strands: u64,
     /// Straight pieces of them after simplification.
+    #[serde(skip)]
     pub segments: u64,
-    /// Points of them before simplification.
+    /// Points of all strands before simplification, which omits points on a straight line.
+    #[serde(rename = "points_before_simplification")]
     pub points_before: u64,
-    /// Strands that lie over a border of patches.
+    /// Strands that cross a border of patches.
     pub crossed_patch_border: u64,
     /// Strands that reach beyond the mesh or its furred part.
     pub crossed_mesh_border: u64,
-    /// Strands that lie along a border of patches for a way, because each of its sides led to the other.
+    /// Strands that slide along a border of patches, because each side leads to the other.
     pub slid_along_border: u64,
-    /// Strands that left the skin because their way crossed edges without end, as about a corner that all patches there lead to.
+    /// Strands that left the skin after crossing edges without end, as around a corner that all patches lead to.
     pub lost: u64,
     /// Roots where the skin is cut away.
+    #[serde(rename = "dropped_cut_out")]
     pub dropped_cut: u64,
     /// Roots where the hair has no length.
+    #[serde(rename = "dropped_no_length")]
     pub dropped_bare: u64,
     /// Roots that the groom thins out.
+    #[serde(rename = "dropped_thinned_out")]
     pub dropped_thinned: u64,
     /// Furred triangles without tile coordinates of any extent: no hair can root there.
     pub triangles_without_coordinates: u64,

@@ -1,14 +1,14 @@
 //! The skin of an opened package in one pose: what strands stand on and what they throw shadows on.
 
 use super::curves::COAT;
-use crate::BakeError;
-use crate::mesh::Image;
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::textures::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::planting::{Ground, same_places};
 use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
 use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Package, Pose, SkinVertex};
+use pelage_import::BakeError;
+use pelage_import::mesh::Image;
 
 /// A mesh in world space with all that varies over it. Lists of vertices are as long as [`Skin::vertices`], of triangles as [`Skin::triangles`].
 #[derive(Clone, Debug, Default)]

@@ -3,9 +3,9 @@
 
 use crate::support::*;
 use glam::Vec3;
-use pelage_bake::BakeError;
-use pelage_bake::mesh::Model;
 use pelage_bake::stages::import::{ImportOptions, import};
+use pelage_import::BakeError;
+use pelage_import::mesh::Model;
 use serde_json::{Value, json};
 use std::path::Path;
 

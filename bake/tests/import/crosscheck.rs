@@ -8,9 +8,9 @@ use pelage_bake::io::{Reach, read_model};
 use pelage_bake::pipeline::{Told, bake};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
-use pelage_bake::stages::import::ImportOptions;
 use pelage_formats::meaning::posed_vertices;
 use pelage_formats::{Limits, Package, Pose, Property};
+use pelage_import::ImportOptions;
 use std::path::Path;
 
 #[derive(Default)]

@@ -3,10 +3,10 @@
 
 use crate::support::*;
 use glam::Vec3;
-use pelage_bake::BakeError;
 use pelage_bake::io::{Reach, read_model};
-use pelage_bake::mesh::{Model, RestPose};
-use pelage_bake::stages::import::ImportOptions;
+use pelage_import::BakeError;
+use pelage_import::ImportOptions;
+use pelage_import::mesh::{Model, RestPose};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

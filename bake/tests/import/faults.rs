@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::support::*;
-use pelage_bake::BakeError;
+use pelage_import::BakeError;
 use serde_json::{Value, json};
 
 /// An indexed triangle with normals and texture coordinates.

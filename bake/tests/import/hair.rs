@@ -4,13 +4,13 @@
 use crate::support::Bytes as _;
 use crate::support::{Doc, F32, U16};
 use glam::{Vec2, Vec3};
-use pelage_bake::BakeError;
-use pelage_bake::guides::Guides;
-use pelage_bake::guides::read::GuideFormat;
-use pelage_bake::stages::import::import_strands;
 use pelage_bake::strands::export::StrandFormat;
 use pelage_bake::strands::{CurvePoint, Curves};
 use pelage_formats::meaning::hair_groups::{Followed, smoothed};
+use pelage_import::BakeError;
+use pelage_import::guides::Guides;
+use pelage_import::guides::read::GuideFormat;
+use pelage_import::import_strands;
 use pelage_needs::data;
 use serde_json::{Value, json};
 

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::support::*;
-use pelage_bake::mesh::RestPose;
+use pelage_import::mesh::RestPose;
 use serde_json::{Value, json};
 
 /// A triangle under a node at (0, 0, 10), with instances of these attributes.

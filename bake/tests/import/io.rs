@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::support::*;
-use pelage_bake::BakeError;
 use pelage_bake::io::{Reach, read_file, read_model, write_all_atomic, write_atomic};
-use pelage_bake::stages::import::ImportOptions;
+use pelage_import::BakeError;
+use pelage_import::ImportOptions;
 use serde_json::json;
 use std::path::Path;
 

@@ -3,9 +3,9 @@
 
 use crate::support::*;
 use glam::{Mat4, Vec3};
-use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_formats::{Interpolation, Pose, Property, SkinVertex};
+use pelage_import::mesh::{Model, RestPose};
 use serde_json::json;
 
 /// A triangle bound to two joints, nodes 0 and 1; node 1 is a child at (0, 1, 0). The mesh hangs on node 2.

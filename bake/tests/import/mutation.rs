@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::support::*;
-use pelage_bake::BakeError;
 use pelage_bake::stages::import::{ImportOptions, import};
+use pelage_import::BakeError;
 use serde_json::{Value, json};
 use std::panic::catch_unwind;
 use std::path::Path;
@@ -103,7 +103,7 @@ fn survives(what: &str, bytes: &[u8], folder: &Path) -> bool {
 #[test]
 fn unsound_models_are_seen() {
     let good = rich().model();
-    let spoil: [fn(&mut pelage_bake::mesh::Model); 6] = [
+    let spoil: [fn(&mut pelage_import::mesh::Model); 6] = [
         |m| m.mesh.triangles[0][0] = 99,
         |m| m.mesh.positions[0].x = f32::NAN,
         |m| m.mesh.normals[0] *= 2.0,

@@ -3,10 +3,10 @@
 
 use crate::support::*;
 use glam::{Vec2, Vec3};
-use pelage_bake::BakeError;
 use pelage_bake::io::{Reach, read_model};
-use pelage_bake::mesh::Model;
 use pelage_bake::stages::import::{ImportOptions, import};
+use pelage_import::BakeError;
+use pelage_import::mesh::Model;
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -3,10 +3,10 @@
 
 use base64::Engine as _;
 use glam::Vec3;
-use pelage_bake::BakeError;
-use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_formats::{Animation, MorphMotion};
+use pelage_import::BakeError;
+use pelage_import::mesh::{Model, RestPose};
 pub use pelage_needs::data;
 use serde_json::{Value, json};
 

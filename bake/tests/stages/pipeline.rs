@@ -1,8 +1,6 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! The way through bake, from the built-in models to packages.
 
-use pelage_bake::BakeError;
-use pelage_bake::mesh::Model;
 use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, Told};
 use pelage_bake::recipe::{HairGroupParams, Recipe, StrandParams};
 use pelage_bake::reslice::{Slicer, reslice};
@@ -10,6 +8,8 @@ use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_bake::strands::tile_hair;
 use pelage_formats::{Limits, Package};
+use pelage_import::BakeError;
+use pelage_import::mesh::Model;
 use std::path::PathBuf;
 
 pub fn asset(path: &str) -> Vec<u8> {

@@ -2,11 +2,11 @@
 //! A model that is baked again while its recipe changes gives what a whole bake gives, whichever key changes.
 
 use crate::pipeline::{asset, import_built_in};
-use pelage_bake::BakeError;
 use pelage_bake::pipeline::{self, Told};
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::{self, Recipe};
 use pelage_bake::stages::groom::MapImages;
+use pelage_import::BakeError;
 use pelage_params::{Control, Knob};
 use rayon::prelude::*;
 

@@ -2,9 +2,9 @@
 //! The `surface` stage on meshes small enough to know the answer by hand.
 
 use glam::{Vec2, Vec3, vec2, vec3};
-use pelage_bake::BakeError;
-use pelage_bake::mesh::{Material, Mesh, MeshPart, Model};
 use pelage_bake::stages::surface::{Comb, Source, Surface, SurfaceParams, parameterize};
+use pelage_import::BakeError;
+use pelage_import::mesh::{Material, Mesh, MeshPart, Model};
 
 /// Triangles as exporters without indices write them: three vertices of its own for each.
 fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {

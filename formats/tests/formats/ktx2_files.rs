@@ -141,7 +141,7 @@ fn a_view_made_by_hand_does_not_panic() {
         ktx2: &index,
     };
     for level in [0, 1, 31, 32, 33, u32::MAX - 1, u32::MAX] {
-        assert_eq!(view.level(level), []);
+        assert!(view.level(level).is_empty());
         assert!(view.level_size(level).0 >= 1);
     }
     assert_eq!(view.gpu_bytes(), u64::MAX);

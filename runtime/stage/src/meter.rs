@@ -8,6 +8,7 @@ use web_time::Instant;
 /// Where times come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Clock {
     /// Timestamps that the device writes between the passes.
     TimestampQuery,
@@ -282,14 +283,15 @@ fn read_u64(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u64>, StageError> {
     Ok(gpu.read_buffer(buffer)?.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect())
 }
 
-/// Least, middle and greatest of some times; zeros for none.
+/// Minimum, median and maximum of some times; zeros for none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
-    /// Least.
+    /// Minimum.
     pub min: f64,
-    /// Middle one; of an even number the mean of the two.
+    /// Median; the mean of the middle two for an even count.
     pub median: f64,
-    /// Greatest.
+    /// Maximum.
     pub max: f64,
 }
 

@@ -49,7 +49,7 @@ let opened, folder;
 before(async () => {
   if (!found()) return;
   folder = mkdtempSync(join(tmpdir(), "herd-"));
-  const page = readFileSync(join(ROOT, "bake/src/herd/report.html"), "utf8");
+  const page = readFileSync(join(ROOT, "bake/herd/src/report.html"), "utf8");
   const data = JSON.stringify(DATA).replaceAll("<", "\\u003c");
   writeFileSync(join(folder, "report.html"), page.replace("__HERD_TITLE__", "Herd").replace("__HERD_DATA__", () => data));
   opened = await launch();

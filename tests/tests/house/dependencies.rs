@@ -76,8 +76,7 @@ fn the_viewer_knows_windows_and_no_models() {
     let never = ["clap", "rayon", "gltf", "pelage-bake", "pelage-glb"];
     assert_floor("pelage-viewer", &[], &["winit", "egui", "wgpu", "pelage-stage", "pelage-runtime"], &never);
     // Without its windows the tool draws and knows none.
-    let options = ["--no-default-features", "--features", "preview"];
-    assert_floor("pelage-bake", &options, &["wgpu"], &["winit", "egui", "pelage-viewer"]);
+    assert_floor("pelage-tool", &["--no-default-features"], &["wgpu"], &["winit", "egui", "pelage-viewer", "plotters"]);
 }
 
 #[test]
@@ -101,9 +100,27 @@ fn the_binder_and_the_module_speak_one_format() {
 }
 
 #[test]
-fn bake_without_preview_knows_no_gpu() {
-    let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit"];
-    assert_floor("pelage-bake", &["--no-default-features"], &["pelage-formats", "rayon", "clap"], &never);
+fn the_importer_knows_formats_and_codecs() {
+    let never = ["wgpu", "clap", "rayon", "pelage-stage", "pelage-bake"];
+    assert_floor("pelage-import", &[], &["pelage-formats", "draco-core", "image"], &never);
+}
+
+#[test]
+fn the_baker_and_the_truth_know_no_gpu() {
+    let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit", "clap"];
+    assert_floor(
+        "pelage-bake",
+        &[],
+        &["pelage-formats", "pelage-import", "rayon"],
+        &[&never[..], &["pelage-truth"]].concat(),
+    );
+    assert_floor(
+        "pelage-truth",
+        &[],
+        &["pelage-bake", "obvhs"],
+        &[&never[..], &["pelage-tool", "pelage-lab"]].concat(),
+    );
+    assert_floor("pelage-herd", &[], &["globset"], &[&never[..], &["pelage-bake", "pelage-tool"]].concat());
 }
 
 #[test]
@@ -124,7 +141,8 @@ fn the_models_know_no_other_floor_but_how_gltf_is_written() {
 }
 
 #[test]
-fn bake_with_preview_draws_through_the_runtime() {
-    // The negative control: the same look at the same tree does find wgpu where it is.
-    assert_floor("pelage-bake", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &[]);
+fn the_tool_draws_and_has_no_laboratory() {
+    // The negative control: the same look at the same tree does find wgpu and the laboratory where they are.
+    assert_floor("pelage-tool", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &["pelage-lab", "plotters"]);
+    assert_floor("pelage-lab", &[], &["pelage-tool", "plotters"], &[]);
 }

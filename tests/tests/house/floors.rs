@@ -22,20 +22,17 @@ const RUNTIME: [&[&str]; 14] = [
     &["renderer"],
 ];
 
-/// Floors of bake: words and formulas, images, the recipe, the stages, strands on a skin beside files on disk, the order of the stages, what runs a part of it, what judges a
-/// bake, and the command. Strands never see who judges by them, and no stage sees either.
-const BAKE: [&[&str]; 11] = [
-    &["error", "decision", "noise", "angle", "steps", "unfinished", "remade", "traffic", "hexadecimal"],
-    &["mesh", "mask"],
-    &["image_file", "sample", "guides"],
+/// Floors of the baker: words and formulas, images, the recipe, the stages, strands on a skin beside files on disk, the order of the stages, and what
+/// runs a part of it.
+const BAKE: [&[&str]; 8] = [
+    &["decision", "noise", "steps", "unfinished", "remade", "traffic", "hexadecimal"],
+    &["mask", "sample"],
     &["picture", "y4m"],
     &["recipe"],
     &["stages"],
     &["strands", "io", "recorded"],
     &["pipeline"],
-    &["reslice", "rebake", "groom_map", "sky_file", "cache", "herd"],
-    &["judge"],
-    &["cli"],
+    &["reslice", "rebake", "groom_map", "sky_file", "cache"],
 ];
 
 /// Which file of a crate names which.

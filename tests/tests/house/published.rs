@@ -37,17 +37,17 @@ fn manifests_say_what_a_registry_shows() {
     }
 }
 
-/// A package holds all that it is built from, so `bake/built_in` has copies of what the demo shows.
+/// A package holds all that it is built from, so `bake/tool/built_in` has copies of what the demo shows.
 #[test]
 fn what_comes_with_the_binary_is_what_stands_in_assets() {
     let read = |path: &Path| std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let mut names = pelage_tests::binary::files(&workspace().join("bake/built_in"));
+    let mut names = pelage_tests::binary::files(&workspace().join("bake/tool/built_in"));
     names.retain(|name| name != "README.md");
     assert_eq!(names.len(), 4, "{names:?}");
     for name in names {
         let folder = if name.ends_with(".glb") { "models" } else { "recipes" };
         let (copy, asset) =
-            (workspace().join("bake/built_in").join(&name), workspace().join("assets").join(folder).join(&name));
+            (workspace().join("bake/tool/built_in").join(&name), workspace().join("assets").join(folder).join(&name));
         assert!(
             read(&copy) == read(&asset),
             "{} is another file than {}: copy it anew",
@@ -57,23 +57,42 @@ fn what_comes_with_the_binary_is_what_stands_in_assets() {
     }
 }
 
-#[test]
-fn the_gate_checks_every_feature_alone() {
+/// Selections of crates and features that the gate lints besides the whole workspace, as they are in `run`.
+fn selections() -> Vec<String> {
     let run = std::fs::read_to_string(workspace().join("run")).unwrap();
+    let list = run.split("for selection in ").nth(1).and_then(|rest| rest.split("; do").next()).unwrap();
+    list.split('"').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_gate_checks_every_feature_on_and_off() {
+    let selections = selections();
+    let workspace_build = "--workspace".to_owned();
+    // `NAME vVERSION (FOLDER) FEATURES` of every crate, for each selection.
+    let trees: Vec<String> = selections
+        .iter()
+        .map(|selection| format!("--package {selection}"))
+        .chain([workspace_build])
+        .map(|options| {
+            let words = options.split(' ').chain(["--edges", "normal", "--prefix", "none", "--format", "{p};{f}"]);
+            cargo("tree", &words.collect::<Vec<_>>())
+        })
+        .collect();
     for package in published() {
         let name = package["name"].as_str().unwrap();
-        let features = package["features"].as_object().unwrap();
-        // With a default that is not nothing, nothing has to be asked for.
-        let bare = if features.contains_key("default") { " --no-default-features" } else { "" };
-        let mut selections = vec![format!("\"{name}{bare}\"")];
-        selections.extend(
-            features
-                .keys()
-                .filter(|f| f.as_str() != "default")
-                .map(|feature| format!("\"{name} --features {feature}\"")),
-        );
-        for selection in selections {
-            assert!(run.contains(&selection), "./run does not check {selection}");
+        let seen: Vec<Vec<&str>> = trees
+            .iter()
+            .flat_map(|tree| tree.lines().filter(|line| line.starts_with(&format!("{name} "))))
+            .map(|line| line.split(';').nth(1).unwrap_or_default().trim_end_matches(" (*)").split(',').collect())
+            .collect();
+        assert!(!seen.is_empty(), "./run lints nothing of {name}");
+        for feature in package["features"].as_object().unwrap().keys().filter(|f| f.as_str() != "default") {
+            for on in [true, false] {
+                assert!(
+                    seen.iter().any(|features| features.contains(&feature.as_str()) == on),
+                    "{name} {feature} {on}"
+                );
+            }
         }
     }
 }

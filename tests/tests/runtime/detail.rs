@@ -1,7 +1,6 @@
 //! Levels of detail: what they draw, that they look like all layers, and that nothing jumps between them.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use pelage_bake::judge::compare::compare;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
@@ -13,6 +12,7 @@ use pelage_tests::gpu::gpu;
 use pelage_tests::packages::with_manifest;
 use pelage_tests::pictures::{Picture, draw};
 use pelage_tests::silhouette::bake_plain;
+use pelage_truth::compare::compare;
 
 const SIZE: (u32, u32) = (200, 200);
 const FOV_RAD: f32 = 0.5;

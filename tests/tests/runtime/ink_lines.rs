@@ -2,11 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use glam::{Mat4, Vec3, vec3};
-use pelage_bake::judge::chart::ink::{on_blank_paper, template_px};
-use pelage_bake::judge::compare_motion::{Flicker, MeanOf, Moment, flicker};
-use pelage_bake::judge::truth::{Lens, Sight, TrueCamera};
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::Skin;
+use pelage_lab::chart::ink::{on_blank_paper, template_px};
+use pelage_lab::compare_motion::{Flicker, MeanOf, Moment, flicker};
 use pelage_needs::data;
 use pelage_runtime::ClipLayer;
 use pelage_runtime::formats::{Limits, Package};
@@ -19,6 +18,7 @@ use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::schema;
 use pelage_tests::silhouette::bake_plain;
+use pelage_truth::{Lens, Sight, TrueCamera};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -87,7 +87,7 @@ fn the_printed_rule_misses_the_lines() {
     if gpu("the_printed_rule_misses_the_lines").is_none() {
         return;
     }
-    let printed = pelage_bake::judge::chart::ink::configurations();
+    let printed = pelage_lab::chart::ink::configurations();
     let index = printed.iter().position(|c| c.series == "as printed").unwrap();
     let rows = chart(&own("hare"), &(index + 1).to_string());
     assert_eq!((&rows[0]["series"], &rows[0]["rule"]), (&"as printed".into(), &"all".into()));

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use glam::{Vec3, vec3};
-use pelage_bake::judge::chart::ink::{on_blank_paper, template_px};
 use pelage_bake::mask::Mask;
+use pelage_lab::chart::ink::{on_blank_paper, template_px};
 use pelage_needs::data;
 use pelage_runtime::formats::{InkShading, Limits, Package};
 use pelage_runtime::{

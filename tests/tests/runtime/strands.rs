@@ -1,7 +1,6 @@
 //! Single strands: what they cover, what the groom leaves of them, how they shade each other, and when they take the place of layers.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use pelage_bake::judge::compare::compare;
 use pelage_runtime::formats::{Shading, StrandsData};
 use pelage_runtime::glam::{Mat4, Quat, Vec3};
 use pelage_runtime::{
@@ -15,6 +14,7 @@ use pelage_tests::packages::straight_strands;
 use pelage_tests::pictures::{Picture, difference, draw, draw_passes};
 use pelage_tests::plane::{PlaneGroom, groomed_plane};
 use pelage_tests::silhouette::bake_plain;
+use pelage_truth::compare::compare;
 
 const SIZE: u32 = 256;
 /// Of the square that is seen: a little more than the plane, which is 0.2 m wide.

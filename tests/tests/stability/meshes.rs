@@ -1,13 +1,13 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! Lapped patches on real meshes: every mesh of the test data, and the figures that the project promises on the well-known ones.
 
-use pelage_bake::BakeError;
 use pelage_bake::io::{Reach, read_model};
-use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::recipe::{self, Recipe};
 use pelage_bake::stages::groom::{Lengths, bounds};
-use pelage_bake::stages::import::ImportOptions;
 use pelage_bake::stages::surface::{Surface, SurfaceParams, parameterize};
+use pelage_import::BakeError;
+use pelage_import::ImportOptions;
+use pelage_import::mesh::{Model, RestPose};
 use pelage_needs::data;
 use pelage_tests::binary::{walk, workspace};
 use std::path::{Path, PathBuf};

@@ -1,15 +1,14 @@
 //! The stability table: our form of each method stays within its bound where the naive form fails. What drives both over the cliff stands
-//! in `pelage_bake::judge::stability`, which `pelage chart stability` prints; what holds besides is tested here.
+//! in `pelage_lab::stability`, which `pelage chart stability` prints; what holds besides is tested here.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::silhouettes::texels as drawn;
 use glam::Vec3;
-use pelage_bake::judge::stability::{
-    self, Drawing, Finding, Row, grow, hair_simulation, natural_hair, opacity, slice, texels,
-};
 use pelage_bake::recipe::HairParams;
 use pelage_formats::TextureFormat;
+use pelage_lab::stability;
+use pelage_lab::stability::{Drawing, Finding, Row, grow, hair_simulation, natural_hair, opacity, slice, texels};
 use pelage_tests::gpu::gpu;
 
 /// Runs a row: within the bound, *and* over the cliff. Data that never reached it would prove nothing.

@@ -6,11 +6,11 @@
 
 use super::silhouettes::texels;
 use pelage_bake::io;
-use pelage_bake::judge::stability::Drawing;
-use pelage_bake::judge::stability::animation::joints;
-use pelage_bake::judge::stability::silhouette::{Measured, bake, measure, profile_error};
 use pelage_bake::recipe::{Coat, Recipe};
-use pelage_bake::stages::import::ImportOptions;
+use pelage_import::ImportOptions;
+use pelage_lab::stability::Drawing;
+use pelage_lab::stability::animation::joints;
+use pelage_lab::stability::silhouette::{Measured, bake, measure, profile_error};
 use pelage_runtime::formats::{Limits, Package, PackageWriter};
 use pelage_runtime::glam::{Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{kajiya_kay, skinning, tile_frame};

@@ -1,7 +1,7 @@
-//! The pictures that `pelage_bake::judge::stability` asks for. Here and not in the library of this package, because bake has them with the feature
+//! The pictures that `pelage_lab::stability` asks for. Here and not in the library of this package, because bake has them with the feature
 //! `preview` only.
 
-use pelage_bake::judge::stability::Drawing;
+use pelage_lab::stability::Drawing;
 use pelage_runtime::{Instance, Model, Renderer, RendererOptions, wgpu};
 use pelage_stage::Gpu;
 use pelage_tests::pictures::draw_passes;

@@ -1,17 +1,17 @@
 //! Where parameterizations fail, and that ours does not: the rows "surface" and "solver" of the stability table.
 //!
-//! What drives both forms over the cliff stands in `pelage_bake::judge::stability`, where `rows.rs` holds it to bound and failure; here is what
+//! What drives both forms over the cliff stands in `pelage_lab::stability`, where `rows.rs` holds it to bound and failure; here is what
 //! must hold besides.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use glam::{DVec3, Mat4, Quat, Vec2, Vec3, vec3};
-use pelage_bake::judge::stability::surface::{
-    broken_gradients, flips_of_one_chart, grid, lay, lost_half_edges, model, sphere, torus,
-};
-use pelage_bake::mesh::Model;
 use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::surface::{Comb, CombMark, PatchParams, Source, Surface, SurfaceParams, parameterize};
+use pelage_import::mesh::Model;
+use pelage_lab::stability::surface::{
+    broken_gradients, flips_of_one_chart, grid, lay, lost_half_edges, model, sphere, torus,
+};
 
 fn params(tile_size_m: f32) -> SurfaceParams {
     SurfaceParams::from_recipe(&Recipe::of_coat(Coat::Natural).unwrap().surface, tile_size_m, vec![true])
@@ -200,7 +200,7 @@ mod solver {
     //! Slivers make the equations nearly singular.
 
     use super::*;
-    use pelage_bake::judge::stability::solver::{LEAST, slivers};
+    use pelage_lab::stability::solver::{LEAST, slivers};
 
     #[test]
     fn slivers_neither_flip_nor_spoil_their_neighbours() {

@@ -72,7 +72,7 @@ fn words(command: &str) -> Vec<String> {
 
 #[test]
 fn the_surface_chart() {
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     torus(&sandbox);
     let set = "surface.comb_smoothing=0.25";
     let run = sandbox.run(&["chart", "surface", "my torus.obj", "-o", "out", "--set", set, "--json"]);
@@ -132,7 +132,7 @@ fn the_surface_chart() {
 
 #[test]
 fn a_chart_that_was_killed_goes_on() {
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     torus(&sandbox);
     let args = ["chart", "surface", "my torus.obj", "-o", "out", "--json"];
     let path = sandbox.path().join("out/surface.rows.jsonl");
@@ -180,7 +180,7 @@ fn a_chart_that_was_killed_goes_on() {
 
 #[test]
 fn the_textures_chart() {
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let small = ["slice.tile_texels=32", "slice.layers=6", "hair.density=100"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     let object = json_of(&sandbox.run(&[&["chart", "textures", "-o", "out", "--json"], &sets[..]].concat()));
@@ -226,7 +226,7 @@ fn the_detail_chart() {
     if gpu("the_detail_chart").is_none() {
         return;
     }
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300", "slice.tile_texels=32"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // The largest size and the smallest: what the runtime chooses, all there is, the first step to fewer layers, and a large tile; last the
@@ -272,7 +272,7 @@ fn the_strands_chart() {
     if gpu("the_strands_chart").is_none() {
         return;
     }
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // Close up with four samples, and half as large with one: what the runtime chooses, layers, strands of 8 and of 2 pieces.
@@ -312,7 +312,7 @@ fn the_opacity_shadow_chart() {
     if gpu("the_opacity_shadow_chart").is_none() {
         return;
     }
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let small = ["judge.width=417", "judge.height=212", "judge.samples=8", "hair.density=500"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // What the runtime does; of 512² 4 slabs, 16 slabs, 16 planes and those as printed; light on the axis.
@@ -342,7 +342,7 @@ fn the_self_shadow_chart() {
     if gpu("the_self_shadow_chart").is_none() {
         return;
     }
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let small =
         ["hair.coat=natural", "slice.tile_texels=32", "slice.layers=8", "hair.density=100", "hair.root_radius=0.02"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
@@ -391,7 +391,7 @@ fn the_lighting_chart() {
     if gpu("the_lighting_chart").is_none() {
         return;
     }
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let small = ["slice.tile_texels=32", "slice.layers=6", "hair.density=200", "pack.direction_format=rg8"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // The recipe's own, the same at vertices, and a tile of 16 texels.
@@ -417,7 +417,7 @@ fn the_soft_shadow_chart() {
     if gpu("the_soft_shadow_chart").is_none() {
         return;
     }
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let rows = charted(&sandbox, "soft-shadow", "1,2,16", &["--set", "slice.layers=4"]);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     assert_eq!([0, 1, 2].map(|i| rows[i]["method"].as_str().unwrap()), ["centred", "centred", "printed"]);
@@ -434,7 +434,7 @@ fn the_soft_shadow_chart() {
 
 #[test]
 fn the_verlet_chart() {
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     // Of guides of 7 points: what the runtime does, more steps, a sweep, the printed form, and the skin as frames know it.
     let rows = charted(&sandbox, "verlet", "1,3,9,24,27", &[]);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
@@ -460,7 +460,7 @@ fn the_verlet_chart() {
 /// Of the painted sky: one broad light by two tables, samples, constant light; and of single lights what is exact and what is printed.
 #[test]
 fn the_environment_chart() {
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let rows = charted(&sandbox, "environment", "3,5,16,19,45,47", &[]);
     let error = |i: usize| rows[i]["error_percent"].as_f64().unwrap();
     assert!(rows[0]["default"] == true && rows[0]["sky"] == "clear sky", "{}", rows[0]);
@@ -474,7 +474,7 @@ fn the_environment_chart() {
 #[test]
 fn the_environment_fit_chart() {
     let Some(data) = data("the_environment_fit_chart") else { return };
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     std::fs::copy(data.join("hdr/venice_sunset_256x128.hdr"), sandbox.path().join("my sky.hdr")).unwrap();
     let rows = charted(&sandbox, "environment-fit", "1,3,7", &["--sky", "my sky.hdr"]);
     let of = |i: usize, column: &str| rows[i][column].as_f64().unwrap();
@@ -506,7 +506,7 @@ fn the_stability_table() {
     if gpu("the_stability_table").is_none() {
         return;
     }
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let object = json_of(&sandbox.run(&["chart", "stability", "--json", "-o", "out"]));
     let rows = object["rows"].as_array().unwrap();
     for method in [
@@ -541,7 +541,7 @@ fn the_stability_table() {
 
 #[test]
 fn what_cannot_be_charted() {
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     torus(&sandbox);
     sandbox.write("a.pelage", b"PELAGE\0\0");
     let before = sandbox.files();

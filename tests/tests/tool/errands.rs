@@ -271,7 +271,7 @@ fn parts_of_a_truth_are_the_whole() {
 
 #[test]
 fn rows_of_a_chart_are_measured_in_shares() {
-    let sandbox = sandbox();
+    let sandbox = sandbox().with_lab();
     let model = workspace().join("assets/models/torus.glb");
     let chart = |args: &[&str]| {
         let run = sandbox.run(&[&["chart", "surface", model.to_str().unwrap(), "--json"], args].concat());

@@ -311,7 +311,7 @@ fn a_plan_is_a_graph_of_plain_commands() {
 
 #[test]
 fn what_a_herd_file_says_wrong_is_told_before_anything_runs() {
-    let sandbox = sandbox();
+    let sandbox = sandbox().with_lab();
     for (text, code, word) in [
         ("[[model]]\nfiles = \"none/*.glb\"", 3, "herd/herd.toml: line 2, model[0].files: \"none\" is no folder"),
         ("[[model]]\nfiles = \"animals/*.fbx\"", 3, "herd/herd.toml: line 1, model: no file fits these patterns"),

@@ -272,7 +272,7 @@ fn the_unpacked_mesh_opens_as_gltf() {
     let sandbox = sandbox();
     assert_eq!(sandbox.run(&["unpack", "a.pelage", "folder"]).code, Some(0));
     // Our own importer is the reader at hand that shares nothing with the writer; it warns about nothing it cannot use.
-    let options = pelage_bake::stages::import::ImportOptions::default();
+    let options = pelage_import::ImportOptions::default();
     let model = pelage_bake::io::read_model(
         &sandbox.path().join("folder/mesh.glb"),
         &options,

@@ -2,10 +2,10 @@
 
 use super::super::colors::MaterialColor;
 use super::*;
-use crate::mesh::{Image, Mesh, MeshPart, RestPose};
 use crate::sample::{Wrap, bilinear};
 use crate::stages::surface::Measures;
 use pelage_formats::meaning::srgb_to_linear;
+use pelage_import::mesh::{Image, Mesh, MeshPart, RestPose};
 
 const RED: Vec4 = Vec4::new(0.8, 0.1, 0.05, 1.0);
 const BLUE: Vec4 = Vec4::new(0.02, 0.05, 0.6, 1.0);

@@ -7,11 +7,11 @@
 
 use super::canvas::{Canvas, Piece, Spot};
 use super::charts::{Spacing, bounds, charts};
-use crate::BakeError;
-use crate::mesh::Image;
 use crate::stages::surface::Surface;
 use glam::{Vec2, Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
+use pelage_import::BakeError;
+use pelage_import::mesh::Image;
 use std::collections::BTreeMap;
 
 /// Texels each way of the smallest texture for roots.

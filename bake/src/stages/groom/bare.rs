@@ -7,7 +7,7 @@
 use super::names::{Said, said_by, words};
 use super::pairs::{are_round_pairs, weld};
 use crate::decision::Decision;
-use crate::mesh::{Feature, Material, Mesh, MeshPart, Model, RestPose};
+use pelage_import::mesh::{Feature, Material, Mesh, MeshPart, Model, RestPose};
 use pelage_params::{Field, glob};
 
 /// Largest share of the skin's area that gloss or shape may speak for: eyes, claws and a nose together cover less of most animals.

@@ -1,8 +1,8 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::mesh::{Mesh, MeshPart};
 use glam::Vec3;
+use pelage_import::mesh::{Mesh, MeshPart};
 
 /// Appends a ball, or one whose lowest rings are missing, as a part of its own.
 fn add_ball(mesh: &mut Mesh, material: usize, names: &[&str], center: Vec3, radius: f32, missing: u32) {

@@ -4,8 +4,8 @@
 //! on themselves. A chart grows over edges inside one patch and takes a triangle only where it overlaps none that is there already, and
 //! comes near none that is somewhere else on the skin: filtering would mix the two.
 
-use crate::mesh::Mesh;
 use glam::{Vec2, Vec3};
+use pelage_import::mesh::Mesh;
 use std::collections::{BTreeMap, VecDeque};
 
 /// Triangles that reach over less than this share of their size into each other touch only: rounding.

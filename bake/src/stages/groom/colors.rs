@@ -2,11 +2,11 @@
 
 use super::maps::Maps;
 use super::over::Vertices;
-use crate::BakeError;
-use crate::mesh::{Image, Material, MeshPart, Model};
 use crate::recipe::{ColorMap, ColorParams};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_value_to_linear;
+use pelage_import::BakeError;
+use pelage_import::mesh::{Image, Material, MeshPart, Model};
 use std::collections::BTreeSet;
 
 /// Colours of a model as the package stores them: factor, texture and vertex colour multiply each other.
@@ -164,9 +164,9 @@ pub fn is_colored(model: &Model, maps: &Maps<'_>, furred: &[bool], params: &Colo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Mesh;
     use crate::recipe::Recipe;
     use crate::stages::groom::MapImages;
+    use pelage_import::mesh::Mesh;
 
     /// Whether the hair of a triangle has colours, after a change of the model and with a recipe.
     fn colored(change: impl FnOnce(&mut Model), recipe: &str) -> bool {

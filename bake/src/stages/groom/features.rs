@@ -8,8 +8,8 @@ use super::bare::{said_of, shares_of_parts, without_common};
 use super::names::{Said, name_eyes, name_snout, said_by, words};
 use super::pairs::{are_round_pairs, weld};
 use super::patches::{Patch, Skin};
-use crate::mesh::{Feature, Material, MeshPart, Model, RestPose};
 use glam::DVec3;
+use pelage_import::mesh::{Feature, Material, MeshPart, Model, RestPose};
 use std::collections::BTreeMap;
 
 /// Largest share of the skin of a dark material, of a nose, of a piece of a rim and of a claw.

@@ -1,7 +1,7 @@
 //! Where images point on the skin.
 
-use crate::mesh::{Mesh, RestPose};
 use glam::Vec3;
+use pelage_import::mesh::{Mesh, RestPose};
 
 /// Per vertex the unit directions on the skin, at rest, that point right and up on the model's images: the mean over its triangles
 /// of the gradients of the texture coordinates, zero where there is none.

@@ -6,14 +6,14 @@ use super::flow::image_axes;
 use super::joints::JointValues;
 use super::marks::{MarkValues, mixed};
 use super::over::{Over, Texel, Vertices};
-use crate::BakeError;
 use crate::decision::Decision;
-use crate::guides::Guides;
-use crate::mesh::{Image, Material, Mesh, MeshPart, RestPose};
 use crate::recipe::{ColorMap, GroomCoordinates, GroomParams, JointGroom, NamedTable, ScalarMap, SrgbColor, VectorMap};
 use crate::sample::{Encoding, Wrap, bilinear};
 use glam::{Vec2, Vec3};
 use pelage_formats::InputRecord;
+use pelage_import::BakeError;
+use pelage_import::guides::Guides;
+use pelage_import::mesh::{Image, Material, Mesh, MeshPart, RestPose};
 use pelage_params::glob;
 use std::collections::BTreeMap;
 

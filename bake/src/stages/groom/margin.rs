@@ -1,10 +1,10 @@
 //! `groom.bare_margin_m`: hair grows short towards bare parts, so that none hangs over an eye.
 
 use crate::decision::{Decision, metres_in_words};
-use crate::mesh::{Mesh, RestPose};
 use crate::noise::smooth_step;
 use crate::stages::cells::{Cells, closest};
 use glam::Vec3;
+use pelage_import::mesh::{Mesh, RestPose};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashMap};
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::mesh::MeshPart;
+use pelage_import::mesh::MeshPart;
 
 /// A furred strip of 1 m along x from 0, a vertex each centimetre, with vertices of its own on each triangle; and bare triangles.
 fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {

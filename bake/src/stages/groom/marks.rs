@@ -6,12 +6,12 @@
 use super::body::{Body, Skin, furred_faces};
 use super::ways::ways;
 use crate::decision::metres_in_words;
-use crate::mesh::DrawnComb;
 use crate::recipe::CombMarkParams;
 use crate::stages::cells::closest;
 use crate::stages::reach::{self, Said};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_value_to_linear;
+use pelage_import::mesh::DrawnComb;
 
 /// How far shares are spread, of a mark's reach.
 const SPREAD: f32 = 0.1;

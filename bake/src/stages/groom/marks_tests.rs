@@ -1,10 +1,10 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::mesh::{Material, Mesh, MeshPart, Model, RestPose};
 use crate::recipe::Recipe;
 use crate::stages::groom::{Colors, MapImages, Maps, Vertices, bounds, colors};
 use glam::Vec2;
+use pelage_import::mesh::{Material, Mesh, MeshPart, Model, RestPose};
 
 /// A ball of 1 m, without texture coordinates. Vertices along its seam are there twice.
 fn ball() -> Model {
@@ -142,7 +142,7 @@ fn a_colour_takes_the_place_of_the_models() {
 
 #[test]
 fn a_texture_is_multiplied() {
-    let image = crate::mesh::Image { width: 1, height: 1, rgba: vec![128; 4] };
+    let image = pelage_import::mesh::Image { width: 1, height: 1, rgba: vec![128; 4] };
     let change = |model: &mut Model| {
         model.images.push(image);
         model.materials[0].base_color_image = Some(0);

@@ -40,9 +40,9 @@ pub use over::{Over, Vertices};
 pub use pattern::Pattern;
 
 use crate::decision::Decision;
-use crate::mesh::RestPose;
 use crate::recipe::Recipe;
 use pelage_formats::Bounds;
+use pelage_import::mesh::RestPose;
 
 /// Lengths that the recipe may leave open, resolved for one model.
 #[derive(Clone, Copy, Debug, PartialEq)]

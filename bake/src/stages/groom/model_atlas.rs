@@ -6,10 +6,10 @@
 
 use super::atlas::{Atlas, TooMany};
 use super::flow::image_axes;
-use crate::BakeError;
-use crate::mesh::{Mesh, Model, RestPose};
 use crate::stages::surface::{Comb, PatchParams, Source, Surface, SurfaceParams, parameterize};
 use glam::{Vec2, Vec3};
+use pelage_import::BakeError;
+use pelage_import::mesh::{Mesh, Model, RestPose};
 use std::collections::BTreeMap;
 
 /// How far a patch may grow, as a share of the diagonal of the model's bounding box.

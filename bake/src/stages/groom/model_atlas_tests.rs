@@ -1,10 +1,10 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::mesh::{Image, Material, MeshPart};
 use crate::recipe::Recipe;
 use crate::stages::groom::{MapImages, Maps, colors};
 use crate::stages::groom::{Over, Vertices};
+use pelage_import::mesh::{Image, Material, MeshPart};
 
 const RINGS: u32 = 24;
 const SIDES_OF_RING: u32 = 12;

@@ -2,12 +2,12 @@
 
 use super::model_atlas::ModelAtlas;
 use super::projection::{OnImage, Projection};
-use crate::mesh::{Image, Mesh, MeshPart, RestPose};
 use crate::recipe::PatternProjection;
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::surface::Surface;
 use glam::{Vec3, Vec4};
 use pelage_formats::Bounds;
+use pelage_import::mesh::{Image, Mesh, MeshPart, RestPose};
 
 /// Vertices that a groom is evaluated at: the model's, or those of its surface.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Shapes of eyes: small round pieces in pairs, high on the body.
 
-use crate::mesh::Mesh;
 use glam::{DVec3, Vec3};
+use pelage_import::mesh::Mesh;
 use std::collections::{BTreeMap, HashMap};
 
 /// Least 36π V² / A³ of a piece, which is 1 of a ball, 0.76 of one pressed to half its height, 0.52 of a cube and 0 of a sheet.

@@ -1,8 +1,8 @@
 //! Patches: what of a material hangs together, with its size, its colour and what it borders on.
 
 use super::pairs::{edges, pieces};
-use crate::mesh::{Model, RestPose};
 use glam::DVec3;
+use pelage_import::mesh::{Model, RestPose};
 use std::collections::BTreeMap;
 
 /// A triangle of the skin at rest.

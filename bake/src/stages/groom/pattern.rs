@@ -8,13 +8,13 @@ use super::canvas::Spot;
 use super::colors::Colors;
 use super::maps::{GroomTextures, MapImages};
 use super::projection::Projection;
-use crate::BakeError;
-use crate::mesh::Image;
 use crate::recipe::{ColorParams, PatternWrap};
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::surface::Surface;
 use glam::{Vec3, Vec4};
 use pelage_formats::Bounds;
+use pelage_import::BakeError;
+use pelage_import::mesh::Image;
 
 /// An image laid through space.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,12 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::mesh::{Material, Mesh, MeshPart, Model};
 use crate::recipe::{FilePath, GroomParams, PatternProjection};
 use crate::stages::groom::{Maps, Vertices, colors};
 use crate::stages::surface::{Source, SurfaceParams, parameterize};
 use glam::Vec2;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
+use pelage_import::mesh::{Material, Mesh, MeshPart, Model};
 
 const SIDE: u32 = 512;
 

@@ -2,11 +2,11 @@
 //!
 //! That is a function of place and normal alone, so that a model needs no texture coordinates for it.
 
-use crate::mesh::Image;
 use crate::recipe::PatternProjection;
 use crate::sample::Wrap;
 use glam::{Vec2, Vec3};
 use pelage_formats::Bounds;
+use pelage_import::mesh::Image;
 use std::ops::{Add, Div, Mul};
 
 /// By how much one of the three images of `box` counts, of a component of the normal: its eighth power. A higher one is a sharper border, a lower

@@ -98,7 +98,7 @@ impl FacesOfPlaces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Mesh, RestPose};
+    use pelage_import::mesh::{Mesh, RestPose};
 
     /// A flat sheet of squares, 0.1 wide, all cut along the same diagonal; its middle is the origin.
     fn sheet(squares: u32) -> Skin {

@@ -1,9 +1,9 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use super::*;
-use crate::mesh::{Material, Mesh, MeshPart, NamedPlace, RestPose};
 use crate::stages::groom::MapImages;
 use pelage_formats::meaning::hair_groups::Planted;
+use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPlace, RestPose};
 
 /// A ball of 0.1 m about the origin: above y = 0.03 its material is "Scalp", below "Skin".
 fn ball() -> (Mesh, RestPose, Vec<Material>) {
@@ -143,7 +143,7 @@ fn guides_of_a_file_are_put_on_the_scalp() {
             .iter()
             .map(|s| s.map(|p| format!("{} {} {}\n", 100.0 * p.x, 100.0 * p.y, 100.0 * p.z)).concat() + "\n")
             .collect();
-        let guides = crate::guides::read::GuideFormat::Text.read("guides.txt", text.as_bytes()).unwrap();
+        let guides = pelage_import::guides::read::GuideFormat::Text.read("guides.txt", text.as_bytes()).unwrap();
         let mut files = MapImages::default();
         files.strands.insert("guides.txt".into(), guides);
         files

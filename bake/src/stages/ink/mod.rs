@@ -26,8 +26,6 @@ pub use stroke::stroke;
 pub use vertices::{Canvas, InkVertices, vertices};
 pub use wash::wash;
 
-use crate::BakeError;
-use crate::mesh::{Image, Model};
 use crate::recipe::{ColorParams, FilePath, GroomParams, HairParams, InkParams, PackParams, Recipe, ShellFormat};
 use crate::remade::Remade;
 use crate::stages::assemble::NamedTexture;
@@ -36,6 +34,8 @@ use crate::stages::hair::Strands;
 use crate::stages::textures::{AlphaMode, TextureEncoder};
 use crate::steps::Steps;
 use pelage_formats::{InkShading, InkVertex, TextureFormat};
+use pelage_import::BakeError;
+use pelage_import::mesh::{Image, Model};
 use plane::{Channel, levels};
 
 /// What each vertex takes of the ink style, without its textures.

@@ -5,10 +5,10 @@
 //! distribution first, the sum is brought back to its variance, and then given the picture's own histogram again (Heitz and Neyret 2018).
 
 use super::plane::Plane;
-use crate::BakeError;
-use crate::mesh::Image;
 use crate::noise::smooth_step;
 use glam::Vec2;
+use pelage_import::BakeError;
+use pelage_import::mesh::Image;
 
 /// Fewer texels a side hold no brushwork.
 const LEAST_SIDE: u32 = 48;

@@ -2,12 +2,12 @@
 
 use super::center::{Spot, pick};
 use super::product::product;
-use crate::BakeError;
-use crate::mesh::{Material, Mesh, MeshPart, RestPose};
 use crate::recipe::{InkFill, InkParams, ScalarMap};
 use crate::stages::groom::{MapImages, average, last, names_of, report_unmatched, scalar_at};
 use glam::{Vec2, Vec3};
 use pelage_formats::{InkShading, InkVertex};
+use pelage_import::BakeError;
+use pelage_import::mesh::{Material, Mesh, MeshPart, RestPose};
 
 /// The ink of all vertices.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,8 +1,8 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::mesh::Image;
 use crate::recipe::{MaterialInk, Recipe};
+use pelage_import::mesh::Image;
 
 /// A sphere of that radius about the origin: rings of vertices from pole to pole along y, the last half of the triangles of another material.
 fn sphere(radius: f32) -> (Mesh, RestPose) {

@@ -2,10 +2,10 @@
 
 use super::marks::{self, CombMark};
 use super::skin::Skin;
-use crate::mesh::{DrawnComb, Mesh};
 use crate::recipe::{CombMarkParams, CombSource, SurfaceParams};
 use crate::stages::reach;
 use glam::{DVec3, Vec3};
+use pelage_import::mesh::{DrawnComb, Mesh};
 
 /// How far apart places along a drawn line are, shares of its reach.
 const STEP: f32 = 0.125;

@@ -5,9 +5,9 @@ use super::lapped::Lapped;
 use super::repair::Repaired;
 use super::skin::Skin;
 use super::topology::NONE;
-use crate::mesh::{Mesh, RestPose};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::Animation;
+use pelage_import::mesh::{Mesh, RestPose};
 use std::collections::HashMap;
 
 /// Per vertex of the mesh as it is then.

@@ -6,8 +6,8 @@
 //! singularities whose indices add up to 2 − 2g; they stay where wishes vanish, such as nose and tail.
 
 use super::topology::{NONE, Topology, prev};
-use crate::angle::between;
 use glam::DVec3;
+use pelage_import::angle::between;
 
 /// Gauss–Seidel sweeps per level: enough for each level to settle, since the coarser one hands down the long waves.
 const SWEEPS: usize = 6;

@@ -1,7 +1,7 @@
 //! Tile scale and tile frames: which way +u and +v of the hair tile run on the skin.
 
-use crate::mesh::{Mesh, RestPose};
 use glam::{Vec2, Vec3, Vec4};
+use pelage_import::mesh::{Mesh, RestPose};
 
 /// Twice the signed area of a triangle in texture coordinates.
 pub(super) fn uv_det(uvs: &[Vec2], triangle: &[u32; 3]) -> f32 {

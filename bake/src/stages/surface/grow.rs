@@ -6,7 +6,7 @@
 
 use super::solve::FaceFrame;
 use super::topology::{Key, NONE, Topology};
-use crate::angle::between;
+use pelage_import::angle::between;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 

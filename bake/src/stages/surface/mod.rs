@@ -17,6 +17,7 @@ mod params;
 mod repair;
 mod skin;
 mod solve;
+mod sparse;
 mod topology;
 mod weld;
 
@@ -25,9 +26,9 @@ pub use marks::CombMark;
 pub use measure::Measures;
 pub use params::{PatchParams, Source, SurfaceParams};
 
-use crate::BakeError;
-use crate::mesh::{Mesh, Model, RestPose};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
+use pelage_import::BakeError;
+use pelage_import::mesh::{Mesh, Model, RestPose};
 use skin::Skin;
 use solve::FaceFrame;
 
@@ -151,7 +152,7 @@ fn require_uvs(file: &str, model: &Model, params: &SurfaceParams) -> Result<(), 
         (_, Comb::Tangents) => ("surface.comb = \"tangents\" combs the hair by", "or choose another surface.comb"),
         _ => return Ok(()),
     };
-    let lacking = |p: &&crate::mesh::MeshPart| params.is_furred(p.material) && !p.has_uvs;
+    let lacking = |p: &&pelage_import::mesh::MeshPart| params.is_furred(p.material) && !p.has_uvs;
     let Some(part) = model.mesh.parts.iter().find(lacking) else { return Ok(()) };
     let material = model.materials.get(part.material).map_or("", |m| m.name.as_str());
     Err(BakeError::Input {

@@ -3,10 +3,10 @@
 use super::comb::Comb;
 use super::grow::Reach;
 use super::lapped::{Bounds, LappedParams};
-use crate::BakeError;
-use crate::mesh::Mesh;
 use crate::recipe;
 use glam::Vec3;
+use pelage_import::BakeError;
+use pelage_import::mesh::Mesh;
 
 /// Where hair grows, how large its tile is and how it lies.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,8 +4,8 @@
 //! triangles keeps the pair that bends least and is cut for the others; a triangle wound against its neighbours is turned.
 
 use super::topology::{NONE, Topology};
-use crate::mesh::Mesh;
 use glam::DVec3;
+use pelage_import::mesh::Mesh;
 use std::collections::HashMap;
 
 /// Two places are one where they differ by less than this share of the mesh's extent: a few steps of an f32.

@@ -1,7 +1,7 @@
 //! Joining what exporters tear apart: vertices that are equal in all they carry, and normals across seams.
 
-use crate::mesh::Mesh;
 use glam::Vec3;
+use pelage_import::mesh::Mesh;
 use std::collections::HashMap;
 
 fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {

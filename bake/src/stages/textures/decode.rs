@@ -1,7 +1,7 @@
 //! Textures of a package back into texels, for what looks at them without a GPU.
 
-use crate::BakeError;
 use pelage_formats::TextureView;
+use pelage_import::BakeError;
 
 /// One array layer of one mip level as [`TextureView::rgba8`] has it.
 ///

@@ -2,8 +2,6 @@
 //!
 //! Layers are encoded one at a time as they arrive, so that of a large tile only the blocks stay in memory.
 
-use crate::BakeError;
-use crate::mesh::Image;
 use crate::recipe::{BaseColorFormat, BcQuality, PackParams};
 pub use ctt::AlphaMode;
 use ctt::Quality;
@@ -14,6 +12,8 @@ use ctt::{
 };
 use ktx2::Format;
 use pelage_formats::TextureFormat;
+use pelage_import::BakeError;
+use pelage_import::mesh::Image;
 
 /// One mip level of one layer.
 #[derive(Clone, Copy, Debug)]

@@ -3,11 +3,11 @@
 use super::coat::Coat;
 use super::encode::{AlphaMode, TextureEncoder};
 use super::slice::{Layer, slice_for_package};
-use crate::BakeError;
 use crate::recipe::{DirectionFormat, PackParams, ShellFormat, SliceParams};
 use crate::stages::hair::Strands;
 use crate::stages::visibility::Visibility;
 use pelage_formats::TextureFormat;
+use pelage_import::BakeError;
 
 /// How much light reaches the hair of a shell volume.
 #[derive(Clone, Debug, PartialEq)]

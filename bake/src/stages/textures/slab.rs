@@ -13,12 +13,12 @@ use super::encode::{AlphaMode, RawLevel, TextureEncoder};
 use super::layer::{LevelBytes, fill_empty};
 use super::shells::ShellTextures;
 use super::splat::{SPACING, extinction, weights};
-use crate::BakeError;
 use crate::recipe::{FinParams, PackParams, SliceParams};
 use crate::stages::hair::Strands;
 use glam::{Vec2, Vec3};
 use pelage_formats::TextureFormat;
 use pelage_formats::meaning::linear_to_srgb;
+use pelage_import::BakeError;
 use rayon::prelude::*;
 
 /// A direction through the tile: `(p, q)`, whole steps along u and v after which a line comes round to where it began.

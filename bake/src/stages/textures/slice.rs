@@ -3,11 +3,11 @@
 use super::coat::Coat;
 use super::layer::{LevelBytes, Transmittance};
 use super::splat::{Drawn, LayerIndex, Sums};
-use crate::BakeError;
 use crate::recipe::SliceParams;
 use crate::stages::hair::Strands;
 use crate::stages::visibility::Visibility;
 use pelage_formats::TextureFormat;
+use pelage_import::BakeError;
 
 /// One layer with its mip levels.
 #[derive(Clone, Debug, PartialEq, Eq)]

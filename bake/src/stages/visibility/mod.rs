@@ -8,13 +8,13 @@
 mod fit;
 mod rays;
 
-use crate::BakeError;
 use crate::noise::{hash, uniform};
 use crate::recipe::VisibilityParams;
 use crate::stages::hair::Strands;
 use fit::Fit;
 use glam::{Vec3, Vec4};
 pub use pelage_formats::meaning::encode_visibility;
+use pelage_import::BakeError;
 use rayon::prelude::*;
 use rays::Rays;
 

@@ -280,3 +280,23 @@ fn obj_opens_in_another_reader() {
     assert_eq!((&mesh.normals[..3], &mesh.texcoords[..2]), (&[0.0, 0.0, 1.0][..], &[0.0, 0.75][..]));
     assert_eq!((mesh.indices.as_slice(), models[1].mesh.material_id), (&[0, 1, 2][..], Some(1)));
 }
+
+#[test]
+fn exported_strands_read_back_as_guides() {
+    use crate::guides::read::GuideFormat;
+    let mut curves = Curves::default();
+    let point = |x: f32| CurvePoint {
+        position_ws: Vec3::X * x,
+        radius_m: 0.5 * x,
+        color: Vec3::splat(x),
+        ..CurvePoint::default()
+    };
+    curves.push(&[point(1.0), point(2.0), point(4.0)], false, Vec2::ZERO);
+    for (extension, format) in [("hair", GuideFormat::Hair), ("txt", GuideFormat::Text)] {
+        let mut written = Vec::new();
+        StrandFormat::of_extension(extension).unwrap().write(&curves, &mut written).unwrap();
+        let guides = GuideFormat::of_extension(extension).unwrap().read("a", &written).unwrap();
+        assert_eq!((format, guides.strand(0)), (format, &[Vec3::X, 2.0 * Vec3::X, 4.0 * Vec3::X][..]));
+        assert_eq!(guides.radii, [0.5, 1.0, 2.0]);
+    }
+}

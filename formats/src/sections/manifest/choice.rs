@@ -2,15 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How a bake chose its settings: the limits that it was told, what it tried, and what it took.
+/// How a bake with limits chose its settings: the limits, the trials, and the settings chosen.
 ///
 /// Times depend on the machine, so that the same inputs need not give the same bytes where `limits` holds one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Choice {
     /// What was asked for; at least one of them.
     pub limits: ChoiceLimits,
     /// The limit that keeps the settings from being cheaper, or better: `max_error`, `max_frame_ms` or `max_bytes`, one that was given;
     /// empty where none does.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["", "max_error", "max_frame_ms", "max_bytes"])))]
     pub binding: String,
     /// Adapter that frames were timed on; empty where none was.
     pub adapter: String,
@@ -34,6 +36,7 @@ pub struct Choice {
 
 /// Limits of a [`Choice`]; `None` was not given. Each is at least 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChoiceLimits {
     /// Greatest error against the true pictures, of the kind of [`Trial::error`].
     pub max_error: Option<f64>,
@@ -45,6 +48,7 @@ pub struct ChoiceLimits {
 
 /// Settings that a [`Choice`] looked at.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Trial {
     /// What it set in the recipe, `key=value` each, as for `pelage bake --set`.
     pub settings: Vec<String>,

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The far coat: where it lies and how it is lit, all as means over the hair that is seen from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CoatInfo {
     /// Share of the fur's height at which a skin drawn with it covers as wide an outline as the layers do, 0..=1.
     pub height: f32,
@@ -20,6 +21,7 @@ pub struct CoatInfo {
 /// Between `full_px` and `gone_px` a level and the next are cross-faded; `full_px` falls from level to level, and each level is gone
 /// where the next begins to fade or before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DetailLevel {
     /// Every `step`-th layer from the outermost inwards is drawn, each for the `step` layers that it stands for: a power of two, 1 in
     /// the first level, and twice that of the level before. 0, in the last level alone: no layers, the coat on the skin.

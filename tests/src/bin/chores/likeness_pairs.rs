@@ -56,7 +56,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn picture_of(folder: &Path, animal: &str, setting: &str, scale: f64) -> pelage_bake::judge::likeness::Likeness {
+fn picture_of(folder: &Path, animal: &str, setting: &str, scale: f64) -> pelage_truth::likeness::Likeness {
     let here = folder.join(animal);
     likeness(&here.join(format!("{setting}.png")), &here.join("true.png"), FUR_PX * scale)
 }

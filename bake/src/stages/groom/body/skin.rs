@@ -1,7 +1,7 @@
 //! The skin as one surface: what stands at one place is one place, whatever parts, seams and materials meet there.
 
-use crate::mesh::{Mesh, RestPose};
 use glam::Vec3;
+use pelage_import::mesh::{Mesh, RestPose};
 use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -1,7 +1,7 @@
 //! What is looked over.
 
-use crate::mesh::{Mesh, RestPose};
 use pelage_formats::{Animation, Bounds};
+use pelage_import::mesh::{Mesh, RestPose};
 
 /// A body, as `import` hands it on.
 #[derive(Clone, Copy, Debug)]

@@ -2,9 +2,9 @@
 
 use super::words::{region, words};
 use super::*;
-use crate::mesh::{Mesh, MeshPart, RestPose};
 use crate::stages::groom::bounds;
 use pelage_formats::{Animation, Joint, Node, SkinVertex};
+use pelage_import::mesh::{Mesh, MeshPart, RestPose};
 
 /// A closed surface of revolution about z through rings of those z and radii; the ends are drawn to points.
 fn turned(rings: &[(f32, f32)]) -> Mesh {

@@ -1,0 +1,477 @@
+//! What a herd file may say.
+
+use super::found::{Found, NAME};
+use super::pattern::{Patterns, base};
+use pelage_import::BakeError;
+use pelage_stage::{StageError, TomlText};
+use serde::{Deserialize, Deserializer};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What is wanted of which models, word for word as the file has it.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HerdFile {
+    /// What the report is called.
+    pub title: Option<String>,
+    /// Which models there are; at least one.
+    #[serde(default, rename = "model")]
+    pub models: Vec<Models>,
+    /// With which recipe each is baked.
+    #[serde(default, rename = "recipe")]
+    pub recipes: Vec<RecipeRule>,
+    /// Which are baked more than once.
+    #[serde(default, rename = "variant")]
+    pub variants: Vec<Variant>,
+    /// Pictures of each package.
+    #[serde(default, rename = "view")]
+    pub views: Vec<View>,
+    /// Speed against accuracy.
+    #[serde(default, rename = "chart")]
+    pub charts: Vec<Chart>,
+    /// Pictures over time.
+    #[serde(default, rename = "sequence")]
+    pub sequences: Vec<Sequence>,
+    /// All patterns among these.
+    #[serde(skip)]
+    pub rules: Rules,
+}
+
+/// One word or several.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Words(pub Vec<String>);
+
+impl<'de> Deserialize<'de> for Words {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "expected a pattern, or a list of patterns")]
+        enum Either {
+            One(String),
+            Many(Vec<String>),
+        }
+        Ok(Self(match Either::deserialize(deserializer)? {
+            Either::One(word) => vec![word],
+            Either::Many(words) => words,
+        }))
+    }
+}
+
+/// All models.
+fn all() -> Words {
+    Words(vec!["**".into()])
+}
+
+/// `[[model]]`: models on disk.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Models {
+    /// Patterns of their paths, from the herd file's folder.
+    pub files: Words,
+    /// Patterns of those that are none.
+    #[serde(default)]
+    pub except: Words,
+    /// They may name files outside their own folders.
+    #[serde(default)]
+    pub allow_outside: bool,
+}
+
+/// `[[recipe]]`: a rule; of several that fit the last one's file counts, and all their changes, in their order.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecipeRule {
+    /// For which models.
+    #[serde(default = "all")]
+    pub models: Words,
+    /// The recipe, from the herd file's folder. `{name}` in it stands for the name of the model's file; then the rule fits where there is such a recipe.
+    pub file: Option<String>,
+    /// Keys of the recipe and their values.
+    #[serde(default)]
+    pub set: toml::Table,
+}
+
+/// `[[variant]]`: models that fit are baked once for each variant, and not without one.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Variant {
+    /// What it is called; its packages are called so, too.
+    pub name: String,
+    /// For which models.
+    #[serde(default = "all")]
+    pub models: Words,
+    /// A recipe in place of that of the rules.
+    pub file: Option<String>,
+    /// Changes beside those of the rules.
+    #[serde(default)]
+    pub set: toml::Table,
+}
+
+/// `[[view]]`: a picture of each package.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct View {
+    /// What it is called; its pictures are called so, too.
+    pub name: String,
+    /// Of which models.
+    #[serde(default = "all")]
+    pub models: Words,
+    /// Pixels: `"256x256"`.
+    pub size: Option<String>,
+    /// As `--camera` has it; without it the model is framed.
+    pub camera: Option<String>,
+    /// As `--orbit` has it.
+    pub orbit: Option<String>,
+    /// As `--look-at` has it.
+    pub look_at: Option<String>,
+    /// A look, from the herd file's folder.
+    pub look: Option<String>,
+    /// Keys of the look and their values.
+    #[serde(default)]
+    pub set: toml::Table,
+    /// Clip of the animation.
+    pub clip: Option<String>,
+    /// Time in it, seconds.
+    pub time: Option<f64>,
+    /// Frames of it are timed, so many.
+    pub bench: Option<u32>,
+    /// The true picture beside it.
+    pub truth: Option<Truth>,
+}
+
+/// `[view.truth]`: the same traced, and how far the picture is from it.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Truth {
+    /// Samples per pixel.
+    pub samples: Option<u32>,
+    /// In how many parts it is traced.
+    pub parts: Option<u32>,
+    /// As `--fibre` has it.
+    pub fibre: Option<String>,
+    /// As `--bounces` has it.
+    pub bounces: Option<u32>,
+    /// Largest mean FLIP that is no fault.
+    pub max_flip: Option<f64>,
+}
+
+/// `[[chart]]`: a chart of each model, or one without any.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chart {
+    /// As `pelage chart` has it.
+    pub topic: String,
+    /// Of which models; none without it.
+    pub models: Option<Words>,
+    /// In how many shares its rows are measured.
+    pub shares: Option<u32>,
+}
+
+/// `[[sequence]]`: numbered pictures of each package.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sequence {
+    /// What it is called; its folder is called so, too.
+    pub name: String,
+    /// Of which models.
+    #[serde(default = "all")]
+    pub models: Words,
+    /// The view whose look and camera it has.
+    pub view: Option<String>,
+    /// Clip of the animation, in place of the view's.
+    pub clip: Option<String>,
+    /// How many pictures.
+    pub frames: u32,
+    /// Pictures a second.
+    pub fps: Option<u32>,
+    /// In how many shares they are drawn.
+    pub shares: Option<u32>,
+    /// The camera goes once around.
+    #[serde(default)]
+    pub auto_rotate: bool,
+    /// The light goes once around.
+    #[serde(default)]
+    pub turn_light: bool,
+}
+
+/// Most parts or shares of one thing: more would do nothing but begin.
+const MOST_SHARES: u32 = 1000;
+
+/// A key, and what is wrong with it.
+pub(super) type Fault = (String, String);
+
+impl HerdFile {
+    /// Reads a herd file. What only the commands know to be wrong, [`Self::read`] finds.
+    ///
+    /// # Errors
+    ///
+    /// [`BakeError::Input`] with line and key for what means nothing, and what contradicts something else.
+    pub fn parse(source: TomlText<'_>) -> Result<Self, BakeError> {
+        let mut file: Self = source.parse().map_err(input)?;
+        let fault = |(key, reason): Fault| Self::fault(source, &key, reason);
+        file.names_fault().map_or(Ok(()), |found| Err(fault(found)))?;
+        file.rules = Rules::of(&file).map_err(fault)?;
+        file.numbers_fault().map_or(Ok(file), |found| Err(fault(found)))
+    }
+
+    /// An error at a key of the file, with its line.
+    pub fn fault(source: TomlText<'_>, key: &str, reason: String) -> BakeError {
+        input(source.fault(key, reason))
+    }
+
+    /// What of it does nothing, as a message each: patterns that fit no model, and recipes by name of which none is there.
+    ///
+    /// * `source`: what it was read from
+    /// * `models`: those that it found
+    /// * `is_file`: whether a file is there, from its folder
+    pub fn idle(&self, source: TomlText<'_>, models: &[Found], is_file: &dyn Fn(&str) -> bool) -> Vec<String> {
+        let rules = &self.rules;
+        let fits = |patterns: &Patterns| models.iter().any(|model| patterns.fits(&model.path));
+        let all = [
+            ("model", "files", rules.models.iter().map(Some).collect::<Vec<_>>()),
+            ("recipe", "models", rules.recipes.iter().map(Some).collect()),
+            ("variant", "models", rules.variants.iter().map(Some).collect()),
+            ("view", "models", rules.views.iter().map(Some).collect()),
+            ("chart", "models", rules.charts.iter().map(Option::as_ref).collect()),
+            ("sequence", "models", rules.sequences.iter().map(Some).collect()),
+        ];
+        let mut idle: Vec<Fault> = Vec::new();
+        for (table, key, rules) in all {
+            let of_table = rules.into_iter().enumerate().filter(|(_, rule)| rule.is_some_and(|rule| !fits(rule)));
+            idle.extend(of_table.map(|(i, _)| (format!("{table}[{i}].{key}"), "it fits no model".to_owned())));
+        }
+        for (key, file, patterns) in self.recipe_files().filter(|(_, file, _)| file.contains(NAME)) {
+            let mut named = models.iter().filter(|model| patterns.fits(&model.path)).map(|model| model.named(file));
+            let Some(first) = named.next() else { continue };
+            if !is_file(&first) && !named.any(|file| is_file(&file)) {
+                idle.push((key, format!("no model has such a recipe; that of the first would be {first:?}")));
+            }
+        }
+        idle.into_iter().map(|(key, reason)| Self::fault(source, &key, reason).to_string()).collect()
+    }
+
+    /// The recipes that it names, each with its key and the models that it is for.
+    pub fn recipe_files(&self) -> impl Iterator<Item = (String, &String, &Patterns)> {
+        let rules = self.recipes.iter().map(|rule| &rule.file).zip(&self.rules.recipes).enumerate();
+        let variants = self.variants.iter().map(|variant| &variant.file).zip(&self.rules.variants).enumerate();
+        let rules = rules.map(|(i, named)| (format!("recipe[{i}].file"), named));
+        let all = rules.chain(variants.map(|(i, named)| (format!("variant[{i}].file"), named)));
+        all.filter_map(|(key, (file, patterns))| Some((key, file.as_ref()?, patterns)))
+    }
+
+    /// The first name that cannot be.
+    fn names_fault(&self) -> Option<Fault> {
+        if self.models.is_empty() {
+            return Some(("".into(), "found no models, expected [[model]] with files = \"animals/**/*.glb\"".into()));
+        }
+        let names = |key: &str, names: Vec<&str>| {
+            let mut known = BTreeSet::new();
+            names.into_iter().enumerate().find_map(|(i, name)| {
+                let place = format!("{key}[{i}].name");
+                if name.is_empty() || name.starts_with('.') || name.contains(['/', '\\', ':', '%']) {
+                    return Some((place, format!("found {name:?}, expected a name that a file can have")));
+                }
+                (!known.insert(name)).then(|| (place, format!("{name:?} is there already, expected another name")))
+            })
+        };
+        names("variant", self.variants.iter().map(|v| v.name.as_str()).collect())
+            .or_else(|| names("view", self.views.iter().map(|v| v.name.as_str()).collect()))
+            .or_else(|| names("sequence", self.sequences.iter().map(|s| s.name.as_str()).collect()))
+    }
+
+    /// The first number, or view, that cannot be.
+    fn numbers_fault(&self) -> Option<Fault> {
+        let views: Vec<&str> = self.views.iter().map(|view| view.name.as_str()).collect();
+        let shares = |key: String, shares: Option<u32>| {
+            let wrong = shares.filter(|n| !(1..=MOST_SHARES).contains(n))?;
+            Some((key, format!("found {wrong}, expected 1 to {MOST_SHARES}")))
+        };
+        for (i, view) in self.views.iter().enumerate() {
+            if let Some(truth) = &view.truth
+                && let fault @ Some(_) = shares(format!("view[{i}].truth.parts"), truth.parts)
+            {
+                return fault;
+            }
+        }
+        for (i, chart) in self.charts.iter().enumerate() {
+            if let fault @ Some(_) = shares(format!("chart[{i}].shares"), chart.shares) {
+                return fault;
+            }
+        }
+        for (i, sequence) in self.sequences.iter().enumerate() {
+            let most = sequence.frames;
+            if !(1..=100_000).contains(&most) {
+                return Some((format!("sequence[{i}].frames"), format!("found {most}, expected 1 to 100000 pictures")));
+            }
+            if let Some(wrong) = sequence.shares.filter(|n| !(1..=most.min(MOST_SHARES)).contains(n)) {
+                let most = most.min(MOST_SHARES);
+                return Some((format!("sequence[{i}].shares"), format!("found {wrong}, expected 1 to {most}")));
+            }
+            if let Some(wrong) = sequence.view.as_deref().filter(|name| !views.contains(name)) {
+                let reason = format!("found {wrong:?}, expected one of the views: {}", views.join(", "));
+                return Some((format!("sequence[{i}].view"), reason));
+            }
+        }
+        None
+    }
+
+    /// The folders that its models are in, from the file's own, each with the key of the first patterns that look there.
+    pub fn folders(&self) -> BTreeMap<String, String> {
+        let of = |(i, models): (usize, &Models)| {
+            models.files.0.iter().map(|pattern| (base(pattern), format!("model[{i}].files"))).collect::<Vec<_>>()
+        };
+        // Of those that have the same folder the first is to be kept.
+        self.models.iter().enumerate().rev().flat_map(of).collect()
+    }
+}
+
+/// The patterns of a herd file, ready to be held against many paths.
+#[derive(Clone, Debug, Default)]
+pub struct Rules {
+    models: Vec<Patterns>,
+    pub(super) recipes: Vec<Patterns>,
+    pub(super) variants: Vec<Patterns>,
+    pub(super) views: Vec<Patterns>,
+    /// `None` for a chart without a model.
+    pub(super) charts: Vec<Option<Patterns>>,
+    pub(super) sequences: Vec<Patterns>,
+}
+
+impl Rules {
+    /// Reads the patterns of a file, or says which of them is none.
+    fn of(file: &HerdFile) -> Result<Self, Fault> {
+        let rules = |table: &str, words: Vec<&Words>| {
+            let patterns = |(i, words): (usize, &Words)| patterns(format!("{table}[{i}].models"), words);
+            words.into_iter().enumerate().map(patterns).collect::<Result<Vec<_>, _>>()
+        };
+        let models = |(i, models): (usize, &Models)| {
+            let found = patterns(format!("model[{i}].files"), &models.files)?;
+            found.but(&models.except.0).map_err(|reason| (format!("model[{i}].except"), reason))
+        };
+        let chart = |(i, chart): (usize, &Chart)| {
+            chart.models.as_ref().map(|words| patterns(format!("chart[{i}].models"), words)).transpose()
+        };
+        Ok(Self {
+            models: file.models.iter().enumerate().map(models).collect::<Result<_, _>>()?,
+            recipes: rules("recipe", file.recipes.iter().map(|recipe| &recipe.models).collect())?,
+            variants: rules("variant", file.variants.iter().map(|variant| &variant.models).collect())?,
+            views: rules("view", file.views.iter().map(|view| &view.models).collect())?,
+            charts: file.charts.iter().enumerate().map(chart).collect::<Result<_, _>>()?,
+            sequences: rules("sequence", file.sequences.iter().map(|sequence| &sequence.models).collect())?,
+        })
+    }
+
+    /// Which `[[model]]` a path is of, if any.
+    pub fn model(&self, path: &str) -> Option<usize> {
+        self.models.iter().position(|patterns| patterns.fits(path))
+    }
+}
+
+/// At least one pattern.
+fn patterns(key: String, words: &Words) -> Result<Patterns, Fault> {
+    if words.0.is_empty() {
+        return Err((key, "found no pattern, expected at least one".into()));
+    }
+    Patterns::new(&words.0).map_err(|reason| (key, reason))
+}
+
+/// Those of `all` whose patterns fit a path.
+pub(super) fn fitting<'a, T>(
+    all: &'a [T],
+    rules: &'a [Patterns],
+    path: &'a str,
+) -> impl DoubleEndedIterator<Item = &'a T> {
+    all.iter().zip(rules).filter(|(_, patterns)| patterns.fits(path)).map(|(one, _)| one)
+}
+
+fn input(error: StageError) -> BakeError {
+    match error {
+        StageError::Input { file, place, reason } => BakeError::Input { file, place, reason },
+        other => BakeError::Internal(other.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::*;
+
+    #[test]
+    fn a_file_is_read() {
+        let text = r##"
+            [[model]]
+            files = "a/*.glb"
+            [[recipe]]
+            models = ["*fox*", "*wolf*"]
+            file = "fox.toml"
+            set = { "hair.length_m" = 0.02, slice = { layers = 12 }, "color.tip" = "#ffffff" }
+            [[view]]
+            name = "front"
+            truth = { samples = 4, parts = 2, max_flip = 0.1 }
+            [[sequence]]
+            name = "turn"
+            view = "front"
+            frames = 8
+            shares = 2
+        "##;
+        let file = HerdFile::parse(TomlText::new("h.toml", text)).unwrap();
+        assert_eq!(file.recipes[0].models.0, ["*fox*", "*wolf*"]);
+        assert_eq!(file.views[0].models, all());
+        assert_eq!(file.folders().into_iter().collect::<Vec<_>>(), [("a".to_owned(), "model[0].files".to_owned())]);
+        let rules = &file.rules;
+        assert_eq!((rules.model("a/fox.glb"), rules.model("a/fox.obj")), (Some(0), None));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        for (text, message) in [
+            ("", "h.toml: whole file: found no models"),
+            ("[[model]]\nfile = \"a\"", "h.toml: line 2, model[0].file: unknown field"),
+            ("[[model]]\nfiles = 3", "line 2, model[0].files: expected a pattern, or a list of patterns"),
+            ("[[model]]\nfiles = \"a[\"", "line 2, model[0].files: \"a[\""),
+            ("[[model]]\nfiles = []", "found no pattern"),
+            ("[[model]]\nfiles = \"*\"\n[[view]]\nname = \"a/b\"", "line 4, view[0].name: found \"a/b\""),
+            ("[[model]]\nfiles = \"*\"\n[[view]]\nname = \"a\"\n[[view]]\nname = \"a\"", "line 6, view[1].name"),
+            ("[[model]]\nfiles = \"*\"\n[[view]]\nname = \"a\"\ntruth.parts = 0", "truth.parts: found 0, expected 1"),
+            ("[[model]]\nfiles = \"*\"\n[[sequence]]\nname = \"s\"\nframes = 0", "sequence[0].frames: found 0"),
+            (
+                "[[model]]\nfiles = \"*\"\n[[sequence]]\nname = \"s\"\nframes = 2\nshares = 3",
+                "sequence[0].shares: found 3, expected 1 to 2",
+            ),
+            (
+                "[[model]]\nfiles = \"*\"\n[[sequence]]\nname = \"s\"\nframes = 2\nview = \"x\"",
+                "sequence[0].view: found \"x\"",
+            ),
+        ] {
+            let error = HerdFile::parse(TomlText::new("h.toml", text)).unwrap_err().to_string();
+            assert!(error.contains(message), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn what_does_nothing_is_told() {
+        let text = r#"
+            [[model]]
+            files = ["*.glb", "*.obj"]
+            [[model]]
+            files = "*.gltf"
+            [[recipe]]
+            file = "{name}.toml"
+            [[recipe]]
+            models = "fox*"
+            file = "r/{name}.toml"
+            [[recipe]]
+            models = ["wolf*", "bear*"]
+            [[view]]
+            name = "front"
+            [[chart]]
+            topic = "shells"
+        "#;
+        let file = HerdFile::parse(TomlText::new("h.toml", text)).unwrap();
+        let models = ["fox.glb", "hare.obj"].map(|path| Found { path: path.into(), bytes: 1 });
+        let idle = file.idle(TomlText::new("h.toml", text), &models, &|file| file == "hare.toml");
+        let expected = [
+            "h.toml: line 5, model[1].files: it fits no model",
+            "h.toml: line 12, recipe[2].models: it fits no model",
+            "h.toml: line 10, recipe[1].file: no model has such a recipe; that of the first would be \"r/fox.toml\"",
+        ];
+        assert_eq!(idle, expected);
+    }
+}

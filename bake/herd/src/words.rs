@@ -1,0 +1,235 @@
+//! What the tables of a herd file are on a command line, and whether a command takes it.
+
+use super::file::{Fault, HerdFile, Sequence, Truth, View};
+use pelage_import::BakeError;
+use pelage_stage::TomlText;
+
+/// Who knows which words commands take.
+#[derive(Clone, Copy)]
+pub struct Judge<'a> {
+    /// Keys of looks that mean nothing to a truth, such as `fur.layers`.
+    pub only_drawn: &'a [&'a str],
+    /// Why `pelage` refuses such a command line, if it does.
+    pub refusal: &'a dyn Fn(&[String]) -> Option<String>,
+    /// Why `bake --set` refuses such a change, if it does.
+    pub recipe: &'a dyn Fn(&str) -> Option<String>,
+}
+
+/// A key of a table, and the word that it is on a command line.
+pub(super) type Word = (String, String);
+
+fn word(key: &str, option: &str, value: Option<impl ToString>) -> Option<Word> {
+    value.map(|value| (key.to_owned(), format!("--{option}={}", value.to_string())))
+}
+
+impl View {
+    /// Its options as `render` has them.
+    pub(super) fn words(&self) -> Vec<Word> {
+        let words = [
+            word("size", "size", self.size.as_ref()),
+            word("camera", "camera", self.camera.as_ref()),
+            word("orbit", "orbit", self.orbit.as_ref()),
+            word("look_at", "look-at", self.look_at.as_ref()),
+            word("look", "look", self.look.as_ref()),
+            word("clip", "clip", self.clip.as_ref()),
+            word("time", "time", self.time),
+        ];
+        let sets =
+            assignments(&self.set).into_iter().map(|set| (format!("set.{}", key_of(&set)), format!("--look={set}")));
+        words.into_iter().flatten().chain(sets).collect()
+    }
+
+    /// As [`Self::words`], without keys of the look that mean nothing to a truth.
+    pub(super) fn traced(&self, only_drawn: &[&str]) -> Vec<Word> {
+        let drawn = |word: &Word| word.0.strip_prefix("set.").is_some_and(|key| only_drawn.contains(&key));
+        self.words().into_iter().filter(|word| !drawn(word)).collect()
+    }
+}
+
+impl Truth {
+    /// Its options as `reference` has them.
+    pub(super) fn words(&self) -> Vec<Word> {
+        let words = [
+            word("samples", "spp", self.samples),
+            word("fibre", "fibre", self.fibre.as_ref()),
+            word("bounces", "bounces", self.bounces),
+        ];
+        words.into_iter().flatten().collect()
+    }
+}
+
+impl Sequence {
+    /// Its options as `render` has them, beside those of its view.
+    pub(super) fn words(&self) -> Vec<Word> {
+        word("fps", "fps", self.fps).into_iter().collect()
+    }
+}
+
+/// Words that change a recipe, as `bake` has them.
+pub(super) fn sets(table: &toml::Table) -> impl Iterator<Item = String> {
+    assignments(table).into_iter().flat_map(|set| ["--set".to_owned(), set])
+}
+
+/// Tables as the command line has them: `hair.length_m=0.02`.
+fn assignments(table: &toml::Table) -> Vec<String> {
+    fn add(prefix: &str, table: &toml::Table, all: &mut Vec<String>) {
+        for (key, value) in table {
+            let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+            match value {
+                toml::Value::Table(inner) => add(&key, inner, all),
+                // Words are typed without their quotes.
+                toml::Value::String(word) => all.push(format!("{key}={word}")),
+                other => all.push(format!("{key}={other}")),
+            }
+        }
+    }
+    let mut all = Vec::new();
+    add("", table, &mut all);
+    // Builds differ in whether a table keeps its order, and a command must not.
+    all.sort();
+    all
+}
+
+fn key_of(assignment: &str) -> &str {
+    assignment.split('=').next().unwrap_or(assignment)
+}
+
+impl HerdFile {
+    /// Reads a herd file, and holds its words against the commands that have them.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::parse`]; [`BakeError::Input`] with line and key, too, for what a command would refuse.
+    pub fn read(source: TomlText<'_>, judge: &Judge<'_>) -> Result<Self, BakeError> {
+        let file = Self::parse(source)?;
+        let fault = file.words_fault(judge);
+        fault.map_or(Ok(file), |(key, reason)| Err(Self::fault(source, &key, reason)))
+    }
+
+    /// The first word that a command would refuse.
+    fn words_fault(&self, judge: &Judge<'_>) -> Option<Fault> {
+        let recipes = self.recipes.iter().enumerate().map(|(i, rule)| (format!("recipe[{i}]"), &rule.set));
+        let variants = self.variants.iter().enumerate().map(|(i, variant)| (format!("variant[{i}]"), &variant.set));
+        let mut sets = recipes.chain(variants);
+        sets.find_map(|(place, set)| recipe_fault(&place, set, judge))
+            .or_else(|| self.trials(judge.only_drawn).into_iter().find_map(|trial| trial.fault(judge.refusal)))
+    }
+
+    /// Commands that have all words of the file between them which a command line can judge.
+    fn trials(&self, only_drawn: &[&str]) -> Vec<Trial> {
+        let render = ["render", "a.pelage", "-o", "a.png"];
+        let reference = ["reference", "a.pelage", "-o", "a.png"];
+        let mut trials = Vec::new();
+        for (i, view) in self.views.iter().enumerate() {
+            let place = format!("view[{i}]");
+            trials.push(Trial::new(&render, &place, view.words()));
+            let frames = word("bench", "frames", view.bench).into_iter().collect();
+            trials.push(Trial::new(&["bench", "a.pelage"], &place, frames));
+            let Some(truth) = &view.truth else { continue };
+            trials.push(Trial::new(&reference, &place, view.traced(only_drawn)));
+            let place = format!("{place}.truth");
+            trials.push(Trial::new(&reference, &place, truth.words()));
+            let limit = word("max_flip", "max-flip", truth.max_flip).into_iter().collect();
+            trials.push(Trial::new(&["compare", "a.png", "b.png"], &place, limit));
+        }
+        for (i, sequence) in self.sequences.iter().enumerate() {
+            trials.push(Trial::new(&render, &format!("sequence[{i}]"), sequence.words()));
+        }
+        for (i, chart) in self.charts.iter().enumerate() {
+            let topic = vec![("topic".to_owned(), chart.topic.clone())];
+            trials.push(Trial::new(&["chart"], &format!("chart[{i}]"), topic));
+        }
+        trials
+    }
+}
+
+/// A command that would refuse a word which is wrong.
+struct Trial {
+    command: Vec<String>,
+    /// The table that its words are of.
+    place: String,
+    words: Vec<Word>,
+}
+
+impl Trial {
+    fn new(command: &[&str], place: &str, words: Vec<Word>) -> Self {
+        let command = ["pelage"].iter().chain(command).map(|word| (*word).to_owned()).collect();
+        Self { command, place: place.to_owned(), words }
+    }
+
+    fn fault(&self, refusal: &dyn Fn(&[String]) -> Option<String>) -> Option<Fault> {
+        let Self { command, place, words } = self;
+        let refused = |words: &[Word]| {
+            let words = words.iter().map(|(_, word)| word.clone());
+            refusal(&command.iter().cloned().chain(words).collect::<Vec<_>>())
+        };
+        let alone = |word: &Word| refused(std::slice::from_ref(word)).map(|why| (format!("{place}.{}", word.0), why));
+        // All is well with nearly all of them, and that takes one look.
+        let together = refused(words)?;
+        Some(words.iter().find_map(alone).unwrap_or_else(|| (place.clone(), together)))
+    }
+}
+
+/// The first key of a recipe that means nothing, or cannot be that.
+fn recipe_fault(place: &str, set: &toml::Table, judge: &Judge<'_>) -> Option<Fault> {
+    assignments(set).iter().find_map(|set| Some((format!("{place}.set.{}", key_of(set)), (judge.recipe)(set)?)))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::*;
+
+    #[test]
+    fn tables_become_words() {
+        let table = toml::toml! { "hair.length_m" = 0.02
+        slice = { layers = 12 }
+        "color.tip" = "#ffffff" };
+        let expected = ["color.tip=#ffffff", "hair.length_m=0.02", "slice.layers=12"];
+        assert_eq!(assignments(&table), expected);
+        let view = View {
+            size: Some("8x8".into()),
+            time: Some(-0.5),
+            set: toml::toml! { fur = { layers = 3 } },
+            ..View::default()
+        };
+        let words = |words: Vec<Word>| words.into_iter().map(|(_, word)| word).collect::<Vec<_>>();
+        assert_eq!(words(view.words()), ["--size=8x8", "--time=-0.5", "--look=fur.layers=3"]);
+        assert_eq!(words(view.traced(&["fur.layers"])), ["--size=8x8", "--time=-0.5"]);
+    }
+
+    #[test]
+    fn each_word_is_tried_and_then_all_of_them() {
+        let view = View { size: Some("8".into()), orbit: Some("1,2".into()), ..View::default() };
+        let file = HerdFile { views: vec![view], ..HerdFile::default() };
+        let fault = |refused: &'static [&'static str]| {
+            let has = |words: &[String]| refused.iter().all(|word| words.iter().any(|w| w == word));
+            let refusal = |words: &[String]| has(words).then(|| "no".to_owned());
+            file.words_fault(&Judge { only_drawn: &[], refusal: &refusal, recipe: &|_| None })
+        };
+        assert_eq!(fault(&["--orbit=1,2"]), Some(("view[0].orbit".into(), "no".into())));
+        assert_eq!(fault(&["--orbit=1,2", "--size=8"]), Some(("view[0]".into(), "no".into())));
+        assert_eq!(fault(&["--camera=1,2"]), None);
+    }
+
+    #[test]
+    fn what_a_command_would_refuse_is_told_with_its_line() {
+        let refusal = |words: &[String]| words.contains(&"--size=96".to_owned()).then(|| "no size".to_owned());
+        let recipe = |set: &str| set.contains("lenght").then(|| "no key".to_owned());
+        let judge = Judge { only_drawn: &[], refusal: &refusal, recipe: &recipe };
+        for (text, message) in [
+            ("[[view]]\nname = \"a\"\nsize = \"96\"", "h.toml: line 5, view[0].size: no size"),
+            (
+                "[[recipe]]\n[recipe.set]\n\"hair.density\" = 9\n\"hair.lenght_m\" = 1",
+                "h.toml: line 6, recipe[0].set.hair.lenght_m: no key",
+            ),
+            (
+                "[[variant]]\nname = \"a\"\nset = { hair = { lenght_m = -1 } }",
+                "h.toml: line 5, variant[0].set.hair.lenght_m: no key",
+            ),
+        ] {
+            let text = format!("[[model]]\nfiles = \"*\"\n{text}");
+            assert_eq!(HerdFile::read(TomlText::new("h.toml", &text), &judge).unwrap_err().to_string(), message);
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Image files in: PNG and JPEG, of no more texels and no more memory than an image of a model or a recipe may take.
+
+use crate::mesh::Image;
+use pelage_formats::Limits;
+use std::io::Cursor;
+
+/// All images of a model together have at most this many texels (one of 16 384², or sixteen of 4096²): 1 GiB decoded.
+/// A few kilobytes of PNG can claim as much.
+pub const MAX_TEXELS: u64 = 1 << 28;
+
+/// Decodes a PNG or JPEG of at most `texels_left` texels; else says why it cannot, to follow the image's name in a sentence.
+pub fn decode_image(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
+    let png_or_jpeg = match image::guess_format(bytes) {
+        Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg)) => Ok(format),
+        Ok(other) => Err(format!("{other:?}")),
+        Err(_) if bytes.starts_with(b"\xabKTX") => Err("KTX".to_owned()),
+        Err(_) => {
+            let head: Vec<String> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
+            Err(format!("{} bytes that begin with [{}]", bytes.len(), head.join(" ")))
+        }
+    };
+    let format = png_or_jpeg.map_err(|found| format!("is {found}, expected PNG or JPEG"))?;
+    let (pixels, width, height) = bounded_reader(bytes, format)?;
+    if u64::from(width) * u64::from(height) > texels_left {
+        return Err(format!("of {width} x {height} texels takes the images of the model past {MAX_TEXELS} texels"));
+    }
+    let rgba = pixels.decode().map_err(broken)?.into_rgba8().into_raw();
+    Ok(Image { width, height, rgba })
+}
+
+fn broken(error: image::ImageError) -> String {
+    format!("cannot be decoded: {error}")
+}
+
+type Reader<'a> = image::ImageReader<Cursor<&'a [u8]>>;
+
+/// A decoder that takes no more memory than an image may, with the image's width and height; else says why not, as [`decode_image`] does.
+pub fn bounded_reader(bytes: &[u8], format: image::ImageFormat) -> Result<(Reader<'_>, u32, u32), String> {
+    let side = Limits::default().texture_size;
+    let reader = || image::ImageReader::with_format(Cursor::new(bytes), format);
+    // Only the header is read for this; the limits of the decoder would say less than the messages below.
+    let mut header = reader();
+    header.no_limits();
+    let (width, height) = header.into_dimensions().map_err(broken)?;
+    if width == 0 || height == 0 || width > side || height > side {
+        return Err(format!("is {width} x {height} texels, expected 1..={side} each way"));
+    }
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(side);
+    limits.max_image_height = Some(side);
+    // Sixteen bits per channel need twice the eight that are kept.
+    limits.max_alloc = Some(8 * MAX_TEXELS);
+    let mut pixels = reader();
+    pixels.limits(limits);
+    Ok((pixels, width, height))
+}

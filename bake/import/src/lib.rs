@@ -1,0 +1,155 @@
+//! Model files in: glTF 2.0, as `.gltf` or `.glb`, and Wavefront OBJ.
+//!
+//! [`import`] reads bytes and touches no file; buffers, images and material files that the model names come through a callback. Of an
+//! OBJ it reads the shape at rest, with base colours (`obj`). Of a glTF it reads, in this order: the container, required extensions, the node tree, the meshes of the scene with their materials, skins, clips;
+//! and puts them together ([`Model`]).
+//!
+//! * Where any mesh of the scene has a skin, or a clip moves a node that a mesh hangs on, every vertex gets joints (rigid parts:
+//!   one, their node) and stays in mesh space. Else everything is placed in world space and there is no animation.
+//! * Missing normals are computed smooth, without creases (glTF asks for flat ones, which tear a coat of fur open).
+//! * Vertices of a skin without any weight follow the first joint that they name; of more than four, the largest four count.
+//! * Parts that the scene or the rest pose mirrors, or that face against their normals, are turned around.
+//! * Lines of nodes and meshes whose name begins with `comb`, and empty nodes named `comb` or `comb_…`, say how hair is combed ([`crate::mesh::DrawnComb`]);
+//!   other lines are left out.
+//! * Morph targets are applied at their default weights, and what each adds from there is kept ([`crate::mesh::MorphRows`]); then every vertex has
+//!   joints. In a document without nodes they rest.
+//!
+//! All that is repaired, left out or guessed is told in [`Model::warnings`]. What cannot be is an error that names the place as
+//! a byte offset, a JSON pointer or a line, with what was found and what was expected. No number of the file is trusted before it is
+//! checked against the bytes there are, or against [`pelage_formats::Limits`].
+
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
+
+mod accessor;
+pub mod angle;
+mod assemble;
+mod clips;
+mod compressed;
+mod container;
+mod counts;
+mod drawn;
+mod elements;
+pub mod error;
+mod extensions;
+pub mod guides;
+pub mod image_file;
+mod json;
+mod lines;
+mod material;
+pub mod mesh;
+mod meshopt;
+mod morphs;
+mod normals;
+mod notes;
+mod obj;
+mod options;
+mod orient;
+mod primitive;
+mod scene;
+mod skin;
+mod source;
+mod views;
+mod weights;
+
+use crate::guides::Guides;
+use crate::mesh::Model;
+use container::Kind;
+use json::At;
+use notes::Notes;
+use pelage_formats::InputRecord;
+use serde_json::Value;
+use source::Source;
+
+pub use error::BakeError;
+pub use notes::input_record;
+pub use options::ImportOptions;
+pub use source::Resolve;
+
+/// Reads a glTF 2.0 or OBJ model from `bytes`; what the file is shows in its contents, and only where they leave it open in its name.
+///
+/// `file` is the name for messages. `resolve` fetches the bytes behind a relative URI (percent-encoded: as written in a glTF); of a file that has more
+/// than the given number, the first so many.
+///
+/// # Errors
+///
+/// [`BakeError::Input`] with byte offset, JSON pointer or line for everything wrong with the model or a file that it names,
+/// [`BakeError::Params`] for options outside their range.
+pub fn import<'r>(
+    file: &str,
+    bytes: &[u8],
+    resolve: &'r mut Resolve<'r>,
+    options: &ImportOptions,
+) -> Result<Model, BakeError> {
+    options.validate()?;
+    let mut notes = Notes::default();
+    let kind = container::split(file, bytes, &mut notes)?;
+    notes.record("model", file, bytes);
+    let model = match kind {
+        Kind::Gltf(container) => {
+            let document = json::parse(file, container.json, container.json_offset)?;
+            let mut source = readable(file, &document, container.bin, resolve, notes)?;
+            let mut model = assemble::model(&mut source, options)?;
+            (model.warnings, model.inputs) = source.notes.finish();
+            model
+        }
+        Kind::Obj => obj::read(file, bytes, resolve, options, notes)?,
+    };
+    Ok(model)
+}
+
+/// Reads the lines of a glTF 2.0 scene as strands, with the records of all files that were read. Lines that share vertices are one strand, which begins where its
+/// lines do.
+///
+/// The arguments are those of [`import`]. Positions are in world space and in the file's unit; the attributes `_RADIUS` and `COLOR_0` are read where all lines have
+/// them.
+///
+/// # Errors
+///
+/// [`BakeError::Input`] as [`import`], also for a scene without lines, an odd number of ends of lines, and a point that is not finite.
+pub fn import_strands<'r>(
+    file: &str,
+    bytes: &[u8],
+    resolve: &'r mut Resolve<'r>,
+) -> Result<(Guides, Vec<InputRecord>), BakeError> {
+    let mut notes = Notes::default();
+    let Kind::Gltf(container) = container::split(file, bytes, &mut notes)? else {
+        let reason = "this is an OBJ, expected glTF 2.0 with lines".to_owned();
+        return Err(BakeError::Input { file: file.to_owned(), place: "byte 0".into(), reason });
+    };
+    notes.record("strands", file, bytes);
+    let document = json::parse(file, container.json, container.json_offset)?;
+    let mut source = readable(file, &document, container.bin, resolve, notes)?;
+    let mut guides = lines::strands(&mut source)?;
+    let (warnings, inputs) = source.notes.finish();
+    guides.warnings = warnings;
+    Ok((guides, inputs))
+}
+
+/// A document that this code can read.
+fn readable<'a, 'r>(
+    file: &'a str,
+    document: &'a Value,
+    bin: Option<&'a [u8]>,
+    resolve: &'r mut Resolve<'r>,
+    notes: Notes,
+) -> Result<Source<'a, 'r>, BakeError> {
+    let mut source = Source::new(At::root(file, document), bin, resolve, notes);
+    check_version(&source)?;
+    source.check_extensions()?;
+    Ok(source)
+}
+
+fn check_version(source: &Source<'_, '_>) -> Result<(), BakeError> {
+    let asset = source.root.require("asset")?;
+    let version_at = asset.require("version")?;
+    let major = |at: &At<'_>| at.string().map(|v| v.split('.').next().and_then(|m| m.parse::<u32>().ok()));
+    match major(&version_at)? {
+        Some(2) => {}
+        Some(1) => return Err(version_at.expected("2.x; convert glTF 1.0 with `gltf-pipeline -i in.gltf -o out.gltf`")),
+        _ => return Err(version_at.expected("2.x")),
+    }
+    match asset.get("minVersion") {
+        Some(at) if at.string()? != "2.0" => Err(at.expected("2.0, the newest version that pelage reads")),
+        _ => Ok(()),
+    }
+}

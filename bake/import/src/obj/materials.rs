@@ -1,0 +1,241 @@
+//! Material files (.mtl): diffuse colours and textures. The shape does not depend on them, so whatever is wrong with one is a warning.
+
+use super::statements::{Statement, Statements, decode};
+use crate::image_file::{MAX_TEXELS, decode_image};
+use crate::json::shorten;
+use crate::mesh::{Image, Material};
+use crate::notes::Notes;
+use crate::source;
+use crate::source::Resolve;
+use std::collections::{BTreeMap, btree_map};
+
+/// The materials of all material files, and those that faces use.
+#[derive(Debug, Default)]
+pub(super) struct Library {
+    /// In the order of first use.
+    pub used: Vec<Material>,
+    /// Of the used materials, decoded.
+    pub images: Vec<Image>,
+    known: BTreeMap<String, Entry>,
+    /// From names to numbers in `used`.
+    numbers: BTreeMap<String, usize>,
+    /// From paths to numbers in `images`; `None` for one that cannot be read.
+    image_numbers: BTreeMap<String, Option<usize>>,
+    texels: u64,
+    any_file: bool,
+}
+
+/// A material as a file describes it.
+#[derive(Clone, Debug, Default)]
+struct Entry {
+    diffuse: Option<[f32; 3]>,
+    /// Path from the model's folder, and the file and line that name it.
+    texture: Option<(String, String)>,
+}
+
+impl Library {
+    /// Reads all material files; `names` are the arguments of `mtllib`.
+    pub fn read(names: &[(usize, String)], resolve: &mut Resolve<'_>, notes: &mut Notes) -> Self {
+        let mut library = Self::default();
+        for (line, argument) in names {
+            // Names with spaces are common, lists of names are rare: the whole is tried first.
+            let whole = fetch(argument, resolve).map(|bytes| vec![(argument.as_str(), bytes)]);
+            let found = whole.or_else(|error| {
+                let words: Vec<&str> = argument.split_whitespace().collect();
+                if words.len() < 2 {
+                    return Err(error);
+                }
+                words.into_iter().map(|word| fetch(word, resolve).map(|bytes| (word, bytes))).collect()
+            });
+            match found {
+                Ok(files) => {
+                    for (name, bytes) in files {
+                        notes.record("material", name, &bytes);
+                        library.add(name, &bytes, notes);
+                    }
+                }
+                Err(reason) => notes.warn(format!(
+                    "line {line} names the material file \"{}\": {reason}; its materials are white",
+                    shorten(argument)
+                )),
+            }
+        }
+        library
+    }
+
+    fn add(&mut self, file: &str, bytes: &[u8], notes: &mut Notes) {
+        let text = match decode(file, bytes) {
+            Ok(text) => text,
+            Err(error) => return notes.warn(error.to_string()),
+        };
+        self.any_file = true;
+        let mut entry: Option<(String, Entry)> = None;
+        for statement in Statements::new(&text) {
+            let s = &statement;
+            match (s.keyword(), &mut entry) {
+                ("newmtl", _) => {
+                    let next = (s.name().to_owned(), Entry::default());
+                    self.keep(file, entry.replace(next), notes);
+                }
+                ("Kd", Some((_, entry))) => match diffuse(file, s) {
+                    Ok(color) => entry.diffuse = Some(color),
+                    Err(reason) => notes.warn(format!("{reason}; left out")),
+                },
+                ("map_Kd", Some((_, entry))) => match texture_name(s) {
+                    Some(name) => entry.texture = Some((beside(file, &name), format!("{file}: line {}", s.line))),
+                    None => notes.warn(format!("{file}: line {}: `map_Kd` names no file; left out", s.line)),
+                },
+                _ => {}
+            }
+        }
+        self.keep(file, entry, notes);
+    }
+
+    fn keep(&mut self, file: &str, entry: Option<(String, Entry)>, notes: &mut Notes) {
+        let Some((name, entry)) = entry else { return };
+        match self.known.entry(name) {
+            btree_map::Entry::Vacant(place) => drop(place.insert(entry)),
+            btree_map::Entry::Occupied(place) => {
+                notes.warn(format!("{file}: material \"{}\" is defined twice; the first counts", shorten(place.key())));
+            }
+        }
+    }
+
+    /// Number in [`Self::used`] of the material that faces name.
+    pub fn material(&mut self, name: &str, resolve: &mut Resolve<'_>, notes: &mut Notes) -> usize {
+        if let Some(number) = self.numbers.get(name) {
+            return *number;
+        }
+        let entry = self.known.get(name).cloned().unwrap_or_default();
+        // Without any file there is one warning about that already, or none is due.
+        if self.any_file && !name.is_empty() && !self.known.contains_key(name) {
+            notes.warn(format!("material \"{}\" is in no material file; it is white", shorten(name)));
+        }
+        let base_color_image = entry.texture.as_ref().and_then(|(path, at)| self.image(path, at, resolve, notes));
+        let mut diffuse = entry.diffuse.unwrap_or([1.0; 3]);
+        if base_color_image.is_some() && diffuse == [0.0; 3] {
+            notes.warn(format!("material \"{}\" has a black Kd and a texture; read as white", shorten(name)));
+            diffuse = [1.0; 3];
+        }
+        let [r, g, b] = diffuse;
+        self.used.push(Material {
+            name: name.to_owned(),
+            base_color: [r, g, b, 1.0],
+            base_color_image,
+            ..Material::default()
+        });
+        self.numbers.insert(name.to_owned(), self.used.len() - 1);
+        self.used.len() - 1
+    }
+
+    fn image(&mut self, path: &str, at: &str, resolve: &mut Resolve<'_>, notes: &mut Notes) -> Option<usize> {
+        if let Some(known) = self.image_numbers.get(path) {
+            return *known;
+        }
+        let decoded = fetch(path, resolve).and_then(|bytes| {
+            let image = decode_image(&bytes, MAX_TEXELS - self.texels).map_err(|reason| format!("it {reason}"))?;
+            Ok((bytes, image))
+        });
+        let number = match decoded {
+            Ok((bytes, image)) => {
+                notes.record("image", path, &bytes);
+                self.texels += u64::from(image.width) * u64::from(image.height);
+                self.images.push(image);
+                Some(self.images.len() - 1)
+            }
+            Err(reason) => {
+                notes.warn(format!("{at} names the image file \"{}\": {reason}; Kd is used alone", shorten(path)));
+                None
+            }
+        };
+        self.image_numbers.insert(path.to_owned(), number);
+        number
+    }
+}
+
+/// The diffuse colour: `Kd r g b`, or `Kd r` for a grey. Taken as linear, as Blender and obj2gltf write it.
+fn diffuse(file: &str, s: &Statement<'_>) -> Result<[f32; 3], crate::BakeError> {
+    if let Some(other @ ("spectral" | "xyz")) = s.words().next() {
+        return Err(crate::BakeError::Input {
+            file: file.to_owned(),
+            place: format!("line {}", s.line),
+            reason: format!("`Kd` is `{other}`, expected r g b"),
+        });
+    }
+    let ([r, g, b], count) = s.numbers::<3>(file, 1)?;
+    let color = match count {
+        1 => [r; 3],
+        2 => [r, g, g],
+        _ => [r, g, b],
+    };
+    Ok(color.map(|x| x.clamp(0.0, 1.0)))
+}
+
+/// The file name behind the options of a texture, each of which has a fixed number of arguments; names may have spaces.
+fn texture_name(s: &Statement<'_>) -> Option<String> {
+    let words: Vec<&str> = s.words().collect();
+    let mut i = 0;
+    while let Some(option) = words.get(i).filter(|w| w.starts_with('-')) {
+        i += 1;
+        let numbers = match *option {
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-texres" | "-bm" | "-boost" | "-type" => {
+                i += 1;
+                0
+            }
+            "-mm" => 2,
+            // Offset, scale and turbulence: the second and third number may be left out.
+            "-o" | "-s" | "-t" => 3,
+            _ => 0,
+        };
+        let given = words.iter().skip(i).take(numbers).take_while(|w| w.parse::<f32>().is_ok()).count();
+        i += given;
+    }
+    let rest = words.get(i..).unwrap_or_default();
+    if rest.is_empty() {
+        return None;
+    }
+    // With options, what lies between words is not known any more, and is a single space in practice.
+    Some(if i == 0 { s.name().to_owned() } else { rest.join(" ") })
+}
+
+/// The path of a file that `file` names, from the folder of the model.
+fn beside(file: &str, name: &str) -> String {
+    let (file, name) = (file.replace('\\', "/"), name.replace('\\', "/"));
+    match file.rsplit_once('/') {
+        Some((folder, _)) if !name.starts_with('/') => format!("{folder}/{name}"),
+        _ => name,
+    }
+}
+
+/// The bytes of a file, or why there are none. Names in OBJ are plain paths, while `resolve` takes URIs.
+fn fetch(path: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
+    let path = path.replace('\\', "/");
+    let drive = path.as_bytes().get(1) == Some(&b':') && path.as_bytes()[0].is_ascii_alphabetic();
+    if drive || path.starts_with('/') {
+        return Err("it is an absolute path; expected a relative one: put the file beside the model".to_owned());
+    }
+    let uri: Vec<_> = path.split('/').map(urlencoding::encode).collect();
+    source::beside(&uri.join("/"), resolve)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_have_options_before_the_name() {
+        for (text, expected) in [
+            ("map_Kd a.png", Some("a.png")),
+            ("map_Kd  two  words.png ", Some("two  words.png")),
+            ("map_Kd -s 1 1 1 -o 0.5 a.png", Some("a.png")),
+            ("map_Kd -clamp on -mm 0 1 -bm 1 my coat.png", Some("my coat.png")),
+            ("map_Kd -s 1 1 1", None),
+            ("map_Kd", None),
+        ] {
+            let found = Statements::new(text).next().and_then(|s| texture_name(&s));
+            assert_eq!(found.as_deref(), expected, "{text}");
+        }
+        assert_eq!(beside("skins\\a.mtl", "b.png"), "skins/b.png");
+        assert_eq!(beside("a.mtl", "maps\\b.png"), "maps/b.png");
+    }
+}

@@ -1,0 +1,266 @@
+//! Topic `detail`: how many layers, triangles and texels a picture needs at the size that a model is drawn, against the true strands.
+//!
+//! Fur that is few pixels high cannot show many layers, nor small triangles what large ones do not. So the same view is drawn in four sizes, each
+//! beside its own true picture: with what the runtime chooses, with all there is, and with one of the three changed at a time.
+
+use super::{Cell, Panel};
+use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::detail::{has_coat, levels};
+use pelage_bake::stages::textures::Coat;
+use pelage_import::BakeError;
+use pelage_stage::LookDetail;
+use pelage_tool::shell_judge::Measured;
+
+/// A size of the picture, of the recipe's `[judge]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// The word in the table.
+    pub word: &'static str,
+    /// What the recipe's width and height are multiplied by, and divided by.
+    ratio: (u32, u32),
+}
+
+impl Size {
+    /// From the largest to the smallest; each is half of the one before, and so is its fur.
+    pub const ALL: [Self; 4] = [
+        Self { word: "double", ratio: (2, 1) },
+        Self { word: "whole", ratio: (1, 1) },
+        Self { word: "half", ratio: (1, 2) },
+        Self { word: "quarter", ratio: (1, 4) },
+    ];
+
+    /// Width and height of the picture, pixels, at least 1.
+    pub fn pixels(self, recipe: &Recipe) -> (u32, u32) {
+        let (times, over) = self.ratio;
+        let of = |pixels: u32| (pixels * times / over).max(1);
+        (of(recipe.judge.width), of(recipe.judge.height))
+    }
+}
+
+/// Tiles that are drawn in full, texels: from what a small picture shows to what a close-up does.
+pub const TILES: [u32; 4] = [32, 64, 128, 256];
+
+/// What is drawn, and how large.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration {
+    /// What is varied.
+    pub series: &'static str,
+    /// Its value, beside the mark.
+    pub label: String,
+    /// Index into [`Size::ALL`].
+    pub size: usize,
+    /// How much of the package is drawn.
+    pub detail: LookDetail,
+    /// The recipe with the changes.
+    pub recipe: Recipe,
+    /// Whether it is what a user gets without asking: the recipe itself, as much of it as the size asks for.
+    pub default: bool,
+}
+
+/// Columns of the chart.
+pub const COLUMNS: [&str; 18] = [
+    "label",
+    "size",
+    "width",
+    "height",
+    "fur_px",
+    "samples",
+    "layers",
+    "triangles",
+    "slice.tile_texels",
+    "flip",
+    "flip_covered",
+    "rmse",
+    "coverage_error",
+    "fragments",
+    "frame_milliseconds",
+    "gpu_bytes",
+    "package_bytes",
+    "timing",
+];
+
+/// Panels of the chart, one for each size: over fragments, or over milliseconds where the adapter does not count those.
+pub fn panels(counted: bool) -> Vec<Panel> {
+    let (cost, cost_label) = match counted {
+        true => ("fragments", "fragments of a frame"),
+        false => ("frame_milliseconds", "frame, milliseconds"),
+    };
+    let error_labels = [
+        "mean FLIP at twice the judge's size",
+        "mean FLIP at the judge's size",
+        "mean FLIP at half the judge's size",
+        "mean FLIP at a quarter of the judge's size",
+    ];
+    let panel = |(size, error_label): (Size, _)| Panel {
+        cost,
+        cost_label,
+        error: "flip",
+        error_label,
+        only: Some(("size", size.word)),
+    };
+    Size::ALL.into_iter().zip(error_labels).map(panel).collect()
+}
+
+/// What to measure: for each size what the runtime draws of the recipe, all that the recipe has, its levels of detail by
+/// quarters as far as they have layers, [`TILES`], and what the runtime draws without simplified lists.
+///
+/// # Errors
+///
+/// As [`Recipe::set`]; cannot happen with a valid base.
+pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
+    let mut unsimplified = base.clone();
+    unsimplified.set("detail.simplified=false")?;
+    let coat = has_coat(base).then(Coat::default);
+    let chain = levels(&base.detail, base.slice.layers, coat.as_ref());
+    // Towards the far coat, of step 0, all layers vanish at once: it is no number of layers.
+    let last = chain.iter().filter(|level| level.step > 0).count().saturating_sub(1);
+    let mut out: Vec<Configuration> = Vec::new();
+    for size in 0..Size::ALL.len() {
+        let mut add = |series, label: String, detail, recipe: &Recipe| {
+            if out.iter().all(|c| (c.size, c.detail, &c.recipe) != (size, detail, recipe)) {
+                let default = detail == LookDetail::Auto && recipe == base;
+                out.push(Configuration { series, label, size, detail, recipe: recipe.clone(), default });
+            }
+        };
+        add("auto: as much as the picture shows", "auto".into(), LookDetail::Auto, base);
+        add("full: all layers and triangles", "full".into(), LookDetail::Full, base);
+        for quarters in 1..=4 * last {
+            let level = quarters as f32 / 4.0;
+            add("level of detail, all triangles", level.to_string(), LookDetail::Level(level), base);
+        }
+        for tile_texels in TILES {
+            let mut recipe = base.clone();
+            recipe.slice.tile_texels = tile_texels;
+            add("full, tile of other size", format!("{tile_texels}²"), LookDetail::Full, &recipe);
+        }
+        add("auto, all triangles", "unsimplified".into(), LookDetail::Auto, &unsimplified);
+    }
+    Ok(out)
+}
+
+/// What all rows of a size share.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Width and height of the picture, pixels.
+    pub pixels: (u32, u32),
+    /// Height of the fur at the nearest point of the model, pixels; `None` where it has none, or no levels of detail.
+    pub fur_px: Option<f32>,
+    /// Rays through each pixel of the true picture.
+    pub samples: u32,
+}
+
+/// The cells of a row, in the order of [`COLUMNS`]; `timing`: where the milliseconds come from.
+pub fn cells(configuration: &Configuration, seen: &Seen, m: &Measured, timing: &str) -> Vec<Cell> {
+    let number = |x: f64| Cell::Number(x);
+    vec![
+        Cell::Text(configuration.label.clone()),
+        Cell::Text(Size::ALL[configuration.size].word.into()),
+        number(seen.pixels.0.into()),
+        number(seen.pixels.1.into()),
+        seen.fur_px.map_or(Cell::Empty, |px| number(px.into())),
+        number(seen.samples.into()),
+        number(m.layers.into()),
+        number(m.triangles.into()),
+        number(configuration.recipe.slice.tile_texels.into()),
+        number(m.flip),
+        number(m.flip_covered),
+        number(m.rmse),
+        number(m.coverage_error),
+        m.fragments.map_or(Cell::Empty, |n| number(n as f64)),
+        number(m.frame_ms),
+        number(m.gpu_bytes as f64),
+        number(m.package_bytes as f64),
+        Cell::Text(timing.into()),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chart::{Chart, Row};
+
+    fn all(base: &Recipe) -> Vec<Configuration> {
+        configurations(base).expect("a valid base")
+    }
+
+    #[test]
+    fn every_size_has_the_same_rows_each_once() {
+        let base = Recipe::default();
+        let all = all(&base);
+        let of = |size: usize| -> Vec<_> { all.iter().filter(|c| c.size == size).collect() };
+        for size in 0..Size::ALL.len() {
+            let rows = of(size);
+            assert_eq!(rows.len(), all.len() / Size::ALL.len());
+            assert!(rows[0].default && rows[0].detail == LookDetail::Auto && rows[0].recipe == base);
+            assert_eq!(rows.iter().filter(|c| c.default).count(), 1);
+            let drawn = |detail, tile: u32, lists: bool| {
+                let alike = |c: &&&Configuration| {
+                    (c.detail, c.recipe.slice.tile_texels, c.recipe.detail.simplified) == (detail, tile, lists)
+                };
+                rows.iter().filter(alike).count()
+            };
+            for tile in TILES {
+                assert_eq!(drawn(LookDetail::Full, tile, true), 1, "a tile of {tile}");
+            }
+            // Sixteen layers have three levels, with every number of layers between, and then the coat.
+            for level in [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0] {
+                assert_eq!(drawn(LookDetail::Level(level), base.slice.tile_texels, true), 1, "level {level}");
+            }
+            assert_eq!(drawn(LookDetail::Auto, base.slice.tile_texels, false), 1);
+            assert_eq!(rows.len(), 2 + 8 + (TILES.len() - 1) + 1);
+        }
+        for c in &all {
+            c.recipe.validate().expect("a valid recipe");
+        }
+    }
+
+    #[test]
+    fn the_ladder_ends_at_the_last_level() {
+        let count = |sets: &str| {
+            let mut recipe = Recipe::default();
+            sets.split(' ').for_each(|set| recipe.set(set).expect("a valid change"));
+            let all = all(&recipe);
+            all.iter().filter(|c| c.size == 0 && matches!(c.detail, LookDetail::Level(_))).count()
+        };
+        let recipes = ["slice.layers=32", "slice.layers=32 detail.coat_px=0", "slice.layers=8", "detail.enabled=false"];
+        assert_eq!(recipes.map(count), [12, 12, 4, 0]);
+    }
+
+    #[test]
+    fn sizes_halve() {
+        let mut recipe = Recipe::default();
+        let pixels = |recipe: &Recipe| Size::ALL.map(|size| size.pixels(recipe));
+        assert_eq!(pixels(&recipe), [(1668, 848), (834, 424), (417, 212), (208, 106)]);
+        (recipe.judge.width, recipe.judge.height) = (16, 3);
+        assert_eq!(pixels(&recipe)[3], (4, 1));
+    }
+
+    #[test]
+    fn each_row_has_a_cell_for_each_column_and_one_panel() {
+        let measured = Measured { flip: 0.5, fragments: Some(9), frame_ms: 1.0, ..Measured::default() };
+        let base = Recipe::default();
+        let row = |c: &Configuration| {
+            let cells = cells(c, &Seen::default(), &measured, "timestamp-query");
+            assert_eq!(cells.len(), COLUMNS.len());
+            let cell = |name| &cells[COLUMNS.iter().position(|column| *column == name).expect("a column")];
+            assert_eq!((cell("flip"), cell("fragments")), (&Cell::Number(0.5), &Cell::Number(9.0)));
+            assert_eq!((cell("fur_px"), cell("timing")), (&Cell::Empty, &Cell::Text("timestamp-query".into())));
+            Row { series: c.series.into(), label: c.label.clone(), cells, default: c.default, command: String::new() }
+        };
+        for counted in [true, false] {
+            let chart = Chart {
+                topic: "detail",
+                title: String::new(),
+                adapter: String::new(),
+                columns: COLUMNS.to_vec(),
+                rows: all(&base).iter().map(row).collect(),
+                panels: panels(counted),
+            };
+            let drawn: Vec<_> = chart.panels.iter().map(|panel| chart.points(panel)).collect();
+            for i in 0..chart.rows.len() {
+                assert_eq!(drawn.iter().filter(|points| points[i].is_some()).count(), 1, "row {i}");
+            }
+            assert_eq!(chart.fronts().len(), 1, "a column for all sizes");
+        }
+    }
+}

@@ -1,0 +1,588 @@
+//! Topic `environment`: how near what a frame makes of a sky is to what a fibre sends of it, and what that costs: one broad light for all, a light at a time by tables,
+//! exactly, or as printed, samples of the sky, and constant ambient light.
+//!
+//! The truth is the picture of the sky, direction by direction, times what the fibre scatters of it, of all that is above the skin and what a body as round as most does
+//! not hide. No other hair is in the way. A sun is a light of its own wherever a sky is taken for lights, and is exact there, as a frame's key light is.
+
+use super::environment_fit::even_direction;
+use super::skies::NamedSky;
+use super::{Cell, Panel};
+use crate::printed_light::PrintedLight;
+use glam::DVec3;
+use pelage_bake::noise::{hash, uniform};
+use pelage_formats::FibreOptics;
+use pelage_formats::meaning::environment::{Environment, brightness};
+use pelage_formats::meaning::scattering::azimuthal::Glint;
+use pelage_formats::meaning::scattering::broad::{BELOW, BroadSize, BroadTables, HalfLight, LEAST_MEAN, mean_of_half};
+use pelage_formats::meaning::scattering::gaussian_light::{BroadlyLit, GaussianLight};
+use pelage_formats::meaning::scattering::{Angles, Around, Fibre};
+use pelage_stage::sky::{FitParams, Panorama};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Points of hair that are asked for under each sky.
+const POINTS: usize = 160;
+/// What fibres absorb a radius: blond and brown.
+const SIGMAS: [f64; 2] = [0.1, 0.5];
+/// The fibres under skies: human hair, soft, and matt wool.
+const FIBRES: [FibreOptics; 3] = [
+    FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.12 },
+    FibreOptics { eta: 1.45, along: 0.2, tilt: 0.05, around: 0.2 },
+    FibreOptics { eta: 1.55, along: 0.35, tilt: 0.0, around: 0.5 },
+];
+/// Columns and rows of cells that the truth's picture has, and into how many each way those are parted that have more than a share of all light.
+const CELLS: (u32, u32) = (64, 32);
+const PARTED: u32 = 6;
+const BRIGHT: f64 = 0.004;
+/// Directions that lights are summed over, as frames do.
+const DIRECTIONS: u32 = 1024;
+
+/// Columns of the chart.
+///
+/// * `sky`: which, or how wide a single light is.
+/// * `error_percent`: root of the mean square of the difference over that of the truth, in luminance, of all points. `mean_percent`: mean over the truth's, less 1.
+/// * `microseconds`: of a point, on one core, with all that it reads in memory. `fetches`: texels that a frame asks samplers for. `bytes`: of the tables of one fibre.
+pub const COLUMNS: [&str; 6] = ["sky", "error_percent", "mean_percent", "microseconds", "fetches", "bytes"];
+
+/// Panels of the chart.
+pub const PANELS: [Panel; 2] =
+    [panel("microseconds", "µs of a point on one core"), panel("fetches", "fetches of a point in a frame")];
+
+const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
+    Panel { cost, cost_label, error: "error_percent", error_label: "relative L2 error, %", only: None }
+}
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// All that a sky of so many lobes sends from above the skin is one light about the mean of its directions, by tables of that size.
+    OneLight(usize, BroadSize),
+    /// So many lobes, each by the tables.
+    Tables(usize),
+    /// So many lobes, each by its integral.
+    Exact(usize),
+    /// So many lobes, each as printed (after Xu 2011).
+    Printed(usize),
+    /// So many directions of the picture, drawn by their luminance.
+    Samples(usize),
+    /// The sky's mean from everywhere.
+    Constant,
+}
+
+/// Of a single light, no skin in the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SingleForm {
+    /// By its integral.
+    Exact,
+    /// By the tables, of the part of the light that they are of.
+    Tables,
+    /// As printed.
+    Printed,
+}
+
+/// Standard deviations of single lights, degrees.
+pub const WIDTHS: [f64; 5] = [8.0, 10.0, 20.0, 40.0, 80.0];
+
+/// Something to measure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Configuration {
+    /// A sky by its number, and a form.
+    Sky(usize, Form),
+    /// One light of that width, and a form.
+    Single(f64, SingleForm),
+}
+
+/// The size that frames have.
+fn default_size() -> BroadSize {
+    BroadSize::default()
+}
+
+/// What to measure under so many skies.
+pub fn configurations(skies: usize) -> Vec<Configuration> {
+    let size = |means, to, from, phi| BroadSize { means, to, from, phi };
+    let mut forms: Vec<Form> = [4, 8, 16, 32].map(|lobes| Form::OneLight(lobes, default_size())).into();
+    forms.extend([size(4, 12, 12, 8), size(8, 32, 32, 24), size(12, 48, 48, 32)].map(|size| Form::OneLight(16, size)));
+    forms.extend([4, 8, 16, 32].map(Form::Tables));
+    forms.extend([4, 16].map(Form::Exact));
+    forms.extend([4, 16].map(Form::Printed));
+    forms.extend([16, 64, 256].map(Form::Samples));
+    forms.push(Form::Constant);
+    let mut all: Vec<_> =
+        (0..skies).flat_map(|sky| forms.iter().map(move |form| Configuration::Sky(sky, *form))).collect();
+    for width in WIDTHS {
+        all.extend(
+            [SingleForm::Exact, SingleForm::Tables, SingleForm::Printed].map(|form| Configuration::Single(width, form)),
+        );
+    }
+    all
+}
+
+impl Configuration {
+    /// What is varied, and its value.
+    pub fn labels(&self) -> (&'static str, String) {
+        let lobes = |n: usize| format!("{n} lobes");
+        match self {
+            Self::Sky(_, form) => match form {
+                Form::OneLight(n, size) if *size == default_size() => ("one broad light", lobes(*n)),
+                Form::OneLight(_, BroadSize { means, to, from, phi }) => {
+                    ("one broad light, tables", format!("{means}x{to}x{from}x{phi}"))
+                }
+                Form::Tables(n) => ("a lobe at a time, tables", lobes(*n)),
+                Form::Exact(n) => ("a lobe at a time, exact", lobes(*n)),
+                Form::Printed(n) => ("a lobe at a time, as printed", lobes(*n)),
+                Form::Samples(n) => ("samples by luminance", n.to_string()),
+                Form::Constant => ("constant ambient light", String::new()),
+            },
+            Self::Single(_, SingleForm::Exact) => ("a single light, exact", String::new()),
+            Self::Single(_, SingleForm::Tables) => ("a single light, tables", String::new()),
+            Self::Single(_, SingleForm::Printed) => ("a single light, as printed", String::new()),
+        }
+    }
+
+    /// Whether it is what a frame does.
+    pub fn is_default(&self) -> bool {
+        matches!(self, Self::Sky(_, Form::OneLight(16, size)) if *size == default_size())
+    }
+
+    /// Texels that a frame asks samplers for.
+    fn fetches(&self) -> Option<usize> {
+        // Light in whole, its direction and its irradiance; then what lies between two means and two angles to the eye. Two tables tell of one direction.
+        match self {
+            Self::Sky(_, Form::OneLight(..)) => Some(3 + 4),
+            Self::Sky(_, Form::Tables(n)) => Some(4 * (n + 1)),
+            Self::Sky(_, Form::Samples(n)) => Some(2 * n),
+            Self::Sky(_, Form::Constant) => Some(4),
+            Self::Sky(_, Form::Exact(_) | Form::Printed(_)) | Self::Single(..) => None,
+        }
+    }
+
+    fn bytes(&self) -> Option<usize> {
+        match self {
+            Self::Sky(_, Form::OneLight(_, size)) => Some(8 * size.texels()),
+            Self::Sky(_, Form::Tables(_) | Form::Constant) => Some(8 * default_size().texels()),
+            _ => None,
+        }
+    }
+}
+
+/// A point of hair, and who looks at it: directions of length 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Point {
+    fibre: usize,
+    sigma: f64,
+    normal: DVec3,
+    tip: DVec3,
+    eye: DVec3,
+}
+
+/// Hair that leans up to 80 degrees on skin that faces all ways, seen from above it.
+fn points() -> Vec<Point> {
+    let random = |number: usize, what: u64| f64::from(uniform(hash(0x5e5, number as u64), what));
+    let about = |normal: DVec3, cosine: f64, turn: f64| {
+        let (a, b) = normal.any_orthonormal_pair();
+        let out = (1.0 - cosine * cosine).max(0.0).sqrt();
+        normal * cosine + (a * libm::cos(turn) + b * libm::sin(turn)) * out
+    };
+    let point = |number: usize| {
+        let normal = even_direction(number as u32, POINTS as u32);
+        Point {
+            fibre: number % FIBRES.len(),
+            sigma: SIGMAS[number / FIBRES.len() % SIGMAS.len()],
+            normal,
+            tip: about(normal, libm::cos(1.4 * random(number, 0)), 2.0 * PI * random(number, 1)),
+            eye: about(normal, random(number, 2), 2.0 * PI * random(number, 3)),
+        }
+    };
+    (0..POINTS).map(point).collect()
+}
+
+fn smooth(width_deg: f64, optics: &FibreOptics) -> Fibre {
+    Fibre { around: Around::Smooth(Glint { width: width_deg.to_radians(), ..Glint::default() }), ..optics.fibre() }
+}
+
+/// What a fibre sends of one direction.
+fn of_direction(fibre: &Fibre, point: &Point, towards: DVec3) -> f64 {
+    fibre.scatter([point.sigma; 3], &Angles::between(point.tip, towards, point.eye))[0]
+}
+
+/// What of a sky is not hidden from the hair of a skin that faces a way: its lights by direction.
+fn above<'a>(lights: &'a [(DVec3, f64)], normal: DVec3) -> impl Iterator<Item = (DVec3, f64)> + 'a {
+    lights.iter().copied().filter(move |(way, _)| normal.dot(*way) > -BELOW)
+}
+
+/// The truth under a sky, of each point.
+pub struct Truth {
+    points: Vec<Point>,
+    cells: Vec<(DVec3, f64)>,
+    expected: Vec<f64>,
+    mean_radiance: f64,
+}
+
+impl Truth {
+    /// That of a sky.
+    pub fn new(sky: &NamedSky) -> Self {
+        let points = points();
+        let cells = cells_of(&sky.panorama);
+        let fibres = FIBRES.map(|optics| optics.fibre());
+        let of = |point: &Point| {
+            let fibre = &fibres[point.fibre];
+            above(&cells, point.normal).map(|(way, light)| light * of_direction(fibre, point, way)).sum()
+        };
+        let expected = points.par_iter().map(of).collect();
+        let mean_radiance = brightness(sky.panorama.whole()) / (4.0 * PI);
+        Self { points, cells, expected, mean_radiance }
+    }
+}
+
+/// Directions of a picture with the luminance that comes from each.
+fn cells_of(panorama: &Panorama) -> Vec<(DVec3, f64)> {
+    let (coarse, fine) = (panorama.reduced(CELLS), panorama.reduced((PARTED * CELLS.0, PARTED * CELLS.1)));
+    let of =
+        |cells: &Panorama, x: u32, y: u32| (cells.towards(x, y), brightness(cells.at(x, y)) * cells.solid_angle(y));
+    let (width, height) = coarse.size();
+    // A picture of fewer pixels has no finer cells.
+    let parted = if fine.size() == (PARTED * width, PARTED * height) { PARTED } else { 1 };
+    let bright = BRIGHT * brightness(panorama.whole());
+    let mut out = Vec::new();
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let whole = of(&coarse, x, y);
+        if whole.1 <= bright || parted == 1 {
+            out.push(whole);
+            continue;
+        }
+        let places = (0..parted).flat_map(|j| (0..parted).map(move |i| (parted * x + i, parted * y + j)));
+        out.extend(places.map(|(x, y)| of(&fine, x, y)));
+    }
+    out
+}
+
+/// How far a form is off, and what a point takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Off {
+    /// Relative L2 error.
+    pub error: f64,
+    /// Mean over the truth's, less 1.
+    pub mean: f64,
+    /// Seconds of a point.
+    pub seconds: f64,
+}
+
+fn compared(pairs: &[(f64, f64)], seconds: f64) -> Off {
+    let sum = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>();
+    Off {
+        error: (sum(|(found, truth)| (found - truth) * (found - truth)) / sum(|(_, truth)| truth * truth)).sqrt(),
+        mean: sum(|(found, _)| *found) / sum(|(_, truth)| *truth) - 1.0,
+        seconds,
+    }
+}
+
+/// Times one call of `of` for each of `count`, on this core; the fastest of three turns counts, where a turn is short.
+fn timed(count: usize, mut of: impl FnMut(usize) -> f64) -> (Vec<f64>, f64) {
+    let (mut values, mut fastest) = (Vec::new(), f64::INFINITY);
+    for _ in 0..3 {
+        let begun = std::time::Instant::now();
+        values = (0..count).map(|i| std::hint::black_box(of(i))).collect();
+        fastest = fastest.min(begun.elapsed().as_secs_f64());
+        if fastest > 0.5 {
+            break;
+        }
+    }
+    (values, fastest / count as f64)
+}
+
+/// How far a form is off under a sky.
+pub fn off_sky(form: Form, sky: &NamedSky, truth: &Truth) -> Off {
+    let fit = |lobes| sky.panorama.fit(FitParams { lobes, ..FitParams::default() }).environment;
+    let fibres = FIBRES.map(|optics| optics.fibre());
+    let sun_of = |environment: &Environment, point: &Point| {
+        environment.sun.map_or(0.0, |sun| {
+            let towards = DVec3::from(sun.towards.map(f64::from)).normalize_or(DVec3::Y);
+            let light = PI * brightness(DVec3::from(sun.color.map(f64::from)));
+            if point.normal.dot(towards) > -BELOW {
+                light * of_direction(&fibres[point.fibre], point, towards)
+            } else {
+                0.0
+            }
+        })
+    };
+    let tables_of = |size| FIBRES.map(|optics| BroadTables::new(&optics.fibre(), size));
+    let points = &truth.points;
+    let (values, seconds) = match form {
+        Form::OneLight(lobes, size) => {
+            let (environment, tables) = (fit(lobes), tables_of(size));
+            let lights = directions(&environment);
+            let means: Vec<(f64, DVec3)> = points.iter().map(|point| mean_of(&lights, point.normal)).collect();
+            timed(points.len(), |i| {
+                let (point, (whole, middle)) = (&points[i], means[i]);
+                let light = HalfLight {
+                    towards: middle.normalize_or(point.normal),
+                    mean: middle.length().clamp(LEAST_MEAN, 1.0),
+                };
+                let sent = tables[point.fibre].scatter([point.sigma; 3], point.tip, &light, point.eye)[0];
+                whole / light.whole() * sent + sun_of(&environment, point)
+            })
+        }
+        Form::Tables(lobes) => {
+            let (environment, tables) = (fit(lobes), tables_of(default_size()));
+            let shares = shares(&environment, points);
+            timed(points.len(), |i| {
+                let point = &points[i];
+                let tables = &tables[point.fibre];
+                let of = |light: &HalfLight| tables.scatter([point.sigma; 3], point.tip, light, point.eye)[0];
+                let lobe = |(lobe, share): (&pelage_stage::sky::LightLobe, &f64)| {
+                    let light = lobe.light();
+                    let half = HalfLight { towards: light.towards, mean: mean_of_half(light.sharpness) };
+                    share * radiance(lobe) * light.whole() / half.whole() * of(&half)
+                };
+                environment.lobes.iter().zip(&shares[i]).map(lobe).sum::<f64>()
+                    + brightness(DVec3::from(environment.even.map(f64::from)))
+                        * of(&HalfLight { towards: point.normal, mean: LEAST_MEAN })
+                    + sun_of(&environment, point)
+            })
+        }
+        Form::Exact(lobes) => {
+            let exact = fibres.map(|fibre| BroadlyLit::new(&fibre));
+            by_lobes(&fit(lobes), points, &sun_of, &|point, light| {
+                exact[point.fibre].scatter([point.sigma; 3], point.tip, light, point.eye)[0]
+            })
+        }
+        Form::Printed(lobes) => {
+            let printed = fibres.map(|fibre| SIGMAS.map(|sigma| PrintedLight::new(&as_smooth(&fibre), sigma)));
+            by_lobes(&fit(lobes), points, &sun_of, &|point, light| {
+                let sigma = SIGMAS.iter().position(|sigma| *sigma == point.sigma).unwrap_or(0);
+                printed[point.fibre][sigma].scatter(point.tip, light, point.eye)
+            })
+        }
+        Form::Samples(count) => {
+            let all: f64 = truth.cells.iter().map(|(_, light)| light).sum();
+            let mut sums = Vec::with_capacity(truth.cells.len());
+            let mut sum = 0.0;
+            for (_, light) in &truth.cells {
+                sum += light;
+                sums.push(sum);
+            }
+            timed(points.len(), |i| {
+                let (point, seed) = (&points[i], hash(0xa11, i as u64));
+                let sample = |k: usize| {
+                    let place = (k as f64 + f64::from(uniform(seed, k as u64))) / count as f64 * all;
+                    let cell = sums.partition_point(|sum| *sum < place).min(sums.len() - 1);
+                    let towards = truth.cells[cell].0;
+                    if point.normal.dot(towards) > -BELOW {
+                        of_direction(&fibres[point.fibre], point, towards)
+                    } else {
+                        0.0
+                    }
+                };
+                (0..count).map(sample).sum::<f64>() * all / count as f64
+            })
+        }
+        Form::Constant => {
+            let tables = tables_of(default_size());
+            timed(points.len(), |i| {
+                let point = &points[i];
+                let light = HalfLight { towards: point.normal, mean: LEAST_MEAN };
+                truth.mean_radiance * tables[point.fibre].scatter([point.sigma; 3], point.tip, &light, point.eye)[0]
+            })
+        }
+    };
+    let pairs: Vec<(f64, f64)> = values.into_iter().zip(truth.expected.iter().copied()).collect();
+    compared(&pairs, seconds)
+}
+
+/// A rough fibre as the printed form has it: smooth, with glints of its width.
+fn as_smooth(fibre: &Fibre) -> Fibre {
+    match fibre.around {
+        Around::Rough(scale) => {
+            let width = scale * PI / 3.0_f64.sqrt();
+            Fibre { around: Around::Smooth(Glint { width, ..Glint::default() }), ..*fibre }
+        }
+        Around::Smooth(_) => *fibre,
+    }
+}
+
+fn radiance(lobe: &pelage_stage::sky::LightLobe) -> f64 {
+    brightness(DVec3::from(lobe.radiance.map(f64::from)))
+}
+
+/// An environment without its sun as directions with their luminance.
+fn directions(environment: &Environment) -> Vec<(DVec3, f64)> {
+    let each = 4.0 * PI / f64::from(DIRECTIONS);
+    let ways = (0..DIRECTIONS).map(|i| even_direction(i, DIRECTIONS));
+    ways.map(|way| (way, brightness(environment.radiance(way)) * each)).collect()
+}
+
+/// What comes to the hair of a skin that faces a way, in whole, and the mean of its directions.
+fn mean_of(lights: &[(DVec3, f64)], normal: DVec3) -> (f64, DVec3) {
+    let (whole, middle) = above(lights, normal)
+        .fold((0.0, DVec3::ZERO), |(whole, middle), (way, light)| (whole + light, middle + way * light));
+    (whole, middle / whole.max(1e-300))
+}
+
+/// Of each point, which share of each lobe is not hidden.
+fn shares(environment: &Environment, points: &[Point]) -> Vec<Vec<f64>> {
+    let lobes: Vec<Vec<(DVec3, f64)>> = environment
+        .lobes
+        .iter()
+        .map(|lobe| {
+            let light = lobe.light();
+            let ways = (0..DIRECTIONS).map(|i| even_direction(i, DIRECTIONS));
+            ways.map(|way| (way, light.radiance(way))).collect()
+        })
+        .collect();
+    let of = |lights: &Vec<(DVec3, f64)>, normal| {
+        let all: f64 = lights.iter().map(|(_, light)| light).sum();
+        above(lights, normal).map(|(_, light)| light).sum::<f64>() / all.max(1e-300)
+    };
+    points.iter().map(|point| lobes.iter().map(|lights| of(lights, point.normal)).collect()).collect()
+}
+
+/// Lobes one at a time, by something that says what a fibre sends of each; what is even is a light that is even.
+fn by_lobes(
+    environment: &Environment,
+    points: &[Point],
+    sun: &dyn Fn(&Environment, &Point) -> f64,
+    of: &dyn Fn(&Point, &GaussianLight) -> f64,
+) -> (Vec<f64>, f64) {
+    let shares = shares(environment, points);
+    let even = GaussianLight { towards: DVec3::Y, sharpness: 0.0 };
+    let above = 0.5 * (1.0 + BELOW);
+    timed(points.len(), |i| {
+        let point = &points[i];
+        let lobes = environment.lobes.iter().zip(&shares[i]);
+        lobes.map(|(lobe, share)| share * radiance(lobe) * of(point, &lobe.light())).sum::<f64>()
+            + above * brightness(DVec3::from(environment.even.map(f64::from))) * of(point, &even)
+            + sun(environment, point)
+    })
+}
+
+/// How far a form is off of single lights of that width: two colours, two smooth fibres, three looks, twenty places of the light, 240 in all.
+pub fn off_single(form: SingleForm, width_deg: f64) -> Off {
+    let sharpness = width_deg.to_radians().powi(-2);
+    let fibres: Vec<Fibre> = [5.0, 15.0].map(|width| smooth(width, &FIBRES[0])).into();
+    let sigmas = [0.0, 0.3];
+    let way = |theta: f64, phi: f64| {
+        DVec3::new(libm::cos(theta) * libm::cos(phi), libm::sin(theta), libm::cos(theta) * libm::sin(phi))
+    };
+    let mut cases = Vec::new();
+    for fibre in 0..fibres.len() {
+        for (sigma, _) in sigmas.iter().enumerate() {
+            for theta_o in [0.0, 0.5, 1.0] {
+                for theta_j in [-1.1, -0.5, 0.05, 0.5, 1.1] {
+                    for phi in [0.3, 1.2, 2.1, 3.0] {
+                        cases.push((fibre, sigma, way(theta_o, 0.0), way(theta_j, phi)));
+                    }
+                }
+            }
+        }
+    }
+    let half = form == SingleForm::Tables;
+    let brute = |&(fibre, sigma, eye, towards): &(usize, usize, DVec3, DVec3)| {
+        single_truth(&fibres[fibre], sigmas[sigma], eye, &GaussianLight { towards, sharpness }, half)
+    };
+    let expected: Vec<f64> = cases.par_iter().map(brute).collect();
+    let exact: Vec<BroadlyLit> = fibres.iter().map(BroadlyLit::new).collect();
+    let tables: Vec<BroadTables> = match form {
+        SingleForm::Tables => fibres.iter().map(|fibre| BroadTables::new(fibre, default_size())).collect(),
+        _ => Vec::new(),
+    };
+    let printed: Vec<[PrintedLight; 2]> = match form {
+        SingleForm::Printed => fibres.iter().map(|fibre| sigmas.map(|sigma| PrintedLight::new(fibre, sigma))).collect(),
+        _ => Vec::new(),
+    };
+    let (values, seconds) = timed(cases.len(), |i| {
+        let (fibre, sigma, eye, towards) = cases[i];
+        let light = GaussianLight { towards, sharpness };
+        match form {
+            SingleForm::Exact => exact[fibre].scatter([sigmas[sigma]; 3], DVec3::Y, &light, eye)[0],
+            SingleForm::Tables => {
+                let half = HalfLight { towards, mean: mean_of_half(sharpness) };
+                tables[fibre].scatter([sigmas[sigma]; 3], DVec3::Y, &half, eye)[0]
+            }
+            SingleForm::Printed => printed[fibre][sigma].scatter(DVec3::Y, &light, eye),
+        }
+    });
+    let pairs: Vec<(f64, f64)> = values.into_iter().zip(expected).collect();
+    compared(&pairs, seconds)
+}
+
+/// By small steps over all directions. `half`: of what the tables are of.
+fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, half: bool) -> f64 {
+    const STEPS: (usize, usize) = (72, 120);
+    // Five standard deviations about the light's middle, as far as there are directions.
+    let reach = 5.0 / light.sharpness.sqrt();
+    let middle = libm::asin(light.towards.y.clamp(-1.0, 1.0));
+    let [from, to] = [-reach, reach].map(|far| (middle + far).clamp(-PI / 2.0, PI / 2.0));
+    let step = (to - from) / STEPS.0 as f64;
+    let turn = 2.0 * PI / STEPS.1 as f64;
+    let mut sum = 0.0;
+    for i in 0..STEPS.0 {
+        let theta = from + step * (i as f64 + 0.5);
+        let (sin, cos) = (libm::sin(theta), libm::cos(theta));
+        let middle = Angles::between(DVec3::Y, DVec3::new(cos, sin, 0.0), eye);
+        let (along, section) = (fibre.along(&middle), fibre.section(middle.cos_d()));
+        let rest = along[3] * section.rest(sigma);
+        for k in 0..STEPS.1 {
+            let phi = turn * (k as f64 + 0.5) - PI;
+            let way = DVec3::new(cos * libm::cos(phi), sin, cos * libm::sin(phi));
+            if half && way.dot(light.towards) <= -BELOW {
+                continue;
+            }
+            let near = light.radiance(way);
+            if near < 1e-6 {
+                continue;
+            }
+            let angles = Angles::between(DVec3::Y, way, eye);
+            let mut sent = rest;
+            for (p, along) in along.iter().take(3).enumerate() {
+                section.ways(p as u32, angles.phi, &mut |way| sent += along * way.left(sigma));
+            }
+            sum += sent * near * cos * step * turn;
+        }
+    }
+    sum
+}
+
+/// The cells of a row, in the order of [`COLUMNS`]. `sky`: its name.
+pub fn cells(configuration: &Configuration, sky: &str, off: &Off) -> Vec<Cell> {
+    let name = match configuration {
+        Configuration::Sky(..) => sky.into(),
+        Configuration::Single(width, _) => format!("one light of {width} degrees"),
+    };
+    let optional = |x: Option<usize>| x.map_or(Cell::Empty, |x| Cell::Number(x as f64));
+    vec![
+        Cell::Text(name),
+        Cell::Number(100.0 * off.error),
+        Cell::Number(100.0 * off.mean),
+        Cell::Number(1e6 * off.seconds),
+        optional(configuration.fetches()),
+        optional(configuration.bytes()),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::skies::painted;
+    use super::*;
+
+    #[test]
+    fn a_single_light_is_as_near_as_it_is_said_to_be() {
+        let exact = off_single(SingleForm::Exact, 40.0);
+        let printed = off_single(SingleForm::Printed, 10.0);
+        assert!(exact.error < 0.01 && exact.mean.abs() < 0.01, "{exact:?}");
+        assert!(printed.error > 0.02 && printed.error < 0.5, "{printed:?}");
+    }
+
+    #[test]
+    fn one_light_for_a_sky_is_nearer_than_constant_light() {
+        let sky = &painted().expect("skies")[0];
+        let truth = Truth::new(sky);
+        let of = |form| off_sky(form, sky, &truth);
+        let [one, lobes, constant] = [Form::OneLight(16, default_size()), Form::Tables(16), Form::Constant].map(of);
+        assert!(lobes.error < one.error && one.error < 0.5 * constant.error, "{lobes:?} {one:?} {constant:?}");
+        assert!(one.mean.abs() < 0.1, "{one:?}");
+        assert!(of(Form::Samples(256)).error < of(Form::Samples(16)).error);
+        let all = configurations(1);
+        assert_eq!(all.iter().filter(|configuration| configuration.is_default()).count(), 1);
+        assert_eq!(cells(&all[0], "sky", &one).len(), COLUMNS.len());
+    }
+}

@@ -1,0 +1,130 @@
+//! Texels of the layers that hold hair, with the places on the strands that they stand for.
+
+use glam::DVec3;
+use pelage_bake::stages::hair::Strands;
+use std::collections::BTreeMap;
+
+/// Places along a strand in the width of a texel, or in the distance of two layers.
+const PLACES: f64 = 8.0;
+
+/// A place on the axis of a strand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    /// Widths of the tile, not wrapped into it.
+    pub(super) at: DVec3,
+    /// Index of the strand.
+    pub(super) strand: u32,
+    /// Surface of the hair about it, up to a factor that is the same for all.
+    pub(super) area: f64,
+}
+
+/// A texel of a layer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct HairTexel {
+    /// How often it is drawn.
+    pub(super) times: u32,
+    /// All places in it.
+    pub(super) places: Vec<Place>,
+}
+
+impl HairTexel {
+    /// Share of its hair, by surface, that `lit` is true of.
+    pub(super) fn lit(&self, lit: impl Fn(&Place) -> bool) -> f64 {
+        let area = |places: &mut dyn Iterator<Item = &Place>| places.map(|p| p.area).sum::<f64>();
+        area(&mut self.places.iter().filter(|p| lit(p))) / area(&mut self.places.iter()).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Draws `count` texels evenly from the surface of all hair, so that a texel comes the more often the more hair it holds. The key is layer · texels² +
+/// row · texels + column.
+///
+/// A layer stands for the slab of height about it, as in slicing; the lowest above the skin reaches down to it, and the skin itself has no hair.
+///
+/// * `texels`: along a side of the tile
+/// * `layers`: of the volume, skin counted; two or more
+pub(super) fn hair_texels(strands: &Strands, texels: u32, layers: u32, count: u32) -> BTreeMap<usize, HairTexel> {
+    let n = f64::from(texels);
+    let spacing = f64::from(strands.height) / f64::from(layers - 1);
+    let texel_at = |p: DVec3| {
+        let layer = (p.z / spacing).round().clamp(1.0, f64::from(layers - 1)) as usize;
+        let [x, y] = [p.x, p.y].map(|x| (x.rem_euclid(1.0) * n).min(n - 1.0) as usize);
+        (layer * texels as usize + y) * texels as usize + x
+    };
+    let mut area = 0.0;
+    walk(strands, n, spacing, |place| area += place.area);
+    let (mut sum, mut drawn) = (0.0, 0);
+    let mut out = BTreeMap::<usize, HairTexel>::new();
+    walk(strands, n, spacing, |place| {
+        sum += place.area;
+        // Half a step in, so that neither end decides.
+        let due = (sum / area * f64::from(count) + 0.5).min(f64::from(count)) as u32;
+        if due > drawn {
+            out.entry(texel_at(place.at)).or_default().times += due - drawn;
+            drawn = due;
+        }
+    });
+    // Only of those that were drawn: all places of a fine tile do not fit into memory.
+    walk(strands, n, spacing, |place| {
+        if let Some(texel) = out.get_mut(&texel_at(place.at)) {
+            texel.places.push(place);
+        }
+    });
+    out
+}
+
+/// Visits places all along the strands, from each root to its tip.
+fn walk(strands: &Strands, texels: f64, spacing: f64, mut visit: impl FnMut(Place)) {
+    for strand in 0..strands.len() {
+        let range = strands.range(strand);
+        for i in range.start..range.end.saturating_sub(1) {
+            let (a, b) = (strands.points[i].as_dvec3(), strands.points[i + 1].as_dvec3());
+            let [from, to] = [strands.radii[i], strands.radii[i + 1]].map(f64::from);
+            let way = b - a;
+            let pieces = (PLACES * (way.truncate().length() * texels).max(way.z.abs() / spacing)).ceil().max(1.0);
+            for piece in 0..pieces as u32 {
+                let share = (f64::from(piece) + 0.5) / pieces;
+                let area = (from + (to - from) * share) * way.length() / pieces;
+                visit(Place { at: a + way * share, strand: strand as u32, area });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Vec3, vec3};
+
+    /// An upright strand and one that lies twice as thick across the border of the tile: places are where the strands are, as often as there is hair.
+    #[test]
+    fn texels_come_as_often_as_they_hold_hair() {
+        let strands = Strands {
+            points: vec![vec3(0.3, 0.6, 0.0), vec3(0.3, 0.6, 0.5), vec3(0.9, 0.1, 0.3), vec3(1.4, 0.1, 0.3)],
+            radii: vec![0.01, 0.01, 0.02, 0.02],
+            colors: vec![Vec3::ONE; 4],
+            offsets: vec![0, 2, 4],
+            height: 0.5,
+            root_color: Vec3::ONE,
+        };
+        let (n, layers, count) = (10, 6, 3000);
+        let found = hair_texels(&strands, n, layers, count);
+        assert_eq!(found.values().map(|t| t.times).sum::<u32>(), count);
+        let times = |of: &dyn Fn(usize, usize, usize) -> bool| -> u32 {
+            let place = |i: usize| (i % 10, i / 10 % 10, i / 100);
+            found.iter().filter(|(i, _)| of(place(**i).0, place(**i).1, place(**i).2)).map(|(_, t)| t.times).sum()
+        };
+        // A third is of the upright one, half a slab of it in the outermost layer and one and a half in the lowest.
+        assert!(times(&|x, y, _| (x, y) == (3, 6)).abs_diff(1000) <= 1);
+        for (layer, slabs) in [(0, 0), (1, 3), (2, 2), (3, 2), (4, 2), (5, 1)] {
+            assert!(times(&|x, y, k| (x, y, k) == (3, 6, layer)).abs_diff(100 * slabs) <= 1, "layer {layer}");
+        }
+        // The other is in layer 3 alone, from the last texel of the tile over its border.
+        assert!(times(&|x, y, k| y == 1 && k == 3 && (x == 9 || x < 4)).abs_diff(2000) <= 1);
+        for texel in found.values() {
+            assert!(!texel.places.is_empty());
+            assert_eq!((texel.lit(|_| true), texel.lit(|_| false)), (1.0, 0.0));
+        }
+        let texel = &found[&((n * n + 60 + 3) as usize)];
+        assert!((texel.lit(|p| p.at.z < 0.05) - 1.0 / 3.0).abs() < 0.05, "the lowest of one and a half slabs");
+    }
+}

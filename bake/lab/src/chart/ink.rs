@@ -1,0 +1,256 @@
+//! Topic `ink`: lines found in a picture of normals against the lines of the mesh, by threshold, width, size and rule, and what they cost.
+//!
+//! The truth is `crate::truth::TrueLines`. Precision, recall and their harmonic mean say whether lines are where they should be, the widest stroke
+//! whether they stay lines (Fang 2006, Fig. 3: the sphere map alone blackens what is seen edge on), flicker whether wash and lines stay where they are on the
+//! model while the camera goes slowly round. Width and flicker are those on blank paper ([`on_blank_paper`]).
+
+use super::{Cell, Panel};
+use crate::compare_lines::LineMeasures;
+use pelage_runtime::{Anchoring, FeatureRule, InkParams, LineWidth, SphereMapForm, Study};
+
+/// A way to draw lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration {
+    /// What is varied.
+    pub series: &'static str,
+    /// Its value, beside the mark.
+    pub label: String,
+    /// How it is drawn.
+    pub look: Look,
+    /// Whether it is what a user gets without asking.
+    pub default: bool,
+}
+
+/// How ink is drawn, in which form, and the size of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// Width and height, pixels.
+    pub size: (u32, u32),
+    /// The style.
+    pub ink: InkParams,
+    /// Its forms.
+    pub study: Study,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { size: SIZE, ink: InkParams::default(), study: Study::default() }
+    }
+}
+
+impl Look {
+    fn with(mut self, change: impl FnOnce(&mut InkParams, &mut Study)) -> Self {
+        change(&mut self.ink, &mut self.study);
+        self
+    }
+}
+
+/// Columns of the chart.
+pub const COLUMNS: [&str; 23] = [
+    "width",
+    "height",
+    "threshold",
+    "depth_step",
+    "step_px",
+    "line_px",
+    "rule",
+    "sphere_map",
+    "template",
+    "anchoring",
+    "precision",
+    "recall",
+    "recall_silhouette",
+    "recall_contour",
+    "recall_crease",
+    "line_error",
+    "widest_stroke_px",
+    "template_px",
+    "widest_over_template",
+    "flicker",
+    "flicker_wash",
+    "flicker_lines",
+    "frame_milliseconds",
+];
+
+/// Panels of the chart.
+pub const PANELS: [Panel; 2] = [
+    Panel {
+        cost: "frame_milliseconds",
+        cost_label: "frame, milliseconds",
+        error: "line_error",
+        error_label: "1 - F1 of lines within 2 pixels",
+        only: None,
+    },
+    Panel {
+        cost: "frame_milliseconds",
+        cost_label: "frame, milliseconds",
+        error: "widest_over_template",
+        error_label: "widest stroke over the width of the template",
+        only: None,
+    },
+];
+
+/// Size of the pictures in Fang 2006, pixels.
+pub const SIZE: (u32, u32) = (834, 424);
+/// Thresholds T1.
+const THRESHOLDS: [f32; 8] = [0.2, 0.4, 0.5, 0.64, 0.7, 0.8, 0.9, 0.97];
+/// Relative steps of depth; 0 looks at normals alone.
+const DEPTH_STEPS: [f32; 5] = [0.0, 0.005, 0.01, 0.02, 0.05];
+/// Widest lines, pixels.
+const WIDTHS: [f32; 5] = [3.0, 5.0, 7.0, 12.0, 16.0];
+/// Sizes of the picture.
+const SIZES: [(u32, u32); 4] = [(417, 212), SIZE, (1251, 636), (1668, 848)];
+
+/// What to measure, the default first; each other configuration differs from it in what its series says.
+pub fn configurations() -> Vec<Configuration> {
+    let default = Look::default();
+    let mut out: Vec<Configuration> = Vec::new();
+    let mut add = |series, label: String, look: Look| {
+        if out.iter().all(|c| c.look != look) {
+            out.push(Configuration { series, label, default: look == default, look });
+        }
+    };
+    let of = |change: &dyn Fn(&mut InkParams, &mut Study)| Look::default().with(|ink, study| change(ink, study));
+    add("default", String::new(), default.clone());
+    for threshold in THRESHOLDS {
+        add("threshold T1", threshold.to_string(), of(&|ink, _| ink.threshold = threshold));
+    }
+    for depth_step in DEPTH_STEPS {
+        add("step of depth", depth_step.to_string(), of(&|ink, _| ink.depth_step = depth_step));
+    }
+    for width in WIDTHS {
+        add("line width, pixels", width.to_string(), of(&|ink, _| ink.width = LineWidth::Pixels(width)));
+    }
+    for size in SIZES {
+        add("size of the picture", format!("{}x{}", size.0, size.1), Look { size, ..default.clone() });
+    }
+    for step_px in [1, 2, 3] {
+        add("neighbours, pixels away", step_px.to_string(), of(&|ink, _| ink.step_px = step_px));
+    }
+    let printed = of(&|ink, study| {
+        study.features = FeatureRule::AllBelow;
+        study.sphere_map = SphereMapForm::Reflection;
+        study.printed_lines = true;
+        ink.depth_step = 0.0;
+    });
+    for threshold in [default.ink.threshold, 0.97] {
+        let label = format!("T1 {threshold}");
+        add("as printed", label, printed.clone().with(|ink, _| ink.threshold = threshold));
+    }
+    let any = printed.with(|_, study| study.features = FeatureRule::AnyBelow);
+    add("as printed, any neighbour", String::new(), any.clone());
+    add("sphere map alone", "reflection".into(), any.with(|_, study| study.template = false));
+    add("sphere map alone", "ours".into(), of(&|_, study| study.template = false));
+    add("tied to the screen", String::new(), of(&|_, study| study.anchoring = Anchoring::Screen));
+    out
+}
+
+/// Widest line in a picture of `height` rows, pixels; all configurations ask for pixels.
+pub fn line_px(ink: &InkParams, height: u32) -> f64 {
+    match ink.width {
+        LineWidth::Auto => InkParams::default_width_px(height).into(),
+        LineWidth::Pixels(px) => px.into(),
+        LineWidth::Metres(_) => f64::NAN,
+    }
+}
+
+/// Width of the template, pixels: the widest line asked for, and one more, because an edge is a feature on both of its sides. (Three dilations of Fang 2006, §2,
+/// make seven pixels of one and eight of two.) Lines nearer to each other than that run together.
+pub fn template_px(ink: &InkParams, height: u32) -> f64 {
+    line_px(ink, height) + 1.0
+}
+
+/// The same on paper without relief and with a brush full of ink. Paper lies still while the model moves, and where it shows through, or stops a
+/// dry brush, the picture changes on the model with reason; and a black patch with holes in it is a black patch.
+#[must_use]
+pub fn on_blank_paper(ink: &InkParams) -> InkParams {
+    ink.clone().with(|ink| (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0))
+}
+
+/// A configuration's figures.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Of each view.
+    pub views: Vec<LineMeasures>,
+    /// Mean difference of neighbouring frames over the skin, over what is no line in either, and over lines of both; greys of 0..=1.
+    pub flicker: [Option<f64>; 3],
+    /// The fastest frame of the slowest view.
+    pub frame_ms: f64,
+}
+
+/// The cells of a row, in the order of [`COLUMNS`].
+pub fn cells(look: &Look, measured: &Measured) -> Vec<Cell> {
+    let Look { size: (width, height), ink, study } = look;
+    let share = |of: &dyn Fn(&LineMeasures) -> Option<f64>| {
+        let known: Vec<f64> = measured.views.iter().filter_map(of).collect();
+        if known.is_empty() { Cell::Empty } else { Cell::Number(known.iter().sum::<f64>() / known.len() as f64) }
+    };
+    let number = |x: f64| Cell::Number(x);
+    let (stroke, template) =
+        (measured.views.iter().map(|m| m.stroke.width_px).fold(0.0, f64::max), template_px(ink, *height));
+    let word = |text: &str| Cell::Text(text.into());
+    let mut cells = vec![
+        number((*width).into()),
+        number((*height).into()),
+        number(ink.threshold.into()),
+        number(ink.depth_step.into()),
+        number(ink.step_px.into()),
+        number(line_px(ink, *height)),
+        word(match study.features {
+            FeatureRule::AnyBelow => "any",
+            FeatureRule::AllBelow => "all",
+        }),
+        word(match study.sphere_map {
+            SphereMapForm::Perpendicular => "perpendicular",
+            SphereMapForm::Reflection => "reflection",
+            SphereMapForm::Printed => "printed",
+        }),
+        word(if study.template { "on" } else { "off" }),
+        word(match study.anchoring {
+            Anchoring::Surface => "surface",
+            Anchoring::Screen => "screen",
+        }),
+        share(&|m| m.lines.precision),
+        share(&|m| m.lines.recall),
+    ];
+    cells.extend([0, 1, 2].map(|kind| share(&|m| m.recall[kind])));
+    cells.extend([share(&|m| Some(1.0 - m.lines.f1())), number(stroke), number(template), number(stroke / template)]);
+    cells.extend(measured.flicker.map(|f| f.map_or(Cell::Empty, number)));
+    cells.push(number(measured.frame_ms));
+    cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_configuration_is_listed_once() {
+        let all = configurations();
+        assert!(all[0].default && all.iter().filter(|c| c.default).count() == 1);
+        for (i, c) in all.iter().enumerate() {
+            assert!(all[i + 1..].iter().all(|other| other.look != c.look), "{} {}", c.series, c.label);
+        }
+        for series in ["threshold T1", "step of depth", "as printed", "sphere map alone", "tied to the screen"] {
+            assert!(all.iter().any(|c| c.series == series), "{series}");
+        }
+    }
+
+    #[test]
+    fn a_row_has_a_cell_for_each_column() {
+        let look = Look { size: (64, 32), ..Look::default() }.with(|ink, _| ink.width = LineWidth::Pixels(8.0));
+        let mut measured = Measured { views: vec![LineMeasures::default(); 2], ..Measured::default() };
+        let found = |measured: &Measured, name| {
+            let cells = cells(&look, measured);
+            assert_eq!(cells.len(), COLUMNS.len());
+            cells[COLUMNS.iter().position(|c| *c == name).expect("a column")].clone()
+        };
+        assert_eq!(found(&measured, "precision"), Cell::Empty);
+        measured.views[0].lines.precision = Some(0.5);
+        measured.views[1].stroke.width_px = 4.5;
+        assert_eq!(found(&measured, "precision"), Cell::Number(0.5));
+        assert_eq!(found(&measured, "widest_stroke_px"), Cell::Number(4.5));
+        assert_eq!(found(&measured, "widest_over_template"), Cell::Number(0.5));
+        assert_eq!(found(&measured, "height"), Cell::Number(32.0));
+    }
+}

@@ -1,0 +1,238 @@
+//! Speed against accuracy: tables of configurations, their front, and pictures of both.
+//!
+//! A topic is a module that lists configurations ([`environment`], [`environment_fit`], [`multiple`], [`scattering`], [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
+//! A chart's figures come with the command that reproduces each, so that nobody has to believe it.
+
+mod axis;
+pub mod detail;
+pub mod environment;
+pub mod environment_fit;
+mod errors;
+mod hair_texels;
+pub mod ink;
+mod labels;
+pub mod light_maps;
+pub mod lighting;
+pub mod multiple;
+pub mod opacity_shadow;
+pub mod scattering;
+pub mod self_shadow;
+pub mod self_shadow_forms;
+pub mod shells;
+pub mod skies;
+pub mod soft_shadow;
+pub mod strands;
+pub mod surface;
+mod svg;
+pub mod textures;
+pub mod verlet;
+
+pub use errors::{Errors, OFF};
+pub use svg::svg;
+
+/// A figure of a configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// A number in the unit of its column.
+    Number(f64),
+    /// A word.
+    Text(String),
+    /// Does not apply.
+    Empty,
+}
+
+impl Cell {
+    /// The number, if it is one and finite.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(x) if x.is_finite() => Some(*x),
+            _ => None,
+        }
+    }
+
+    /// For CSV and JSON: numbers with six digits that count, which is more than any measurement here is good for.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Number(x) => format!("{x:.5e}").parse::<f64>().unwrap_or(*x).to_string(),
+            Self::Text(text) => text.clone(),
+            Self::Empty => String::new(),
+        }
+    }
+}
+
+/// One configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// What is varied; rows of one series share a colour.
+    pub series: String,
+    /// The value of what is varied, short, to stand beside the mark; empty for none.
+    pub label: String,
+    /// One per [`Chart::columns`].
+    pub cells: Vec<Cell>,
+    /// Whether it is what a user gets without asking.
+    pub default: bool,
+    /// The command that reproduces it.
+    pub command: String,
+}
+
+/// Two columns drawn against each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Panel {
+    /// Column of the cost, drawn across.
+    pub cost: &'static str,
+    /// Label of that axis, with unit.
+    pub cost_label: &'static str,
+    /// Column of the error, drawn upwards.
+    pub error: &'static str,
+    /// Label of that axis, with unit.
+    pub error_label: &'static str,
+    /// Column and word of the rows that are drawn, where the panels of a chart part its rows between them; `None` draws all.
+    pub only: Option<(&'static str, &'static str)>,
+}
+
+/// A topic, measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// The word after `pelage chart`.
+    pub topic: &'static str,
+    /// What is seen, and of which model.
+    pub title: String,
+    /// What it was measured on.
+    pub adapter: String,
+    /// Names of the knobs, errors and costs.
+    pub columns: Vec<&'static str>,
+    /// The configurations, in the order of measuring.
+    pub rows: Vec<Row>,
+    /// What to draw, two panels in a row; the first decides `on_front`.
+    pub panels: Vec<Panel>,
+}
+
+impl Chart {
+    /// Cost and error of each row in `panel`; `None` where either is missing, and for rows that the panel does not draw.
+    pub fn points(&self, panel: &Panel) -> Vec<Option<(f64, f64)>> {
+        let column = |name: &str| self.columns.iter().position(|c| *c == name);
+        let (cost, error) = (column(panel.cost), column(panel.error));
+        let of = |row: &Row, column: Option<usize>| column.and_then(|c| row.cells.get(c)).and_then(Cell::number);
+        let drawn = |row: &Row| {
+            panel.only.is_none_or(|(name, word)| {
+                column(name).and_then(|c| row.cells.get(c)).is_some_and(|cell| cell.text() == word)
+            })
+        };
+        let point = |row: &Row| Some((of(row, cost)?, of(row, error)?)).filter(|_| drawn(row));
+        self.rows.iter().map(point).collect()
+    }
+
+    /// Whether each row is on the front of `panel`.
+    pub fn on_front(&self, panel: &Panel) -> Vec<bool> {
+        front(&self.points(panel))
+    }
+
+    /// The table as CSV (RFC 4180): series, all columns, `adapter`, `default`, `on_front` (of the first panel; one more column
+    /// for each further one), `command`.
+    pub fn csv(&self) -> String {
+        let mut header: Vec<String> = vec!["series".into()];
+        header.extend(self.columns.iter().map(ToString::to_string));
+        header.extend(["adapter".into(), "default".into()]);
+        let fronts = self.fronts();
+        header.extend(fronts.iter().map(|(name, _)| name.clone()));
+        header.push("command".into());
+        let mut table = vec![header];
+        for (i, row) in self.rows.iter().enumerate() {
+            let mut fields = vec![row.series.clone()];
+            fields.extend(row.cells.iter().map(Cell::text));
+            fields.extend([self.adapter.clone(), u8::from(row.default).to_string()]);
+            fields.extend(fronts.iter().map(|(_, front)| u8::from(front[i]).to_string()));
+            fields.push(row.command.clone());
+            table.push(fields);
+        }
+        csv(table)
+    }
+
+    /// The columns that say which rows are on a front, each with its name: one for each panel, and one for all that part the rows between them.
+    pub fn fronts(&self) -> Vec<(String, Vec<bool>)> {
+        let mut found: Vec<(&Panel, String, Vec<bool>)> = Vec::new();
+        for panel in &self.panels {
+            let front = self.on_front(panel);
+            let parted = |other: &Panel| panel.only.is_some() && (other.cost, other.error) == (panel.cost, panel.error);
+            let name = if found.is_empty() { "on_front".into() } else { format!("on_front_{}", panel.cost) };
+            match found.iter_mut().find(|(other, ..)| parted(other)) {
+                Some((.., known)) => known.iter_mut().zip(front).for_each(|(known, on)| *known |= on),
+                None => found.push((panel, name, front)),
+            }
+        }
+        found.into_iter().map(|(_, name, front)| (name, front)).collect()
+    }
+}
+
+/// The rows that no other beats: none is at most as costly and at most as wrong, and better in one of the two. Rows without
+/// figures are never on it.
+pub fn front(points: &[Option<(f64, f64)>]) -> Vec<bool> {
+    let beats = |(c, e): (f64, f64), (cost, error): (f64, f64)| c <= cost && e <= error && (c < cost || e < error);
+    let unbeaten = |p: &Option<(f64, f64)>| p.is_some_and(|p| !points.iter().flatten().any(|q| beats(*q, p)));
+    points.iter().map(unbeaten).collect()
+}
+
+/// Lines of fields as CSV (RFC 4180).
+pub fn csv(table: impl IntoIterator<Item = Vec<String>>) -> String {
+    let quote = |f: &String| {
+        if f.contains([',', '"', '\n', '\r']) { format!("\"{}\"", f.replace('"', "\"\"")) } else { f.clone() }
+    };
+    table.into_iter().map(|fields| fields.iter().map(quote).collect::<Vec<_>>().join(",") + "\r\n").collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_is_what_nothing_beats() {
+        let points = [(1., 9.), (2., 5.), (2., 6.), (3., 5.), (4., 1.), (5., 1.), (1., 9.)].map(Some);
+        assert_eq!(front(&points), [true, true, false, false, true, false, true]);
+        assert_eq!(front(&[None, Some((1., 1.))]), [false, true]);
+        assert!(front(&[]).is_empty());
+    }
+
+    #[test]
+    fn panels_that_part_the_rows_share_a_column() {
+        let row = |size: &str, cost: f64, error: f64| Row {
+            series: String::new(),
+            label: String::new(),
+            cells: vec![Cell::Text(size.into()), Cell::Number(cost), Cell::Number(error)],
+            default: false,
+            command: String::new(),
+        };
+        let panel = |size| Panel { cost: "c", cost_label: "", error: "e", error_label: "", only: Some(("size", size)) };
+        let chart = Chart {
+            topic: "t",
+            title: String::new(),
+            adapter: String::new(),
+            columns: vec!["size", "c", "e"],
+            // The small one is cheaper and truer than all of the large ones, and no choice for those who draw large.
+            rows: vec![row("large", 3.0, 3.0), row("large", 4.0, 4.0), row("small", 1.0, 1.0)],
+            panels: vec![panel("large"), panel("small"), Panel { only: None, ..panel("") }],
+        };
+        assert_eq!(chart.points(&panel("large")), [Some((3.0, 3.0)), Some((4.0, 4.0)), None]);
+        let fronts = [("on_front", [true, false, true]), ("on_front_c", [false, false, true])]
+            .map(|(n, on)| (n.into(), on.into()));
+        assert_eq!(chart.fronts(), fronts);
+    }
+
+    #[test]
+    fn csv_quotes_and_rounds() {
+        let panel = Panel { cost: "s", cost_label: "s", error: "e", error_label: "e", only: None };
+        let cells = vec![Cell::Number(1.0 / 3.0), Cell::Number(f64::NAN), Cell::Empty];
+        let row = Row { series: "a, b".into(), label: String::new(), cells, default: true, command: "x \"y\"".into() };
+        let chart = Chart {
+            topic: "t",
+            title: String::new(),
+            adapter: "cpu".into(),
+            columns: vec!["s", "e", "k"],
+            rows: vec![row],
+            panels: vec![panel, Panel { cost: "e", ..panel }],
+        };
+        assert_eq!(
+            chart.csv(),
+            "series,s,e,k,adapter,default,on_front,on_front_e,command\r\n\"a, b\",0.333333,NaN,,cpu,1,0,0,\"x \"\"y\"\"\"\r\n"
+        );
+    }
+}

@@ -1,0 +1,331 @@
+//! Topic `opacity-shadow`: how well maps of slabs know the light between single strands, and what they cost.
+//!
+//! The maps are the runtime's own, drawn by the adapter and read back. The truth is the traced scene's ([`TrueScene::light_on_strand`]), at places of strands
+//! that an eye sees, and its picture. What slabs do on their own is driven over an even ball of hair ([`Ball`]).
+
+use super::errors::Errors;
+use super::{Cell, Panel};
+use glam::Vec3;
+use pelage_runtime::shared::deep_opacity::{DeepOpacity, OPACITY_STEP, slab_of, slab_share};
+use pelage_runtime::{LightView, OpacityForm, ShadowParams, Study};
+use pelage_truth::{SeenStrand, TrueLight, TrueScene};
+use rayon::prelude::*;
+
+/// Rays to a light from a place of a strand.
+pub const RAYS: u32 = 16;
+/// Every how many pixels of the picture a place of a strand is looked for.
+pub const STEP_PX: u32 = 3;
+/// Samples a pixel that strands are drawn with.
+pub const SAMPLES: u32 = 4;
+/// Slabs of the opacity shadow map, as in Nguyen and Donnelly 2005.
+pub const PLANES: u32 = 16;
+
+/// Columns of the chart.
+///
+/// * `form`: `deep`, slabs behind the first hair of each texel; `whole`, planes over the whole depth of the hair; `printed`, those with the printed
+///   spacing. `axis`: 1 where the light is looked up on the axis of strands, and not towards the eye.
+/// * `slabs`, `map_size`: as asked for. `texel_widths`: width of a texel over the mean width of strands.
+/// * `rmse`, `mean_error`, `off_by_0.1`: t against the truth at places of strands that the eye sees and the skin does not hide from the light, `places`
+///   under three lights together.
+/// * `flip`, `flip_covered`, `image_rmse`: of the picture at four samples a pixel, under the first of them, against the true one of `samples` rays a pixel.
+/// * `largest_step`: of t between the ends of neighbouring slabs, in rays of light through an even ball of hair; `largest_error`: of t there; [`Ball`].
+/// * `milliseconds`: drawing the map; `timing` says by which clock. `bytes`: of the map.
+pub const COLUMNS: [&str; 18] = [
+    "form",
+    "axis",
+    "slabs",
+    "map_size",
+    "texel_widths",
+    "rmse",
+    "mean_error",
+    "off_by_0.1",
+    "flip",
+    "flip_covered",
+    "image_rmse",
+    "largest_step",
+    "largest_error",
+    "milliseconds",
+    "bytes",
+    "timing",
+    "places",
+    "samples",
+];
+
+/// Panels of the chart.
+pub const PANELS: [Panel; 4] = [
+    panel("milliseconds", "making the map, milliseconds", "rmse", "RMSE of t on strands against rays"),
+    panel("milliseconds", "making the map, milliseconds", "flip", "mean FLIP against the true picture"),
+    panel("bytes", "map, bytes", "rmse", "RMSE of t on strands against rays"),
+    panel(
+        "milliseconds",
+        "making the map, milliseconds",
+        "largest_step",
+        "largest step of t between slabs, ball of hair",
+    ),
+];
+
+const fn panel(cost: &'static str, cost_label: &'static str, error: &'static str, error_label: &'static str) -> Panel {
+    Panel { cost, cost_label, error, error_label, only: None }
+}
+
+/// A map to measure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration {
+    /// What is varied.
+    pub series: &'static str,
+    /// Its value, beside the mark.
+    pub label: String,
+    /// Slabs and size.
+    pub shadows: ShadowParams,
+    /// Which slabs, and where light is looked up.
+    pub study: Study,
+    /// Whether it is what a user gets without asking.
+    pub default: bool,
+}
+
+/// What to measure: first what the runtime does, then deep maps of 4, 8 and 16 slabs and opacity shadow maps of [`PLANES`], safe and as printed, each of
+/// 256², 512² and 1024², and what the runtime does with light looked up on the axis.
+pub fn configurations() -> Vec<Configuration> {
+    let base = ShadowParams::default();
+    let sized = |slabs, map_size| base.with(|s| (s.slabs, s.map_size) = (slabs, map_size));
+    // Whatever the width of strands, sizes are those that are named.
+    let of = |form| Study::default().with(|s| (s.opacity, s.thin_texels) = (form, true));
+    let mut out = vec![Configuration {
+        series: "as the runtime does",
+        label: String::new(),
+        shadows: base,
+        study: Study::default(),
+        default: true,
+    }];
+    let deep = [("deep, 4 slabs", 4), ("deep, 8 slabs", 8), ("deep, 16 slabs", 16)];
+    let forms = deep.map(|(series, slabs)| (series, slabs, OpacityForm::Deep)).into_iter().chain([
+        ("16 planes over the whole depth", PLANES, OpacityForm::WholeDepth),
+        ("16 planes, spacing as printed", PLANES, OpacityForm::Printed),
+    ]);
+    for (series, slabs, form) in forms {
+        for map_size in [256, 512, 1024] {
+            let (label, shadows) = (format!("{map_size}²"), sized(slabs, map_size));
+            out.push(Configuration { series, label, shadows, study: of(form), default: false });
+        }
+    }
+    out.push(Configuration {
+        series: "light on the axis",
+        label: String::new(),
+        shadows: base,
+        study: Study::default().with(|s| s.light_on_axis = true),
+        default: false,
+    });
+    out
+}
+
+/// A map in memory.
+#[derive(Clone, Debug)]
+pub struct DeepMap {
+    /// Where it lies.
+    pub view: LightView,
+    /// What its numbers mean.
+    pub opacity: DeepOpacity,
+    /// Which slabs it has.
+    pub form: OpacityForm,
+    /// Nearness of the first hair of each texel, then the opacity of its slabs.
+    pub texels: Vec<u32>,
+}
+
+impl DeepMap {
+    /// t at a point in world space: the same steps in the same order as in `strand_light.wgsl` of the runtime.
+    pub fn light_at(&self, position_ws: Vec3) -> f32 {
+        let place = self.view.map_from_world * position_ws.extend(1.0);
+        let at = place.truncate().truncate() / place.w * self.opacity.size as f32 - 0.5;
+        let (corner, share) = (at.floor().as_ivec2(), at - at.floor());
+        let t = |dx: i32, dy: i32| self.texel(corner.x + dx, corner.y + dy, place.z);
+        let row = |dy: i32| t(0, dy) + (t(1, dy) - t(0, dy)) * share.x;
+        row(0) + (row(1) - row(0)) * share.y
+    }
+
+    fn texel(&self, x: i32, y: i32, depth: f32) -> f32 {
+        let DeepOpacity { size, slabs, .. } = self.opacity;
+        let [x, y] = [x, y].map(|at| at.clamp(0, size as i32 - 1) as usize);
+        let index = y * size as usize + x;
+        let first = 1.0 - f32::from_bits(self.texels[index]);
+        let from = size as usize * size as usize + index * slabs as usize;
+        let of_slabs: Vec<f32> =
+            self.texels[from..from + slabs as usize].iter().map(|n| *n as f32 * OPACITY_STEP).collect();
+        light_in_column(self.form, &self.opacity, first, &of_slabs, depth)
+    }
+
+    /// Width of a texel over that of strands of such a width, metres; of a point light in the middle of its range.
+    pub fn texel_widths(&self, width_m: f32) -> f64 {
+        let view = &self.view;
+        let distance = view.near_m.map_or(1.0, |near| near + 0.5 * view.range_m);
+        f64::from(self.opacity.texel_m * distance / width_m)
+    }
+}
+
+/// How many slabs behind where a column of them begins a depth lies; `first`: of the column's first hair.
+fn behind(form: OpacityForm, opacity: &DeepOpacity, first: f32, depth: f32) -> f32 {
+    let begin = if form == OpacityForm::Deep { first } else { opacity.whole_from };
+    (depth - begin) * opacity.slabs_per_depth
+}
+
+/// t in a column of slabs of such optical depths, at a depth.
+///
+/// * `first`: depth of the column's first hair
+pub fn light_in_column(form: OpacityForm, opacity: &DeepOpacity, first: f32, slabs: &[f32], depth: f32) -> f32 {
+    let behind = behind(form, opacity, first, depth);
+    let sum: f32 = slabs.iter().zip(0..).map(|(opacity, slab)| opacity * slab_share(behind, slab)).sum();
+    let past_last = (opacity.slabs as f32 + 1.0 - behind).clamp(0.0, 1.0);
+    (-opacity.density * sum * if form == OpacityForm::Printed { past_last } else { 1.0 }).exp()
+}
+
+/// The optical depths of a column's slabs: `hair` has depths and what each covers, the nearest anywhere among them.
+pub fn column(
+    form: OpacityForm,
+    opacity: &DeepOpacity,
+    hair: impl Iterator<Item = (f32, f32)> + Clone,
+) -> (f32, Vec<f32>) {
+    let first = hair.clone().map(|(depth, _)| depth).fold(1.0, f32::min);
+    let mut slabs = vec![0.0; opacity.slabs as usize];
+    for (depth, covered) in hair {
+        let behind = behind(form, opacity, first, depth);
+        if form != OpacityForm::Printed || behind < opacity.slabs as f32 {
+            slabs[slab_of(behind, opacity.slabs) as usize] += covered;
+        }
+    }
+    (first, slabs)
+}
+
+/// A column of slabs as a map of such settings has them, over a depth of `depth_m` in which hair is `fur_m` high.
+pub fn columns_of(form: OpacityForm, shadows: &ShadowParams, depth_m: f32, fur_m: f32) -> DeepOpacity {
+    let between = shadows.slabs.saturating_sub(1).max(1);
+    let (slabs, slabs_per_depth) = match form {
+        OpacityForm::Deep => (shadows.slabs, shadows.slabs as f32 * depth_m / (2.0 * fur_m)),
+        OpacityForm::WholeDepth => (between, between as f32),
+        OpacityForm::Printed => (between, (between + 1) as f32),
+    };
+    DeepOpacity { slabs, slabs_per_depth, density: 1.0, ..DeepOpacity::default() }
+}
+
+/// A ball of hair that is as deep as the scene is to its light, and so dense that 1/e of the light is left half the fur's height below its surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Its diameter, metres.
+    pub depth_m: f32,
+    /// Height of the fur, metres.
+    pub fur_m: f32,
+}
+
+/// Pieces that the hair in a ray through the ball is made of: many in each slab.
+const PIECES: u32 = 4096;
+
+impl Ball {
+    /// Largest step of t between the ends of neighbouring slabs, and largest error of t, in rays through the ball from its middle to near its edge.
+    pub fn measure(&self, form: OpacityForm, shadows: &ShadowParams) -> (f64, f64) {
+        let opacity = columns_of(form, shadows, self.depth_m, self.fur_m);
+        let per_depth = 2.0 * self.depth_m / self.fur_m;
+        let (mut step, mut error) = (0.0f64, 0.0f64);
+        for ray in 0..16 {
+            // Half the way that it goes in the ball, of a depth of 1.
+            let half = 0.5 * (1.0 - (ray as f32 / 16.0).powi(2)).sqrt();
+            let piece = 2.0 * half / PIECES as f32;
+            let depth = |k: f32| 0.5 - half + piece * k;
+            let hair = (0..PIECES).map(|k| (depth(k as f32 + 0.5), piece * per_depth));
+            let (first, slabs) = column(form, &opacity, hair);
+            let light = |depth: f32| f64::from(light_in_column(form, &opacity, first, &slabs, depth));
+            let truth = |depth: f32| f64::from((-(depth - 0.5 + half) * per_depth).exp());
+            for k in 0..PIECES {
+                error = error.max((light(depth(k as f32)) - truth(depth(k as f32))).abs());
+            }
+            let begin = if form == OpacityForm::Deep { first } else { 0.0 };
+            let ends = (0..=opacity.slabs + 1).map(|k| begin + k as f32 / opacity.slabs_per_depth);
+            let inside: Vec<f64> = ends.filter(|at| (0.5 - half..=0.5 + half).contains(at)).map(light).collect();
+            step = inside.windows(2).map(|ends| (ends[1] - ends[0]).abs()).fold(step, f64::max);
+        }
+        (step, error)
+    }
+}
+
+/// The true light at places of strands.
+#[derive(Clone, Debug, Default)]
+pub struct Truth(Vec<(SeenStrand, f64)>);
+
+impl Truth {
+    /// Of the places that the skin does not hide from the light.
+    pub fn new(scene: &TrueScene, places: &[SeenStrand], light: &TrueLight) -> Self {
+        let lit = |at: &SeenStrand| Some((*at, scene.light_on_strand(at, light, RAYS)?));
+        Self(places.par_iter().filter_map(lit).collect())
+    }
+
+    /// Number of places.
+    pub fn places(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Errors of a map; `on_axis`: looked up on the axis of strands.
+    pub fn errors(&self, map: &DeepMap, on_axis: bool) -> Errors {
+        let found = |(at, truth): &(SeenStrand, f64)| {
+            let aside = if on_axis { 0.0 } else { at.radius_m };
+            (f64::from(map.light_at((at.axis_ws + at.to_eye * aside).as_vec3())), *truth)
+        };
+        Errors::of(self.0.par_iter().map(found).collect::<Vec<_>>())
+    }
+}
+
+/// What was measured of a configuration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Of t.
+    pub errors: Errors,
+    /// Places at which t was asked, under all lights.
+    pub places: usize,
+    /// Mean FLIP of the picture.
+    pub flip: f64,
+    /// Mean FLIP where either picture covers a pixel.
+    pub flip_covered: f64,
+    /// RMSE of premultiplied linear colour.
+    pub image_rmse: f64,
+    /// Of the ball: largest step, largest error.
+    pub ball: (f64, f64),
+    /// [`DeepMap::texel_widths`].
+    pub texel_widths: f64,
+    /// Drawing the map.
+    pub milliseconds: f64,
+    /// Of the map.
+    pub bytes: u64,
+    /// Rays a pixel of the true picture.
+    pub samples: u32,
+}
+
+/// The cells of a row, in the order of [`COLUMNS`]; `timing`: where the milliseconds come from.
+pub fn cells(configuration: &Configuration, m: &Measured, timing: &str) -> Vec<Cell> {
+    let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
+    let study = &configuration.study;
+    let form = match study.opacity {
+        OpacityForm::Deep => "deep",
+        OpacityForm::WholeDepth => "whole",
+        OpacityForm::Printed => "printed",
+    };
+    vec![
+        Cell::Text(form.into()),
+        Cell::Number(f64::from(u8::from(study.light_on_axis))),
+        Cell::Number(configuration.shadows.slabs.into()),
+        Cell::Number(configuration.shadows.map_size.into()),
+        Cell::Number(m.texel_widths),
+        number(m.errors.rmse()),
+        number(m.errors.mean()),
+        number(m.errors.off_share()),
+        Cell::Number(m.flip),
+        Cell::Number(m.flip_covered),
+        Cell::Number(m.image_rmse),
+        Cell::Number(m.ball.0),
+        Cell::Number(m.ball.1),
+        Cell::Number(m.milliseconds),
+        Cell::Number(m.bytes as f64),
+        Cell::Text(timing.into()),
+        Cell::Number(m.places as f64),
+        Cell::Number(m.samples.into()),
+    ]
+}
+
+#[cfg(test)]
+#[path = "opacity_shadow_tests.rs"]
+mod tests;

@@ -1,0 +1,215 @@
+use super::super::self_shadow_forms::configurations;
+use super::*;
+use glam::{Mat4, Vec4};
+use pelage_bake::recipe::{HairParams, SliceParams, natural};
+use pelage_runtime::shared::soft_shadow::SoftShadow;
+use pelage_runtime::shared::tile_frame::tile_frame;
+use pelage_runtime::{LightView, Sphere};
+
+fn sheet() -> Sheet {
+    let recipe = Recipe {
+        hair: HairParams { density: 60, root_radius: 0.03, tip_radius: 0.02, lean: 0.4, ..natural().hair },
+        slice: SliceParams { layers: 6, tile_texels: 16, ..SliceParams::default() },
+        ..natural()
+    };
+    Sheet::new(&recipe, Lengths { length_m: 0.02, tile_size_m: 0.08 }).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn the_middle_tile_lies_in_the_middle_and_its_frame_is_the_shaders() {
+    let sheet = sheet();
+    let middle = sheet.corner + 0.5 * (sheet.along[0] + sheet.along[1]);
+    assert!(middle.length() < 1e-6, "{middle}");
+    assert!(sheet.along.iter().all(|way| (way.length() - 0.08).abs() < 1e-6), "{:?}", sheet.along);
+    let package = Package::open(&sheet.package, &Limits::default()).unwrap_or_else(|e| panic!("{e}"));
+    let mesh = package.mesh().unwrap_or_else(|e| panic!("{e}")).unwrap_or_else(|| panic!("no mesh")).to_data();
+    for v in &mesh.geometry {
+        let tangent = Vec4::from(v.tangent);
+        let frame = tile_frame(Vec3::from(v.normal), tangent.truncate(), tangent.w);
+        for (light_ts, axis) in
+            [(DVec3::X, frame.tangent_ws), (DVec3::Y, frame.bitangent_ws), (DVec3::Z, frame.normal_ws)]
+        {
+            assert!((sheet.to_world(light_ts) - axis).length() < 1e-5, "{light_ts}: {axis}");
+        }
+        assert!((v.fur_height - sheet.up.length()).abs() < 1e-7);
+    }
+    // To each side of the tile as far as light at 75 degrees runs through the fur.
+    let need = sheet.up.length() / 0.08 * 75f32.to_radians().tan();
+    for axis in 0..2 {
+        let uvs: Vec<f32> = mesh.attributes.iter().map(|a| a.tile_uv[axis]).collect();
+        let (low, high) = uvs.iter().fold((f32::MAX, f32::MIN), |(l, h), u| (l.min(*u), h.max(*u)));
+        let tile = 0.5 * (low + high) - 0.5;
+        assert!((tile - tile.round()).abs() < 1e-4, "{low}..{high}");
+        assert!(
+            tile - low > need && high - tile - 1.0 > need && high - low < 1.3 * (1.0 + 2.0 * need),
+            "{low}..{high}"
+        );
+    }
+}
+
+/// Maps that hold the truth give the truth, whatever else is between them and the points; others do not.
+#[test]
+fn maps_without_error_have_none() {
+    let sheet = sheet();
+    let slant = Slant { angle: 0, light_ts: DVec3::Z };
+    // Straight down, a map that lies on the tile texel by texel is the product of the layers above.
+    let n = sheet.set.texels;
+    let alpha = |k: usize, i: usize| f32::from(sheet.set.layers[k].color[0][4 * i + 3]) / 255.0;
+    let layers: Vec<Vec<f32>> = (0..6)
+        .map(|k| {
+            (0..(n * n) as usize)
+                .map(|i| (k.max(1) + usize::from(k > 0)..6).map(|j| 1.0 - alpha(j, i)).product())
+                .collect()
+        })
+        .collect();
+    let columns = [sheet.along[0].extend(0.0), sheet.along[1].extend(0.0), Vec4::Y, sheet.corner.extend(1.0)];
+    let view = LightView {
+        clip_from_world: Mat4::IDENTITY,
+        map_from_world: Mat4::from_cols_array_2d(&columns.map(Into::into)).inverse(),
+        range_m: 1.0,
+        extent: 0.08,
+        near_m: None,
+        sphere: Sphere { center: Vec3::ZERO, radius: 1.0 },
+    };
+    let soft = SoftShadow { range_m: 1.0, penumbra: 0.1, blur: 0.1, texel: 0.1 };
+    let mut maps = LightMaps { view, soft, size: n, layers, width: Vec::new(), depths: Default::default() };
+    assert!((sheet.map_texels_per_hair_texel(&maps) - 1.0).abs() < 1e-5);
+    assert_eq!(sheet.map_size_on(&maps, 0.1), 40.0);
+    let truth = sheet.truth(&slant);
+    let shadows = ShadowParams::default().with(|shadows| shadows.density = 1.0);
+    let as_drawn = (&shadows, SlantForm::Corrected);
+    let fast = sheet.by_maps(&maps, &slant, as_drawn, &truth);
+    let mut measured = Measured::default();
+    measured.add(&slant, &fast, 1.0, &truth);
+    // The volume caps opaque texels, the maps do not.
+    let rmse = measured.total(0).rmse().unwrap_or(1.0);
+    assert!(rmse < 0.01, "{rmse}");
+    assert!(truth.strands.len() > 300 && measured.total(1).rmse().is_some_and(|rmse| rmse > 0.02));
+    maps.layers.iter_mut().flatten().for_each(|t| *t = (*t + 0.2).min(1.0));
+    let mut worse = Measured::default();
+    worse.add(&slant, &sheet.by_maps(&maps, &slant, as_drawn, &truth), 1.0, &truth);
+    assert!(worse.total(0).rmse().is_some_and(|rmse| rmse > 0.05));
+}
+
+/// Errors of what `found` says under all lights.
+fn measured(truths: &[(Slant, Truth)], found: &dyn Fn(&Slant, &Truth) -> Vec<f64>) -> Measured {
+    let mut measured = Measured::default();
+    truths.iter().for_each(|(slant, truth)| measured.add(slant, &found(slant, truth), 1.0, truth));
+    measured
+}
+
+fn lit(sheet: &Sheet) -> Vec<(Slant, Truth)> {
+    slants().into_iter().map(|slant| (slant, sheet.truth(&slant))).collect()
+}
+
+fn baked(sheet: &Sheet, blocks: Option<BcQuality>, directions: u32) -> TileVisibility {
+    sheet.visibility(blocks, directions, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Root of the mean square, and the mean, of the light on the hair.
+fn on_hair(measured: &Measured) -> (f64, f64) {
+    let errors = measured.total(2);
+    (errors.rmse().unwrap_or(f64::NAN), errors.mean().unwrap_or(f64::NAN))
+}
+
+/// What is baked is nearer to the light on the hair than maps can be, and not by chance: it is that of the same texel, layer and light, as each of
+/// the three taken wrongly is farther off. Maps are as good here as any could be: they are the volume itself.
+#[test]
+fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
+    let sheet = sheet();
+    let truths = lit(&sheet);
+    let hair: u32 = truths[0].1.hair.iter().map(|(_, _, times)| times).sum();
+    assert_eq!(hair, HAIR_DRAWS);
+    assert!(truths[0].1.hair.iter().all(|(i, ..)| sheet.texel(truths[0].1.points[*i]).2 > 0), "skin has no hair");
+    let visibility = baked(&sheet, None, 96);
+    let (error, mean) = on_hair(&measured(&truths, &|slant, truth| sheet.by_visibility(&visibility, slant, truth)));
+    // Texels this coarse mix hair that sees the light with hair that does not.
+    assert!(mean.abs() < 0.05, "{mean}");
+    for density in [0.4, 0.7, 1.0] {
+        let volume = |_: &Slant, truth: &Truth| truth.volume.iter().map(|t| t.powf(density)).collect();
+        let (of_maps, _) = on_hair(&measured(&truths, &volume));
+        assert!(error < 0.9 * of_maps, "{error}, of maps of density {density} {of_maps}");
+    }
+    // Another layer, another row of texels, and light from the other side.
+    let (n, layers) = (16usize, sheet.layers as usize);
+    let moved = |by: usize| {
+        let mut other = visibility.clone();
+        // What is pushed out comes in at the other end; the layer of the coat stays.
+        other.texels[4 * n * n..4 * n * n * layers].rotate_left(4 * by);
+        on_hair(&measured(&truths, &|slant, truth| sheet.by_visibility(&other, slant, truth))).0
+    };
+    let turned = |slant: &Slant, truth: &Truth| {
+        let light_ts = slant.light_ts * DVec3::new(-1.0, -1.0, 1.0);
+        sheet.by_visibility(&visibility, &Slant { light_ts, ..*slant }, truth)
+    };
+    let turned = on_hair(&measured(&truths, &turned)).0;
+    assert_eq!(moved(0), error);
+    let wrong = [moved(2 * n * n), moved(4 * n), turned];
+    assert!(wrong.iter().all(|wrong| *wrong > 1.1 * error), "{error}, wrongly {wrong:?}");
+}
+
+/// Blocks lose little of what plain texels say, but something, and are a quarter as large.
+#[test]
+fn blocks_say_nearly_what_plain_texels_say() {
+    let sheet = sheet();
+    let truths = lit(&sheet);
+    let plain = baked(&sheet, None, 24);
+    for quality in BcQuality::ALL {
+        let blocks = baked(&sheet, Some(*quality), 24);
+        let mut measured = Measured::default();
+        for (slant, truth) in &truths {
+            let [found, plain] = [&blocks, &plain].map(|v| sheet.by_visibility(v, slant, truth));
+            measured.add(slant, &found, 1.0, truth);
+            measured.add_blocks(&found, &plain, truth);
+        }
+        let loss = measured.blocks.rmse().unwrap_or(f64::NAN);
+        assert!(loss > 0.0 && loss < 0.05, "{quality:?}: {loss}");
+        let mean = measured.blocks.mean().unwrap_or(f64::NAN);
+        assert!(mean.abs() < 0.01, "{quality:?}: {mean}");
+        assert_eq!(blocks.horizon, plain.horizon);
+        // Levels of 16, 8, 4, 2 and 1 texels, the last two of them a block each; layers and the coat.
+        let texels: u64 = [16u64, 8, 4, 4, 4].map(|n| n * n).iter().sum();
+        assert_eq!(blocks.bytes, 7 * texels);
+    }
+    assert_eq!(plain.bytes, 7 * 4 * (256 + 64 + 16 + 4 + 1));
+}
+
+#[test]
+fn configurations_differ_and_rows_are_full() {
+    let mut recipe = natural();
+    let all = configurations(&recipe);
+    assert_eq!(all[0].form, Form::Baked { blocks: Some(BcQuality::Basic), directions: 24 });
+    assert!(all.len() > 20 && all.iter().any(|c| c.form == Form::Baked { blocks: None, directions: 24 }));
+    for (i, a) in all.iter().enumerate() {
+        assert!(all[..i].iter().all(|b| b.form != a.form), "{a:?}");
+        let row = cells(&a.form, 16, &Measured::default(), &Cost::default());
+        assert_eq!(row.len(), COLUMNS.len());
+        assert_eq!(row[0] == Cell::Text("baked".into()), row[6] == Cell::Empty, "{row:?}");
+    }
+    let maps = Form::Maps { shadows: ShadowParams::default(), slant: SlantForm::Corrected };
+    assert!(all[1..].iter().any(|c| c.form == maps));
+    // Who bakes no visibility has maps.
+    recipe.visibility.enabled = false;
+    assert_eq!(configurations(&recipe)[0].form, maps);
+    recipe.slice.layers = 2;
+    let whole = |form| {
+        matches!(form, Form::Baked { .. }) || matches!(form, Form::Maps { shadows, .. } if shadows.map_layers.is_none())
+    };
+    assert!(configurations(&recipe).iter().all(|c| whole(c.form)));
+    assert_eq!(slants().len(), 15);
+    assert!(slants().iter().all(|s| s.light_ts.is_normalized()));
+}
+
+#[test]
+fn what_is_taken_is_spread_and_not_in_columns() {
+    for (count, wanted) in [(0, 10), (10, 10), (11, 10), (65536, 6000), (1 << 20, 1 << 18)] {
+        let step = stride(count, wanted);
+        let taken = (0..count).step_by(step).count();
+        assert!(taken <= wanted && taken * 3 >= count.min(wanted), "{count} {wanted}: {taken}");
+        assert!(step % 2 == 1);
+    }
+    let recipe =
+        Recipe { slice: SliceParams { layers: 256, tile_texels: 1024, ..SliceParams::default() }, ..natural() };
+    let large = Sheet::new(&recipe, Lengths { length_m: 0.02, tile_size_m: 0.08 });
+    assert!(large.err().is_some_and(|e| e.to_string().contains("slice.tile_texels")));
+}

@@ -1,0 +1,582 @@
+//! Topic `verlet`: how near hair that swings is to its equations ([`TrueGuide`]), and what that costs, by how its lengths are held.
+//!
+//! Each form moves the same guides through the same frames of a sixtieth of a second: ours with other steps and solves, and what others do. Those have our
+//! forces, whose springs yield at long steps, so that what tells them apart is how they hold lengths. The printed form has its own.
+//!
+//! The scenes keep hair taut. Where it goes slack it whips, and two motions that differ by a rounding part: there is no truth to be near to.
+
+use super::{Cell, Panel};
+use crate::stability::hair_motion::{Printed, PrintedStep, sweep};
+use crate::truth::{Followed, TrueGuide};
+use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
+use pelage_formats::GroupMotion;
+use pelage_formats::meaning::hair_motion::{Frame, GRAVITY, Groomed, Pearl, Rooted, Solver, Springs, Wind, ballast};
+use std::f64::consts::TAU;
+
+/// Points of the guides.
+pub const POINTS: [usize; 3] = [7, 16, 36];
+/// How long a guide is, metres, about.
+const LENGTH_M: f32 = 0.3;
+/// Frames a second.
+const FPS: u32 = 60;
+/// Seconds of each scene.
+pub const SECONDS: u32 = 3;
+/// How far the truth may be from that with steps twice as long, in lengths of the guide.
+const WITHIN: f64 = 1e-5;
+/// Damping of springs to the groomed place, of what would stop them from swinging.
+const DAMPED: f32 = 0.3;
+/// Share of what following takes from the speed that Müller 2012 gives back.
+const GIVEN_BACK: f32 = 0.9;
+/// How much a piece yields to a pull, metres over those of a second squared: by 1e-4 of its length where a guide hangs on it.
+const COMPLIANCE: f32 = 1e-8;
+
+/// Columns of the chart.
+///
+/// * `points`: of a guide. `steps_per_s`: steps of a second; `rounds`: times that lengths are seen to in a step, on average, of ours with the way from root to tip.
+/// * `rms_percent`: distance of points from where they truly are, root of the mean of its square over all points but the root and all frames of three scenes,
+///   in % of the guide's length; `largest_percent`: the farthest. `rms_turn` and the like: of a scene alone.
+/// * `stretch_percent`: the most that any piece is longer or shorter than it should be.
+/// * `nanoseconds`: of a guide and a second that it swings, on one core; `corrections_per_s`: how often the length of each piece is put right in that second.
+/// * `true_steps_per_s`: of the truth; `true_change_percent`: how far it was from there with half as many.
+pub const COLUMNS: [&str; 13] = [
+    "points",
+    "steps_per_s",
+    "rounds",
+    "rms_percent",
+    "largest_percent",
+    "rms_turn",
+    "rms_gallop",
+    "rms_gust",
+    "stretch_percent",
+    "nanoseconds",
+    "corrections_per_s",
+    "true_steps_per_s",
+    "true_change_percent",
+];
+
+/// Panels of the chart: one for each number of points, and one by what is counted.
+pub const PANELS: [Panel; 4] = [
+    panel(NANOSECONDS, "7 points: ns of a guide and second, one core", "7"),
+    panel(NANOSECONDS, "16 points: ns of a guide and second, one core", "16"),
+    panel(NANOSECONDS, "36 points: ns of a guide and second, one core", "36"),
+    panel("corrections_per_s", "16 points: times a second that a length is put right", "16"),
+];
+
+const NANOSECONDS: &str = "nanoseconds";
+
+const fn panel(cost: &'static str, cost_label: &'static str, points: &'static str) -> Panel {
+    let error_label = "RMS distance from the truth, % of the length";
+    Panel { cost, cost_label, error: "rms_percent", error_label, only: Some(("points", points)) }
+}
+
+/// What moves a guide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scene {
+    /// A head that turns aside within 0.4 s, and back.
+    Turn,
+    /// A root that goes up and down, as at a gallop.
+    Gallop,
+    /// Wind that swells and falls.
+    Gust,
+}
+
+/// From 0 to 1 in the time from `from` on that it takes, without a jerk at either end.
+fn eased(time_s: f64, from: f64, takes: f64) -> f64 {
+    let t = ((time_s - from) / takes).clamp(0.0, 1.0);
+    t * t * t * (10.0 + t * (6.0 * t - 15.0))
+}
+
+impl Scene {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Turn, Self::Gallop, Self::Gust];
+
+    /// Root and its frame at a time, seconds.
+    pub fn skin(self, time_s: f64) -> (DVec3, DMat3) {
+        match self {
+            Self::Turn => {
+                let turn = DMat3::from_rotation_y(1.2 * (eased(time_s, 0.2, 0.4) - eased(time_s, 1.4, 0.4)));
+                (turn * DVec3::new(0.0, 0.0, -0.1), turn)
+            }
+            Self::Gallop => {
+                let turns = TAU * 2.2 * time_s;
+                let swells = eased(time_s, 0.0, 0.5);
+                let nod = DMat3::from_rotation_x(0.15 * swells * (turns + 0.5).sin());
+                (DVec3::new(0.0, 0.02 * swells * turns.sin(), 0.0), nod)
+            }
+            Self::Gust => (DVec3::ZERO, DMat3::IDENTITY),
+        }
+    }
+
+    /// The same as a renderer knows it.
+    fn rooted(self, time_s: f64) -> Rooted {
+        let (root, frame) = self.skin(time_s);
+        Rooted { root: root.as_vec3(), frame: frame.as_mat3() }
+    }
+
+    /// What the air does.
+    fn wind(self) -> Wind {
+        if self == Self::Gust {
+            Wind { velocity: Vec3::new(4.0, 0.0, 1.5), gust: 0.5, gust_s: 1.2, ..Wind::default() }
+        } else {
+            Wind::default()
+        }
+    }
+
+    /// Velocity of the air at a time and place.
+    fn air(self, time_s: f32, place: Vec3) -> Vec3 {
+        self.wind().at(place, time_s)
+    }
+}
+
+/// How a guide is moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// As [`Solver`] does.
+    Ours(Solver),
+    /// Each piece by itself, root to tip, so many times a step (Jakobsen 2001).
+    Sweeps {
+        /// Steps of a second.
+        steps_per_s: u32,
+        /// Times.
+        sweeps: u32,
+    },
+    /// Each point goes to the right distance from the one before, and what that takes from its speed comes back (Müller 2012).
+    Leader {
+        /// Steps of a second.
+        steps_per_s: u32,
+    },
+    /// Pieces that yield a little, each put right once a step (Macklin 2016 and 2019: small steps instead of rounds).
+    Yielding {
+        /// Steps of a second.
+        steps_per_s: u32,
+    },
+    /// Nalu's, one step a frame.
+    Printed {
+        /// Rounds over the lengths.
+        sweeps: u32,
+    },
+    /// The truth, of a skin that goes straight from frame to frame: what no form is nearer than, that knows no more than frames.
+    Straight,
+}
+
+/// Something to measure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration {
+    /// What is varied.
+    pub series: &'static str,
+    /// Its value, short.
+    pub label: String,
+    /// Points of the guide.
+    pub points: usize,
+    /// How it is moved.
+    pub form: Form,
+    /// Whether it is what the runtime does.
+    pub default: bool,
+}
+
+/// What to measure, of each of [`POINTS`], first what the runtime does.
+pub fn configurations() -> Vec<Configuration> {
+    let ours = Solver::default();
+    let mut forms = vec![("as the runtime does", String::new(), Form::Ours(ours))];
+    for steps in [60u16, 240, 480] {
+        let solver = Solver { steps_per_s: steps.into(), ..ours };
+        forms.push(("ours, steps a second", steps.to_string(), Form::Ours(solver)));
+    }
+    for solved in [1, 2, 3, 6] {
+        // So many and no fewer.
+        let solver = Solver { solved, within: 0.0, ..ours };
+        forms.push(("ours, solves a step", solved.to_string(), Form::Ours(solver)));
+    }
+    for sweeps in [1, 2, 4, 8, 16, 32] {
+        forms.push(("sweeps a step", sweeps.to_string(), Form::Sweeps { steps_per_s: 120, sweeps }));
+    }
+    for steps_per_s in [60, 120, 240, 480] {
+        forms.push(("follow the leader, steps a second", steps_per_s.to_string(), Form::Leader { steps_per_s }));
+    }
+    for steps_per_s in [120, 240, 480, 960, 1920] {
+        forms.push(("XPBD, steps a second", steps_per_s.to_string(), Form::Yielding { steps_per_s }));
+    }
+    for sweeps in [1, 4, 16] {
+        forms.push(("as printed, sweeps a frame", sweeps.to_string(), Form::Printed { sweeps }));
+    }
+    forms.push(("truth, straight between frames", String::new(), Form::Straight));
+    let all = POINTS.iter().flat_map(|points| forms.iter().map(move |form| (*points, form)));
+    all.map(|(points, (series, label, form))| Configuration {
+        series,
+        label: label.clone(),
+        points,
+        form: *form,
+        default: *form == Form::Ours(ours),
+    })
+    .collect()
+}
+
+/// A guide that stands out from the root and falls, with all that goes with it.
+#[derive(Clone, Debug)]
+pub struct Guide {
+    points: Vec<Vec3>,
+    ballast: Vec<Vec3>,
+    free: Vec<f32>,
+    /// Of the pieces; nothing's first.
+    lengths: Vec<f32>,
+    springs: Springs,
+}
+
+impl Guide {
+    /// Of so many points, two or more, with the springs of a group that is told nothing.
+    pub fn new(points: usize) -> Self {
+        let place = |k: usize| {
+            let t = k as f32 / (points - 1) as f32;
+            Vec3::new(0.0, -0.93 * t * t.sqrt(), -0.5 * t) * LENGTH_M
+        };
+        let points: Vec<Vec3> = (0..points).map(place).collect();
+        let pieces = points.windows(2).map(|ends| ends[0].distance(ends[1]));
+        let GroupMotion { drag_per_s, shape_hz, bend_hz, friction, .. } = GroupMotion::default();
+        Self {
+            ballast: ballast(&points, Mat3::IDENTITY),
+            free: vec![1.0; points.len()],
+            lengths: std::iter::once(0.0).chain(pieces).collect(),
+            springs: Springs { drag_per_s, shape_hz, bend_hz, friction },
+            points,
+        }
+    }
+
+    fn length(&self) -> f32 {
+        self.lengths.iter().sum()
+    }
+
+    /// Moves it through a scene. Returns how often ours solved for the tensions.
+    ///
+    /// * `at_end`: told its points at the end of each frame, from the root
+    pub fn run(&self, form: &Form, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) -> u32 {
+        match *form {
+            Form::Ours(solver) => return self.ours(solver, scene, at_end),
+            Form::Sweeps { steps_per_s, sweeps } => {
+                let hold = |string: &mut Plain, h: f32| {
+                    (0..sweeps).for_each(|_| sweep(&mut string.places, &self.lengths));
+                    string.take_speed(h);
+                };
+                self.plain(steps_per_s, scene, &hold, at_end);
+            }
+            Form::Leader { steps_per_s } => {
+                let hold = |string: &mut Plain, h: f32| string.follow(&self.lengths, h);
+                self.plain(steps_per_s, scene, &hold, at_end);
+            }
+            Form::Yielding { steps_per_s } => {
+                let hold = |string: &mut Plain, h: f32| {
+                    string.yielding(&self.lengths, h);
+                    string.take_speed(h);
+                };
+                self.plain(steps_per_s, scene, &hold, at_end);
+            }
+            Form::Printed { sweeps } => self.printed(sweeps, scene, at_end),
+            Form::Straight => {
+                for (frame, places) in (1..).zip(self.truth(scene, true).places) {
+                    let root = scene.skin(time_s(frame)).0;
+                    at_end(&places.iter().map(|p| (*p - root).as_vec3()).collect::<Vec<_>>());
+                }
+            }
+        }
+        0
+    }
+
+    fn ours(&self, solver: Solver, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) -> u32 {
+        let mut solved = 0;
+        let groomed = Groomed { points: &self.points, ballast: &self.ballast, free: &self.free };
+        let mut pearls: Vec<Pearl> = scene.rooted(0.0).groomed(&self.points);
+        let mut places = self.points.clone();
+        let mut before_s = solver.steps(1.0 / FPS as f32).1;
+        for number in 1..=FPS * SECONDS {
+            let frame = Frame {
+                seconds: 1.0 / FPS as f32,
+                before_s,
+                gravity: Vec3::NEG_Y * GRAVITY,
+                wind: scene.wind(),
+                time_s: time_s(number) as f32,
+                colliders: &[],
+            };
+            let [before, now] = [number - 1, number].map(|n| scene.rooted(time_s(n)));
+            let advanced = solver.advance_frame(&mut pearls, &groomed, &self.springs, &frame, before, now);
+            before_s = advanced.step_s;
+            solved += advanced.solved;
+            places.iter_mut().zip(&pearls).for_each(|(place, pearl)| *place = pearl.place);
+            at_end(&places);
+        }
+        solved
+    }
+
+    /// With the forces of ours, and lengths that `hold` sees to, at the end of a step of so many seconds.
+    fn plain(&self, steps_per_s: u32, scene: Scene, hold: &dyn Fn(&mut Plain, f32), at_end: &mut dyn FnMut(&[Vec3])) {
+        let steps = steps_per_s / FPS;
+        let h = 1.0 / steps_per_s as f32;
+        let mut string = Plain::new(&self.points, scene.rooted(0.0));
+        let mut places = self.points.clone();
+        for number in 1..=FPS * SECONDS {
+            let [from, to] = [number - 1, number].map(|n| scene.rooted(time_s(n)));
+            for step in 1..=steps {
+                let at = |step: u32| from.between(to, step as f32 / steps as f32);
+                let now_s = time_s(number) as f32 - (steps - step) as f32 * h;
+                string.fly(self, [at(step - 1), at(step)], h, |place| scene.air(now_s, place));
+                hold(&mut string, h);
+            }
+            places.iter_mut().zip(&string.places).for_each(|(place, found)| *place = *found - to.root);
+            at_end(&places);
+        }
+    }
+
+    /// As Nalu's were: forces as they come, and one share of speed for all that slows.
+    fn printed(&self, sweeps: u32, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) {
+        let first = scene.rooted(0.0);
+        let mut string = Printed::new(self.points.iter().map(|p| first.root + first.frame * *p).collect());
+        let seconds = 1.0 / FPS as f32;
+        let (shape, bend) = (square(self.springs.shape_hz), square(self.springs.bend_hz));
+        let slowed = self.springs.drag_per_s + 2.0 * DAMPED * shape.sqrt();
+        let step = PrintedStep {
+            seconds,
+            lost: 1.0 - libm::expf(-slowed * seconds),
+            lengths: &self.lengths,
+            sweeps,
+            spheres: &[],
+        };
+        let mut places = self.points.clone();
+        for number in 1..=FPS * SECONDS {
+            let (now, now_s) = (scene.rooted(time_s(number)), time_s(number) as f32);
+            let mut pulled = self.bent(now.frame, &string.places);
+            for (k, pulled) in pulled.iter_mut().enumerate() {
+                let place = string.places[k];
+                *pulled = *pulled * bend
+                    + Vec3::NEG_Y * GRAVITY
+                    + now.frame * self.ballast[k]
+                    + scene.air(now_s, place) * self.springs.drag_per_s
+                    + (now.root + now.frame * self.points[k] - place) * shape;
+            }
+            string.step(now.root, &pulled, &step);
+            places.iter_mut().zip(&string.places).for_each(|(place, found)| *place = *found - now.root);
+            at_end(&places);
+        }
+    }
+
+    /// How far each point is from where it would be with all pieces before it as they were groomed, each turned as the one before it is.
+    fn bent(&self, frame: Mat3, places: &[Vec3]) -> Vec<Vec3> {
+        let mut out = vec![Vec3::ZERO; places.len()];
+        let mut turn = Quat::IDENTITY;
+        for k in 1..places.len() {
+            let wanted = turn * (frame * (self.points[k] - self.points[k - 1]));
+            let found = places[k] - places[k - 1];
+            out[k] = out[k - 1] + wanted - found;
+            let (from, to) = (wanted.normalize_or(Vec3::Y), found.normalize_or(Vec3::Y));
+            let (across, half) = (from.cross(to), 1.0 + from.dot(to));
+            if half > 1e-6 {
+                turn = Quat::from_xyzw(across.x, across.y, across.z, half).normalize() * turn;
+            }
+        }
+        out
+    }
+
+    /// How it truly moves through a scene; `straight`: of a skin that goes straight from frame to frame.
+    pub fn truth(&self, scene: Scene, straight: bool) -> Followed {
+        let wide = |points: &[Vec3]| points.iter().map(|p| p.as_dvec3()).collect::<Vec<_>>();
+        let (points, ballast) = (wide(&self.points), wide(&self.ballast));
+        let air = |time_s: f64, place: DVec3| scene.air(time_s as f32, place.as_vec3()).as_dvec3();
+        let guide = TrueGuide {
+            points: &points,
+            ballast: &ballast,
+            drag_per_s: self.springs.drag_per_s.into(),
+            shape_hz: self.springs.shape_hz.into(),
+            bend_hz: self.springs.bend_hz.into(),
+            gravity: DVec3::NEG_Y * f64::from(GRAVITY),
+            air: &air,
+        };
+        let way = |time_s: f64| scene.skin(time_s);
+        guide.followed(&way, straight, (FPS * SECONDS, 1.0 / f64::from(FPS)), WITHIN)
+    }
+}
+
+/// The end of a frame, seconds.
+fn time_s(frame: u32) -> f64 {
+    f64::from(frame) / f64::from(FPS)
+}
+
+/// Of a spring of so many swings a second: pull over distance and mass.
+fn square(hz: f32) -> f32 {
+    let omega = std::f32::consts::TAU * hz;
+    omega * omega
+}
+
+/// A string whose lengths are not seen to yet.
+#[derive(Clone, Debug)]
+struct Plain {
+    /// In the world.
+    places: Vec<Vec3>,
+    velocities: Vec<Vec3>,
+    /// At the beginning of the step.
+    started: Vec<Vec3>,
+}
+
+impl Plain {
+    fn new(points: &[Vec3], rooted: Rooted) -> Self {
+        let places: Vec<Vec3> = points.iter().map(|p| rooted.root + rooted.frame * *p).collect();
+        Self { velocities: vec![Vec3::ZERO; places.len()], started: places.clone(), places }
+    }
+
+    /// Lets its points fly, from one place of the root to another.
+    fn fly(&mut self, guide: &Guide, [before, now]: [Rooted; 2], h: f32, air: impl Fn(Vec3) -> Vec3) {
+        let springs = &guide.springs;
+        let (shape, bend) = (square(springs.shape_hz), square(springs.bend_hz));
+        let (shape, bend) = (shape / (1.0 + shape * h * h), bend / (1.0 + bend * h * h));
+        let kept_of_air = libm::expf(-springs.drag_per_s * h);
+        let kept_of_shape = libm::expf(-2.0 * DAMPED * std::f32::consts::TAU * springs.shape_hz * h);
+        self.started.clone_from(&self.places);
+        let bent = guide.bent(now.frame, &self.places);
+        for (k, bent) in bent.iter().enumerate().skip(1) {
+            let place = self.places[k];
+            let air = air(place);
+            let goal = now.root + now.frame * guide.points[k];
+            let with_skin = (goal - before.root - before.frame * guide.points[k]) / h;
+            let velocity = air + (self.velocities[k] - air) * kept_of_air;
+            let velocity = with_skin + (velocity - with_skin) * kept_of_shape;
+            let pulled = Vec3::NEG_Y * GRAVITY
+                + now.frame * guide.ballast[k]
+                + (goal - place - (now.root - before.root)) * shape
+                + *bent * bend;
+            self.places[k] = place + velocity * h + pulled * (h * h);
+        }
+        self.places[0] = now.root;
+    }
+
+    /// Velocities from the ways that its points went.
+    fn take_speed(&mut self, h: f32) {
+        for (k, velocity) in self.velocities.iter_mut().enumerate() {
+            *velocity = (self.places[k] - self.started[k]) / h;
+        }
+    }
+
+    fn follow(&mut self, lengths: &[f32], h: f32) {
+        let mut moved = vec![Vec3::ZERO; self.places.len() + 1];
+        for k in 1..self.places.len() {
+            let parent = self.places[k - 1];
+            let place = parent + (self.places[k] - parent).normalize_or(Vec3::NEG_Y) * lengths[k];
+            moved[k] = place - std::mem::replace(&mut self.places[k], place);
+        }
+        self.take_speed(h);
+        for (k, velocity) in self.velocities.iter_mut().enumerate() {
+            *velocity -= moved[k + 1] * (GIVEN_BACK / h);
+        }
+    }
+
+    fn yielding(&mut self, lengths: &[f32], h: f32) {
+        let yields = COMPLIANCE / (h * h);
+        for (k, wanted) in lengths.iter().enumerate().skip(1) {
+            let way = self.places[k] - self.places[k - 1];
+            let length = way.length().max(1e-9);
+            let masses = if k == 1 { 1.0 } else { 2.0 };
+            let off = way * ((length - wanted) / (length * (masses + yields)));
+            if k > 1 {
+                self.places[k - 1] += off;
+            }
+            self.places[k] -= off;
+        }
+    }
+}
+
+/// What was measured of a form in a scene, or in several.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Off {
+    /// Sum of the squares of distances from the truth, lengths of the guide, and how many there are.
+    squares: f64,
+    count: usize,
+    /// The farthest.
+    largest: f64,
+    /// The most that any piece is longer or shorter than it should be, over its length.
+    stretch: f64,
+    /// How often ours solved for the tensions.
+    solved: u32,
+}
+
+impl Off {
+    /// How far a form is from the truth, at the ends of frames.
+    pub fn of(guide: &Guide, form: &Form, scene: Scene, truth: &[Vec<DVec3>]) -> Self {
+        let mut off = Self::default();
+        let mut frame = 0;
+        let solved = guide.run(form, scene, &mut |places| {
+            let found = &truth[frame];
+            frame += 1;
+            for k in 1..places.len() {
+                let away = (places[k].as_dvec3() - (found[k] - found[0])).length() / f64::from(guide.length());
+                let stretch = f64::from((places[k].distance(places[k - 1]) / guide.lengths[k] - 1.0).abs());
+                off = off.and(Self { squares: away * away, count: 1, largest: away, stretch, solved: 0 });
+            }
+        });
+        Self { solved, ..off }
+    }
+
+    /// Of both together; what is not a number stays.
+    pub fn and(self, other: Self) -> Self {
+        let greater = |a: f64, b: f64| if b <= a { a } else { b };
+        Self {
+            squares: self.squares + other.squares,
+            count: self.count + other.count,
+            largest: greater(self.largest, other.largest),
+            stretch: greater(self.stretch, other.stretch),
+            solved: self.solved + other.solved,
+        }
+    }
+
+    /// Root of the mean of the squares, lengths.
+    pub fn rms(&self) -> f64 {
+        (self.squares / self.count.max(1) as f64).sqrt()
+    }
+}
+
+impl Form {
+    /// Steps of a second, and times that lengths are seen to in each, where that is what was found in all scenes.
+    pub fn effort(&self, found: &Off) -> Option<(f64, f64)> {
+        Some(match *self {
+            // What the tensions leave goes from root to tip.
+            Self::Ours(Solver { steps_per_s, .. }) => {
+                let steps_per_s = f64::from(steps_per_s);
+                let seconds = f64::from(SECONDS * Scene::ALL.len() as u32);
+                (steps_per_s, f64::from(found.solved) / (seconds * steps_per_s) + 1.0)
+            }
+            Self::Sweeps { steps_per_s, sweeps } => (steps_per_s.into(), sweeps.into()),
+            Self::Leader { steps_per_s } | Self::Yielding { steps_per_s } => (steps_per_s.into(), 1.0),
+            Self::Printed { sweeps } => (FPS.into(), sweeps.into()),
+            Self::Straight => return None,
+        })
+    }
+}
+
+/// The cells of a row, in the order of [`COLUMNS`].
+///
+/// * `off`: in each of [`Scene::ALL`]
+/// * `nanoseconds`: of a guide and second
+/// * `truths`: of the same scenes
+pub fn cells(
+    configuration: &Configuration,
+    off: &[Off; 3],
+    nanoseconds: Option<f64>,
+    truths: &[Followed],
+) -> Vec<Cell> {
+    let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
+    let all = off.iter().copied().fold(Off::default(), Off::and);
+    let effort = configuration.form.effort(&all);
+    vec![
+        Cell::Number(configuration.points as f64),
+        number(effort.map(|(steps, _)| steps)),
+        number(effort.map(|(_, rounds)| rounds)),
+        Cell::Number(100.0 * all.rms()),
+        Cell::Number(100.0 * all.largest),
+        Cell::Number(100.0 * off[0].rms()),
+        Cell::Number(100.0 * off[1].rms()),
+        Cell::Number(100.0 * off[2].rms()),
+        Cell::Number(100.0 * all.stretch),
+        number(nanoseconds),
+        number(effort.map(|(steps, rounds)| steps * rounds)),
+        Cell::Number(f64::from(truths.iter().map(|truth| truth.steps).max().unwrap_or(0)) * f64::from(FPS)),
+        Cell::Number(100.0 * truths.iter().map(|truth| truth.change).fold(0.0, f64::max)),
+    ]
+}
+
+#[cfg(test)]
+#[path = "verlet_tests.rs"]
+mod tests;

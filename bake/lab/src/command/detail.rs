@@ -1,0 +1,107 @@
+//! `pelage chart detail`: layers, triangles and texels in four sizes beside the true strands.
+
+use super::driver::{Plan, PlannedRow, Topic, once};
+use super::subject::Subject;
+use crate::chart::{Cell, detail};
+use pelage_bake::recipe::Recipe;
+use pelage_runtime::wgpu::Features;
+use pelage_stage::{Gpu, NamedPackage, Viewpoint};
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::measured_on;
+use pelage_tool::shell_judge::{ShellJudge, Source, cameras};
+use pelage_tool::truth::Truth;
+use pelage_tool::view::View;
+
+/// The topic.
+pub struct DetailTopic<'a> {
+    subject: &'a Subject,
+    configurations: Vec<detail::Configuration>,
+    gpu: Gpu,
+    /// The strands, which no size and no recipe of a row changes, and from where they are seen.
+    truth: Option<(Truth, Viewpoint)>,
+    /// The true picture of each size, and what else its rows share.
+    sizes: [Option<(ShellJudge<'a>, detail::Seen)>; detail::Size::ALL.len()],
+    /// What was baked: sizes draw the same.
+    packages: Vec<(Recipe, NamedPackage<'static>)>,
+}
+
+impl<'a> DetailTopic<'a> {
+    /// Lists the configurations and opens the adapter.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        let configurations = detail::configurations(&subject.recipe)?;
+        let (gpu, sizes) = (Gpu::open()?, [const { None }; detail::Size::ALL.len()]);
+        Ok(Self { subject, configurations, gpu, truth: None, sizes, packages: Vec::new() })
+    }
+}
+
+impl Topic for DetailTopic<'_> {
+    fn plan(&self) -> Plan {
+        let row = |configuration: &detail::Configuration| PlannedRow {
+            series: configuration.series.into(),
+            label: configuration.label.clone(),
+            default: configuration.default,
+            command: None,
+        };
+        let words = detail::Size::ALL.map(|size| {
+            let (width, height) = size.pixels(&self.subject.recipe);
+            format!("{width}x{height}")
+        });
+        Plan {
+            topic: "detail",
+            title: format!(
+                "{}, {} pixels: what is drawn against the true strands",
+                self.subject.name,
+                words.join(", ")
+            ),
+            adapter: measured_on(&self.gpu.info.name),
+            columns: detail::COLUMNS.to_vec(),
+            panels: detail::panels(self.gpu.device.features().contains(Features::PIPELINE_STATISTICS_QUERY)),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let Subject { file, name, model, images, recipe: base, package, .. } = self.subject;
+        let source = match package {
+            Some(package) => Source::Package(package),
+            None => Source::Model { file, name, model, images },
+        };
+        let configuration = &self.configurations[index];
+        let size = detail::Size::ALL[configuration.size];
+        let (gpu, truth, packages) = (&self.gpu, &mut self.truth, &mut self.packages);
+        let (judge, seen) = once(&mut self.sizes[configuration.size], || {
+            let file = baked(packages, source, base, doing)?;
+            let (truth, camera) = once(truth, || {
+                let truth = Truth::new(file, &View::default())?;
+                let camera = cameras(base, &truth)[0];
+                Ok((truth, camera))
+            })?;
+            let (pixels, samples) = (size.pixels(base), base.judge.samples);
+            let judge = ShellJudge::of_views(source, truth, pixels, &[*camera], samples, gpu, doing);
+            let fur_px = judge.fur_px(file)?;
+            Ok((judge, detail::Seen { pixels, fur_px, samples }))
+        })?;
+        let file = baked(packages, source, &configuration.recipe, doing)?;
+        doing("drawing");
+        let (measured, _) = judge.measure_drawn(file, configuration.detail)?;
+        Ok(detail::cells(configuration, seen, &measured, judge.timing()))
+    }
+}
+
+/// The package of a recipe, baked where none was.
+fn baked<'p>(
+    packages: &'p mut Vec<(Recipe, NamedPackage<'static>)>,
+    source: Source<'_>,
+    recipe: &Recipe,
+    doing: &mut dyn FnMut(&str),
+) -> Result<&'p NamedPackage<'static>, Failure> {
+    let index = match packages.iter().position(|(of, _)| of == recipe) {
+        Some(index) => index,
+        None => {
+            doing("baking");
+            packages.push((recipe.clone(), source.bake(recipe)?));
+            packages.len() - 1
+        }
+    };
+    Ok(&packages[index].1)
+}

@@ -1,0 +1,64 @@
+//! `pelage chart environment`: what a fibre sends of skies, by the form that frames have and by others, against the picture of the sky.
+
+use super::driver::{Plan, PlannedRow, Topic};
+use super::environment_fit::{names, skies};
+use crate::chart::Cell;
+use crate::chart::environment::{COLUMNS, Configuration, PANELS, Truth, cells, configurations, off_single, off_sky};
+use crate::chart::skies::NamedSky;
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::measured_on;
+use std::path::PathBuf;
+
+/// The topic.
+pub struct EnvironmentTopic {
+    configurations: Vec<Configuration>,
+    skies: Vec<NamedSky>,
+    /// Of each sky, of those that a row asked for.
+    truths: Vec<Option<Truth>>,
+}
+
+impl EnvironmentTopic {
+    /// Reads the skies and lists the configurations.
+    pub fn new(files: &[PathBuf]) -> Result<Self, Failure> {
+        let skies = skies(files)?;
+        let truths = skies.iter().map(|_| None).collect();
+        Ok(Self { configurations: configurations(skies.len()), skies, truths })
+    }
+}
+
+impl Topic for EnvironmentTopic {
+    fn plan(&self) -> Plan {
+        let row = |configuration: &Configuration| {
+            let (series, label) = configuration.labels();
+            PlannedRow { series: series.into(), label, default: configuration.is_default(), command: None }
+        };
+        Plan {
+            topic: "environment",
+            title: format!("What three fibres send of skies, against every direction of them: {}", names(&self.skies)),
+            adapter: measured_on("CPU, one thread"),
+            columns: COLUMNS.to_vec(),
+            panels: PANELS.to_vec(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let configuration = self.configurations[index];
+        let (name, off) = match configuration {
+            Configuration::Sky(number, form) => {
+                let sky = &self.skies[number];
+                let truth = self.truths[number].get_or_insert_with(|| {
+                    doing("truth");
+                    Truth::new(sky)
+                });
+                doing("comparing");
+                (sky.name.as_str(), off_sky(form, sky, truth))
+            }
+            Configuration::Single(width, form) => {
+                doing("comparing");
+                ("", off_single(form, width))
+            }
+        };
+        Ok(cells(&configuration, name, &off))
+    }
+}

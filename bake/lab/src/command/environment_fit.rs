@@ -1,0 +1,86 @@
+//! `pelage chart environment-fit`: few lights against the skies that they stand for.
+
+use super::driver::{Plan, PlannedRow, Topic};
+use crate::chart::Cell;
+use crate::chart::environment_fit::{COLUMNS, LOBES, PANELS, cells, fit, true_irradiance};
+use crate::chart::skies::{NamedSky, painted};
+use glam::DVec3;
+use pelage_bake::sky_file::SkyFile;
+use pelage_import::BakeError;
+use pelage_stage::sky::FitParams;
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::measured_on;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// The skies of those files; without any, the painted ones.
+pub(super) fn skies(files: &[PathBuf]) -> Result<Vec<NamedSky>, Failure> {
+    if files.is_empty() {
+        return Ok(painted()?);
+    }
+    let read = |path: &PathBuf| match SkyFile::read(path)? {
+        SkyFile::Panorama(panorama) => {
+            Ok(NamedSky { name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), panorama })
+        }
+        SkyFile::Lights(_) => Err(BakeError::Input {
+            file: path.display().to_string(),
+            place: "whole file".into(),
+            reason: "holds lights, expected the picture of a sky (.hdr, .exr) that they can be held against".into(),
+        }
+        .into()),
+    };
+    files.iter().map(read).collect()
+}
+
+/// The topic.
+pub struct EnvironmentFitTopic {
+    skies: Vec<NamedSky>,
+    /// Irradiance under each sky, of those that a row asked for.
+    truths: Vec<Option<Vec<DVec3>>>,
+}
+
+impl EnvironmentFitTopic {
+    /// Reads the skies.
+    pub fn new(files: &[PathBuf]) -> Result<Self, Failure> {
+        let skies = skies(files)?;
+        Ok(Self { truths: vec![None; skies.len()], skies })
+    }
+}
+
+impl Topic for EnvironmentFitTopic {
+    fn plan(&self) -> Plan {
+        let rows = self.skies.iter().flat_map(|sky| LOBES.map(|lobes| (sky, lobes)));
+        let row = |(sky, lobes): (&NamedSky, usize)| PlannedRow {
+            series: sky.name.clone(),
+            label: lobes.to_string(),
+            default: lobes == FitParams::default().lobes,
+            command: None,
+        };
+        Plan {
+            topic: "environment-fit",
+            title: format!("Skies as 0 to 32 lobes and a sun: {}", names(&self.skies)),
+            adapter: measured_on("CPU"),
+            columns: COLUMNS.to_vec(),
+            panels: PANELS.to_vec(),
+            rows: rows.map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let (number, lobes) = (index / LOBES.len(), LOBES[index % LOBES.len()]);
+        let sky = &self.skies[number];
+        let truth = self.truths[number].get_or_insert_with(|| {
+            doing("truth");
+            true_irradiance(&sky.panorama)
+        });
+        doing("fitting");
+        let begun = Instant::now();
+        let fitted = fit(sky, lobes);
+        Ok(cells(sky, lobes, &fitted, truth, begun.elapsed().as_secs_f64()))
+    }
+}
+
+/// Their names in a row.
+pub(super) fn names(skies: &[NamedSky]) -> String {
+    skies.iter().map(|sky| sky.name.as_str()).collect::<Vec<_>>().join(", ")
+}

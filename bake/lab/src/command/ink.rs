@@ -1,0 +1,148 @@
+//! `pelage chart ink`: drawn lines beside those of the mesh.
+
+use super::driver::{Plan, PlannedRow, Topic, once};
+use super::greys::greys;
+use super::subject::Subject;
+use crate::chart::{Cell, ink};
+use crate::compare_lines::measure_lines;
+use crate::compare_motion::{Flicker, Moment, flicker};
+use crate::truth::{LineParams, TrueLines};
+use glam::Vec3;
+use image::RgbaImage;
+use pelage_bake::mask::Mask;
+use pelage_bake::strands::Skin;
+use pelage_runtime::{InkParams, InkShow, Style};
+use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, fastest, framing, outline};
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::measured_on;
+use pelage_tool::shell_judge::Source;
+use pelage_tool::staged::{pixels, stage_of};
+use pelage_tool::truth::true_camera;
+use pelage_tool::view::View;
+
+/// Frames of the slow turn whose flicker is taken, and the degrees between them.
+const TURN: (u32, f32) = (4, 1.0);
+/// Darker than this is ink: half of the light, sRGB-encoded.
+const INK: u8 = 188;
+/// Darker than this is the faintest ink.
+const FAINT: u8 = 253;
+
+/// The topic.
+pub struct InkTopic<'a> {
+    subject: &'a Subject,
+    configurations: Vec<ink::Configuration>,
+    gpu: Gpu,
+    shared: Option<Shared>,
+}
+
+/// What all rows need.
+struct Shared {
+    file: NamedPackage<'static>,
+    rest_points: Vec<Vec3>,
+    lines: TrueLines,
+    meter: Meter,
+    /// Of the row before: rows of one size share it.
+    scene: Option<(View, Stage)>,
+}
+
+impl<'a> InkTopic<'a> {
+    /// Lists the configurations and opens the adapter.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        Ok(Self { subject, configurations: ink::configurations(), gpu: Gpu::open()?, shared: None })
+    }
+}
+
+impl Topic for InkTopic<'_> {
+    fn plan(&self) -> Plan {
+        let row = |configuration: &ink::Configuration| PlannedRow {
+            series: configuration.series.into(),
+            label: configuration.label.clone(),
+            default: configuration.default,
+            command: None,
+        };
+        Plan {
+            topic: "ink",
+            title: format!("{}: ink lines against the contours and creases of the mesh", self.subject.name),
+            adapter: measured_on(&self.gpu.info.name),
+            columns: ink::COLUMNS.to_vec(),
+            panels: ink::PANELS.to_vec(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let (subject, gpu) = (self.subject, &self.gpu);
+        let shared = once(&mut self.shared, || {
+            doing("baking");
+            Shared::new(subject, gpu)
+        })?;
+        doing("drawing");
+        let look = &self.configurations[index].look;
+        Ok(ink::cells(look, &shared.measure(look, gpu)?))
+    }
+}
+
+impl Shared {
+    fn new(subject: &Subject, gpu: &Gpu) -> Result<Self, Failure> {
+        let Subject { file, name, model, images, recipe, package, .. } = subject;
+        let file = match package {
+            Some(package) => NamedPackage { name: package.name.clone(), bytes: package.bytes.clone() },
+            None => Source::Model { file, name, model, images }.bake(recipe)?,
+        };
+        let opened = file.open()?;
+        let rest_points = outline(&file, &opened, None, None)?;
+        let lines = TrueLines::new(Skin::posed(&file.name, &opened, &[])?)?;
+        drop(opened);
+        Ok(Self { rest_points, lines, meter: Meter::new(gpu), scene: None, file })
+    }
+
+    /// Draws one way from both sides, times it, and goes slowly round with it.
+    fn measure(&mut self, wanted: &ink::Look, gpu: &Gpu) -> Result<ink::Measured, Failure> {
+        let ink::Look { size, ink, study } = wanted;
+        let (size, (width, height)) = (*size, *size);
+        let camera = |towards| framing::frame(&self.rest_points, 0.0, width as f32 / height as f32, towards);
+        let cameras = [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera);
+        if self.scene.as_ref().is_none_or(|(view, _)| view.size() != size) {
+            let view = View { camera: Some(cameras[0]), ..View::sized(size) };
+            let view = view.with(|look| look.picture.style = LookStyle::Ink);
+            self.scene = Some((view.clone(), stage_of(&self.file, &view, || Ok(gpu.clone()))?));
+        }
+        let Some((_, scene)) = &mut self.scene else {
+            return Err(pelage_import::BakeError::Internal("no scene to draw".into()).into());
+        };
+        let look = |scene: &mut Stage, camera, show, ink: InkParams| -> Result<RgbaImage, Failure> {
+            scene.look_from(camera);
+            scene.params.style = Style::Ink(ink);
+            scene.params.study = study.with(|study| study.show = show);
+            scene.draw()?;
+            pixels(scene)
+        };
+        let show = |scene: &mut Stage, camera, show| look(scene, camera, show, ink::on_blank_paper(ink));
+        let mut measured = ink::Measured::default();
+        for camera in cameras {
+            let truth = self.lines.seen(&true_camera(camera), size, &LineParams::default())?;
+            let features = Mask::darker(&show(scene, camera, InkShow::Features)?, INK);
+            let strokes = Mask::darker(&show(scene, camera, InkShow::Lines)?, INK);
+            measured.views.push(measure_lines(&features, &strokes, &truth)?);
+            look(scene, camera, InkShow::Painting, ink.clone())?;
+            measured.frame_ms = measured.frame_ms.max(fastest(&self.meter, scene)?);
+        }
+        let mut sum = Flicker::default();
+        let mut before: Option<(_, Vec<f32>, Mask)> = None;
+        for frame in 0..TURN.0 {
+            let camera = cameras[0].turned((TURN.1 * frame as f32).to_radians());
+            let lines = Mask::darker(&show(scene, camera, InkShow::Lines)?, FAINT);
+            let grey = greys(&show(scene, camera, InkShow::Painting)?);
+            let camera = true_camera(camera);
+            if let Some((camera_before, grey_before, lines_before)) = &before {
+                let sight = self.lines.sight();
+                let now = Moment { sight, camera: camera_before, grey: grey_before, lines: lines_before };
+                let next = Moment { sight, camera: &camera, grey: &grey, lines: &lines };
+                sum = sum.joined(flicker(&now, &next, size)?);
+            }
+            before = Some((camera, grey, lines));
+        }
+        measured.flicker = [sum.surface.mean(), sum.wash.mean(), sum.lines.mean()];
+        Ok(measured)
+    }
+}

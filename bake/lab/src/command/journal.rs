@@ -1,0 +1,137 @@
+//! Rows that are measured, kept until the table is whole: a chart that was killed goes on where it stopped.
+//!
+//! `TOPIC.rows.jsonl` beside the table holds a line for each, `{"key": …, "row": 3, "cells": […]}`. Lines with another key are of another model, recipe,
+//! tool or adapter, and a line that was cut off is none.
+
+use crate::chart::Cell;
+use pelage_tool::exit::Failure;
+use pelage_tool::journal::{Entry, Journal};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// The rows so far.
+#[derive(Debug)]
+pub struct Rows(Journal<Row>);
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Row {
+    row: usize,
+    cells: Vec<Value>,
+}
+
+impl Entry for Row {
+    fn number(&self) -> usize {
+        self.row
+    }
+}
+
+impl Rows {
+    /// Reads what an earlier run left in `folder`; see [`Journal::open`].
+    pub fn open(folder: &Path, topic: &str, key: &str, restart: bool) -> Result<Self, Failure> {
+        Journal::open(folder.join(format!("{topic}.rows.jsonl")), key, restart).map(Self)
+    }
+
+    /// Takes the rows of another machine's file, which stays as it is: how many of them are of another model, recipe, tool or adapter.
+    pub fn take(&mut self, path: &Path) -> Result<usize, Failure> {
+        self.0.take(path)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// The figures of a row, where an earlier run has measured it.
+    pub fn cells(&self, number: usize) -> Option<Vec<Cell>> {
+        self.0.get(number)?.cells.iter().map(read).collect()
+    }
+
+    /// How many rows of another model, recipe, tool or adapter were there.
+    pub fn others(&self) -> usize {
+        self.0.others()
+    }
+
+    /// Notes a row down; when this returns, it outlives the process.
+    pub fn add(&mut self, number: usize, cells: &[Cell]) -> Result<(), Failure> {
+        self.0.add(Row { row: number, cells: cells.iter().map(write).collect() })
+    }
+
+    /// Removes the journal where the rows `written` are all that it holds; see [`Journal::finish`].
+    pub fn finish(self, written: &[usize]) -> Result<(), Failure> {
+        self.0.finish(written)
+    }
+}
+
+/// A cell, to the last bit: JSON has no word for what is not finite, so that is an object.
+fn write(cell: &Cell) -> Value {
+    match cell {
+        Cell::Number(x) if !x.is_finite() => json!({ "number": x.to_string() }),
+        Cell::Number(x) => json!(x),
+        Cell::Text(text) => json!(text),
+        Cell::Empty => Value::Null,
+    }
+}
+
+fn read(value: &Value) -> Option<Cell> {
+    Some(match value {
+        Value::Null => Cell::Empty,
+        Value::String(text) => Cell::Text(text.clone()),
+        Value::Object(object) => Cell::Number(object.get("number")?.as_str()?.parse().ok()?),
+        other => Cell::Number(other.as_f64()?),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::*;
+
+    fn cells(x: f64) -> Vec<Cell> {
+        vec![Cell::Number(x), Cell::Text("a \"b\"\n".into()), Cell::Empty]
+    }
+
+    fn numbers(rows: &Rows) -> Vec<usize> {
+        (0..9).filter(|number| rows.cells(*number).is_some()).collect()
+    }
+
+    #[test]
+    fn rows_outlive_a_run_that_was_killed() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = |key: &str, restart| Rows::open(folder.path(), "t", key, restart).unwrap();
+        let path = folder.path().join("t.rows.jsonl");
+        assert!(numbers(&open("a", false)).is_empty() && !path.exists());
+        let values = [0.1 + 0.2, f64::NEG_INFINITY, 1e-300, 3.0];
+        let mut journal = open("a", false);
+        values.iter().enumerate().for_each(|(i, x)| journal.add(i + 1, &cells(*x)).unwrap());
+        // Killed within a line.
+        drop(journal);
+        let whole = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, &whole[..whole.len() - 5]).unwrap();
+        let mut journal = open("a", false);
+        assert_eq!(numbers(&journal), [1, 2, 3]);
+        assert!(values[..3].iter().enumerate().all(|(i, x)| journal.cells(i + 1) == Some(cells(*x))));
+        // What is added then is no continuation of the line that was cut off.
+        journal.add(4, &cells(f64::NAN)).unwrap();
+        let again = open("a", false);
+        assert_eq!(numbers(&again).len(), 4);
+        assert!(matches!(again.cells(4).unwrap()[0], Cell::Number(x) if x.is_nan()));
+        // A table of two of the rows leaves the others.
+        again.finish(&[1, 2]).unwrap();
+        assert_eq!(numbers(&open("a", false)).len(), 4);
+        open("a", false).finish(&[1, 2, 3, 4]).unwrap();
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn rows_of_another_model_do_not_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = |key: &str, restart| Rows::open(folder.path(), "t", key, restart).unwrap();
+        open("a", false).add(1, &cells(1.0)).unwrap();
+        assert_eq!(numbers(&open("a", false)).len(), 1);
+        assert!(numbers(&open("b", false)).is_empty());
+        open("b", false).add(1, &cells(2.0)).unwrap();
+        assert_eq!(numbers(&open("b", true)).len(), 0);
+        assert!(numbers(&open("b", false)).is_empty());
+    }
+}

@@ -1,0 +1,86 @@
+//! `pelage chart lighting`: light per pixel and per vertex, by several direction textures.
+
+use super::driver::{Plan, PlannedRow, Topic};
+use super::subject::Subject;
+use crate::chart::{Cell, lighting};
+use pelage_bake::pipeline::{self, Told};
+use pelage_bake::stages::groom::{self, Lengths};
+use pelage_import::mesh::RestPose;
+use pelage_runtime::{Lighting, PassId};
+use pelage_stage::{Gpu, LookLighting, LookSelfShadow, Meter, NamedPackage, Spread};
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::measured_on;
+use pelage_tool::staged::stage_of;
+use pelage_tool::view::View;
+
+/// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and those before them in which pipelines and caches settle.
+const FRAMES: usize = 9;
+const WARM_UP: usize = 1;
+
+/// The topic.
+pub struct LightingTopic<'a> {
+    subject: &'a Subject,
+    configurations: Vec<lighting::Configuration>,
+    lengths: Lengths,
+    gpu: Gpu,
+}
+
+impl<'a> LightingTopic<'a> {
+    /// Lists the configurations and opens the adapter.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        let configurations = lighting::configurations(&subject.recipe)?;
+        let bounds = groom::bounds(&RestPose::of(&subject.model.mesh, subject.model.animation.as_ref()));
+        let lengths = Lengths::resolve(&subject.recipe, &bounds);
+        Ok(Self { subject, configurations, lengths, gpu: Gpu::open()? })
+    }
+}
+
+impl Topic for LightingTopic<'_> {
+    fn plan(&self) -> Plan {
+        let row = |configuration: &lighting::Configuration| PlannedRow {
+            series: configuration.series.into(),
+            label: configuration.label.clone(),
+            default: configuration.lighting == Lighting::default() && configuration.sets.is_empty(),
+            command: None,
+        };
+        let (name, layers) = (&self.subject.name, self.subject.recipe.slice.layers);
+        Plan {
+            topic: "lighting",
+            title: format!("Hair of {name}, {layers} layers: light by the direction of its hairs"),
+            adapter: measured_on(&self.gpu.info.name),
+            columns: lighting::COLUMNS.to_vec(),
+            panels: lighting::PANELS.to_vec(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let configuration = &self.configurations[index];
+        let Subject { file, name, model, images, .. } = self.subject;
+        doing("baking");
+        let baked = pipeline::bake(&Told::new(file, name, &configuration.recipe, images), model, &mut |_| ())?;
+        let file = NamedPackage { name: name.clone(), bytes: baked.package.into() };
+        // Shadows cost the same whatever direction the light is computed with.
+        let view = View::default().with(|look| {
+            look.shadow.self_shadow = LookSelfShadow::Off;
+            look.shadow.soft_shadow = false;
+            look.fur.lighting = match configuration.lighting {
+                Lighting::Pixel => LookLighting::Pixel,
+                Lighting::Vertex => LookLighting::Vertex,
+            };
+        });
+        let mut scene = stage_of(&file, &view, || Ok(self.gpu.clone()))?;
+        doing("directions");
+        let measured = lighting::measure(configuration, self.lengths)?;
+        doing("frames");
+        let meter = Meter::new(&self.gpu);
+        let mut milliseconds = Vec::new();
+        for frame in 0..WARM_UP + FRAMES {
+            let times = meter.measure(&mut scene)?;
+            if frame >= WARM_UP {
+                milliseconds.push(times.of(PassId::SHELLS));
+            }
+        }
+        Ok(lighting::cells(configuration, &measured, Spread::of(milliseconds).min, meter.clock().word()))
+    }
+}

@@ -1,0 +1,185 @@
+//! `pelage chart opacity-shadow`: maps of slabs in which strands shadow each other, drawn by the adapter, against the traced light and picture.
+
+use super::driver::{Plan, PlannedRow, Topic, once};
+use super::subject::Subject;
+use crate::chart::opacity_shadow;
+use crate::chart::opacity_shadow::{
+    Ball, COLUMNS, Configuration, DeepMap, Measured, PANELS, SAMPLES, STEP_PX, cells, configurations,
+};
+use crate::chart::{Cell, Errors};
+use glam::Vec3;
+use pelage_bake::picture::Picture;
+use pelage_bake::recipe::Recipe;
+use pelage_import::BakeError;
+use pelage_runtime::{Frame, Light, PassId, wgpu};
+use pelage_stage::{Gpu, KeyLight, LookHair, Meter, Samples, Spread, Stage, StageError};
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::measured_on;
+use pelage_tool::shell_judge::Source;
+use pelage_tool::staged::{pixels, stage_of};
+use pelage_tool::truth;
+use pelage_tool::truth::Truth;
+use pelage_tool::view::View;
+use pelage_truth::TrueLight;
+use pelage_truth::compare::{CompareParams, compare_pictures};
+
+/// Drawings of the map under each light, of which the fastest counts; of all lights the median.
+const DRAWINGS: usize = 5;
+
+/// Lights beside that of the look, towards them: from above, and from behind and aside.
+const OTHER_LIGHTS: [Vec3; 2] = [Vec3::new(0.1, 1.0, 0.15), Vec3::new(-0.8, 0.35, -0.5)];
+
+/// The topic.
+pub struct OpacityShadowTopic<'a> {
+    subject: &'a Subject,
+    recipe: Recipe,
+    configurations: Vec<Configuration>,
+    gpu: Gpu,
+    shared: Option<Shared>,
+}
+
+/// What all rows need.
+struct Shared {
+    scene: Stage,
+    meter: Meter,
+    /// The true picture.
+    picture: Picture,
+    /// Towards each light, and the true light of it.
+    truths: Vec<(Vec3, opacity_shadow::Truth)>,
+    /// Mean width of the strands' points, metres.
+    width_m: f32,
+}
+
+impl<'a> OpacityShadowTopic<'a> {
+    /// Lists the configurations and opens the adapter. Strands are baked, whatever the recipe says of that.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        let mut recipe = subject.recipe.clone();
+        recipe.strands.enabled = true;
+        Ok(Self { subject, recipe, configurations: configurations(), gpu: Gpu::open()?, shared: None })
+    }
+}
+
+impl Topic for OpacityShadowTopic<'_> {
+    fn plan(&self) -> Plan {
+        let row = |configuration: &Configuration| PlannedRow {
+            series: configuration.series.into(),
+            label: configuration.label.clone(),
+            default: configuration.default,
+            command: None,
+        };
+        let (width, height) = (self.recipe.judge.width, self.recipe.judge.height);
+        Plan {
+            topic: "opacity-shadow",
+            title: format!("{} in single strands, {width}x{height} pixels: light between them", self.subject.name),
+            adapter: measured_on(&self.gpu.info.name),
+            columns: COLUMNS.to_vec(),
+            panels: PANELS.to_vec(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let (subject, recipe, gpu) = (self.subject, &self.recipe, &self.gpu);
+        let shared = once(&mut self.shared, || Shared::new(subject, recipe, gpu, doing))?;
+        let configuration = &self.configurations[index];
+        doing("drawing");
+        let measured = shared.measure(configuration, recipe.judge.samples)?;
+        Ok(cells(configuration, &measured, shared.meter.clock().word()))
+    }
+}
+
+impl Shared {
+    fn new(subject: &Subject, recipe: &Recipe, gpu: &Gpu, doing: &mut dyn FnMut(&str)) -> Result<Self, Failure> {
+        doing("baking");
+        let Subject { file, name, model, images, package, .. } = subject;
+        let source = match package {
+            Some(package) => Source::Package(package),
+            None => Source::Model { file, name, model, images },
+        };
+        let baked = source.bake(recipe)?;
+        let size = (recipe.judge.width, recipe.judge.height);
+        let view = View { camera: recipe.judge.views.first().copied(), ..View::sized(size) };
+        let view = view.with(|look| {
+            look.fur.hair = LookHair::Strands;
+            look.picture.samples = Samples(SAMPLES);
+        });
+        let truth = Truth::new(&baked, &view)?;
+        let points = &truth.scene.curves().points;
+        if points.is_empty() {
+            let reason = "it has no strands, expected a model with hair to shadow".into();
+            return Err(BakeError::Input { file: file.clone(), place: "hair".into(), reason }.into());
+        }
+        let width_m = 2.0 * points.iter().map(|p| f64::from(p.radius_m)).sum::<f64>() / points.len() as f64;
+        let traced = truth.picture(&view, recipe.judge.samples, &mut |done, all| {
+            doing(&format!("true picture, {} %", 100 * done / all.max(1)));
+        });
+        doing("true light");
+        let places = truth.scene.seen_strands(&truth.camera(&view), size, STEP_PX);
+        // A nearby light is asked for by no default view.
+        let KeyLight::Distant(key) = view.look.key_light() else {
+            return Err(BakeError::Internal("the default look has a light nearby".into()).into());
+        };
+        let lights = std::iter::once(key).chain(OTHER_LIGHTS);
+        let truths = lights.map(|towards| {
+            let light = TrueLight::Directional { towards_light_ws: towards, color: Vec3::ONE };
+            (towards, opacity_shadow::Truth::new(&truth.scene, &places, &light))
+        });
+        let truths = truths.collect();
+        let picture = Picture::from(&truth::encode(&traced, view.look.background()));
+        let scene = stage_of(&baked, &view, || Ok(gpu.clone()))?;
+        Ok(Self { meter: Meter::new(gpu), scene, picture, truths, width_m: width_m as f32 })
+    }
+
+    fn measure(&mut self, configuration: &Configuration, samples: u32) -> Result<Measured, Failure> {
+        let params = &mut self.scene.params;
+        (params.shadows, params.study) = (configuration.shadows, configuration.study);
+        let (mut errors, mut milliseconds, mut measured) = (Errors::default(), Vec::new(), Measured::default());
+        for (i, (towards_light, truth)) in self.truths.iter().enumerate() {
+            self.scene.params.light = Light::Directional { towards_light: *towards_light, color: Vec3::ONE };
+            let (frame, _) = self.meter.prepared(&mut self.scene, PassId::STRAND_SHADOW)?;
+            let map = read_map(&self.scene.gpu, &frame, configuration)?;
+            drop(frame);
+            let mut fastest = f64::INFINITY;
+            for _ in 0..DRAWINGS {
+                fastest = fastest.min(self.meter.prepared(&mut self.scene, PassId::STRAND_SHADOW)?.1);
+            }
+            milliseconds.push(fastest);
+            errors = errors.and(truth.errors(&map, configuration.study.light_on_axis));
+            measured.places += truth.places();
+            if i == 0 {
+                self.scene.draw()?;
+                let drawn = Picture::from(&pixels(&self.scene)?);
+                let (difference, _) = compare_pictures(&drawn, &self.picture, &CompareParams::default())?;
+                (measured.flip, measured.flip_covered) = (difference.flip.mean, difference.flip.covered);
+                measured.image_rmse = difference.rmse;
+                measured.bytes = 4 * map.texels.len() as u64;
+                measured.texel_widths = map.texel_widths(self.width_m);
+                let fur_m = self.scene.model().manifest().fur.height_m;
+                let ball = Ball { depth_m: map.view.range_m, fur_m };
+                measured.ball = ball.measure(configuration.study.opacity, &configuration.shadows);
+            }
+        }
+        Ok(Measured { errors, samples, milliseconds: Spread::of(milliseconds).median, ..measured })
+    }
+}
+
+/// Copies the map of a submitted frame into memory.
+fn read_map(gpu: &Gpu, frame: &Frame, configuration: &Configuration) -> Result<DeepMap, Failure> {
+    let maps = frame.shadows();
+    let lost = || {
+        StageError::Device("it draws no single strands, which need compute shaders with seven storage buffers".into())
+    };
+    let (maps, buffer) = maps.and_then(|maps| Some((maps, maps.deep()?))).ok_or_else(lost)?;
+    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("deep opacity readback"),
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = gpu.read_buffer(&copy)?;
+    let texels = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    Ok(DeepMap { view: *maps.view(), opacity: maps.deep_opacity(), form: configuration.study.opacity, texels })
+}

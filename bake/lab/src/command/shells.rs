@@ -1,0 +1,60 @@
+//! `pelage chart shells`: shells and fins at many settings beside the true strands.
+
+use super::driver::{Plan, PlannedRow, Topic, once};
+use super::subject::Subject;
+use crate::chart::{Cell, shells};
+use pelage_stage::{Gpu, LookDetail};
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::measured_on;
+use pelage_tool::shell_judge::{ShellJudge, Source};
+
+/// The topic.
+pub struct ShellsTopic<'a> {
+    subject: &'a Subject,
+    configurations: Vec<shells::Configuration>,
+    gpu: Gpu,
+    /// Holds the true pictures.
+    judge: Option<ShellJudge<'a>>,
+}
+
+impl<'a> ShellsTopic<'a> {
+    /// Lists the configurations and opens the adapter.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        let configurations = shells::configurations(&subject.recipe)?;
+        Ok(Self { subject, configurations, gpu: Gpu::open()?, judge: None })
+    }
+}
+
+impl Topic for ShellsTopic<'_> {
+    fn plan(&self) -> Plan {
+        let row = |configuration: &shells::Configuration| PlannedRow {
+            series: configuration.series.clone(),
+            label: configuration.label.clone(),
+            default: configuration.default,
+            command: None,
+        };
+        let (name, judge) = (&self.subject.name, &self.subject.recipe.judge);
+        Plan {
+            topic: "shells",
+            title: format!("{name}, {}x{} pixels: shells and fins against the true strands", judge.width, judge.height),
+            adapter: measured_on(&self.gpu.info.name),
+            columns: shells::COLUMNS.to_vec(),
+            panels: shells::PANELS.to_vec(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let Subject { file, name, model, images, recipe, package, .. } = self.subject;
+        let gpu = &self.gpu;
+        let source = match package {
+            Some(package) => Source::Package(package),
+            None => Source::Model { file, name, model, images },
+        };
+        let judge = once(&mut self.judge, || ShellJudge::new(source, recipe, gpu, LookDetail::Full, doing))?;
+        let configuration = &self.configurations[index];
+        doing("baking and drawing");
+        let (measured, _) = judge.measure(&configuration.recipe)?;
+        Ok(shells::cells(&configuration.recipe, &measured, judge.timing()))
+    }
+}

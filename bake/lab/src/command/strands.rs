@@ -1,0 +1,276 @@
+//! `pelage chart strands`: single strands beside layers at six sizes, against the traced picture.
+
+use super::driver::{Plan, PlannedRow, Topic, once};
+use super::greys::greys;
+use super::subject::Subject;
+use crate::chart::Cell;
+use crate::chart::strands::{COLUMNS, Configuration, Found, Seen, Size, Way, cells, configurations, panels};
+use crate::compare_motion::{Moment, flicker};
+use pelage_bake::mask::Mask;
+use pelage_bake::picture::Picture;
+use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::groom::growth;
+use pelage_import::mesh::RestPose;
+use pelage_stage::{Gpu, LookStrandEdges, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fragments, framing};
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::measured_on;
+use pelage_tool::shell_judge::Measured;
+use pelage_tool::shell_judge::Source;
+use pelage_tool::staged::{pixels, stage_of};
+use pelage_tool::truth;
+use pelage_tool::truth::{Truth, true_camera};
+use pelage_tool::view::View;
+use pelage_truth::Sight;
+use pelage_truth::compare::{CompareParams, compare_pictures};
+use std::time::Instant;
+
+/// Turns in which the ways of a group are timed, and frames of each in a turn: of all the fastest counts, because what else the machine does only adds.
+const TURNS: usize = 5;
+/// Of slow frames fewer turns do, but no fewer than these: after so many seconds none begins.
+const FEWEST_TURNS: usize = 2;
+const MOST_SECONDS: f64 = 30.0;
+const FRAMES: usize = 3;
+
+/// By how many degrees the camera turns between two pictures whose flicker is taken: the model moves about a pixel at the judge's size.
+const TURN_DEG: f32 = 0.25;
+
+/// The topic.
+pub struct StrandsTopic<'a> {
+    subject: &'a Subject,
+    /// Without strands, and with them.
+    recipes: [Recipe; 2],
+    ways: Vec<Way>,
+    configurations: Vec<Configuration>,
+    gpu: Gpu,
+    meter: Meter,
+    shared: Option<Shared>,
+    sizes: [Option<(Picture, Seen, View)>; Size::ALL.len()],
+    /// What was found of all ways of a size with so many samples.
+    groups: Vec<((usize, u32), Vec<Found>)>,
+}
+
+/// What all sizes need.
+struct Shared {
+    /// Without strands, and with them.
+    packages: [NamedPackage<'static>; 2],
+    truth: Truth,
+    sight: Sight,
+    camera: Viewpoint,
+    /// Mean width of the strands' points, metres.
+    width_m: f64,
+}
+
+impl<'a> StrandsTopic<'a> {
+    /// Lists the configurations and opens the adapter. Packages with strands and without are baked, whatever the recipe says of that.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        let with = |enabled| {
+            let mut recipe = subject.recipe.clone();
+            recipe.strands.enabled = enabled;
+            recipe
+        };
+        let (gpu, ways) = (Gpu::open()?, ways(subject));
+        Ok(Self {
+            subject,
+            recipes: [with(false), with(true)],
+            configurations: configurations(ways.len()),
+            ways,
+            meter: Meter::new(&gpu),
+            gpu,
+            shared: None,
+            sizes: [const { None }; Size::ALL.len()],
+            groups: Vec::new(),
+        })
+    }
+}
+
+impl Topic for StrandsTopic<'_> {
+    fn plan(&self) -> Plan {
+        let row = |c: &Configuration| PlannedRow {
+            series: self.ways[c.way].series.clone(),
+            label: if c.samples == 1 { "1 sample".into() } else { format!("{} samples", c.samples) },
+            default: c.is_default(),
+            command: None,
+        };
+        let judge = &self.recipes[0].judge;
+        Plan {
+            topic: "strands",
+            title: format!(
+                "{}, close and from twice to an eighth of {}x{} pixels: strands and layers against the true strands",
+                self.subject.name, judge.width, judge.height
+            ),
+            adapter: measured_on(&self.gpu.info.name),
+            columns: COLUMNS.to_vec(),
+            panels: panels(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let configuration = self.configurations[index];
+        let Configuration { size, samples, .. } = configuration;
+        let (subject, recipes, gpu, meter) = (self.subject, &self.recipes, &self.gpu, &self.meter);
+        let shared = once(&mut self.shared, || Shared::new(subject, recipes, doing))?;
+        let judge = &recipes[0].judge;
+        let (picture, seen, view) = once(&mut self.sizes[size], || {
+            shared.seen(Size::ALL[size], (judge.width, judge.height), judge.samples, doing)
+        })?;
+        let known = self.groups.iter().position(|(group, _)| *group == (size, samples));
+        let known = match known {
+            Some(known) => known,
+            None => {
+                doing("drawing");
+                let found = group(gpu, meter, shared, &self.ways, (Size::ALL[size], view, picture), samples)?;
+                self.groups.push(((size, samples), found));
+                self.groups.len() - 1
+            }
+        };
+        Ok(cells(&configuration, seen, &self.groups[known].1, meter.clock().word()))
+    }
+}
+
+/// How the subject's hair is drawn: its coat's, or where no coat grows that on guides.
+fn ways(subject: &Subject) -> Vec<Way> {
+    let recipe = &subject.recipe;
+    let rest = RestPose::of(&subject.model.mesh, subject.model.animation.as_ref());
+    let furred = growth(&subject.model, &rest, recipe.model.bare.as_deref(), &mut Vec::new()).furred;
+    match recipe.strands.group.first().filter(|_| !furred.contains(&true)) {
+        Some(group) => Way::all(group.points() - 1, false),
+        None => Way::all(recipe.strands.points - 1, true),
+    }
+}
+
+impl Shared {
+    fn new(subject: &Subject, recipes: &[Recipe; 2], doing: &mut dyn FnMut(&str)) -> Result<Self, Failure> {
+        doing("baking");
+        let Subject { file, name, model, images, package, .. } = subject;
+        let source = match package {
+            Some(package) => Source::Package(package),
+            None => Source::Model { file, name, model, images },
+        };
+        let packages = [source.bake(&recipes[0])?, source.bake(&recipes[1])?];
+        let size = (recipes[0].judge.width, recipes[0].judge.height);
+        let truth = Truth::new(&packages[1], &View::default())?;
+        let framed = || truth.framed(&View::sized(size), framing::TOWARDS_CAMERA);
+        let camera = recipes[0].judge.views.first().copied().unwrap_or_else(framed);
+        let points = &truth.scene.curves().points;
+        let width_m = 2.0 * points.iter().map(|p| f64::from(p.radius_m)).sum::<f64>() / points.len().max(1) as f64;
+        let sight = Sight::new(truth.scene.skin().clone())?;
+        Ok(Self { packages, truth, sight, camera, width_m })
+    }
+
+    /// The true picture of a size, what its ways share, and its view.
+    fn seen(
+        &self,
+        size: Size,
+        judged: (u32, u32),
+        samples: u32,
+        doing: &mut dyn FnMut(&str),
+    ) -> Result<(Picture, Seen, View), Failure> {
+        let pixels = size.pixels(judged);
+        let camera = size.camera(self.camera);
+        let mut traced = |camera| {
+            let view = View { camera: Some(camera), ..View::sized(pixels) };
+            let picture = self.truth.picture(&view, samples, &mut |done, all| {
+                doing(&format!("true picture, {} %", 100 * done / all.max(1)));
+            });
+            // Through bytes, as the pictures that it is compared with.
+            (truth::encode(&picture, view.look.background()), view)
+        };
+        let ((next, _), (picture, view)) = (traced(camera.turned(TURN_DEG.to_radians())), traced(camera));
+        let seen = Seen {
+            pixels,
+            true_samples: samples,
+            true_flicker: self.flicker(camera, [&picture, &next].map(greys), pixels)?,
+            strand_px: self.truth.px_per_m(&view) * self.width_m,
+            strands: self.truth.scene.curves().len(),
+        };
+        Ok((Picture::from(&picture), seen, view))
+    }
+
+    /// How much the skin's points change, and what stands on them, between a picture from `camera` and one from a little aside.
+    fn flicker(&self, camera: Viewpoint, greys: [Vec<f32>; 2], size: (u32, u32)) -> Result<Option<f64>, Failure> {
+        let no_lines = Mask::empty(size.0, size.1);
+        let cameras = [camera, camera.turned(TURN_DEG.to_radians())].map(true_camera);
+        let moment = |i: usize| Moment { sight: &self.sight, camera: &cameras[i], grey: &greys[i], lines: &no_lines };
+        Ok(flicker(&moment(0), &moment(1), size)?.surface.mean())
+    }
+
+    /// That of what a stage draws, which then looks from `camera`.
+    fn drawn_flicker(&self, stage: &mut Stage, camera: Viewpoint, size: (u32, u32)) -> Result<Option<f64>, Failure> {
+        let mut seen_from = |camera| -> Result<_, Failure> {
+            stage.look_from(camera);
+            stage.draw()?;
+            Ok(greys(&pixels(stage)?))
+        };
+        let (next, now) = (seen_from(camera.turned(TURN_DEG.to_radians()))?, seen_from(camera)?);
+        self.flicker(camera, [now, next], size)
+    }
+}
+
+/// Draws all ways of a size with so many samples, compares them with the truth and times them in turns.
+fn group(
+    gpu: &Gpu,
+    meter: &Meter,
+    shared: &Shared,
+    ways: &[Way],
+    (size, view, truth): (Size, &View, &Picture),
+    samples: u32,
+) -> Result<Vec<Found>, Failure> {
+    let (mut stages, mut all) = (Vec::new(), Vec::new());
+    for way in ways {
+        let file = &shared.packages[usize::from(!way.needs_no_strands())];
+        let view = view.clone().with(|look| {
+            (look.fur.hair, look.fur.strand_edges, look.fur.detail) = (way.hair, way.edges, way.detail);
+            look.picture.samples = Samples(samples);
+        });
+        let mut stage = stage_of(file, &view, || Ok(gpu.clone()))?;
+        stage.params.study.strand_pieces = way.pieces;
+        let mut found = Found { blended: way.edges == LookStrandEdges::Blended, ..drawn(&mut stage, file, truth)? };
+        found.flicker = shared.drawn_flicker(&mut stage, size.camera(shared.camera), view.size())?;
+        all.push(found);
+        stages.push(stage);
+    }
+    let begun = Instant::now();
+    for turn in 0..TURNS {
+        if turn >= FEWEST_TURNS && begun.elapsed().as_secs_f64() > MOST_SECONDS {
+            break;
+        }
+        for (stage, found) in stages.iter_mut().zip(&mut all) {
+            let ms = &mut found.measured.frame_ms;
+            // What the frame before left in the caches is another way's.
+            meter.frame(stage)?;
+            for _ in 0..FRAMES {
+                *ms = ms.min(meter.frame(stage)?);
+            }
+            found.anew_ms = found.anew_ms.min(meter.frame_anew(stage)?);
+        }
+    }
+    Ok(all)
+}
+
+/// A way, drawn once; not timed yet.
+fn drawn(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<Found, Failure> {
+    let frame = stage.draw()?;
+    let drawn = Picture::from(&pixels(stage)?);
+    let (difference, _) = compare_pictures(&drawn, truth, &CompareParams::default())?;
+    let detail = frame.report().instances.first().copied();
+    let of = |value: fn(&pelage_runtime::InstanceDetail) -> u32| detail.as_ref().map_or(0, value);
+    let (layers, triangles, pieces) = (of(|d| d.layers), of(|d| d.triangles), of(|d| d.strand_pieces));
+    let lists = frame.report().target_bytes;
+    drop(frame);
+    let measured = Measured {
+        flip: difference.flip.mean,
+        flip_covered: difference.flip.covered,
+        rmse: difference.rmse,
+        coverage_error: difference.coverage,
+        frame_ms: f64::INFINITY,
+        fragments: count_fragments(stage)?.map(|counts| counts.iter().map(|(_, count)| count).sum()),
+        layers,
+        triangles,
+        package_bytes: file.bytes.len() as u64,
+        gpu_bytes: stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes() + lists,
+        bake_s: 0.0,
+    };
+    let strands = detail.map_or(0.0, |d| d.strands);
+    Ok(Found { measured, anew_ms: f64::INFINITY, strands, pieces, ..Found::default() })
+}

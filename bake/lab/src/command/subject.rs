@@ -1,0 +1,126 @@
+//! What is charted: a model with its recipe.
+
+use super::args::ChartArgs;
+use pelage_bake::io;
+use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::groom::{self, MapImages};
+use pelage_bake::stages::import::{ImportOptions, import};
+use pelage_bake::stages::metric;
+use pelage_herd::shell_word;
+use pelage_import::BakeError;
+use pelage_import::mesh::{Model, RestPose};
+use pelage_stage::NamedPackage;
+use pelage_tool::built_in::HARE;
+use pelage_tool::exit::Failure;
+use pelage_tool::mesh_glb;
+use pelage_tool::package_file;
+use std::path::{Path, PathBuf};
+
+/// A model with its recipe.
+pub struct Subject {
+    /// The model's file as the user named it.
+    pub file: String,
+    /// Its name without folder and extension.
+    pub name: String,
+    /// The model.
+    pub model: Model,
+    /// The package, where that was named instead of a model.
+    pub package: Option<NamedPackage<'static>>,
+    /// The recipe that all rows start from.
+    pub recipe: Recipe,
+    /// The images that the recipe names.
+    pub images: MapImages,
+    /// The `pelage bake` that would read both, without what changes the recipe.
+    pub command: String,
+    /// Changes to the recipe, as `--set` takes them.
+    pub sets: Vec<String>,
+    /// What `pelage chart` was given to read them.
+    pub arguments: String,
+}
+
+impl Subject {
+    /// Reads what the arguments name; by default the built-in hare.
+    pub fn new(args: &ChartArgs) -> Result<Self, Failure> {
+        let sets = args.recipe.set.clone();
+        let set_words = set_words(&sets);
+        if let Some(path) = &args.model {
+            if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pelage")) {
+                return Self::of_package(args, path);
+            }
+            let (recipe, _) = args.recipe.read()?;
+            let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
+            let recipe = in_tile(&recipe, &model)?;
+            let mut files = format!(" {}", shell_word(&path.display().to_string()));
+            if let Some(recipe) = &args.recipe.recipe {
+                files += &format!(" --recipe {}", shell_word(&recipe.display().to_string()));
+            }
+            let (command, arguments) = (format!("pelage bake{files}"), files + &set_words);
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let (file, images) = (path.display().to_string(), args.recipe.images(&recipe)?);
+            return Ok(Self { file, name, model, package: None, recipe, images, command, sets, arguments });
+        }
+        if args.recipe.recipe.is_some() {
+            return Err(Failure::Usage("--recipe needs a MODEL: the built-in hare has its own".into()));
+        }
+        let mut recipe = HARE.recipe()?;
+        args.recipe.apply_to(&mut recipe)?;
+        let command = format!("pelage bake assets/models/{0}.glb --recipe assets/recipes/{0}.toml", HARE.name);
+        let (file, name, images) = (HARE.file(), HARE.name.into(), args.recipe.images(&recipe)?);
+        let model = HARE.import(&recipe)?;
+        let recipe = in_tile(&recipe, &model)?;
+        Ok(Self {
+            file,
+            name,
+            model,
+            package: None,
+            recipe,
+            images,
+            command,
+            sets,
+            arguments: set_words + &sky_words(&args.sky),
+        })
+    }
+
+    /// A package with the recipe in it. Its mesh stands for the model.
+    fn of_package(args: &ChartArgs, path: &Path) -> Result<Self, Failure> {
+        if args.recipe.recipe.is_some() {
+            return Err(Failure::Usage("--recipe needs a MODEL: a package has its own".into()));
+        }
+        let package = package_file::read(path)?;
+        let (file, opened) = (path.display().to_string(), package.open()?);
+        let manifest = opened.manifest();
+        let mut recipe = Recipe::recorded(&format!("{file}, recipe"), &manifest.recipe)?;
+        recipe.model.unit_m = 1.0;
+        args.recipe.apply_to(&mut recipe)?;
+        let mesh = opened.mesh().map_err(|error| package.fault(error))?;
+        let glb = mesh.and_then(|mesh| mesh_glb::write(&mesh.to_data(), manifest)).ok_or_else(|| BakeError::Input {
+            file: file.clone(),
+            place: "mesh".into(),
+            reason: "it has no triangles, expected at least one".into(),
+        })?;
+        let mut no_files =
+            |uri: &str, _: u64| Err(BakeError::Internal(format!("the mesh of a package names the file {uri}")));
+        let model = import(&file, &glb, &mut no_files, &ImportOptions { unit_m: 1.0 })?;
+        let (name, word) = (manifest.model.clone(), format!(" {}", shell_word(&file)));
+        let sets = args.recipe.set.clone();
+        let (command, arguments) = (format!("pelage bake{word}"), word + &set_words(&sets));
+        let images = MapImages::default();
+        Ok(Self { file, name, model, recipe, images, command, sets, arguments, package: Some(package) })
+    }
+}
+
+/// The recipe with its hair in the terms of a tile, which is then the same for all rows.
+fn in_tile(recipe: &Recipe, model: &Model) -> Result<Recipe, BakeError> {
+    let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
+    Ok(metric::in_tile(recipe, &bounds)?.recipe)
+}
+
+/// Changes to a recipe as options: ` --set a=1 --set b=2`.
+pub fn set_words<'a>(sets: impl IntoIterator<Item = &'a String>) -> String {
+    sets.into_iter().map(|set| format!(" --set {}", shell_word(set))).collect()
+}
+
+/// Skies as options.
+fn sky_words(files: &[PathBuf]) -> String {
+    files.iter().map(|file| format!(" --sky {}", shell_word(&file.display().to_string()))).collect()
+}

@@ -1,0 +1,66 @@
+//! `pelage chart surface`: the `surface` stage of bake, as often as it needs to be timed.
+
+use super::driver::{Plan, PlannedRow, Topic};
+use super::subject::{Subject, set_words};
+use crate::chart::{Cell, surface};
+use pelage_bake::pipeline;
+use pelage_herd::shell_word;
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::processor;
+use std::time::Instant;
+
+/// Runs of one configuration, of which the median counts; long ones are run once.
+const RUNS: usize = 3;
+const LONG_S: f64 = 1.0;
+
+/// The topic.
+pub struct SurfaceTopic<'a> {
+    subject: &'a Subject,
+    configurations: Vec<surface::Configuration>,
+}
+
+impl<'a> SurfaceTopic<'a> {
+    /// Lists the configurations.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        Ok(Self { subject, configurations: surface::configurations(&subject.recipe, &subject.model)? })
+    }
+}
+
+impl Topic for SurfaceTopic<'_> {
+    fn plan(&self) -> Plan {
+        let subject = self.subject;
+        let row = |configuration: &surface::Configuration| {
+            let sets = set_words(subject.sets.iter().chain(&configuration.sets));
+            PlannedRow {
+                series: configuration.series.into(),
+                label: configuration.label.clone(),
+                default: configuration.sets.is_empty(),
+                command: Some(format!("{}{sets} -o {}.pelage --json", subject.command, shell_word(&subject.name))),
+            }
+        };
+        let triangles = subject.model.mesh.triangles.len();
+        Plan {
+            topic: "surface",
+            title: format!("{}, {triangles} triangles: what fewer seams cost in distortion", subject.name),
+            adapter: processor(),
+            columns: surface::COLUMNS.to_vec(),
+            panels: surface::PANELS.to_vec(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let recipe = &self.configurations[index].recipe;
+        let Subject { file, model, images, .. } = self.subject;
+        doing("laying the tile");
+        let (mut seconds, mut measures) = (Vec::new(), None);
+        while seconds.len() < RUNS && seconds.iter().sum::<f64>() < LONG_S {
+            let begun = Instant::now();
+            let laid = pipeline::lay(file, model, recipe, images)?;
+            seconds.push(begun.elapsed().as_secs_f64());
+            measures = Some(laid.surface.measures);
+        }
+        seconds.sort_by(f64::total_cmp);
+        Ok(surface::cells(recipe, &measures.unwrap_or_default(), seconds[seconds.len() / 2]))
+    }
+}

@@ -1,0 +1,86 @@
+//! `pelage chart verlet`: guides that swing, moved in each form on one core, against their equations.
+
+use super::driver::{Plan, PlannedRow, Topic};
+use crate::chart::Cell;
+use crate::chart::verlet::{
+    COLUMNS, Configuration, Form, Guide, Off, PANELS, POINTS, SECONDS, Scene, cells, configurations,
+};
+use crate::truth::Followed;
+use pelage_tool::exit::Failure;
+use pelage_tool::machine::measured_on;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Turns in which a form is timed, each through all scenes, are at least so many and take at least so long together. The fastest counts: what else the
+/// machine does only adds, and spares a short turn now and then.
+const FEWEST_TURNS: usize = 5;
+const TIMED_S: f64 = 0.3;
+
+/// The topic.
+pub struct VerletTopic {
+    configurations: Vec<Configuration>,
+    /// The truths of all scenes, for each number of points that a row asked for.
+    truths: Vec<(usize, Vec<Followed>)>,
+}
+
+impl VerletTopic {
+    /// Lists the configurations.
+    pub fn new() -> Self {
+        Self { configurations: configurations(), truths: Vec::new() }
+    }
+}
+
+impl Topic for VerletTopic {
+    fn plan(&self) -> Plan {
+        let row = |configuration: &Configuration| PlannedRow {
+            series: configuration.series.into(),
+            label: configuration.label.clone(),
+            default: configuration.default,
+            command: None,
+        };
+        let points = POINTS.map(|points| points.to_string()).join(", ");
+        Plan {
+            topic: "verlet",
+            title: format!("Guides of {points} points: a head that turns, a gallop, gusts, {SECONDS} s each"),
+            adapter: measured_on("CPU, one thread"),
+            columns: COLUMNS.to_vec(),
+            panels: PANELS.to_vec(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let configuration = &self.configurations[index];
+        let guide = Guide::new(configuration.points);
+        let at = match self.truths.iter().position(|(points, _)| *points == configuration.points) {
+            Some(at) => at,
+            None => {
+                doing("truth");
+                let truths = Scene::ALL.map(|scene| guide.truth(scene, false)).into();
+                self.truths.push((configuration.points, truths));
+                self.truths.len() - 1
+            }
+        };
+        let truths = &self.truths[at].1;
+        doing("moving");
+        let off = [0, 1, 2].map(|i| Off::of(&guide, &configuration.form, Scene::ALL[i], &truths[i].places));
+        let nanoseconds = (configuration.form != Form::Straight).then(|| nanoseconds(&guide, &configuration.form));
+        Ok(cells(configuration, &off, nanoseconds, truths))
+    }
+}
+
+/// What a second of a guide's motion takes, over all scenes, on this core.
+fn nanoseconds(guide: &Guide, form: &Form) -> f64 {
+    let (begun, mut turns, mut fastest) = (Instant::now(), 0, f64::INFINITY);
+    while turns < FEWEST_TURNS || begun.elapsed().as_secs_f64() < TIMED_S {
+        let turn = Instant::now();
+        for scene in Scene::ALL {
+            guide.run(form, scene, &mut |places| {
+                black_box(places);
+            });
+        }
+        fastest = fastest.min(turn.elapsed().as_secs_f64());
+        turns += 1;
+    }
+    fastest * 1e9 / f64::from(SECONDS * Scene::ALL.len() as u32)
+}

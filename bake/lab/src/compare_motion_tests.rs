@@ -1,0 +1,127 @@
+#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+use super::*;
+use glam::{DVec3, Vec3, Vec4};
+use pelage_bake::strands::{Skin, SkinMaterial, SkinPoint};
+use pelage_truth::Lens;
+
+const SIZE: (u32, u32) = (60, 40);
+
+/// Squares of two metres across, each at its place.
+fn squares(places: &[DVec3]) -> Sight {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let mut skin =
+        Skin { materials: vec![SkinMaterial { base_color: Vec4::ONE, ..SkinMaterial::default() }], ..Skin::default() };
+    for place in places {
+        let base = skin.vertices.len() as u32;
+        skin.vertices.extend(corners.map(|(x, y)| SkinPoint {
+            position_ws: *place + DVec3::new(x, y, 0.0),
+            normal_ws: DVec3::Z,
+            color: Vec4::ONE,
+            ..SkinPoint::default()
+        }));
+        skin.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+    }
+    skin.same_place = (0..skin.vertices.len() as u32).collect();
+    skin.material_of = vec![0; skin.triangles.len()];
+    Sight::new(skin).unwrap()
+}
+
+/// Four metres high, so that a tenth of a metre is a pixel.
+fn camera() -> TrueCamera {
+    let lens = Lens::Orthographic { height_m: 4.0 };
+    TrueCamera { eye_ws: Vec3::new(0.0, 0.0, 5.0), target_ws: Vec3::ZERO, up_ws: Vec3::Y, lens }
+}
+
+/// A wave of grey with three and a half metres from crest to crest, in metres of the picture.
+fn wave(x: f64, y: f64) -> f64 {
+    0.5 + 0.25 * (1.8 * x).sin() + 0.25 * (1.4 * y + 0.5).cos()
+}
+
+/// A picture of the square at `place` with the wave as its texture, which has been moved by `slip`; around it a grey of a fifth.
+fn picture(place: DVec3, slip: DVec3) -> Vec<f32> {
+    let pixel = |i: u32| {
+        let (x, y) = (f64::from(i % SIZE.0) + 0.5, f64::from(i / SIZE.0) + 0.5);
+        let (x, y) = ((x - 30.0) / 10.0 - place.x, (20.0 - y) / 10.0 - place.y);
+        let inside = x.abs() < 1.0 && y.abs() < 1.0;
+        if inside { wave(x + slip.x, y + slip.y) as f32 } else { 0.2 }
+    };
+    (0..SIZE.0 * SIZE.1).map(pixel).collect()
+}
+
+fn measure(now: (&Sight, &[f32]), next: (&Sight, &[f32]), lines: &Mask) -> Flicker {
+    let camera = camera();
+    let moment = |(sight, grey)| Moment { sight, camera: &camera, grey, lines };
+    flicker(&moment(now), &moment(next), SIZE).unwrap()
+}
+
+#[test]
+fn what_stands_still_does_not_flicker() {
+    let sight = squares(&[DVec3::ZERO]);
+    let grey = picture(DVec3::ZERO, DVec3::ZERO);
+    let found = measure((&sight, &grey), (&sight, &grey), &Mask::from_fn(60, 40, |x, _| x < 30));
+    assert!(found.surface.mean().unwrap() < 1e-6 && found.lines.mean().unwrap() < 1e-6, "{found:?}");
+    assert_eq!(found.background.mean(), Some(0.0));
+    assert_eq!((found.surface.count, found.background.count), (400, 2000));
+    // The columns beside the change touch both.
+    assert!((180..=200).contains(&found.lines.count) && (180..=200).contains(&found.wash.count), "{found:?}");
+    assert_eq!(found.wash.mean().map(|mean| mean < 1e-6), Some(true));
+    assert_eq!(Flicker::default().surface.mean(), None);
+    let twice = found.joined(found);
+    assert_eq!((twice.surface.count, twice.surface.mean()), (800, found.surface.mean()));
+}
+
+#[test]
+fn a_texture_on_the_surface_does_not_and_one_on_the_screen_does() {
+    let (here, there) = (DVec3::ZERO, DVec3::new(0.33, 0.27, -0.5));
+    let (now, next) = (squares(&[here]), squares(&[there]));
+    let lines = Mask::from_fn(60, 40, |x, y| (22..38).contains(&x) && (12..28).contains(&y));
+    let grey = picture(here, DVec3::ZERO);
+    let glued = measure((&now, &grey), (&next, &picture(there, DVec3::ZERO)), &lines);
+    // The same wave on the screen: under the square it has slipped by as much as that went.
+    let screen = measure((&now, &grey), (&next, &picture(there, there)), &lines);
+    for (glued, screen, share) in [(glued.surface, screen.surface, 0.3), (glued.lines, screen.lines, 0.03)] {
+        let (glued, screen) = (glued.mean().unwrap(), screen.mean().unwrap());
+        assert!(screen > 0.05 && glued < share * screen, "{glued} on the surface, {screen} on the screen");
+    }
+    // At the square's own border a pixel mixes with what is beside it; away from there nothing but the lookup between four pixels is left.
+    assert!(glued.lines.mean().unwrap() < 0.002, "{glued:?}");
+    assert_eq!(glued.surface.count, 400);
+    // The lines' pixels stay where they are in the picture while the square moves on by three.
+    assert!((150..256).contains(&glued.lines.count), "{glued:?}");
+}
+
+#[test]
+fn only_what_both_frames_show_counts() {
+    // A second square comes before the left half of the first.
+    let (now, next) = (squares(&[DVec3::ZERO, DVec3::Z * 9.0]), squares(&[DVec3::ZERO, DVec3::new(-1.0, 0.0, 1.0)]));
+    let grey = picture(DVec3::ZERO, DVec3::ZERO);
+    let mut changed = grey.clone();
+    for (i, grey) in changed.iter_mut().enumerate() {
+        if i % 60 < 30 {
+            *grey = 1.0 - *grey;
+        }
+    }
+    let found = measure((&now, &grey), (&next, &changed), &Mask::empty(60, 40));
+    assert_eq!(found.surface.count, 200, "{found:?}");
+    // Of the half that stays in sight only the column beside the change can mix with it.
+    assert!(found.surface.mean().unwrap() < 0.05, "{found:?}");
+    assert_eq!(found.lines.mean(), None);
+    // One that goes out of the picture counts for nothing.
+    let gone = measure((&now, &grey), (&squares(&[DVec3::X * 9.0, DVec3::X * 9.0]), &grey), &Mask::empty(60, 40));
+    assert_eq!(gone.surface.count, 0);
+}
+
+#[test]
+fn frames_that_do_not_match_are_refused() {
+    let (one, two) = (squares(&[DVec3::ZERO]), squares(&[DVec3::ZERO, DVec3::X]));
+    let (camera, grey) = (camera(), picture(DVec3::ZERO, DVec3::ZERO));
+    let (lines, turned) = (Mask::empty(60, 40), Mask::empty(40, 60));
+    let moment = |sight, grey, lines| Moment { sight, camera: &camera, grey, lines };
+    let refused = |next: &Moment<'_>, words: &str| {
+        let error = flicker(&moment(&one, &grey[..], &lines), next, SIZE).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    };
+    refused(&moment(&two, &grey[..], &lines), "4 triangles, expected 2");
+    refused(&moment(&one, &grey[..7], &lines), "7 greys, expected 60x40");
+    refused(&moment(&one, &grey[..], &turned), "40x60, expected 60x40");
+}

@@ -1,0 +1,10 @@
+//! The laboratory: charts of accuracy against cost, drivers of what fails, and the printed forms of the papers. It is not published.
+
+pub mod chart;
+pub mod command;
+pub mod compare_lines;
+pub mod compare_motion;
+mod least_squares;
+pub mod printed_light;
+pub mod stability;
+pub mod truth;

@@ -1,0 +1,126 @@
+//! Skeletons as files have them: joints that scale unevenly, mirror or collapse, joints that no weight points at and that hold anything, weights that
+//! sum to nothing. (Weights that sum to something else than 1 are scaled when a model is read, and no package that has them opens.)
+
+use super::measures::even_direction;
+use super::row::{Finding, Row};
+use glam::{EulerRot, Mat3, Mat4, Quat, Vec3, Vec4};
+use pelage_import::BakeError;
+use pelage_runtime::shared::skinning::{blend, transform_normal};
+use pelage_runtime::shared::tile_frame::{any_perpendicular, orthonormal_tangent};
+
+/// The row of the table.
+pub const ROW: Row = Row {
+    method: "animation",
+    cliff: "mirrored, flattened and collapsed joints; broken joints of weight 0; vertices without weight",
+    naive: "the joint's matrix, its inverse transpose or its cofactors on normals; the plain weighted sum",
+    safe: "cofactors with the sign taken out, the old normal where none is left; joints of weight 0 left out; no weight is no motion",
+    drive,
+};
+
+/// Matrices that skeletons produce and textbooks forget.
+pub fn joints() -> Vec<(&'static str, Mat3)> {
+    let turn = Mat3::from_quat(Quat::from_euler(EulerRot::XYZ, 0.3, 0.7, -0.4));
+    let scales = [
+        ("uneven", [0.05, 1.0, 20.0]),
+        ("mirrored", [-1.0, 1.0, 1.0]),
+        ("mirrored and uneven", [3.0, -0.2, 1.0]),
+        ("flattened", [1.0, 0.0, 1.0]),
+        ("a line", [0.0, 0.0, 1.0]),
+        ("collapsed", [0.0, 0.0, 0.0]),
+        ("tiny", [1e-12, 1e-12, 1e-12]),
+        ("huge", [1e12, 1e12, 1e12]),
+        ("centimetres", [0.01, 0.01, 0.01]),
+    ];
+    scales.into_iter().map(|(name, scale)| (name, turn * Mat3::from_diagonal(Vec3::from(scale)))).collect()
+}
+
+/// Unit vectors evenly over the sphere.
+fn normals() -> impl Iterator<Item = Vec3> {
+    const COUNT: u32 = 1000;
+    (0..COUNT).map(|i| even_direction(i, COUNT).as_vec3().normalize())
+}
+
+fn cofactors(m: Mat3) -> Mat3 {
+    Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+}
+
+/// Normals that are not of unit length or not a number, the naive form being the inverse transpose; ours with the tangent beside them, which must be
+/// perpendicular as well.
+fn not_unit() -> (f64, f64) {
+    let (mut naive, mut safe) = (0, 0);
+    let unit = |v: Vec3| (v.length() - 1.0).abs() < 1e-5;
+    for (_, m) in joints() {
+        for normal in normals() {
+            naive += u32::from(!unit((m.inverse().transpose() * normal).normalize()));
+            let posed = transform_normal(m, normal);
+            let tangent = orthonormal_tangent(m * any_perpendicular(normal), posed);
+            safe += u32::from(!unit(posed) || !unit(tangent) || tangent.dot(posed).abs() > 1e-4);
+        }
+    }
+    (naive.into(), safe.into())
+}
+
+/// Normals that point into the skin: a step along them is none away from the posed tangent plane. Of joints that keep a volume.
+fn inward() -> (f64, f64) {
+    let (mut naive, mut safe) = (0, 0);
+    for (_, m) in joints().into_iter().filter(|(_, m)| m.determinant().abs() > 1e-6) {
+        for normal in normals() {
+            naive += u32::from((cofactors(m) * normal).dot(m * normal) <= 0.0);
+            safe += u32::from(transform_normal(m, normal).dot(m * normal) <= 0.0);
+        }
+    }
+    (naive.into(), safe.into())
+}
+
+/// How far a vertex at (1, 2, 3) comes from where it belongs; not a number where it is lost.
+fn off(matrix: Mat4, belongs: Vec3) -> f64 {
+    f64::from(matrix.transform_point3(Vec3::new(1.0, 2.0, 3.0)).distance(belongs))
+}
+
+/// Of joints whose matrix is not a number, and that no weight points at.
+fn broken_joint() -> (f64, f64) {
+    let (moved, broken) = (Mat4::from_translation(Vec3::X), Mat4::from_cols_array(&[f32::NAN; 16]));
+    let weights = Vec4::new(1.0, 0.0, 0.0, 0.0);
+    let naive = moved * weights.x + broken * weights.y + broken * weights.z + broken * weights.w;
+    let belongs = Vec3::new(2.0, 2.0, 3.0);
+    (off(naive, belongs), off(blend(moved, broken, broken, broken, weights), belongs))
+}
+
+/// Of a vertex without any weight, which stays where it is stored. The plain sum leaves nothing of it.
+fn no_weight() -> (f64, f64) {
+    let moved = Mat4::from_translation(Vec3::X);
+    let stored = Vec3::new(1.0, 2.0, 3.0);
+    (off(moved * 0.0, stored), off(blend(moved, moved, moved, moved, Vec4::ZERO), stored))
+}
+
+fn drive() -> Result<Vec<Finding>, BakeError> {
+    let finding = |case: &str, measure, (naive, safe), fails_above| Finding {
+        case: case.into(),
+        measure,
+        naive,
+        safe,
+        bound: 0.0,
+        fails_above,
+    };
+    Ok(vec![
+        finding(
+            "9 joints, uneven to collapsed, 1000 normals each",
+            "normals and tangents not of unit length, or not a number",
+            not_unit(),
+            1000.0,
+        ),
+        finding(
+            "the joints of them that keep a volume, mirrored ones included",
+            "normals that point inward",
+            inward(),
+            1000.0,
+        ),
+        finding(
+            "a joint of weight 0 whose matrix is not a number",
+            "distance from where the vertex belongs, metres",
+            broken_joint(),
+            1.0,
+        ),
+        finding("a vertex without any weight", "distance from where the vertex belongs, metres", no_weight(), 1.0),
+    ])
+}

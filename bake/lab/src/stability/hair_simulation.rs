@@ -1,0 +1,107 @@
+//! Large steps, stiff curls, strong lean.
+
+use super::measures::grow;
+use super::row::{Finding, Row};
+use glam::Vec3;
+use pelage_bake::recipe::{HairParams, Style};
+use pelage_bake::stages::hair::Strands;
+use pelage_import::BakeError;
+
+/// The row of the table.
+pub const ROW: Row = Row {
+    method: "hair simulation",
+    cliff: "large steps, stiff curls, strong lean",
+    naive: "explicit Euler on position and velocity",
+    safe: "integrate the heading alone, by the exact solution of its relaxation",
+    drive,
+};
+
+/// A coat under extreme forces.
+#[derive(Clone, Debug)]
+pub struct Extreme {
+    /// The recipe.
+    pub hair: HairParams,
+    /// Height of the volume, tiles.
+    pub height: f32,
+}
+
+impl Extreme {
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        let mut out = Vec::new();
+        for style in Style::ALL.iter().copied() {
+            for lean in [0.0, 0.5, 1.0] {
+                for frizz in [0.0, 1.0] {
+                    for (curl_radius, curl_pitch) in
+                        [(0.0, 1e-3), (0.03, 0.18), (1.0, 1e-3), (1e-3, 1e-3), (1.0, 100.0)]
+                    {
+                        for height in [1e-3, 0.4, 50.0, 1e3] {
+                            let hair = HairParams {
+                                style,
+                                lean,
+                                frizz,
+                                curl_radius,
+                                curl_pitch,
+                                density: 9,
+                                length_variation: 0.0,
+                                ..HairParams::default()
+                            };
+                            out.push(Self { hair, height });
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Length of a curve.
+fn arc(points: &[Vec3]) -> f32 {
+    points.windows(2).map(|w| w[0].distance(w[1])).sum()
+}
+
+/// Largest relative error in the length of a strand that should be `height` long; infinite if one leaves the volume.
+pub fn worst_stretch(strands: &Strands, height: f32) -> f64 {
+    let slack = strands.height * 1e-5;
+    let stretch = |strand: usize| {
+        let points = &strands.points[strands.range(strand)];
+        let inside = points.iter().all(|p| p.z >= -slack && p.z <= strands.height + slack);
+        if inside { f64::from((arc(points) / height - 1.0).abs()) } else { f64::INFINITY }
+    };
+    // `f64::max` would lose a NaN.
+    (0..strands.len()).map(stretch).fold(0.0, |a, b| if b <= a { a } else { b })
+}
+
+/// Stretch of a stiff curl followed in 16 explicit steps: velocity relaxes to a turning target, position follows velocity.
+fn explicit(stiffness: f32) -> f64 {
+    let step = 1.0 / 16.0;
+    let (mut p, mut v) = (Vec3::ZERO, Vec3::Z);
+    let mut points = vec![p];
+    for i in 0..16_u8 {
+        let angle = f32::from(i) * 1.1;
+        let target = Vec3::new(0.8 * libm::cosf(angle), 0.8 * libm::sinf(angle), 0.6);
+        v += (target - v) * (stiffness * step);
+        p += v * step;
+        points.push(p);
+    }
+    f64::from((arc(&points) - 1.0).abs())
+}
+
+fn drive() -> Result<Vec<Finding>, BakeError> {
+    let mut safe = 0.0_f64;
+    let all = Extreme::all();
+    for extreme in &all {
+        let found = worst_stretch(&grow(&extreme.hair, extreme.height)?, extreme.height);
+        safe = if found <= safe { safe } else { found };
+    }
+    let finding = |case: &str, naive: f64, fails_above: f64| Finding {
+        case: format!("{case}; ours: {} extreme coats", all.len()),
+        measure: "stretch of strands, relative",
+        naive,
+        safe,
+        bound: 0.01,
+        fails_above,
+    };
+    Ok(vec![finding("a soft curl", explicit(7.0), 0.01), finding("a stiff curl", explicit(60.0), 99.0)])
+}

@@ -1,0 +1,46 @@
+//! Hair along the light: sin² as 1 − (T·L)² rounds below zero, and a power of that is not a number.
+
+use super::measures::even_direction;
+use super::row::{Finding, Row};
+use glam::Vec3;
+use pelage_import::BakeError;
+use pelage_runtime::shared::kajiya_kay::{sin_power, sin_squared};
+
+/// The row of the table.
+pub const ROW: Row = Row {
+    method: "Kajiya-Kay",
+    cliff: "hair along the light or the halfway vector",
+    naive: "1 - (T.L)^2 to a power",
+    safe: "cut at zero first",
+    drive,
+};
+
+/// Exponents of the lighting equation, over the range that a recipe allows.
+pub const EXPONENTS: [f32; 9] = [0.0, 0.5, 1.0, 2.0, 3.0, 30.0, 101.0, 1000.0, 10_000.0];
+
+/// Unit vectors evenly over the sphere, each with itself, its opposite, or itself but for a rounding error, and an exponent.
+pub fn cases() -> impl Iterator<Item = (Vec3, Vec3, f32)> {
+    const COUNT: u32 = 100_000;
+    (0..COUNT).map(|i| {
+        let t = even_direction(i, COUNT).as_vec3().normalize();
+        let l = [t, -t, (t * 1.000_000_1).normalize()][i as usize % 3];
+        (t, l, EXPONENTS[i as usize % EXPONENTS.len()])
+    })
+}
+
+fn drive() -> Result<Vec<Finding>, BakeError> {
+    let (mut naive, mut safe) = (0, 0);
+    for (t, l, exponent) in cases() {
+        let sound = |value: f32| (0.0..=1.0).contains(&value);
+        naive += usize::from(!sound((1.0 - t.dot(l) * t.dot(l)).powf(exponent / 2.0)));
+        safe += usize::from(!sound(sin_power(sin_squared(t, l), 0.5 * exponent)));
+    }
+    Ok(vec![Finding {
+        case: "100000 tangents along the light, exponents 0..=10000".into(),
+        measure: "values outside 0..=1 or not a number",
+        naive: naive as f64,
+        safe: safe as f64,
+        bound: 0.0,
+        fails_above: 1000.0,
+    }])
+}

@@ -1,0 +1,48 @@
+//! A knot in a coat: strands of its parts lie before each other many deep.
+
+use super::surface;
+use glam::{Vec3, vec3};
+use pelage_bake::pipeline;
+use pelage_bake::pipeline::Told;
+use pelage_bake::recipe::{Coat, Recipe};
+use pelage_bake::stages::groom::MapImages;
+use pelage_bake::strands::{Curves, Skin, grow_on, tile_hair};
+use pelage_formats::{Limits, Package};
+use pelage_import::BakeError;
+
+/// Towards an eye that sees it well, unit length.
+pub const TOWARDS_EYE: Vec3 = vec3(0.36, 0.48, 0.8);
+/// Of a picture that holds it, metres.
+pub const HEIGHT_M: f32 = 8.0;
+
+/// Its strands in a coat of so many a tile, at rest and its skin.
+///
+/// # Errors
+///
+/// As [`pipeline::bake`].
+pub fn grown(density: u32) -> Result<(Curves, Skin), BakeError> {
+    let curve = |a: f32| {
+        let out = 2.0 + (3.0 * a).cos();
+        vec3(out * (2.0 * a).cos(), out * (2.0 * a).sin(), 1.2 * (3.0 * a).sin())
+    };
+    let place = |a: f32, b: f32| {
+        let along = (curve(a + 1e-2) - curve(a - 1e-2)).normalize_or(Vec3::X);
+        let aside = along.cross(curve(a).with_z(0.0)).normalize_or(Vec3::Z);
+        let up = aside.cross(along);
+        curve(a) + 0.45 * (aside * b.cos() + up * b.sin())
+    };
+    let model = surface::grid(96, 16, place);
+    let mut recipe = Recipe::of_coat(Coat::Natural)?;
+    recipe.hair.density = density;
+    let images = MapImages::default();
+    let told = Told::new("stability", "knot", &recipe, &images);
+    let package = pipeline::bake(&told, &model, &mut |_| ())?.package;
+    let fault = |source| BakeError::Package { file: "stability".into(), source };
+    let package = Package::open(&package, &Limits::default()).map_err(fault)?;
+    let manifest = package.manifest();
+    let skin = Skin::posed("stability", &package, &[])?;
+    let lost = || BakeError::Internal("the knot was baked without hair".into());
+    let hair = tile_hair("stability", manifest)?.ok_or_else(lost)?;
+    let curves = grow_on(&skin, &hair, f64::from(manifest.fur.tile_size_m))?.0;
+    Ok((curves, skin))
+}

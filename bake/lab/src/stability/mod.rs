@@ -1,0 +1,62 @@
+//! Where methods fail, and what we do there: drivers that take each method over its cliff, in the naive form and in ours.
+//!
+//! `pelage chart stability` prints what they find, and `tests/tests/stability/rows.rs` holds our form to its bound, and the naive one to
+//! its failure: data that never reached the cliff would prove nothing. The naive forms stand here and nowhere else.
+
+pub mod animation;
+pub mod direction_textures;
+pub mod environment;
+pub mod hair_motion;
+pub mod hair_simulation;
+pub mod ink;
+pub mod kajiya_kay;
+mod knot;
+pub mod layer_shadows;
+pub mod layers;
+mod measures;
+pub mod mip_levels;
+pub mod opacity_product;
+pub mod opacity_shadow;
+pub mod parting;
+mod row;
+pub mod scattering;
+pub mod shells;
+pub mod short_fur;
+pub mod silhouette;
+pub mod soft_shadow;
+pub mod solver;
+pub mod sphere_map;
+pub mod strand_light;
+pub mod strand_order;
+pub mod strand_width;
+pub mod surface;
+
+pub use measures::{grow, mean, natural_hair, opacity, slice, texels, transmittances};
+pub use row::{Drawer, Drawing, DrawnDriver};
+pub use row::{Driver, Finding, Row};
+
+/// All rows, in the order of the way through bake and a frame.
+pub const ROWS: &[Row] = &[
+    surface::ROW,
+    solver::ROW,
+    hair_simulation::ROW,
+    parting::ROW,
+    opacity_product::ROW,
+    layers::ROW,
+    mip_levels::ROW,
+    direction_textures::ROW,
+    kajiya_kay::ROW,
+    layer_shadows::ROW,
+    short_fur::ROW,
+    soft_shadow::ROW,
+    animation::ROW,
+    sphere_map::ROW,
+    opacity_shadow::ROW,
+    strand_order::ROW,
+    hair_motion::ROW,
+    scattering::ROW,
+    environment::ROW,
+];
+
+/// The rows that need pictures.
+pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW, ink::ROW, strand_width::ROW, strand_light::ROW];

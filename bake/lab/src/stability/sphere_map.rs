@@ -1,0 +1,126 @@
+//! The sphere map that ink lines swell by (Fang 2006, §2, after Kang 2003): R = α(N·E)E − E with α = N·E, m = sqrt(Rx² + Ry² + (Rz + 1)²), (u, v) = R/2m + 1/2.
+//!
+//! As printed R is parallel to E: all normals share a line of places, one place in the middle of the picture, and 0/0 where a normal stands at right angles to
+//! the view. Read as a reflection, R = 2(N·E)N − E, it is a map, but one about the middle of the picture: aside of it the outline is no
+//! longer the rim, and R = (0, 0, −1), where m is 0, falls on what faces the eye. Ours takes the normal in the frame perpendicular to the look, where the distance from the middle is sin(N, E)/2 whatever the perspective.
+
+use super::kajiya_kay;
+use super::row::{Finding, Row};
+use glam::{DVec3, Vec2, Vec3};
+use pelage_import::BakeError;
+use pelage_runtime::shared::ink::{ink_sphere_uv, ink_sphere_uv_reflected};
+
+/// The row of the table.
+pub const ROW: Row = Row {
+    method: "sphere map",
+    cliff: "R = (0, 0, -1): m = 0; normals at right angles to the look; perspective; no normal at all",
+    naive: "R = (N.E)(N.E) E - E as printed, and by reflection in view space",
+    safe: "the normal in the frame perpendicular to the look: the outline is the rim, nothing is divided by m",
+    drive,
+};
+
+/// Directions to the eye in view space: along the view, and up to half of a view of 60 degrees aside.
+fn eyes() -> [Vec3; 5] {
+    let aside = |deg: f32, round: f32| {
+        let (s, c) = deg.to_radians().sin_cos();
+        Vec3::new(s * round.cos(), s * round.sin(), c)
+    };
+    [Vec3::Z, aside(5.0, 0.3), aside(15.0, 2.0), aside(30.0, 4.0), aside(30.0, 0.0)]
+}
+
+/// Normals that face the eye, among them those at right angles to it, to the last digit of f32.
+fn normals(eye: Vec3) -> impl Iterator<Item = Vec3> {
+    let (x, y) = eye.any_orthonormal_pair();
+    let round = (0..720).map(move |i| Vec2::from_angle(i as f32 * 0.5f32.to_radians()));
+    let rim = round.map(move |a| x * a.x + y * a.y);
+    let facing = kajiya_kay::cases().map(|(normal, ..)| normal).filter(move |n| n.dot(eye) >= 0.0);
+    // Along the axes as well: R = (0, 0, −1) comes of whole numbers.
+    rim.chain(facing)
+        .chain([eye, Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::NEG_Y].into_iter().filter(move |n| n.dot(eye) >= 0.0))
+}
+
+/// Distance from the middle of the map that a normal belongs at, in f64: half of the sine of its angle to the look.
+fn true_distance(normal: Vec3, eye: Vec3) -> f64 {
+    let (n, e): (DVec3, DVec3) = (normal.as_dvec3().normalize(), eye.as_dvec3().normalize());
+    0.5 * n.cross(e).length()
+}
+
+/// As printed, with E towards the eye.
+fn printed(normal: Vec3, eye: Vec3) -> Vec2 {
+    let alpha = normal.dot(eye);
+    let r = alpha * normal.dot(eye) * eye - eye;
+    let m = (r.x * r.x + r.y * r.y + (r.z + 1.0) * (r.z + 1.0)).sqrt();
+    Vec2::new(r.x / (2.0 * m) + 0.5, r.y / (2.0 * m) + 0.5)
+}
+
+/// Ours: the same normal in a frame perpendicular to the look.
+fn perpendicular(normal: Vec3, eye: Vec3) -> Vec2 {
+    let (x, y) = eye.any_orthonormal_pair();
+    ink_sphere_uv(Vec3::new(normal.dot(x), normal.dot(y), normal.dot(eye)), 1.0)
+}
+
+/// Largest error of the distance from the middle; not a number where a place is none.
+fn worst(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
+    let mut worst = 0.0f64;
+    for eye in eyes() {
+        for normal in normals(eye) {
+            let found = f64::from(form(normal, eye).distance(Vec2::splat(0.5)));
+            let error = (found - true_distance(normal, eye)).abs();
+            if error.is_nan() {
+                return f64::NAN;
+            }
+            worst = worst.max(error);
+        }
+    }
+    worst
+}
+
+/// Places that are none: of background, whose normal is zero, and of all others.
+fn places_that_are_none(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
+    let all = eyes().into_iter().flat_map(|eye| normals(eye).chain([Vec3::ZERO]).map(move |n| form(n, eye)));
+    all.filter(|uv| !uv.is_finite() || uv.min_element() < 0.0 || uv.max_element() > 1.0).count() as f64
+}
+
+/// Places told apart, on a grid of 64 by 64.
+fn told_apart(form: fn(Vec3, Vec3) -> Vec2, eye: Vec3) -> usize {
+    let cell = |uv: Vec2| (uv * 64.0).floor().as_ivec2();
+    let cells: std::collections::BTreeSet<[i32; 2]> =
+        normals(eye).map(|n| form(n, eye)).filter(|uv| uv.is_finite()).map(|uv| cell(uv).to_array()).collect();
+    cells.len()
+}
+
+fn drive() -> Result<Vec<Finding>, BakeError> {
+    let aside = eyes()[3];
+    // A disc of a quarter of the square's 64 × 64 cells; how many of them hold no normal.
+    let disc = std::f64::consts::FRAC_PI_4 * 64.0 * 64.0;
+    let empty = |form| (1.0 - told_apart(form, aside) as f64 / disc).max(0.0);
+    Ok(vec![
+        Finding {
+            case: "normals that face the eye, over a view of 60 degrees, as printed".into(),
+            measure: "places that are not a number or outside the map",
+            naive: places_that_are_none(printed),
+            safe: places_that_are_none(perpendicular),
+            bound: 0.0,
+            fails_above: 100.0,
+        },
+        Finding {
+            case: "the same, 30 degrees aside, as printed".into(),
+            measure: "share of the map's disc that no normal finds",
+            naive: empty(printed),
+            safe: empty(perpendicular),
+            // The cells of the rim are only partly in the disc, and normals are sampled.
+            bound: 0.05,
+            fails_above: 0.95,
+        },
+        Finding {
+            case: "the same, by reflection in view space".into(),
+            measure: "largest error of the distance from the middle, widths of the map",
+            naive: worst(ink_sphere_uv_reflected),
+            safe: worst(perpendicular),
+            // Rounding of f32 in dots and a root.
+            bound: 1e-6,
+            // The rim alone shrinks by 1 − cos(15°): half of 0.034.
+            fails_above: 0.016,
+        },
+    ])
+}

@@ -1,0 +1,152 @@
+//! Strands thinner than a pixel: as true ribbons they meet as few samples as they cover. Lines are drawn a pixel wide at least, and hair that is an
+//! eighth of that becomes a coat eight times as dense.
+
+use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
+use super::surface;
+use glam::{Vec3, vec3};
+use pelage_bake::pipeline;
+use pelage_bake::pipeline::Told;
+use pelage_bake::recipe::{Coat, Recipe};
+use pelage_bake::stages::groom::MapImages;
+use pelage_bake::strands::{Skin, grow_on, tile_hair};
+use pelage_formats::{Limits, Package};
+use pelage_import::BakeError;
+use pelage_runtime::{Camera, Detail, FrameParams, Hair, PassId, Projection, SelfShadow};
+use pelage_truth::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScene};
+
+/// The row of the table.
+pub const ROW: Row<DrawnDriver> = Row {
+    method: "strand width",
+    cliff: "strands an eighth of a pixel wide",
+    naive: "each at least a pixel wide",
+    safe: "ribbons of true width",
+    drive,
+};
+
+/// Pixels of the picture, each way: many, because each meets a sample of it or does not.
+pub const SIZE: u32 = 640;
+/// Of the square that is seen, metres; the skin is a little smaller.
+const SEEN_M: f32 = 1.1;
+const SKIN_M: f32 = 1.0;
+const TILE_M: f32 = 0.125;
+/// Rays a pixel of the truth, in a picture an eighth as large.
+const TRUE_SAMPLES: u32 = 1024;
+const TRUE_SIZE: u32 = SIZE / 8;
+
+/// A square with hair of one width, `density` strands a tile. They lie askew to the pixels: of those that lie along them, each meets all samples of a
+/// column or none.
+///
+/// # Errors
+///
+/// As [`pipeline::bake`].
+pub fn bake(width_px: f32, density: u32, change: impl Fn(&mut Recipe)) -> Result<Vec<u8>, BakeError> {
+    let mut recipe = Recipe::of_coat(Coat::Natural)?;
+    let radius = 0.5 * width_px * SEEN_M / SIZE as f32 / TILE_M;
+    (recipe.hair.density, recipe.hair.length_m, recipe.hair.lean) = (density, Some(0.06), 0.6);
+    (recipe.hair.root_radius, recipe.hair.tip_radius) = (radius, radius);
+    recipe.hair.lean_direction_deg = 33.0;
+    recipe.surface.tile_size_m = Some(TILE_M);
+    (recipe.strands.enabled, recipe.fins.enabled) = (true, false);
+    change(&mut recipe);
+    let n = 8u32;
+    let corner = |i: u32| (i as f32 / n as f32 - 0.5) * SKIN_M;
+    let positions = (0..=n).flat_map(|j| (0..=n).map(move |i| vec3(corner(i), corner(j), 0.0))).collect();
+    let at = |i: u32, j: u32| j * (n + 1) + i;
+    let quad = |(i, j): (u32, u32)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    let triangles = (0..n).flat_map(|j| (0..n).map(move |i| (i, j))).flat_map(quad).collect();
+    let model = surface::model(positions, triangles);
+    let images = MapImages::default();
+    let told = Told::new("stability", "strand width", &recipe, &images);
+    Ok(pipeline::bake(&told, &model, &mut |_| ())?.package)
+}
+
+/// The square from above, in single strands without shadow.
+pub fn above() -> FrameParams {
+    let projection = Projection::Orthographic { height_m: SEEN_M, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
+    let camera = Camera::look_at(2.0 * Vec3::Z, Vec3::ZERO, projection);
+    FrameParams::new(camera, [SIZE; 2]).with(|p| p.soft_shadow = false).with_fur(|fur| {
+        (fur.hair, fur.detail, fur.self_shadow) = (Hair::Strands, Detail::Full, SelfShadow::Off);
+    })
+}
+
+/// The same camera for the truth.
+pub fn true_camera(params: &FrameParams) -> TrueCamera {
+    TrueCamera::from_view(params.camera.view_from_world, Lens::Orthographic { height_m: SEEN_M })
+}
+
+/// The strands of a package alone, to be traced.
+///
+/// # Errors
+///
+/// [`BakeError::Package`] for one that does not open.
+pub fn strands_of(package: &[u8]) -> Result<TrueScene, BakeError> {
+    let fault = |source| BakeError::Package { file: "stability".into(), source };
+    let package = Package::open(package, &Limits::default()).map_err(fault)?;
+    let manifest = package.manifest();
+    let mut skin = Skin::posed("stability", &package, &[])?;
+    let lost = || BakeError::Internal("the square was baked without hair".into());
+    let hair = tile_hair("stability", manifest)?.ok_or_else(lost)?;
+    let curves = grow_on(&skin, &hair, f64::from(manifest.fur.tile_size_m))?.0;
+    skin.triangles.clear();
+    TrueScene::new(curves, skin, None, manifest.shading)
+}
+
+/// Share of the picture that the traced strands cover.
+fn truth(package: &[u8], camera: &TrueCamera) -> Result<f64, BakeError> {
+    // Only what is covered counts, so light costs no ray.
+    let lighting = TrueLighting {
+        key: TrueLight::Directional { towards_light_ws: Vec3::Z, color: Vec3::ONE },
+        penumbra: 0.0,
+        fill: Vec::new(),
+        ambient_attenuation: false,
+        back_attenuation: false,
+        hair_shadows: false,
+        fill_shadows: false,
+        skin_shadows: false,
+        rolled_off: false,
+        scattering: None,
+        sky: None,
+    };
+    let size = (TRUE_SIZE, TRUE_SIZE);
+    let picture = strands_of(package)?.picture(camera, &lighting, size, TRUE_SAMPLES, &mut |_, _| ());
+    Ok(picture.pixels.iter().map(|p| f64::from(p[3])).sum::<f64>() / picture.pixels.len() as f64)
+}
+
+/// Strands of a tile, so few that one seldom lies before another.
+const DENSITY: u32 = 40;
+
+/// Long hair that lies over: the round ends of strands, which only the truth has, are little of it.
+fn long(recipe: &mut Recipe) {
+    (recipe.hair.length_m, recipe.hair.length_variation, recipe.hair.lean) = (Some(0.1), 0.2, 0.9);
+}
+
+fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
+    let params = above();
+    let camera = true_camera(&params);
+    let mut covered = |package: &[u8]| {
+        let drawing = Drawing { package, params: &params, size: (SIZE, SIZE), passes: &[PassId::STRANDS] };
+        let texels = draw(&drawing)?;
+        Ok::<_, BakeError>(texels.iter().map(|t| f64::from(t[3])).sum::<f64>() / texels.len() as f64)
+    };
+    let widened = covered(&bake(1.0, DENSITY, long)?)?;
+    let mut out = Vec::new();
+    for (width_px, fails_above) in [(0.25, 1.0), (0.125, 1.0)] {
+        let package = bake(width_px, DENSITY, long)?;
+        let (truth, ours) = (truth(&package, &camera)?, covered(&package)?);
+        out.push(Finding {
+            case: format!(
+                "strands {width_px} pixels wide that cover {:.2} % of the picture, one sample a pixel",
+                100.0 * truth
+            ),
+            measure: "coverage over that of the traced strands, less 1",
+            naive: (widened / truth - 1.0).abs(),
+            safe: (ours / truth - 1.0).abs(),
+            bound: 0.03,
+            fails_above,
+        });
+    }
+    Ok(out)
+}

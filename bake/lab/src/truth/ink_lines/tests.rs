@@ -1,0 +1,221 @@
+#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+use super::*;
+use glam::DVec2;
+use glam::{DVec3, Vec3};
+use pelage_bake::strands::{SkinMaterial, SkinPoint};
+use pelage_truth::Lens;
+
+/// A skin of one material; normals point away from the origin.
+fn skin(positions: &[DVec3], triangles: &[[u32; 3]], double_sided: bool) -> Skin {
+    let vertex = |p: &DVec3| SkinPoint {
+        position_ws: *p,
+        normal_ws: p.normalize_or(DVec3::Z),
+        color: glam::Vec4::ONE,
+        ..SkinPoint::default()
+    };
+    Skin {
+        vertices: positions.iter().map(vertex).collect(),
+        same_place: (0..positions.len() as u32).collect(),
+        triangles: triangles.to_vec(),
+        material_of: vec![0; triangles.len()],
+        materials: vec![SkinMaterial { base_color: glam::Vec4::ONE, double_sided, ..SkinMaterial::default() }],
+    }
+}
+
+/// A box whose faces share no vertex, as hard normals have it.
+fn cuboid(center: DVec3, half: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let mut normal = DVec3::ZERO;
+            normal[axis] = sign;
+            let (mut u, mut v) = (DVec3::ZERO, DVec3::ZERO);
+            u[(axis + 1) % 3] = 1.0;
+            v[(axis + 2) % 3] = sign;
+            let base = positions.len() as u32;
+            positions.extend([-u - v, u - v, u + v, v - u].map(|corner| center + (normal + corner) * half));
+            triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+        }
+    }
+    (positions, triangles)
+}
+
+fn sphere(rings: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let sectors = 2 * rings;
+    let mut positions = Vec::new();
+    for i in 0..=rings {
+        for j in 0..=sectors {
+            let (theta, phi) = (
+                f64::from(i) * std::f64::consts::PI / f64::from(rings),
+                f64::from(j % sectors) * std::f64::consts::TAU / f64::from(sectors),
+            );
+            // The poles are one place each, and the seam closes: the last column is the first.
+            let ring = if i == 0 || i == rings { 0.0 } else { theta.sin() };
+            positions.push(DVec3::new(ring * phi.cos(), theta.cos(), -ring * phi.sin()));
+        }
+    }
+    let at = |i: u32, j: u32| i * (sectors + 1) + j;
+    let quads = (0..rings).flat_map(|i| (0..sectors).map(move |j| (i, j)));
+    let triangles = quads
+        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]);
+    (positions.clone(), triangles.collect())
+}
+
+fn both(a: (Vec<DVec3>, Vec<[u32; 3]>), b: (Vec<DVec3>, Vec<[u32; 3]>)) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let shift = a.0.len() as u32;
+    let triangles = a.1.into_iter().chain(b.1.into_iter().map(|t| t.map(|v| v + shift))).collect();
+    ([a.0, b.0].concat(), triangles)
+}
+
+/// Four metres of the plane through the origin on a hundred pixels.
+fn camera(eye: Vec3) -> TrueCamera {
+    TrueCamera { eye_ws: eye, target_ws: Vec3::ZERO, up_ws: Vec3::Y, lens: Lens::Orthographic { height_m: 4.0 } }
+}
+
+const SIZE: (u32, u32) = (100, 100);
+
+fn seen(mesh: &(Vec<DVec3>, Vec<[u32; 3]>), eye: Vec3) -> VisibleLines {
+    seen_with(mesh, eye, &LineParams::default(), false)
+}
+
+fn seen_with(mesh: &(Vec<DVec3>, Vec<[u32; 3]>), eye: Vec3, params: &LineParams, double_sided: bool) -> VisibleLines {
+    let lines = TrueLines::new(skin(&mesh.0, &mesh.1, double_sided)).unwrap();
+    lines.seen(&camera(eye), SIZE, params).unwrap()
+}
+
+/// Lengths of all kinds in the order of [`LineKind::ALL`], metres.
+fn lengths(lines: &VisibleLines) -> [f64; 4] {
+    LineKind::ALL.map(|kind| lines.length_px(kind) / 25.0)
+}
+
+#[track_caller]
+fn near(found: [f64; 4], expected: [f64; 4], within: f64) {
+    assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() <= within), "{found:?}, expected {expected:?}");
+}
+
+#[test]
+fn a_cube_shows_its_outline_and_three_creases() {
+    let cube = cuboid(DVec3::ZERO, DVec3::ONE);
+    // Along the diagonal of space every edge is foreshortened alike: six make the outline, three meet in the middle, three are behind.
+    let edge = 2.0 * (2.0f64 / 3.0).sqrt();
+    near(lengths(&seen(&cube, Vec3::splat(5.0))), [6.0 * edge, 0.0, 3.0 * edge, 0.0], 0.05);
+    // Faces seen edge-on look away. From a little aside one crease turns up, and the outline is six edges again.
+    near(lengths(&seen(&cube, Vec3::new(0.0, 0.0, 5.0))), [8.0, 0.0, 0.0, 0.0], 0.05);
+    let (s, c) = (1.0f64 / 26f64.sqrt(), 5.0f64 / 26f64.sqrt());
+    near(lengths(&seen(&cube, Vec3::new(1.0, 0.0, 5.0))), [4.0 + 4.0 * (s + c), 0.0, 2.0, 0.0], 0.05);
+    // A limit above the angle of its edges leaves the outline alone.
+    let blunt = LineParams { crease_deg: 91.0, ..LineParams::default() };
+    near(lengths(&seen_with(&cube, Vec3::splat(5.0), &blunt, false)), [6.0 * edge, 0.0, 0.0, 0.0], 0.05);
+    let lines = seen(&cube, Vec3::splat(5.0));
+    assert!(lines.mask(&[LineKind::Crease]).contains(50, 50) && !lines.mask(&[LineKind::Silhouette]).contains(50, 50));
+}
+
+#[test]
+fn an_angle_that_is_none_is_refused() {
+    let lines = TrueLines::new(Skin::default()).unwrap();
+    for crease_deg in [-1.0, 181.0, f64::NAN] {
+        let params = LineParams { crease_deg, ..LineParams::default() };
+        let error = lines.seen(&camera(Vec3::Z), SIZE, &params).unwrap_err().to_string();
+        assert!(error.contains("crease_deg") && error.contains("0..=180"), "{error}");
+    }
+    assert!(lines.seen(&camera(Vec3::Z), SIZE, &LineParams::default()).unwrap().segments.is_empty());
+}
+
+#[test]
+fn what_lies_behind_is_not_seen() {
+    let (small, large) = (DVec3::splat(0.5), DVec3::new(1.5, 1.5, 0.1));
+    // A small cube before a plate: its outline is a contour before skin. Behind the plate it is gone.
+    let before = both(cuboid(DVec3::Z, small), cuboid(DVec3::ZERO, large));
+    near(lengths(&seen(&before, Vec3::new(0.0, 0.0, 5.0))), [12.0, 4.0, 0.0, 0.0], 0.05);
+    let behind = both(cuboid(DVec3::NEG_Z, small), cuboid(DVec3::ZERO, large));
+    near(lengths(&seen(&behind, Vec3::new(0.0, 0.0, 5.0))), [12.0, 0.0, 0.0, 0.0], 0.05);
+    // Four tenths of it look out, and the plate's edge before it is a contour for a metre.
+    let aside = both(cuboid(DVec3::new(1.4, 0.0, -1.0), small), cuboid(DVec3::ZERO, large));
+    near(lengths(&seen(&aside, Vec3::new(0.0, 0.0, 5.0))), [11.0 + 1.8, 1.0, 0.0, 0.0], 0.05);
+}
+
+#[test]
+fn a_sphere_has_a_circle_for_an_outline_by_its_edges_and_by_its_normals() {
+    let ball = sphere(32);
+    let eye = Vec3::new(1.0, 2.0, 4.5);
+    let round = std::f64::consts::TAU;
+    let middle = DVec2::splat(50.0);
+    let radii = |lines: &VisibleLines| {
+        let ends = lines.segments.iter().flat_map(|s| [s.from_px, s.to_px]);
+        ends.fold((f64::INFINITY, 0.0f64), |(least, most), p| {
+            (least.min(p.distance(middle)), most.max(p.distance(middle)))
+        })
+    };
+    let edges = seen(&ball, eye);
+    let [silhouette, contour, crease, border] = lengths(&edges);
+    // The poles' triangles and the seam are neither creases nor borders. Edges go up and down about the circle.
+    assert!((silhouette + contour) / round > 0.99 && (silhouette + contour) / round < 1.3, "{silhouette} {contour}");
+    assert_eq!((crease, border), (0.0, 0.0));
+    let (least, most) = radii(&edges);
+    assert!(least > 24.5 && most <= 25.0 + 1e-9, "{least} to {most} pixels");
+
+    let params = LineParams { contour: ContourForm::Interpolated, ..LineParams::default() };
+    let smooth = seen_with(&ball, eye, &params, false);
+    let [silhouette, contour, ..] = lengths(&smooth);
+    assert!(((silhouette + contour) / round - 1.0).abs() < 0.02, "{silhouette} {contour}");
+    let (least, most) = radii(&smooth);
+    assert!(least > 24.5 && most <= 25.0 + 1e-9, "{least} to {most} pixels");
+    // One within half a pixel of the other, everywhere.
+    let (a, b) = (edges.mask(&LineKind::ALL), smooth.mask(&LineKind::ALL));
+    let far = |of: &Mask, to: &Mask| {
+        let distances = to.distances();
+        of.pixels.iter().zip(distances).filter(|(set, _)| **set).map(|(_, d)| d).fold(0.0, f64::max)
+    };
+    assert!(far(&a, &b) <= 1.5 && far(&b, &a) <= 1.5, "{} {}", far(&a, &b), far(&b, &a));
+}
+
+#[test]
+fn the_end_of_a_sheet_is_a_border() {
+    let square = (
+        vec![
+            DVec3::new(-1.0, -1.0, 0.0),
+            DVec3::new(1.0, -1.0, 0.0),
+            DVec3::new(1.0, 1.0, 0.0),
+            DVec3::new(-1.0, 1.0, 0.0),
+        ],
+        vec![[0, 1, 2], [0, 2, 3]],
+    );
+    let (front, back) = (Vec3::new(0.0, 0.0, 5.0), Vec3::new(0.0, 0.0, -5.0));
+    near(lengths(&seen(&square, front)), [0.0, 0.0, 0.0, 8.0], 0.05);
+    // From behind it is not drawn, unless its material has two sides.
+    near(lengths(&seen(&square, back)), [0.0; 4], 0.0);
+    let params = LineParams::default();
+    near(lengths(&seen_with(&square, back, &params, true)), [0.0, 0.0, 0.0, 8.0], 0.05);
+    // Two sheets back to back touch in every edge and are two sheets still: no edge between their triangles is a line. Where they end, they
+    // go together as the two sides of a leaf.
+    let mut leaf = square.clone();
+    leaf.1.extend(square.1.iter().map(|t| [t[0], t[2], t[1]]));
+    let found = lengths(&seen(&leaf, front));
+    near(found, [8.0, 0.0, 0.0, 0.0], 0.05);
+    // A triangle without area between two others is no gap.
+    let mut sliver = square;
+    sliver.1.push([0, 2, 2]);
+    near(lengths(&seen(&sliver, front)), [0.0, 0.0, 0.0, 8.0], 0.05);
+}
+
+#[test]
+fn a_perspective_sees_the_near_larger_and_nothing_behind_the_eye() {
+    let cube = cuboid(DVec3::ZERO, DVec3::ONE);
+    let lines = TrueLines::new(skin(&cube.0, &cube.1, false)).unwrap();
+    let look = |eye: Vec3, target: Vec3| {
+        let lens = Lens::Perspective { fov_y_rad: 1.0 };
+        lines
+            .seen(&TrueCamera { eye_ws: eye, target_ws: target, up_ws: Vec3::Y, lens }, SIZE, &LineParams::default())
+            .unwrap()
+    };
+    // The near face, 4 m before the eye, is all there is to see.
+    let front = look(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO);
+    let scale = 50.0 / (0.5f64.tan() * 4.0);
+    assert!((front.length_px(LineKind::Silhouette) - 8.0 * scale).abs() < 1.0, "{front:?}");
+    assert!(look(Vec3::new(0.0, 0.0, 5.0), Vec3::new(0.0, 0.0, 9.0)).segments.is_empty());
+    // From close by, edges run past the eye and out of the picture; what is left lies in it.
+    let near = look(Vec3::new(1.2, 1.3, 0.4), Vec3::new(0.9, 1.0, -0.5));
+    assert!(!near.segments.is_empty());
+    let inside = |p: DVec2| (-1e-6..=100.0 + 1e-6).contains(&p.x) && (-1e-6..=100.0 + 1e-6).contains(&p.y);
+    assert!(near.segments.iter().all(|s| inside(s.from_px) && inside(s.to_px)), "{near:?}");
+}

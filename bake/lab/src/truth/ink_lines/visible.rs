@@ -1,0 +1,137 @@
+//! What is seen of a line: samples along it in the picture, each asked for by a ray.
+
+use super::line::{LineKind, LineSegment};
+use glam::{DVec2, DVec3};
+use pelage_truth::Look;
+
+/// Distance between samples along a line, pixels at most.
+pub(super) const STEP_PX: f64 = 0.5;
+/// How far beyond a contour it is asked whether something lies behind, pixels.
+const BEYOND_PX: f64 = 1.0;
+
+/// A straight line on the mesh, hidden or not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Piece {
+    /// World space, metres.
+    pub(super) from: DVec3,
+    pub(super) to: DVec3,
+    pub(super) family: Family,
+    /// A point beside it on the skin that shows.
+    pub(super) inside: DVec3,
+    /// How much nearer than it something may be without hiding it, metres.
+    pub(super) slack_m: f64,
+}
+
+/// What a line is before it is known what lies behind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Family {
+    Contour,
+    Crease,
+    Border,
+}
+
+/// The parts of a piece that are seen in the picture.
+///
+/// * `near_m`: what is nearer to the eye is not looked at
+pub(super) fn parts(piece: &Piece, look: &Look<'_>, near_m: f64) -> Vec<LineSegment> {
+    let Some(line) = Line::new(piece, look, near_m) else { return Vec::new() };
+    let Some((begin, end)) = line.inside(look.rays().size()) else { return Vec::new() };
+    let steps = ((end - begin) * line.from_px.distance(line.to_px) / STEP_PX).ceil().max(1.0) as u32;
+    let share = |i: u32| begin + (end - begin) * f64::from(i) / f64::from(steps);
+    let mut out: Vec<LineSegment> = Vec::new();
+    let mut last = None;
+    for i in 0..steps {
+        // Each sample stands for the way between its neighbours.
+        let (from_px, to_px) = (line.at(share(i)), line.at(share(i + 1)));
+        let kind = line.seen_as(0.5 * (share(i) + share(i + 1)), piece, look);
+        if let Some(kind) = kind {
+            match out.last_mut().filter(|_| last == Some(kind)) {
+                Some(segment) => segment.to_px = to_px,
+                None => out.push(LineSegment { from_px, to_px, kind }),
+            }
+        }
+        last = kind;
+    }
+    out
+}
+
+/// A piece in the picture, as far as it is before the eye.
+struct Line {
+    from: DVec3,
+    to: DVec3,
+    from_px: DVec2,
+    to_px: DVec2,
+    /// Metres before the eye; both 1 where that does not matter.
+    depths: (f64, f64),
+}
+
+impl Line {
+    fn new(piece: &Piece, look: &Look<'_>, near_m: f64) -> Option<Self> {
+        let rays = look.rays();
+        let (mut from, mut to) = (piece.from, piece.to);
+        let (a, b) = (rays.depth(from), rays.depth(to));
+        if a.max(b) <= near_m {
+            return None;
+        }
+        let cut = |near: DVec3, far: DVec3, (n, f): (f64, f64)| near.lerp(far, (near_m - n) / (f - n));
+        if a < near_m {
+            from = cut(from, to, (a, b));
+        } else if b < near_m {
+            to = cut(to, from, (b, a));
+        }
+        let ((from_px, a), (to_px, b)) = (rays.place(from)?, rays.place(to)?);
+        let depths = if rays.is_parallel() { (1.0, 1.0) } else { (a, b) };
+        Some(Self { from, to, from_px, to_px, depths })
+    }
+
+    /// Shares of the line between which it lies in the picture (Liang and Barsky 1984).
+    fn inside(&self, size: DVec2) -> Option<(f64, f64)> {
+        let (mut begin, mut end) = (0.0f64, 1.0f64);
+        let way = self.to_px - self.from_px;
+        for (start, way, most) in [(self.from_px.x, way.x, size.x), (self.from_px.y, way.y, size.y)] {
+            if way == 0.0 {
+                if !(0.0..most).contains(&start) {
+                    return None;
+                }
+                continue;
+            }
+            let (enter, leave) = (-start / way, (most - start) / way);
+            begin = begin.max(enter.min(leave));
+            end = end.min(enter.max(leave));
+        }
+        (begin < end).then_some((begin, end))
+    }
+
+    /// A point of the line in the picture.
+    fn at(&self, share: f64) -> DVec2 {
+        self.from_px.lerp(self.to_px, share)
+    }
+
+    /// The same point in the world: what is half way in the picture is nearer to the eye than half way.
+    fn at_ws(&self, share: f64) -> DVec3 {
+        let (near, far) = ((1.0 - share) / self.depths.0, share / self.depths.1);
+        self.from.lerp(self.to, far / (near + far))
+    }
+
+    /// What a point of the line is; `None` where it is hidden.
+    fn seen_as(&self, share: f64, piece: &Piece, look: &Look<'_>) -> Option<LineKind> {
+        let at = self.at_ws(share);
+        if !look.sees(at, piece.slack_m) {
+            return None;
+        }
+        Some(match piece.family {
+            Family::Crease => LineKind::Crease,
+            Family::Border => LineKind::Border,
+            Family::Contour => {
+                let across = (self.to_px - self.from_px).perp().normalize_or_zero();
+                let at_px = self.at(share);
+                let inwards = look.place_px(piece.inside).map_or(0.0, |inside| (inside - at_px).dot(across));
+                let outwards = if inwards > 0.0 { -across } else { across };
+                match look.at(at_px + outwards * BEYOND_PX) {
+                    Some(_) => LineKind::Contour,
+                    None => LineKind::Silhouette,
+                }
+            }
+        })
+    }
+}

@@ -1,0 +1,204 @@
+//! Transmittance through the strands themselves: binary rays against round, opaque hairs.
+//!
+//! This truth reads the same [`Strands`] as slicing does and nothing of what slicing makes of them, so it shows what the layers get wrong about
+//! the hair, where [`super::SampledVolume`] shows only what the maps get wrong about the layers. The two need not agree, for three reasons:
+//!
+//! * Slicing keeps what a strand covers but not its sharpness: a hair is widened to the filter of the texels and thinned out as much, and a hair
+//!   of many texels lets a little light through its middle, where a real one lets none through ([`pelage_bake::stages::textures::extinction`]).
+//! * Down the hair the tails of the Gaussians that it is drawn with add up, so that light from straight above meets hairs wider than they are.
+//! * A ray that starts within a hair is blocked, and in the volume it has half a layer before it.
+//!
+//! What is left after these is the error of coherence: layers know each other only through the light that passes from map to map.
+//!
+//! A grid over the tile would do as well as bounding volumes while hair stands up evenly. Combed flat or gathered in locks it does not: then one
+//! cell holds most of the segments, and the tree stays as fast as it is.
+
+use glam::{DVec2, DVec3};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::ray::Ray;
+use obvhs::{Boundable, BvhBuildParams};
+use pelage_bake::stages::hair::Strands;
+use pelage_import::BakeError;
+use pelage_truth::{seed_of, stratified};
+use std::time::Duration;
+
+/// Tiles that a ray may cross before it counts as one that never leaves.
+const MAX_TILES: u32 = 1 << 12;
+
+/// A piece of a strand: the points within `radius` of a line, with a radius that runs from one end to the other.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    from: DVec3,
+    along: DVec3,
+    radii: [f64; 2],
+    strand: u32,
+    /// The tile that it was taken from.
+    home: DVec2,
+}
+
+impl Boundable for Segment {
+    fn aabb(&self) -> Aabb {
+        let (a, b) = (self.from, self.from + self.along);
+        // Rounding to f32 must not shrink the box.
+        let reach = self.radii[0].max(self.radii[1]) + 1e-6 * (1.0 + a.abs().max(b.abs()).max_element());
+        Aabb::new((a.min(b) - reach).as_vec3a(), (a.max(b) + reach).as_vec3a())
+    }
+}
+
+impl Segment {
+    /// Whether the ray from `origin`, `way` times 0..=`length` long, comes into the hair; `way` has unit length.
+    ///
+    /// The radius is that of the place on the axis where the two come closest. For cylinders with round ends that is exact, for tapering
+    /// hair up to the square of the taper.
+    fn blocks(&self, origin: DVec3, way: DVec3, length: f64) -> bool {
+        // Closest points of a line and a segment: Ericson, Real-Time Collision Detection (2005), 5.1.9.
+        let r = origin - self.from;
+        let (c, e) = (way.dot(r), self.along.length_squared());
+        let (s, w) = if e > 0.0 {
+            let (b, f) = (way.dot(self.along), self.along.dot(r));
+            let across = e - b * b;
+            let s = if across > 1e-12 * e { ((b * f - c * e) / across).clamp(0.0, length) } else { 0.0 };
+            let w = (b * s + f) / e;
+            if (0.0..=1.0).contains(&w) {
+                (s, w)
+            } else {
+                let w = w.clamp(0.0, 1.0);
+                ((b * w - c).clamp(0.0, length), w)
+            }
+        } else {
+            ((-c).clamp(0.0, length), 0.0)
+        };
+        let radius = self.radii[0] + (self.radii[1] - self.radii[0]) * w;
+        (r + way * s - self.along * w).length_squared() < radius * radius
+    }
+}
+
+/// The strands of one tile as solid hairs, periodic along u and v, in widths of the tile.
+pub struct StrandField {
+    /// In the order of the tree's leaves; the middle of each lies within 0..1 along u and v.
+    segments: Vec<Segment>,
+    /// None where there is no hair.
+    tree: Option<Bvh2>,
+    min: DVec3,
+    max: DVec3,
+}
+
+impl StrandField {
+    /// Builds the field.
+    ///
+    /// # Errors
+    ///
+    /// As [`Strands::validate`].
+    pub fn new(strands: &Strands) -> Result<Self, BakeError> {
+        strands.validate()?;
+        let mut segments = Vec::new();
+        for strand in 0..strands.len() {
+            let range = strands.range(strand);
+            for i in range.start..range.end.saturating_sub(1) {
+                let (a, b) = (strands.points[i].as_dvec3(), strands.points[i + 1].as_dvec3());
+                let middle = 0.5 * (a + b);
+                let home = middle.truncate().floor();
+                let radii = [strands.radii[i], strands.radii[i + 1]].map(f64::from);
+                if radii != [0.0; 2] {
+                    let from = a - home.extend(0.0);
+                    segments.push(Segment { from, along: b - a, radii, strand: strand as u32, home });
+                }
+            }
+        }
+        if segments.is_empty() {
+            return Ok(Self { segments, tree: None, min: DVec3::ZERO, max: DVec3::ZERO });
+        }
+        let tree = build_bvh2(&segments, BvhBuildParams::medium_build(), &mut Duration::default());
+        let bounds = segments.iter().map(Boundable::aabb).reduce(|a, b| a.union(&b)).unwrap_or_else(Aabb::empty);
+        let segments = tree.primitive_indices.iter().map(|i| segments[*i as usize]).collect();
+        Ok(Self { segments, tree: Some(tree), min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() })
+    }
+
+    /// Share of the rays from a small square at height `z`, parallel to the skin, that reach a distant light past all hairs; 0..=1. That is the
+    /// light in the space that hairs stand in, and in them it is dark; what a hair gets itself is [`Self::lights_strand`].
+    ///
+    /// * `u`, `v`: middle of the square, widths of the tile; any, because the tile repeats
+    /// * `z`: height above the skin, widths of the tile
+    /// * `footprint`: width of the square, widths of the tile, along u and v; 0 sends all rays from one point
+    /// * `light_ts`: towards the light, of any length, in the frame of the tile: u, v, and away from the skin
+    /// * `samples`: rays, rounded up to a square number: one from each cell of a grid in the square
+    ///
+    /// The same arguments give the same share. 0 where the light does not stand above the skin, which is opaque.
+    pub fn transmittance(&self, u: f64, v: f64, z: f64, footprint: f64, light_ts: DVec3, samples: u32) -> f64 {
+        let Some(light) = light_ts.try_normalize().filter(|l| l.z > 0.0) else { return 0.0 };
+        let rays = stratified(seed_of(&[u, v, z]), samples);
+        let count = rays.len();
+        let free = rays.filter(|cell| {
+            let place = DVec2::new(u, v) + (*cell - 0.5) * footprint;
+            self.is_free(place.extend(z), light, None)
+        });
+        free.count() as f64 / count as f64
+    }
+
+    /// Whether a distant light is seen from a place on a strand past all hairs but that strand. Its copies in other tiles are others, as in the traced
+    /// picture, where each copy is a strand of its own.
+    ///
+    /// * `place`: on the strand's axis, widths of the tile, where [`Strands::points`] has it: not wrapped into the tile
+    /// * `strand`: index of the strand
+    /// * `light_ts`: as in [`Self::transmittance`]
+    ///
+    /// False where the light does not stand above the skin.
+    pub fn lights_strand(&self, place: DVec3, strand: u32, light_ts: DVec3) -> bool {
+        let light = light_ts.try_normalize().filter(|l| l.z > 0.0);
+        light.is_some_and(|light| self.is_free(place, light, Some(strand)))
+    }
+
+    /// Whether a ray leaves the fur past all strands but `own`. It is followed a tile's width at a time: within one it can meet the neighbours' hairs only where they lean
+    /// over, and coordinates stay small enough for the tree, which counts in f32.
+    fn is_free(&self, start: DVec3, light: DVec3, own: Option<u32>) -> bool {
+        let Some(tree) = &self.tree else { return true };
+        let enter = ((self.min.z - start.z) / light.z).max(0.0);
+        let leave = (self.max.z - start.z) / light.z;
+        let piece = 1.0 / light.x.abs().max(light.y.abs()).max(1e-3);
+        for i in 0..MAX_TILES {
+            let from = enter + f64::from(i) * piece;
+            if from >= leave {
+                return true;
+            }
+            let origin = start + light * from;
+            let tile = origin.truncate().floor();
+            let hides = |segment: &Segment, copy: DVec2| own != Some(segment.strand) || tile + copy != segment.home;
+            if self.piece_is_blocked(tree, origin - tile.extend(0.0), light, piece.min(leave - from), hides) {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Whether a hair is met of those that `hides` is true of; it is given a segment, and the tile that its copy stands in.
+    fn piece_is_blocked(
+        &self,
+        tree: &Bvh2,
+        origin: DVec3,
+        way: DVec3,
+        length: f64,
+        hides: impl Fn(&Segment, DVec2) -> bool,
+    ) -> bool {
+        let end = origin + way * length;
+        let (low, high) = (origin.min(end), origin.max(end));
+        // Copies of the tile that the piece may touch.
+        let copies =
+            |axis: usize| (low[axis] - self.max[axis]).ceil() as i64..=(high[axis] - self.min[axis]).floor() as i64;
+        copies(0).any(|i| {
+            copies(1).any(|j| {
+                let copy = DVec2::new(i as f64, j as f64);
+                let origin = origin - copy.extend(0.0);
+                let ray = Ray::new(origin.as_vec3a(), way.as_vec3a(), 0.0, length as f32);
+                !tree.ray_traverse_miss(ray, |_, id| {
+                    let segment = &self.segments[id];
+                    if hides(segment, copy) && segment.blocks(origin, way, length) { 0.0 } else { f32::INFINITY }
+                })
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "strands_tests.rs"]
+mod tests;

@@ -1,0 +1,37 @@
+//! The sky behind a picture.
+
+use super::exit::Failure;
+use super::sky::Sky;
+use glam::DVec2;
+use image::RgbaImage;
+use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
+use pelage_stage::{Background, Look};
+use pelage_truth::TrueCamera;
+
+/// Refuses a sky behind the picture where nothing is one.
+///
+/// # Errors
+/// [`Failure::Usage`] says what is missing.
+pub fn check(look: &Look) -> Result<(), Failure> {
+    if look.picture.background == Some(Background::Sky) && look.environment.sky.is_none() {
+        let reason = "--background sky: nothing shines from all around, expected --environment as well";
+        return Err(Failure::Usage(reason.into()));
+    }
+    Ok(())
+}
+
+/// Lays a picture of that look, sRGB-encoded with straight alpha, over the sky, turned `turn_deg` on, where the look wants it behind.
+pub fn lay_over_sky(look: &Look, sky: Option<&Sky>, pixels: &mut RgbaImage, camera: &TrueCamera, turn_deg: f32) {
+    let Some(sky) = sky.filter(|_| look.picture.background == Some(Background::Sky)) else { return };
+    let ways = camera.ways(pixels.dimensions());
+    for (x, y, pixel) in pixels.enumerate_pixels_mut() {
+        let [r, g, b, alpha] = pixel.0;
+        if alpha == u8::MAX {
+            continue;
+        }
+        let behind = sky.seen(ways.towards(DVec2::new(x.into(), y.into()) + 0.5), turn_deg).as_vec3().to_array();
+        let share = f32::from(alpha) / 255.0;
+        let over = |color: u8, behind: f32| linear_to_srgb(srgb_to_linear(color) * share + behind * (1.0 - share));
+        *pixel = image::Rgba([over(r, behind[0]), over(g, behind[1]), over(b, behind[2]), u8::MAX]);
+    }
+}

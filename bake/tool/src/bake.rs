@@ -1,0 +1,479 @@
+//! `pelage bake`: a model into a package.
+
+use super::anatomy::Anatomy;
+use super::errand::Errand;
+use super::exit::{Exit, Failure};
+use super::limits::choose;
+use super::output::{Output, human_bytes, require_parent};
+use super::picture_args::{PictureArgs, positive};
+use super::shell_judge::Source;
+use super::threads;
+use super::write_recipe::{self, Chosen};
+use pelage_bake::decision::Decision;
+use pelage_bake::io::{self, Reach};
+use pelage_bake::pipeline::{self, Baked, Told};
+use pelage_bake::recipe::{Recipe, SliceParams};
+use pelage_bake::reslice::Slicer;
+use pelage_bake::stages::detail::has_coat;
+use pelage_bake::stages::groom;
+use pelage_bake::stages::groom::MapImages;
+use pelage_bake::stages::metric;
+use pelage_bake::stages::metric::InTile;
+use pelage_bake::stages::pack;
+use pelage_bake::stages::surface::Measures;
+use pelage_bake::stages::textures::shell_bytes;
+use pelage_bake::steps::Steps;
+use pelage_bake::traffic;
+use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
+use pelage_import::BakeError;
+use pelage_import::mesh::RestPose;
+use pelage_import::{ImportOptions, input_record};
+use pelage_truth::decide::Limits;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Bake a glTF or OBJ model into a package
+#[derive(Clone, Debug, clap::Args)]
+pub struct BakeArgs {
+    /// The model: .glb, .gltf or .obj
+    #[arg(value_name = "MODEL")]
+    model: PathBuf,
+    /// The package to write
+    #[arg(long, short, value_name = "PKG")]
+    output: PathBuf,
+    #[command(flatten)]
+    recipe: RecipeArgs,
+    /// Threads to use, by default one per core; the package is the same with any number
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    #[command(flatten)]
+    pictures: PictureArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
+    /// Write the whole recipe of this bake, with comments and what was chosen, to start from: the same model with it gives the same package, byte for
+    /// byte, which is therefore without evidence of how limits chose
+    #[arg(long, value_name = "R.toml")]
+    write_recipe: Option<PathBuf>,
+}
+
+impl BakeArgs {
+    /// What the package depends on, and where it goes. What is chosen by measuring is another thing each time, and a recipe that is written names images
+    /// from where it lies.
+    pub fn errand(&self) -> Option<Errand> {
+        if !self.limits.limits().is_empty() || self.write_recipe.is_some() {
+            return None;
+        }
+        let args = Self { output: Errand::name(&self.output), threads: None, ..self.clone() };
+        Some(Errand::new("bake", &args, &[&self.output]))
+    }
+}
+
+/// Limits of a bake: with any of them, layers, tile and fins are chosen by measuring instead of taken from the recipe.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+struct LimitArgs {
+    /// Choose the cheapest layers, tile and fins whose error against the true pictures is at most this: mean FLIP, lost outline and lost contrast, weighed
+    /// so that a picture that has all its hair has about its mean FLIP, 0.01 to 0.1
+    #[arg(long, value_name = "E", value_parser = positive, allow_hyphen_values = true)]
+    max_error: Option<f64>,
+    /// Choose among those whose frame takes at most so many milliseconds on this machine's adapter
+    #[arg(long, value_name = "MS", value_parser = positive, allow_hyphen_values = true)]
+    max_frame_ms: Option<f64>,
+    /// Choose among those whose package has at most so many bytes
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    max_bytes: Option<u64>,
+    /// Measure every setting instead of those that seem worth it: slow, to check the choice
+    #[arg(long)]
+    exhaustive: bool,
+}
+
+impl LimitArgs {
+    fn limits(&self) -> Limits {
+        Limits { max_error: self.max_error, max_frame_ms: self.max_frame_ms, max_bytes: self.max_bytes }
+    }
+}
+
+/// A recipe on the command line.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct RecipeArgs {
+    /// The recipe; what it leaves out has its default
+    #[arg(long, value_name = "R.toml")]
+    pub recipe: Option<PathBuf>,
+    /// Change one key of the recipe, such as hair.length_m=0.02; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// The model may name files outside its own folder, such as ../textures/fox.png. Without it none of those is opened, whatever the model says and wherever
+    /// links in its folder lead
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+impl RecipeArgs {
+    /// The recipe with all changes, and the record of its file.
+    pub fn read(&self) -> Result<(Recipe, Option<InputRecord>), BakeError> {
+        let mut input = None;
+        let mut recipe = match &self.recipe {
+            Some(path) => {
+                let file = path.display().to_string();
+                let text = io::read_text(path, "a recipe in TOML")?;
+                input = Some(input_record("recipe", &file, text.as_bytes()));
+                Recipe::parse(&file, &text)?
+            }
+            None => Recipe::default(),
+        };
+        self.apply_to(&mut recipe)?;
+        Ok((recipe, input))
+    }
+
+    /// The images that the recipe's maps name. Their paths begin at the recipe's folder; those of `--set` also where the command runs.
+    pub fn images(&self, recipe: &Recipe) -> Result<MapImages, BakeError> {
+        let file = self.recipe.as_ref().map_or("--set".to_owned(), |path| path.display().to_string());
+        io::read_map_images(&file, &|name| self.image_path(name), recipe)
+    }
+
+    /// Where the image of a name is.
+    pub fn image_path(&self, name: &str) -> PathBuf {
+        let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        let beside = folder.join(name);
+        let mut given = self.set.iter().filter_map(|assignment| Named::of(assignment)).filter(|n| n.name == name);
+        match given.find(|named| named.is_absolute() || !traffic::is_there(&beside)) {
+            Some(named) if named.path.exists() || named.is_absolute() => named.path.to_owned(),
+            _ => beside,
+        }
+    }
+
+    /// An error with where its value stands: stages name the key of a recipe alone. Without a recipe the value follows from the model.
+    pub fn placed(&self, model: &str, error: BakeError) -> BakeError {
+        let BakeError::Params { what, reason } = error else { return error };
+        let set = self.set.iter().any(|assignment| assignment.split('=').next().is_some_and(|key| key.trim() == what));
+        let file = match &self.recipe {
+            Some(path) if !set => path.display().to_string(),
+            None if self.set.is_empty() => model.to_owned(),
+            _ => "--set".to_owned(),
+        };
+        BakeError::Input { file, place: what.to_owned(), reason }
+    }
+
+    /// Which files the model may name.
+    pub fn reach(&self) -> Reach {
+        if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
+    }
+
+    /// Why a change of `--set` cannot be made, if it cannot.
+    pub fn refusal(assignment: &str) -> Option<String> {
+        let args = Self { recipe: None, set: vec![assignment.to_owned()], allow_outside: false };
+        args.apply_to(&mut Recipe::default()).err().map(|error| match error {
+            BakeError::Input { reason, .. } => reason,
+            other => other.to_string(),
+        })
+    }
+
+    /// Makes the changes of `--set` to a recipe.
+    pub fn apply_to(&self, recipe: &mut Recipe) -> Result<(), BakeError> {
+        self.set.iter().try_for_each(|assignment| {
+            let Some(named) = Named::of(assignment).filter(Named::is_absolute) else { return recipe.set(assignment) };
+            let mut changed = recipe.clone();
+            let known = |recipe: &Recipe| recipe.images().iter().any(|(_, name)| *name == named.name);
+            if changed.set(&named.by_name()).is_err() || !known(&changed) {
+                // It is no image that this key takes.
+                return recipe.set(assignment);
+            }
+            if known(recipe) {
+                let reason =
+                    format!("the recipe names another image {:?}; expected a file of another name", named.name);
+                return Err(BakeError::Input { file: "--set".into(), place: named.key.into(), reason });
+            }
+            *recipe = changed;
+            Ok(())
+        })
+    }
+}
+
+/// An image that `--set key=PATH#channel` may name.
+struct Named<'a> {
+    key: &'a str,
+    path: &'a Path,
+    channel: &'a str,
+    /// As the recipe has it: an absolute path would tie the package to this machine, and stands there without its folders.
+    name: &'a str,
+}
+
+impl<'a> Named<'a> {
+    fn of(assignment: &'a str) -> Option<Self> {
+        let (key, word) = assignment.split_once('=')?;
+        let (key, word) = (key.trim(), word.trim());
+        let (path, channel) = word.split_at(word.rfind('#').unwrap_or(word.len()));
+        let named = Path::new(path);
+        let name = if named.is_absolute() { named.file_name()?.to_str()? } else { path };
+        (!name.is_empty()).then_some(Self { key, path: named, channel, name })
+    }
+
+    fn is_absolute(&self) -> bool {
+        self.path.is_absolute()
+    }
+
+    /// The assignment with the file's name alone.
+    fn by_name(&self) -> String {
+        format!("{}={}{}", self.key, self.name, self.channel)
+    }
+}
+
+/// A finished bake.
+#[derive(Serialize, JsonSchema)]
+pub struct BakeResult<'a> {
+    output: String,
+    bytes: usize,
+    seconds: f64,
+    stages: &'a [StageTime],
+    warnings: &'a [String],
+    decisions: &'a [Decision],
+    /// Recipe written by `--write-recipe`; null without that option.
+    recipe: Option<String>,
+    #[serde(flatten)]
+    measures: &'a Measures,
+    model: &'a Anatomy,
+    /// Settings chosen for the limits, as in the package's manifest; null without limits.
+    choice: Option<&'a Choice>,
+    /// Figures of the trials of `choice`, in their order, that the package does not keep; null without limits.
+    judged: Option<&'a [Judged]>,
+}
+
+/// Time of a stage.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct StageTime {
+    name: &'static str,
+    seconds: f64,
+}
+
+/// Figures of a trial.
+#[derive(Serialize, JsonSchema)]
+pub struct Judged {
+    /// Mean FLIP against the true pictures, 0 to 1.
+    pub flip: f64,
+    /// Mean absolute difference of coverage within the height of the fur of the true outline, 0 to 1.
+    pub outline: f64,
+    /// Ratio of local contrast to the contrast of the true pictures, above 0.
+    pub contrast: f64,
+    /// Lower and upper quartile of the frame time, milliseconds; equal if the frame was timed once.
+    pub frame_ms_quartiles: [f64; 2],
+}
+
+/// Runs the subcommand.
+pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let start = Instant::now();
+    require_parent(&args.output)?;
+    if let Some(path) = &args.write_recipe {
+        write_recipe::require_place(path, &args.model, &args.output, args.recipe.recipe.as_deref())?;
+    }
+    let pool = threads::pool(args.threads)?;
+    let limits = args.limits.limits();
+    if args.limits.exhaustive && limits.is_empty() {
+        return Err(Failure::Usage("--exhaustive needs a limit: --max-error, --max-frame-ms or --max-bytes".into()));
+    }
+    let done = pool.install(|| bake_file(args, &limits, output))?;
+    let recipe = args.write_recipe.as_deref().zip(done.recipe.as_ref().map(String::as_bytes));
+    let files: Vec<(&Path, &[u8])> = [(&*args.output, &*done.baked.package)].into_iter().chain(recipe).collect();
+    io::write_all_atomic(&files)?;
+    report(output, args, &done, start.elapsed().as_secs_f64())?;
+    Ok(Exit::Done)
+}
+
+/// A finished bake with what the command has to say about it.
+struct Done {
+    baked: Baked,
+    stages: Vec<StageTime>,
+    /// How its settings were chosen, for scripts and for people.
+    choice: Option<(Choice, Vec<Judged>, String)>,
+    /// Whether it was said before the work that the package will be large.
+    told_size: bool,
+    /// The recipe to write.
+    recipe: Option<String>,
+}
+
+fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Done, Failure> {
+    let (mut recipe, recipe_input) = args.recipe.read()?;
+    let mut watch = StageWatch::new(output);
+    watch.begin("import");
+    let images = args.recipe.images(&recipe)?;
+    if let Some(path) = &args.write_recipe {
+        write_recipe::require_files(path, &recipe, &images)?;
+    }
+    let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
+    let inputs = model.inputs.clone();
+    model.inputs.extend(recipe_input);
+    let file = args.model.display().to_string();
+    let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let asked = recipe.clone();
+    let placed = |error| args.recipe.placed(&file, error);
+    // What was chosen of the tile before the bake.
+    let mut tile = InTile::default();
+    let mut choice: Option<(Choice, Vec<Judged>, String)> = None;
+    if !limits.is_empty() {
+        watch.begin("choose");
+        // Settings that are tried differ in their texels, and not in their tile.
+        tile = metric::in_tile(&recipe, &groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref())))
+            .map_err(placed)?;
+        let recipe_of_tile = tile.recipe.clone();
+        let chosen = {
+            let slicer = Slicer::new(Told::new(&file, &name, &recipe_of_tile, &images), &model).map_err(placed)?;
+            let source = Source::Baked { name: &name, slicer: &slicer };
+            choose(&file, source, &recipe_of_tile, limits, args.limits.exhaustive, watch.output())?
+        };
+        recipe = chosen.recipe;
+        choice = Some((chosen.choice, chosen.judged, chosen.text));
+    }
+    if !args.pictures.is_empty() {
+        watch.begin("choose");
+        tile =
+            args.pictures.fit(Told::new(&file, &name, &recipe, &images), &model).map_err(|failure| match failure {
+                Failure::Bake(error) => Failure::Bake(placed(error)),
+                other => other,
+            })?;
+        recipe = tile.recipe.clone();
+        watch.output.note(&args.pictures.said(&recipe.slice));
+    }
+    let steps = watch.steps();
+    let told = Told { steps: &steps, ..Told::new(&file, &name, &recipe, &images) };
+    let large = large_layers(&recipe);
+    large.iter().for_each(|note| watch.output.note(note));
+    let mut baked = pipeline::bake(&told, &model, &mut |stage| watch.begin(stage)).map_err(placed)?;
+    baked.decisions.extend(tile.decisions);
+    baked.warnings.extend(tile.warnings);
+    let written = args.write_recipe.as_ref().map(|path| {
+        let options = write_recipe::options(limits, &args.pictures);
+        let chosen = Chosen { model: &name, asked: &asked, recipe: &recipe, options: &options };
+        chosen.put_into(&mut baked, path, inputs, &images)
+    });
+    let written = written.transpose()?;
+    if let Some((choice, ..)) = choice.as_ref().filter(|_| written.is_none()) {
+        baked.package = pack::with_choice(&baked.package, choice.clone())?;
+    }
+    let bytes = baked.package.len() as u64;
+    if let Some(limit) = limits.max_bytes.filter(|limit| bytes > *limit) {
+        let text = format!("{bytes} bytes with what the package says of its bake, more than --max-bytes {limit}");
+        return Err(BakeError::Internal(text).into());
+    }
+    Ok(Done { baked, stages: watch.finish(), choice, told_size: large.is_some(), recipe: written })
+}
+
+/// Packages of more bytes than this are told: an application loads them for a while, and a page for longer.
+const LARGE: u64 = 32 << 20;
+
+/// Says before the work if the layers alone will make a large package.
+fn large_layers(recipe: &Recipe) -> Option<String> {
+    let SliceParams { layers, tile_texels: n, .. } = recipe.slice;
+    let bytes = shell_bytes(&recipe.slice, &recipe.pack, has_coat(recipe), recipe.visibility.enabled);
+    (bytes > LARGE).then(|| {
+        format!(
+            "note: {layers} layers of {n} x {n} texels will have {} in the package and take their time; slice.layers and slice.tile_texels decide it",
+            human_bytes(bytes)
+        )
+    })
+}
+
+/// Says of what most of a large package consists.
+fn large_package(package: &Package<'_>) -> Result<Option<String>, FormatError> {
+    let all = package.bytes().len() as u64;
+    if all <= LARGE {
+        return Ok(None);
+    }
+    let mut parts = vec![("mesh".to_owned(), package.mesh()?.map_or(0, |mesh| mesh.bytes()))];
+    for (index, entry) in package.manifest().textures.iter().enumerate() {
+        parts.push((format!("texture {:?}", entry.name), package.texture(index as u32)?.gpu_bytes()));
+    }
+    let largest = parts.into_iter().max_by_key(|(_, bytes)| *bytes).unwrap_or_default();
+    Ok(Some(format!(
+        "note: the package has {}, of which the {} has {}",
+        human_bytes(all),
+        largest.0,
+        human_bytes(largest.1)
+    )))
+}
+
+/// Times the stages and shows which one runs.
+#[derive(Debug)]
+pub struct StageWatch<'a> {
+    output: &'a mut Output,
+    stages: Vec<StageTime>,
+    begun: Instant,
+}
+
+impl<'a> StageWatch<'a> {
+    /// Before the first stage.
+    pub fn new(output: &'a mut Output) -> Self {
+        Self { output, stages: Vec::new(), begun: Instant::now() }
+    }
+
+    /// Where the stages count, for the display.
+    pub fn steps(&self) -> Arc<Steps> {
+        self.output.steps()
+    }
+
+    /// Where a stage shows its own progress.
+    pub fn output(&mut self) -> &mut Output {
+        self.output
+    }
+
+    /// Ends the stage before, if any, and begins another.
+    pub fn begin(&mut self, stage: &'static str) {
+        self.end();
+        self.output.progress(stage);
+        self.stages.push(StageTime { name: stage, seconds: 0.0 });
+        self.begun = Instant::now();
+    }
+
+    fn end(&mut self) {
+        if let Some(StageTime { seconds, .. }) = self.stages.last_mut() {
+            *seconds = self.begun.elapsed().as_secs_f64();
+        }
+    }
+
+    /// Ends the last stage.
+    pub fn finish(mut self) -> Vec<StageTime> {
+        self.end();
+        self.stages
+    }
+}
+
+fn report(output: &mut Output, args: &BakeArgs, done: &Done, seconds: f64) -> Result<(), Failure> {
+    let Done { baked, stages, choice, told_size, .. } = done;
+    let path = &args.output;
+    for warning in &baked.warnings {
+        output.note(&format!("warning: {warning}"));
+    }
+    let fault = |fault| BakeError::Internal(format!("the package that was baked does not read back: {fault}"));
+    let package = Package::open(&baked.package, &FormatLimits::default()).map_err(fault)?;
+    let anatomy = Anatomy::of(&package).map_err(fault)?;
+    if !told_size {
+        large_package(&package).map_err(fault)?.iter().for_each(|note| output.note(note));
+    }
+    let result = BakeResult {
+        output: path.display().to_string(),
+        bytes: baked.package.len(),
+        seconds,
+        stages,
+        warnings: &baked.warnings,
+        decisions: &baked.decisions,
+        recipe: args.write_recipe.as_ref().map(|path| path.display().to_string()),
+        measures: &baked.measures,
+        model: &anatomy,
+        choice: choice.as_ref().map(|(choice, ..)| choice),
+        judged: choice.as_ref().map(|(_, judged, _)| judged.as_slice()),
+    };
+    let size = human_bytes(baked.package.len() as u64);
+    let mut text = format!("{}: {size} in {seconds:.2} s", path.display());
+    let mut said = |key: &str, value: String| text += &format!("\n{key:<14} {value}");
+    anatomy.rows(&mut said);
+    for decision in &baked.decisions {
+        said("chosen", format!("{}: {}  ({})", decision.what, decision.chosen, decision.line));
+    }
+    if let Some(path) = &args.write_recipe {
+        said("recipe", path.display().to_string());
+    }
+    if let Some((.., why)) = choice {
+        text += &format!("\n{why}");
+    }
+    output.result(&text, &result)
+}

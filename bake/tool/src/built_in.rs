@@ -1,0 +1,50 @@
+//! The models that come with the binary, so that a first look needs no files.
+
+use super::exit::Failure;
+use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::import::{ImportOptions, import};
+use pelage_import::BakeError;
+use pelage_import::mesh::Model;
+
+/// A model and its recipe.
+#[derive(Debug)]
+pub struct BuiltIn {
+    /// Name without extension, as in the repository's `assets/`.
+    pub name: &'static str,
+    glb: &'static [u8],
+    recipe: &'static str,
+}
+
+/// A hare that breathes.
+pub const HARE: BuiltIn = BuiltIn {
+    name: "hare",
+    glb: include_bytes!("../built_in/hare.glb"),
+    recipe: include_str!("../built_in/hare.toml"),
+};
+
+/// A torus.
+pub const TORUS: BuiltIn = BuiltIn {
+    name: "torus",
+    glb: include_bytes!("../built_in/torus.glb"),
+    recipe: include_str!("../built_in/torus.toml"),
+};
+
+impl BuiltIn {
+    /// Name for messages.
+    pub fn file(&self) -> String {
+        format!("{}.glb", self.name)
+    }
+
+    /// Its recipe.
+    pub fn recipe(&self) -> Result<Recipe, Failure> {
+        Ok(Recipe::parse(&format!("{}.toml", self.name), self.recipe)?)
+    }
+
+    /// The model, imported as `recipe` says.
+    pub fn import(&self, recipe: &Recipe) -> Result<Model, Failure> {
+        let mut no_files =
+            |uri: &str, _: u64| Err(BakeError::Internal(format!("a built-in model names the file {uri}")));
+        let options = ImportOptions { unit_m: recipe.model.unit_m };
+        Ok(import(&self.file(), self.glb, &mut no_files, &options)?)
+    }
+}

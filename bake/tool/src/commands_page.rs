@@ -1,0 +1,139 @@
+//! The command line as a page of Markdown, and the results of `--json` as JSON schemas, generated from their definitions.
+//! It is a hidden subcommand, because only the binary has these.
+
+use super::exit::{Exit, Failure};
+use super::output::Output;
+use crate::ResultSchema;
+use clap::{Arg, ArgAction, Command};
+use pelage_params::wrap;
+use schemars::generate::SchemaSettings;
+use serde_json::{Map, Value, json};
+
+/// Print bake/docs/commands.md; with --json also bake/docs/schemas.json
+#[derive(Clone, Copy, Debug, clap::Args)]
+#[command(hide = true)]
+pub struct CommandsPageArgs {}
+
+/// Runs the subcommand on the whole command line and all results.
+pub fn run(mut command: Command, results: Vec<ResultSchema>, output: &mut Output) -> Result<Exit, Failure> {
+    let text = page(&mut command);
+    output.result(text.trim_end(), &json!({ "page": text, "schemas": schemas(results) }))?;
+    Ok(Exit::Done)
+}
+
+/// Returns the JSON schema of the results of each command, by its name; shared types are in `$defs`.
+fn schemas(mut results: Vec<ResultSchema>) -> Value {
+    results.sort_by_key(|(name, _)| *name);
+    let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    let mut all = Map::new();
+    all.insert("$schema".into(), generator.settings().meta_schema.as_deref().into());
+    all.extend(results.iter().map(|(name, make)| ((*name).into(), make(&mut generator).to_value())));
+    all.insert("$defs".into(), generator.take_definitions(true).into());
+    all.into()
+}
+
+/// What stands before the subcommands.
+const INTRODUCTION: [&str; 2] = [
+    "One binary, `pelage`. Results go to standard output, progress and notes to standard error. A command that fails leaves no half-written \
+     file: outputs appear under their names when they are whole. A reader of standard output that goes away is no error.",
+    "This page is made from the definition that reads the command line by `cargo run --bin chores write-docs`.",
+];
+
+fn page(command: &mut Command) -> String {
+    command.build();
+    let [first, second] = INTRODUCTION.map(|paragraph| wrap("", paragraph));
+    let mut text = format!("# Command reference\n\n{first}\n\n{second}\n\n## Exit codes\n\n");
+    for (exit, _, meaning) in Exit::ALL {
+        text += &item("", &format!("**{}**: {meaning}", exit as u8));
+    }
+    let subcommands: Vec<_> =
+        command.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help").collect();
+    text += "\n## Subcommands\n\n";
+    for sub in &subcommands {
+        let name = sub.get_name();
+        text += &item("", &format!("[`pelage {name}`](#pelage-{name}): {}", styled(sub.get_about())));
+    }
+    let everywhere: Vec<_> = command.get_arguments().filter(|arg| arg.is_global_set()).collect();
+    text += "\n## Options of every subcommand\n\n";
+    text.extend(everywhere.iter().map(|arg| entry(arg)));
+    for sub in subcommands {
+        text += &section(sub, "");
+        let actions = sub.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help");
+        text.extend(actions.map(|action| section(action, &format!("{} ", sub.get_name()))));
+    }
+    text
+}
+
+/// A command's section; `above` is the command that it is an action of, with a space.
+fn section(command: &Command, above: &str) -> String {
+    let mut text = format!("\n## `pelage {above}{}`\n", command.get_name());
+    let about = command.get_long_about().or(command.get_about());
+    let about = about.map(ToString::to_string).unwrap_or_default();
+    for paragraph in about.split("\n\n") {
+        text += &format!("\n{}\n", wrap("", &paragraph.split_whitespace().collect::<Vec<_>>().join(" ")));
+    }
+    let shown = || command.get_arguments().filter(|arg| !arg.is_hide_set() && !arg.is_global_set() && is_ours(arg));
+    text += &format!("\n```\n{}\n```\n\n", synopsis(command, above));
+    let mut heading = None;
+    let grouped = shown().filter(|arg| arg.get_help_heading().is_none());
+    for arg in grouped.chain(shown().filter(|arg| arg.get_help_heading().is_some())) {
+        if arg.get_help_heading() != heading {
+            heading = arg.get_help_heading();
+            text += &format!("\n### {}\n\n", heading.unwrap_or_default());
+        }
+        text += &entry(arg);
+    }
+    text
+}
+
+/// Not one that clap adds to every command.
+fn is_ours(arg: &Arg) -> bool {
+    !matches!(arg.get_action(), ArgAction::Help | ArgAction::HelpLong | ArgAction::HelpShort | ArgAction::Version)
+}
+
+/// How the command is called: what must be said, and that more can be.
+fn synopsis(command: &Command, above: &str) -> String {
+    let required = command.get_arguments().filter(|arg| arg.is_required_set());
+    let (places, options): (Vec<_>, Vec<_>) = required.partition(|arg| arg.is_positional());
+    let words = options.into_iter().chain(places).map(|arg| spelled(arg, false));
+    let words: Vec<_> = [command.get_name().to_owned()].into_iter().chain(words).collect();
+    let action = if command.has_subcommands() { " ACTION" } else { "" };
+    format!("pelage {above}{}{action} [OPTIONS]", words.join(" "))
+}
+
+/// As it is typed: `--output <PNG>`, with its short form `-o, --output <PNG>`.
+fn spelled(arg: &Arg, with_short: bool) -> String {
+    let short = arg.get_short().filter(|_| with_short).map(|c| format!("-{c}"));
+    let names: Vec<_> = short.into_iter().chain(arg.get_long().map(|l| format!("--{l}"))).collect();
+    let takes = arg.get_action().takes_values();
+    let values = arg.get_value_names().filter(|_| takes).into_iter().flatten().map(|name| format!("<{name}>"));
+    let names = names.join(", ");
+    [names].into_iter().filter(|names| !names.is_empty()).chain(values).collect::<Vec<_>>().join(" ")
+}
+
+fn entry(arg: &Arg) -> String {
+    let takes = arg.get_action().takes_values();
+    let help = arg.get_long_help().or(arg.get_help());
+    let default: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+    let default =
+        if takes && !default.is_empty() { format!(" [default: {}]", default.join(" ")) } else { String::new() };
+    let mut text = item("", &format!("`{}`: {}{default}", spelled(arg, true), styled(help)));
+    for value in arg.get_possible_values().iter().filter(|value| takes && !value.is_hide_set()) {
+        let meaning = styled(value.get_help());
+        let colon = if meaning.is_empty() { "" } else { ": " };
+        text += &item("  ", &format!("`{}`{colon}{meaning}", value.get_name()));
+    }
+    text
+}
+
+/// An item of a list.
+fn item(indent: &str, text: &str) -> String {
+    format!("{indent}- {}\n", wrap(&format!("{indent}  "), text))
+}
+
+/// A help text in one line; its paragraphs become sentences.
+fn styled(text: Option<&clap::builder::StyledStr>) -> String {
+    let text = text.map(ToString::to_string).unwrap_or_default();
+    let paragraphs = text.split("\n\n").map(|paragraph| paragraph.split_whitespace().collect::<Vec<_>>().join(" "));
+    paragraphs.collect::<Vec<_>>().join(". ").replace(".. ", ". ")
+}

@@ -1,0 +1,181 @@
+//! `pelage compare`: how much two pictures differ.
+
+use super::errand::Errand;
+use super::exit::{Exit, Failure};
+use super::output::{Output, require_parent};
+use pelage_bake::io;
+use pelage_import::BakeError;
+use pelage_truth::compare::{CompareParams, Comparison, compare_pictures};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Compare two pictures of one size: FLIP, RMSE, PSNR and the difference of coverage
+///
+/// Exits with 7 where a limit is given and the pictures differ by more, and with 0 otherwise.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CompareArgs {
+    /// A picture: PNG of 8 or 16 bits, or EXR
+    #[arg(value_name = "A")]
+    a: PathBuf,
+    /// Another one of the same size
+    #[arg(value_name = "B")]
+    b: PathBuf,
+    /// Write FLIP of each pixel as a PNG, black for 0 to yellow for 1
+    #[arg(long, short, value_name = "PNG")]
+    output: Option<PathBuf>,
+    /// What transparent pictures are laid over for FLIP: sRGB red,green,blue of 0 to 255
+    #[arg(long, value_name = "R,G,B", default_value = "128,128,128")]
+    over: Rgb,
+    /// Pixels in a degree of sight, for FLIP; 67 is a 4K screen 0.7 m wide from 0.7 m away
+    #[arg(long, value_name = "N", default_value_t = CompareParams::default().pixels_per_degree, value_parser = parse_pixels_per_degree)]
+    pixels_per_degree: f32,
+    /// Largest mean FLIP that is no difference
+    #[arg(long, value_name = "E", value_parser = parse_limit)]
+    max_flip: Option<f64>,
+    /// Largest root mean square of the difference in linear light that is none
+    #[arg(long, value_name = "E", value_parser = parse_limit)]
+    max_rmse: Option<f64>,
+    /// Largest mean difference of alpha that is none
+    #[arg(long, value_name = "E", value_parser = parse_limit)]
+    max_coverage: Option<f64>,
+    /// Least peak signal-to-noise ratio that is no difference, decibels
+    #[arg(long, value_name = "DB", value_parser = parse_limit)]
+    min_psnr: Option<f64>,
+}
+
+impl CompareArgs {
+    /// What the comparison depends on, and where its map goes.
+    pub fn errand(&self) -> Option<Errand> {
+        let args = Self { output: self.output.as_deref().map(Errand::name), ..self.clone() };
+        Some(Errand::new("compare", &args, &self.output.iter().collect::<Vec<_>>()))
+    }
+}
+
+/// sRGB-encoded red, green, blue of 0 to 255 on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rgb(pub [u8; 3]);
+
+impl FromStr for Rgb {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<u8>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+        let rgb = numbers.and_then(|n| <[u8; 3]>::try_from(n).ok());
+        rgb.map(Self).ok_or("expected red,green,blue of 0 to 255 each".into())
+    }
+}
+
+fn parse_limit(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0);
+    number.ok_or("expected a number from 0".into())
+}
+
+fn parse_pixels_per_degree(text: &str) -> Result<f32, String> {
+    // Beyond, filters are wider than any picture, or narrower than its pixels.
+    let number = text.parse().ok().filter(|x: &f32| (1.0..=1000.0).contains(x));
+    number.ok_or("expected a number from 1 to 1000".into())
+}
+
+/// Difference of two pictures. Exit code 7 if a limit is exceeded, else 0.
+#[derive(Serialize, JsonSchema)]
+pub struct CompareResult {
+    a: String,
+    b: String,
+    width: u32,
+    height: u32,
+    /// Background of transparent pictures for FLIP: sRGB-encoded red, green and blue.
+    over: [u8; 3],
+    pixels_per_degree: f32,
+    #[serde(flatten)]
+    comparison: Comparison,
+    limits: Vec<Limit>,
+    different: bool,
+    /// Picture of FLIP that was written; null without `--output`.
+    output: Option<String>,
+}
+
+/// A limit of a comparison.
+#[derive(Serialize, JsonSchema)]
+struct Limit {
+    #[schemars(extend("enum" = ["--max-flip", "--max-rmse", "--max-coverage", "--min-psnr"]))]
+    option: &'static str,
+    bound: f64,
+    /// Value measured; null for the infinite ratio of equal pictures.
+    #[schemars(with = "Option<f64>")]
+    found: f64,
+    exceeded: bool,
+}
+
+fn limits(args: &CompareArgs, c: &Comparison) -> Vec<Limit> {
+    let most = [
+        ("--max-flip", args.max_flip, c.flip.mean),
+        ("--max-rmse", args.max_rmse, c.rmse),
+        ("--max-coverage", args.max_coverage, c.coverage),
+    ];
+    let most =
+        most.map(|(option, bound, found)| bound.map(|bound| Limit { option, bound, found, exceeded: found > bound }));
+    let found = c.psnr_db;
+    let least = args.min_psnr.map(|bound| Limit { option: "--min-psnr", bound, found, exceeded: found < bound });
+    most.into_iter().chain([least]).flatten().collect()
+}
+
+/// Runs the subcommand.
+pub fn run(args: &CompareArgs, output: &mut Output) -> Result<Exit, Failure> {
+    if let Some(file) = &args.output {
+        require_parent(file)?;
+    }
+    output.progress("comparing");
+    let (a, b) = (io::read_picture(&args.a)?, io::read_picture(&args.b)?);
+    if (a.width, a.height) != (b.width, b.height) {
+        let reason =
+            format!("{}x{} pixels, expected {}x{} as {} has", b.width, b.height, a.width, a.height, args.a.display());
+        return Err(BakeError::Input { file: args.b.display().to_string(), place: "size".into(), reason }.into());
+    }
+    let params = CompareParams { over: args.over.0, pixels_per_degree: args.pixels_per_degree };
+    let (comparison, map) = compare_pictures(&a, &b, &params)?;
+    if let Some(file) = &args.output {
+        io::write_atomic(file, &map.png()?)?;
+    }
+    let limits = limits(args, &comparison);
+    let text = text(args, &comparison, &limits);
+    let different = limits.iter().any(|limit| limit.exceeded);
+    let result = CompareResult {
+        a: args.a.display().to_string(),
+        b: args.b.display().to_string(),
+        width: a.width,
+        height: a.height,
+        over: args.over.0,
+        pixels_per_degree: args.pixels_per_degree,
+        comparison,
+        limits,
+        different,
+        output: args.output.as_ref().map(|file| file.display().to_string()),
+    };
+    output.result(&text, &result)?;
+    Ok(if different { Exit::Differences } else { Exit::Done })
+}
+
+fn text(args: &CompareArgs, c: &Comparison, limits: &[Limit]) -> String {
+    let f = &c.flip;
+    let mut lines = vec![
+        format!(
+            "FLIP      mean {:.5}, where either covers {:.5}, weighted median {:.5}, max {:.5}",
+            f.mean, f.covered, f.weighted_median, f.max
+        ),
+        format!("RMSE      {:.6} of linear light", c.rmse),
+        if c.psnr_db.is_finite() {
+            format!("PSNR      {:.3} dB", c.psnr_db)
+        } else {
+            "PSNR      equal pictures".into()
+        },
+        format!("coverage  {:.6} mean difference of alpha", c.coverage),
+    ];
+    for limit in limits {
+        let word = if limit.exceeded { "DIFFERENT" } else { "held" };
+        lines.push(format!("{} {}: {word}", limit.option, limit.bound));
+    }
+    lines.extend(args.output.as_ref().map(|file| file.display().to_string()));
+    lines.join("\n")
+}

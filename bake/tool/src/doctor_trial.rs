@@ -1,0 +1,68 @@
+//! Advice of the doctor, tried: the picture with and without each change, beside the true one.
+
+use super::exit::Failure;
+use super::output::Output;
+use super::staged::{pixels, stage_of};
+use super::truth::{self, Truth};
+use super::view::View;
+use pelage_bake::picture::Picture;
+use pelage_bake::recipe::Recipe;
+use pelage_bake::reslice::reslice;
+use pelage_stage::{Gpu, NamedPackage};
+use pelage_truth::doctor::{Advice, ErrorChange, is_harmless};
+use pelage_truth::likeness::Likeness;
+
+/// Rays through all pixels of the true picture: some seconds on any machine. Noise that is left is the same in all comparisons.
+const RAYS: u64 = 1 << 22;
+
+/// Draws what can be tried, one change on top of the other in the order of `advice`, and drops what makes the picture worse. Advice stays as it is,
+/// unmeasured, where nothing can be drawn: without an adapter, in a picture of more than [`RAYS`] pixels, of a package that cannot be sliced anew.
+///
+/// # Errors
+///
+/// Those of drawing, once there is an adapter.
+pub fn try_advice(
+    file: &NamedPackage<'static>,
+    view: &View,
+    advice: Vec<Advice>,
+    output: &mut Output,
+) -> Result<Vec<Advice>, Failure> {
+    let (width, height) = view.size();
+    let samples = RAYS / (u64::from(width) * u64::from(height)).max(1);
+    if samples == 0 || !advice.iter().any(|a| a.can_be_tried) {
+        return Ok(advice);
+    }
+    let Ok(gpu) = Gpu::open() else { return Ok(advice) };
+    let package = file.open()?;
+    let mut recipe = Recipe::recorded(&file.name, &package.manifest().recipe)?;
+    let truth = Truth::new(file, view)?;
+    // More than the judge of a bake takes would be no truer.
+    let samples = samples.min(u64::from(recipe.judge.samples)) as u32;
+    let mut show = |done: u64, all: u64| output.progress_of(done as usize, all as usize, "pixels of the true picture");
+    let traced = Picture::from(&truth::encode(&truth.picture(view, samples, &mut show), view.look.background()));
+    let fur_px = truth.fur_px(view);
+    let error = |file: &NamedPackage<'static>| -> Result<f64, Failure> {
+        let mut stage = stage_of(file, view, || Ok(gpu.clone()))?;
+        stage.draw()?;
+        Ok(Likeness::of(&Picture::from(&pixels(&stage)?), &traced, fur_px)?.error)
+    };
+    let before = error(file)?;
+    let mut kept = Vec::new();
+    for mut advice in advice {
+        if advice.can_be_tried {
+            output.progress(&format!("trying {}", advice.change));
+            let mut changed = recipe.clone();
+            advice.change.split(" --set ").try_for_each(|set| changed.set(set))?;
+            if let Ok(bytes) = reslice(&file.name, &package, &changed) {
+                let after = error(&NamedPackage { name: file.name.clone(), bytes: bytes.into() })?;
+                if !is_harmless(before, after) {
+                    continue;
+                }
+                advice.measured = Some(ErrorChange { before, after });
+                recipe = changed;
+            }
+        }
+        kept.push(advice);
+    }
+    Ok(kept)
+}

@@ -1,0 +1,390 @@
+//! What build systems and farms want of every command: which files it reads, what became of it, and that nothing is made twice.
+
+use super::exit::{Exit, Failure};
+use super::output::{Output, Said};
+use pelage_bake::cache::{Cache, Found, Kept, KeptFile};
+use pelage_bake::hexadecimal::hex;
+use pelage_bake::io;
+use pelage_bake::traffic::{self, Digest, Traffic};
+use pelage_import::BakeError;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use sha2::{Digest as _, Sha256};
+use std::ffi::OsString;
+use std::fmt::Debug;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Options of every subcommand for who calls it from a build.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct ErrandArgs {
+    /// Write a rule of Make that names every file which the command has read, those that a model or a scene names included: Ninja, Make and CMake read it
+    #[arg(long, value_name = "FILE", global = true, help_heading = "Builds and farms")]
+    depfile: Option<PathBuf>,
+    /// Write what became of the command as JSON, also where it failed: its words, exit code, seconds, largest memory, and its result or error
+    #[arg(long, value_name = "FILE", global = true, help_heading = "Builds and farms")]
+    record: Option<PathBuf>,
+    /// Take what was made of the same files by the same tool and arguments from a folder, which many may share, and keep there what is made: for bake, render,
+    /// reference, merge, compare and sky. What is measured is never kept
+    #[arg(long, value_name = "DIR", global = true, help_heading = "Builds and farms")]
+    cache: Option<PathBuf>,
+}
+
+impl ErrandArgs {
+    /// The folder of what was made before.
+    pub fn cache(&self) -> Option<&Path> {
+        self.cache.as_deref()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.depfile.is_none() && self.record.is_none() && self.cache.is_none()
+    }
+}
+
+/// A command that makes the same files each time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Errand {
+    /// Its arguments, without the folders that it writes into and what changes nothing.
+    arguments: String,
+    /// The folders that it writes into.
+    folders: Vec<PathBuf>,
+}
+
+impl Errand {
+    /// A command by its name and arguments, of which the `outputs` are left with their names alone.
+    pub fn new(command: &str, args: &impl Debug, outputs: &[&PathBuf]) -> Self {
+        let folders = outputs.iter().map(|output| output.parent().unwrap_or(Path::new("")).to_owned()).collect();
+        Self { arguments: format!("{command} {args:?}"), folders }
+    }
+
+    /// The name of a file without its folder.
+    pub fn name(output: impl AsRef<Path>) -> PathBuf {
+        output.as_ref().file_name().unwrap_or_default().into()
+    }
+
+    fn key(&self, tool: &Digest) -> Digest {
+        Sha256::new().chain_update(tool).chain_update(&self.arguments).finalize().into()
+    }
+
+    /// In which folder a file is, and its name there.
+    fn place(&self, path: &Path) -> Option<(usize, String)> {
+        let folder = self.folders.iter().position(|folder| path.parent() == Some(folder))?;
+        Some((folder, path.file_name()?.to_str()?.to_owned()))
+    }
+}
+
+/// Runs a command, and does around it what the options say.
+pub fn run(
+    args: &ErrandArgs,
+    errand: Option<&Errand>,
+    command: impl FnOnce(&mut Output) -> Result<Exit, Failure>,
+    output: &mut Output,
+) -> Result<Exit, Failure> {
+    if args.is_empty() {
+        return command(output);
+    }
+    let began = Instant::now();
+    if let Some(record) = &args.record {
+        // Whoever finds a record has to know that it is of this run: a command that is killed leaves none. What cannot be removed cannot be written either,
+        // and is told then.
+        let _ = std::fs::remove_file(record);
+    }
+    let cache = args.cache.as_deref().zip(errand).and_then(|(folder, errand)| Kitchen::open(folder, errand, output));
+    output.listen();
+    let found = cache.as_ref().and_then(Kitchen::find);
+    let cached = found.is_some();
+    let (mut result, mut read, written): (_, Vec<PathBuf>, Vec<PathBuf>) = match found {
+        Some((Found { kept, read }, files)) => {
+            let served = serve(&kept, &files, output);
+            (served, read, files.into_iter().map(|(path, _)| path).collect())
+        }
+        None => {
+            traffic::note_down();
+            let result = command(output);
+            let traffic = traffic::take();
+            if let (Some(cache), Ok(exit)) = (&cache, &result) {
+                cache.keep(&traffic, *exit, output);
+            }
+            let read = traffic.files_read().into_iter().map(Path::to_owned).collect();
+            (result, read, traffic.written.into_iter().map(|written| written.path).collect())
+        }
+    };
+    if let (Some(path), Ok(_)) = (&args.depfile, &result) {
+        // What a command has written itself it does not depend on, also where it looked at it again.
+        read.retain(|path| !written.contains(path));
+        // A rule needs something that it makes: of a command without results, what says that it has run.
+        let targets =
+            if written.is_empty() { vec![args.record.clone().unwrap_or_else(|| path.clone())] } else { written };
+        result = result.and_then(|exit| {
+            io::write_atomic(path, rule(&targets, &read).as_bytes()).map(|()| exit).map_err(Into::into)
+        });
+    }
+    if let Some(path) = &args.record {
+        let recorded = CommandRecord::of(&result, output.said(), began.elapsed().as_secs_f64(), cached).write(path);
+        // An error of the command is what its user has to know first.
+        result = result.and_then(|exit| recorded.map(|()| exit).map_err(Into::into));
+    }
+    result
+}
+
+/// Files with their bytes.
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
+/// A cache, and what is looked for in it.
+struct Kitchen<'a> {
+    cache: Cache,
+    errand: &'a Errand,
+    key: Digest,
+}
+
+impl<'a> Kitchen<'a> {
+    /// `None` where the tool cannot be told from others; a cache is never a reason to fail.
+    fn open(folder: &Path, errand: &'a Errand, output: &Output) -> Option<Self> {
+        let cache = Cache::new(folder);
+        let tool = std::env::current_exe().map_err(|error| error.to_string());
+        match tool.and_then(|program| cache.tool(&program).map_err(|error| error.to_string())) {
+            Ok(tool) => Some(Self { cache, errand, key: errand.key(&tool) }),
+            Err(error) => {
+                output.note(&format!("note: --cache: {error}; nothing is taken from it"));
+                None
+            }
+        }
+    }
+
+    /// What was made, and the bytes of its files with their places.
+    fn find(&self) -> Option<(Found, Files)> {
+        let found = self.cache.find(&self.key, &mut answer)?;
+        let file =
+            |file: &KeptFile| Some((self.errand.folders.get(file.folder)?.join(&file.name), self.cache.bytes(file)?));
+        let files = found.kept.files.iter().map(file).collect::<Option<Vec<_>>>()?;
+        Some((found, files))
+    }
+
+    /// Keeps what a command has made.
+    fn keep(&self, traffic: &Traffic, exit: Exit, output: &Output) {
+        let Said { result: Some((text, json)), notes } = output.said() else { return };
+        let file = |written: &traffic::Written| {
+            let (folder, name) = self.errand.place(&written.path)?;
+            Some(KeptFile { folder, name, shown: shown(&written.path), sha256: hex(&written.digest) })
+        };
+        // What went elsewhere could not be put there again.
+        let Some(files) = traffic.written.iter().map(file).collect::<Option<Vec<_>>>() else { return };
+        if traffic.in_part {
+            return;
+        }
+        let kept = Kept { files, exit: exit as u8, text, json, notes };
+        let paths: Vec<&Path> = traffic.written.iter().map(|written| written.path.as_path()).collect();
+        if let Err(error) = self.cache.keep(&self.key, traffic, &kept, &paths) {
+            output.note(&format!("note: --cache: {error}; what was made is not kept there"));
+        }
+    }
+}
+
+/// What this machine answers.
+fn answer(what: &str) -> Option<String> {
+    match what {
+        ADAPTER => pelage_stage::Gpu::adapter_in_words().ok(),
+        _ => None,
+    }
+}
+
+/// What draws on this machine.
+pub const ADAPTER: &str = "adapter";
+
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Writes the files of a command that ran before, and says what it said.
+fn serve(kept: &Kept, files: &[(PathBuf, Vec<u8>)], output: &mut Output) -> Result<Exit, Failure> {
+    let whole: Vec<(&Path, &[u8])> = files.iter().map(|(path, bytes)| (path.as_path(), bytes.as_slice())).collect();
+    io::write_all_atomic(&whole)?;
+    kept.notes.iter().for_each(|note| output.note(note));
+    let (mut text, mut json) = (kept.text.clone(), kept.json.clone());
+    for (file, (path, _)) in kept.files.iter().zip(files) {
+        let now = shown(path);
+        if now != file.shown {
+            text = text.replace(&file.shown, &now);
+            rename(&mut json, &file.shown, &now);
+        }
+    }
+    output.result(&text, &json)?;
+    Ok(Exit::of(kept.exit).unwrap_or(Exit::Done))
+}
+
+/// Puts another word in the place of every string that is `old`.
+fn rename(value: &mut Value, old: &str, new: &str) {
+    match value {
+        Value::String(text) if text == old => new.clone_into(text),
+        Value::Array(values) => values.iter_mut().for_each(|value| rename(value, old, new)),
+        Value::Object(fields) => fields.values_mut().for_each(|value| rename(value, old, new)),
+        _ => {}
+    }
+}
+
+/// Record of a command, written with `--record` by every subcommand, also if it failed.
+#[derive(Serialize, JsonSchema)]
+pub struct CommandRecord {
+    command: Vec<String>,
+    version: &'static str,
+    exit_code: u8,
+    seconds: f64,
+    /// Peak memory; null if the system does not report it.
+    peak_bytes: Option<u64>,
+    /// Whether the result is a cache hit; it then has the figures of the run that made it.
+    cached: bool,
+    /// Result that the subcommand prints with `--json`; null if it failed.
+    #[schemars(with = "Option<Map<String, Value>>")]
+    result: Option<Value>,
+    error: Option<String>,
+    /// Notes printed to stderr.
+    notes: Vec<String>,
+}
+
+impl CommandRecord {
+    /// Returns the record of a command that could not write its own.
+    pub fn new(command: Vec<String>, exit: Exit, error: Option<String>) -> Self {
+        Self {
+            command,
+            version: env!("CARGO_PKG_VERSION"),
+            exit_code: exit as u8,
+            seconds: 0.0,
+            peak_bytes: None,
+            cached: false,
+            result: None,
+            error,
+            notes: Vec::new(),
+        }
+    }
+
+    fn of(result: &Result<Exit, Failure>, said: Said, seconds: f64, cached: bool) -> Self {
+        let (exit, error) = match result {
+            Ok(exit) => (*exit, None),
+            Err(failure) => (failure.exit(), Some(failure.to_string())),
+        };
+        let result = said.result.map(|(_, json)| json);
+        Self { seconds, peak_bytes: peak_bytes(), cached, result, notes: said.notes, ..Self::new(words(), exit, error) }
+    }
+
+    /// Writes the record to a file.
+    pub fn write(&self, path: &Path) -> Result<(), BakeError> {
+        let text = serde_json::to_value(self).map_err(|error| BakeError::Internal(error.to_string()))?;
+        io::write_atomic(path, format!("{text:#}\n").as_bytes())
+    }
+}
+
+/// Writes the record of a command line that is refused, where its words ask for one.
+pub fn record_refusal(why: &str) -> Result<(), BakeError> {
+    match record_asked(std::env::args_os()) {
+        Some(path) => CommandRecord::new(words(), Exit::Usage, Some(why.to_owned())).write(&path),
+        None => Ok(()),
+    }
+}
+
+/// The words of this process.
+fn words() -> Vec<String> {
+    std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
+}
+
+/// What `--record` says among words that are no command. A word behind it that looks like an option is none of its own, as clap has it.
+fn record_asked(words: impl Iterator<Item = OsString>) -> Option<PathBuf> {
+    let mut words = words.take_while(|word| word != "--");
+    while let Some(word) = words.next() {
+        if word == "--record" {
+            return words.next().filter(|file| !file.to_string_lossy().starts_with('-')).map(PathBuf::from);
+        }
+        if let Some(file) = word.to_str().and_then(|word| word.strip_prefix("--record=")) {
+            return Some(PathBuf::from(file)).filter(|file| !file.as_os_str().is_empty());
+        }
+    }
+    None
+}
+
+/// The most memory that this process has had, where the system says so.
+fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
+}
+
+/// A rule of Make: the files that were written depend on those that were read, and there is no need of a rule for these.
+fn rule(written: &[PathBuf], read: &[PathBuf]) -> String {
+    let words = |paths: &[PathBuf]| paths.iter().map(|path| make_word(&shown(path))).collect::<Vec<_>>();
+    let (targets, sources) = (words(written), words(read));
+    let mut text = format!("{}: \\\n  {}\n", targets.join(" "), sources.join(" \\\n  "));
+    // A file that has gone is no error then: whatever named it is read again.
+    sources.iter().for_each(|source| text += &format!("\n{source}:\n"));
+    text
+}
+
+/// A path as Make and Ninja read it.
+fn make_word(path: &str) -> String {
+    let mut word = String::new();
+    for letter in path.chars() {
+        match letter {
+            ' ' | '#' | '%' => word.push('\\'),
+            '$' => word.push('$'),
+            _ => {}
+        }
+        word.push(letter);
+    }
+    word
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_rule_names_what_was_read() {
+        let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
+        let text = rule(&paths(&["out/a b.pelage"]), &paths(&["fox.glb", "skins/$1#.png"]));
+        let expected = "out/a\\ b.pelage: \\\n  fox.glb \\\n  skins/$$1\\#.png\n\nfox.glb:\n\nskins/$$1\\#.png:\n";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn a_key_leaves_out_where_things_go() {
+        let errand = |folder: &str, n: u8| Errand::new("bake", &n, &[&PathBuf::from(folder).join("a.pelage")]);
+        let key = |errand: &Errand, tool: u8| errand.key(&[tool; 32]);
+        let (here, there, other) = (errand("here", 1), errand("there", 1), errand("here", 2));
+        assert_eq!(key(&here, 1), key(&there, 1));
+        assert_ne!(key(&here, 1), key(&other, 1));
+        assert_ne!(key(&here, 1), key(&here, 2));
+        assert_eq!(here.place(Path::new("here/b.png")), Some((0, "b.png".into())));
+        assert_eq!(here.place(Path::new("there/b.png")), None);
+    }
+
+    #[test]
+    fn a_result_is_told_with_the_names_of_now() {
+        let mut value = json!({ "output": "a/x.png", "all": ["a/x.png", "a/x.png2"], "n": 1 });
+        rename(&mut value, "a/x.png", "b/x.png");
+        assert_eq!(value, json!({ "output": "b/x.png", "all": ["b/x.png", "a/x.png2"], "n": 1 }));
+    }
+
+    #[test]
+    fn a_record_is_asked_for_in_whatever_is_typed() {
+        let asked = |line: &str| record_asked(line.split(' ').map(OsString::from));
+        for line in ["pelage bake --record r.json --odd", "pelage --record=r.json", "pelage x y --record r.json"] {
+            assert_eq!(asked(line).as_deref(), Some(Path::new("r.json")), "{line}");
+        }
+        for line in [
+            "pelage",
+            "pelage --records r.json",
+            "pelage bake --record",
+            "pelage -- --record r.json",
+            "pelage --record=",
+            "pelage bake --record --json",
+        ] {
+            assert_eq!(asked(line), None, "{line}");
+        }
+    }
+
+    #[test]
+    fn a_process_knows_its_memory() {
+        assert!(!cfg!(target_os = "linux") || peak_bytes().is_some_and(|bytes| bytes > 1 << 20));
+    }
+}

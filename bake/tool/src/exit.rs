@@ -1,0 +1,167 @@
+//! How a run ends: the only place where errors become exit codes.
+
+use pelage_import::BakeError;
+use pelage_stage::StageError;
+use std::process::ExitCode;
+
+/// Exit codes of `pelage`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// Everything was done; also a reader of stdout that went away.
+    Done = 0,
+    /// The command line is not understood.
+    Usage = 1,
+    /// The file system refused.
+    FileSystem = 2,
+    /// A model, recipe, package or folder is not what it should be.
+    BadInput = 3,
+    /// No usable graphics adapter.
+    NoAdapter = 4,
+    /// A fault of pelage.
+    Internal = 5,
+    /// `validate` found faults, a comparison differences, `chart stability` a broken bound.
+    Differences = 7,
+}
+
+impl Exit {
+    /// All codes, each with a word for the end of a help text and what it means.
+    pub const ALL: [(Self, &str, &str); 7] = [
+        (Self::Done, "done", "Everything was done, or a reader of standard output went away."),
+        (Self::Usage, "usage", "The command line is not understood."),
+        (Self::FileSystem, "file system", "A file or folder cannot be read, written or made."),
+        (
+            Self::BadInput,
+            "bad input",
+            "A model, recipe, look, scene, package or folder is not what it should be. The message names the file, where in it, what was \
+             found and what was expected.",
+        ),
+        (
+            Self::NoAdapter,
+            "no usable graphics adapter",
+            "No usable graphics adapter, or for `view` no screen. The message says what to install.",
+        ),
+        (Self::Internal, "internal error", "A fault of pelage. Please report it."),
+        (
+            Self::Differences,
+            "differences or faults found",
+            "`validate` found faults, `compare` a difference above a limit, or `chart stability` a broken bound.",
+        ),
+    ];
+
+    /// The one with that code.
+    pub fn of(code: u8) -> Option<Self> {
+        Self::ALL.iter().map(|(exit, ..)| *exit).find(|exit| *exit as u8 == code)
+    }
+
+    /// All of them in a line, for the end of a help text.
+    pub fn summary() -> String {
+        let codes = Self::ALL.map(|(exit, word, _)| format!("{} {word}", exit as u8));
+        format!("Exit codes: {}.", codes.join("; "))
+    }
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// Why a subcommand stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// Options that clap cannot judge on its own contradict each other or the package.
+    #[error("{0}")]
+    Usage(String),
+    /// The library refused.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// No graphics adapter can be used; the detail says what was tried.
+    #[error("no usable graphics adapter: {0}\n{NO_ADAPTER_HELP}")]
+    NoAdapter(String),
+    /// There is no screen for a window; the text says what that takes.
+    #[cfg(feature = "view")]
+    #[error("{0}")]
+    NoWindow(String),
+    /// Writing to stdout failed.
+    #[error("standard output: cannot write: {0}")]
+    Stdout(std::io::Error),
+    /// A panic, which the hook has reported.
+    #[error("internal error")]
+    Panicked,
+}
+
+/// What to install, for [`Failure::NoAdapter`].
+const NO_ADAPTER_HELP: &str = "\
+pelage draws with Vulkan, Metal or Direct3D 12. Install your graphics card's driver, or a software one:
+  Debian, Ubuntu: apt-get install mesa-vulkan-drivers
+  Fedora: dnf install mesa-vulkan-drivers
+  Arch: pacman -S vulkan-swrast
+  Alpine: apk add mesa-vulkan-swrast
+If VK_DRIVER_FILES or VK_ICD_FILENAMES is set, check that it names a driver that exists.";
+
+impl From<StageError> for Failure {
+    fn from(error: StageError) -> Self {
+        match error {
+            StageError::Input { file, place, reason } => BakeError::Input { file, place, reason }.into(),
+            StageError::Package { file, source } => BakeError::Package { file, source }.into(),
+            // What can be asked of a stage is an option of the command line.
+            StageError::Asked { what, reason } => Self::Usage(format!("--{what}: {reason}")),
+            StageError::Params(text) => Self::Usage(text),
+            StageError::NoAdapter(text) => Self::NoAdapter(text),
+            StageError::Internal(text) => BakeError::Internal(text).into(),
+            other => BakeError::Internal(other.to_string()).into(),
+        }
+    }
+}
+
+impl Failure {
+    /// The exit code, as `bake/docs/commands.md` promises it.
+    pub fn exit(&self) -> Exit {
+        match self {
+            Self::Usage(_) => Exit::Usage,
+            Self::Bake(error) => match error {
+                BakeError::Io { .. } => Exit::FileSystem,
+                BakeError::Input { .. } | BakeError::Package { .. } | BakeError::Params { .. } => Exit::BadInput,
+                // `Internal`, and any variant that this table has not been taught.
+                _ => Exit::Internal,
+            },
+            Self::NoAdapter(_) => Exit::NoAdapter,
+            #[cfg(feature = "view")]
+            Self::NoWindow(_) => Exit::NoAdapter,
+            Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Exit::Done,
+            Self::Stdout(_) => Exit::FileSystem,
+            Self::Panicked => Exit::Internal,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Error, ErrorKind};
+
+    #[test]
+    fn every_failure_has_its_code() {
+        let io = |kind| BakeError::Io { path: "a".into(), action: "read", source: Error::from(kind) };
+        let input = BakeError::Input { file: "a".into(), place: "byte 1".into(), reason: "b".into() };
+        for (failure, code) in [
+            (Failure::Usage("a".into()), 1),
+            (io(ErrorKind::NotFound).into(), 2),
+            (input.into(), 3),
+            (BakeError::Params { what: "a", reason: "b".into() }.into(), 3),
+            (Failure::NoAdapter("a".into()), 4),
+            (BakeError::Internal("a".into()).into(), 5),
+            (Failure::Panicked, 5),
+            (Failure::Stdout(ErrorKind::BrokenPipe.into()), 0),
+            (Failure::Stdout(ErrorKind::StorageFull.into()), 2),
+        ] {
+            assert_eq!(failure.exit() as u8, code, "{failure:?}");
+        }
+    }
+
+    #[test]
+    fn the_adapter_message_says_what_to_install() {
+        let message = Failure::NoAdapter("none found".into()).to_string();
+        assert!(message.contains("mesa-vulkan-drivers") && message.contains("none found"));
+    }
+}

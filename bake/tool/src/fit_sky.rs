@@ -1,0 +1,147 @@
+//! `pelage sky`: a panorama as few lights.
+
+use super::errand::Errand;
+use super::exit::{Exit, Failure};
+use super::output::{Output, require_parent};
+use pelage_bake::io::write_atomic;
+use pelage_bake::sky_file::SkyFile;
+use pelage_stage::Look;
+use pelage_stage::sky::{Environment, FitParams, Fitted, environment_to_toml};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Take a sky or a room for few lights: what `--environment` does to a panorama, as a file that an application can ship, edit, turn and blend
+///
+/// They are what is even all around, lobes that are spread about a direction, and a sun, where one dominates.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SkyArgs {
+    /// The panorama, equirectangular in linear radiance (.hdr, .exr), or lights that are to be checked and written anew (.toml)
+    #[arg(value_name = "SKY")]
+    input: PathBuf,
+    /// The lights, in TOML
+    #[arg(long, short, value_name = "TOML")]
+    output: PathBuf,
+    /// Most lobes
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=32))]
+    lobes: u32,
+    /// Colour of a level ground, sRGB, that sends back what comes from above, in place of all that lies below the horizon
+    #[arg(long, value_name = "COLOR", value_parser = parse_ground)]
+    ground: Option<[f32; 3]>,
+    /// Least share of all light, 0 to 1, that a sun has to have to be a light of its own; 1 keeps it among the lobes
+    #[arg(long, value_name = "SHARE", default_value_t = FitParams::default().sun, value_parser = parse_share)]
+    sun: f64,
+}
+
+/// Lights that were written, and their distance from the panorama.
+#[derive(Serialize, JsonSchema)]
+pub struct SkyResult {
+    output: String,
+    /// Width and height of the panorama, pixels; null for lights in TOML.
+    size: Option<[u32; 2]>,
+    lobes: usize,
+    sun: Option<SkySun>,
+    /// Relative difference of all light from the light of the sky without its sun, for the colour that deviates most.
+    energy: f64,
+    /// RMSE of the lights against the sky without its sun, relative to that sky.
+    error: f64,
+    /// Pixels repaired because they held no valid radiance.
+    mended: u32,
+    seconds: f64,
+}
+
+/// A sun.
+#[derive(Serialize, JsonSchema)]
+struct SkySun {
+    towards: [f32; 3],
+    /// Linear colour; 1 gives an irradiance of π.
+    color: [f32; 3],
+    share: f64,
+}
+
+impl SkyArgs {
+    /// What the lights depend on, and where they go.
+    pub fn errand(&self) -> Option<Errand> {
+        let args = Self { output: Errand::name(&self.output), ..self.clone() };
+        Some(Errand::new("sky", &args, &[&self.output]))
+    }
+}
+
+fn parse_share(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|share| (0.0..=1.0).contains(share)).ok_or("expected a share of 0 to 1".into())
+}
+
+fn parse_ground(text: &str) -> Result<[f32; 3], String> {
+    let mut look = Look::default();
+    look.set(&format!("environment.ground={text}")).map_err(|error| error.to_string())?;
+    look.environment.ground_color().ok_or_else(|| "expected a colour".into())
+}
+
+/// Runs the subcommand.
+pub fn run(args: &SkyArgs, output: &mut Output) -> Result<Exit, Failure> {
+    require_parent(&args.output)?;
+    let sky = SkyFile::read(&args.input)?;
+    output.progress("fitting");
+    let began = Instant::now();
+    let sky = sky.over_ground(args.ground, args.lobes as usize)?;
+    let (fitted, size) = match sky {
+        SkyFile::Panorama(panorama) => {
+            let sun = if args.sun < 1.0 { args.sun } else { f64::INFINITY };
+            (panorama.fit(FitParams { lobes: args.lobes as usize, sun }), Some(panorama.size()))
+        }
+        SkyFile::Lights(environment) => {
+            let most = args.lobes as usize;
+            let environment = environment.with_fewer(most);
+            (Fitted { environment, sun_share: 0.0, energy: 0.0, error: 0.0, mended: 0 }, None)
+        }
+    };
+    let seconds = began.elapsed().as_secs_f64();
+    let text = environment_to_toml(&fitted.environment);
+    write_atomic(&args.output, text.as_bytes())?;
+    report(args, &fitted, size, seconds, output)
+}
+
+fn report(
+    args: &SkyArgs,
+    fitted: &Fitted,
+    size: Option<(u32, u32)>,
+    seconds: f64,
+    output: &mut Output,
+) -> Result<Exit, Failure> {
+    let Environment { lobes, sun, .. } = &fitted.environment;
+    if fitted.mended > 0 {
+        let name = args.input.display();
+        output.note(&format!(
+            "note: {name}: {} pixels were no light (negative, infinite or no numbers): mended",
+            fitted.mended
+        ));
+    }
+    let name = args.output.display().to_string();
+    let with_sun = if sun.is_some() {
+        format!(", and a sun with {:.0} % of the light", 100.0 * fitted.sun_share)
+    } else {
+        String::new()
+    };
+    let near = match size {
+        Some(_) => format!(
+            "; {:.1} % off its radiance, {:.2} % off its light in whole",
+            100.0 * fitted.error,
+            100.0 * fitted.energy
+        ),
+        None => String::new(),
+    };
+    let text = format!("{name}: {} lobes{with_sun}{near}", lobes.len());
+    let result = SkyResult {
+        output: name,
+        size: size.map(|(width, height)| [width, height]),
+        lobes: lobes.len(),
+        sun: sun.map(|sun| SkySun { towards: sun.towards, color: sun.color, share: fitted.sun_share }),
+        energy: fitted.energy,
+        error: fitted.error,
+        mended: fitted.mended,
+        seconds,
+    };
+    output.result(&text, &result)?;
+    Ok(Exit::Done)
+}

@@ -1,0 +1,144 @@
+//! `pelage groom`: groom maps as images to paint on.
+
+use super::bake::RecipeArgs;
+use super::exit::{Exit, Failure};
+use super::output::{Output, require_parent};
+use super::paint_mesh::{self, MeshFormat};
+use super::threads;
+use pelage_bake::groom_map::{GroomMap, Quantity, groom_map};
+use pelage_bake::io;
+use pelage_bake::picture::encode_png;
+use pelage_bake::pipeline::Told;
+use pelage_bake::recipe::GroomCoordinates;
+use pelage_import::ImportOptions;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Write what varies over a model, such as the length of its hair, as an image to paint on
+///
+/// The image has what a bake of the same recipe would take, and is read back with --set groom.length=map.png or a recipe that says so. It lies over the
+/// model's own texture coordinates; where those are missing over an atlas that depends on the model alone, and is read back with groom.coordinates=atlas.
+/// Painted on in Krita or any other program, or in Blender on the mesh of --mesh, it changes the hair where it was painted.
+#[derive(Clone, Debug, clap::Args)]
+pub struct GroomArgs {
+    /// The model: .glb, .gltf or .obj
+    #[arg(value_name = "MODEL")]
+    model: PathBuf,
+    /// What is written: a key of `[groom]`
+    #[arg(long, value_name = "KEY", value_parser = quantity_words())]
+    map: String,
+    /// The image to write, .png
+    #[arg(long, short, value_name = "PNG")]
+    output: PathBuf,
+    #[command(flatten)]
+    recipe: RecipeArgs,
+    /// What the image lies over: the model's own texture coordinates or the atlas. Left out, what the recipe says, and the atlas where a part with hair has
+    /// no coordinates
+    #[arg(long, value_name = "WHAT", value_parser = ["model", "atlas"])]
+    coordinates: Option<String>,
+    /// Width and height of the image, texels
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=8192))]
+    texels: u32,
+    /// The mesh that the image lies over, to paint on: .obj, or .glb, which wears the image
+    #[arg(long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
+    /// Threads to use, by default one per core; the image is the same with any number
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// A groom map that was written.
+#[derive(Serialize, JsonSchema)]
+pub struct GroomResult {
+    /// Paths of the image and of the mesh of `--mesh`.
+    files: Vec<String>,
+    /// Key of `[groom]`.
+    map: &'static str,
+    /// Texture coordinates that the image lies over.
+    #[schemars(extend("enum" = ["model", "atlas"]))]
+    coordinates: &'static str,
+    texels: u32,
+    /// Largest difference, 0 to 1, of a vertex's value from the image before rounding to bytes.
+    misses_by: f32,
+    /// Recipe lines that read the image back, for a recipe in its folder.
+    recipe: Vec<String>,
+    warnings: Vec<String>,
+}
+
+fn quantity_words() -> clap::builder::PossibleValuesParser {
+    Quantity::ALL.map(Quantity::key).into()
+}
+
+/// Above this share of the range a map is said to be too coarse for its mesh.
+const COARSE: f32 = 1.0 / 255.0;
+
+/// Runs the subcommand.
+pub fn run(args: &GroomArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let has_extension =
+        |path: &Path, extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    if !has_extension(&args.output, "png") {
+        return Err(Failure::Usage(format!("-o {}: expected a name that ends in .png", args.output.display())));
+    }
+    let mesh = args.mesh.as_deref().map(|path| Ok::<_, Failure>((path, MeshFormat::of(path)?))).transpose()?;
+    for path in [Some(args.output.as_path()), args.mesh.as_deref()].into_iter().flatten() {
+        require_parent(path)?;
+    }
+    let quantity = Quantity::of_key(&args.map).ok_or_else(|| Failure::Usage(format!("--map {}: unknown", args.map)))?;
+    let pool = threads::pool(args.threads)?;
+    let (map, materials) = pool.install(|| evaluate(args, quantity, output))?;
+    let pixels = image::RgbaImage::from_raw(map.image.width, map.image.height, map.image.rgba.clone());
+    let png = encode_png(&pixels.unwrap_or_default())?;
+    io::write_atomic(&args.output, &png)?;
+    let mut files = vec![args.output.display().to_string()];
+    if let Some((path, format)) = mesh {
+        let bytes = paint_mesh::write(format, &map, &materials, &png)?;
+        io::write_atomic(path, &bytes)?;
+        files.push(path.display().to_string());
+    }
+    map.warnings.iter().for_each(|warning| output.note(&format!("warning: {warning}")));
+    if map.misses_by > COARSE {
+        output.note(&format!(
+            "note: {} texels are too few to tell all vertices apart: one reads {:.3} of the range beside what it has; --texels {} has more",
+            args.texels,
+            map.misses_by,
+            2 * args.texels
+        ));
+    }
+    let key = quantity.key();
+    let name = args.output.file_name().unwrap_or_default().to_string_lossy();
+    let mut lines = vec![format!("groom.{key} = {name:?}")];
+    if map.coordinates == GroomCoordinates::Atlas {
+        lines.push("groom.coordinates = \"atlas\"".to_owned());
+    }
+    let text = format!("{}\nread back with: {}", files.join("\n"), lines.join(", "));
+    let result = GroomResult {
+        files,
+        map: key,
+        coordinates: map.coordinates.word(),
+        texels: map.image.width,
+        misses_by: map.misses_by,
+        recipe: lines,
+        warnings: map.warnings,
+    };
+    output.result(&text, &result)?;
+    Ok(Exit::Done)
+}
+
+/// The map, and the names of the model's materials.
+fn evaluate(args: &GroomArgs, quantity: Quantity, output: &mut Output) -> Result<(GroomMap, Vec<String>), Failure> {
+    let (recipe, _) = args.recipe.read()?;
+    output.progress("import");
+    let images = args.recipe.images(&recipe)?;
+    let model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
+    let file = args.model.display().to_string();
+    let coordinates = args
+        .coordinates
+        .as_deref()
+        .map(|word| if word == "atlas" { GroomCoordinates::Atlas } else { GroomCoordinates::Model });
+    output.progress("groom");
+    let told = Told::new(&file, "groom", &recipe, &images);
+    let map = groom_map(&told, &model, quantity, coordinates, args.texels);
+    let map = map.map_err(|error| args.recipe.placed(&file, error))?;
+    Ok((map, model.materials.into_iter().map(|material| material.name).collect()))
+}

@@ -1,0 +1,206 @@
+//! Slurm, by its commands.
+
+use super::HerdResult;
+use super::args::RunArgs;
+use super::engine;
+use super::finish;
+use super::notes;
+use super::on_disk::Herd;
+use super::paths::io_error;
+use super::ran::Ran;
+use crate::exit::Failure;
+use crate::output::{Output, make_folder};
+use pelage_bake::io;
+use pelage_herd::slurm::{Script, Shard, Stage, TIMED, demand, known, stages};
+use pelage_herd::{Task, ninja};
+use pelage_import::BakeError;
+use std::collections::BTreeSet;
+use std::io::{Error, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+/// How often the queue is asked.
+const ASKED_EVERY: Duration = Duration::from_secs(2);
+/// Tasks of an array where the farm does not say how many it allows.
+const ARRAY: usize = 1000;
+
+/// Submits what is not done and waits for it; `None` where nobody shall wait.
+pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ran>, Failure> {
+    let files = format!("{}/slurm", herd.own());
+    make_folder(&herd.path(&files))?;
+    let shards_file = herd.path(&format!("{files}/shards.json"));
+    let stages = stages(&herd.plan, args.shard_seconds, &notes::read(&shards_file));
+    notes::write(&shards_file, &known(&herd.plan, &stages))?;
+    let open = open_shards(herd, &files, &stages, output)?;
+    if open.iter().any(|open| !open.is_empty()) {
+        finish::forget_page(herd)?;
+    }
+    let mut ids: Vec<String> = Vec::new();
+    let (mut shards, mut logs) = (Vec::new(), Vec::new());
+    let most = array_size();
+    let mut before: Vec<String> = Vec::new();
+    for (stage, open) in stages.iter().zip(&open) {
+        if open.is_empty() {
+            continue;
+        }
+        let script = Script {
+            stage: stage.name,
+            folder: &herd.folder.display().to_string(),
+            files: &files,
+            retries: args.retries,
+            options: &args.sbatch,
+            demand: demand(&herd.plan, stage),
+            exclusive: stage.name == TIMED,
+        };
+        let name = format!("{files}/{}.sh", stage.name);
+        io::write_atomic(&herd.path(&name), script.text().as_bytes())?;
+        let mut jobs = Vec::new();
+        for array in open.chunks(most) {
+            let job = submit(herd, &name, stage.name, array, &before)?;
+            logs.push(format!("{}-{job}_", stage.name));
+            jobs.push(job);
+        }
+        shards.extend(open.iter().map(|shard| format!("{files}/{}-{}.done", stage.name, shard.number)));
+        // What a stage needs is made, or it failed and says so, when the one before is over.
+        before.clone_from(&jobs);
+        ids.extend(jobs);
+    }
+    notes::write(&logs_file(herd), &logs)?;
+    if args.detach {
+        let tasks: usize = open.iter().flatten().map(|shard| shard.tasks.len()).sum();
+        let text = format!("submitted {} jobs, {} shards: {}", ids.len(), shards.len(), ids.join(" "));
+        output.result(&text, &HerdResult::Submitted { jobs_submitted: ids, shards: shards.len(), tasks })?;
+        return Ok(None);
+    }
+    if !ids.is_empty() {
+        output.note(&format!("submitted jobs {0}; `scancel {0}` ends them", ids.join(" ")));
+    }
+    wait(herd, &ids, &shards, output)?;
+    Ok(Some(ran(herd)))
+}
+
+/// Where it stands how the logs begin of what was submitted last.
+fn logs_file(herd: &Herd) -> PathBuf {
+    herd.path(&format!("{}/slurm/logs.json", herd.own()))
+}
+
+/// What Ninja says in the logs of what was submitted last, as far as they can be read.
+pub fn ran(herd: &Herd) -> Ran {
+    let logs: Vec<String> = notes::read(&logs_file(herd));
+    let mut ran = Ran::default();
+    for entry in std::fs::read_dir(herd.path(&format!("{}/slurm", herd.own()))).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if logs.iter().any(|log| name.starts_with(log.as_str())) {
+            ran.hear_all(&std::fs::read(entry.path()).unwrap_or_default());
+        }
+    }
+    ran
+}
+
+/// Writes the build files of all shards: those that are not done, for each stage.
+fn open_shards<'a>(
+    herd: &Herd,
+    files: &str,
+    stages: &'a [Stage],
+    output: &mut Output,
+) -> Result<Vec<Vec<&'a Shard>>, Failure> {
+    let all: usize = stages.iter().map(|stage| stage.shards.len()).sum();
+    let mut looked = 0;
+    let mut made: BTreeSet<&str> = BTreeSet::new();
+    let mut open = Vec::new();
+    for stage in stages {
+        let mut of_stage = Vec::new();
+        for shard in &stage.shards {
+            output.progress_of(looked, all, "looking what is done");
+            looked += 1;
+            let name = format!("{files}/{}-{}", stage.name, shard.number);
+            let own = format!("{name}.log");
+            make_folder(&herd.path(&own))?;
+            let tasks: Vec<&Task> = shard.tasks.iter().map(|i| &herd.plan.tasks[*i]).collect();
+            // One command at a time: Slurm shares cores and memory out.
+            let room = ninja::Room::of(&tasks, 1, u64::MAX);
+            herd.write_build(&format!("{name}.ninja"), &own, &tasks, room)?;
+            let waits = tasks.iter().any(|task| task.inputs.iter().any(|input| made.contains(input.as_str())));
+            if waits || !is_done(herd, &format!("{name}.ninja"))? {
+                let _ = std::fs::remove_file(herd.path(&format!("{name}.done")));
+                made.extend(tasks.iter().flat_map(|task| task.outputs.iter().map(String::as_str)));
+                of_stage.push(shard);
+            }
+        }
+        open.push(of_stage);
+    }
+    Ok(open)
+}
+
+/// Whether Ninja has nothing to do in a shard.
+fn is_done(herd: &Herd, file: &str) -> Result<bool, Failure> {
+    let said = engine::command(herd, file).arg("-n").output().map_err(engine::cannot_run)?;
+    Ok(said.status.success() && String::from_utf8_lossy(&said.stdout).contains("no work to do"))
+}
+
+/// Submits an array with a task for each of `shards`; its number.
+fn submit(herd: &Herd, script: &str, stage: &str, shards: &[&Shard], before: &[String]) -> Result<String, Failure> {
+    let mut command = Command::new("sbatch");
+    command.current_dir(&herd.folder).args(["--parsable", &format!("--array=0-{}", shards.len() - 1)]);
+    command.arg(format!("--output={}/slurm/{stage}-%A_%a.log", herd.own()));
+    if !before.is_empty() {
+        command.arg(format!("--dependency=afterany:{}", before.join(":")));
+    }
+    let list = shards.iter().map(|shard| shard.number.to_string()).collect::<Vec<_>>().join(",");
+    let said = answer(command.arg(script).arg(list))?;
+    // A farm of several clusters says which, behind a semicolon.
+    Ok(said.trim().split(';').next().unwrap_or_default().to_owned())
+}
+
+/// What a command of Slurm says.
+fn answer(command: &mut Command) -> Result<String, Failure> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let fail = |source| io_error(Path::new(&name), "run", source);
+    let said = command.output().map_err(|source| match source.kind() {
+        ErrorKind::NotFound => {
+            fail(Error::new(ErrorKind::NotFound, "this is no machine of a Slurm farm: there is none"))
+        }
+        _ => fail(source),
+    })?;
+    if said.status.success() {
+        Ok(String::from_utf8_lossy(&said.stdout).into_owned())
+    } else {
+        Err(fail(Error::other(String::from_utf8_lossy(&said.stderr).trim().to_owned())))
+    }
+}
+
+/// The most tasks that an array of this farm has.
+fn array_size() -> usize {
+    let config = answer(Command::new("scontrol").args(["show", "config"])).unwrap_or_default();
+    let line = config.lines().find_map(|line| line.trim().strip_prefix("MaxArraySize"));
+    let most = line.and_then(|line| line.trim().strip_prefix('=')?.trim().parse::<usize>().ok());
+    // Its tasks are numbered from 0 to one less.
+    most.map_or(ARRAY, |most| most.saturating_sub(1).max(1))
+}
+
+/// Waits until no job is in the queue.
+fn wait(herd: &Herd, ids: &[String], shards: &[String], output: &mut Output) -> Result<(), Failure> {
+    let mut failed = 0;
+    while !ids.is_empty() {
+        let done = shards.iter().filter(|shard| herd.path(shard).exists()).count();
+        output.progress_of(done, shards.len(), "shards on the farm");
+        let queue = answer(Command::new("squeue").args(["--noheader", "--format=%i", "--jobs", &ids.join(",")]));
+        match queue {
+            Ok(queue) if queue.trim().is_empty() => break,
+            Ok(_) => failed = 0,
+            // Jobs that are long over are forgotten.
+            Err(Failure::Bake(BakeError::Io { source, .. })) if source.to_string().contains("Invalid job id") => break,
+            // A controller may be away for a while.
+            Err(error) => {
+                failed += 1;
+                if failed > 30 {
+                    return Err(error);
+                }
+            }
+        }
+        std::thread::sleep(ASKED_EVERY);
+    }
+    Ok(())
+}

@@ -1,0 +1,252 @@
+//! What became of a herd: read, told and put on a page.
+
+use super::notes;
+use super::on_disk::{Herd, history_file};
+use super::paths::io_error;
+use super::ran::Ran;
+use super::{HerdFailure, HerdResult, HerdTasks};
+use crate::errand::CommandRecord;
+use crate::exit::{Exit, Failure};
+use crate::output::{Output, make_folder};
+use image::{DynamicImage, Rgb, RgbImage, imageops};
+use pelage_bake::hexadecimal::hex;
+use pelage_bake::io;
+use pelage_herd::{Became, Known, Report, State, Task};
+use pelage_import::BakeError;
+use rayon::prelude::*;
+use sha2::{Digest as _, Sha256};
+use std::collections::BTreeSet;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// Pixels of the longer side of a small picture.
+const THUMB: u32 = 224;
+/// Herds of more rows have a page that shows the pictures themselves as they come into sight, where small ones are on the page.
+const MOST_ROWS: usize = 1000;
+/// What small pictures are laid over.
+const GREY: u8 = 128;
+/// Failures that are told one by one.
+const TOLD: usize = 20;
+
+fn failures_file(own: &str) -> String {
+    format!("{own}/failures.json")
+}
+
+/// What the page was made of, from the herd's folder.
+fn key_file(own: &str) -> String {
+    format!("{own}/report.key")
+}
+
+/// From now on the page is not what became of it: it is written anew, however this run ends.
+pub fn forget_page(herd: &Herd) -> Result<(), Failure> {
+    remove(&herd.path(&key_file(&herd.own())))
+}
+
+fn remove(path: &Path) -> Result<(), Failure> {
+    match std::fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(io_error(path, "remove", source)),
+        _ => Ok(()),
+    }
+}
+
+/// The records of commands that failed when the page was written.
+pub fn failed_before(herd: &Herd) -> Vec<String> {
+    notes::read(&herd.path(&failures_file(&herd.own())))
+}
+
+/// Removes the records of commands that failed: no engine may take these for done.
+pub fn forget_failures(herd: &Herd) -> Result<(), Failure> {
+    failed_before(herd).iter().try_for_each(|record| remove(&herd.path(record)))
+}
+
+fn became(herd: &Herd, ran: &Ran) -> Result<Vec<Option<Became>>, Failure> {
+    let read = |record: &str| notes::read::<Option<Became>>(&herd.path(record));
+    let of = |task: &Task| {
+        let found = read(&task.record);
+        match ran.last_words(task).filter(|_| found.is_none()) {
+            Some(last_words) => bury(herd, task, &last_words).map(|()| read(&task.record)),
+            None => Ok(found),
+        }
+    };
+    herd.plan.tasks.par_iter().map(of).collect()
+}
+
+/// Writes the record of a command that has ended without one.
+fn bury(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
+    let mut why = "it ended without a word: something has killed it, perhaps for want of memory".to_owned();
+    if !last_words.is_empty() {
+        why = format!("it ended without a record, and its last words were: {last_words}");
+    }
+    let record = CommandRecord::new(task.command(herd.cache.as_deref()), Exit::FileSystem, Some(why));
+    Ok(record.write(&herd.path(&task.record))?)
+}
+
+/// Tells what became of a herd, and writes its page where anything changed.
+pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failure> {
+    let page = herd.path(&format!("{}/report.html", herd.plan.out));
+    let own = herd.own();
+    let plan = plan_key(herd)?;
+    let key_file = herd.path(&key_file(&own));
+    let known = page.is_file() && std::fs::read_to_string(&key_file).is_ok_and(|key| key == plan);
+    if ran.tasks.is_empty() && known && failed_before(herd).is_empty() {
+        // Of a large farm's herd there are very many records; all of them say that all is well.
+        let all = herd.plan.tasks.len();
+        let counts = HerdTasks { all, done: all, ..HerdTasks::default() };
+        return tell(herd, counts, &[], (0, 0), &page, output);
+    }
+    output.progress("writing the report");
+    let became = became(herd, ran)?;
+    let report = Report::new(&herd.plan, &became);
+    let failures = report.failures();
+    let thumbs = Thumbs::new(herd)?;
+    let tool = format!("pelage {}", env!("CARGO_PKG_VERSION"));
+    let text = report.page(&herd.title, &tool, &|file| thumbs.source(file))?;
+    io::write_atomic(&page, text.as_bytes())?;
+    thumbs.tidy();
+    let mut history = herd.history.clone();
+    for (task, became) in herd.plan.tasks.iter().zip(&became) {
+        // What came from a cache says nothing of the work.
+        if let Some(became) = became.as_ref().filter(|became| became.exit_code == 0 && !became.cached) {
+            let peak_bytes = became.peak_bytes.unwrap_or(task.expected.peak_bytes);
+            history.insert(task.name.clone(), Known { seconds: became.seconds, peak_bytes });
+        }
+    }
+    let names: BTreeSet<&str> = herd.plan.tasks.iter().map(|task| task.name.as_str()).collect();
+    history.retain(|name, _| names.contains(name.as_str()));
+    notes::write(&herd.path(&history_file(&own)), &history)?;
+    let records: Vec<&str> = failures.iter().map(|(i, ..)| herd.plan.tasks[*i].record.as_str()).collect();
+    notes::write(&herd.path(&failures_file(&own)), &records)?;
+    io::write_atomic(&key_file, plan.as_bytes())?;
+    let count = |state| report.count(state);
+    let counts = HerdTasks {
+        all: herd.plan.tasks.len(),
+        done: count(State::Done),
+        failed: count(State::Failed),
+        differ: count(State::Differs),
+        missing: count(State::Missing),
+    };
+    let tasks = herd.plan.tasks.iter().zip(&became);
+    let from_cache = |(task, became): &(&Task, &Option<Became>)| {
+        became.as_ref().is_some_and(|became| became.cached) && ran.tasks.contains(&task.name)
+    };
+    let ran = (ran.tasks.len(), tasks.filter(from_cache).count());
+    tell(herd, counts, &failures, ran, &page, output)
+}
+
+/// Stands for a plan, as far as its page shows it.
+fn plan_key(herd: &Herd) -> Result<String, Failure> {
+    let shown: Vec<_> = herd.plan.tasks.iter().map(|task| (&task.name, &task.words)).collect();
+    let text = serde_json::to_vec(&(&herd.title, &herd.plan.rows, shown, &herd.tool));
+    Ok(hex(&Sha256::digest(text.map_err(|error| BakeError::Internal(error.to_string()))?)))
+}
+
+fn tell(
+    herd: &Herd,
+    tasks: HerdTasks,
+    failures: &[(usize, u8, String)],
+    (ran, cached): (usize, usize),
+    page: &Path,
+    output: &mut Output,
+) -> Result<Exit, Failure> {
+    let HerdTasks { all, done, failed, differ, missing } = tasks;
+    let mut lines = Vec::new();
+    for (i, _, why) in failures.iter().take(TOLD) {
+        lines.push(format!("{}: {why}", herd.plan.tasks[*i].name));
+    }
+    if failures.len() > TOLD {
+        lines.push(format!("and {} more, which the report has", failures.len() - TOLD));
+    }
+    let mut told = vec![format!("{ran} of {all} commands were run")];
+    if cached > 0 {
+        told.push(format!("{cached} of them from the cache"));
+    }
+    told.push(format!("{done} are done"));
+    for (number, what) in [(failed, "failed"), (differ, "differ by more than their limit"), (missing, "could not run")]
+    {
+        if number > 0 {
+            told.push(format!("{number} {what}"));
+        }
+    }
+    lines.push(told.join(", "));
+    let report = page.display().to_string();
+    lines.push(report.clone());
+    let failure = |(i, exit, why): &(usize, u8, String)| HerdFailure {
+        task: herd.plan.tasks[*i].name.clone(),
+        exit_code: *exit,
+        message: why.clone(),
+    };
+    let failures_told = failures.iter().map(failure).collect();
+    let models = herd.plan.rows.len();
+    let result = HerdResult::Run { report, models, ran, cached, tasks, failures: failures_told };
+    output.result(&lines.join("\n"), &result)?;
+    // The first of those that failed says what kind of failure it is; a difference is one where nothing else is wrong.
+    let code = failures.first().map_or(if missing > 0 { Exit::FileSystem as u8 } else { 0 }, |(_, exit, _)| *exit);
+    Ok(Exit::of(code).unwrap_or(Exit::Internal))
+}
+
+/// Small pictures, made once for each that is there.
+struct Thumbs<'a> {
+    herd: &'a Herd,
+    folder: PathBuf,
+    used: std::sync::Mutex<BTreeSet<String>>,
+}
+
+impl<'a> Thumbs<'a> {
+    fn new(herd: &'a Herd) -> Result<Self, Failure> {
+        let folder = herd.path(&format!("{}/thumbs", herd.own()));
+        make_folder(&folder)?;
+        Ok(Self { herd, folder, used: std::sync::Mutex::default() })
+    }
+
+    /// The address of a small copy; `None` where there is no picture.
+    fn source(&self, file: &str) -> Option<String> {
+        let path = self.herd.path(file);
+        let found = std::fs::metadata(&path).ok()?;
+        if self.herd.plan.rows.len() > MOST_ROWS {
+            let inside = self.herd.plan.inside(file);
+            return Some(inside.split('/').map(|step| urlencoding::encode(step)).collect::<Vec<_>>().join("/"));
+        }
+        let name = Sha256::digest(format!("{file} {} {:?}", found.len(), found.modified().ok()));
+        let name = format!("{}.jpg", &hex(&name)[..32]);
+        let kept = self.folder.join(&name);
+        let bytes = std::fs::read(&kept).ok().or_else(|| {
+            let bytes = small(&path)?;
+            // It is made again where it cannot be kept.
+            let _ = io::write_atomic(&kept, &bytes);
+            Some(bytes)
+        })?;
+        self.used.lock().unwrap_or_else(std::sync::PoisonError::into_inner).insert(name);
+        use base64::Engine as _;
+        Some(format!("data:image/jpeg;base64,{}", base64::engine::general_purpose::STANDARD.encode(bytes)))
+    }
+
+    /// Removes those of pictures that are not there any more.
+    fn tidy(&self) {
+        let used = self.used.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        for entry in std::fs::read_dir(&self.folder).into_iter().flatten().flatten() {
+            if !used.contains(&*entry.file_name().to_string_lossy()) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+}
+
+/// A picture as a small JPEG, over grey.
+fn small(path: &Path) -> Option<Vec<u8>> {
+    let picture = image::open(path).ok()?;
+    let picture = if picture.width().max(picture.height()) > THUMB {
+        picture.resize(THUMB, THUMB, imageops::FilterType::Triangle)
+    } else {
+        picture
+    };
+    let pixels = picture.to_rgba8();
+    let flat = RgbImage::from_fn(pixels.width(), pixels.height(), |x, y| {
+        let [r, g, b, alpha] = pixels.get_pixel(x, y).0.map(u32::from);
+        let over = |color: u32| ((color * alpha + u32::from(GREY) * (255 - alpha) + 127) / 255) as u8;
+        Rgb([over(r), over(g), over(b)])
+    });
+    let mut bytes = Cursor::new(Vec::new());
+    let jpeg = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 80);
+    DynamicImage::ImageRgb8(flat).write_with_encoder(jpeg).ok()?;
+    Some(bytes.into_inner())
+}

@@ -1,0 +1,51 @@
+//! Which models there are.
+
+use super::paths::utf8;
+use crate::exit::Failure;
+use pelage_herd::{Found, HerdFile};
+use pelage_import::BakeError;
+use pelage_stage::TomlText;
+use std::collections::BTreeMap;
+use std::path::Path;
+use walkdir::WalkDir;
+
+/// Finds the models of a herd, in the order of their paths. Folders whose names begin with a dot, and that of the results, are passed by.
+///
+/// * `source`: the herd file, for messages
+/// * `folder`: its folder
+/// * `out`: that of the results, from there
+pub fn find(source: TomlText<'_>, file: &HerdFile, folder: &Path, out: &str) -> Result<Vec<Found>, Failure> {
+    let results = folder.join(out);
+    let mut found: BTreeMap<String, u64> = BTreeMap::new();
+    for (base, key) in file.folders() {
+        let from = folder.join(&base);
+        if !from.is_dir() {
+            let reason = format!("{base:?} is no folder; expected one, from the folder of {}", source.name);
+            return Err(HerdFile::fault(source, &key, reason).into());
+        }
+        let hidden = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with('.');
+        let walk = WalkDir::new(&from).follow_links(true).into_iter().filter_entry(|entry| {
+            entry.depth() == 0 || !hidden(entry.file_name()) && (out == "." || entry.path() != results)
+        });
+        for entry in walk {
+            let entry = entry.map_err(|error| {
+                let path = error.path().unwrap_or(&from).to_owned();
+                let source = error.into_io_error().unwrap_or_else(|| std::io::Error::other("folders in a circle"));
+                BakeError::Io { path, action: "read", source }
+            })?;
+            if !entry.file_type().is_file() {
+                continue;
+            }
+            let inside = utf8(entry.path().strip_prefix(&from).unwrap_or(entry.path()))?.replace('\\', "/");
+            let path = match base.as_str() {
+                "" => inside,
+                "/" => format!("/{inside}"),
+                base => format!("{base}/{inside}"),
+            };
+            if file.rules.model(&path).is_some() {
+                found.insert(path, entry.metadata().map_or(0, |metadata| metadata.len()));
+            }
+        }
+    }
+    Ok(found.into_iter().map(|(path, bytes)| Found { path, bytes }).collect())
+}

@@ -1,0 +1,174 @@
+//! A herd as it lies on disk: its file, its models, what it has needed before, and where everything goes.
+
+use super::args::HerdFiles;
+use super::models;
+use super::notes;
+use super::paths::{absolute, io_error, seen_from, utf8};
+use crate::bake::RecipeArgs;
+use crate::exit::Failure;
+use crate::output::{Output, make_folder};
+use crate::reference::only_drawn;
+use pelage_bake::io;
+use pelage_herd::{HerdFile, History, Judge, Kind, NAME, Plan, Task, Told, ninja, plan};
+use pelage_stage::TomlText;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Why the tool refuses a command line, if it does.
+pub type Refusal<'a> = dyn Fn(&[String]) -> Option<String> + 'a;
+
+/// A herd as it lies on disk.
+pub struct Herd {
+    /// The folder of its file, absolute: commands run there.
+    pub folder: PathBuf,
+    /// What it is called.
+    pub title: String,
+    /// Its commands.
+    pub plan: Plan,
+    /// What they have needed before.
+    pub history: History,
+    /// Folder of what was made before, from its folder.
+    pub cache: Option<String>,
+    /// The tool, absolute.
+    pub tool: String,
+    /// What of its file does nothing.
+    pub idle: Vec<String>,
+}
+
+impl Herd {
+    /// Reads a herd file, finds its models and plans.
+    pub fn read(files: &HerdFiles, cache: Option<&Path>, refusal: &Refusal<'_>) -> Result<Self, Failure> {
+        let name = files.herd.display().to_string();
+        let text = io::read_text(&files.herd, "a herd in TOML")?;
+        let only_drawn = only_drawn();
+        let judge = Judge { only_drawn: &only_drawn, refusal, recipe: &RecipeArgs::refusal };
+        let source = TomlText::new(&name, &text);
+        let file = HerdFile::read(source, &judge)?;
+        let parent = files.herd.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = absolute(parent)?;
+        let out = seen_from(&folder, &absolute(&files.output)?)?;
+        let cache = cache.map(|cache| seen_from(&folder, &absolute(cache)?)).transpose()?;
+        let models = models::find(source, &file, &folder, &out)?;
+        check_files(source, &file, &folder)?;
+        let history = history(&folder, &out);
+        let is_file = |path: &str| folder.join(path).is_file();
+        let plan = plan(&Told {
+            source,
+            file: &file,
+            models: &models,
+            out: &out,
+            only_drawn: &only_drawn,
+            history: &history,
+            is_file: &is_file,
+        })?;
+        let idle = file.idle(source, &models, &is_file);
+        let title = file.title.clone().unwrap_or(name);
+        let tool = std::env::current_exe().map_err(|source| io_error(Path::new("pelage"), "find", source))?;
+        let tool = utf8(&tool)?.to_owned();
+        Ok(Self { folder, title, plan, history, cache, tool, idle })
+    }
+
+    /// A path of the plan on disk.
+    pub fn path(&self, path: &str) -> PathBuf {
+        self.folder.join(path)
+    }
+
+    /// The herd's own folder, from its file's.
+    pub fn own(&self) -> String {
+        Plan::own_folder(&self.plan.out)
+    }
+
+    /// Makes the folders that commands write into, and sweeps those that are there.
+    pub fn make_folders(&self) -> Result<(), Failure> {
+        let files = self.plan.tasks.iter().flat_map(|task| {
+            task.outputs.iter().chain([&task.record]).chain(&task.depfile).filter_map(|file| Path::new(file).parent())
+        });
+        let folders: BTreeSet<&Path> = files.collect();
+        for folder in folders {
+            let folder = self.folder.join(folder);
+            if folder.is_dir() {
+                sweep(&folder);
+            } else {
+                make_folder(&folder)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Says what of its file does nothing.
+    pub fn say_idle(&self, output: &Output) {
+        self.idle.iter().for_each(|idle| output.note(&format!("note: {idle}")));
+    }
+
+    /// The tasks that are timed and whose packages are there: what could not be baked cannot be timed.
+    pub fn timed(&self) -> Vec<&Task> {
+        let there =
+            |task: &&Task| task.kind == Kind::Bench && task.inputs.iter().all(|input| self.path(input).is_file());
+        self.plan.tasks.iter().filter(there).collect()
+    }
+
+    /// Writes the build file of what is timed, one after another, and its name.
+    pub fn write_timed(&self, timed: &[&Task], memory_bytes: u64) -> Result<String, Failure> {
+        let own = format!("{}/timed", self.own());
+        let name = format!("{own}/build.ninja");
+        make_folder(&self.path(&own))?;
+        self.write_build(&name, &own, timed, ninja::Room::of(timed, 1, memory_bytes))?;
+        Ok(name)
+    }
+
+    /// Writes the build file of what may run at the same time on this machine: where it is, from the herd's folder, and how much room it was made for.
+    pub fn write_ninja(&self, jobs: u32, memory_bytes: u64) -> Result<(String, ninja::Room), Failure> {
+        let tasks = ninja::untimed(&self.plan);
+        let room = ninja::Room::of(&tasks, jobs, memory_bytes);
+        let name = format!("{}/build.ninja", self.plan.out);
+        self.write_build(&name, &self.own(), &tasks, room)?;
+        Ok((name, room))
+    }
+
+    /// Writes a build file of some tasks, which keeps its log in a folder of its own.
+    pub fn write_build(&self, name: &str, own: &str, tasks: &[&Task], room: ninja::Room) -> Result<(), Failure> {
+        let settings = ninja::Settings { tool: &self.tool, cache: self.cache.as_deref(), own, room };
+        io::write_atomic(&self.path(name), ninja::text(tasks, &settings).as_bytes())?;
+        Ok(())
+    }
+}
+
+/// So long nothing is written into a file that a command still writes.
+const ABANDONED: Duration = Duration::from_secs(600);
+
+/// Removes what commands that were killed have left half-written under names of its own. What cannot be removed harms nobody.
+fn sweep(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let old = || entry.metadata().ok()?.modified().ok()?.elapsed().ok().filter(|age| *age > ABANDONED);
+        if name.starts_with(io::TEMPORARY.0) && name.ends_with(io::TEMPORARY.1) && old().is_some() {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Recipes and looks have to be there before anything begins: no engine can say what is wrong with the file that named them.
+fn check_files(source: TomlText<'_>, file: &HerdFile, folder: &Path) -> Result<(), Failure> {
+    let recipes = file.recipe_files().filter(|(_, path, _)| !path.contains(NAME)).map(|(key, path, _)| (key, path));
+    let looks = file.views.iter().enumerate();
+    let looks = looks.filter_map(|(i, view)| Some((format!("view[{i}].look"), view.look.as_ref()?)));
+    match recipes.chain(looks).find(|(_, path)| !folder.join(path).is_file()) {
+        Some((key, path)) => {
+            let reason = format!("{path:?} is no file; expected one, from the folder of {}", source.name);
+            Err(HerdFile::fault(source, &key, reason).into())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Where it stands what commands have needed, from the herd's folder.
+pub fn history_file(own: &str) -> String {
+    format!("{own}/history.json")
+}
+
+/// What commands have needed before; nothing where nothing has run.
+fn history(folder: &Path, out: &str) -> History {
+    notes::read(&folder.join(history_file(&Plan::own_folder(out))))
+}

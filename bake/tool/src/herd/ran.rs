@@ -1,0 +1,123 @@
+//! What Ninja has done, as its lines say it.
+
+use pelage_herd::Task;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What Ninja has done, as it says it.
+#[derive(Clone, Debug, Default)]
+pub struct Ran {
+    /// The names of commands that were run.
+    pub tasks: BTreeSet<String>,
+    /// The last lines of those that failed, behind the command itself, by the files that each would have made.
+    failed: BTreeMap<String, Vec<String>>,
+    /// Whose lines are being heard.
+    open: Option<String>,
+}
+
+impl Ran {
+    /// Last lines that are kept of each.
+    const LINES: usize = 3;
+
+    /// What such lines say.
+    pub fn of(lines: &[u8]) -> Self {
+        let mut ran = Self::default();
+        ran.hear_all(lines);
+        ran
+    }
+
+    /// Hears several lines.
+    pub fn hear_all(&mut self, lines: &[u8]) {
+        for line in String::from_utf8_lossy(lines).lines() {
+            self.hear(line);
+        }
+    }
+
+    /// Hears a line, which may say of a command how many are over, of how many, and which that is. Of one that failed Ninja names the files, then the command,
+    /// and then what that wrote.
+    pub fn hear<'a>(&mut self, line: &'a str) -> Option<(usize, usize, &'a str)> {
+        let said = status(line);
+        if let Some((.., task)) = said {
+            self.tasks.insert(task.to_owned());
+            self.open = None;
+        } else if let Some(files) = line.strip_prefix("FAILED: ") {
+            // Later versions say the exit code first.
+            let code = files.strip_prefix("[code=").and_then(|rest| rest.split_once("] "));
+            let files = code.map_or(files, |(_, files)| files).trim();
+            self.failed.insert(files.to_owned(), Vec::new());
+            self.open = Some(files.to_owned());
+        } else if line.starts_with("ninja: ") {
+            self.open = None;
+        } else if let Some(lines) = self.open.as_ref().and_then(|files| self.failed.get_mut(files))
+            && !line.trim().is_empty()
+        {
+            if lines.len() > Self::LINES {
+                lines.remove(1);
+            }
+            lines.push(line.trim().to_owned());
+        }
+        said
+    }
+
+    /// The same without the names of what was run.
+    pub fn failures_alone(self) -> Self {
+        Self { tasks: BTreeSet::new(), ..self }
+    }
+
+    /// The last words of a command, where it failed: empty where it had none.
+    pub fn last_words(&self, task: &Task) -> Option<String> {
+        let files: Vec<&str> = task.outputs.iter().chain([&task.record]).map(String::as_str).collect();
+        Some(self.failed.get(&files.join(" "))?.get(1..).unwrap_or_default().join("; "))
+    }
+}
+
+/// `[3/10] bake fox`: how many are over, of how many, and which.
+fn status(line: &str) -> Option<(usize, usize, &str)> {
+    let (count, task) = line.strip_prefix('[')?.split_once("] ")?;
+    let (done, total) = count.split_once('/')?;
+    Some((done.parse().ok()?, total.parse().ok()?, task))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_failed_is_heard() {
+        let mut ran = Ran::default();
+        let lines = [
+            "[1/3] bake a",
+            "FAILED: a.pelage r/a.json ",
+            "pelage bake a",
+            "FAILED: [code=137] b b.pelage r/b.json ",
+            "pelage bake b",
+            "one",
+            "two",
+            "",
+            "three",
+            "four",
+            "[2/3] bake c",
+            "of c",
+            "FAILED: r/d.json ",
+            "ninja: build stopped: subcommands failed.",
+            "of none",
+        ];
+        for line in lines {
+            ran.hear(line);
+        }
+        let last_words = |output: &[&str], record: &str| {
+            let outputs = output.iter().map(|output| (*output).to_owned()).collect();
+            ran.last_words(&Task { outputs, record: record.to_owned(), ..Task::default() })
+        };
+        assert_eq!(last_words(&["a.pelage"], "r/a.json").as_deref(), Some(""));
+        assert_eq!(last_words(&["b b.pelage"], "r/b.json").as_deref(), Some("two; three; four"));
+        assert_eq!(last_words(&[], "r/d.json").as_deref(), Some(""));
+        assert_eq!(last_words(&["c.pelage"], "r/c.json"), None);
+        assert_eq!(ran.tasks.iter().collect::<Vec<_>>(), ["bake a", "bake c"]);
+    }
+
+    #[test]
+    fn what_ninja_says_is_understood() {
+        assert_eq!(status("[3/10] bake a] b"), Some((3, 10, "bake a] b")));
+        assert!(["FAILED: a", "[x/2] a", "ninja: no work to do.", ""].iter().all(|line| status(line).is_none()));
+    }
+}

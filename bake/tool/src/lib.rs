@@ -1,0 +1,334 @@
+//! The command line: subcommands, one file each, with shared exit codes and output.
+//!
+//! It is a library so that the laboratory (`bake/lab`) can add `chart` to the same command line; its items are no public API.
+
+mod anatomy;
+mod backdrop;
+#[doc(hidden)]
+pub mod bake;
+mod bench;
+#[doc(hidden)]
+pub mod built_in;
+mod camera_args;
+mod commands_page;
+mod compare;
+mod demo;
+mod doctor;
+mod doctor_trial;
+#[doc(hidden)]
+pub mod errand;
+#[doc(hidden)]
+pub mod exit;
+mod export;
+mod fit_sky;
+mod groom;
+mod herd;
+mod inspect;
+#[doc(hidden)]
+pub mod journal;
+mod limits;
+mod look_args;
+#[doc(hidden)]
+pub mod machine;
+mod merge;
+#[doc(hidden)]
+pub mod mesh_glb;
+#[doc(hidden)]
+pub mod output;
+mod pack;
+#[doc(hidden)]
+pub mod package_file;
+mod paint_mesh;
+mod picture_args;
+mod reference;
+mod render;
+mod scene;
+mod sequence;
+#[doc(hidden)]
+pub mod share;
+#[doc(hidden)]
+pub mod shell_judge;
+mod shoot;
+mod sky;
+#[doc(hidden)]
+pub mod staged;
+mod threads;
+#[doc(hidden)]
+pub mod truth;
+mod unpack;
+mod unpacked;
+mod validate;
+#[doc(hidden)]
+pub mod view;
+mod view_args;
+#[cfg(feature = "view")]
+mod window;
+mod work;
+mod write_recipe;
+
+use clap::error::{ContextKind, ContextValue};
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use exit::{Exit, Failure};
+use output::Output;
+use pelage_bake::unfinished;
+use schemars::{JsonSchema as _, Schema, SchemaGenerator};
+use std::panic::{self, AssertUnwindSafe};
+
+/// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
+#[derive(Debug, Parser)]
+#[command(name = "pelage", version, after_help = Exit::summary())]
+struct Cli<C: Commands> {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: C,
+}
+
+/// The subcommands of a binary.
+pub trait Commands: Subcommand {
+    /// Runs one.
+    ///
+    /// # Errors
+    ///
+    /// The failure that decides the exit code.
+    fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure>;
+
+    /// Inputs, options and outputs of a subcommand whose outputs depend on nothing else.
+    fn errand(&self) -> Option<errand::Errand>;
+
+    /// Lists the results printed with `--json`.
+    fn results() -> Vec<ResultSchema>;
+}
+
+/// Name of a subcommand, and the schema of its result.
+pub type ResultSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);
+
+/// The command line around a subcommand.
+pub struct Invocation<'a> {
+    global: &'a Global,
+    /// Why a command line is refused, if it is.
+    refusal: fn(&[String]) -> Option<String>,
+    /// The definition of all subcommands.
+    definition: fn() -> clap::Command,
+    /// Results of all subcommands.
+    results: fn() -> Vec<ResultSchema>,
+}
+
+/// Options of every subcommand.
+#[derive(Clone, Debug, Default, Args)]
+struct Global {
+    /// No progress and no notes on stderr, only errors
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Print exactly one JSON object on stdout instead of text (schemas: bake/docs/schemas.json)
+    #[arg(long, global = true)]
+    json: bool,
+    #[command(flatten)]
+    errand: errand::ErrandArgs,
+}
+
+/// The subcommands of `pelage`.
+#[derive(Debug, Subcommand)]
+#[allow(missing_docs, reason = "clap shows the doc comment of each struct of arguments")]
+pub enum Command {
+    Demo(demo::DemoArgs),
+    Bake(bake::BakeArgs),
+    Inspect(inspect::InspectArgs),
+    Validate(validate::ValidateArgs),
+    Unpack(unpack::UnpackArgs),
+    Pack(pack::PackArgs),
+    Render(render::RenderArgs),
+    Bench(bench::BenchArgs),
+    #[cfg(feature = "view")]
+    View(window::WindowArgs),
+    Reference(reference::ReferenceArgs),
+    Merge(merge::MergeArgs),
+    Export(export::ExportArgs),
+    Groom(groom::GroomArgs),
+    Sky(fit_sky::SkyArgs),
+    CommandsPage(commands_page::CommandsPageArgs),
+    Compare(compare::CompareArgs),
+    Doctor(doctor::DoctorArgs),
+    Herd(herd::HerdArgs),
+}
+
+impl Commands for Command {
+    fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure> {
+        match self {
+            Self::Demo(args) => demo::run(args, output),
+            Self::Bake(args) => bake::run(args, output),
+            Self::Inspect(args) => inspect::run(args, output),
+            Self::Validate(args) => validate::run(args, output),
+            Self::Unpack(args) => unpack::run(args, output),
+            Self::Pack(args) => pack::run(args, output),
+            Self::Render(args) => render::run(args, output),
+            Self::Bench(args) => bench::run(args, output),
+            #[cfg(feature = "view")]
+            Self::View(args) => window::run(args, output),
+            Self::Reference(args) => reference::run(args, output),
+            Self::Merge(args) => merge::run(args, output),
+            Self::Export(args) => export::run(args, output),
+            Self::Groom(args) => groom::run(args, output),
+            Self::Sky(args) => fit_sky::run(args, output),
+            Self::CommandsPage(_) => commands_page::run((invocation.definition)(), (invocation.results)(), output),
+            Self::Compare(args) => compare::run(args, output),
+            Self::Doctor(args) => doctor::run(args, output),
+            Self::Herd(args) => herd::run(args, invocation.global.errand.cache(), &invocation.refusal, output),
+        }
+    }
+
+    fn errand(&self) -> Option<errand::Errand> {
+        match self {
+            Self::Bake(args) => args.errand(),
+            Self::Render(args) => args.errand(),
+            Self::Reference(args) => args.errand(),
+            Self::Merge(args) => args.errand(),
+            Self::Compare(args) => args.errand(),
+            Self::Sky(args) => args.errand(),
+            _ => None,
+        }
+    }
+
+    fn results() -> Vec<ResultSchema> {
+        vec![
+            ("bake", bake::BakeResult::json_schema),
+            ("bench", bench::BenchResult::json_schema),
+            ("compare", compare::CompareResult::json_schema),
+            ("demo", demo::DemoResult::json_schema),
+            ("doctor", doctor::DoctorResult::json_schema),
+            ("error", output::ErrorResult::json_schema),
+            ("export", export::ExportResult::json_schema),
+            ("groom", groom::GroomResult::json_schema),
+            ("herd", herd::HerdResult::json_schema),
+            ("inspect", inspect::InspectResult::json_schema),
+            ("merge", merge::MergeResult::json_schema),
+            ("pack", pack::PackResult::json_schema),
+            ("record", errand::CommandRecord::json_schema),
+            ("reference", reference::ReferenceResult::json_schema),
+            ("render", render::RenderResult::json_schema),
+            ("sky", fit_sky::SkyResult::json_schema),
+            ("unpack", unpack::UnpackResult::json_schema),
+            ("validate", validate::ValidateResult::json_schema),
+        ]
+    }
+}
+
+/// Runs the command line of this process.
+pub fn run<C: Commands>() -> std::process::ExitCode {
+    install_panic_hook();
+    install_signal_handler();
+    let exit = match Cli::<C>::try_parse() {
+        Ok(cli) => {
+            let mut output = Output::new(cli.global.quiet, cli.global.json);
+            let errand = cli.command.errand();
+            let definition = Cli::<C>::command;
+            let invocation = Invocation { global: &cli.global, refusal: refusal::<C>, definition, results: C::results };
+            let run = |output: &mut Output| catch(|| cli.command.run(&invocation, output));
+            let result = errand::run(&cli.global.errand, errand.as_ref(), run, &mut output);
+            finish(result, &mut output)
+        }
+        Err(error) => usage(&error),
+    };
+    exit.into()
+}
+
+/// What clap found wrong and what it expected, in a line, without its advice.
+fn said_in_a_line(error: &clap::Error) -> String {
+    let message = error.to_string();
+    let lines = message.lines().take_while(|line| !line.trim().is_empty());
+    let line = lines.map(str::trim).collect::<Vec<_>>().join(" ");
+    let line = line.strip_prefix("error: ").unwrap_or(&line);
+    hint(error).map_or_else(|| line.to_owned(), |hint| format!("{line}; {hint}"))
+}
+
+/// Where to find a subcommand that this build lacks.
+fn hint(error: &clap::Error) -> Option<&'static str> {
+    match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(name)) if name == "chart" => Some("it is part of pelage-lab: ./run chart"),
+        _ => None,
+    }
+}
+
+/// Why a command line is refused, if it is.
+fn refusal<C: Commands>(words: &[String]) -> Option<String> {
+    let error = Cli::<C>::try_parse_from(words).err()?;
+    error.use_stderr().then(|| said_in_a_line(&error))
+}
+
+/// Runs `body`; a panic in it is an internal error that the hook has reported already.
+fn catch(body: impl FnOnce() -> Result<Exit, Failure>) -> Result<Exit, Failure> {
+    panic::catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Failure::Panicked))
+}
+
+/// Reports a failure and says how the process ends.
+fn finish(result: Result<Exit, Failure>, output: &mut Output) -> Exit {
+    match result {
+        Ok(exit) => exit,
+        Err(failure) => {
+            let exit = failure.exit();
+            output.failure(exit, &failure);
+            exit
+        }
+    }
+}
+
+/// Help, version, or a command line that clap refuses. Its own exit code for the last is 2, ours is 1.
+fn usage(error: &clap::Error) -> Exit {
+    if !error.use_stderr() {
+        return match error.print() {
+            Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Exit::FileSystem,
+            _ => Exit::Done,
+        };
+    }
+    // With stderr closed there is nobody to tell.
+    let _ = error.print();
+    if let Some(hint) = hint(error) {
+        output::to_stderr(&format!("note: {hint}\n"));
+    }
+    if std::env::args_os().any(|arg| arg == "--json") {
+        Output::new(true, true).error_object(Exit::Usage, &said_in_a_line(error));
+    }
+    if let Err(unwritten) = errand::record_refusal(&said_in_a_line(error)) {
+        output::to_stderr(&format!("error: {unwritten}\n"));
+    }
+    Exit::Usage
+}
+
+/// On INT, TERM and HUP removes what is half-written and ends, as a process that such a signal killed: 128 and the number of INT.
+fn install_signal_handler() {
+    // Should the system refuse, signals end the process as they do without a handler.
+    let _ = ctrlc::set_handler(|| {
+        let _nothing_is_finished_any_more = unfinished::remove_all();
+        std::process::exit(130);
+    });
+}
+
+/// One line instead of a backtrace: where it happened and what to do about it.
+fn install_panic_hook() {
+    panic::set_hook(Box::new(|info| {
+        let payload = info.payload();
+        let text = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+        let what = text.unwrap_or("no message");
+        let place = info.location().map(ToString::to_string).unwrap_or_default();
+        let version = env!("CARGO_PKG_VERSION");
+        output::to_stderr(&format!(
+            "error: internal error in pelage {version} at {place}: {what}; please report it with the command and its input\n"
+        ));
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::<Command>::command().debug_assert();
+    }
+
+    #[test]
+    fn a_panic_ends_with_exit_code_5() {
+        let result = catch(|| panic!("on purpose"));
+        assert_eq!(finish(result, &mut Output::new(true, false)), Exit::Internal);
+    }
+}

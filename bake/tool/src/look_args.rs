@@ -1,0 +1,253 @@
+//! How the picture looks, on the command line: `--look`, and a flag for each knob that has a short form.
+
+use super::exit::Failure;
+use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use pelage_bake::io::read_text;
+use pelage_import::BakeError;
+use pelage_params::Control;
+use pelage_stage::{Look, ParamError, SHORT_FORMS, ShortForm};
+use std::path::Path;
+
+/// Options about the look.
+#[derive(Clone, Debug, Default)]
+pub struct LookArgs {
+    /// Of `--look`, in their order.
+    looks: Vec<String>,
+    /// Flags and what they were given.
+    flags: Vec<(&'static ShortForm, String)>,
+}
+
+impl LookArgs {
+    /// Changes `look` as the options say: looks in their order, then flags.
+    ///
+    /// # Errors
+    ///
+    /// A look file that cannot be read or says something wrong.
+    pub fn apply(&self, look: &mut Look) -> Result<(), Failure> {
+        for word in &self.looks {
+            if is_assignment(word) {
+                look.set(word).map_err(|error| input("--look", error))?;
+            } else {
+                read(Path::new(word), look)?;
+            }
+        }
+        for (short, word) in &self.flags {
+            short.apply(look, word).map_err(|error| input(&format!("--{}", short.flag), error))?;
+        }
+        Ok(())
+    }
+
+    /// What the options themselves say, files left aside: the keys that flags and `key=value` set.
+    pub fn typed(&self) -> Look {
+        let mut look = Look::default();
+        // All of it was checked when it was parsed.
+        self.looks.iter().filter(|word| is_assignment(word)).for_each(|word| drop(look.set(word)));
+        self.flags.iter().for_each(|(short, word)| drop(short.apply(&mut look, word)));
+        look
+    }
+
+    /// Whether that flag is among the options.
+    pub fn has(&self, flag: &str) -> bool {
+        self.flags.iter().any(|(short, _)| short.flag == flag)
+    }
+}
+
+/// Reads a look file over `look`.
+fn read(path: &Path, look: &mut Look) -> Result<(), Failure> {
+    let text = read_text(path, LOOK)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    look.read_in(folder, &text).map_err(|error| input(&path.display().to_string(), error).into())
+}
+
+/// What a look file should be, in words.
+pub const LOOK: &str = "a look in TOML";
+
+fn input(file: &str, error: ParamError) -> BakeError {
+    BakeError::Input { file: file.to_owned(), place: error.place(), reason: error.reason }
+}
+
+/// `key=value`, and not the name of a file.
+fn is_assignment(word: &str) -> bool {
+    let key = word.split_once('=').map(|(key, _)| key.trim());
+    key.is_some_and(|key| key.chars().all(|c| c.is_ascii_alphanumeric() || c == '.' || c == '_'))
+}
+
+/// An argument for a short form, with meaning, range and default of its knob.
+fn argument(short: &'static ShortForm) -> Arg {
+    let arg = Arg::new(short.flag)
+        .long(short.flag)
+        .value_name(short.value_name)
+        .allow_hyphen_values(true)
+        .action(if short.repeats { ArgAction::Append } else { ArgAction::Set });
+    let arg = if short.key.starts_with("ink.") { arg.help_heading("Ink style") } else { arg };
+    let arg = if short.flag == "light" { arg.conflicts_with("point-light") } else { arg };
+    arg.help(help(short)).value_parser(parser(short))
+}
+
+/// Meaning of a short form's knob, and what clap does not say itself.
+pub fn help(short: &ShortForm) -> String {
+    let Some(knob) = short.knob() else { return String::new() };
+    let mut help = knob.doc.split_whitespace().collect::<Vec<_>>().join(" ");
+    if help.ends_with('.') {
+        help.pop();
+    }
+    let control = (knob.control)();
+    let default = knob.value(&Look::default()).map(|value| match control {
+        Control::Toggle => if value == "true" { "on" } else { "off" }.to_owned(),
+        _ => value.trim_matches('"').to_owned(),
+    });
+    let range = match control {
+        Control::Number { least, most, whole: true, .. } => Some(format!("{least}..={most}")),
+        // The knob holds an f32: more digits than that has are noise.
+        Control::Number { least, most, .. } => Some(format!("{}..={}", least as f32, most as f32)),
+        _ => None,
+    };
+    let default = default.filter(|value| value != "[]").map(|value| format!("default: {value}"));
+    let mut notes: Vec<_> = range.into_iter().chain(default).collect();
+    if short.repeats {
+        notes = vec!["may be given again".to_owned()];
+    }
+    if !notes.is_empty() {
+        help += &format!(" [{}]", notes.join("; "));
+    }
+    help
+}
+
+/// Takes the words that a short form's knob can be set to.
+pub fn parser(short: &'static ShortForm) -> ValueParser {
+    match short.knob().map(|knob| (knob.control)()) {
+        Some(Control::Toggle) => PossibleValuesParser::new(["on", "off"]).into(),
+        Some(Control::Choice(choices)) => {
+            let value = |choice: &pelage_params::Choice| {
+                let meaning = choice.doc.split_whitespace().collect::<Vec<_>>().join(" ");
+                PossibleValue::new(choice.word).help(meaning.trim_end_matches('.').to_owned()).aliases(choice.was)
+            };
+            PossibleValuesParser::new(choices.iter().map(value)).into()
+        }
+        _ => ValueParser::new(move |word: &str| -> Result<String, String> {
+            let checked = short.apply(&mut Look::default(), word);
+            checked.map(|()| word.to_owned()).map_err(|error| error.reason)
+        }),
+    }
+}
+
+/// A look file or an assignment, of which the latter can be checked.
+fn look_word(word: &str) -> Result<String, String> {
+    if is_assignment(word) {
+        Look::default().set(word).map_err(|error| error.to_string())?;
+    }
+    Ok(word.to_owned())
+}
+
+impl Args for LookArgs {
+    fn augment_args(command: Command) -> Command {
+        let look = Arg::new("look")
+            .long("look")
+            .value_name("L.toml|KEY=VALUE")
+            .action(ArgAction::Append)
+            .value_parser(look_word)
+            .help("Look of the picture: a file, or one key such as shadow.penumbra=0.3 (bake/docs/look.md lists them); later ones win, and flags before all [may be given again]");
+        command.arg(look).args(SHORT_FORMS.iter().map(argument))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for LookArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let given = |id: &str| matches.get_many::<String>(id).into_iter().flatten().cloned().collect::<Vec<_>>();
+        let flags = SHORT_FORMS.iter().flat_map(|short| given(short.flag).into_iter().map(move |word| (short, word)));
+        Ok(Self { looks: given("look"), flags: flags.collect() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::*;
+    use clap::{CommandFactory as _, Parser};
+    use pelage_stage::{FillLight, LookDetail, LookStyle};
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        look: LookArgs,
+    }
+
+    fn parse(line: &str) -> Result<Look, String> {
+        let words = ["pelage"].into_iter().chain(line.split_whitespace());
+        let args = Line::try_parse_from(words).map_err(|error| error.to_string())?.look;
+        let mut look = Look::default();
+        args.apply(&mut look).map_err(|error| error.to_string())?;
+        Ok(look)
+    }
+
+    #[test]
+    fn flags_go_before_looks_wherever_they_stand() {
+        assert_eq!(parse("").unwrap(), Look::default());
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("l.toml");
+        std::fs::write(&file, "[shadow]\npenumbra = 0.5\ndensity = 2\n[fur]\nlayers = 3\n").unwrap();
+        let line = format!("--penumbra 0.2 --look shadow.density=1.5 --look {} --look fur.layers=5", file.display());
+        let look = parse(&line).unwrap();
+        assert_eq!((look.shadow.penumbra, look.shadow.density, look.fur.layers), (0.2, 2.0, Some(5)));
+        std::fs::write(&file, "[shadow]\npenumbr = 0.5\n").unwrap();
+        let error = parse(&format!("--look {}", file.display())).unwrap_err();
+        assert!(
+            error.contains("l.toml: line 2, shadow.penumbr: unknown key; did you mean shadow.penumbra?"),
+            "{error}"
+        );
+        assert!(parse("--look none.toml").unwrap_err().contains("none.toml: cannot read"));
+        assert!(parse("--look light.fill=1,0,0 --fill-light 0,1,0").is_ok_and(|look| look.light.fill.len() == 2));
+    }
+
+    #[test]
+    fn words_are_read_and_what_is_wrong_is_said() {
+        let look =
+            parse("--size 64X32 --style bare --light -1,2,3.5 --fins off --detail auto --fill-light -2,0,0/0.25")
+                .unwrap();
+        assert_eq!((look.picture.style, look.fur.fins, look.fur.detail), (LookStyle::Bare, false, LookDetail::Auto));
+        assert_eq!(look.light.direction, [-1.0, 2.0, 3.5]);
+        assert_eq!(look.light.fill, [FillLight { direction: [-2.0, 0.0, 0.0], strength: 0.25 }]);
+        for (line, message) in [
+            ("--size 0x0", "each 1..=8192"),
+            ("--light 0,0,0", "a direction with a length"),
+            ("--light 0,1,0 --point-light 0,1,0", "cannot be used with"),
+            ("--shadow-density 5", "found 5, expected a number 0..=4"),
+            ("--penumbra=-1", "expected a number 0..=2"),
+            ("--penumbra 1 --penumbra 2", "cannot be used multiple times"),
+            ("--style fluffy", "fur, ink, bare"),
+            ("--fins maybe", "on, off"),
+            ("--detail coarse", "\"full\", \"auto\" or a level"),
+            ("--look shadow.penumbr=1", "shadow.penumbr: unknown key; did you mean shadow.penumbra?"),
+            ("--look shadow.penumbra=9", "shadow.penumbra: found 9, expected a number 0..=2"),
+        ] {
+            let error = parse(line).unwrap_err();
+            assert!(error.contains(message), "{line}: {error}");
+        }
+    }
+
+    #[test]
+    fn help_has_meaning_range_and_default_of_the_knob() {
+        let help = Line::command().term_width(500).render_help().to_string();
+        for part in [
+            "0 is a hard shadow [0..=2; default: 0.15]",
+            "[0.15..=1; default: 0.64]",
+            "[default: 834x424]",
+            "by a shadow-width map [default: on] [possible values: on, off]",
+            "How hair shadows hair [default: auto] [possible values: auto, baked, maps, off]",
+            "How models are drawn [default: fur] [possible values: fur, ink, bare]",
+            "Ink style:",
+        ] {
+            assert!(help.contains(part), "{part}\n{help}");
+        }
+    }
+}

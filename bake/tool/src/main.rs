@@ -1,0 +1,5 @@
+//! The `pelage` command. `bake/docs/scripts.md` lists what people and scripts can rely on.
+
+fn main() -> std::process::ExitCode {
+    pelage_tool::run::<pelage_tool::Command>()
+}

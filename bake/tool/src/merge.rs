@@ -1,0 +1,105 @@
+//! `pelage merge`: the picture of the parts that several machines have traced.
+
+use super::errand::Errand;
+use super::exit::{Exit, Failure};
+use super::output::{Output, require_parent};
+use super::reference::{Format, exr, png};
+use pelage_bake::io;
+use pelage_import::BakeError;
+use pelage_truth::TracedPart;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Put the parts of a reference together, which `pelage reference --part K/N` has traced: the same bytes as in one piece
+#[derive(Clone, Debug, clap::Args)]
+pub struct MergeArgs {
+    /// All parts of one picture, in any order
+    #[arg(value_name = "PART", required = true)]
+    parts: Vec<PathBuf>,
+    /// The picture to write: .png as `reference` writes it, or .exr with linear colours times alpha
+    #[arg(long, short, value_name = "PNG|EXR")]
+    output: PathBuf,
+}
+
+/// A picture that was put together from its parts.
+#[derive(Serialize, JsonSchema)]
+pub struct MergeResult {
+    output: String,
+    width: u32,
+    height: u32,
+    spp: u32,
+    parts: usize,
+    /// Rays from the eye, all parts.
+    primary_rays: u64,
+    /// Rays to the lights, all parts.
+    shadow_rays: u64,
+    /// Pixels with any opacity.
+    covered_pixels: usize,
+}
+
+impl MergeArgs {
+    /// What the picture depends on, and where it goes.
+    pub fn errand(&self) -> Option<Errand> {
+        let args = Self { output: Errand::name(&self.output), ..self.clone() };
+        Some(Errand::new("merge", &args, &[&self.output]))
+    }
+}
+
+fn input(file: &Path, place: &str, reason: String) -> BakeError {
+    BakeError::Input { file: file.display().to_string(), place: place.to_owned(), reason }
+}
+
+fn read(path: &Path) -> Result<TracedPart, BakeError> {
+    TracedPart::decode(&io::read_file(path)?).map_err(|(place, reason)| input(path, &place, reason))
+}
+
+/// Runs the subcommand.
+pub fn run(args: &MergeArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let format = Format::of(&args.output)?;
+    require_parent(&args.output)?;
+    output.progress("putting parts together");
+    let mut whole: Option<TracedPart> = None;
+    let mut files: Vec<Option<&Path>> = Vec::new();
+    for path in &args.parts {
+        let part = read(path)?;
+        files.resize(part.of.parts as usize, None);
+        if let Some(before) = files[part.of.part as usize].replace(path) {
+            let (number, of) = (part.of.part + 1, part.of.parts);
+            let reason = format!("is part {number} of {of}, as {} is; expected each part once", before.display());
+            return Err(input(path, "line 2", reason).into());
+        }
+        match &mut whole {
+            Some(whole) => whole.add(&part).map_err(|reason| input(path, "line 2", reason))?,
+            None => whole = Some(part),
+        }
+    }
+    let missing: Vec<String> =
+        files.iter().enumerate().filter(|(_, file)| file.is_none()).map(|(i, _)| (i + 1).to_string()).collect();
+    let Some(whole) = whole.filter(|_| missing.is_empty()) else {
+        let text = format!("parts {} of {} are missing, expected all", missing.join(", "), files.len());
+        return Err(Failure::Usage(text));
+    };
+    let bytes = match format {
+        Format::Exr if whole.of.background => {
+            let text =
+                "has a background, and an .exr keeps what is transparent; expected -o with a name that ends in .png";
+            return Err(input(&args.parts[0], "line 2", text.into()).into());
+        }
+        Format::Exr => exr(&whole.traced)?,
+        _ => png(&whole.shown)?,
+    };
+    io::write_atomic(&args.output, &bytes)?;
+    let result = MergeResult {
+        output: args.output.display().to_string(),
+        width: whole.of.width,
+        height: whole.of.height,
+        spp: whole.of.spp,
+        parts: files.len(),
+        primary_rays: whole.traced.rays.primary,
+        shadow_rays: whole.traced.rays.shadow,
+        covered_pixels: whole.traced.covered(),
+    };
+    output.result(&result.output, &result)?;
+    Ok(Exit::Done)
+}

@@ -1,0 +1,88 @@
+//! `pelage pack`: an unpacked folder as a package again.
+
+use super::exit::{Exit, Failure};
+use super::output::{Output, require_parent};
+use super::unpacked;
+use pelage_bake::io::{read_named_file, write_atomic};
+use pelage_bake::recipe::Recipe;
+use pelage_bake::traffic;
+use pelage_formats::{Limits, Package};
+use pelage_import::BakeError;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+use std::io;
+use std::path::PathBuf;
+
+/// Put an unpacked folder together; without edits the package is the one that was unpacked, byte for byte
+///
+/// Mesh data is taken from mesh.glb, skeleton and clips from animation.json, strands and guides from the .hair files: as many strands and points as before. The recipe in recipe.toml says how the fur was made and makes none: an edit that
+/// says another fur than the folder holds is refused.
+#[derive(Debug, clap::Args)]
+pub struct PackArgs {
+    /// Folder that `pelage unpack` wrote
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Package to write
+    #[arg(value_name = "PKG")]
+    package: PathBuf,
+}
+
+/// A package that was written.
+#[derive(Serialize, JsonSchema)]
+pub struct PackResult {
+    output: String,
+    bytes: usize,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &PackArgs, output: &mut Output) -> Result<Exit, Failure> {
+    require_parent(&args.package)?;
+    if !args.folder.is_dir() {
+        let (kind, text) = if args.folder.exists() {
+            (io::ErrorKind::NotADirectory, "it is a file, expected a folder that `pelage unpack` wrote")
+        } else {
+            (io::ErrorKind::NotFound, "there is no such folder")
+        };
+        let source = io::Error::new(kind, text);
+        return Err(BakeError::Io { path: args.folder.clone(), action: "read", source }.into());
+    }
+    let folder = args.folder.display().to_string();
+    let bytes = unpacked::pack(&folder, &mut |name| {
+        let path = args.folder.join(name);
+        if !traffic::is_there(&path) {
+            return Ok(None);
+        }
+        read_named_file(&path).map(Some)
+    })?;
+    report_leftovers(args, &bytes, output);
+    write_atomic(&args.package, &bytes)?;
+    let result = PackResult { output: args.package.display().to_string(), bytes: bytes.len() };
+    output.result(&format!("{} ({} bytes)\n", result.output, result.bytes), &result)?;
+    Ok(Exit::Done)
+}
+
+/// Notes what an editor of the folder may not expect: files that were not used, a recipe that does not read.
+fn report_leftovers(args: &PackArgs, bytes: &[u8], output: &Output) {
+    let document: Value = std::fs::read(args.folder.join(unpacked::MANIFEST))
+        .ok()
+        .and_then(|text| serde_json::from_slice(&text).ok())
+        .unwrap_or_default();
+    let known = unpacked::files_of(&document);
+    let entries = std::fs::read_dir(&args.folder).into_iter().flatten().flatten();
+    let mut unused: Vec<_> =
+        entries.map(|e| e.file_name().to_string_lossy().into_owned()).filter(|name| !known.contains(name)).collect();
+    unused.sort();
+    for name in unused {
+        output.note(&format!(
+            "note: {}: not named in {}, left out",
+            args.folder.join(name).display(),
+            unpacked::MANIFEST
+        ));
+    }
+    if let Ok(package) = Package::open(bytes, &Limits::default())
+        && let Err(e) = Recipe::recorded("recipe.toml", &package.manifest().recipe)
+    {
+        output.note(&format!("note: {e}"));
+    }
+}

@@ -1,0 +1,31 @@
+//! Reading packages from disk.
+
+use super::exit::Failure;
+use pelage_bake::io::read_file;
+use pelage_bake::io::read_named_file;
+use pelage_stage::NamedPackage;
+use pelage_stage::PackageSource;
+use std::path::Path;
+use std::path::PathBuf;
+
+/// Reads a file that should be a package; opens nothing yet.
+pub fn read(path: &Path) -> Result<NamedPackage<'static>, Failure> {
+    Ok(NamedPackage::new(path.display().to_string(), read_file(path)?))
+}
+
+/// The packages in and below a folder: scenes name them.
+pub struct Folder<'a>(pub &'a Path);
+
+impl PackageSource for Folder<'_> {
+    fn read(&self, path: &str) -> Result<NamedPackage<'static>, String> {
+        let path = self.0.join(path);
+        let bytes = read_named_file(&path).map_err(|error| error.to_string())?;
+        Ok(NamedPackage::new(path.display().to_string(), bytes))
+    }
+
+    fn identity(&self, path: &str) -> PathBuf {
+        let path = self.0.join(path);
+        // What cannot be found is said where it is read.
+        std::fs::canonicalize(&path).unwrap_or(path)
+    }
+}

@@ -1,0 +1,112 @@
+//! `pelage bake --for-size` and `--for-distance`: layers and tile for pictures that are known beforehand.
+
+use super::exit::Failure;
+use super::view::View;
+use pelage_bake::pipeline::{self, Told};
+use pelage_bake::recipe::SliceParams;
+use pelage_bake::stages::groom;
+use pelage_bake::stages::metric::{self, InTile};
+use pelage_import::BakeError;
+use pelage_import::mesh::{Model, RestPose};
+use pelage_stage::{NamedPackage, Size, Viewpoint};
+use pelage_truth::doctor;
+use pelage_truth::doctor::OnScreen;
+
+/// Pictures that a bake is for.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub struct PictureArgs {
+    /// Choose layers and tile for pictures of that size which the model fills: as many layers and texels as the fur has pixels where it is nearest
+    #[arg(long, value_name = "WxH", conflicts_with_all = ["max_error", "max_frame_ms", "max_bytes"])]
+    pub for_size: Option<Size>,
+    /// Choose them for pictures which the model comes as near to as that, metres, and no nearer: as high as --for-size says, or else 424 pixels, through the
+    /// lens of the default camera
+    #[arg(long, value_name = "M", value_parser = positive, allow_hyphen_values = true,
+        conflicts_with_all = ["max_error", "max_frame_ms", "max_bytes"])]
+    pub for_distance: Option<f64>,
+}
+
+/// A number above 0, as an option has it.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or("expected a number above 0".into())
+}
+
+impl PictureArgs {
+    /// Whether nothing is known of the pictures.
+    pub fn is_empty(&self) -> bool {
+        self.for_size.is_none() && self.for_distance.is_none()
+    }
+
+    /// The options as they may be typed; empty where there are none.
+    pub fn words(&self) -> String {
+        let size = self.for_size.map(|Size { width, height, .. }| format!("--for-size {width}x{height}"));
+        let distance = self.for_distance.map(|distance_m| format!("--for-distance {distance_m}"));
+        size.into_iter().chain(distance).collect::<Vec<_>>().join(" ")
+    }
+
+    /// The recipe with layers and tile for such pictures. What decides them is found by a bake of the coarsest tile.
+    ///
+    /// # Errors
+    ///
+    /// As [`pipeline::bake`].
+    pub fn fit(&self, told: Told<'_>, model: &Model) -> Result<InTile, Failure> {
+        let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
+        let mut coarse = metric::in_tile(told.recipe, &bounds)?.recipe;
+        (coarse.slice.layers, coarse.slice.tile_texels) = (4, 16);
+        (coarse.ink.enabled, coarse.fins.enabled, coarse.visibility.enabled, coarse.detail.enabled) =
+            (false, false, false, false);
+        let baked = pipeline::bake(&Told { recipe: &coarse, ..told }, model, &mut |_| ())?;
+        let file = NamedPackage::new(told.file, baked.package);
+        let package = file.open()?;
+        let shown = self.for_size.map_or_else(View::default, |size| View::sized((size.width, size.height)));
+        let fur = &package.manifest().fur;
+        let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&shown.outline(&file, &package)?, fur.height_m);
+        let fov_y_rad = fov_deg.to_radians();
+        let view = doctor::View { eye, target, fov_y_rad, size: shown.size(), instances: 1, shadow_map: 0 };
+        let fault = |source| BakeError::Package { file: file.name.clone(), source };
+        let found = doctor::diagnose(&package, &view, &fault)?.on_screen;
+        let near = self.for_distance.map_or(found, |distance_m| found.seen_from(distance_m));
+        let tile_px = near.texel_px * f64::from(coarse.slice.tile_texels);
+        let px_per_m = tile_px / f64::from(fur.tile_size_m);
+        let mut sized = told.recipe.clone();
+        if let Some(width_m) = metric::hair_width_m(&sized).filter(|_| sized.surface.tile_size_m.is_none()) {
+            sized.slice.tile_texels = texels_of_period(width_m * px_per_m);
+        }
+        let done = metric::in_tile(&sized, &bounds)?;
+        let tile_px = match done.recipe.surface.tile_size_m {
+            Some(tile_size_m) if metric::is_metric(&sized) => f64::from(tile_size_m) * px_per_m,
+            _ => tile_px,
+        };
+        let recipe = doctor::fitted(&done.recipe, &OnScreen { texel_px: tile_px, ..near }, 1);
+        Ok(InTile { recipe, ..done })
+    }
+
+    /// What it was chosen for, and what was chosen.
+    pub fn said(&self, slice: &SliceParams) -> String {
+        let Size { width, height, .. } = self.for_size.unwrap_or(View::default().look.picture.size);
+        let from = self.for_distance.map_or_else(String::new, |distance_m| format!(" from {distance_m} m"));
+        let SliceParams { layers, tile_texels, .. } = slice;
+        format!("for {width}x{height}{from}: slice.layers={layers}, slice.tile_texels={tile_texels}")
+    }
+}
+
+/// Pixels after which a tile may be seen to repeat.
+const PERIOD_PX: f64 = 96.0;
+
+/// Texels of a tile of hair that is to be as wide as a texel: so many that the tile does not repeat after few pixels, and no more.
+///
+/// * `hair_px`: width of a hair, pixels
+fn texels_of_period(hair_px: f64) -> u32 {
+    ((PERIOD_PX / hair_px.max(1e-6)).ceil().clamp(64.0, 512.0) as u32).next_power_of_two()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tile_repeats_after_pixels_enough_and_has_texels_for_no_more() {
+        assert_eq!(texels_of_period(0.5), 256, "96 px at two texels a pixel");
+        assert_eq!(texels_of_period(4.0), 64, "a hair is wide");
+        assert_eq!((texels_of_period(0.01), texels_of_period(0.0)), (512, 512), "nobody sees it repeat");
+    }
+}

@@ -1,0 +1,271 @@
+//! `pelage render`: a package or a scene into a picture, or over time into many.
+
+use super::errand::{ADAPTER, Errand};
+use super::exit::{Exit, Failure};
+use super::journal::Key;
+use super::look_args;
+use super::output::Output;
+use super::package_file;
+use super::scene::{Scene, speaks_of_models};
+use super::sequence::{Drawn, Sink};
+use super::shoot::{PassRun, Shoot};
+use super::staged::{self, FurDetail, crowd};
+use super::view::View;
+use super::view_args::{Frames, ViewArgs};
+use pelage_bake::traffic;
+use pelage_formats::MAGIC;
+use pelage_stage::{Cast, Gpu, Look, NamedPackage, SAMPLES, StageError};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Draw a package or a scene into a PNG, or over time into numbered ones or a video
+///
+/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; its table `look` says how the picture looks, as a look file does.
+/// assets/scenes has one with comments. What the arguments say goes before what the file says. Its `sequence` counts for numbered pictures and videos; a plain
+/// name is one picture, at --time.
+///
+/// Numbered pictures that were interrupted go on where they stopped: beside them stands a journal, OUTPUT.pictures.jsonl, until the last is drawn. A picture
+/// that was made from other packages, with another scene, other arguments, another tool or adapter is drawn anew, and so is one that is missing or was changed.
+///
+/// A video is Y4M: 4:4:4, BT.709, limited range. The format does not say which matrix, so tell its reader:
+/// pelage render fox.pelage --clip Walk --frames 96 -o - | ffmpeg -i - -vf setparams=colorspace=bt709:color_primaries=bt709 walk.mp4
+#[derive(Clone, Debug, clap::Args)]
+pub struct RenderArgs {
+    /// The package, or a scene file that ends in .toml
+    #[arg(value_name = "PKG|SCENE")]
+    input: PathBuf,
+    /// The picture to write; with --frames, %04d in it stands for the picture's number, from 0. A name that ends in .y4m is a video, and - is one on stdout; what is transparent is white there
+    #[arg(long, short, value_name = "PNG|Y4M|-")]
+    output: PathBuf,
+    /// Pictures per second of the clip, with --frames [default: 24]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    fps: Option<u32>,
+    // A flag of the look, which `render` alone has.
+    #[arg(
+        long,
+        value_name = SAMPLES.value_name,
+        allow_hyphen_values = true,
+        help = "Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much [default: 4]",
+        value_parser = look_args::parser(&SAMPLES)
+    )]
+    samples: Option<String>,
+    /// The light goes once around the vertical axis while the pictures last, with --frames
+    #[arg(long)]
+    turn_light: bool,
+    /// The camera goes once around the vertical axis through its target while the pictures last, with --frames
+    ///
+    /// Where no camera is given, it stands so far off that nothing leaves the picture from any side. With --turn-light the light goes along, as though the model
+    /// stood on a turntable before both.
+    #[arg(long)]
+    auto_rotate: bool,
+    /// Draws all numbered pictures, also those that are there from a run that was interrupted
+    #[arg(long)]
+    restart: bool,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// Pictures or video drawn. The figures of a sequence are those of its first picture; lists cover all pictures.
+#[derive(Serialize, JsonSchema)]
+pub struct RenderResult<'a> {
+    /// Path of the first picture, or of the video.
+    output: &'a str,
+    outputs: &'a [String],
+    adapter: &'a str,
+    driver: String,
+    width: u32,
+    height: u32,
+    /// Number of pictures, including those of a video.
+    frames: usize,
+    /// Pictures per second.
+    fps: u32,
+    /// Pictures kept from an interrupted run; their figures are those that it recorded.
+    skipped: usize,
+    scene: Option<RenderedScene<'a>>,
+    /// Camera of the first picture as `--camera` takes it: eye/target/height of the view in degrees.
+    camera: String,
+    /// Pixels with any opacity.
+    covered_pixels: u64,
+    /// Pixels with any opacity, for each picture.
+    covered_pixels_per_picture: Vec<u64>,
+    /// Mean luminance of the covered pixels of each picture, linear, 0 to 1.
+    mean_luminance_per_picture: Vec<f64>,
+    passes: &'a [PassRun],
+    /// Fur drawn for each copy in the first picture.
+    detail: &'a [FurDetail],
+}
+
+/// Models of a scene file.
+#[derive(Serialize, JsonSchema)]
+struct RenderedScene<'a> {
+    /// Names of the models, in file order.
+    models: &'a [String],
+    /// Packages of the models, each listed once.
+    packages: Vec<&'a str>,
+}
+
+impl RenderArgs {
+    /// What the pictures depend on, and where they go.
+    pub fn errand(&self) -> Option<Errand> {
+        let args = Self { output: Errand::name(&self.output), restart: false, ..self.clone() };
+        (self.output != Path::new("-")).then(|| Errand::new("render", &args, &[&self.output]))
+    }
+}
+
+/// Refuses arguments that make no sense beside a scene.
+fn refuse_beside(file: &str, args: &ViewArgs) -> Result<(), Failure> {
+    for (name, given) in [
+        ("--clip", args.clip.is_some()),
+        ("--blend", args.blend.is_some()),
+        ("--morph", !args.morph.is_empty()),
+        ("--crowd", args.crowd != 1),
+    ] {
+        if given {
+            let text = format!("{name}: {file} says what stands in the picture, expected it to be left out");
+            return Err(Failure::Usage(text));
+        }
+    }
+    Ok(())
+}
+
+/// Pictures per second where nothing says how many.
+const FPS: u32 = 24;
+
+/// What is drawn: one package, or a scene of several.
+enum Subject {
+    Package(NamedPackage<'static>),
+    Scene(Box<Scene>),
+}
+
+impl Subject {
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let file = package_file::read(path)?;
+        let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+        if !file.bytes.starts_with(&MAGIC) && (named || speaks_of_models(&file.bytes)) {
+            return Ok(Self::Scene(Box::new(Scene::read(path, file.bytes.into_owned())?)));
+        }
+        Ok(Self::Package(file))
+    }
+
+    fn scene(&self) -> Option<&Scene> {
+        match self {
+            Self::Package(_) => None,
+            Self::Scene(scene) => Some(scene),
+        }
+    }
+
+    fn packages(&self) -> &[NamedPackage<'static>] {
+        match self {
+            Self::Package(file) => std::slice::from_ref(file),
+            Self::Scene(scene) => &scene.loaded.packages,
+        }
+    }
+
+    /// Stands for what is drawn, beside what a picture depends on in any case.
+    fn key(&self, key: Key) -> Key {
+        let key = key.and(self.scene().map_or("", |scene| &scene.file.text));
+        self.packages().iter().fold(key, |key, file| key.and(&file.bytes))
+    }
+
+    fn cast(&self, view: &View) -> Result<Cast<'_>, StageError> {
+        match self {
+            Self::Package(file) => crowd(file, view),
+            Self::Scene(scene) => scene.loaded.cast(view.camera, view.look.aspect(), &view.framing),
+        }
+    }
+}
+
+/// Runs the subcommand.
+pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
+    if args.output == Path::new("-") && output.is_json() {
+        return Err(Failure::Usage("--json: standard output is the video with -o -, expected one of them".into()));
+    }
+    // What is wrong with the output's name is said before anything is read. Look files are read once, after the scene: one may be a pipe.
+    Sink::new(&args.output, args.view.frames, None)?;
+    output.progress("loading");
+    let subject = Subject::read(&args.input)?;
+    let scene = subject.scene();
+    if let Some(scene) = scene {
+        refuse_beside(&scene.file.name, &args.view)?;
+    }
+    let look = scene.map_or_else(Look::of_picture, |scene| scene.look.clone());
+    let mut view = View::new(&args.view, look)?;
+    if let Some(word) = &args.samples {
+        SAMPLES.apply(&mut view.look, word).map_err(|error| Failure::Usage(format!("--samples: {}", error.reason)))?;
+    }
+    let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
+    let of_scene = scene.and_then(|s| s.file.frames());
+    // A picture alone is at rest; the first of several has lived through what comes before it.
+    let of_range = |frames: Frames| frames.of.or(of_scene).unwrap_or(frames.end.max(2));
+    let frames = args.view.frames.map(of_range).or(of_scene).filter(|_| sink.is_sequence());
+    if let Some(range) = args.view.frames.filter(|range| frames.is_some_and(|count| range.end > count)) {
+        let (last, count) = (range.end, frames.unwrap_or_default());
+        return Err(Failure::Usage(format!("--frames: the scene has {count} pictures, found a range up to {last}")));
+    }
+    for (name, given) in [("--turn-light", args.turn_light), ("--auto-rotate", args.auto_rotate)] {
+        if given && args.view.frames.is_some_and(|range| range.of.is_none()) && of_scene.is_none() {
+            let text = format!("{name}: it goes once around while all pictures last, expected --frames A..B/N");
+            return Err(Failure::Usage(text));
+        }
+        if given && frames.is_none() {
+            let text = format!("{name}: expected --frames beside it, or a sequence in the scene file");
+            return Err(Failure::Usage(text));
+        }
+    }
+    view.framing.all_around = args.auto_rotate;
+    let count = frames.unwrap_or(1) as usize;
+    let first = args.view.frames.map_or(0, |range| range.first as usize);
+    let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
+    let cast = subject.cast(&view)?;
+    let stage = staged::stage(&cast, &view, Gpu::open)?;
+    traffic::machine(ADAPTER, &stage.gpu.in_words());
+    let (light, shot) = (stage.params.light, cast.camera);
+    let (turn_light, auto_rotate) = (args.turn_light, args.auto_rotate);
+    if view.camera.is_none() {
+        output.note(&format!("camera: --camera={}", shot.at(view.time_s)));
+    }
+    let mut shoot = Shoot { scene: stage, view, shot, light, first, count, fps, turn_light, auto_rotate, lived: None };
+    let key = subject.key(shoot.key());
+    let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
+    if sink == Sink::Stdout {
+        output.end_progress();
+    } else {
+        report(output, &shoot, &subject, &sink.files(), &drawn)?;
+    }
+    Ok(Exit::Done)
+}
+
+fn report(
+    output: &mut Output,
+    shoot: &Shoot,
+    subject: &Subject,
+    files: &[String],
+    Drawn { pictures, skipped }: &Drawn,
+) -> Result<(), Failure> {
+    let info = &shoot.scene.gpu.info;
+    let (width, height) = shoot.view.size();
+    let scene = subject.scene().map(|scene| RenderedScene {
+        models: &scene.loaded.names,
+        packages: scene.loaded.packages.iter().map(|file| file.name.as_str()).collect(),
+    });
+    let result = RenderResult {
+        output: &files[0],
+        outputs: files,
+        adapter: &info.name,
+        driver: format!("{} {}", info.driver, info.driver_info),
+        width,
+        height,
+        frames: pictures.len(),
+        fps: shoot.fps,
+        skipped: *skipped,
+        scene,
+        camera: shoot.shot.at(shoot.view.time_s).to_string(),
+        covered_pixels: pictures[0].covered_pixels,
+        covered_pixels_per_picture: pictures.iter().map(|p| p.covered_pixels).collect(),
+        mean_luminance_per_picture: pictures.iter().map(|p| p.mean_luminance).collect(),
+        passes: &pictures[0].passes,
+        detail: &pictures[0].detail,
+    };
+    output.result(&files.join("\n"), &result)
+}

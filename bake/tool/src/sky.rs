@@ -1,0 +1,109 @@
+//! The light from all around that a look names, read and fitted.
+
+use super::exit::Failure;
+use glam::{DQuat, DVec3};
+use pelage_bake::sky_file::SkyFile;
+use pelage_import::BakeError;
+#[cfg(feature = "view")]
+use pelage_stage::LightsRead;
+use pelage_stage::sky::{Environment, FitParams, Fitted, Sun};
+use pelage_stage::{Look, SkyOf};
+use pelage_truth::TrueSky;
+use std::path::Path;
+#[cfg(feature = "view")]
+use std::sync::Arc;
+use std::sync::OnceLock;
+
+/// Reads a file of light from all around as lights.
+///
+/// # Errors
+/// Which file, where in it, and what is wrong.
+#[cfg(feature = "view")]
+pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRead {
+    let of = read(path, lobes, ground).map_err(|error| error.to_string())?;
+    let sky = Sky { of, yaw_deg: 0.0, strength: 1.0, lobes: lobes as usize, fitted: OnceLock::new() };
+    Ok(Arc::new(sky.lights()))
+}
+
+/// Reads a file of light from all around, over a ground where there is one.
+fn read(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> Result<SkyFile, BakeError> {
+    SkyFile::read(path)?.over_ground(ground, lobes as usize)
+}
+
+/// An environment as its look says it.
+#[derive(Debug)]
+pub struct Sky {
+    of: SkyFile,
+    yaw_deg: f32,
+    strength: f32,
+    lobes: usize,
+    fitted: OnceLock<Option<Fitted>>,
+}
+
+impl PartialEq for Sky {
+    fn eq(&self, other: &Self) -> bool {
+        let numbers = |sky: &Self| (sky.yaw_deg, sky.strength, sky.lobes);
+        self.of == other.of && numbers(self) == numbers(other)
+    }
+}
+
+impl Sky {
+    /// Reads what the look names; `None` where it names nothing.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no sky.
+    pub fn of(look: &Look) -> Result<Option<Self>, Failure> {
+        let Some(source) = &look.environment.sky else { return Ok(None) };
+        let of = match &source.of {
+            SkyOf::File(path) => read(Path::new(path), look.environment.lobes, look.environment.ground_color())?,
+            _ => SkyFile::Lights(look.environment.said().unwrap_or_default()),
+        };
+        let (yaw_deg, strength) = (source.yaw_deg, look.environment.strength);
+        let lobes = look.environment.lobes as usize;
+        Ok(Some(Self { of, yaw_deg, strength, lobes, fitted: OnceLock::new() }))
+    }
+
+    /// How near few lights come to a panorama; `None` for lights that were said as such.
+    pub fn fitted(&self) -> Option<&Fitted> {
+        let fit = || match &self.of {
+            SkyFile::Panorama(panorama) => Some(panorama.fit(FitParams { lobes: self.lobes, ..FitParams::default() })),
+            SkyFile::Lights(_) => None,
+        };
+        self.fitted.get_or_init(fit).as_ref()
+    }
+
+    /// As lights, as the file has them.
+    pub fn lights(&self) -> Environment {
+        match (&self.of, self.fitted()) {
+            (SkyFile::Lights(lights), _) => lights.clone(),
+            (SkyFile::Panorama(_), fitted) => fitted.map(|fitted| fitted.environment.clone()).unwrap_or_default(),
+        }
+    }
+
+    /// The same turned and as bright as the look says.
+    pub fn environment(&self) -> Environment {
+        self.lights().turned(self.yaw_deg).times(self.strength)
+    }
+
+    /// Radiance from a direction of length 1, linear RGB, with the sky turned `turn_deg` on; the sun of lights is not seen.
+    pub fn seen(&self, towards: DVec3, turn_deg: f32) -> DVec3 {
+        let inside = DQuat::from_rotation_y(-f64::from(self.yaw_deg + turn_deg).to_radians()) * towards;
+        let radiance = match &self.of {
+            SkyFile::Panorama(panorama) => panorama.seen(inside),
+            SkyFile::Lights(lights) => lights.radiance(inside),
+        };
+        radiance * f64::from(self.strength)
+    }
+
+    /// For paths: a panorama as it is, with its sun in it; else lights, and their sun beside them.
+    pub fn truth(&self) -> (TrueSky, Option<Sun>) {
+        match &self.of {
+            SkyFile::Panorama(panorama) => (TrueSky::of_panorama(panorama.clone(), self.yaw_deg, self.strength), None),
+            SkyFile::Lights(_) => {
+                let lights = self.environment();
+                let sun = lights.sun;
+                (TrueSky::of_environment(lights), sun)
+            }
+        }
+    }
+}

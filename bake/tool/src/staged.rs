@@ -1,0 +1,82 @@
+//! What the arguments come to on a [`Stage`].
+
+use super::exit::Failure;
+use super::view::View;
+use image::RgbaImage;
+use pelage_runtime::{Frame, InstanceDetail};
+use pelage_stage::{Cast, Gpu, NamedPackage, Stage, StageError};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The model of a package, or a crowd of it, on the device that `open_gpu` gives.
+pub fn stage_of(
+    file: &NamedPackage<'_>,
+    view: &View,
+    open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
+) -> Result<Stage, StageError> {
+    stage(&crowd(file, view)?, view, open_gpu)
+}
+
+/// A cast on the device that `open_gpu` gives.
+pub fn stage(
+    cast: &Cast<'_>,
+    view: &View,
+    open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
+) -> Result<Stage, StageError> {
+    Stage::new(cast, &view.look.picture(), view.frame_params(), view.time_s, open_gpu)
+}
+
+/// The canvas as a picture: sRGB-encoded, straight alpha.
+pub fn pixels(stage: &Stage) -> Result<RgbaImage, Failure> {
+    let (width, height) = stage.canvas.size();
+    RgbaImage::from_raw(width, height, stage.canvas.read(&stage.gpu)?)
+        .ok_or_else(|| StageError::Device("the canvas was read back short".into()).into())
+}
+
+/// The model of one package, or a crowd of it, at the clip and from the camera of `view`. Without one, the camera frames all of it.
+pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, StageError> {
+    let package = file.open()?;
+    let framing = (&view.framing, view.look.aspect());
+    let crowd = Cast::crowd(file, package, view.clip.as_deref(), view.crowd, view.camera, framing)?;
+    let crowd = match &view.blend {
+        Some(blend) => crowd.over(&blend.clip, blend.share)?,
+        None => crowd,
+    };
+    view.morphs.iter().try_fold(crowd, |crowd, morph| crowd.morphing(&morph.target, morph.weight))
+}
+
+/// Fur drawn for a copy of the model.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FurDetail {
+    /// Index into the package's levels of detail.
+    level: u32,
+    /// Progress of the fade to the next level, 0 to 1.
+    fade: f32,
+    /// Layers drawn, skin excluded.
+    layers: u32,
+    /// Layers of the package, skin excluded.
+    of_layers: u32,
+    /// Triangles of the index list drawn.
+    triangles: u32,
+    /// Opacity of the fins, 0 to 1.
+    fins: f32,
+    /// Opacity of the far coat, 0 to 1.
+    coat: f32,
+    /// Height of the fur on screen with `--detail auto`, pixels; null if the eye is among the hair.
+    fur_px: Option<f32>,
+}
+
+/// Returns the fur drawn for each copy.
+pub fn detail(frame: &Frame) -> Vec<FurDetail> {
+    let of = |d: &InstanceDetail| FurDetail {
+        level: d.level,
+        fade: d.fade,
+        layers: d.layers,
+        of_layers: d.of_layers,
+        triangles: d.triangles,
+        fins: d.fins,
+        coat: d.coat,
+        fur_px: d.fur_px.filter(|px| px.is_finite()),
+    };
+    frame.report().instances.iter().map(of).collect()
+}

@@ -1,0 +1,252 @@
+//! The picture that `render` comes near to: the same view of the same package, with its strands traced one by one. No adapter is needed.
+
+use super::exit::Failure;
+use super::view::View;
+use glam::Vec3;
+use pelage_bake::strands::{Curves, GroomReport, Skin, grow_groups, grow_on, tile_hair};
+use pelage_formats::meaning::scattering::Fibre;
+use pelage_formats::meaning::up_of_view;
+use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
+use pelage_formats::{FibreInfo, FibreOptics, HairGroup};
+use pelage_import::BakeError;
+use pelage_stage::{KeyLight, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
+use pelage_truth::{Lens, Portion, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene};
+
+/// A package in one pose and style, ready to be traced from any side and in any light.
+pub struct Truth {
+    /// Strands and skin.
+    pub scene: TrueScene,
+    /// What became of the tile's strands.
+    pub report: GroomReport,
+    scattering: Option<TrueScattering>,
+    /// It counts whatever a look says.
+    forced: bool,
+    outline: Vec<Vec3>,
+    height_m: f32,
+}
+
+impl Truth {
+    /// Lets the strands of the package in `file` grow on its skin, at the moment of the clip and in the style that `view` names.
+    pub fn new(file: &NamedPackage<'_>, view: &View) -> Result<Self, Failure> {
+        let package = &file.open()?;
+        let manifest = package.manifest();
+        let morphs = view.morph_weights(file, package)?;
+        let mut skin = Skin::morphed(&file.name, package, &view.layers(file, package)?, &morphs)?;
+        let hair = match view.look.picture.style {
+            LookStyle::Bare => None,
+            _ => tile_hair(&file.name, manifest)?,
+        };
+        let (mut curves, mut report) = match &hair {
+            Some(hair) => grow_on(&skin, hair, f64::from(manifest.fur.tile_size_m))?,
+            None => Default::default(),
+        };
+        let groups = package.hair_groups().map_err(|source| BakeError::Package { file: file.name.clone(), source })?;
+        if view.look.picture.style != LookStyle::Bare && !groups.is_empty() {
+            let grown = grow_groups(&groups, &Skin::posed(&file.name, package, &[])?, &skin);
+            report.strands += grown.len() as u64;
+            report.points_before += grown.points.len() as u64;
+            curves.append(&grown);
+            report.segments = curves.segments() as u64;
+        }
+        if view.look.picture.style == LookStyle::Bare {
+            skin.materials.iter_mut().for_each(|material| material.furred = false);
+        }
+        let info = package.fibres().map_err(|source| BakeError::Package { file: file.name.clone(), source })?;
+        let scattering = info.map(|info| scattering(&info, &groups, &skin, &curves)).transpose()?;
+        Ok(Self {
+            scattering,
+            forced: false,
+            scene: TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?,
+            report,
+            outline: view.outline(file, package)?,
+            height_m: manifest.fur.height_m,
+        })
+    }
+
+    /// Eye, target and height of the view in degrees that frame the model from the direction `towards`, in a picture of the view's size.
+    pub fn framed(&self, view: &View, towards: Vec3) -> Viewpoint {
+        pelage_stage::framing::frame(&self.outline, self.height_m, view.look.aspect(), towards)
+    }
+
+    /// Height of the fur in the picture of that view, pixels: at the median of the skin's distances from the eye. 0 where nothing is before the eye.
+    pub fn fur_px(&self, view: &View) -> f64 {
+        f64::from(self.height_m) * self.px_per_m(view)
+    }
+
+    /// Pixels that a metre has in the picture of that view: at the median of the skin's distances from the eye. 0 where nothing is before the eye.
+    pub fn px_per_m(&self, view: &View) -> f64 {
+        let Viewpoint { eye, target, fov_deg } = view.viewpoint(&self.outline, self.height_m);
+        let (eye, forward) = (eye.as_dvec3(), (target - eye).normalize_or_zero().as_dvec3());
+        let skin = self.scene.skin();
+        let mut depths: Vec<f64> = skin.vertices.iter().map(|p| (p.position_ws - eye).dot(forward)).collect();
+        depths.retain(|depth| *depth > 0.0);
+        depths.sort_by(f64::total_cmp);
+        let Some(depth) = depths.get(depths.len() / 2) else { return 0.0 };
+        let view_m = 2.0 * *depth * (0.5 * f64::from(fov_deg).to_radians()).tan();
+        f64::from(view.size().1) / view_m
+    }
+
+    /// The camera that `render` has for that view.
+    pub fn camera(&self, view: &View) -> TrueCamera {
+        true_camera(view.viewpoint(&self.outline, self.height_m))
+    }
+
+    /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
+    /// for. `progress` gets the pixels that are done and all of them.
+    pub fn picture(&self, view: &View, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
+        self.scene.picture(&self.camera(view), &self.lighting(view), view.size(), spp, progress)
+    }
+
+    /// A portion alone of the same picture; `None` where `progress` breaks off.
+    pub fn portion(
+        &self,
+        view: &View,
+        portion: &Portion,
+        progress: &mut dyn FnMut(u64, u64) -> std::ops::ControlFlow<()>,
+    ) -> Option<TracedPicture> {
+        self.scene.portion(&self.camera(view), &self.lighting(view), view.size(), portion, progress)
+    }
+}
+
+impl Truth {
+    /// Lights hair as fibres that scatter it, whatever the look and the package say: with the package's own fibres, or human hair where it has none.
+    ///
+    /// # Errors
+    /// [`BakeError::Internal`] for fibres that the truth does not know; packages have none such.
+    pub fn scatter(&mut self, bounces: u32) -> Result<(), Failure> {
+        let scattering = self.scattering.take().map_or_else(|| TrueScattering::new(Fibre::default(), 1), Ok)?;
+        self.scattering = Some(scattering.with_bounces(bounces));
+        self.forced = true;
+        Ok(())
+    }
+
+    /// How fibres scatter light; `None` for a package that does not know.
+    pub fn scattering(&self) -> Option<&TrueScattering> {
+        self.scattering.as_ref()
+    }
+
+    /// The lights of a look, and how hair is lit.
+    fn lighting(&self, view: &View) -> TrueLighting {
+        let look = &view.look;
+        let scattering = match look.fur.scattering {
+            _ if self.forced => self.scattering.clone(),
+            LookScattering::Multiple => self.scattering.clone(),
+            LookScattering::Single => self.scattering.clone().map(|scattering| scattering.with_bounces(1)),
+            LookScattering::Off => None,
+        };
+        TrueLighting { scattering, ..lighting(view) }
+    }
+}
+
+/// The fibres of a package's strands: those of its coat, and of its groups of hair.
+fn scattering(
+    info: &FibreInfo,
+    groups: &[HairGroup],
+    skin: &Skin,
+    curves: &Curves,
+) -> Result<TrueScattering, BakeError> {
+    let first = info.fibres.first().map_or_else(Fibre::default, FibreOptics::fibre);
+    let mut all = TrueScattering::new(first, TrueScattering::BOUNCES)?;
+    for run in curves.groups() {
+        let group = groups.iter().position(|group| group.name == run.name).and_then(|i| info.of_groups.get(i));
+        // A bare material may name a fibre that no coat is.
+        let furred = || skin.materials.iter().filter(|material| material.furred).map(|material| &material.fibre);
+        let of_coat = || furred().find(|fibre| skin.coat_of(**fibre) == run.name);
+        let fibre =
+            group.or_else(of_coat).and_then(|i| info.fibres.get(usize::from(*i))).map_or(first, FibreOptics::fibre);
+        all = all.with_run(&run.name, run.strands.end, fibre)?;
+    }
+    Ok(all)
+}
+
+/// The lights of a look, and what of the lighting equation it leaves out.
+fn lighting(view: &View) -> TrueLighting {
+    let look = &view.look;
+    let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
+    let strength = Vec3::splat(look.key_strength());
+    let (sky, sun) = view.sky.as_ref().map(|sky| sky.truth()).unzip();
+    TrueLighting {
+        key: match (look.key_light(), sun.flatten().filter(|_| look.light.strength.is_none())) {
+            (_, Some(sun)) => distant(sun.towards.into(), sun.color.into()),
+            (KeyLight::Distant(towards), None) => distant(towards, strength),
+            (KeyLight::Nearby(position_ws), None) => TrueLight::Point { position_ws, color: strength },
+        },
+        penumbra: f64::from(look.shadow.penumbra),
+        fill: look.fill_lights().map(|(towards, strength)| distant(towards, Vec3::splat(strength))).collect(),
+        ambient_attenuation: look.fur.ambient_attenuation,
+        back_attenuation: look.fur.back_attenuation,
+        hair_shadows: look.shadow.self_shadow != LookSelfShadow::Off,
+        fill_shadows: matches!(look.shadow.self_shadow, LookSelfShadow::Auto | LookSelfShadow::Baked),
+        skin_shadows: look.shadow.soft_shadow,
+        rolled_off: look.picture.style == LookStyle::Bare,
+        scattering: None,
+        sky,
+    }
+}
+
+/// A camera of `render` for the truths.
+pub fn true_camera(Viewpoint { eye, target, fov_deg }: Viewpoint) -> TrueCamera {
+    TrueCamera {
+        eye_ws: eye,
+        target_ws: target,
+        up_ws: up_of_view(eye, target),
+        lens: Lens::Perspective { fov_y_rad: fov_deg.to_radians() },
+    }
+}
+
+/// The picture as `render` writes it: sRGB-encoded, straight alpha, or laid over `background` (sRGB).
+pub fn encode(picture: &TracedPicture, background: Option<[u8; 3]>) -> image::RgbaImage {
+    let behind = background.map(|rgb| rgb.map(srgb_to_linear));
+    image::RgbaImage::from_fn(picture.width, picture.height, |x, y| {
+        let [r, g, b, alpha] = picture.pixels[y as usize * picture.width as usize + x as usize];
+        match behind {
+            Some(behind) => {
+                let over = |color: f32, behind: f32| linear_to_srgb(color + (1.0 - alpha) * behind);
+                image::Rgba([over(r, behind[0]), over(g, behind[1]), over(b, behind[2]), 255])
+            }
+            None if alpha > 0.0 => {
+                let straight = |color: f32| linear_to_srgb(color / alpha);
+                image::Rgba([straight(r), straight(g), straight(b), (255.0 * alpha + 0.5) as u8])
+            }
+            None => image::Rgba([0; 4]),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+    use pelage_bake::strands::{CurvePoint, SkinMaterial};
+
+    #[test]
+    fn pixels_become_what_a_canvas_holds() {
+        let pixels = vec![[0.0; 4], [0.5, 0.25, 0.0, 0.5], [2.0, 0.5, 0.0, 1.0], [0.1, 0.1, 0.1, 1.0]];
+        let picture = TracedPicture { width: 2, height: 2, pixels, ..TracedPicture::default() };
+        let straight = encode(&picture, None);
+        assert_eq!(straight.get_pixel(0, 0).0, [0; 4]);
+        // 0.5 of the light is byte 188.
+        assert_eq!(straight.get_pixel(1, 0).0, [255, 188, 0, 128]);
+        assert_eq!(straight.get_pixel(0, 1).0, [255, 188, 0, 255]);
+        let over = encode(&picture, Some([255, 0, 0]));
+        assert_eq!(over.get_pixel(0, 0).0, [255, 0, 0, 255]);
+        assert_eq!(over.get_pixel(1, 0).0, [255, linear_to_srgb(0.25), 0, 255]);
+    }
+
+    #[test]
+    fn a_bare_material_has_no_say_in_which_fibre_a_coat_is() {
+        let optics = |eta| FibreOptics { eta, along: 0.2, tilt: 0.0, around: 0.3 };
+        let info = FibreInfo { fibres: vec![optics(1.5), optics(1.6), optics(1.7)], ..FibreInfo::default() };
+        let material =
+            |name: &str, furred, fibre| SkinMaterial { name: name.into(), furred, fibre, ..Default::default() };
+        let materials = vec![material("Hoof", false, 2), material("Body", true, 0), material("Mane", true, 1)];
+        let skin = Skin { materials, ..Skin::default() };
+        let mut curves = Curves::default();
+        for name in [skin.coat_of(0), skin.coat_of(1)] {
+            curves.begin_group(&name);
+            curves.push(&[CurvePoint::default(); 2], false, Vec2::ZERO);
+        }
+        let found = scattering(&info, &[], &skin, &curves).expect("fibres that paths can meet");
+        assert_eq!(["coat", "coat/Mane"].map(|name| found.of_group(name).0.eta), [1.5_f32, 1.6].map(f64::from));
+    }
+}

@@ -1,0 +1,180 @@
+//! The strands of the tile, the section `STRN`, as `.hair` files with a JSON beside them, and back.
+//!
+//! `strands.hair` shows the tile as it lies on flat skin, metres, y up: u along x, v along −z, height along y; where dry and wet hair mix,
+//! `strands_wet.hair` shows the same strands when they are wet. `strands.json` has what such a file cannot say. A strand that nobody edited is packed to the
+//! same whole numbers that it was unpacked from: those that a `.hair` does not lead back to stand in `exact`, which count as long as the strand is the one
+//! that they stand for.
+
+use super::json::{File, parse, shorten_floats, to_rows};
+use super::tile::{Exact, Frame, Strand, grown};
+use glam::Vec2;
+use pelage_bake::hexadecimal::{from_hex, hex};
+use pelage_bake::strands::export::write_hair;
+use pelage_bake::strands::{CurvePoint, Curves};
+use pelage_formats::meaning::linear_to_srgb;
+use pelage_formats::{FurInfo, StoredStrandPoint, StoredStrands, StrandPoint, StrandScale};
+use pelage_import::BakeError;
+use pelage_import::guides::read::HairFile;
+use serde::{Deserialize, Serialize};
+
+/// Name of the JSON.
+pub const JSON: &str = "strands.json";
+/// Names of the strands, dry and wet.
+pub const FILES: [&str; 2] = ["strands.hair", "strands_wet.hair"];
+
+/// What `strands.json` says.
+#[derive(Serialize, Deserialize)]
+struct Document {
+    /// Points of each strand.
+    points_per_strand: u32,
+    /// What the largest numbers of the section stand for, widths of the tile. An edit that reaches farther makes them larger.
+    reach: f32,
+    radius: f32,
+    /// Width of the tile and height of the fur in the `.hair` files, metres.
+    width_m: f32,
+    height_m: f32,
+    /// Dry strands; then wet ones, where there are any.
+    sets: Vec<Set>,
+}
+
+impl Document {
+    fn frame(&self) -> Frame {
+        let scale = StrandScale { reach: self.reach, radius: self.radius };
+        Frame { width_m: self.width_m.into(), height_m: self.height_m.into(), scale }
+    }
+}
+
+#[derive(Default, Serialize, Deserialize)]
+struct Set {
+    /// Of each strand four bytes a point, in hexadecimal digits: how much light reaches it.
+    visibility: Vec<String>,
+    exact: Vec<Exact>,
+}
+
+/// Names and contents of all files, the JSON first; `None` where they would not lead back to the same strands.
+pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<File>>, BakeError> {
+    let each = strands.points_per_strand as usize;
+    let mut document = Document {
+        points_per_strand: strands.points_per_strand,
+        reach: strands.scale.reach,
+        radius: strands.scale.radius,
+        width_m: fur.tile_size_m,
+        // Fur without height has strands whose heights say nothing, and yet are there.
+        height_m: if fur.height_m > 0.0 { fur.height_m } else { fur.tile_size_m },
+        sets: Vec::new(),
+    };
+    let frame = document.frame();
+    let mut files = Vec::new();
+    for (number, (set, file)) in strands.points.chunks(each * strands.roots.len()).zip(FILES).enumerate() {
+        let mut curves = Curves::default();
+        let mut described = Set::default();
+        for (strand, (points, root)) in set.chunks(each).zip(&strands.roots).enumerate() {
+            let shown: Vec<CurvePoint> = points.iter().map(|point| frame.shown(*root, point)).collect();
+            let back = frame.strand(&shown, (number > 0).then_some(*root), None);
+            let same = |(back, point): (&StrandPoint, &StoredStrandPoint)| {
+                let back = back.stored(frame.scale);
+                (back.aside, back.height, back.radius) == (point.aside, point.height, point.radius)
+            };
+            if !back.is_ok_and(|back| back.root == *root && back.points.iter().zip(points).all(same)) {
+                let points = points.iter().map(|p| (p.aside[0], p.aside[1], p.height, p.radius)).collect();
+                described.exact.push(Exact { strand, root: *root, points });
+            }
+            described.visibility.push(hex(points.iter().map(|p| p.visibility).collect::<Vec<_>>().as_flattened()));
+            curves.push(&shown, false, Vec2::ZERO);
+        }
+        let mut bytes = Vec::new();
+        write_hair(&curves, &mut bytes).map_err(|e| BakeError::Internal(format!("writing {file}: {e}")))?;
+        files.push((file.to_owned(), bytes));
+        document.sets.push(described);
+    }
+    let mut value = serde_json::to_value(&document).map_err(|e| BakeError::Internal(format!("writing JSON: {e}")))?;
+    shorten_floats(&mut value);
+    let json = (JSON.to_owned(), to_rows(&value).into_bytes());
+    let same = read(&json, &files).is_ok_and(|back| back == *strands);
+    files.insert(0, json);
+    Ok(same.then_some(files))
+}
+
+/// Puts the strands together; names of files are those of messages.
+pub fn read((json_file, json): &File, files: &[File]) -> Result<StoredStrands, BakeError> {
+    let fault = |file: &str, place: String, reason: String| BakeError::Input { file: file.to_owned(), place, reason };
+    let document: Document = parse(json_file, json)?;
+    if document.sets.len() != files.len() {
+        let reason = format!("{} sets, expected {}: one for each .hair", document.sets.len(), files.len());
+        return Err(fault(json_file, "/sets".into(), reason));
+    }
+    let lengths = [("reach", document.reach), ("radius", document.radius)];
+    let metres = [("width_m", document.width_m), ("height_m", document.height_m)];
+    if let Some((key, found)) = lengths.into_iter().chain(metres).find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
+        return Err(fault(json_file, format!("/{key}"), format!("{found}, expected a finite number above 0")));
+    }
+    let frame = document.frame();
+    let each = document.points_per_strand as usize;
+    let mut sets: Vec<Vec<Strand>> = Vec::new();
+    let mut looks = Vec::new();
+    for (number, (set, (file, bytes))) in document.sets.iter().zip(files).enumerate() {
+        let hair = HairFile::read(file, bytes)?;
+        if hair.thickness.is_empty() || hair.colors.is_empty() {
+            let reason = "the arrays lack thickness or colours, expected both".to_owned();
+            return Err(fault(file, "byte 12".into(), reason));
+        }
+        let (found, expected) = (hair.strands.len(), set.visibility.len());
+        if found != expected {
+            let reason = format!("{found} strands, expected {expected}: /sets/{number}/visibility of {JSON}");
+            return Err(fault(file, "byte 4".into(), reason));
+        }
+        if let Some(odd) = hair.strands.iter().position(|points| *points as usize != each) {
+            let reason = format!("{} points, expected {each}: /points_per_strand of {JSON}", hair.strands[odd]);
+            return Err(fault(file, format!("strand {odd}"), reason));
+        }
+        if number > 0 && found != sets[0].len() {
+            let reason = format!("{found} strands, expected {}: as many as {}", sets[0].len(), files[0].0);
+            return Err(fault(file, "byte 4".into(), reason));
+        }
+        let mut exact = vec![None; found];
+        for (k, entry) in set.exact.iter().enumerate() {
+            let place = format!("/sets/{number}/exact/{k}");
+            let slot = exact.get_mut(entry.strand).ok_or_else(|| {
+                let reason = format!("{}, expected less than the {found} strands", entry.strand);
+                fault(json_file, format!("{place}/strand"), reason)
+            })?;
+            if entry.points.len() != each {
+                let reason = format!("{} points, expected {each}", entry.points.len());
+                return Err(fault(json_file, format!("{place}/points"), reason));
+            }
+            *slot = Some(entry);
+        }
+        let mut strands = Vec::new();
+        for (strand, range) in hair.ranges().enumerate() {
+            let points: Vec<CurvePoint> = range
+                .clone()
+                .map(|k| CurvePoint {
+                    position_ws: hair.points[k],
+                    radius_m: 0.5 * hair.thickness[k],
+                    ..CurvePoint::default()
+                })
+                .collect();
+            let digits = &set.visibility[strand];
+            let light = from_hex(digits).filter(|bytes| bytes.len() == 4 * each).ok_or_else(|| {
+                let reason = format!("{digits:?}, expected {} hexadecimal digits", 8 * each);
+                fault(json_file, format!("/sets/{number}/visibility/{strand}"), reason)
+            })?;
+            let colors = hair.colors[range].iter().map(|c| c.to_array().map(linear_to_srgb));
+            looks.extend(colors.zip(light.as_chunks::<4>().0.iter().copied()));
+            let root = sets.first().map(|dry| dry[strand].root);
+            let read = frame.strand(&points, root, exact[strand]);
+            strands.push(read.map_err(|(k, reason)| fault(file, format!("strand {strand}, point {k}"), reason))?);
+        }
+        sets.push(strands);
+    }
+    let roots = sets.first().map(|dry| dry.iter().map(|strand| strand.root).collect()).unwrap_or_default();
+    let strands: Vec<Strand> = sets.into_iter().flatten().collect();
+    let scale = grown(frame.scale, &strands);
+    let whole = |strand: &Strand| match &strand.exact {
+        Some(exact) if scale == frame.scale => exact.clone(),
+        _ => strand.points.iter().map(|point| point.stored(scale)).collect::<Vec<_>>(),
+    };
+    let points = strands.iter().flat_map(whole).zip(looks);
+    let points = points.map(|(point, (color, visibility))| StoredStrandPoint { color, visibility, ..point });
+    Ok(StoredStrands { points_per_strand: document.points_per_strand, scale, roots, points: points.collect() })
+}

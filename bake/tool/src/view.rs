@@ -1,0 +1,148 @@
+//! How a package or a scene is looked at: what the arguments of `render` and `bench` come to.
+
+use super::backdrop;
+use super::camera_args::CameraArgs;
+use super::exit::Failure;
+use super::sky::Sky;
+use super::view_args::{Blend, MorphWeight, ViewArgs};
+use glam::Vec3;
+use pelage_formats::{ClipLayer, Package};
+use pelage_runtime::FrameParams;
+use pelage_stage::{
+    Framing, Look, NamedPackage, Playing, Size, StageError, Viewpoint, find_clip, find_morph, nothing_named, outline,
+};
+use std::sync::Arc;
+
+/// How a package is looked at; what the arguments that `render` and `bench` share come to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Picture, light and style.
+    pub look: Look,
+    /// Light from all around that the look names.
+    pub sky: Option<Arc<Sky>>,
+    /// From where; `None` frames what is drawn.
+    pub camera: Option<Viewpoint>,
+    /// How it is framed.
+    pub framing: Framing,
+    /// Name of the clip; `None` shows the rest pose.
+    pub clip: Option<String>,
+    /// The clip that the pose goes over to from that, and how far.
+    pub blend: Option<Blend>,
+    /// Morph targets that are at weights of their own.
+    pub morphs: Vec<MorphWeight>,
+    /// Moment of the clips, seconds; they loop.
+    pub time_s: f32,
+    /// Copies of the model, at least 1.
+    pub crowd: u32,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            look: Look::default(),
+            sky: None,
+            camera: None,
+            framing: Framing::default(),
+            clip: None,
+            blend: None,
+            morphs: Vec::new(),
+            time_s: 0.0,
+            crowd: 1,
+        }
+    }
+}
+
+impl View {
+    /// What the arguments say over `look`.
+    ///
+    /// # Errors
+    ///
+    /// A look file, or the sky that it names, that cannot be read or says something wrong.
+    pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
+        args.look.apply(&mut look)?;
+        backdrop::check(&look)?;
+        let (clip, blend, morphs) = (args.clip.clone(), args.blend.clone(), args.morph.clone());
+        let sky = Sky::of(&look)?.map(Arc::new);
+        let view = Self { look, sky, clip, blend, morphs, time_s: args.time, crowd: args.crowd, ..Self::default() };
+        Ok(view.seen_from(&args.camera))
+    }
+
+    /// The same from where the arguments say.
+    pub fn seen_from(self, args: &CameraArgs) -> Self {
+        Self { camera: args.camera, framing: args.framing(), ..self }
+    }
+
+    /// The same with changes to its look.
+    pub fn with(mut self, change: impl FnOnce(&mut Look)) -> Self {
+        change(&mut self.look);
+        self
+    }
+
+    /// The default view in a picture of that size, pixels.
+    pub fn sized((width, height): (u32, u32)) -> Self {
+        Self::default().with(|look| look.picture.size = Size { width, height })
+    }
+
+    /// What a frame is told of it.
+    pub fn frame_params(&self) -> FrameParams {
+        let mut look = self.look.clone();
+        if let Some(sky) = &self.sky {
+            // It was read with the look.
+            let _ = look.take_lights(&mut |_, _, _| Ok(Arc::new(sky.lights())));
+        }
+        look.frame_params()
+    }
+
+    /// Width and height of the picture, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.look.picture.size.width, self.look.picture.size.height)
+    }
+
+    /// The view's own camera, or one that frames the `outline` of a model with hair of `height_m`.
+    pub fn viewpoint(&self, outline: &[Vec3], height_m: f32) -> Viewpoint {
+        self.camera.unwrap_or_else(|| self.framing.view(outline, height_m, self.look.aspect()))
+    }
+
+    /// What the skeleton of a model does; `package` is `file` opened.
+    ///
+    /// # Errors
+    ///
+    /// A clip that is not there, a damaged package.
+    pub fn layers(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<ClipLayer>, StageError> {
+        let layer = |name: Option<&str>, share: f32| {
+            let playing = Playing::named(file, package, name)?;
+            Ok::<_, StageError>(playing.map(|playing| playing.layer(self.time_s, share)))
+        };
+        let wholly = layer(self.clip.as_deref(), 1.0)?;
+        let over = self.blend.as_ref().map(|blend| layer(Some(&blend.clip), blend.share)).transpose()?;
+        Ok(wholly.into_iter().chain(over.flatten()).collect())
+    }
+
+    /// Morph targets of a model that are at weights of their own; `package` is `file` opened.
+    ///
+    /// # Errors
+    ///
+    /// A target that is not there, a damaged package.
+    pub fn morph_weights(
+        &self,
+        file: &NamedPackage<'_>,
+        package: &Package<'_>,
+    ) -> Result<Vec<(usize, f32)>, StageError> {
+        let found = |morph: &MorphWeight| Ok((find_morph(file, package, &morph.target)?, morph.weight));
+        self.morphs.iter().map(found).collect()
+    }
+
+    /// What of one model the view frames; `package` is `file` opened.
+    ///
+    /// # Errors
+    ///
+    /// A clip or a part that is not there, a damaged package.
+    pub fn outline(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<Vec3>, StageError> {
+        let (clip, part) = (find_clip(file, package, self.clip.as_deref())?, self.framing.look_at.as_deref());
+        let points = outline(file, package, clip, part)?;
+        match part {
+            Some(part) if points.is_empty() => Err(nothing_named([(file, package)].into_iter(), part)),
+            _ => Ok(points),
+        }
+    }
+}

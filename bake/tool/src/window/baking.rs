@@ -1,0 +1,103 @@
+//! A thread that holds a model and bakes it as often as it is asked, each time only what changed.
+
+use pelage_bake::pipeline::{Baked, STAGES, Told};
+use pelage_bake::rebake::Rebake;
+use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::groom::MapImages;
+use pelage_bake::steps::Steps;
+use pelage_import::BakeError;
+use pelage_import::mesh::Model;
+use pelage_viewer::Progress;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+use typed_arena::Arena;
+
+/// How often a long stage is asked how far it is.
+const ASKED_EVERY: Duration = Duration::from_millis(100);
+
+/// What is to be baked.
+struct Order {
+    recipe: Recipe,
+    /// `None` for the images of the order before.
+    images: Option<MapImages>,
+}
+
+enum Answer {
+    Begins(&'static str),
+    Done(Box<Result<Baked, BakeError>>),
+}
+
+/// A finished bake, and the seconds of each stage that ran.
+pub type Timed = (Baked, Vec<(String, f64)>);
+
+/// The thread, as others have it. It ends with this.
+pub struct Baking {
+    orders: Sender<Order>,
+    answers: Receiver<Answer>,
+    steps: Arc<Steps>,
+}
+
+impl Baking {
+    /// Begins, with a model of that file and name. `images` are those of the first order, unless it brings others.
+    pub fn new(file: String, name: String, model: Model) -> Self {
+        let (orders, ordered) = channel();
+        let (answer, answers) = channel();
+        let steps = Arc::new(Steps::new());
+        let counted = steps.clone();
+        std::thread::spawn(move || bake_all(&file, &name, &model, &counted, &ordered, &answer));
+        Self { orders, answers, steps }
+    }
+
+    /// Bakes the model by that recipe, with these images or, for `None`, those of before.
+    ///
+    /// # Errors
+    ///
+    /// As a bake; [`BakeError::Internal`] where the thread is gone.
+    pub fn bake(
+        &self,
+        recipe: Recipe,
+        images: Option<MapImages>,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<Timed, BakeError> {
+        let gone = || BakeError::Internal("the thread that bakes is gone".into());
+        self.orders.send(Order { recipe, images }).map_err(|_| gone())?;
+        let mut stages: Vec<(&'static str, Instant)> = Vec::new();
+        loop {
+            match self.answers.recv_timeout(ASKED_EVERY) {
+                Ok(Answer::Begins(stage)) => stages.push((stage, Instant::now())),
+                Ok(Answer::Done(baked)) => return Ok(((*baked)?, seconds(&stages))),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Err(gone()),
+            }
+            if let Some((stage, _)) = stages.last() {
+                let number = STAGES.iter().position(|name| name == stage).unwrap_or(0) as f32;
+                let part = self.steps.so_far().map_or(0.0, |(done, total)| done as f32 / total.max(1) as f32);
+                progress(Progress { doing: (*stage).into(), share: Some((number + part) / STAGES.len() as f32) });
+            }
+        }
+    }
+}
+
+fn seconds(stages: &[(&'static str, Instant)]) -> Vec<(String, f64)> {
+    let ends = stages.iter().skip(1).map(|(_, begun)| *begun).chain([Instant::now()]);
+    stages.iter().zip(ends).map(|((name, begun), end)| ((*name).to_owned(), (end - *begun).as_secs_f64())).collect()
+}
+
+fn bake_all(file: &str, name: &str, model: &Model, steps: &Steps, orders: &Receiver<Order>, answer: &Sender<Answer>) {
+    // What was made of a recipe refers to it, so each is kept for as long as the model is.
+    let (recipes, image_sets) = (Arena::new(), Arena::new());
+    let mut images: &MapImages = image_sets.alloc(MapImages::default());
+    let mut rebake = Rebake::new(model);
+    while let Ok(order) = orders.recv() {
+        if let Some(others) = order.images {
+            images = image_sets.alloc(others);
+        }
+        let told = Told { steps, ..Told::new(file, name, recipes.alloc(order.recipe), images) };
+        // Whoever asked may be gone in the meantime.
+        let baked = rebake.bake(&told, &mut |stage| drop(answer.send(Answer::Begins(stage))));
+        if answer.send(Answer::Done(Box::new(baked))).is_err() {
+            return;
+        }
+    }
+}

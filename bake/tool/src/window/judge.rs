@@ -1,0 +1,82 @@
+//! True pictures for the window, traced in ever more samples, and how far the drawn one is from them.
+
+use crate::sky::Sky;
+use crate::truth::{Truth as TrueView, encode};
+use crate::view::View;
+use pelage_stage::LookStyle;
+use pelage_truth::compare::{CompareParams, compare};
+use pelage_truth::{Portion, TracedPicture};
+use pelage_viewer::{Judge, Outcome, Progress, Truth, TruthAsked};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+/// Samples per pixel after each pass: the first shows something soon, the last is `pelage reference`'s.
+const PASSES: [u32; 4] = [1, 4, 16, 64];
+
+/// Traces, and keeps the strands that it grew for the next view of the same pose.
+#[derive(Default)]
+pub struct Tracer {
+    grown: Option<(TruthAsked, TrueView)>,
+}
+
+impl Judge for Tracer {
+    fn trace(
+        &mut self,
+        asked: &TruthAsked,
+        show: &mut dyn FnMut(Truth),
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Outcome<()> {
+        if asked.look.picture.style == LookStyle::Ink {
+            return Err("the truth of ink is no picture of strands; expected fur or bare skin".into());
+        }
+        let sky = Sky::of(&asked.look).map_err(|failure| failure.to_string())?;
+        let view = View {
+            look: asked.look.clone(),
+            sky: sky.map(Arc::new),
+            camera: Some(asked.camera),
+            clip: asked.clip.clone(),
+            time_s: asked.time_s,
+            ..View::default()
+        };
+        let kept = self.grown.as_ref().is_some_and(|(before, _)| same_strands(before, asked));
+        if !kept {
+            self.grown = None;
+            if progress(Progress { doing: "growing strands".into(), share: None }).is_break() {
+                return Ok(());
+            }
+            let grown = TrueView::new(&asked.file, &view).map_err(|failure| failure.to_string())?;
+            self.grown = Some((asked.clone(), grown));
+        }
+        let Some((_, truth)) = &self.grown else { return Ok(()) };
+        let mut picture: Option<TracedPicture> = None;
+        let mut before = 0;
+        for samples in PASSES {
+            let mut tell = |done: u64, total: u64| {
+                let share = Some(done as f32 / total.max(1) as f32);
+                progress(Progress { doing: format!("{samples} samples"), share })
+            };
+            let Some(more) = truth.portion(&view, &Portion::of_samples(before..samples), &mut tell) else {
+                return Ok(());
+            };
+            let share = before as f32 / samples as f32;
+            match &mut picture {
+                Some(picture) => picture.mix(&more, [share, 1.0 - share]),
+                None => picture = Some(more),
+            }
+            let Some(traced) = &picture else { continue };
+            let background = asked.look.background();
+            let encoded = encode(traced, background);
+            let flip = compare(&asked.drawn, &encoded, background.unwrap_or(CompareParams::default().over));
+            let flip = flip.ok().map(|(figures, map)| (figures.flip.mean, map.magma()));
+            show(Truth { picture: encoded, samples, of_samples: PASSES[PASSES.len() - 1], flip });
+            before = samples;
+        }
+        Ok(())
+    }
+}
+
+/// Whether two views are of the same strands in the same pose: only eye, light and picture may differ.
+fn same_strands(a: &TruthAsked, b: &TruthAsked) -> bool {
+    let pose = |asked: &TruthAsked| (asked.clip.clone(), asked.time_s, asked.look.picture.style);
+    Arc::ptr_eq(&a.file, &b.file) && pose(a) == pose(b)
+}

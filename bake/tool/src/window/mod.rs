@@ -1,0 +1,89 @@
+//! `pelage view`: a window that shows a package, a model as it is baked, or a scene.
+
+mod baking;
+mod judge;
+mod recipe_file;
+mod recipe_knobs;
+mod workshop;
+
+use super::bake::RecipeArgs;
+use super::exit::{Exit, Failure};
+use super::look_args::LookArgs;
+use super::output::{Output, require_parent};
+use super::sky::lights_of;
+use pelage_import::BakeError;
+use pelage_stage::{Look, Size};
+use pelage_viewer::{ViewError, ViewOptions};
+use serde_json::json;
+use std::fs::File;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+use workshop::Studio;
+
+/// Look at a package, a model or a scene in a window, with every knob beside it
+///
+/// A model is baked in the background, and baked again when it, its images or its recipe change on disk; the picture before stays until the new one is there, and
+/// what is wrong with a file stands in the window until it is mended. H lists the keys.
+#[derive(Clone, Debug, clap::Args)]
+pub struct WindowArgs {
+    /// The package, the model (.glb, .gltf, .obj) or the scene (.toml); left out, the window waits for a file to be dropped into it
+    #[arg(value_name = "PKG|MODEL|SCENE")]
+    input: Option<PathBuf>,
+    #[command(flatten)]
+    recipe: RecipeArgs,
+    #[command(flatten)]
+    look: LookArgs,
+    /// Width and height of the window, pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x800")]
+    window: Size,
+    /// Where pictures, looks and sequences are saved
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    save_to: PathBuf,
+    /// Begin without the panels; N brings them
+    #[arg(long)]
+    no_panels: bool,
+    /// Write what happens to this file, a line of JSON each, for scripts: adapter, made, first picture, picture, failure, mended, saved, measured, truth
+    #[arg(long, value_name = "FILE")]
+    events: Option<PathBuf>,
+}
+
+/// Runs the subcommand: returns when the window is closed.
+pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let began = Instant::now();
+    let mut look = Look::of_picture();
+    args.look.apply(&mut look)?;
+    look.take_lights(&mut lights_of).map_err(|reason| Failure::Usage(format!("--environment: {reason}")))?;
+    if !args.save_to.is_dir() {
+        return Err(Failure::Usage(format!("--save-to {}: there is no such folder", args.save_to.display())));
+    }
+    let events = match &args.events {
+        Some(path) => {
+            require_parent(path)?;
+            let fail = |source| BakeError::Io { path: path.clone(), action: "write", source };
+            Some(Box::new(File::create(path).map_err(fail)?) as Box<dyn Write + Send>)
+        }
+        None => None,
+    };
+    let studio = Studio::new(args.recipe.clone());
+    if let Some(input) = &args.input {
+        // What is not there, or no input at all, is said at once; what is wrong with it stands in the window.
+        studio.kind_of(input)?;
+    }
+    let options = ViewOptions {
+        open: args.input.clone(),
+        look,
+        size: (args.window.width, args.window.height),
+        folder: args.save_to.clone(),
+        panels: !args.no_panels,
+        lights_of,
+        events,
+        began,
+    };
+    pelage_viewer::view(options, Box::new(studio)).map_err(|error| match error {
+        ViewError::Stage(error) => Failure::from(error),
+        other => Failure::NoWindow(other.to_string()),
+    })?;
+    output.result("closed", &json!({ "closed": true }))?;
+    Ok(Exit::Done)
+}

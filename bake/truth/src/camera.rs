@@ -1,0 +1,161 @@
+//! Where the truths are seen from: rays out of a camera, and points back into its picture.
+
+use glam::{DVec2, DVec3, Mat4, Vec3};
+
+/// From where a scene is seen. Width over height is that of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrueCamera {
+    /// World space, metres.
+    pub eye_ws: Vec3,
+    /// What is in the middle of the picture; not the eye.
+    pub target_ws: Vec3,
+    /// What is up in the picture; not along the view.
+    pub up_ws: Vec3,
+    /// What the picture's height is of.
+    pub lens: Lens,
+}
+
+/// How far a camera sees up and down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// Far things are smaller.
+    Perspective {
+        /// Height of the view, radians, above 0 and below π.
+        fov_y_rad: f32,
+    },
+    /// Far things are as large as near ones.
+    Orthographic {
+        /// Height of the view, metres.
+        height_m: f32,
+    },
+}
+
+impl TrueCamera {
+    /// The camera of that view matrix: world to view space, y up and −z forward, without scale.
+    pub fn from_view(view_from_world: Mat4, lens: Lens) -> Self {
+        let world_from_view = view_from_world.inverse();
+        let eye_ws = world_from_view.w_axis.truncate();
+        let target_ws = eye_ws - world_from_view.z_axis.truncate();
+        Self { eye_ws, target_ws, up_ws: world_from_view.y_axis.truncate(), lens }
+    }
+
+    /// Where it looks to at each place of a picture of that many pixels.
+    pub fn ways(&self, size: (u32, u32)) -> Ways {
+        Ways(RayCaster::new(self, size))
+    }
+}
+
+/// Where a camera looks to.
+pub struct Ways(RayCaster);
+
+impl Ways {
+    /// Unit vector from the eye through a place of the picture, pixels from its upper left corner.
+    pub fn towards(&self, at: DVec2) -> DVec3 {
+        self.0.ray(at).1
+    }
+}
+
+/// The rays of a camera.
+pub struct RayCaster {
+    origin: DVec3,
+    forward: DVec3,
+    /// From the middle of the picture to its right and upper edge: at distance 1 for a perspective, metres for a parallel projection.
+    right: DVec3,
+    up: DVec3,
+    size: DVec2,
+    parallel: bool,
+}
+
+impl RayCaster {
+    /// Rays of a camera through a picture of that size, pixels.
+    pub fn new(camera: &TrueCamera, (width, height): (u32, u32)) -> Self {
+        let origin = camera.eye_ws.as_dvec3();
+        let forward = (camera.target_ws.as_dvec3() - origin).normalize_or(DVec3::NEG_Z);
+        let right = forward.cross(camera.up_ws.as_dvec3()).normalize_or(DVec3::X);
+        let (half, parallel) = match camera.lens {
+            Lens::Perspective { fov_y_rad } => ((0.5 * f64::from(fov_y_rad)).tan(), false),
+            Lens::Orthographic { height_m } => (0.5 * f64::from(height_m), true),
+        };
+        let size = DVec2::new(f64::from(width), f64::from(height));
+        let aspect = size.x / size.y;
+        Self { origin, forward, right: right * half * aspect, up: right.cross(forward) * half, size, parallel }
+    }
+
+    /// Through a point of the picture, pixels from its upper left corner: origin and unit direction.
+    pub fn ray(&self, at: DVec2) -> (DVec3, DVec3) {
+        let at = at / self.size * 2.0 - 1.0;
+        let aside = self.right * at.x - self.up * at.y;
+        if self.parallel {
+            (self.origin + aside, self.forward)
+        } else {
+            (self.origin, (self.forward + aside).normalize())
+        }
+    }
+
+    /// Where a point lies in the picture, pixels from its upper left corner, and how far before the eye along the view, metres; `None` where it is not
+    /// before the eye of a perspective.
+    pub fn place(&self, point_ws: DVec3) -> Option<(DVec2, f64)> {
+        let from = point_ws - self.origin;
+        let depth = self.depth(point_ws);
+        let scale = if self.parallel { 1.0 } else { depth };
+        if scale <= 0.0 {
+            return None;
+        }
+        let across = |axis: DVec3| from.dot(axis) / (axis.length_squared() * scale);
+        let at = DVec2::new(across(self.right), -across(self.up));
+        Some(((at + 1.0) * 0.5 * self.size, depth))
+    }
+
+    /// The ray that meets a point: origin, unit direction, and the way to the point, metres.
+    pub fn ray_to(&self, point_ws: DVec3) -> (DVec3, DVec3, f64) {
+        let from = point_ws - self.origin;
+        if self.parallel {
+            let depth = self.depth(point_ws);
+            return (point_ws - self.forward * depth, self.forward, depth);
+        }
+        let distance = from.length();
+        (self.origin, from / distance, distance)
+    }
+
+    /// How far before the eye a point lies along the view, metres; below zero behind it.
+    pub fn depth(&self, point_ws: DVec3) -> f64 {
+        (point_ws - self.origin).dot(self.forward)
+    }
+
+    /// Whether far things are as large as near ones.
+    pub fn is_parallel(&self) -> bool {
+        self.parallel
+    }
+
+    /// Picture, pixels.
+    pub fn size(&self) -> DVec2 {
+        self.size
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+    use super::*;
+
+    #[test]
+    fn rays_and_places_undo_each_other() {
+        for lens in [Lens::Perspective { fov_y_rad: 0.7 }, Lens::Orthographic { height_m: 3.0 }] {
+            let (eye_ws, target_ws) = (Vec3::new(2.0, 1.0, 4.0), Vec3::new(0.3, -0.2, 0.1));
+            let camera = TrueCamera { eye_ws, target_ws, up_ws: Vec3::Y, lens };
+            let rays = RayCaster::new(&camera, (120, 80));
+            let (middle, depth) = rays.place(target_ws.as_dvec3()).unwrap();
+            assert!(middle.distance(DVec2::new(60.0, 40.0)) < 1e-5, "{lens:?}: {middle}");
+            assert!((depth - f64::from(eye_ws.distance(target_ws))).abs() < 1e-6);
+            for at in [DVec2::new(0.5, 0.5), DVec2::new(119.0, 3.0), DVec2::new(31.25, 78.0)] {
+                let (origin, way) = rays.ray(at);
+                let point = origin + way * 3.7;
+                assert!(rays.place(point).unwrap().0.distance(at) < 1e-9, "{lens:?} {at}");
+                let (from, again, distance) = rays.ray_to(point);
+                assert!(again.distance(way) < 1e-12 && from.distance(origin) < 1e-9 && (distance - 3.7).abs() < 1e-9);
+            }
+            let behind = rays.place(2.0 * eye_ws.as_dvec3() - target_ws.as_dvec3());
+            assert_eq!(behind.is_none(), matches!(lens, Lens::Perspective { .. }));
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! How much two pictures differ: FLIP, RMSE, PSNR and the difference of coverage.
+//!
+//! FLIP is what a person sees who flips between the two: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström, M. Fairchild,
+//! *FLIP: A Difference Evaluator for Alternating Images*, HPG 2020, by its authors' own code. It knows opaque pictures of eight bits, so both are
+//! laid over a background first. The other figures are of the pictures as they are, in linear light.
+
+use image::{Rgb, RgbImage, RgbaImage};
+use nv_flip::FlipImageRgb8;
+use pelage_bake::picture::{Picture, encode_png};
+use pelage_import::BakeError;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// How pictures are looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CompareParams {
+    /// What transparent pictures are laid over for FLIP, sRGB-encoded (default the middle grey 128, 128, 128). The darker or brighter it is than fur,
+    /// the more an error of the outline counts.
+    pub over: [u8; 3],
+    /// Pixels in a degree of the viewer's sight, above 0 (default 67: a 4K screen 0.7 m wide, from 0.7 m away). Fewer are coarser pixels, whose errors
+    /// are seen better.
+    pub pixels_per_degree: f32,
+}
+
+impl Default for CompareParams {
+    fn default() -> Self {
+        Self { over: [128; 3], pixels_per_degree: nv_flip::DEFAULT_PIXELS_PER_DEGREE }
+    }
+}
+
+/// FLIP of all pixels, each 0 (the same) to 1 (black against white).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct FlipFigures {
+    /// Mean over the picture: the one figure that its authors recommend.
+    pub mean: f64,
+    /// Mean over the pixels of which either picture covers some; does not depend on how much of the picture is empty. 0 where neither covers any.
+    pub covered: f64,
+    /// Half of the sum of all pixels' errors comes from pixels with a larger error than this.
+    pub weighted_median: f64,
+    /// Largest of all pixels.
+    pub max: f64,
+}
+
+/// How much two pictures differ.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Comparison {
+    /// FLIP: the difference that a person sees.
+    pub flip: FlipFigures,
+    /// Root of the mean squared difference of premultiplied linear red, green and blue over all pixels; 1 is black against white.
+    pub rmse: f64,
+    /// Peak signal-to-noise ratio, decibels: −20 log10 of `rmse`. Infinite for equal pictures; null in JSON.
+    #[schemars(with = "Option<f64>")]
+    pub psnr_db: f64,
+    /// Mean absolute difference of alpha, 0..=1.
+    pub coverage: f64,
+}
+
+/// FLIP of each pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlipMap {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// `width * height` values of 0..=1, row-major from the top.
+    pub values: Vec<f32>,
+}
+
+impl FlipMap {
+    /// The map in the colours *magma*, from black for 0 to a pale yellow for 1.
+    pub fn magma(&self) -> RgbImage {
+        let table = nv_flip::magma_lut().to_vec();
+        RgbImage::from_fn(self.width, self.height, |x, y| {
+            let value = self.values[(y * self.width + x) as usize];
+            let i = 3 * (value.clamp(0.0, 1.0) * 255.0).round() as usize;
+            Rgb([table[i], table[i + 1], table[i + 2]])
+        })
+    }
+
+    /// [`Self::magma`] as PNG.
+    ///
+    /// # Errors
+    ///
+    /// [`BakeError::Internal`] should the encoder refuse.
+    pub fn png(&self) -> Result<Vec<u8>, BakeError> {
+        encode_png(&self.magma())
+    }
+}
+
+/// Compares two pictures of sRGB-encoded bytes with straight alpha, as PNG has them, at the default pixels per degree. The order of the two makes no
+/// difference to any figure but by rounding.
+///
+/// # Errors
+///
+/// [`BakeError::Params`] where their sizes differ.
+pub fn compare(a: &RgbaImage, b: &RgbaImage, over: [u8; 3]) -> Result<(Comparison, FlipMap), BakeError> {
+    compare_pictures(&a.into(), &b.into(), &CompareParams { over, ..CompareParams::default() })
+}
+
+/// Compares two pictures of linear light.
+///
+/// # Errors
+///
+/// [`BakeError::Params`] where their sizes differ, or they have no pixels.
+pub fn compare_pictures(a: &Picture, b: &Picture, params: &CompareParams) -> Result<(Comparison, FlipMap), BakeError> {
+    if (a.width, a.height) != (b.width, b.height) || a.pixels.len() != b.pixels.len() || a.pixels.is_empty() {
+        let size = |p: &Picture| format!("{}x{}", p.width, p.height);
+        let reason = format!("of {} and {} pixels, expected one size for both", size(a), size(b));
+        return Err(BakeError::Params { what: "pictures", reason });
+    }
+    let (mut squares, mut alphas) = (0.0, 0.0);
+    for (p, q) in a.pixels.iter().zip(&b.pixels) {
+        let apart = |i: usize| f64::from(p[i]) - f64::from(q[i]);
+        squares += [0, 1, 2].map(|i| apart(i).powi(2)).iter().sum::<f64>();
+        alphas += apart(3).abs();
+    }
+    let count = a.pixels.len() as f64;
+    let rmse = (squares / (3.0 * count)).sqrt();
+    let map = flip(a, b, params);
+    let comparison = Comparison {
+        flip: figures(&map, |i| a.pixels[i][3] > 0.0 || b.pixels[i][3] > 0.0),
+        rmse,
+        psnr_db: if rmse > 0.0 { -20.0 * libm::log10(rmse) } else { f64::INFINITY },
+        coverage: alphas / count,
+    };
+    Ok((comparison, map))
+}
+
+fn flip(a: &Picture, b: &Picture, params: &CompareParams) -> FlipMap {
+    let (width, height) = (a.width, a.height);
+    let image = |p: &Picture| FlipImageRgb8::with_data(width, height, &p.over(params.over));
+    let map = nv_flip::flip(image(a), image(b), params.pixels_per_degree);
+    FlipMap { width, height, values: map.to_vec() }
+}
+
+/// Figures of a map, summed in f64: the library's own sums of f32 lose digits over a large picture.
+fn figures(map: &FlipMap, covered: impl Fn(usize) -> bool) -> FlipFigures {
+    let values = || map.values.iter().map(|v| f64::from(*v));
+    let mean = |sum: f64, count: usize| sum / count.max(1) as f64;
+    let total: f64 = values().sum();
+    let (sum, count) =
+        values().enumerate().filter(|(i, _)| covered(*i)).fold((0.0, 0), |(s, n), (_, v)| (s + v, n + 1));
+    let mut sorted: Vec<f64> = values().collect();
+    sorted.sort_by(f64::total_cmp);
+    let mut below = 0.0;
+    let median = sorted.iter().find(|v| {
+        below += **v;
+        below >= 0.5 * total
+    });
+    FlipFigures {
+        mean: mean(total, map.values.len()),
+        covered: mean(sum, count),
+        weighted_median: median.copied().unwrap_or_default(),
+        max: sorted.last().copied().unwrap_or_default(),
+    }
+}
+
+#[cfg(test)]
+#[path = "compare_tests.rs"]
+mod tests;

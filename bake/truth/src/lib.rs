@@ -1,0 +1,91 @@
+//! The slow truths that light in fur is measured against. Nothing of a bake depends on them.
+//!
+//! * [`TrueScene`]: the strands of [`pelage_bake::strands`], traced: what a whole picture should look like, by Yang's equation or, with
+//!   [`TrueScattering`], by light that goes from fibre to fibre.
+//! * [`compare`], [`likeness`]: how far a picture is from its truth. [`decide`]: the search for a setting within limits.
+//! * [`doctor`]: the cost of a package, and advice.
+//!
+//! The laboratory (`bake/lab`) has further truths that only charts need.
+//!
+//! They share with the fast paths the strands, the layers and the mesh that both read, and what `pelage_formats::meaning` says of them: where a
+//! posed vertex stands, and a point of its hair. Else they share no code: an error that both had would not show.
+
+mod camera;
+mod capsules;
+pub mod compare;
+pub mod decide;
+pub mod doctor;
+mod lighting;
+pub mod likeness;
+mod part_file;
+mod paths;
+mod picture;
+mod scattering;
+mod sight;
+mod sky;
+mod strand_light;
+mod tracer;
+
+pub use camera::{Lens, RayCaster, TrueCamera, Ways};
+pub use lighting::{TrueLight, TrueLighting};
+pub use part_file::{OfPicture, TracedPart};
+pub use picture::{Part, Portion, Rays, Square, TracedPicture, TrueScene};
+pub use scattering::TrueScattering;
+pub use sight::{Look, SeenPoint, Sight};
+pub use sky::TrueSky;
+pub use strand_light::SeenStrand;
+
+use glam::DVec2;
+use pelage_bake::noise::{hash, uniform};
+use std::f64::consts::FRAC_PI_4;
+
+/// `samples` points of the unit square, rounded up to a square number: one anywhere in each cell of a square grid. The same for the same
+/// `seed`.
+pub fn stratified(seed: u64, samples: u32) -> impl ExactSizeIterator<Item = DVec2> {
+    let side = samples_per_side(samples);
+    (0..side * side).map(move |i| {
+        let jitter = [2 * u64::from(i), 2 * u64::from(i) + 1].map(|n| f64::from(uniform(seed, n)));
+        (DVec2::new(f64::from(i % side), f64::from(i / side)) + DVec2::from(jitter)) / f64::from(side)
+    })
+}
+
+/// At least 1, and little enough that its square is a `u32`.
+fn samples_per_side(samples: u32) -> u32 {
+    (f64::from(samples).sqrt().ceil() as u32).clamp(1, 1 << 12)
+}
+
+/// The unit square onto the unit disc, keeping areas and neighbours (Shirley and Chiu 1997).
+pub fn disc(square: DVec2) -> DVec2 {
+    let p = 2.0 * square - 1.0;
+    if p == DVec2::ZERO {
+        return p;
+    }
+    let (radius, angle) =
+        if p.x.abs() > p.y.abs() { (p.x, FRAC_PI_4 * p.y / p.x) } else { (p.y, FRAC_PI_4 * (2.0 - p.x / p.y)) };
+    radius * DVec2::from_angle(angle)
+}
+
+/// A seed for a place, so that neighbouring places do not share their jitter: shared jitter is a pattern, and no noise.
+pub fn seed_of(place: &[f64]) -> u64 {
+    place.iter().fold(0x5eed, |seed, x| hash(seed, x.to_bits()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_has_its_sample() {
+        for (samples, side) in [(0, 1u32), (1, 1), (2, 2), (16, 4), (17, 5), (256, 16)] {
+            let points: Vec<DVec2> = stratified(7, samples).collect();
+            assert_eq!(points.len() as u32, side * side);
+            let mut cells: Vec<[u32; 2]> =
+                points.iter().map(|p| [(p.y * f64::from(side)) as u32, (p.x * f64::from(side)) as u32]).collect();
+            cells.sort_unstable();
+            let all: Vec<[u32; 2]> = (0..side).flat_map(|y| (0..side).map(move |x| [y, x])).collect();
+            assert_eq!(cells, all, "{samples} samples");
+        }
+        assert_ne!(seed_of(&[0.25, 0.5]), seed_of(&[0.5, 0.25]));
+        assert!(stratified(1, 16).zip(stratified(2, 16)).all(|(a, b)| a != b));
+    }
+}

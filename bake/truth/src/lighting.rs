@@ -1,0 +1,325 @@
+//! Yang 2006, eq. (3), at what a ray meets: written from the paper, without the runtime's code.
+//!
+//! Hair gets ka · γ(h) · C + (kd · C · sin^pd(T, L) + ks · sin^ps(T, H)) · Attenu_Back · V, where T is the direction of the strand itself, h its
+//! exact share of the fur's height, and V whether the light is seen past all strands and the skin: 0 or 1 for one point of the light.
+//!
+//! **Furred skin.** What shows between the hairs is the undercoat that bake paints as layer 0: hair of the roots' colour, too short to be seen
+//! one by one. Each sample of it meets the root of one strand of the tile, drawn at random, and is lit as that root would be, so that the mean
+//! over samples is the mean over strands. Where the groom thins hair out or it has no length, as much bare skin shows instead. Were the skin
+//! between the hairs bare instead, coats would have pale skin shining through that no package has.
+//!
+//! **Bare skin** follows Lambert's law with the same constants, so that it is as bright as the fur beside it: ka · C + kd · C · max(N·L, 0) · V.
+
+use super::disc;
+use super::scattering::TrueScattering;
+use super::sky::TrueSky;
+use super::tracer::{Hit, Start, Tracer};
+use glam::{DVec2, DVec3, Vec3};
+use pelage_bake::noise::{hash, uniform};
+use pelage_bake::stages::hair::Strands;
+use pelage_bake::strands::Skin;
+use pelage_formats::Shading;
+use pelage_formats::meaning::tile_axes_f64;
+
+/// A light of the traced picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TrueLight {
+    /// From one direction everywhere.
+    Directional {
+        /// Towards the light, of any length above 0.
+        towards_light_ws: Vec3,
+        /// Linear RGB.
+        color: Vec3,
+    },
+    /// From one place. It does not fall with distance.
+    Point {
+        /// Metres.
+        position_ws: Vec3,
+        /// Linear RGB.
+        color: Vec3,
+    },
+}
+
+impl TrueLight {
+    pub(super) fn color(&self) -> DVec3 {
+        match *self {
+            Self::Directional { color, .. } | Self::Point { color, .. } => color.as_dvec3(),
+        }
+    }
+
+    /// Unit direction from a point towards the middle of the light, and how far that is, metres.
+    pub(super) fn seen_from(&self, point_ws: DVec3) -> (DVec3, f64) {
+        match *self {
+            Self::Directional { towards_light_ws, .. } => {
+                (towards_light_ws.as_dvec3().normalize_or(DVec3::Y), f64::INFINITY)
+            }
+            Self::Point { position_ws, .. } => {
+                let way = position_ws.as_dvec3() - point_ws;
+                (way.normalize_or(DVec3::Y), way.length())
+            }
+        }
+    }
+}
+
+/// How hair and skin are lit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrueLighting {
+    /// The light that throws shadows; ambient light has its colour.
+    pub key: TrueLight,
+    /// Width of a penumbra over the distance from what throws the shadow, 0..: the key light is a disc of that size ([`super::DiscLight`]).
+    /// Shadow rays go to a point of it that is drawn anew for each sample; directions in the equation go to its middle.
+    pub penumbra: f64,
+    /// Lights without shadow.
+    pub fill: Vec<TrueLight>,
+    /// γ: ambient light fades towards the skin.
+    pub ambient_attenuation: bool,
+    /// Attenu_Back: the light ends behind the body.
+    pub back_attenuation: bool,
+    /// Strands throw shadows of the key light.
+    pub hair_shadows: bool,
+    /// Strands throw shadows of the other lights, too; skin never does.
+    pub fill_shadows: bool,
+    /// The skin throws shadows.
+    pub skin_shadows: bool,
+    /// Nothing but bare skin is shown, whose light is rolled off: with L its strongest channel and F that of all lights from straight above, it is
+    /// divided by 1 + L (F − 1) / F where F is more than 1, so that white skin is at most 1.
+    pub rolled_off: bool,
+    /// Light goes from hair to hair: not this equation holds, but paths do. Attenuations, and constants but for ka, have no meaning then.
+    pub scattering: Option<TrueScattering>,
+    /// Light from all around, in place of ambient light. Strands and skin throw its shadows.
+    pub sky: Option<TrueSky>,
+}
+
+impl TrueLighting {
+    /// A light as the papers have it, with all shadows and attenuations, and nothing else.
+    pub fn of(key: TrueLight) -> Self {
+        Self {
+            key,
+            penumbra: 0.0,
+            fill: Vec::new(),
+            ambient_attenuation: true,
+            back_attenuation: true,
+            hair_shadows: true,
+            fill_shadows: true,
+            skin_shadows: true,
+            rolled_off: false,
+            scattering: None,
+            sky: None,
+        }
+    }
+}
+
+/// Constants and the tile's roots: what lights need to know besides the scene.
+pub(super) struct Material {
+    pub(super) dry: Shading,
+    pub(super) wet: Shading,
+    /// Roots of dry and of wet hair, in the frame of the tile.
+    pub(super) roots: [Vec<DVec3>; 2],
+    /// Colour of the undercoat, dry and wet.
+    pub(super) root_colors: [DVec3; 2],
+}
+
+/// Directions of all strands of a tile at their roots, unit length, in the tile's frame.
+pub(super) fn root_directions(strands: &Strands) -> Vec<DVec3> {
+    let direction = |i: usize| match strands.points[strands.range(i)] {
+        [root, next, ..] => (next - root).as_dvec3().try_normalize(),
+        _ => None,
+    };
+    (0..strands.len()).filter_map(direction).collect()
+}
+
+/// One sample of light: what is to be lit, and its random numbers.
+pub(super) struct Sample<'a> {
+    pub(super) tracer: &'a Tracer,
+    pub(super) material: &'a Material,
+    pub(super) lighting: &'a TrueLighting,
+    /// Seed of all that is drawn for this sample.
+    pub(super) seed: u64,
+}
+
+/// A hair at the place that is lit.
+struct Hair {
+    color: DVec3,
+    tangent: DVec3,
+    height: f64,
+    normal: DVec3,
+    wet: bool,
+}
+
+impl Sample<'_> {
+    /// Linear RGB that leaves `hit` at `place_ws` towards the eye. `shadow_rays` counts.
+    pub(super) fn light(&self, hit: &Hit, place_ws: DVec3, to_eye: DVec3, shadow_rays: &mut u64) -> DVec3 {
+        if let Some(scattering) = &self.lighting.scattering {
+            return self.path(scattering, hit, place_ws, to_eye, shadow_rays);
+        }
+        match *hit {
+            Hit::Hair { point, share, strand } => {
+                let points = &self.tracer.curves.points;
+                let (a, b) = (&points[point], &points[point + 1]);
+                let hair = Hair {
+                    color: a.color.as_dvec3().lerp(b.color.as_dvec3(), share),
+                    tangent: (b.position_ws.as_dvec3() - a.position_ws.as_dvec3()).normalize_or_zero(),
+                    height: f64::from(a.height) + f64::from(b.height - a.height) * share,
+                    normal: a.normal_ws.as_dvec3().lerp(b.normal_ws.as_dvec3(), share).normalize_or_zero(),
+                    wet: self.tracer.curves.wet[strand as usize],
+                };
+                let start = Start { strand: Some(strand), triangle: None };
+                let visible = self.visibility(place_ws, start, shadow_rays);
+                self.hair(&hair, place_ws, to_eye, visible, start)
+            }
+            Hit::Skin { triangle, weights, front } => {
+                self.skin(triangle, weights, front, place_ws, to_eye, shadow_rays)
+            }
+        }
+    }
+
+    fn skin(
+        &self,
+        triangle: usize,
+        weights: DVec3,
+        front: bool,
+        place_ws: DVec3,
+        to_eye: DVec3,
+        shadow_rays: &mut u64,
+    ) -> DVec3 {
+        let skin = &self.tracer.skin;
+        let base = skin.base_color(triangle, weights).truncate().as_dvec3();
+        let [normal, tangent, bitangent] = frame(skin, triangle, weights);
+        let side = if front { 1.0 } else { -1.0 };
+        let start = Start { strand: None, triangle: Some(triangle) };
+        let visible = self.visibility(place_ws, start, shadow_rays);
+        let bare = self.bare(base, normal * side, place_ws, visible, start);
+        if !self.has_undercoat(triangle) {
+            return bare;
+        }
+        let (coat, wetness) = self.undercoat(triangle, weights);
+        let wet = self.draw(2) < wetness;
+        let roots = &self.material.roots[usize::from(wet)];
+        let root = roots[((self.draw(3) * roots.len() as f64) as usize).min(roots.len() - 1)];
+        let undercoat = Hair {
+            color: base * self.material.root_colors[usize::from(wet)],
+            tangent: tangent * root.x + bitangent * root.y + normal * root.z,
+            height: 0.0,
+            normal: normal * side,
+            wet,
+        };
+        bare.lerp(self.hair(&undercoat, place_ws, to_eye, visible, start), coat)
+    }
+
+    fn has_undercoat(&self, triangle: usize) -> bool {
+        self.tracer.skin.material(triangle).furred && !self.material.roots[0].is_empty()
+    }
+
+    /// How much of a point of the skin the undercoat hides, and how much of that is wet, 0..=1.
+    pub(super) fn undercoat(&self, triangle: usize, weights: DVec3) -> (f64, f64) {
+        if !self.has_undercoat(triangle) {
+            return (0.0, 0.0);
+        }
+        let skin = &self.tracer.skin;
+        let groom = skin.groom(triangle, weights).as_dvec2();
+        let corners = skin.corners(triangle).map(|c| if c.fur_height_m > 0.0 { 1.0 } else { 0.0 });
+        let coat = weights.dot(DVec3::from(corners)) * groom.x;
+        (coat, if self.material.roots[1].is_empty() { 0.0 } else { groom.y })
+    }
+
+    fn hair(&self, hair: &Hair, place_ws: DVec3, to_eye: DVec3, visible: f64, start: Start) -> DVec3 {
+        let k = if hair.wet { &self.material.wet } else { &self.material.dry };
+        let lighting = self.lighting;
+        let floor = if lighting.ambient_attenuation { f64::from(k.ambient_floor) } else { 1.0 };
+        let gamma = floor + (1.0 - floor) * hair.height;
+        let mut sum = vector(k.ambient) * gamma * hair.color * self.ambient();
+        let past_strands = |light: &TrueLight| {
+            let (towards, distance) = light.seen_from(place_ws);
+            f64::from(self.tracer.is_lit(place_ws, towards, distance, start, (lighting.fill_shadows, false)))
+        };
+        let fills = lighting.fill.iter().map(|light| (light, past_strands(light)));
+        let sky = self.of_sky(place_ws, start);
+        let sky = sky.iter().map(|(light, visible)| (light, *visible));
+        for (light, visible) in std::iter::once((&lighting.key, visible)).chain(fills).chain(sky) {
+            let (towards, _) = light.seen_from(place_ws);
+            let half = (towards + to_eye).normalize_or_zero();
+            let sine = |to: DVec3| (1.0 - hair.tangent.dot(to).powi(2)).clamp(0.0, 1.0).sqrt();
+            let diffuse = vector(k.diffuse) * hair.color * sine(towards).powf(f64::from(k.diffuse_exponent));
+            let specular = vector(k.specular) * sine(half).powf(f64::from(k.specular_exponent));
+            let back = if lighting.back_attenuation {
+                (hair.normal.dot(towards) / f64::from(k.back_light_range).max(1e-4) + 1.0).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
+            sum += (diffuse + specular) * back * visible * light.color();
+        }
+        sum
+    }
+
+    /// Light that comes everywhere alike.
+    fn ambient(&self) -> DVec3 {
+        if self.lighting.sky.is_some() { DVec3::ZERO } else { self.lighting.key.color() }
+    }
+
+    /// A light as strong as one direction of the sky stands for, and whether it is seen: 1 or 0.
+    fn of_sky(&self, place_ws: DVec3, start: Start) -> Option<(TrueLight, f64)> {
+        let sky = self.lighting.sky.as_ref()?;
+        let (way, likely) = sky.draw([self.draw(4), self.draw(5)])?;
+        // A light of colour 1 brings an irradiance of π.
+        let color = (sky.radiance(way) / (likely * std::f64::consts::PI)).as_vec3();
+        let visible = self.tracer.is_lit(place_ws, way, f64::INFINITY, start, (true, true));
+        Some((TrueLight::Directional { towards_light_ws: way.as_vec3(), color }, f64::from(visible)))
+    }
+
+    fn bare(&self, color: DVec3, normal: DVec3, place_ws: DVec3, visible: f64, start: Start) -> DVec3 {
+        let k = &self.material.dry;
+        let key = self.lighting.key;
+        let mut sum = vector(k.ambient) * self.ambient();
+        let mut full = sum;
+        let sky = self.of_sky(place_ws, start);
+        let sky = sky.iter().map(|(light, visible)| (light, *visible));
+        let lights = std::iter::once((&key, visible)).chain(self.lighting.fill.iter().map(|l| (l, 1.0))).chain(sky);
+        for (light, visible) in lights {
+            let cosine = normal.dot(light.seen_from(place_ws).0).max(0.0);
+            sum += vector(k.diffuse) * cosine * visible * light.color();
+            full += vector(k.diffuse) * light.color();
+        }
+        let full = full.max_element();
+        let rolled = if self.lighting.rolled_off && full > 1.0 { sum.max_element() * (full - 1.0) / full } else { 0.0 };
+        color * sum / (1.0 + rolled)
+    }
+
+    /// Whether the key light's point of this sample is seen: 1 or 0.
+    fn visibility(&self, place_ws: DVec3, start: Start, shadow_rays: &mut u64) -> f64 {
+        let past = (self.lighting.hair_shadows, self.lighting.skin_shadows);
+        if past == (false, false) {
+            return 1.0;
+        }
+        *shadow_rays += 1;
+        let (axis, distance) = self.lighting.key.seen_from(place_ws);
+        let way = self.on_disc(axis, DVec2::new(self.draw(0), self.draw(1)));
+        let reach = distance / axis.dot(way);
+        f64::from(self.tracer.is_lit(place_ws, way, reach, start, past))
+    }
+
+    /// A point of the key light's disc, whose middle lies along `axis`.
+    pub(super) fn on_disc(&self, axis: DVec3, even: DVec2) -> DVec3 {
+        let (side, up) = axis.any_orthonormal_pair();
+        let on_disc = disc(even) * (0.5 * self.lighting.penumbra);
+        (axis + side * on_disc.x + up * on_disc.y).normalize_or(axis)
+    }
+
+    /// Uniform in 0..1.
+    fn draw(&self, what: u64) -> f64 {
+        f64::from(uniform(hash(self.seed, 0x71a5), what))
+    }
+}
+
+/// Normal, tangent and bitangent of the skin at a point, world space, unit length.
+pub(super) fn frame(skin: &Skin, triangle: usize, weights: DVec3) -> [DVec3; 3] {
+    let corners = skin.corners(triangle);
+    let sum = |of: [DVec3; 3]| of[0] * weights.x + of[1] * weights.y + of[2] * weights.z;
+    let normal = sum(corners.map(|c| c.normal_ws)).normalize_or(corners[0].normal_ws);
+    let [tangent, across] = tile_axes_f64(normal, sum(corners.map(|c| c.tangent_ws)), 1.0);
+    let handed = across.dot(corners[0].bitangent_ws);
+    [normal, tangent, if handed < 0.0 { -across } else { across }]
+}
+
+pub(super) fn vector(k: [f32; 3]) -> DVec3 {
+    Vec3::from(k).as_dvec3()
+}

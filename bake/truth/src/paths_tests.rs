@@ -1,0 +1,113 @@
+#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+use crate::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene, TrueSky};
+use glam::{Vec2, Vec3};
+use pelage_bake::noise::uniform;
+use pelage_bake::strands::{CurvePoint, Curves, Skin};
+use pelage_formats::Shading;
+use pelage_formats::meaning::scattering::{Angles, Around, Fibre, colour};
+use pelage_stage::sky::{Environment, LightLobe, Panorama};
+
+/// A tangle of strands of that colour in a ball of 1 m.
+fn tangle(color: Vec3, count: u64) -> Curves {
+    let mut curves = Curves::default();
+    let vector = |seed: u64| Vec3::from_array([0, 1, 2].map(|i| 2.0 * uniform(seed, i) - 1.0));
+    for i in 0..count {
+        let (middle, way) = (vector(2 * i), vector(2 * i + 1).normalize_or(Vec3::Y) * 0.4);
+        let point = |position_ws| CurvePoint { position_ws, radius_m: 0.02, color, height: 1.0, normal_ws: Vec3::Z };
+        curves.push(&[point(middle - way), point(middle + way)], false, Vec2::ZERO);
+    }
+    curves
+}
+
+fn camera() -> TrueCamera {
+    TrueCamera {
+        eye_ws: Vec3::new(0.0, 0.0, 5.0),
+        target_ws: Vec3::ZERO,
+        up_ws: Vec3::Y,
+        lens: Lens::Orthographic { height_m: 2.0 },
+    }
+}
+
+fn lighting(sun: f32, bounces: u32) -> TrueLighting {
+    let key = TrueLight::Directional { towards_light_ws: Vec3::new(0.3, 0.4, 0.8), color: Vec3::splat(sun) };
+    let scattering = Some(TrueScattering::new(Fibre::default(), bounces).unwrap());
+    TrueLighting { scattering, ..TrueLighting::of(key) }
+}
+
+/// Mean light of what is covered, of a picture.
+fn mean(curves: Curves, ambient: f32, lighting: &TrueLighting, size: u32, spp: u32) -> Vec3 {
+    let shading = Shading { ambient: [ambient; 3], ..Shading::default() };
+    let scene = TrueScene::new(curves, Skin::default(), None, shading).unwrap();
+    let picture = scene.picture(&camera(), lighting, (size, size), spp, &mut |_, _| ());
+    let sum = picture.pixels.iter().fold(glam::DVec4::ZERO, |sum, p| sum + glam::Vec4::from(*p).as_dvec4());
+    (sum.truncate() / sum.w).as_vec3()
+}
+
+/// What absorbs nothing under light that is even all around cannot be told from it.
+#[test]
+fn a_white_tangle_vanishes_in_an_even_sky() {
+    // The sky has the key light's colour, and the key light is hidden: bounces without end, light without loss.
+    let found = mean(tangle(Vec3::ONE, 300), 1.0, &lighting(1.0, 1_000), 48, 64);
+    let alone = mean(tangle(Vec3::ONE, 300), 0.0, &lighting(1.0, 1_000), 48, 64);
+    let sky = found - alone;
+    assert!((sky - Vec3::ONE).abs().max_element() < 0.005, "{sky}");
+}
+
+/// More bounces only add light, and to light hair much of it.
+#[test]
+fn light_hair_is_lit_by_other_hair() {
+    let sum = |bounces| mean(tangle(Vec3::new(0.9, 0.5, 0.05), 1_500), 0.0, &lighting(1.0, bounces), 32, 32);
+    let [one, four, many] = [1, 4, 64].map(sum);
+    assert!(four.cmpge(one).all() && many.cmpge(four).all(), "{one} {four} {many}");
+    let gain = many / one;
+    assert!(gain.x > 4.0 && gain.z < 4.0 && gain.x > gain.y && gain.y > gain.z, "{gain}");
+}
+
+/// One fibre, seen from afar, sends the eye what the fibre's own formula says: its sides, tip and root are where they belong.
+#[test]
+fn a_fibre_over_its_width_is_the_fibre_from_afar() {
+    let fibre = Fibre { tilt: 0.1, ..Fibre::default() };
+    let color = Vec3::new(0.6, 0.3, 0.1);
+    let scattering = TrueScattering::new(fibre, 1).unwrap();
+    let Around::Rough(scale) = fibre.around else { unreachable!() };
+    // From nearby the section is that of θo, from afar that of θd: light comes so that both are nearly one.
+    for light in [Vec3::new(0.06, 0.3, 0.5), Vec3::new(-0.06, -0.2, 0.4), Vec3::new(0.03, 0.1, -0.9)] {
+        let mut curves = Curves::default();
+        let point = |x| CurvePoint {
+            position_ws: Vec3::new(x, 0.0, 0.0),
+            radius_m: 0.5,
+            color,
+            height: 1.0,
+            normal_ws: Vec3::Z,
+        };
+        curves.push(&[point(-1e3), point(1e3)], false, Vec2::ZERO);
+        let key = TrueLight::Directional { towards_light_ws: light, color: Vec3::ONE };
+        let lighting = TrueLighting { key, scattering: Some(scattering.clone()), ..lighting(1.0, 1) };
+        let found = mean(curves, 0.0, &lighting, 64, 16).as_dvec3();
+        let angles = Angles::between(glam::DVec3::X, light.as_dvec3().normalize(), glam::DVec3::Z);
+        let sigma = colour::absorption(color.as_dvec3().to_array(), scale);
+        let expected = glam::DVec3::from(fibre.scatter(sigma, &angles)) * std::f64::consts::PI;
+        let off = ((found - expected) / expected).abs().max_element();
+        assert!(off < 0.05, "towards {light}: {found}, expected {expected}");
+    }
+}
+
+/// What absorbs nothing vanishes in an even sky, whether it is drawn from or only met; and a bright window is met by all as its lobe is.
+#[test]
+fn skies_light_a_tangle_from_where_they_are_bright() {
+    let under = |sky: TrueSky, color: Vec3, spp: u32| {
+        let lighting = TrueLighting { sky: Some(sky), ..lighting(0.0, 1_000) };
+        mean(tangle(color, 300), 0.0, &lighting, 32, spp)
+    };
+    let even = TrueSky::of_environment(Environment::constant([1.0, 0.5, 2.0]));
+    let found = under(even, Vec3::ONE, 64) / Vec3::new(1.0, 0.5, 2.0);
+    assert!((found - 1.0).abs().max_element() < 0.01, "{found}");
+    // The same light as a picture and as a lobe, of hair that absorbs.
+    let lobe = LightLobe { towards: [0.3, 0.4, 0.8], width_deg: 10.0, radiance: [20.0; 3] };
+    let window = Environment { lobes: vec![lobe], ..Environment::default() };
+    let picture = Panorama::painted((256, 128), |way| window.radiance(way)).unwrap();
+    let color = Vec3::new(0.6, 0.3, 0.1);
+    let [painted, formula] =
+        [TrueSky::of_panorama(picture, 0.0, 1.0), TrueSky::of_environment(window)].map(|sky| under(sky, color, 64));
+    assert!(((painted - formula) / formula).abs().max_element() < 0.03, "{painted} {formula}");
+}

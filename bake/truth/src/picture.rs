@@ -1,0 +1,271 @@
+//! The true picture of a package: its strands and skin, traced.
+
+use super::camera::{RayCaster, TrueCamera};
+use super::lighting::{Material, Sample, TrueLighting, root_directions};
+use super::tracer::Tracer;
+use glam::{DVec2, DVec3};
+use pelage_bake::noise::{hash, uniform};
+use pelage_bake::stages::hair::TileHair;
+use pelage_bake::strands::Curves;
+use pelage_bake::strands::Skin;
+use pelage_formats::Shading;
+use pelage_import::BakeError;
+use rayon::prelude::*;
+use std::ops::{ControlFlow, Range};
+
+/// Width and height of the squares that the picture is traced in, pixels.
+const SQUARE: u32 = 16;
+/// Squares between two calls of the progress callback.
+const BATCH: usize = 32;
+
+/// A traced picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TracedPicture {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Linear RGB times alpha, and alpha: the share of samples that met anything. Row-major from the top; colours may exceed 1.
+    pub pixels: Vec<[f32; 4]>,
+    /// What it took.
+    pub rays: Rays,
+}
+
+/// Rays of a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rays {
+    /// From the eye.
+    pub primary: u64,
+    /// To the key light.
+    pub shadow: u64,
+}
+
+/// Strands and skin, ready to be traced.
+pub struct TrueScene {
+    pub(super) tracer: Tracer,
+    material: Material,
+}
+
+impl TracedPicture {
+    /// How many pixels anything covers.
+    pub fn covered(&self) -> usize {
+        self.pixels.iter().filter(|p| p[3] > 0.0).count()
+    }
+
+    /// Takes in another picture of the same size, of other samples: `[self, other]` are the shares of all samples that each has.
+    pub fn mix(&mut self, other: &Self, [own, new]: [f32; 2]) {
+        for (pixel, more) in self.pixels.iter_mut().zip(&other.pixels) {
+            *pixel = std::array::from_fn(|i| own * pixel[i] + new * more[i]);
+        }
+        self.rays.primary += other.rays.primary;
+        self.rays.shadow += other.rays.shadow;
+    }
+}
+
+impl TrueScene {
+    /// Builds the trees.
+    ///
+    /// * `hair`: the tile that the strands are copies of, for the undercoat; `None` leaves furred skin bare
+    /// * `shading`: of `hair.strands`
+    ///
+    /// # Errors
+    /// [`BakeError::Internal`] for places that are not finite.
+    pub fn new(curves: Curves, skin: Skin, hair: Option<&TileHair>, shading: Shading) -> Result<Self, BakeError> {
+        let wet = hair.and_then(|h| h.wet.as_ref());
+        let directions =
+            |strands: Option<&pelage_bake::stages::hair::Strands>| strands.map_or_else(Vec::new, root_directions);
+        let color = |strands: Option<&pelage_bake::stages::hair::Strands>| {
+            strands.map_or(DVec3::ONE, |s| s.root_color.as_dvec3())
+        };
+        let dry = hair.map(|h| &h.strands);
+        let material = Material {
+            dry: shading,
+            wet: shading.wet(),
+            roots: [directions(dry), directions(wet)],
+            root_colors: [color(dry), color(wet)],
+        };
+        Ok(Self { tracer: Tracer::new(curves, skin)?, material })
+    }
+
+    /// The strands.
+    pub fn curves(&self) -> &Curves {
+        &self.tracer.curves
+    }
+
+    /// The skin.
+    pub fn skin(&self) -> &Skin {
+        &self.tracer.skin
+    }
+
+    /// Bytes in memory for each strand: its points, its pieces and their tree.
+    pub fn bytes_per_strand(&self) -> f64 {
+        self.tracer.bytes_per_strand()
+    }
+
+    /// Traces a picture of `width` × `height` pixels with `spp` samples each, spread over the pixel's square (box filter).
+    ///
+    /// `progress` gets the pixels that are done and all of them. The same arguments give the same picture on any number of threads.
+    pub fn picture(
+        &self,
+        camera: &TrueCamera,
+        lighting: &TrueLighting,
+        (width, height): (u32, u32),
+        spp: u32,
+        progress: &mut dyn FnMut(u64, u64),
+    ) -> TracedPicture {
+        let mut going_on = |done, total| {
+            progress(done, total);
+            ControlFlow::Continue(())
+        };
+        let whole = self.portion(camera, lighting, (width, height), &Portion::of_samples(0..spp), &mut going_on);
+        // Nobody breaks off.
+        whole.unwrap_or_default()
+    }
+
+    /// As [`Self::picture`], of a portion alone; all other pixels are empty. The mean of pictures of other samples, each weighed by its samples, is one of
+    /// them all; those of a picture's parts have its pixels, to the last bit. Ends without a picture where `progress` breaks off.
+    pub fn portion(
+        &self,
+        camera: &TrueCamera,
+        lighting: &TrueLighting,
+        (width, height): (u32, u32),
+        Portion { samples, part }: &Portion,
+        progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
+    ) -> Option<TracedPicture> {
+        let mut picture = TracedPicture { width, height, ..TracedPicture::default() };
+        picture.pixels = vec![[0.0; 4]; width as usize * height as usize];
+        let squares = part.squares((width, height));
+        let total = squares.iter().map(Square::pixels).sum();
+        let mut done = 0;
+        let rays = RayCaster::new(camera, (width, height));
+        for batch in squares.chunks(BATCH) {
+            let traced: Vec<_> = batch
+                .par_iter()
+                .map(|Square { columns, rows }| {
+                    let mut pixels = Vec::new();
+                    let mut count = Rays::default();
+                    for y in rows.clone() {
+                        pixels.extend(
+                            columns.clone().map(|x| self.pixel(&rays, lighting, (x, y), samples.clone(), &mut count)),
+                        );
+                    }
+                    (columns, rows.start, pixels, count)
+                })
+                .collect();
+            for (columns, y0, pixels, count) in traced {
+                for (row, colors) in pixels.chunks(columns.len()).enumerate() {
+                    let first = (y0 as usize + row) * width as usize + columns.start as usize;
+                    picture.pixels[first..first + columns.len()].copy_from_slice(colors);
+                }
+                done += pixels.len() as u64;
+                picture.rays.primary += count.primary;
+                picture.rays.shadow += count.shadow;
+            }
+            if progress(done, total).is_break() {
+                return None;
+            }
+        }
+        Some(picture)
+    }
+
+    fn pixel(
+        &self,
+        rays: &RayCaster,
+        lighting: &TrueLighting,
+        (x, y): (u32, u32),
+        samples: Range<u32>,
+        count: &mut Rays,
+    ) -> [f32; 4] {
+        let seed = hash(u64::from(x) << 32 | u64::from(y), 0x0123);
+        let shift = DVec2::new(f64::from(uniform(seed, 0)), f64::from(uniform(seed, 1)));
+        let mut sum = DVec3::ZERO;
+        let mut met = 0u32;
+        for i in samples.clone() {
+            let inside = spread(i, shift);
+            let (origin, way) = rays.ray(DVec2::new(f64::from(x), f64::from(y)) + inside);
+            count.primary += 1;
+            if let Some((hit, distance)) = self.tracer.first(origin, way) {
+                let seed = hash(seed, u64::from(i) + 2);
+                let sample = Sample { tracer: &self.tracer, material: &self.material, lighting, seed };
+                met += 1;
+                sum += sample.light(&hit, origin + way * distance, -way, &mut count.shadow);
+            }
+        }
+        let spp = f64::from((samples.end.saturating_sub(samples.start)).max(1));
+        let color = (sum / spp).as_vec3();
+        [color.x, color.y, color.z, (f64::from(met) / spp) as f32]
+    }
+}
+
+/// What is traced of a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Portion {
+    /// Which samples of each pixel.
+    pub samples: Range<u32>,
+    /// Which pixels.
+    pub part: Part,
+}
+
+impl Portion {
+    /// Those samples of all pixels.
+    pub fn of_samples(samples: Range<u32>) -> Self {
+        Self { samples, part: Part::default() }
+    }
+}
+
+/// One of the parts that a picture is divided into: small squares from all over it, so that each part is about as dear as the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Which one, from 0.
+    pub number: u32,
+    /// How many there are, at least 1.
+    pub of: u32,
+}
+
+impl Default for Part {
+    /// The whole picture.
+    fn default() -> Self {
+        Self { number: 0, of: 1 }
+    }
+}
+
+/// A small square of a picture, cut off at its edges.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Square {
+    /// Its columns.
+    pub columns: Range<u32>,
+    /// Its rows.
+    pub rows: Range<u32>,
+}
+
+impl Square {
+    /// How many pixels it has.
+    pub fn pixels(&self) -> u64 {
+        self.columns.len() as u64 * self.rows.len() as u64
+    }
+}
+
+impl Part {
+    /// The squares of this part of a picture of `width` × `height` pixels. Every pixel is in one square of one part.
+    pub fn squares(&self, (width, height): (u32, u32)) -> Vec<Square> {
+        let along = |count: u32, i: u32| SQUARE * i..(SQUARE * (i + 1)).min(count);
+        let rows = 0..height.div_ceil(SQUARE);
+        rows.flat_map(|y| (0..width.div_ceil(SQUARE)).map(move |x| (x, y)))
+            // Along diagonals, so that no part has whole columns.
+            .filter(|(x, y)| (x + y) % self.of == self.number)
+            .map(|(x, y)| Square { columns: along(width, x), rows: along(height, y) })
+            .collect()
+    }
+}
+
+/// Point number `i` of a sequence that covers the unit square evenly however far it goes (Roberts 2018, "R2"), shifted round.
+fn spread(i: u32, shift: DVec2) -> DVec2 {
+    // Powers of the reciprocal of the plastic number, the root of x³ = x + 1.
+    const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
+    let p = STEP * f64::from(i) + shift;
+    p - p.floor()
+}
+
+#[cfg(test)]
+#[path = "picture_tests.rs"]
+mod tests;

@@ -1,0 +1,370 @@
+#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+use super::*;
+use crate::{Lens, TrueLight};
+use glam::{Vec3, Vec4};
+use pelage_bake::strands::{CurvePoint, SkinMaterial, SkinPoint};
+
+/// A straight strand of even radius whose skin faces the eye.
+fn strand(curves: &mut Curves, from: Vec3, to: Vec3, radius_m: f32) {
+    let point = |position_ws, height| CurvePoint {
+        position_ws,
+        radius_m,
+        height,
+        color: Vec3::new(0.5, 0.25, 0.125),
+        normal_ws: Vec3::Z,
+    };
+    curves.push(&[point(from, 0.5), point(to, 0.5)], false, glam::Vec2::ZERO);
+}
+
+fn scene(curves: Curves) -> TrueScene {
+    TrueScene::new(curves, Skin::default(), None, Shading::default()).unwrap()
+}
+
+/// Two metres of the plane z = 0, seen from the front.
+fn camera() -> TrueCamera {
+    TrueCamera {
+        eye_ws: Vec3::new(0.0, 0.0, 5.0),
+        target_ws: Vec3::ZERO,
+        up_ws: Vec3::Y,
+        lens: Lens::Orthographic { height_m: 2.0 },
+    }
+}
+
+fn lighting() -> TrueLighting {
+    TrueLighting::of(TrueLight::Directional { towards_light_ws: Vec3::Z, color: Vec3::ONE })
+}
+
+fn trace(scene: &TrueScene, lighting: &TrueLighting, size: u32, spp: u32) -> TracedPicture {
+    scene.picture(&camera(), lighting, (size, size), spp, &mut |_, _| ())
+}
+
+/// Covered area, square metres, of a square picture of 2 m.
+fn covered(picture: &TracedPicture) -> f64 {
+    let mean = picture.pixels.iter().map(|p| f64::from(p[3])).sum::<f64>() / picture.pixels.len() as f64;
+    4.0 * mean
+}
+
+#[test]
+fn a_strand_covers_its_outline() {
+    for (from, to, radius) in [
+        (Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.01f32),
+        (Vec3::new(-0.6, -0.3, 0.5), Vec3::new(0.5, 0.4, -0.5), 0.003),
+        // Towards the eye: a disc.
+        (Vec3::new(0.1, 0.2, -0.5), Vec3::new(0.1, 0.2, 0.5), 0.1),
+    ] {
+        let mut curves = Curves::default();
+        strand(&mut curves, from, to, radius);
+        let picture = trace(&scene(curves), &lighting(), 128, 64);
+        let (r, length) = (f64::from(radius), f64::from((to - from).truncate().length()));
+        let truth = 2.0 * r * length + std::f64::consts::PI * r * r;
+        let found = covered(&picture);
+        assert!((found / truth - 1.0).abs() < 0.01, "{from} to {to}: {found} m², expected {truth}");
+        assert_eq!(picture.rays.primary, 128 * 128 * 64);
+    }
+}
+
+/// Opaque things thrown at random let through exp(−τ), where τ is the sum of what each covers over the whole area.
+#[test]
+fn a_block_of_random_strands_lets_the_exponential_through() {
+    for tau in [0.3, 1.0, 2.0] {
+        let (radius, length) = (0.004f32, 0.2f32);
+        let mut curves = Curves::default();
+        let mut covered_by_each = 0.0;
+        // Strands begin anywhere in a box somewhat larger than what is seen, so that its middle is filled evenly.
+        let (side, mut seed) = (2.6f64, 0u64);
+        while covered_by_each < tau * side * side {
+            let mut draw = || {
+                seed += 1;
+                2.0 * uniform(7, seed) - 1.0
+            };
+            let middle = Vec3::new(1.3 * draw(), 1.3 * draw(), draw());
+            let way = Vec3::new(draw(), draw(), draw()).normalize() * (0.5 * length);
+            strand(&mut curves, middle - way, middle + way, radius);
+            let (r, flat) = (f64::from(radius), 2.0 * f64::from(way.truncate().length()));
+            covered_by_each += 2.0 * r * flat + std::f64::consts::PI * r * r;
+        }
+        let found = 1.0 - covered(&trace(&scene(curves), &lighting(), 128, 16)) / 4.0;
+        let truth = f64::exp(-tau);
+        assert!((found - truth).abs() < 0.012, "τ {tau}: {found} comes through, expected {truth}");
+    }
+}
+
+/// Equation (3) by hand, where everything in it is simple.
+#[test]
+fn a_strand_is_lit_as_the_equation_says() {
+    let mut curves = Curves::default();
+    strand(&mut curves, Vec3::new(-3.0, 0.0, 0.0), Vec3::new(3.0, 0.0, 0.0), 2.0);
+    let k = Shading::default();
+    let at_center = |curves: &Curves, lighting: &TrueLighting| {
+        // So near that the light comes from the same side everywhere.
+        let camera = TrueCamera { lens: Lens::Orthographic { height_m: 1e-4 }, ..camera() };
+        let picture = scene(curves.clone()).picture(&camera, lighting, (1, 1), 4, &mut |_, _| ());
+        Vec3::from_slice(&picture.pixels[0][..3])
+    };
+    let color = Vec3::new(0.5, 0.25, 0.125);
+    let gamma = k.ambient_floor + (1.0 - k.ambient_floor) * 0.5;
+    let (ambient, full) = (0.35 * gamma * color, 1.2 * color + 0.18);
+    let near = |found: Vec3, expected: Vec3| assert!(found.distance(expected) < 1e-5, "{found}, expected {expected}");
+    // The light is behind the eye: T is square to L and to H.
+    near(at_center(&curves, &lighting()), ambient + full);
+    // Along the hair there is no sine, and H stands at 45 degrees to it.
+    let from = |x: f32, y: f32, z: f32| TrueLighting {
+        key: TrueLight::Directional { towards_light_ws: Vec3::new(x, y, z), color: Vec3::ONE },
+        ..lighting()
+    };
+    near(at_center(&curves, &from(1.0, 0.0, 0.0)), ambient + 0.18 * 0.5f32.powf(15.0));
+    // 60 degrees to the hair, from behind as far as Attenu_Back halves.
+    let back = TrueLighting { hair_shadows: false, ..from(0.5, (1.0f32 - 0.25 - 0.0225).sqrt(), -0.15) };
+    let half = (Vec3::new(0.5, (1.0f32 - 0.25 - 0.0225).sqrt(), -0.15) + Vec3::Z).normalize();
+    let lit = 1.2 * color * 0.75 + 0.18 * (1.0 - half.x * half.x).powf(15.0);
+    near(at_center(&curves, &back), ambient + 0.5 * lit);
+    // Terms can be left out.
+    near(at_center(&curves, &TrueLighting { ambient_attenuation: false, ..lighting() }), 0.35 * color + full);
+    near(at_center(&curves, &TrueLighting { back_attenuation: false, ..back.clone() }), ambient + lit);
+    // A lamp at a place, and one without shadow.
+    let lamp = TrueLight::Point { position_ws: Vec3::new(0.0, 0.0, 4.0), color: Vec3::new(1.0, 0.0, 2.0) };
+    near(at_center(&curves, &TrueLighting { key: lamp, ..lighting() }), (ambient + full) * Vec3::new(1.0, 0.0, 2.0));
+    near(at_center(&curves, &TrueLighting { fill: vec![lighting().key], ..lighting() }), ambient + 2.0 * full);
+
+    // Another strand before the light takes all of it, unless hair throws no shadow; one behind a lamp takes none.
+    strand(&mut curves, Vec3::new(-9.0, 0.0, 8.0), Vec3::new(9.0, 0.0, 8.0), 2.0);
+    near(at_center(&curves, &lighting()), ambient);
+    near(at_center(&curves, &TrueLighting { hair_shadows: false, ..lighting() }), ambient + full);
+    near(at_center(&curves, &TrueLighting { key: lamp, ..lighting() }), (ambient + full) * Vec3::new(1.0, 0.0, 2.0));
+    // A disc half behind the edge of a hair is half as bright.
+    let mut edge = Curves::default();
+    strand(&mut edge, Vec3::new(-3.0, 0.0, 0.0), Vec3::new(3.0, 0.0, 0.0), 0.001);
+    strand(&mut edge, Vec3::new(-90.0, -50.0, 60.0), Vec3::new(90.0, -50.0, 60.0), 50.0);
+    let picture = scene(edge).picture(
+        &TrueCamera { lens: Lens::Orthographic { height_m: 1e-4 }, ..camera() },
+        &TrueLighting { penumbra: 0.5, ..lighting() },
+        (8, 8),
+        400,
+        &mut |_, _| (),
+    );
+    let mean = picture.pixels.iter().map(|p| p[0]).sum::<f32>() / 64.0;
+    assert!((mean - (ambient + 0.5 * full).x).abs() < 0.02, "{mean}");
+}
+
+/// A quad of skin at height z, seen from the front.
+fn skin(z: f64, material: SkinMaterial) -> Skin {
+    let vertex = |x: f64, y: f64| SkinPoint {
+        position_ws: DVec3::new(x, y, z),
+        normal_ws: DVec3::Z,
+        tangent_ws: DVec3::X,
+        bitangent_ws: DVec3::Y,
+        color: Vec4::ONE,
+        groom: glam::Vec2::X,
+        fur_height_m: 0.1,
+        ..SkinPoint::default()
+    };
+    Skin {
+        vertices: vec![vertex(-1.0, -1.0), vertex(1.0, -1.0), vertex(1.0, 1.0), vertex(-1.0, 1.0)],
+        same_place: vec![0, 1, 2, 3],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        material_of: vec![0, 0],
+        materials: vec![material],
+    }
+}
+
+#[test]
+fn skin_is_bare_or_an_undercoat() {
+    let bare = SkinMaterial { base_color: Vec4::new(0.5, 0.5, 0.5, 0.6), ..SkinMaterial::default() };
+    let furred = SkinMaterial { furred: true, ..bare.clone() };
+    let upright = pelage_bake::stages::hair::Strands {
+        points: vec![Vec3::ZERO, Vec3::Z],
+        radii: vec![0.1; 2],
+        colors: vec![Vec3::ONE; 2],
+        offsets: vec![0, 2],
+        height: 1.0,
+        root_color: Vec3::splat(0.4),
+    };
+    let hair = TileHair { strands: upright, ..TileHair::default() };
+    let slanted = TrueLighting {
+        key: TrueLight::Directional { towards_light_ws: Vec3::new(0.0, 0.8, 0.6), color: Vec3::ONE },
+        ..lighting()
+    };
+    let shade = |material: SkinMaterial, groom: f32| {
+        let mut skin = skin(0.0, material);
+        skin.vertices.iter_mut().for_each(|v| v.groom.x = groom);
+        let scene = TrueScene::new(Curves::default(), skin, Some(&hair), Shading::default()).unwrap();
+        trace(&scene, &slanted, 3, 4).pixels[4]
+    };
+    let lambert = 0.5 * (0.35 + 1.2 * 0.6);
+    // Upright roots: sin²(T, L) is 0.64; T and H are 26.6 degrees apart.
+    let undercoat = 0.2 * (0.35 * 0.3 + 1.2 * 0.64) + 0.18 * 0.2f32.powf(15.0);
+    for (found, expected) in [
+        (shade(bare.clone(), 1.0), lambert),
+        (shade(furred.clone(), 1.0), undercoat),
+        (shade(furred, 0.25), 0.25 * undercoat + 0.75 * lambert),
+    ] {
+        assert!((found[0] - expected).abs() < 1e-5 && found[3] == 1.0, "{found:?}, expected {expected}");
+    }
+    // What is less opaque than its cut-off is not there.
+    let cut = SkinMaterial { alpha_cutoff: Some(0.7), ..bare.clone() };
+    assert_eq!(shade(cut, 1.0), [0.0; 4]);
+    // From behind, one side is not there and two are lit by what shines on the back.
+    let behind = |double_sided: bool| {
+        let mut skin = skin(0.0, SkinMaterial { double_sided, ..bare.clone() });
+        skin.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        let scene = TrueScene::new(Curves::default(), skin, None, Shading::default()).unwrap();
+        trace(&scene, &slanted, 3, 4).pixels[4]
+    };
+    assert_eq!(behind(false), [0.0; 4]);
+    assert!((behind(true)[0] - 0.5 * 0.35).abs() < 1e-5, "{:?}", behind(true));
+}
+
+#[test]
+fn skin_throws_shadows_on_hair() {
+    let mut curves = Curves::default();
+    strand(&mut curves, Vec3::new(-0.5, 0.0, -1.0), Vec3::new(0.5, 0.0, -1.0), 0.5);
+    // The strand hides behind the skin from the light, and is seen from below.
+    let camera = TrueCamera { eye_ws: Vec3::new(0.0, 0.0, -5.0), ..camera() };
+    let scene = TrueScene::new(curves, skin(0.0, SkinMaterial::default()), None, Shading::default()).unwrap();
+    let center = |lighting: TrueLighting| scene.picture(&camera, &lighting, (3, 3), 4, &mut |_, _| ()).pixels[4][0];
+    let (dark, lit) = (center(lighting()), center(TrueLighting { skin_shadows: false, ..lighting() }));
+    let ambient = 0.5 * 0.35 * 0.65;
+    assert!((dark - ambient).abs() < 1e-5 && lit > dark + 0.1, "{dark} {lit}");
+}
+
+/// The error of a picture falls with the number of samples: by 1/√n for random ones, a little faster for evenly spread ones.
+#[test]
+fn noise_falls_with_the_square_root_of_the_samples() {
+    let mut curves = Curves::default();
+    for i in 0..600u64 {
+        let draw = |n: u64| 2.0 * uniform(3, 8 * i + n) - 1.0;
+        let middle = Vec3::new(draw(0), draw(1), draw(2));
+        let way = Vec3::new(draw(3), draw(4), draw(5)).normalize() * 0.2;
+        strand(&mut curves, middle - way, middle + way, 0.01);
+    }
+    let scene = scene(curves);
+    let light = TrueLighting {
+        key: TrueLight::Directional { towards_light_ws: Vec3::new(0.3, 0.8, 0.5), color: Vec3::ONE },
+        penumbra: 0.3,
+        ..lighting()
+    };
+    let truth = trace(&scene, &light, 48, 4096);
+    let errors: Vec<(f64, f64)> = [4u32, 16, 64, 256]
+        .iter()
+        .map(|spp| {
+            let picture = trace(&scene, &light, 48, *spp);
+            let squares = picture.pixels.iter().zip(&truth.pixels).map(|(a, b)| f64::from(a[0] - b[0]).powi(2));
+            (f64::from(*spp).ln(), 0.5 * (squares.sum::<f64>() / (48.0 * 48.0)).ln())
+        })
+        .collect();
+    let mean = |f: fn(&(f64, f64)) -> f64| errors.iter().map(f).sum::<f64>() / errors.len() as f64;
+    let (x, y) = (mean(|e| e.0), mean(|e| e.1));
+    let slope = errors.iter().map(|e| (e.0 - x) * (e.1 - y)).sum::<f64>()
+        / errors.iter().map(|e| (e.0 - x).powi(2)).sum::<f64>();
+    assert!((-0.8..-0.45).contains(&slope), "slope {slope}, {errors:?}");
+}
+
+#[test]
+fn scale_and_place_do_not_matter() {
+    let picture = |scale: f32, shift: Vec3| {
+        let mut curves = Curves::default();
+        strand(
+            &mut curves,
+            Vec3::new(-0.6, -0.3, 0.0) * scale + shift,
+            Vec3::new(0.5, 0.4, 0.0) * scale + shift,
+            0.05 * scale,
+        );
+        let camera = TrueCamera {
+            eye_ws: Vec3::new(0.0, 0.0, 5.0) * scale + shift,
+            target_ws: shift,
+            lens: Lens::Perspective { fov_y_rad: 0.4 },
+            ..camera()
+        };
+        scene(curves).picture(&camera, &lighting(), (32, 32), 16, &mut |_, _| ())
+    };
+    let truth = picture(1.0, Vec3::ZERO);
+    assert!(covered(&truth) > 0.1);
+    for (scale, shift) in [(1e-3, Vec3::ZERO), (100.0, Vec3::ZERO), (1.0, Vec3::new(8.0, -16.0, 4.0))] {
+        let other = picture(scale, shift);
+        let off = truth.pixels.iter().zip(&other.pixels).filter(|(a, b)| (a[3] - b[3]).abs() > 0.07).count();
+        assert!(off <= 4, "scale {scale}, shift {shift}: {off} pixels differ");
+    }
+}
+
+#[test]
+fn the_same_picture_on_any_number_of_threads() {
+    let mut curves = Curves::default();
+    for i in 0..50 {
+        let x = i as f32 / 25.0 - 1.0;
+        strand(&mut curves, Vec3::new(x, -0.8, 0.0), Vec3::new(-x, 0.8, 0.3), 0.01);
+    }
+    let scene = scene(curves);
+    let light = TrueLighting { penumbra: 0.2, ..lighting() };
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut calls = Vec::new();
+        let picture = pool
+            .install(|| scene.picture(&camera(), &light, (150, 70), 5, &mut |done, total| calls.push((done, total))));
+        assert_eq!(calls.last(), Some(&(150 * 70, 150 * 70)));
+        picture
+    };
+    let one = on(1);
+    assert!(one == on(4) && one == on(3) && one.rays.shadow > 0);
+}
+
+#[test]
+fn an_empty_scene_is_empty() {
+    let picture = trace(&scene(Curves::default()), &lighting(), 4, 4);
+    assert!(picture.pixels.iter().all(|p| *p == [0.0; 4]) && picture.rays.shadow == 0);
+}
+
+#[test]
+fn samples_in_parts_are_the_whole_and_a_trace_can_be_broken_off() {
+    let mut curves = Curves::default();
+    strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
+    let scene = scene(curves);
+    let part = |samples| {
+        scene.portion(&camera(), &lighting(), (40, 40), &Portion::of_samples(samples), &mut |_, _| {
+            ControlFlow::Continue(())
+        })
+    };
+    let whole = trace(&scene, &lighting(), 40, 8);
+    let mut mixed = part(0..2).unwrap();
+    mixed.mix(&part(2..8).unwrap(), [0.25, 0.75]);
+    assert_eq!(mixed.rays, whole.rays);
+    for (a, b) in mixed.pixels.iter().flatten().zip(whole.pixels.iter().flatten()) {
+        assert!((a - b).abs() < 1e-5, "{a} is not {b}");
+    }
+    assert!(part(0..2).unwrap() != part(2..4).unwrap(), "each part has samples of its own");
+    let broken =
+        scene.portion(&camera(), &lighting(), (40, 40), &Portion::of_samples(0..8), &mut |_, _| ControlFlow::Break(()));
+    assert_eq!(broken, None);
+}
+
+#[test]
+fn parts_of_a_picture_have_its_pixels() {
+    let mut curves = Curves::default();
+    strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
+    let scene = scene(curves);
+    let size = (70, 45);
+    let whole = scene.picture(&camera(), &lighting(), size, 2, &mut |_, _| {});
+    let mut pixels = vec![[f32::NAN; 4]; whole.pixels.len()];
+    let mut rays = Rays::default();
+    for number in 0..5 {
+        let part = Part { number, of: 5 };
+        let portion = Portion { samples: 0..2, part };
+        let mut told = (0, 0);
+        let traced = scene.portion(&camera(), &lighting(), size, &portion, &mut |done, all| {
+            told = (done, all);
+            ControlFlow::Continue(())
+        });
+        let traced = traced.expect("nobody breaks off");
+        let squares = part.squares(size);
+        let count: u64 = squares.iter().map(Square::pixels).sum();
+        assert_eq!(told, (count, count));
+        assert!(count.abs_diff(70 * 45 / 5) < 300, "{count} pixels in part {number}");
+        for Square { columns, rows } in squares {
+            for at in rows.flat_map(|y| columns.clone().map(move |x| (y * 70 + x) as usize)) {
+                assert!(pixels[at][0].is_nan(), "pixel {at} is in two parts");
+                pixels[at] = traced.pixels[at];
+            }
+        }
+        (rays.primary, rays.shadow) = (rays.primary + traced.rays.primary, rays.shadow + traced.rays.shadow);
+    }
+    assert_eq!((pixels, rays), (whole.pixels, whole.rays));
+}

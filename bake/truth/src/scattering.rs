@@ -1,0 +1,93 @@
+//! What paths of light need to know of the fibres that they meet.
+
+use pelage_formats::meaning::scattering::{Around, Fibre, Keeps};
+use pelage_import::BakeError;
+
+/// Hair as fibres that scatter light to each other, in place of Yang 2006, eq. (3), which knows one of them at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrueScattering {
+    fibres: Vec<TrueFibre>,
+    /// For each run of strands its name, the first behind it, and which fibre they are; those behind all are the first fibre.
+    runs: Vec<(String, u32, usize)>,
+    bounces: u32,
+}
+
+/// A fibre that can be met from nearby.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TrueFibre {
+    pub(super) fibre: Fibre,
+    /// Scale of the logistic distribution around it, radians.
+    pub(super) scale: f64,
+}
+
+impl TrueScattering {
+    /// How often light meets hair and skin where nobody says it: enough for white coats.
+    pub const BOUNCES: u32 = 64;
+
+    /// Of strands that are all that fibre. Light meets hair or skin at most `bounces` times, at least 1: 1 is what comes from the lights by one fibre.
+    ///
+    /// # Errors
+    /// [`BakeError::Internal`] for a fibre that cannot be met from nearby: one that is smooth all around, or that does not keep energy.
+    pub fn new(fibre: Fibre, bounces: u32) -> Result<Self, BakeError> {
+        Ok(Self { fibres: vec![near(fibre)?], runs: Vec::new(), bounces: bounces.max(1) })
+    }
+
+    /// The same where strands from the end of the last run up to `end`, which have that name, are another fibre.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_run(mut self, name: &str, end: u32, fibre: Fibre) -> Result<Self, BakeError> {
+        self.runs.push((name.to_owned(), end, self.fibres.len()));
+        self.fibres.push(near(fibre)?);
+        Ok(self)
+    }
+
+    /// The same with as many bounces, at least 1.
+    pub fn with_bounces(self, bounces: u32) -> Self {
+        Self { bounces: bounces.max(1), ..self }
+    }
+
+    /// The fibre of a strand.
+    pub(super) fn of_strand(&self, strand: u32) -> &TrueFibre {
+        let run = self.runs.partition_point(|(_, end, _)| *end <= strand);
+        &self.fibres[self.runs.get(run).map_or(0, |(.., fibre)| *fibre)]
+    }
+
+    /// The fibre of strands of that name, and the scale of its logistic distribution around it, radians.
+    pub fn of_group(&self, name: &str) -> (Fibre, f64) {
+        let number = self.runs.iter().find(|(run, ..)| run == name).map_or(0, |(.., fibre)| *fibre);
+        let TrueFibre { fibre, scale } = self.fibres[number];
+        (fibre, scale)
+    }
+
+    /// Most times that light meets something.
+    pub fn bounces(&self) -> u32 {
+        self.bounces
+    }
+}
+
+fn near(fibre: Fibre) -> Result<TrueFibre, BakeError> {
+    match (fibre.around, fibre.keeps) {
+        (Around::Rough(scale), Keeps::Energy) => Ok(TrueFibre { fibre, scale }),
+        _ => Err(BakeError::Internal("paths need a fibre that is rough all around and keeps energy".into())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+    use super::*;
+    use pelage_formats::meaning::scattering::azimuthal::Glint;
+
+    #[test]
+    fn strands_are_the_fibre_of_their_run() {
+        let of = |eta| Fibre { eta, ..Fibre::default() };
+        let mixed = TrueScattering::new(of(1.5), 3).unwrap().with_run("coat", 2, of(1.6)).unwrap();
+        let mixed = mixed.with_run("tail", 5, of(1.7)).unwrap();
+        let found = [0, 1, 2, 4, 5, 9].map(|strand| mixed.of_strand(strand).fibre.eta);
+        assert_eq!((found, mixed.bounces()), ([1.6, 1.6, 1.7, 1.7, 1.5, 1.5], 3));
+        assert_eq!((mixed.of_group("tail").0.eta, mixed.of_group("mane").0.eta), (1.7, 1.5));
+        let smooth = Fibre { around: Around::Smooth(Glint::default()), ..Fibre::default() };
+        assert!(TrueScattering::new(smooth, 1).is_err());
+    }
+}

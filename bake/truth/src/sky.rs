@@ -1,0 +1,162 @@
+//! Light from all around for paths: a panorama, or the even light and lobes that it was taken for. Directions are drawn where it is bright.
+
+use glam::DVec3;
+use pelage_formats::meaning::environment::brightness;
+use pelage_stage::sky::{Environment, Panorama};
+use std::sync::Arc;
+
+/// What shines from all around, in place of ambient light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrueSky {
+    of: Arc<Source>,
+}
+
+#[derive(Debug, PartialEq)]
+struct Source {
+    light: Light,
+    /// By what directions are drawn: a panorama itself, or one of the lobes.
+    picture: Panorama,
+    /// Sum of all rows up to each, and in each row of all columns up to each.
+    rows: Vec<f64>,
+    columns: Vec<f64>,
+    /// Turn about the vertical, radians.
+    yaw: f64,
+    strength: f64,
+}
+
+#[derive(Debug, PartialEq)]
+enum Light {
+    Picture,
+    Lobes(Environment),
+}
+
+/// Width and height of the picture of lobes.
+const OF_LOBES: (u32, u32) = (128, 64);
+
+impl TrueSky {
+    /// A panorama, turned about the vertical as [`Environment::turned`] turns, and so many times as bright.
+    pub fn of_panorama(panorama: Panorama, yaw_deg: f32, strength: f32) -> Self {
+        Self::new(Light::Picture, panorama, yaw_deg, strength)
+    }
+
+    /// The even light and the lobes of an environment; its sun is a light of its own.
+    pub fn of_environment(environment: Environment) -> Self {
+        // Of that size there is a picture.
+        let picture = Panorama::painted(OF_LOBES, |way| environment.radiance(way)).unwrap_or_default();
+        Self::new(Light::Lobes(environment), picture, 0.0, 1.0)
+    }
+
+    fn new(light: Light, picture: Panorama, yaw_deg: f32, strength: f32) -> Self {
+        let (width, height) = picture.size();
+        let mut rows = Vec::with_capacity(height as usize);
+        let mut columns = Vec::with_capacity(picture.pixels().len());
+        let mut whole = 0.0;
+        for y in 0..height {
+            let mut sum = 0.0;
+            for x in 0..width {
+                sum += weight(picture.at(x, y)) * picture.solid_angle(y);
+                columns.push(sum);
+            }
+            whole += sum;
+            rows.push(whole);
+        }
+        let source =
+            Source { light, picture, rows, columns, yaw: f64::from(yaw_deg).to_radians(), strength: strength.into() };
+        Self { of: Arc::new(source) }
+    }
+
+    /// Radiance from a direction of length 1, linear RGB.
+    pub fn radiance(&self, from: DVec3) -> DVec3 {
+        let of = &*self.of;
+        let inside = turned(from, -of.yaw);
+        let light = match &of.light {
+            Light::Picture => {
+                let (x, y) = of.picture.pixel(inside);
+                of.picture.at(x, y)
+            }
+            Light::Lobes(environment) => environment.radiance(inside),
+        };
+        light * of.strength
+    }
+
+    /// A direction drawn by two even numbers in 0..1, and how likely it was, a steradian; `None` where all is black.
+    pub fn draw(&self, even: [f64; 2]) -> Option<(DVec3, f64)> {
+        let of = &*self.of;
+        let (width, _) = of.picture.size();
+        let whole = *of.rows.last()?;
+        if whole <= 0.0 {
+            return None;
+        }
+        let (y, down) = pick(&of.rows, even[0] * whole);
+        let row = &of.columns[y * width as usize..(y + 1) * width as usize];
+        let (x, across) = pick(row, even[1] * row[row.len() - 1]);
+        let way = of.picture.towards_within(x as u32, y as u32, [across, down]);
+        Some((turned(way, of.yaw), self.likely_in(x as u32, y as u32)))
+    }
+
+    /// How likely a direction is drawn, a steradian.
+    pub fn likely(&self, way: DVec3) -> f64 {
+        let (x, y) = self.of.picture.pixel(turned(way, -self.of.yaw));
+        self.likely_in(x, y)
+    }
+
+    fn likely_in(&self, x: u32, y: u32) -> f64 {
+        let whole = self.of.rows.last().copied().unwrap_or(0.0);
+        if whole > 0.0 { weight(self.of.picture.at(x, y)) / whole } else { 0.0 }
+    }
+}
+
+/// How often a pixel is drawn.
+fn weight(light: DVec3) -> f64 {
+    brightness(light)
+}
+
+/// Turned about the vertical, from +x towards −z.
+fn turned(way: DVec3, yaw: f64) -> DVec3 {
+    let (sin, cos) = libm::sincos(yaw);
+    DVec3::new(way.x * cos + way.z * sin, way.y, way.z * cos - way.x * sin)
+}
+
+/// Which of `sums`, each the sum of all up to it, holds a place, and how far in it that is, 0..1.
+fn pick(sums: &[f64], place: f64) -> (usize, f64) {
+    let at = sums.partition_point(|sum| *sum <= place).min(sums.len() - 1);
+    let before = if at > 0 { sums[at - 1] } else { 0.0 };
+    let size = sums[at] - before;
+    (at, if size > 0.0 { ((place - before) / size).clamp(0.0, 1.0) } else { 0.5 })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+    use super::*;
+    use pelage_bake::noise::uniform;
+
+    /// The mean of light over how likely it was drawn is all of it, with little noise; what is drawn is as likely as it says.
+    #[test]
+    fn directions_are_drawn_where_light_is() {
+        let panorama = Panorama::painted((96, 48), |way| {
+            let window = if way.dot(DVec3::new(0.6, 0.0, 0.8)) > 0.95 { 40.0 } else { 0.0 };
+            DVec3::new(0.1 + 0.2 * way.y.max(0.0), 0.2, 0.3) + DVec3::splat(window)
+        });
+        let panorama = panorama.unwrap();
+        let whole = panorama.whole();
+        let sky = TrueSky::of_panorama(panorama, 30.0, 2.0);
+        let mut sum = DVec3::ZERO;
+        const COUNT: u64 = 4_000;
+        for i in 0..COUNT {
+            let (way, likely) = sky.draw([0, 1].map(|n| uniform(i, n).into())).unwrap();
+            assert!((way.length() - 1.0).abs() < 1e-9 && likely > 0.0);
+            // On an edge between pixels either may be asked.
+            let asked = sky.likely(way);
+            assert!((asked / likely - 1.0).abs() < 1e-9 || asked > 0.0, "{asked} {likely}");
+            sum += sky.radiance(way) / likely / COUNT as f64;
+        }
+        assert!((sum / whole / 2.0 - 1.0).abs().max_element() < 0.02, "{sum}, expected twice {whole}");
+        // It is turned from +x towards −z, as models are.
+        let window = turned(DVec3::new(0.6, 0.0, 0.8), 30_f64.to_radians());
+        assert!(sky.radiance(window).x > 80.0 && sky.radiance(-window).x < 1.0);
+        let lobes = TrueSky::of_environment(Environment::gradient([1.0; 3], [0.5; 3]));
+        assert!((lobes.radiance(DVec3::Y) - 1.0).length() < 1e-6);
+        assert!(TrueSky::of_environment(Environment::default()).draw([0.5; 2]).is_none());
+    }
+}
