@@ -108,7 +108,7 @@ const INTRODUCTION: [&str; 4] = [
     "Lengths end in `_m` and are metres, angles end in `_deg`, widths on screen in `_px`. Where a default is \"left out\", the bake chooses the \
      value from the model. `pelage unpack` writes down the recipe that a package was baked with.",
     "The pictures show the hare of `assets/models`, which has no recipe, with three values of one key.",
-    "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin write_docs`.",
+    "This page is made from the declarations in `bake/src/recipe/` by `cargo run -p pelage-tests --bin chores -- write-docs`.",
 ];
 
 /// The paths among those that keys may name, each once with the key that names it first.

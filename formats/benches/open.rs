@@ -3,7 +3,7 @@
 //! the figure that the project promises.
 #![allow(clippy::unwrap_used, reason = "in a benchmark a panic is the report")]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/formats/common/mod.rs"]
 mod common;
 
 use pelage_formats::*;

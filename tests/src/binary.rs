@@ -1,6 +1,7 @@
 //! The real binaries `pelage` and `pelage-lab`, run in fresh folders.
 
 use std::ffi::OsStr;
+use std::hash::{Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
@@ -39,20 +40,9 @@ fn folder() -> &'static Path {
         };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let output = Command::new(cargo)
-            // The whole workspace, and with it a test, so that the features are those of `cargo test --workspace`: then there
-            // is nothing left to compile but pelage.
-            .args([
-                "build",
-                "--workspace",
-                "--bin",
-                "pelage",
-                "--bin",
-                "pelage-lab",
-                "--test",
-                "house",
-                "--profile",
-                profile,
-            ])
+            // The whole workspace, and with it a small test, so that the features are those of `cargo test --workspace`: then
+            // there is nothing left to compile but pelage.
+            .args(["build", "--workspace", "--bin", "pelage", "--bin", "pelage-lab", "--test", "formats", "--profile", profile])
             // `tests/timed.sh` sets it for the test harness; build scripts would run again for it.
             .env_remove("RUSTC_BOOTSTRAP")
             .current_dir(workspace())
@@ -60,6 +50,20 @@ fn folder() -> &'static Path {
             .unwrap_or_else(|e| panic!("cargo cannot be run: {e}"));
         assert!(output.status.success(), "building pelage: {}", String::from_utf8_lossy(&output.stderr));
         folder.to_owned()
+    })
+}
+
+/// The folder of packages that tests share, beside the binary; emptied when the binary is newer.
+fn fixtures() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let folder = pelage().with_file_name("fixtures");
+        let changed = |path: &Path| path.metadata().and_then(|found| found.modified());
+        if changed(&folder).is_ok_and(|folder| changed(&pelage()).is_ok_and(|binary| binary > folder)) {
+            std::fs::remove_dir_all(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+        }
+        std::fs::create_dir_all(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+        folder
     })
 }
 
@@ -166,6 +170,25 @@ impl Sandbox {
         // Mesa's device selection looks there for a display; where it is unset, as in a container, the driver writes "error:" lines of its own on stderr.
         command.env("XDG_RUNTIME_DIR", self.path());
         command
+    }
+
+    /// Bakes a package here that a test needs for something else than its bake: `args` are those of `pelage bake`.
+    ///
+    /// The command's own cache serves what was baked before by the same tool from the same files, settings and name of the
+    /// package. Threads and processes that want the same package wait for the first.
+    ///
+    /// # Panics
+    ///
+    /// Where the bake fails.
+    pub fn fixture(&self, args: &[impl AsRef<OsStr>]) {
+        let args: Vec<&OsStr> = args.iter().map(AsRef::as_ref).collect();
+        let mut hasher = std::hash::DefaultHasher::new();
+        args.hash(&mut hasher);
+        let lock = fixtures().join(format!("{:016x}.lock", hasher.finish()));
+        let locked = std::fs::File::create(&lock).and_then(|file| file.lock().map(|()| file));
+        let _locked = locked.unwrap_or_else(|e| panic!("{}: {e}", lock.display()));
+        let run = self.run(&[&["bake".as_ref(), "--cache".as_ref(), fixtures().as_os_str()], &args[..]].concat());
+        assert_eq!(run.code, Some(0), "{args:?}: {run:?}");
     }
 
     /// Runs `pelage` here. No run may ever panic, whatever its input.

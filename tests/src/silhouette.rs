@@ -1,12 +1,8 @@
 //! Models whose silhouettes are measured.
 
-use crate::binary::workspace;
-use pelage_bake::io::{self, Reach};
-use pelage_bake::pipeline::{self, Told};
-use pelage_bake::recipe::{Coat, Recipe};
-use pelage_bake::stages::groom::MapImages;
-use pelage_import::ImportOptions;
+use crate::binary::{Sandbox, workspace};
 use pelage_needs::data;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// IEEE 754 binary16, little-endian.
@@ -45,22 +41,19 @@ pub fn cases(test: &str) -> Vec<Case> {
     cases
 }
 
-/// Bakes a model in plain texels.
+/// A package of a model in plain texels.
 ///
 /// `recipe`: path from the workspace's root; `set`: assignments to its keys.
-pub fn bake_plain(name: &str, model: &Path, recipe: Option<&str>, set: &[&str]) -> Vec<u8> {
-    let mut parsed = Recipe::of_coat(Coat::Natural).expect("the coat is there");
+pub fn bake_plain(model: &Path, recipe: Option<&str>, set: &[&str]) -> Vec<u8> {
+    let sandbox = Sandbox::new();
+    let mut args: Vec<OsString> =
+        [model.as_os_str(), "-q".as_ref(), "-o".as_ref(), "a.pelage".as_ref()].map(Into::into).into();
     if let Some(path) = recipe {
-        let text = std::fs::read_to_string(workspace().join(path)).expect("the recipe is there");
-        parsed = Recipe::parse(path, &text).expect("the recipe reads");
+        args.extend(["--recipe".into(), workspace().join(path).into()]);
     }
     // Plain texels, so that no error of blocks is counted.
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
-    plain.iter().chain(set).for_each(|assignment| parsed.set(assignment).expect("the key exists"));
-    let options = ImportOptions { unit_m: parsed.model.unit_m };
-    let loaded = io::read_model(model, &options, Reach::OwnFolder).expect("the model reads");
-    let file = model.display().to_string();
-    pipeline::bake(&Told::new(&file, name, &parsed, &MapImages::default()), &loaded, &mut |_| ())
-        .expect("the model bakes")
-        .package
+    args.extend(plain.iter().chain(set).flat_map(|set| ["--set".into(), set.into()]));
+    sandbox.fixture(&args);
+    sandbox.read("a.pelage")
 }

@@ -4,6 +4,7 @@ pub mod chart;
 pub mod command;
 pub mod compare_lines;
 pub mod compare_motion;
+mod least_squares;
 pub mod printed_light;
 pub mod stability;
 pub mod truth;

@@ -3,6 +3,7 @@
 //! R is a sum of powers of cos(φ/2), TT one Gaussian about π, and TRT two about its caustics and one between them, of which only one is left from η′ = 2 on. It stands here to
 //! be measured; pelage draws with none of it.
 
+use crate::least_squares::least_squares;
 use glam::DVec3;
 use pelage_formats::meaning::scattering::gaussian_light::GaussianLight;
 use pelage_formats::meaning::scattering::longitudinal::i0e;
@@ -103,12 +104,10 @@ impl Fitted {
 
 /// The powers of cos(φ/2) that come nearest, by least squares.
 fn powers(of: impl Fn(f64) -> f64) -> [f64; POWERS] {
-    use faer::linalg::solvers::SolveLstsq as _;
     let phi = |i: usize| PI * (i as f64 + 0.5) / AZIMUTHS as f64;
-    let basis = faer::Mat::from_fn(AZIMUTHS, POWERS, |i, k| libm::pow(libm::cos(0.5 * phi(i)), k as f64));
-    let values = faer::Mat::from_fn(AZIMUTHS, 1, |i, _| of(phi(i)));
-    let found = basis.qr().solve_lstsq(&values);
-    std::array::from_fn(|k| found[(k, 0)])
+    let power = |k: usize| (0..AZIMUTHS).map(|i| libm::pow(libm::cos(0.5 * phi(i)), k as f64)).collect();
+    let found = least_squares((0..POWERS).map(power).collect(), (0..AZIMUTHS).map(|i| of(phi(i))).collect());
+    std::array::from_fn(|k| found[k])
 }
 
 /// TRT in its three regimes. `middle`: its light towards azimuth 0; `all`: towards all.

@@ -2,11 +2,11 @@
 
 use super::lay::{Laid, lay};
 use super::outputs::{Groomed, Output, Outputs, Packed, Shells, SkinFiles, SkinImages, Told, Visible, made};
-use crate::recipe::{ColorParams, HairColors, Recipe, ShadingModel, Style};
+use crate::recipe::{ColorParams, HairColors, Recipe, ShadingModel};
 use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{self, Atlas, BesideBare, Lengths, Pattern, RootAtlas, Rooting, Vertices};
-use crate::stages::hair::{Asides, TileHair};
+use crate::stages::hair::{Asides, StyleForces, TileHair};
 use crate::stages::hair_groups;
 use crate::stages::ink::{self, Canvas, SkinInk};
 use crate::stages::pack::{self, Pieces, SkinPieces};
@@ -239,7 +239,7 @@ pub(super) fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), Bak
     let furred = skin.manifest.materials.iter().any(|material| material.furred);
     let packed = pack::pack(&Pieces {
         recipe: told.recipe,
-        shading: if hair.style == Style::Wet { shading.wet() } else { shading },
+        shading: if StyleForces::of(hair.style).wet { shading.wet() } else { shading },
         skin,
         shells: &shells.dry,
         wet_shells: shells.wet.as_ref(),

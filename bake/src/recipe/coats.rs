@@ -97,7 +97,7 @@ const INTRODUCTION: [&str; 4] = [
      keys that still have the value of the coat before.",
     "Lengths follow from the model's size (`hair.length_per_radius`, `surface.tile_size_per_radius`); `hair.length_m` and `surface.tile_size_m` \
      say them in metres.",
-    "This page is made from the files in `bake/src/recipe/coats/` by `cargo run --bin write_docs`.",
+    "This page is made from the files in `bake/src/recipe/coats/` by `cargo run -p pelage-tests --bin chores -- write-docs`.",
 ];
 
 #[cfg(test)]

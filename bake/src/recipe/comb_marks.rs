@@ -26,8 +26,8 @@ named_table! {
         /// How far it reaches along the skin, metres: in full within a quarter of that, then less and less (for values three tenths of the model's radius, for
         /// the direction as far as there is no other mark). Beyond, hair is as it would be without.
         reach_m: f32, in 1e-6..=1e6;
-        /// Whether the same stands on the other side, x turned about (false).
-        mirrored: bool, in ();
+        /// Whether the same stands on the other side, x turned about.
+        mirrored: bool = false, in ();
     }
 }
 
@@ -49,7 +49,7 @@ impl CombMarkParams {
     /// The mark, and where it is mirrored its likeness on the other side.
     pub fn with_likeness(&self) -> impl Iterator<Item = Self> + use<> {
         let turned = |v: [f32; 3]| [-v[0], v[1], v[2]];
-        let mirrored = (self.mirrored == Some(true)).then(|| Self {
+        let mirrored = self.mirrored().then(|| Self {
             at: self.at.map(turned),
             direction: self.direction.map(turned),
             ..self.clone()

@@ -62,7 +62,7 @@ params! {
         /// (`[hair]`, `[groom]`, `[color]`, `[fins]`, `model.bare`), and 0 where nothing does: a scan of stone grows no hair.
         fur: Option<f32> = None, in SHARE;
         /// Factor on the width of lines.
-        line: f32 = InkShading::default().line, in 0.0..=4.0;
+        line: f32 = InkShading::default().line, in InkShading::LINE;
         /// Share of the wash: 0 leaves the paper blank.
         wash: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
         /// Share of full dark ink.

@@ -1,6 +1,6 @@
 //! Pictures of the keys that matter most: one animal with three values of each.
 //!
-//! The table below is what both the reference page shows and the program that draws the pictures reads (`cargo run --bin key_pictures`), so that no
+//! The table below is what both the reference page shows and the program that draws the pictures reads (`cargo run -p pelage-tests --bin chores -- key-pictures`), so that no
 //! caption says another value than was drawn.
 
 /// One key, drawn with three values of it and everything else as the hare comes.

@@ -1,10 +1,10 @@
 //! Tables with a name: for single materials, `[[groom.material]]`, `[[ink.material]]` and `[[fibre.material]]`, and for groups of hair.
 
 /// Declares such a table, and how its list and each of its keys are read, checked and written. Every key besides `name` may be left out, unless
-/// the function behind `checked by` says otherwise.
+/// the function behind `checked by` says otherwise. A key with a default has a method of its name, which returns the value or the default.
 macro_rules! named_table {
     ($(#[$struct_meta:meta])* $table:ident of $what:literal $(checked by $check:path)? {
-        $($(#[doc = $doc:literal])+ $key:ident: $ty:ty, in $range:expr;)+
+        $($(#[doc = $doc:literal])+ $key:ident: $ty:ty $(= $default:expr)?, in $range:expr;)+
     }) => {
         $(#[$struct_meta])*
         #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +15,13 @@ macro_rules! named_table {
         }
 
         impl $table {
+            $($(
+                #[doc = concat!("Returns `", stringify!($key), "`, or its default.")]
+                pub fn $key(&self) -> $ty {
+                    Option::clone(&self.$key).unwrap_or($default)
+                }
+            )?)+
+
             /// Sets `key`, which is not `name`.
             fn set(&mut self, key: &str, raw: &pelage_params::Raw) -> Result<(), String> {
                 match key {
@@ -37,6 +44,7 @@ macro_rules! named_table {
                 name: stringify!($key),
                 doc: concat!($($doc, "\n"),+),
                 expected: || <$ty as pelage_params::Field>::expected(&$range),
+                default: || None$(.or_else(|| <$ty as pelage_params::Field>::to_toml(&$default)))?,
             }),+];
 
             fn expected_list() -> String {

@@ -383,9 +383,9 @@ params! {
         /// ks: the highlight, white whatever the hair's colour: on combed dark hair much of it looks like dust.
         specular: [f32; 3] = [0.09; 3], in 0.0..=100.0;
         /// pd: 0 lights all directions alike, higher darkens hair that points to the light.
-        diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent, in 0.0..=10_000.0;
+        diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent, in pelage_formats::Shading::EXPONENT;
         /// ps: higher is a narrower highlight.
-        specular_exponent: f32 = 60.0, in 0.0..=10_000.0;
+        specular_exponent: f32 = 60.0, in pelage_formats::Shading::EXPONENT;
         /// Share of the ambient light that reaches the skin: 0 black roots, towards 1 flat.
         ambient_floor: f32 = pelage_formats::Shading::default().ambient_floor, in 0.0..=0.999;
         /// How far light creeps past the terminator, as −N·L: small is a hard edge.

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use pelage_params::{Field, Raw};
+use pelage_params::{Field, Item, Raw};
 use pelage_stage::Viewpoint;
 use proptest::prelude::*;
 
@@ -36,6 +36,16 @@ fn comb_marks_were_called_guides() {
 fn every_key_is_documented() {
     for key in keys() {
         assert!(key.doc.len() > 10 && !(key.expected)().is_empty(), "{} is not documented", key.name);
+    }
+}
+
+#[test]
+fn defaults_of_named_tables_are_valid() {
+    let tables = [("group", HairGroupParams::KEYS), ("tuft", TuftParams::KEYS)];
+    for (table, key) in tables.iter().flat_map(|(table, keys)| keys.iter().map(move |key| (table, key))) {
+        if let Some(default) = (key.default)() {
+            Recipe::parse("r.toml", &format!("[[strands.{table}]]\nname = \"x\"\n{} = {default}", key.name)).unwrap();
+        }
     }
 }
 

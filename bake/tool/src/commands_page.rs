@@ -36,7 +36,7 @@ fn schemas(mut results: Vec<ResultSchema>) -> Value {
 const INTRODUCTION: [&str; 2] = [
     "One binary, `pelage`. Results go to standard output, progress and notes to standard error. A command that fails leaves no half-written \
      file: outputs appear under their names when they are whole. A reader of standard output that goes away is no error.",
-    "This page is made from the definition that reads the command line by `cargo run --bin write_docs`.",
+    "This page is made from the definition that reads the command line by `cargo run -p pelage-tests --bin chores -- write-docs`.",
 ];
 
 fn page(command: &mut Command) -> String {

@@ -1,4 +1,4 @@
-//! What the fuzz targets do with an input. `formats/tests/smoke.rs` includes this file and runs it on stable.
+//! What the fuzz targets do with an input. `formats/tests/formats/smoke.rs` includes this file and runs it on stable.
 
 use pelage_formats::*;
 

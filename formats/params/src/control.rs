@@ -20,11 +20,14 @@ pub struct TableKey {
     pub doc: &'static str,
     /// Type and range, such as `a number 0..=1`.
     pub expected: fn() -> String,
+    /// Default as TOML; `None` where it is left out or depends on other values.
+    pub default: fn() -> Option<String>,
 }
 
 impl PartialEq for TableKey {
     fn eq(&self, other: &Self) -> bool {
-        (self.name, self.doc, (self.expected)()) == (other.name, other.doc, (other.expected)())
+        let all = |key: &Self| (key.name, key.doc, (key.expected)(), (key.default)());
+        all(self) == all(other)
     }
 }
 

@@ -42,7 +42,10 @@ fn entry(knob: &Knob, default: Option<String>) -> String {
     match (knob.control)() {
         Control::Choice(choices) => choices.iter().for_each(|c| item(format!("`{}`: {}", c.word, one_line(c.doc)))),
         Control::Tables(keys) => {
-            keys.iter().for_each(|k| item(format!("`{}`: {}. {}", k.name, (k.expected)(), one_line(k.doc))));
+            for k in keys {
+                let default = (k.default)().map_or_else(String::new, |value| format!("; default `{value}`"));
+                item(format!("`{}`: {}{default}. {}", k.name, (k.expected)(), one_line(k.doc)));
+            }
         }
         _ => (),
     }

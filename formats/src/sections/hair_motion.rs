@@ -8,6 +8,7 @@ use crate::package::Package;
 use crate::tag::Tag;
 use crate::writer::PackageWriter;
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 impl Tag {
@@ -66,6 +67,11 @@ impl GroupMotion {
     /// What the skin holds wholly.
     pub const STIFF: Self = Self { held: 1.0, free: 1.0, drag_per_s: 0.0, shape_hz: 0.0, bend_hz: 0.0, friction: 0.0 };
 
+    /// Range of `drag_per_s`.
+    pub const DRAG_PER_S: RangeInclusive<f32> = 0.0..=1000.0;
+    /// Range of `shape_hz` and `bend_hz`.
+    pub const HZ: RangeInclusive<f32> = 0.0..=100.0;
+
     /// How freely a point moves at a share of its hair's length, 0..=1.
     pub fn freedom(&self, share: f32) -> f32 {
         if share <= self.held {
@@ -76,15 +82,16 @@ impl GroupMotion {
     }
 
     fn fault(&self) -> Option<String> {
-        let within = |name: &str, found: f32, least: f32, most: f32| {
-            (!(least..=most).contains(&found)).then(|| format!("{name} is {found}, expected {least} to {most}"))
-        };
-        within("held", self.held, 0.0, 1.0)
-            .or_else(|| within("free", self.free, self.held, 1.0))
-            .or_else(|| within("drag_per_s", self.drag_per_s, 0.0, 1000.0))
-            .or_else(|| within("shape_hz", self.shape_hz, 0.0, 100.0))
-            .or_else(|| within("bend_hz", self.bend_hz, 0.0, 100.0))
-            .or_else(|| within("friction", self.friction, 0.0, 1.0))
+        let ranges = [
+            ("held", self.held, 0.0..=1.0),
+            ("free", self.free, self.held..=1.0),
+            ("drag_per_s", self.drag_per_s, Self::DRAG_PER_S),
+            ("shape_hz", self.shape_hz, Self::HZ),
+            ("bend_hz", self.bend_hz, Self::HZ),
+            ("friction", self.friction, 0.0..=1.0),
+        ];
+        let outside = ranges.into_iter().find(|(_, found, range)| !range.contains(found));
+        outside.map(|(name, found, range)| format!("{name} is {found}, expected {} to {}", range.start(), range.end()))
     }
 }
 

@@ -11,6 +11,7 @@ use crate::writer::PackageWriter;
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::ops::RangeInclusive;
 
 impl Tag {
     /// The ink style, since version 3. At most one.
@@ -143,6 +144,9 @@ impl Default for InkShading {
 }
 
 impl InkShading {
+    /// Range of `line`.
+    pub const LINE: RangeInclusive<f32> = 0.0..=4.0;
+
     /// Checks every number; returns the field, what was found and what was expected.
     ///
     /// # Errors
@@ -154,12 +158,15 @@ impl InkShading {
                 return Err(format!("{what} is {value}, expected a finite number"));
             }
         }
-        for (what, value, most) in
-            [("grain", self.grain, 1.0), ("tone", self.tone, 1.0), ("fur", self.fur, 1.0), ("line", self.line, 4.0)]
-        {
+        for (what, value, range) in [
+            ("grain", self.grain, 0.0..=1.0),
+            ("tone", self.tone, 0.0..=1.0),
+            ("fur", self.fur, 0.0..=1.0),
+            ("line", self.line, Self::LINE),
+        ] {
             // Not a number is in no range.
-            if !(0.0..=most).contains(&value) {
-                return Err(format!("{what} is {value}, expected 0..={most}"));
+            if !range.contains(&value) {
+                return Err(format!("{what} is {value}, expected {}..={}", range.start(), range.end()));
             }
         }
         Ok(())

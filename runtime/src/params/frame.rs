@@ -144,14 +144,8 @@ impl FrameParams {
 
 /// Fails for constants of the lighting equation outside their ranges; `field` is where they stand.
 pub(crate) fn check_shading(field: &'static str, s: &Shading) -> Result<(), RuntimeError> {
-    let colors = [s.ambient, s.diffuse, s.specular];
-    let exponents = [s.diffuse_exponent, s.specular_exponent].iter().all(|e| (0.0..=10_000.0).contains(e));
-    let shares = [s.ambient_floor, s.back_light_range].iter().all(|e| (0.0..=1.0).contains(e));
-    if colors.as_flattened().iter().all(|v| v.is_finite()) && exponents && shares {
-        return Ok(());
-    }
-    let expected = "finite colours, exponents 0..=10000, ambient_floor and back_light_range 0..=1".into();
-    Err(RuntimeError::Params { field, found: format!("{s:?}"), expected })
+    let expected = "every number in its range".into();
+    s.check().map_err(|found| RuntimeError::Params { field, found, expected })
 }
 
 /// Most lights without shadow that a frame may have.

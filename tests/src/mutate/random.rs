@@ -1,7 +1,7 @@
 //! Random numbers that are the same on every machine.
 
 /// The generator that damaged packages of the formats' own tests are made with.
-#[path = "../../../formats/tests/common/random.rs"]
+#[path = "../../../formats/tests/formats/common/random.rs"]
 mod numbers;
 
 pub use numbers::Random;

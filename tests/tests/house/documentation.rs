@@ -17,7 +17,7 @@ fn the_reference_pages_are_what_the_code_says() {
         let there = std::fs::read_to_string(&path).unwrap_or_default();
         assert!(
             there == page,
-            "{} is not what the code says: cargo run -p pelage-tests --bin write_docs",
+            "{} is not what the code says: cargo run -p pelage-tests --bin chores -- write-docs",
             path.display()
         );
     }

@@ -1,7 +1,7 @@
 //! Crates that a registry takes: what their manifests say, and that the gate checks each of their features alone.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use crate::dependencies::cargo;
+use super::dependencies::cargo;
 use pelage_tests::binary::workspace;
 use serde_json::Value;
 use std::path::Path;

@@ -89,11 +89,14 @@ fn askers_are_found() {
     assert!(names("rows!(shells, ink);", "ink") && !names("drawn_ink inky", "ink"));
 }
 
-/// The files of a binary's folder that its `main.rs` does not name, with the names of its modules.
-fn orphans(main: &str, files: &[String]) -> Vec<String> {
-    let named: BTreeSet<_> =
-        main.lines().filter_map(|l| l.trim().strip_prefix("mod ")?.strip_suffix(';')).map(str::to_owned).collect();
-    files.iter().filter(|f| *f != "main" && !named.contains(*f)).cloned().collect()
+/// The modules beside a crate's root or a `mod.rs` that it does not declare.
+fn orphans(root: &str, beside: &[String]) -> Vec<String> {
+    let declared = |line: &str| {
+        let line = line.trim();
+        Some(line.strip_prefix("pub ").unwrap_or(line).strip_prefix("mod ")?.strip_suffix(';')?.to_owned())
+    };
+    let named: BTreeSet<_> = root.lines().filter_map(declared).collect();
+    beside.iter().filter(|module| !named.contains(*module)).cloned().collect()
 }
 
 fn stem(path: &Path) -> Option<String> {
@@ -102,23 +105,31 @@ fn stem(path: &Path) -> Option<String> {
 
 #[test]
 fn every_file_of_tests_is_part_of_its_binary() {
-    let mut binaries = 0;
+    let mut roots = 0;
     for crates_tests in ["formats/tests", "runtime/bevy/tests", "bake/tests", "tests/tests"] {
+        let folder = workspace().join(crates_tests);
         let mut files = Vec::new();
-        walk(&workspace().join(crates_tests), &mut files);
-        for main in files.iter().filter(|f| f.ends_with("main.rs")) {
-            let text = std::fs::read_to_string(main).unwrap_or_else(|e| panic!("{}: {e}", main.display()));
-            let beside = files.iter().filter(|f| f.parent() == main.parent() && f.extension() == main.extension());
-            let orphans = orphans(&text, &beside.filter_map(|f| stem(f)).collect::<Vec<_>>());
-            assert!(orphans.is_empty(), "{} does not name {orphans:?}: their tests never run", main.display());
-            binaries += 1;
+        walk(&folder, &mut files);
+        files.retain(|f| f.extension().is_some_and(|e| e == "rs"));
+        // Cargo makes a binary of each file in the folder itself, and of each folder with a `main.rs`.
+        let is_root = |f: &Path| f.ends_with("main.rs") || f.ends_with("mod.rs") || f.parent() == Some(&folder);
+        for root in files.iter().filter(|f| is_root(f)) {
+            let text = std::fs::read_to_string(root).unwrap_or_else(|e| panic!("{}: {e}", root.display()));
+            let module = |f: &PathBuf| match f.parent() {
+                parent if f.ends_with("mod.rs") && parent.and_then(Path::parent) == root.parent() => stem(parent?),
+                parent if parent == root.parent() && !is_root(f) => stem(f),
+                _ => None,
+            };
+            let orphans = orphans(&text, &files.iter().filter_map(module).collect::<Vec<_>>());
+            assert!(orphans.is_empty(), "{} does not name {orphans:?}: their tests never run", root.display());
+            roots += 1;
         }
     }
-    assert!(binaries >= 6, "{binaries} binaries of several files");
+    assert!(roots >= 10, "{roots} files that name others");
 }
 
 #[test]
 fn files_that_no_binary_names_are_found() {
-    let files = ["main", "frames", "lost"].map(str::to_owned);
-    assert_eq!(orphans("//! Doc.\n\n#[path = \"x\"]\nmod common;\nmod frames;\n", &files), ["lost"]);
+    let files = ["common", "frames", "lost"].map(str::to_owned);
+    assert_eq!(orphans("//! Doc.\n\n#[path = \"x\"]\npub mod common;\nmod frames;\n", &files), ["lost"]);
 }

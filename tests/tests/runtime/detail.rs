@@ -19,7 +19,7 @@ const FOV_RAD: f32 = 0.5;
 
 fn baked(name: &str) -> Vec<u8> {
     let model = workspace().join(format!("assets/models/{name}.glb"));
-    bake_plain(name, &model, Some(&format!("assets/recipes/{name}.toml")), &[])
+    bake_plain(&model, Some(&format!("assets/recipes/{name}.toml")), &[])
 }
 
 /// A package on the device, seen from its front left.

@@ -164,7 +164,7 @@ fn strokes_stay_strokes(name: &str, [alone, ours]: [f64; 2], template: f64) {
 fn strokes_are_no_wider_than_the_template() {
     let Some(gpu) = gpu("strokes_are_no_wider_than_the_template") else { return };
     let mut brush = Brush::new(gpu, (300, 300));
-    let hare = bake_plain("hare", &own("hare"), Some("assets/recipes/hare.toml"), &QUICK);
+    let hare = bake_plain(&own("hare"), Some("assets/recipes/hare.toml"), &QUICK);
     let (center, radius) = bounds(&hare);
     let template = template_px(&InkParams::default(), brush.size.1);
     // The ears: the top fifth of the hare.
@@ -172,7 +172,7 @@ fn strokes_are_no_wider_than_the_template() {
     let found = widest(&mut brush, &hare, |turn| (ears, 0.3 * radius, vec3(turn.sin(), 0.1, turn.cos())));
     strokes_stay_strokes("hare's ears", found, template);
     if let Some(model) = shared("strokes_are_no_wider_than_the_template", "static/bunny.obj") {
-        let bunny = bake_plain("bunny", &model, None, &QUICK);
+        let bunny = bake_plain(&model, None, &QUICK);
         let (center, radius) = bounds(&bunny);
         let found = widest(&mut brush, &bunny, |turn| (center, radius, vec3(turn.sin(), 0.2, turn.cos())));
         strokes_stay_strokes("bunny", found, template);
@@ -230,7 +230,7 @@ fn wash_and_lines_move_with_the_model() {
     );
     let mut brush = Brush::new(gpu, (834, 424));
     for (name, model, recipe) in walkers {
-        let package = bake_plain(name, &model, recipe, &QUICK);
+        let package = bake_plain(&model, recipe, &QUICK);
         let [ours, naive] = [Anchoring::Surface, Anchoring::Screen].map(|a| walk(&mut brush, &package, "Walk", a));
         let both = |of: fn(&Flicker) -> MeanOf| [&ours, &naive].map(|flicker| of(flicker).mean().unwrap());
         let [all, wash, lines] = [both(|f| f.surface), both(|f| f.wash), both(|f| f.lines)];

@@ -74,7 +74,7 @@ fn lines_of_dense_scans_are_no_specks() {
         // Of models without a recipe the lines of the bare body: who names no fur in ink gets none.
         let stone = if recipe.is_none() { &["ink.fur=0"][..] } else { &[] };
         let sets = [&["slice.layers=4", "fins.enabled=false"], stone].concat();
-        let found = short_lines(gpu, &bake_plain(name, &model, recipe, &sets));
+        let found = short_lines(gpu, &bake_plain(&model, recipe, &sets));
         println!("{name}: {:.1} in a thousand pixels of ink lie in {} specks", found.per_mille(), found.count);
         if found.ink < 10_000 || found.per_mille() > most {
             wrong.push(format!("{name}: {found:?}, at most {most} in a thousand"));
@@ -121,7 +121,7 @@ fn strokes_of_fur_hang_on_the_body() {
     }
     let mut wrong = Vec::new();
     for (name, model, recipe, set, most) in models {
-        let found = adrift_per_mille(gpu, &bake_plain(name, &model, recipe, &["slice.layers=4", set]));
+        let found = adrift_per_mille(gpu, &bake_plain(&model, recipe, &["slice.layers=4", set]));
         println!("{name}: {found:.3} in a thousand pixels hang in the air");
         if found > most {
             wrong.push(format!("{name}: {found}, at most {most} in a thousand"));

@@ -137,7 +137,7 @@ fn blocks_are_decoded_where_they_cannot_be_sampled() {
     let drawn = |formats: &[&str]| {
         let small = ["slice.layers=6", "slice.tile_texels=32", "ink.enabled=false"];
         let torus = workspace().join("assets/models/torus.glb");
-        let package = bake_plain("torus", &torus, None, &[&small[..], formats].concat());
+        let package = bake_plain(&torus, None, &[&small[..], formats].concat());
         let mut renderer = renderer(gpu, &RendererOptions::default());
         let model = renderer.load_bytes(&package).unwrap();
         let bounds = model.manifest().bounds;

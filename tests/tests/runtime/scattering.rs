@@ -127,7 +127,7 @@ fn a_layer_scatters_what_its_fibres_do_of_broad_light() {
 fn hare(renderer: &Renderer, eumelanin: &str) -> Instance {
     let pigment = format!("fibre.eumelanin={eumelanin}");
     let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", &pigment];
-    let bytes = bake_plain("hare", &workspace().join("assets/models/hare.glb"), None, &set);
+    let bytes = bake_plain(&workspace().join("assets/models/hare.glb"), None, &set);
     Instance::new(0, &renderer.load_bytes(&bytes).unwrap())
 }
 
@@ -271,7 +271,7 @@ fn light_goes_from_hair_to_hair() {
     let hares = ["0", "8", "0.3"].map(|eumelanin| {
         let pigment = format!("fibre.eumelanin={eumelanin}");
         let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", &pigment];
-        Instance::new(0, &renderer.load_bytes(&bake_plain("hare", &model, None, &set)).unwrap())
+        Instance::new(0, &renderer.load_bytes(&bake_plain(&model, None, &set)).unwrap())
     });
     let mut mean = |hare: &Instance, hair: Hair, scattering: Scattering, light: Vec3| {
         let view = params(Vec3::new(0.4, 0.2, 0.9), light, 0.6, 96).with_fur(|fur| {
@@ -306,7 +306,7 @@ fn hair_around_a_body_is_dark_behind_it() {
     let model = workspace().join("assets/models/head.glb");
     let mut renderer = renderer(gpu);
     let passes: Vec<PassId> = PassId::all().collect();
-    let bytes = bake_plain("head", &model, Some("assets/recipes/head.toml"), &["shading.model=marschner"]);
+    let bytes = bake_plain(&model, Some("assets/recipes/head.toml"), &["shading.model=marschner"]);
     let head = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
     let mut light_of = |towards: Vec3| {
         let middle = Vec3::new(0.0, 0.19, 0.0);

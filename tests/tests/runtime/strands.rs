@@ -95,7 +95,7 @@ fn thin_strands_cover_as_much_as_they_are_wide() {
 fn blended_strands_are_what_many_samples_see() {
     let Some(gpu) = gpu("blended_strands_are_what_many_samples_see") else { return };
     let model = workspace().join("assets/models/hare.glb");
-    let bytes = bake_plain("hare", &model, Some("assets/recipes/hare.toml"), &["strands.enabled=true"]);
+    let bytes = bake_plain(&model, Some("assets/recipes/hare.toml"), &["strands.enabled=true"]);
     let drawn = |edges, samples: u32, reversed_depth, side: u32| {
         let options = RendererOptions { sample_count: samples, reversed_depth, ..RendererOptions::default() };
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
@@ -314,7 +314,7 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
 fn blended_hair_lies_over_layers() {
     let Some(gpu) = gpu("blended_hair_lies_over_layers") else { return };
     let model = workspace().join("assets/models/pony.glb");
-    let bytes = bake_plain("pony", &model, Some("assets/recipes/pony.toml"), &[]);
+    let bytes = bake_plain(&model, Some("assets/recipes/pony.toml"), &[]);
     let drawn = |edges, samples: u32, side: u32| {
         let mut renderer = renderer(gpu, samples);
         let instance = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
@@ -417,7 +417,7 @@ fn strands_that_come_later_are_posed() {
 fn nothing_jumps_between_layers_and_strands() {
     let Some(gpu) = gpu("nothing_jumps_between_layers_and_strands") else { return };
     let model = workspace().join("assets/models/hare.glb");
-    let bytes = bake_plain("hare", &model, Some("assets/recipes/hare.toml"), &["strands.enabled=true"]);
+    let bytes = bake_plain(&model, Some("assets/recipes/hare.toml"), &["strands.enabled=true"]);
     let mut renderer = renderer(gpu, 4);
     let instance = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
     let bounds = instance.model.manifest().bounds;

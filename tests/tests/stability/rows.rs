@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-use crate::silhouettes::texels as drawn;
+use super::silhouettes::texels as drawn;
 use glam::Vec3;
 use pelage_bake::recipe::HairParams;
 use pelage_formats::TextureFormat;

@@ -4,7 +4,7 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::silhouettes::texels;
+use super::silhouettes::texels;
 use pelage_bake::io;
 use pelage_bake::recipe::{Coat, Recipe};
 use pelage_import::ImportOptions;

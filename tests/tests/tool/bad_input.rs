@@ -1,8 +1,8 @@
 //! Bad input through the real binary: exit code, message, and nothing left behind.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use crate::common::random::Random;
-use crate::common::sample_package;
+use crate::tool::common::random::Random;
+use crate::tool::common::sample_package;
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Run, Sandbox};
 use pelage_tests::schema;

@@ -85,7 +85,7 @@ fn a_comb_line_turns_the_hair() {
     let before = combed(&sandbox, TOP, 0.05);
     assert!(before.dot(Vec3::NEG_Z) > 0.9 && before.x.abs() < 0.2, "from nose to tail: {before}");
 
-    let drawn = crate::comb::sandbox(add_line);
+    let drawn = super::comb::sandbox(add_line);
     let said = bake(&drawn, &[]);
     assert!(lines(&said).contains(&"surface.comb = \"marks\"".to_owned()), "{said}");
     assert!(said["decisions"].to_string().contains("comb_top"), "{said}");

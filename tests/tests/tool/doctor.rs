@@ -15,8 +15,7 @@ fn bake(sandbox: &Sandbox, name: &str, sets: &[&str]) {
         |folder: &str, kind: &str| workspace().join(format!("assets/{folder}/{name}.{kind}")).display().to_string();
     let (model, recipe) = (asset("models", "glb"), asset("recipes", "toml"));
     let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
-    let args = [&["bake", &model, "--recipe", &recipe, "-o", "a.pelage", "--json"], &sets[..]].concat();
-    schema::done(&sandbox.run(&args), "bake");
+    sandbox.fixture(&[&[&model, "--recipe", &recipe, "-o", "a.pelage"], &sets[..]].concat());
 }
 
 #[test]

@@ -14,9 +14,8 @@ const SMALL: &str = "--set slice.tile_texels=32 --set slice.layers=4 --set hair.
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     let model = workspace().join("assets/models/hare.glb");
-    let bake: Vec<&str> = ["bake", model.to_str().unwrap(), "-o", "hare.pelage"].into_iter().collect();
-    let run = sandbox.run(&[bake, SMALL.split_whitespace().collect()].concat());
-    assert_eq!(run.code, Some(0), "{run:?}");
+    let args = vec![model.to_str().unwrap(), "-o", "hare.pelage"];
+    sandbox.fixture(&[args, SMALL.split_whitespace().collect()].concat());
     sandbox
 }
 

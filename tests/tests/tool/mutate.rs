@@ -1,4 +1,4 @@
-//! A slice of the mutation run, so that the chore cannot rot: `cargo run --release --bin mutate` runs all of it.
+//! A slice of the mutation run, so that the chore cannot rot: `cargo run --release -p pelage-tests --bin chores -- mutate` runs all of it.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::mutate::{KINDS, Plan, run};

@@ -1,8 +1,8 @@
 //! `inspect`, `validate`, `unpack` and `pack` through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use crate::common::random::Random;
-use crate::common::{ktx2_file, sample_animation, sample_manifest_v1, sample_mesh, sample_package};
+use crate::tool::common::random::Random;
+use crate::tool::common::{ktx2_file, sample_animation, sample_manifest_v1, sample_mesh, sample_package};
 use pelage_formats::*;
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;

@@ -10,10 +10,9 @@ fn torus(settings: &[&str]) -> Sandbox {
     let model = workspace().join("assets/models/torus.glb");
     let recipe = workspace().join("assets/recipes/torus.toml");
     let (model, recipe) = (model.to_str().unwrap(), recipe.to_str().unwrap());
-    let mut args = vec!["bake", model, "--recipe", recipe, "-o", "torus.pelage", "-q", "--set", "ink.enabled=false"];
+    let mut args = vec![model, "--recipe", recipe, "-o", "torus.pelage", "--set", "ink.enabled=false"];
     args.extend(settings.iter().flat_map(|s| ["--set", s]));
-    let run = sandbox.run(&args);
-    assert_eq!(run.code, Some(0), "{run:?}");
+    sandbox.fixture(&args);
     sandbox
 }
 

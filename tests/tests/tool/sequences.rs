@@ -30,8 +30,7 @@ fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     for name in ["hare", "torus"] {
         let (model, package) = (workspace().join(format!("assets/models/{name}.glb")), format!("{name}.pelage"));
-        let run = sandbox.run(&[&["bake", model.to_str().unwrap(), "-o", &package], &SMALL[..]].concat());
-        assert_eq!(run.code, Some(0), "{run:?}");
+        sandbox.fixture(&[&[model.to_str().unwrap(), "-o", &package], &SMALL[..]].concat());
     }
     sandbox
 }
@@ -358,8 +357,7 @@ fn hair_swings_in_sequences() {
     let sandbox = Sandbox::new();
     let [model, recipe] = ["models/pony.glb", "recipes/pony.toml"].map(|name| workspace().join("assets").join(name));
     let [model, recipe] = [&model, &recipe].map(|path| path.to_str().unwrap());
-    let run = sandbox.run(&[&["bake", model, "--recipe", recipe, "-o", "pony.pelage"], &SMALL[..]].concat());
-    assert_eq!(run.code, Some(0), "{run:?}");
+    sandbox.fixture(&[&[model, "--recipe", recipe, "-o", "pony.pelage"], &SMALL[..]].concat());
     for folder in ["a", "b", "c", "d", "e"] {
         std::fs::create_dir(sandbox.path().join(folder)).unwrap();
     }
@@ -493,9 +491,8 @@ fn the_scenes_of_the_assets_are_drawn() {
         for name in named.clone() {
             let asset = |path: String| workspace().join("assets").join(path).display().to_string();
             let (model, recipe) = (asset(format!("models/{name}.glb")), asset(format!("recipes/{name}.toml")));
-            let args = ["bake", &model, "--recipe", &recipe, "-o", &format!("{name}.pelage")];
-            let run = sandbox.run(&[&args, &SMALL[..]].concat());
-            assert_eq!(run.code, Some(0), "{run:?}");
+            let args = [&model, "--recipe", &recipe, "-o", &format!("{name}.pelage")];
+            sandbox.fixture(&[&args, &SMALL[..]].concat());
         }
         sandbox.write("scene.toml", &text);
         let small = ["scene.toml", "-o", "scene.png", "--size", "167x85", "--style", "bare"];

@@ -1,8 +1,8 @@
 //! Strands and guides of an unpacked package: files that other programs open, and what comes back from them.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use crate::common::random::Random;
-use crate::common::sample_package;
+use crate::tool::common::random::Random;
+use crate::tool::common::sample_package;
 use glam::Vec3;
 use pelage_bake::stages::hair_groups::{GuidesAtRest, RestSkin};
 use pelage_formats::*;

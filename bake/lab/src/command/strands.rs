@@ -10,7 +10,6 @@ use pelage_bake::mask::Mask;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::growth;
-use pelage_bake::stages::hair_groups::HAIR_POINTS;
 use pelage_import::mesh::RestPose;
 use pelage_stage::{Gpu, LookStrandEdges, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fragments, framing};
 use pelage_tool::exit::Failure;
@@ -135,7 +134,7 @@ fn ways(subject: &Subject) -> Vec<Way> {
     let rest = RestPose::of(&subject.model.mesh, subject.model.animation.as_ref());
     let furred = growth(&subject.model, &rest, recipe.model.bare.as_deref(), &mut Vec::new()).furred;
     match recipe.strands.group.first().filter(|_| !furred.contains(&true)) {
-        Some(group) => Way::all(group.points.unwrap_or(HAIR_POINTS) - 1, false),
+        Some(group) => Way::all(group.points() - 1, false),
         None => Way::all(recipe.strands.points - 1, true),
     }
 }

@@ -3,8 +3,8 @@
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
+use crate::least_squares::least_squares;
 use crate::printed_light::PrintedLight;
-use faer::linalg::solvers::SolveLstsq as _;
 use glam::{DVec3, Vec3};
 use pelage_formats::meaning::environment::brightness;
 use pelage_formats::meaning::scattering::azimuthal::Glint;
@@ -177,21 +177,19 @@ fn below_nothing() -> Result<Finding, BakeError> {
     let grid = (0..24).map(|i| GaussianLight { towards: even_direction(i, 24), sharpness: 4.0 });
     let shapes: Vec<GaussianLight> = shapes.into_iter().chain(grid).collect();
     let weight = |y: u32| cells.solid_angle(y).sqrt();
-    let basis = faer::Mat::from_fn(places.len(), shapes.len() + 1, |i, k| {
-        let (x, y) = places[i];
-        weight(y) * shapes.get(k).map_or(1.0, |shape| shape.radiance(cells.towards(x, y)))
-    });
-    let values = faer::Mat::from_fn(places.len(), 1, |i, _| {
-        weight(places[i].1) * brightness(cells.at(places[i].0, places[i].1))
-    });
-    let found = basis.qr().solve_lstsq(&values);
+    let column = |shape: Option<&GaussianLight>| {
+        let light = |x, y| shape.map_or(1.0, |shape| shape.radiance(cells.towards(x, y)));
+        places.iter().map(|(x, y)| weight(*y) * light(*x, *y)).collect::<Vec<f64>>()
+    };
+    let columns = shapes.iter().map(Some).chain([None]).map(column).collect();
+    let found = least_squares(columns, places.iter().map(|(x, y)| weight(*y) * brightness(cells.at(*x, *y))).collect());
     let least = |of: &dyn Fn(DVec3) -> f64| {
         let darkest = (0..4000).map(|i| of(even_direction(i, 4000))).fold(f64::INFINITY, f64::min);
         (-darkest).max(0.0)
     };
     let naive = |way: DVec3| {
-        let lobes: f64 = shapes.iter().enumerate().map(|(k, shape)| found[(k, 0)] * shape.radiance(way)).sum();
-        lobes + found[(shapes.len(), 0)]
+        let lobes: f64 = shapes.iter().enumerate().map(|(k, shape)| found[k] * shape.radiance(way)).sum();
+        lobes + found[shapes.len()]
     };
     Ok(Finding {
         case: "a lamp of 7 degrees in a dark ring in a pale room".into(),

@@ -17,7 +17,7 @@ const BESIDE: f32 = 0.5;
 const TOUCHING: f32 = 0.02;
 
 /// Longest hair over how far from a bare part it roots. An eye at the side of a head is seen past the hair before it, of which any that stands up hides some;
-/// measured on ten animals from the front (`eyes_covered` in `tests/src/bin/`).
+/// measured on ten animals from the front (`eyes-covered` in `tests/src/bin/chores/`).
 const STEEPEST: f32 = 0.12;
 /// How often the margin is chosen anew for the hair within it.
 const ROUNDS: usize = 2;

@@ -1,15 +1,14 @@
 //! The forces that shape a strand, and the particle that follows them.
 
-use super::locks::{Lock, Locks, heading_into_lock};
+use super::locks::{Lock, Locks, gathers, heading_into_lock};
+use super::styles::StyleForces;
 use crate::noise::{along, field, hash, stratified, uniform, vector};
-use crate::recipe::{HairParams, Style};
+use crate::recipe::HairParams;
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Segments of a strand that bends smoothly.
-const SMOOTH_SEGMENTS: f32 = 14.0;
-/// Segments of a strand with noise in it.
-const NOISY_SEGMENTS: f32 = 28.0;
+/// Least number of segments of a strand with frizz.
+const FRIZZ_SEGMENTS: f32 = 28.0;
 /// Segments of a helix's turn: its polyline is then within 4 % of its radius.
 const SEGMENTS_PER_TURN: f32 = 12.0;
 /// A helix turns at most this far in a segment. Tighter curls are loosened, keeping their radius.
@@ -38,6 +37,7 @@ const UNDERFUR: u64 = u64::MAX - 4;
 /// Grows strands of one kind.
 pub(super) struct Grower<'a> {
     params: &'a HairParams,
+    forces: StyleForces,
     height: f32,
     segments: u32,
     lean_to: Vec2,
@@ -54,17 +54,15 @@ pub(super) struct Grower<'a> {
 impl<'a> Grower<'a> {
     /// `height` is the length of the longest strand in widths of the tile; a strand has at most `max_segments` segments.
     pub(super) fn new(params: &'a HairParams, height: f32, max_segments: u32, locks: Option<&'a Locks>) -> Self {
-        let noise = if params.frizz > 0.0 { NOISY_SEGMENTS } else { 0.0 };
-        let wanted = match params.style {
-            Style::Straight | Style::Lying => SMOOTH_SEGMENTS,
-            Style::Messy | Style::Wet => NOISY_SEGMENTS,
-            Style::Curly => height / turn_length(params) * SEGMENTS_PER_TURN,
-        };
-        let segments =
-            (wanted.max(noise).max(SMOOTH_SEGMENTS).ceil() as u32).min(MAX_SEGMENTS).min(max_segments.max(8));
+        let forces = StyleForces::of(params.style);
+        let frizz = if params.frizz > 0.0 { FRIZZ_SEGMENTS } else { 0.0 };
+        let helix = if forces.helix { height / turn_length(params) * SEGMENTS_PER_TURN } else { 0.0 };
+        let wanted = forces.segments.max(frizz).max(helix).ceil() as u32;
+        let segments = wanted.min(MAX_SEGMENTS).min(max_segments.max(8));
         let azimuth = params.lean_direction_deg.to_radians();
         Self {
             params,
+            forces,
             height,
             segments,
             lean_to: Vec2::new(libm::sinf(azimuth), libm::cosf(azimuth)),
@@ -78,8 +76,7 @@ impl<'a> Grower<'a> {
     /// What grows underfur below this guard hair: with roots of its own, along the same flow, in the same locks.
     pub(super) fn under<'b>(&'b self, params: &'b HairParams, height: f32, max_segments: u32) -> Grower<'b> {
         let own_seed = hash(self.seed, UNDERFUR);
-        let gathers = params.style == Style::Wet || params.dry_clump > 0.0;
-        let locks = self.locks.filter(|_| gathers);
+        let locks = self.locks.filter(|_| gathers(params));
         Grower { own_seed, leader: Some(self), ..Grower::new(params, height, max_segments, locks) }
     }
 
@@ -97,7 +94,8 @@ impl<'a> Grower<'a> {
         match self.locks {
             // Hairs that stick together look alike, wet ones more so.
             Some(locks) => {
-                let together = if self.params.style == Style::Wet { 0.7 } else { 0.5 * self.params.dry_clump };
+                let [together, per_clump] = self.forces.lock_brightness;
+                let together = together + per_clump * self.params.dry_clump;
                 (1.0 - together) * own + together * locks.brightness(locks.of(self.root(strand)).index)
             }
             None => own,
@@ -125,26 +123,14 @@ impl<'a> Grower<'a> {
     }
 
     /// Where a strand points at `t` (0 root, 1 tip) of its length if only lean acts: upright at the root, bending over to the
-    /// tip; with a lean near 1 the root is combed over as well. Wet hair hangs lower, lying hair is pressed flat from its root on.
+    /// tip; with a lean near 1 the root is combed over as well.
     fn lean(&self, t: f32) -> Vec3 {
-        let lean = self.params.lean;
-        let upright = |lean: f32| (lean * lean * 65.0, lean * 88.0);
-        let (root, tip) = match self.params.style {
-            Style::Straight | Style::Curly | Style::Messy => upright(lean),
-            Style::Wet => upright(0.6 + 0.4 * lean),
-            Style::Lying => (60.0 + 20.0 * lean, 80.0 + 8.0 * lean),
-        };
+        let StyleForces { lean: [least, span], root_deg, tip_deg, .. } = self.forces;
+        let lean = least + span * self.params.lean;
+        let root = root_deg[0] + root_deg[1] * lean + root_deg[2] * (lean * lean);
+        let tip = tip_deg[0] + tip_deg[1] * lean;
         let angle = (root + (tip - root) * t).to_radians();
         (self.lean_to * libm::sinf(angle)).extend(libm::cosf(angle))
-    }
-
-    /// How far a strand's own heading strays from its neighbours'.
-    fn disorder(&self) -> f32 {
-        match self.params.style {
-            Style::Messy => 0.4,
-            Style::Straight | Style::Curly | Style::Wet => 0.12,
-            Style::Lying => 0.06,
-        }
     }
 
     /// How fast a heading follows over a step of a strand of `length`: the exact solution of the relaxation, which never
@@ -160,7 +146,7 @@ impl<'a> Grower<'a> {
         let length = self.length(strand);
         let step = length / segments as f32;
         let follow = Self::follow(step, length);
-        let tilt = vector(self.own_seed, u64::from(strand) << 8 | Draw::Tilt as u64) * self.disorder();
+        let tilt = vector(self.own_seed, u64::from(strand) << 8 | Draw::Tilt as u64) * self.forces.disorder;
         let frizz_seed = hash(self.own_seed, u64::from(strand) << 8 | Draw::Frizz as u64);
         let root = self.root(strand);
         let mut position = root.extend(0.0);
@@ -176,7 +162,7 @@ impl<'a> Grower<'a> {
                 Some(lock) => {
                     let left = (segments - j.min(segments - 1)) as f32 * step;
                     let into_lock = heading_into_lock(position, lock.position, lock.heading, left);
-                    let target = if p.style == Style::Wet {
+                    let target = if self.forces.wet {
                         (lock.target + tilt).lerp(into_lock, p.clump)
                     } else {
                         // Dry hairs stand by themselves at their roots; it is their tips that gather.
@@ -189,7 +175,7 @@ impl<'a> Grower<'a> {
             };
             axis = (axis + (target - axis) * follow).normalize_or(axis);
             let mut heading = axis;
-            if p.style == Style::Curly {
+            if self.forces.helix {
                 // The radius grows over the first third, so that the strand leaves the skin at its root.
                 let radius = p.curl_radius * (3.0 * t).min(1.0);
                 let rate = (TAU / turn_length(p)).min(MAX_TURN_RAD / step);
@@ -200,18 +186,10 @@ impl<'a> Grower<'a> {
                 phase += hand * rate * step;
             }
             if p.frizz > 0.0 {
-                heading += along(frizz_seed, t * FRIZZ_BENDS) * (p.frizz * 1.2 * self.frizz_share());
+                heading += along(frizz_seed, t * FRIZZ_BENDS) * (p.frizz * 1.2 * self.forces.frizz);
             }
             let heading = keep_above_skin(heading.normalize_or(axis), position.z, step, j == 0, self.lean_to);
             position += heading * step;
-        }
-    }
-
-    /// How much of the recipe's frizz a style leaves: water and the comb smooth it out.
-    fn frizz_share(&self) -> f32 {
-        match self.params.style {
-            Style::Straight | Style::Curly | Style::Messy => 1.0,
-            Style::Wet | Style::Lying => 0.35,
         }
     }
 
@@ -222,17 +200,11 @@ impl<'a> Grower<'a> {
     }
 
     fn style_force(&self, position: Vec3, t: f32) -> Vec3 {
-        match self.params.style {
-            Style::Straight | Style::Curly | Style::Wet => Vec3::ZERO,
-            // A slow sideways flow, so that a combed coat is not a printed pattern.
-            Style::Lying => field(hash(self.seed, u64::MAX - 1), position, 3) * Vec3::new(0.5, 0.5, 0.0),
-            Style::Messy => {
-                let wide = field(hash(self.seed, u64::MAX - 1), position, 4) * 1.5;
-                let narrow = field(hash(self.seed, u64::MAX - 2), position, 9) * 1.0;
-                // Sideways more than up and down: hair that points into the skin looks broken. Long hair droops.
-                (wide + narrow) * Vec3::new(1.0, 1.0, 0.4) * (0.35 + 0.65 * t) - Vec3::Z * (0.3 * t * t)
-            }
-        }
+        let StyleForces { fields, field_scale, field_growth: [at_root, growth], droop, .. } = self.forces;
+        let seeds = (1..).map(|n| hash(self.seed, u64::MAX - n));
+        let noise = fields.iter().zip(seeds).map(|((cells, strength), seed)| field(seed, position, *cells) * *strength);
+        noise.fold(Vec3::ZERO, |sum, push| sum + push) * field_scale * (at_root + growth * t)
+            - Vec3::Z * (droop * t * t)
     }
 }
 
@@ -250,9 +222,7 @@ struct LockAxis {
 
 impl LockAxis {
     fn new(grower: &Grower<'_>, locks: &Locks, lock: Lock) -> Self {
-        // Locks of dry hair lie more alike: it is the comb that lays them.
-        let strays = if grower.params.style == Style::Wet { 1.0 } else { 0.6 };
-        let tilt = locks.tilt(lock.index) * Vec3::new(0.35, 0.35, 0.1) * strays;
+        let tilt = locks.tilt(lock.index) * Vec3::new(0.35, 0.35, 0.1) * grower.forces.lock_disorder;
         let target = grower.lean(0.0) + tilt;
         let heading = target.normalize_or(Vec3::Z);
         Self { position: lock.center.extend(0.0), heading, target, tilt, along: 0.0 }

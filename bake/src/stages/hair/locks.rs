@@ -4,8 +4,9 @@
 //! grows from its centre as a strand would; its strands steer onto the axis while they grow and lie beside it from then on.
 //! Because the short ones end first, a lock thins out to a point.
 
+use super::styles::StyleForces;
 use crate::noise::{hash, stratified, uniform, vector};
-use crate::recipe::{HairParams, Style};
+use crate::recipe::HairParams;
 use glam::{Vec2, Vec3};
 
 /// Lock centres lie about this share of the hair's length apart where the recipe gives no number of locks.
@@ -31,11 +32,15 @@ pub(super) struct Lock {
     pub(super) center: Vec2,
 }
 
+/// Whether hairs gather in locks.
+pub(super) fn gathers(params: &HairParams) -> bool {
+    StyleForces::of(params.style).wet || params.dry_clump > 0.0
+}
+
 impl Locks {
     /// Those of a coat with such guard hair, `height` widths of the tile long; none where its hairs do not gather.
     pub(super) fn of_coat(guard: &HairParams, height: f32) -> Option<Self> {
-        let gather = guard.style == Style::Wet || guard.dry_clump > 0.0;
-        gather.then(|| Self::new(guard.seed, guard.clump_count, guard.density, height))
+        gathers(guard).then(|| Self::new(guard.seed, guard.clump_count, guard.density, height))
     }
 
     /// `count` locks, or as many as suit `density` strands of length `height`, widths of the tile.

@@ -16,13 +16,15 @@ mod asides;
 mod forces;
 mod locks;
 mod shades;
+mod styles;
 mod tile;
 
 pub use asides::Asides;
 pub use shades::linear;
+pub use styles::{GuideForces, StyleForces};
 pub use tile::{TileHair, simulate_recipe};
 
-use crate::recipe::{ColorParams, HairParams, Style, UnderfurParams};
+use crate::recipe::{ColorParams, HairParams, UnderfurParams};
 use forces::Grower;
 use glam::Vec3;
 use locks::Locks;
@@ -138,10 +140,6 @@ impl Strands {
 /// Points that all strands together may have: bounds memory to about 1 GiB at a million strands.
 const MAX_POINTS: u32 = 32 << 20;
 
-/// What water leaves of hair's linear colour. A film of water takes the diffuse surface reflection away and lets more light into
-/// the hair, where it is absorbed.
-const WET_COLOR: f32 = 0.45;
-
 /// Grows the strands of one tile, guard hair alone.
 ///
 /// * `params`: number, lengths, radii and style of the strands
@@ -173,7 +171,7 @@ pub fn simulate_coats(
     underfur.validate()?;
     color.validate()?;
     volume.validate()?;
-    let water = if params.style == Style::Wet { WET_COLOR } else { 1.0 };
+    let water = StyleForces::of(params.style).color;
     let shades = Shades::new(color, water);
     let most_segments = MAX_POINTS / (params.density + underfur.density);
     let locks = Locks::of_coat(params, volume.height);
@@ -194,12 +192,13 @@ pub fn simulate_coats(
 
 /// What describes underfur beside guard hair.
 fn under(guard: &HairParams, fur: &UnderfurParams) -> HairParams {
+    let is_wet = |style| StyleForces::of(style).wet;
     HairParams {
         density: fur.density,
         length_variation: fur.length_variation,
         root_radius: fur.root_radius,
         tip_radius: fur.tip_radius,
-        style: fur.style.filter(|style| guard.style != Style::Wet && *style != Style::Wet).unwrap_or(guard.style),
+        style: fur.style.filter(|style| !is_wet(guard.style) && !is_wet(*style)).unwrap_or(guard.style),
         lean: fur.lean.unwrap_or(guard.lean),
         frizz: fur.frizz,
         dry_clump: fur.dry_clump.unwrap_or(guard.dry_clump),

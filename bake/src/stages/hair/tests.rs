@@ -130,7 +130,7 @@ fn wet_hair_is_darker_and_lower_and_lying_hair_is_flat() {
     let straight = heights(Style::Straight);
     assert!(heights(Style::Wet) < 0.85 * straight && heights(Style::Lying) < 0.45 * straight);
     let (dry, wet) = (grow(|_| {}).root_color, grow(|p| p.style = Style::Wet).root_color);
-    assert!((wet - dry * WET_COLOR).length() < 1e-6);
+    assert!((wet - dry * StyleForces::of(Style::Wet).color).length() < 1e-6);
 }
 
 #[test]

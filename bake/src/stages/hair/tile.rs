@@ -1,5 +1,6 @@
 //! All the hair of a coat's tile, as a resolved recipe describes it: the one place where a bake and the traced truth get their strands from.
 
+use super::styles::{StyleForces, WET};
 use super::{Strands, VolumeParams, simulate_coats};
 use crate::recipe::{HairParams, Recipe, Style};
 use crate::stages::groom::{Lengths, Water};
@@ -23,10 +24,10 @@ impl TileHair {
     /// [`BakeError::Params`] for a value outside its range.
     pub fn grow(recipe: &Recipe, lengths: Lengths, water: Water) -> Result<Self, BakeError> {
         let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
-        let style = if water == Water::Wet { Style::Wet } else { recipe.hair.style };
+        let style = if water == Water::Wet { WET } else { recipe.hair.style };
         let grow = |style| simulate_of(recipe, style, &volume);
         let mut strands = grow(style)?;
-        let mut wet = if water == Water::Mixed && style != Style::Wet { Some(grow(Style::Wet)?) } else { None };
+        let mut wet = if water == Water::Mixed && !StyleForces::of(style).wet { Some(grow(WET)?) } else { None };
         if let Some(wet) = &mut wet {
             // Layers that are mixed lie at the same heights.
             strands.height = strands.height.max(wet.height);

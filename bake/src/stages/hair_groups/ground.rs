@@ -37,6 +37,6 @@ pub(super) fn parts_of<'a>(pattern: &str, ground: &Ground<'a>) -> Result<Vec<&'a
 }
 
 /// A colour of a recipe as a package stores it.
-pub(super) fn bytes(color: Option<SrgbColor>, otherwise: [u8; 3]) -> [u8; 3] {
-    color.map_or(otherwise, |color| color.0.map(|x| (x * 255.0).round() as u8))
+pub(super) fn bytes(color: SrgbColor) -> [u8; 3] {
+    color.0.map(|x| (x * 255.0).round() as u8)
 }

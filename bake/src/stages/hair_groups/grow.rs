@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use crate::noise::{along, uniform};
-use crate::recipe::Style;
+use crate::stages::hair::GuideForces;
 use glam::{Quat, Vec3};
 use pelage_formats::OnTriangle;
 use pelage_formats::meaning::hair_groups::smoothed;
@@ -15,7 +15,7 @@ const PUSHES: usize = 3;
 /// How guides grow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Growth {
-    pub(super) style: Style,
+    pub(super) forces: GuideForces,
     /// Where they fall to, of unit length.
     pub(super) fall: Vec3,
     /// How they are combed at the skin, of unit length or zero.
@@ -36,9 +36,8 @@ pub(super) struct Growth {
 const FALLING: f32 = 0.35;
 /// Waves of messy hair over its length.
 const WAVES: f32 = 3.0;
-/// Turns of curly hair over its length, and their radius over it.
+/// Turns of curly hair over its length.
 const TURNS: f32 = 4.0;
-const CURL: f32 = 0.035;
 
 impl Growth {
     /// A guide from that root: its points, of which the first is there.
@@ -47,8 +46,8 @@ impl Growth {
         let step_m = self.length_m / STEPS as f32;
         // Hair lies on hair: each guide at another distance from the skin.
         let lift_m = self.lift * self.length_m * (0.25 + 0.75 * uniform(seed, 1));
-        let wet = matches!(self.style, Style::Wet | Style::Lying);
-        let turned = 1.0 - libm::expf(-1.0 / (STEPS as f32 * self.stiffness * if wet { 0.3 } else { 1.0 }));
+        let forces = self.forces;
+        let turned = 1.0 - libm::expf(-1.0 / (STEPS as f32 * self.stiffness * forces.stiffness));
         let reach_m = (2.0 * lift_m).max(4.0 * step_m);
         let mut way = self.first_way(start, body.normal(root), seed);
         let mut points = vec![start];
@@ -56,17 +55,15 @@ impl Growth {
             let at = points[k - 1];
             let share = k as f32 / STEPS as f32;
             let mut target = self.fall;
-            if self.style == Style::Lying
+            if forces.follows_skin
                 && let Some((_, near)) = body.depth(at, reach_m)
             {
                 target = target.reject_from_normalized(near.normal);
             }
-            if self.style == Style::Messy {
-                target += 0.9 * along(seed, WAVES * share);
-            }
+            target += forces.waves * along(seed, WAVES * share);
             way = way.lerp(target.try_normalize().unwrap_or(way), turned).try_normalize().unwrap_or(way);
             // Near the root hair is near the skin.
-            let clear_m = lift_m * (4.0 * share).min(1.0) * if wet { 0.4 } else { 1.0 };
+            let clear_m = lift_m * (4.0 * share).min(1.0) * forces.lift;
             let mut next = at + way * step_m;
             for _ in 0..PUSHES {
                 let Some((depth_m, near)) = body.depth(next, reach_m).filter(|(depth_m, _)| *depth_m < clear_m) else {
@@ -80,7 +77,7 @@ impl Growth {
             way = (next - at).try_normalize().unwrap_or(way);
             points.push(next);
         }
-        if self.style == Style::Curly {
+        if forces.curl > 0.0 {
             points = self.curled(&points, seed);
         }
         smoothed(&points, self.guide_points)
@@ -116,7 +113,7 @@ impl Growth {
                 let share = k as f32 / last as f32;
                 let angle = begin + std::f32::consts::TAU * TURNS * share;
                 let about = side * libm::cosf(angle) + axis.cross(side) * libm::sinf(angle);
-                points[k] + about * (CURL * self.length_m * (3.0 * share).min(1.0))
+                points[k] + about * (self.forces.curl * self.length_m * (3.0 * share).min(1.0))
             })
             .enumerate()
             // Roots stay.

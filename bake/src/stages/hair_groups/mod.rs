@@ -15,8 +15,9 @@ mod tests;
 pub use at_rest::{GuidesAtRest, Kept, RestSkin};
 pub use ground::Ground;
 
-use crate::recipe::{HairGroupParams, ScalarMap, StrandParams, Style};
+use crate::recipe::{HairGroupParams, ScalarMap, StrandParams};
 use crate::stages::groom::scalar_at;
+use crate::stages::hair::StyleForces;
 use body::Body;
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use ground::{bytes, parts_of};
@@ -29,8 +30,6 @@ use pelage_import::mesh::MeshPart;
 use rayon::prelude::*;
 use tuft::tuft_of;
 
-/// Points of a hair where the recipe says nothing.
-pub const HAIR_POINTS: u32 = 17;
 /// Guides of a file may root so far from the scalp, over the model's radius: others are left out.
 const LOOSE: f32 = 0.1;
 /// Share of their points that is led to the scalp.
@@ -106,24 +105,24 @@ fn group_of(
 ) -> Result<HairGroup, Fault> {
     let scalp = scalp(params, ground)?;
     let length_m = params.length_m.unwrap_or(ground.radius_m / 6.0);
-    let style = params.style.unwrap_or(Style::Straight);
-    let guide_points = params.guide_points.unwrap_or(if style == Style::Curly { 29 } else { 8 });
-    let root_radius_m = params.root_radius_m.unwrap_or(5e-5);
+    let forces = StyleForces::of(params.style()).guides;
+    let guide_points = params.guide_points.unwrap_or(forces.points);
+    let root_radius_m = params.root_radius_m();
     let mut group = HairGroup {
         name: params.name.clone(),
-        hairs: params.hairs.unwrap_or(20_000),
-        points: params.points.unwrap_or(HAIR_POINTS),
+        hairs: params.hairs(),
+        points: params.points(),
         guide_points,
-        seed: params.seed.unwrap_or(1),
+        seed: params.seed(),
         root_radius_m,
         tip_radius_m: params.tip_radius_m.unwrap_or(root_radius_m / 3.0).min(root_radius_m),
-        root_color: bytes(params.root_color, [0x3a, 0x2a, 0x1c]),
-        tip_color: bytes(params.tip_color, [0x6b, 0x4a, 0x2f]),
-        color_variation: params.color_variation.unwrap_or(0.2),
-        length_variation: params.length_variation.unwrap_or(0.15),
-        clump: params.clump.unwrap_or(0.5),
-        lock_hairs: params.lock_hairs.unwrap_or(60),
-        stray: params.stray.unwrap_or(0.1),
+        root_color: bytes(params.root_color()),
+        tip_color: bytes(params.tip_color()),
+        color_variation: params.color_variation(),
+        length_variation: params.length_variation(),
+        clump: params.clump(),
+        lock_hairs: params.lock_hairs(),
+        stray: params.stray(),
         scalp,
         ..HairGroup::default()
     };
@@ -136,19 +135,19 @@ fn group_of(
             guides
         }
         None => {
-            let fall = Vec3::from(params.fall.unwrap_or([0.0, -1.0, 0.0])).try_normalize();
+            let fall = Vec3::from(params.fall()).try_normalize();
             let growth = Growth {
-                style,
+                forces,
                 fall: fall.ok_or_else(|| Fault::Here("fall is [0, 0, 0], expected a direction".into()))?,
-                comb: Vec3::from(params.comb.unwrap_or_default()).normalize_or_zero(),
+                comb: Vec3::from(params.comb()).normalize_or_zero(),
                 parting_m: params.parting_m,
-                rise: params.rise.unwrap_or(0.5),
+                rise: params.rise(),
                 length_m,
-                stiffness: params.stiffness.unwrap_or(0.08),
-                lift: params.lift.unwrap_or(0.06),
+                stiffness: params.stiffness(),
+                lift: params.lift(),
                 guide_points: guide_points as usize,
             };
-            grown_guides(&group, params.guides.unwrap_or(300), &growth, body)
+            grown_guides(&group, params.guides(), &growth, body)
         }
     };
     group.set_guides(&body.in_frames(&guides));
@@ -157,10 +156,9 @@ fn group_of(
 
 /// Triangles that a group grows on, and how dense.
 fn scalp(params: &HairGroupParams, ground: &Ground<'_>) -> Result<Vec<(u32, u16)>, Fault> {
-    let pattern = params.material.as_deref().unwrap_or("*");
-    let mask = params.mask.clone().unwrap_or(ScalarMap::Constant(1.0));
+    let (pattern, mask) = (params.material(), params.mask());
     let mut scalp = Vec::new();
-    for part in parts_of(pattern, ground).map_err(Fault::Here)? {
+    for part in parts_of(&pattern, ground).map_err(Fault::Here)? {
         for triangle in part.first_triangle..part.first_triangle + part.triangle_count {
             let mut share = 0.0;
             for v in ground.mesh.triangles[triangle] {
@@ -180,9 +178,10 @@ fn scalp(params: &HairGroupParams, ground: &Ground<'_>) -> Result<Vec<(u32, u16)
 
 /// How freely each guide of a group moves, by where it roots; nothing where all are free.
 fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &Ground<'_>) -> Result<Vec<u8>, BakeError> {
-    let Some(map) = params.freedom.as_ref().filter(|map| **map != ScalarMap::Constant(1.0)) else {
+    let map = params.freedom();
+    if map == ScalarMap::Constant(1.0) {
         return Ok(Vec::new());
-    };
+    }
     let of_guide = |root: OnTriangle| {
         let triangle = root.triangle as usize;
         let of_part =
@@ -190,7 +189,7 @@ fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &Ground<'_>) -> 
         let Some(part) = ground.mesh.parts.iter().find(of_part) else { return Ok(u8::MAX) };
         let mut share = 0.0;
         for (v, weight) in ground.mesh.triangles[triangle].into_iter().zip(root.weights) {
-            share += weight * scalar_at(ground.files, ground.mesh, part, map, v as usize)?.unwrap_or(1.0);
+            share += weight * scalar_at(ground.files, ground.mesh, part, &map, v as usize)?.unwrap_or(1.0);
         }
         Ok((share.clamp(0.0, 1.0) * 255.0).round() as u8)
     };
@@ -216,16 +215,12 @@ fn read_guides(
     body: &Body<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<(OnTriangle, Vec<Vec3>)>, Fault> {
-    let [x, y, z] = params.turn_deg.unwrap_or_default().map(f32::to_radians);
+    let [x, y, z] = params.turn_deg().map(f32::to_radians);
     let turn = Quat::from_euler(EulerRot::ZYX, z, y, x);
-    let placed = Mat4::from_scale_rotation_translation(
-        Vec3::splat(params.scale_m.unwrap_or(1.0)),
-        turn,
-        params.at.unwrap_or_default().into(),
-    );
+    let placed = Mat4::from_scale_rotation_translation(Vec3::splat(params.scale_m()), turn, params.at().into());
     let mut on_scalp = vec![false; body.triangles.len()];
     group.scalp.iter().for_each(|(triangle, _)| on_scalp[*triangle as usize] = true);
-    let every = params.every.unwrap_or(1) as usize;
+    let every = params.every() as usize;
     let chosen: Vec<usize> = (0..strands.len()).step_by(every).collect();
     let loose_m = params.loose_m.unwrap_or(LOOSE * ground.radius_m);
     let guide = |index: &usize| {

@@ -58,7 +58,7 @@ pub(super) fn tuft_of(
             of_material[part.first_triangle..part.first_triangle + part.triangle_count].fill(true);
         }
     }
-    let sides: &[f32] = if params.mirrored == Some(true) { &[1.0, -1.0] } else { &[1.0] };
+    let sides: &[f32] = if params.mirrored() { &[1.0, -1.0] } else { &[1.0] };
     let places = sides.iter().map(|side| (at * Vec3::new(*side, 1.0, 1.0), *side));
     let reach_m = 2.0 * ground.radius_m;
     let about = |(middle, side)| hairs_about(params, body, middle, reach_m, side, |t| of_material[t as usize]);
@@ -66,15 +66,15 @@ pub(super) fn tuft_of(
     if hairs.is_empty() {
         return Err(format!("no skin is near {at}, expected a place on the model"));
     }
-    let root_radius_m = params.root_radius_m.unwrap_or(3e-4);
+    let root_radius_m = params.root_radius_m();
     let mut group = HairGroup {
         name: params.name.clone(),
-        points: params.points.unwrap_or(9),
-        seed: params.seed.unwrap_or(1),
+        points: params.points(),
+        seed: params.seed(),
         root_radius_m,
         tip_radius_m: params.tip_radius_m.unwrap_or(root_radius_m / 6.0).min(root_radius_m),
-        root_color: bytes(params.root_color, [0xe8, 0xe0, 0xd4]),
-        tip_color: bytes(params.tip_color, [0xf4, 0xef, 0xe8]),
+        root_color: bytes(params.root_color()),
+        tip_color: bytes(params.tip_color()),
         lock_hairs: 1,
         ..HairGroup::default()
     };
@@ -93,13 +93,11 @@ fn hairs_about(
     of: impl Fn(u32) -> bool,
 ) -> Vec<(OnTriangle, Vec<Vec3>)> {
     let Some(skin) = body.nearest(middle, reach_m, &of) else { return Vec::new() };
-    let length_m = params.length_m.unwrap_or(0.05);
-    let spread_m = params.spread_m.unwrap_or(0.005);
-    let direction = Vec3::from(params.direction.unwrap_or_default()) * Vec3::new(side, 1.0, 1.0);
-    let (fan, bend) = (params.fan.unwrap_or(0.3), params.bend.unwrap_or(0.15));
-    let count = params.hairs.unwrap_or(12);
+    let (length_m, spread_m) = (params.length_m(), params.spread_m());
+    let direction = Vec3::from(params.direction()) * Vec3::new(side, 1.0, 1.0);
+    let (fan, bend, count) = (params.fan(), params.bend(), params.hairs());
     let across = skin.normal.any_orthonormal_vector();
-    let seed = u64::from(params.seed.unwrap_or(1));
+    let seed = u64::from(params.seed());
     let hair = |number: u32| {
         // Spread over a disc as evenly as a sunflower's seeds (Vogel 1979); mirrored tufts are images of each other.
         let radius = libm::sqrtf((number as f32 + 0.5) / count as f32);
@@ -108,7 +106,7 @@ fn hairs_about(
         let at = body.nearest(skin.place + aside * (radius * spread_m), spread_m.max(reach_m), &of)?;
         let way = skin.normal + direction + aside * (fan * radius);
         let way = way.try_normalize().unwrap_or(skin.normal);
-        let shorter = params.length_variation.unwrap_or(0.4) * uniform(seed, u64::from(number));
+        let shorter = params.length_variation() * uniform(seed, u64::from(number));
         let length_m = length_m * (1.0 - shorter);
         let point = |k: usize| {
             let share = k as f32 / (POINTS - 1) as f32;

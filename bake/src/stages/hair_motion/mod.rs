@@ -43,15 +43,13 @@ pub fn of_groups(
 }
 
 fn motion(group: &HairGroupParams) -> GroupMotion {
-    let default = GroupMotion::default();
-    let held = group.held.unwrap_or(default.held);
     GroupMotion {
-        held,
-        free: group.free.unwrap_or(default.free).max(held),
-        drag_per_s: group.drag_per_s.unwrap_or(default.drag_per_s),
-        shape_hz: group.swing_hz.unwrap_or(default.shape_hz),
-        bend_hz: group.bend_hz.unwrap_or(default.bend_hz),
-        friction: group.friction.unwrap_or(default.friction),
+        held: group.held(),
+        free: group.free().max(group.held()),
+        drag_per_s: group.drag_per_s(),
+        shape_hz: group.swing_hz(),
+        bend_hz: group.bend_hz(),
+        friction: group.friction(),
     }
 }
 

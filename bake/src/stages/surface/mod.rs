@@ -17,6 +17,7 @@ mod params;
 mod repair;
 mod skin;
 mod solve;
+mod sparse;
 mod topology;
 mod weld;
 

@@ -4,10 +4,8 @@
 //! by area, the normal equations have the cotangent Laplacian for a matrix, the same for u and v: one sparse Cholesky
 //! factorisation serves both, and every later round with turned targets as well.
 
+use super::sparse::Symmetric;
 use super::topology::Topology;
-use faer::linalg::solvers::Solve;
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
 use glam::{DMat2, DVec2, DVec3};
 
 /// Tile frame of a face: unit vectors in its plane, S × T = N.
@@ -103,31 +101,25 @@ impl<'a> PatchSystem<'a> {
     /// `None` where the system cannot be solved to a small residual.
     pub(super) fn solve(&self, comb_weight: f64, rounds: usize) -> Option<Vec<DVec2>> {
         let n = self.points.len() - 1;
-        let mut triplets = Vec::with_capacity(6 * self.corners.len());
-        for (k, corners) in self.corners.iter().enumerate() {
+        let entries = self.corners.iter().enumerate().flat_map(|(k, corners)| {
             let (area, g) = (self.topology.areas[self.faces[k] as usize], &self.gradients[k]);
-            for i in 0..3 {
-                for j in 0..3 {
-                    let (row, column) = (corners[i] as usize, corners[j] as usize);
-                    if column > 0 && row >= column {
-                        triplets.push(Triplet::new(row - 1, column - 1, area * g[i].dot(g[j])));
-                    }
-                }
-            }
-        }
-        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets).ok()?;
-        let factor = matrix.sp_cholesky(Side::Lower).ok()?;
+            (0..9).filter_map(move |c| {
+                let (i, j) = (c / 3, c % 3);
+                let (row, column) = (corners[i] as usize, corners[j] as usize);
+                (row.min(column) > 0).then(|| (row - 1, column - 1, area * g[i].dot(g[j])))
+            })
+        });
+        let matrix = Symmetric::new(n, entries);
+        let factor = matrix.factor()?;
         let mut turns = vec![DMat2::IDENTITY; self.faces.len()];
         let mut uvs = Vec::new();
         for round in 0..=rounds {
             let right = self.right_side(&turns);
             let solution = factor.solve(&right);
-            if !self.is_solved(&matrix, &solution, &right) {
+            if !is_solved(&matrix, &solution, &right) {
                 return None;
             }
-            uvs = std::iter::once(DVec2::ZERO)
-                .chain((0..n).map(|i| DVec2::new(solution[(i, 0)], solution[(i, 1)])))
-                .collect();
+            uvs = std::iter::once(DVec2::ZERO).chain(solution).collect();
             if round == rounds {
                 break;
             }
@@ -139,36 +131,16 @@ impl<'a> PatchSystem<'a> {
         Some(uvs)
     }
 
-    fn right_side(&self, turns: &[DMat2]) -> Mat<f64> {
-        let mut right = Mat::zeros(self.points.len() - 1, 2);
+    fn right_side(&self, turns: &[DMat2]) -> Vec<DVec2> {
+        let mut right = vec![DVec2::ZERO; self.points.len() - 1];
         for (k, corners) in self.corners.iter().enumerate() {
             let face = self.faces[k] as usize;
             let weight = self.topology.areas[face] / self.frames[k].tile_m;
             for (corner, g) in corners.iter().zip(&self.gradients[k]).filter(|(c, _)| **c > 0) {
-                let pull = turns[k] * *g * weight;
-                right[(*corner as usize - 1, 0)] += pull.x;
-                right[(*corner as usize - 1, 1)] += pull.y;
+                right[*corner as usize - 1] += turns[k] * *g * weight;
             }
         }
         right
-    }
-
-    /// Whether the solution solves the system: slivers can leave a factor of nothing but rounding errors.
-    fn is_solved(&self, lower: &SparseColMat<usize, f64>, x: &Mat<f64>, right: &Mat<f64>) -> bool {
-        let n = right.nrows();
-        let mut residual = Mat::<f64>::zeros(n, 2);
-        for triplet in lower.triplet_iter() {
-            let (i, j, value) = (triplet.row, triplet.col, *triplet.val);
-            for c in 0..2 {
-                residual[(i, c)] += value * x[(j, c)];
-                if i != j {
-                    residual[(j, c)] += value * x[(i, c)];
-                }
-            }
-        }
-        residual -= right;
-        let (error, size) = (residual.norm_l2(), right.norm_l2());
-        x.is_all_finite() && error <= WORST_RESIDUAL * size.max(f64::MIN_POSITIVE)
     }
 
     /// The map of the k-th face of the patch.
@@ -176,4 +148,12 @@ impl<'a> PatchSystem<'a> {
         let corners = self.corners[k].map(|c| uvs[c as usize]);
         jacobian(&self.gradients[k], corners, self.frames[k].tile_m)
     }
+}
+
+/// Whether the solution solves the system: slivers can leave a factor of nothing but rounding errors.
+fn is_solved(matrix: &Symmetric, x: &[DVec2], right: &[DVec2]) -> bool {
+    let error: f64 = matrix.times(x).iter().zip(right).map(|(found, wanted)| found.distance_squared(*wanted)).sum();
+    let size: f64 = right.iter().map(|r| r.length_squared()).sum();
+    // False for NaN.
+    error.sqrt() <= WORST_RESIDUAL * size.sqrt().max(f64::MIN_POSITIVE)
 }

@@ -4,6 +4,7 @@ use super::choice::Choice;
 use super::detail::{self, CoatInfo, DetailLevel};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 
 /// The manifest section: what is in the package, how it was made, how to shade it.
 ///
@@ -119,9 +120,6 @@ pub struct FinInfo {
     pub direction_texture: u32,
 }
 
-/// Largest pd and ps.
-const MAX_EXPONENT: f32 = 10_000.0;
-
 /// Constants of Yang 2006, eqs. (1)–(3). Colours are linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shading {
@@ -155,13 +153,49 @@ impl Default for Shading {
     }
 }
 
+/// Fails for the first value that is not finite.
+fn finite(what: &str, values: &[f32]) -> Result<(), String> {
+    match values.iter().find(|v| !v.is_finite()) {
+        Some(v) => Err(format!("{what} is {v}, expected a finite number")),
+        None => Ok(()),
+    }
+}
+
 impl Shading {
+    /// Range of the exponents.
+    pub const EXPONENT: RangeInclusive<f32> = 0.0..=10_000.0;
+
+    /// Checks every number; returns the field, what was found and what was expected.
+    ///
+    /// # Errors
+    ///
+    /// The first number that is out of its range.
+    pub fn check(&self) -> Result<(), String> {
+        finite("ambient", &self.ambient)?;
+        finite("diffuse", &self.diffuse)?;
+        finite("specular", &self.specular)?;
+        for (what, value, range) in [
+            ("diffuse_exponent", self.diffuse_exponent, Self::EXPONENT),
+            ("specular_exponent", self.specular_exponent, Self::EXPONENT),
+            ("ambient_floor", self.ambient_floor, 0.0..=1.0),
+        ] {
+            if !range.contains(&value) {
+                return Err(format!("{what} is {value}, expected {}..={}", range.start(), range.end()));
+            }
+        }
+        // Exclusive: the lighting equation divides by it, and at 1 no direction is ever dark.
+        if !(self.back_light_range > 0.0 && self.back_light_range < 1.0) {
+            return Err(format!("back_light_range is {}, expected it between 0 and 1", self.back_light_range));
+        }
+        Ok(())
+    }
+
     /// What the constants become where hair is wet: the film of water smooths its scales, which makes the highlight twice as
     /// strong and much narrower.
     pub fn wet(&self) -> Self {
         Self {
             specular: self.specular.map(|k| 2.0 * k),
-            specular_exponent: (4.0 * self.specular_exponent).min(MAX_EXPONENT),
+            specular_exponent: (4.0 * self.specular_exponent).min(*Self::EXPONENT.end()),
             ..*self
         }
     }
@@ -227,10 +261,6 @@ impl Manifest {
     ///
     /// Returns the path of the faulty field with what was found and expected.
     pub(crate) fn check(&self) -> Result<(), String> {
-        let finite = |what: &str, values: &[f32]| match values.iter().find(|v| !v.is_finite()) {
-            Some(v) => Err(format!("{what} is {v}, expected a finite number")),
-            None => Ok(()),
-        };
         let b = &self.bounds;
         finite("bounds.min", &b.min)?;
         finite("bounds.max", &b.max)?;
@@ -247,23 +277,7 @@ impl Manifest {
         if b.radius < 0.0 {
             return Err(format!("bounds.radius is {}, expected >= 0", b.radius));
         }
-        let s = &self.shading;
-        finite("shading.ambient", &s.ambient)?;
-        finite("shading.diffuse", &s.diffuse)?;
-        finite("shading.specular", &s.specular)?;
-        for (what, value, max) in [
-            ("shading.diffuse_exponent", s.diffuse_exponent, MAX_EXPONENT),
-            ("shading.specular_exponent", s.specular_exponent, MAX_EXPONENT),
-            ("shading.ambient_floor", s.ambient_floor, 1.0),
-        ] {
-            if !(0.0..=max).contains(&value) {
-                return Err(format!("{what} is {value}, expected 0..={max}"));
-            }
-        }
-        // Exclusive: the lighting equation divides by it, and at 1 no direction is ever dark.
-        if !(s.back_light_range > 0.0 && s.back_light_range < 1.0) {
-            return Err(format!("shading.back_light_range is {}, expected it between 0 and 1", s.back_light_range));
-        }
+        self.shading.check().map_err(|reason| format!("shading.{reason}"))?;
         let textures = self.textures.len();
         let texture = |what: String, index: u32| match (index as usize) < textures {
             true => Ok(()),

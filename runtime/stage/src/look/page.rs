@@ -9,7 +9,7 @@ const INTRODUCTION: [&str; 3] = [
      and later ones win. A scene file has it in its table `[look]`, as in `[look.shadow]`, or names a file: `look = \"look.toml\"`. What a look leaves \
      out keeps its default. A table or key that does not exist is an error, which names the line and the nearest key that does.",
     "Some keys have a flag as a short form, such as `--penumbra 0.3`. A scene file counts least, then looks in their order, and flags most.",
-    "This page is made from the declarations in `runtime/stage/src/look/` by `cargo run --bin write_docs`.",
+    "This page is made from the declarations in `runtime/stage/src/look/` by `cargo run -p pelage-tests --bin chores -- write-docs`.",
 ];
 
 impl Look {

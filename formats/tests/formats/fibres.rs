@@ -1,0 +1,114 @@
+//! The `FIBR` section: what comes back, and what is refused.
+
+use crate::common::{self, furless_manifest, ktx2_file, sample_animation, sample_mesh};
+use pelage_formats::meaning::scattering::means::Means;
+use pelage_formats::meaning::scattering::tables::Tables;
+use pelage_formats::*;
+
+const HAIR: FibreOptics = FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.12 };
+
+fn sample() -> FibreInfo {
+    let fibres = vec![HAIR, FibreOptics { tilt: -0.05, ..HAIR }];
+    let means = Means { aside: 0.45, on: [[0.25; 4], [0.0; 4], [0.0; 4]], back: [[0.0; 4]; 3] };
+    FibreInfo { texture: 0, fibres, means: vec![means; 2], of_groups: Vec::new(), of_materials: vec![1, 0] }
+}
+
+/// A file of half floats whose bytes are all 1: none of them is infinite.
+fn tables(size: u32, layers: u32) -> Vec<u8> {
+    let mut file = ktx2_file(TextureFormat::Rgba16Float, size, size, layers, 1, 0);
+    let texels = (8 * size * size * layers.max(1)) as usize;
+    let at = file.len() - texels;
+    file[at..].fill(1);
+    file
+}
+
+fn packed(info: &FibreInfo, texture: Vec<u8>) -> Result<Vec<u8>, FormatError> {
+    let textures = vec![TextureEntry { name: "fibres".into() }];
+    let writer = PackageWriter::new(Manifest { textures, ..furless_manifest() });
+    writer.mesh(&sample_mesh(true)).animation(&sample_animation()).texture(texture).fibres(info).finish()
+}
+
+#[test]
+fn fibres_come_back() {
+    let bytes = packed(&sample(), tables(8, 4)).unwrap();
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    assert_eq!(*package.fibres().unwrap().unwrap(), sample());
+    let view = package.fibre_tables().unwrap().unwrap();
+    assert_eq!((view.width, view.layers, view.format), (8, 4, TextureFormat::Rgba16Float));
+    let layers = [2, 3].map(|layer| view.floats(layer).unwrap());
+    let info = sample();
+    let read = Tables::of_layers(info.fibres[1].eta.into(), info.means[1], layers).unwrap();
+    assert_eq!((read.size, view.floats(4)), (8, None));
+    assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+    let without = common::sample_package();
+    let package = Package::open(&without, &Limits::default()).unwrap();
+    assert!(package.fibres().unwrap().is_none() && package.fibre_tables().unwrap().is_none());
+}
+
+#[test]
+fn what_does_not_fit_is_told() {
+    type Change = fn(&mut FibreInfo);
+    let cases: [(Change, &str); 12] = [
+        (|f| f.fibres.clear(), "0 fibres, expected 1 to 64"),
+        (|f| f.fibres = vec![HAIR; 65], "65 fibres, expected 1 to 64"),
+        (|f| f.fibres[1].eta = 1.0, "fibres[1]: eta is 1, expected 1.01 to 3"),
+        (|f| f.fibres[0].along = f32::NAN, "fibres[0]: along is NaN"),
+        (|f| f.fibres[0].tilt = 0.6, "fibres[0]: tilt is 0.6, expected -0.5 to 0.5"),
+        (|f| f.fibres[0].around = 0.0, "fibres[0]: around is 0, expected 0.01 to 5"),
+        (|f| f.means.truncate(1), "means has 1 entries, expected one for each of 2 fibres"),
+        (|f| f.means[1].aside = -1.0, "means[1]: aside is -1, expected 0 to 1"),
+        (|f| f.means[0].back[2][3] = f32::INFINITY, "means[0]: back holds inf, expected -10 to 10"),
+        (|f| f.of_groups = vec![1], "of_groups has 1 entries, expected one for each of 0 groups"),
+        (|f| f.of_materials.clear(), "of_materials has 0 entries, expected one for each of 2 materials"),
+        (|f| f.of_materials[0] = 2, "of_materials[0] is 2, expected less than the 2 fibres"),
+    ];
+    for (change, expected) in cases {
+        let mut info = sample();
+        change(&mut info);
+        let told = packed(&info, tables(8, 4)).unwrap_err().to_string();
+        assert!(told.contains("FIBR") && told.contains(expected), "{told}\nexpected {expected}");
+    }
+    let infinite = {
+        let mut file = tables(8, 4);
+        let last = file.len() - 1;
+        file[last] = 0x7c;
+        file
+    };
+    for (texture, expected) in [
+        (tables(8, 8), "\"fibres\" is 8x8 texels of rgba16float in 8 layers, expected square rgba16float in 4"),
+        (ktx2_file(TextureFormat::Rgba8Unorm, 8, 8, 4, 1, 0), "texels of rgba8unorm in 4 layers"),
+        (ktx2_file(TextureFormat::Rgba16Float, 8, 4, 4, 1, 0), "is 8x4 texels of rgba16float"),
+        (infinite, "holds what is no finite number"),
+    ] {
+        let told = packed(&sample(), texture).unwrap_err().to_string();
+        assert!(told.contains(expected), "{told}\nexpected {expected}");
+    }
+}
+
+/// A group of hair names a fibre that there is.
+#[test]
+fn groups_name_their_fibres() {
+    let mut group = HairGroup { points: 3, lock_hairs: 1, root_radius_m: 1e-4, ..HairGroup::default() };
+    let root = OnTriangle { triangle: 0, weights: [0.5, 0.25, 0.25] };
+    group.set_guides(&[(root, vec![glam::Vec3::Z * 0.1, glam::Vec3::Z * 0.2])]);
+    let pack = |of_groups: Vec<u8>| {
+        let textures = vec![TextureEntry { name: "fibres".into() }];
+        let writer = PackageWriter::new(Manifest { textures, ..furless_manifest() });
+        let writer = writer.mesh(&sample_mesh(true)).animation(&sample_animation()).texture(tables(8, 4));
+        writer.hair_groups(std::slice::from_ref(&group)).fibres(&FibreInfo { of_groups, ..sample() }).finish()
+    };
+    pack(vec![1]).unwrap();
+    let told = pack(vec![2]).unwrap_err().to_string();
+    assert!(told.contains("of_groups[0] is 2, expected less than the 2 fibres"), "{told}");
+}
+
+/// Texels of a table are no picture.
+#[test]
+fn half_floats_are_nothing_but_tables() {
+    let mut manifest = furless_manifest();
+    manifest.textures = vec![TextureEntry { name: "fibres".into() }];
+    manifest.materials[0].base_color_texture = Some(0);
+    let writer = PackageWriter::new(manifest).mesh(&sample_mesh(true)).animation(&sample_animation());
+    let told = writer.texture(tables(4, 0)).finish().unwrap_err().to_string();
+    assert!(told.contains("is rgba16float, which tables of fibres have"), "{told}");
+}

@@ -1,0 +1,26 @@
+//! The package file: every section's round trip and rules, damage, limits, golden files and a C reader.
+#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+#[path = "../../fuzz/src/bodies.rs"]
+mod bodies;
+mod common;
+
+mod allocation;
+mod damage;
+mod fibres;
+mod golden;
+mod hair;
+mod hair_motion;
+mod ink;
+mod ktx2_files;
+mod morphs;
+mod openness;
+mod roots;
+mod round_trip;
+mod sampling;
+mod simplified;
+mod smoke;
+mod spec_reader;
+mod strands;
+mod visibility;

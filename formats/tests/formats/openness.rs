@@ -1,0 +1,62 @@
+//! The `OPEN` section: what comes back, and what is refused.
+
+use crate::common::sample_package;
+use pelage_formats::meaning::openness::Openness;
+use pelage_formats::*;
+
+/// One for each vertex of the sample package.
+fn vertices() -> Vec<Openness> {
+    let bytes = sample_package();
+    let count = Package::open(&bytes, &Limits::default()).unwrap().mesh().unwrap().unwrap().vertex_count;
+    (0..count).map(|i| Openness { share: i as f32 / count as f32, aside: [0.5, -0.25] }).collect()
+}
+
+/// The sample package with something at its end.
+fn package(add: impl FnOnce(PackageWriter<'_>) -> PackageWriter<'_>) -> Result<Vec<u8>, FormatError> {
+    let bytes = sample_package();
+    let package = Package::open(&bytes, &Limits::default())?;
+    let mut writer = PackageWriter::new(package.manifest().clone());
+    for (index, section) in package.sections().iter().enumerate().skip(1) {
+        writer = writer.section(section.tag, package.section_bytes(index)?);
+    }
+    add(writer).finish()
+}
+
+#[test]
+fn it_comes_back_byte_for_byte() {
+    let bytes = package(|writer| writer.openness(&vertices())).unwrap();
+    assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+    let opened = Package::open(&bytes, &Limits::default()).unwrap();
+    let expected: Vec<u8> = vertices().iter().flat_map(|v| [(v.share * 255.0).round() as u8, 63, 225, 0]).collect();
+    assert_eq!(opened.openness().unwrap().unwrap(), expected);
+    let without = sample_package();
+    assert_eq!(Package::open(&without, &Limits::default()).unwrap().openness().unwrap(), None);
+}
+
+#[test]
+fn contents_are_checked() {
+    let count = vertices().len();
+    let reason = |bytes: Vec<u8>| package(|writer| writer.section(Tag::OPENNESS, bytes)).unwrap_err().to_string();
+    let missing = reason(vec![0; 4 * count - 4]);
+    assert!(missing.contains(&format!("expected {}, 4 for each of {count} vertices", 4 * count)), "{missing}");
+    for (at, byte, what) in
+        [(7, 1, "vertex 1 has the bytes [0, 0, 0, 1]"), (1, 0x80, "vertex 0 has the bytes [0, 128, 0, 0]")]
+    {
+        let mut bytes = vec![0; 4 * count];
+        bytes[at] = byte;
+        let found = reason(bytes);
+        assert!(found.contains(what) && found.contains("expected a vector of at most 127"), "{found}");
+    }
+}
+
+#[test]
+fn every_changed_byte_of_the_section_is_found() {
+    let bytes = package(|writer| writer.openness(&vertices())).unwrap();
+    let opened = Package::open(&bytes, &Limits::default()).unwrap();
+    let section = opened.sections().iter().find(|s| s.tag == Tag::OPENNESS).unwrap();
+    for at in section.offset..section.offset + section.length {
+        let mut broken = bytes.clone();
+        broken[at as usize] ^= 0x10;
+        assert!(!Package::validate(&broken, &Limits::default()).is_empty(), "byte {at} changed, and nobody saw it");
+    }
+}

@@ -1,0 +1,98 @@
+//! The `SIMP` section: what comes back, and what is refused.
+
+use crate::common::{self, sample_manifest, sample_mesh};
+use pelage_formats::*;
+
+/// A package of one part of 12 indices without hair, and these lists.
+fn package(levels: &[SimplifiedLevel]) -> Result<Vec<u8>, FormatError> {
+    let mut materials = sample_manifest().materials.split_off(1);
+    (materials[0].base_color_texture, materials[0].groom_texture) = (None, None);
+    let manifest = Manifest {
+        textures: Vec::new(),
+        materials,
+        parts: vec![Part { material: 0, first_index: 0, index_count: 12 }],
+        fur: FurInfo::default(),
+        coat: None,
+        choice: None,
+        detail: Vec::new(),
+        ..sample_manifest()
+    };
+    PackageWriter::new(manifest).mesh(&sample_mesh(false)).simplified(levels).finish()
+}
+
+fn lists() -> Vec<SimplifiedLevel> {
+    let level = |deviation_m, triangles: usize| SimplifiedLevel {
+        deviation_m,
+        part_counts: vec![3 * triangles as u32],
+        indices: [0, 1, 2].repeat(triangles),
+    };
+    vec![level(0.25, 2), level(0.5, 1)]
+}
+
+#[test]
+fn lists_come_back_byte_for_byte_in_their_place() {
+    let bytes = package(&lists()).unwrap();
+    assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let view = package.simplified().unwrap().unwrap();
+    assert_eq!(view.deviations().collect::<Vec<_>>(), [0.25, 0.5]);
+    assert_eq!([0, 1].map(|level| view.part_counts(level).collect::<Vec<_>>()), [vec![6], vec![3]]);
+    assert_eq!(view.indices().collect::<Vec<_>>(), [0, 1, 2, 0, 1, 2, 0, 1, 2]);
+    // The bytes that a reader in another language stands on.
+    let index = package.sections().iter().position(|s| s.tag == Tag::SIMPLIFIED).unwrap();
+    let mut expected: Vec<u8> = [2u32, 1, 9, 0].into_iter().flat_map(u32::to_le_bytes).collect();
+    expected.extend([0.25f32, 0.5].into_iter().flat_map(f32::to_le_bytes));
+    expected.extend([6u32, 3].into_iter().flat_map(u32::to_le_bytes));
+    expected.extend([0u32, 1, 2].repeat(3).into_iter().flat_map(u32::to_le_bytes));
+    assert_eq!(package.section_bytes(index).unwrap(), expected);
+}
+
+#[test]
+fn packages_without_them_have_none() {
+    let bytes = common::sample_package();
+    assert!(Package::open(&bytes, &Limits::default()).unwrap().simplified().unwrap().is_none());
+}
+
+#[test]
+fn contents_are_checked() {
+    type Change = fn(&mut Vec<SimplifiedLevel>);
+    let cases: [(Change, &str); 9] = [
+        (|l| l.clear(), "0 lists, expected 1..=64"),
+        (|l| l[0].deviation_m = 0.0, "deviation 0 is 0, expected a finite number above 0"),
+        (|l| l[0].deviation_m = f32::NAN, "deviation 0 is NaN"),
+        (|l| l[1].deviation_m = 0.25, "deviation 1 is 0.25, expected a finite number above 0.25"),
+        (|l| l[1].part_counts = vec![3, 0], "lists of different numbers of parts"),
+        (|l| l[1].part_counts[0] = 6, "the lists have 12 indices, expected the 9 of the section"),
+        (|l| (l[0].part_counts[0], l[1].part_counts[0]) = (7, 2), "count 0 of indices is no multiple of 3"),
+        (|l| l[1].indices[2] = 1 << 20, "index 8 is not less than the"),
+        (
+            |l| (l[0].part_counts[0], l[0].indices) = (15, [0, 1, 2].repeat(5)),
+            "part 0 of list 0 has more indices than the mesh has of it",
+        ),
+    ];
+    for (change, expected) in cases {
+        let mut levels = lists();
+        change(&mut levels);
+        let error = package(&levels).unwrap_err().to_string();
+        assert!(error.contains(expected), "expected {expected:?} in: {error}");
+    }
+    let mut levels = lists();
+    levels.iter_mut().for_each(|level| level.part_counts.push(0));
+    assert!(package(&levels).unwrap_err().to_string().contains("lists of 2 parts, expected the 1 of the manifest"));
+    let bytes = package(&lists()).unwrap();
+    let few = Limits { indices: 8, ..Limits::default() };
+    let found = Package::open(&bytes, &few).map(|package| package.simplified().unwrap_err().to_string());
+    assert!(found.is_ok_and(|found| found.contains("limit")), "indices are bounded");
+}
+
+#[test]
+fn every_cut_and_every_changed_byte_of_the_section_is_found() {
+    let bytes = package(&lists()).unwrap();
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let section = package.sections().iter().find(|s| s.tag == Tag::SIMPLIFIED).unwrap();
+    for at in section.offset..section.offset + section.length {
+        let mut broken = bytes.clone();
+        broken[at as usize] ^= 0x10;
+        assert!(!Package::validate(&broken, &Limits::default()).is_empty(), "byte {at} changed, and nobody saw it");
+    }
+}

@@ -1,0 +1,152 @@
+//! The `STRN` section: what comes back, and what is refused.
+
+use crate::common::{sample_manifest, sample_package};
+use pelage_formats::*;
+
+/// The sample package with these strands.
+fn package(strands: &StrandsData) -> Result<Vec<u8>, FormatError> {
+    with(strands, |_| ())
+}
+
+fn with(strands: &StrandsData, change: impl FnOnce(&mut Manifest)) -> Result<Vec<u8>, FormatError> {
+    let sample = sample_package();
+    let opened = Package::open(&sample, &Limits::default())?;
+    let mut manifest = opened.manifest().clone();
+    change(&mut manifest);
+    let mut writer = PackageWriter::new(manifest);
+    for (index, section) in opened.sections().iter().enumerate().filter(|(_, s)| s.tag != Tag::MANIFEST) {
+        writer = writer.section(section.tag, opened.section_bytes(index)?.to_vec());
+    }
+    writer.strands(strands).finish()
+}
+
+/// Two strands of three points; where dry and wet hair mix, and only there, in two sets.
+fn strands() -> StrandsData {
+    let point = |i: u32| StrandPoint {
+        aside: [0.25 * i as f32, -0.5],
+        height: 0.5 * (i % 3) as f32,
+        radius: 0.01 - 0.005 * (i % 3) as f32,
+        color: [10, 20, 30 + i as u8],
+        visibility: [128, 127, 1, 255],
+    };
+    let sets = if sample_manifest().fur.wet.is_some() { 2 } else { 1 };
+    StrandsData {
+        points_per_strand: 3,
+        roots: vec![[0.0, 0.999_99], [0.5, 0.25]],
+        points: (0..6 * sets).map(point).collect(),
+    }
+}
+
+#[test]
+fn strands_come_back_as_near_as_they_are_stored() {
+    let made = strands();
+    let bytes = package(&made).unwrap();
+    assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let view = package.strands().unwrap().unwrap();
+    assert_eq!((view.strand_count(), view.points_per_strand()), (2, 3));
+    assert_eq!((view.has_wet(), view.points().len()), (made.points.len() == 12, made.points.len()));
+    for (found, root) in view.roots().zip(&made.roots) {
+        assert!((0..2).all(|k| (found[k] - root[k]).abs() < 1e-5), "{found:?}, expected {root:?}");
+    }
+    for (found, point) in view.points().zip(&made.points) {
+        assert!((0..2).all(|k| (found.aside[k] - point.aside[k]).abs() <= view.reach() / 65534.0 * 1.01), "{found:?}");
+        assert!((found.height - point.height).abs() < 1e-5 && (found.radius - point.radius).abs() < 1e-6, "{found:?}");
+        assert_eq!((found.color, found.visibility), (point.color, point.visibility));
+    }
+    // The bytes that a reader in another language stands on.
+    let index = package.sections().iter().position(|s| s.tag == Tag::STRANDS).unwrap();
+    let section = package.section_bytes(index).unwrap();
+    let sets = u32::from(view.has_wet()) + 1;
+    let mut expected: Vec<u8> = [2u32, 3, sets, 0].into_iter().flat_map(u32::to_le_bytes).collect();
+    let reach = 0.25 * (made.points.len() - 1) as f32;
+    expected.extend([reach, 0.01, 0.0, 0.0].into_iter().flat_map(f32::to_le_bytes));
+    expected.extend([0u16, 65535, 32768, 16384].into_iter().flat_map(u16::to_le_bytes));
+    expected.resize(48, 0);
+    let half = (-0.5 / reach * 32767.0).round() as i16;
+    expected.extend([0i16, half].into_iter().flat_map(i16::to_le_bytes));
+    expected.extend([0u16, 65535].into_iter().flat_map(u16::to_le_bytes));
+    expected.extend([10, 20, 30, 0, 128, 127, 1, 255]);
+    assert_eq!(section[..expected.len()], expected);
+    assert_eq!(section.len(), 48 + 16 * made.points.len());
+}
+
+#[test]
+fn packages_without_them_have_none() {
+    let bytes = sample_package();
+    assert!(Package::open(&bytes, &Limits::default()).unwrap().strands().unwrap().is_none());
+}
+
+#[test]
+fn contents_are_checked() {
+    type Change = fn(&mut StrandsData);
+    let cases: [(Change, &str); 8] = [
+        (|s| s.roots.clear(), "for 0 strands of 3, expected one set or two"),
+        (|s| s.points.truncate(s.points.len() - 1), "points for 2 strands of 3, expected one set or two"),
+        (
+            |s| (s.points_per_strand, s.roots, s.points) = (1, vec![[0.0; 2]], vec![s.points[0]; 2]),
+            "of 1 points, expected",
+        ),
+        (
+            |s| (s.points_per_strand, s.roots, s.points) = (34, vec![[0.0; 2]], vec![s.points[0]; 68]),
+            "of 34 points, expected",
+        ),
+        (|s| s.roots[1][0] = 1.0, "a root outside the tile"),
+        (|s| s.points[2].aside[1] = f32::NAN, "a point that is not finite"),
+        (|s| s.points[2].height = 1.5, "outside the fur"),
+        (|s| s.points[2].radius = -1.0, "outside the fur"),
+    ];
+    for (change, expected) in cases {
+        let mut made = strands();
+        change(&mut made);
+        let error = package(&made).unwrap_err().to_string();
+        assert!(error.contains(expected), "expected {expected:?} in: {error}");
+    }
+    let error =
+        with(&strands(), |m| m.fur.wet = if m.fur.wet.is_some() { None } else { Some(ShellTextures::default()) });
+    assert!(error.unwrap_err().to_string().contains("sets of points, expected"), "sets follow the manifest");
+    let bytes = package(&strands()).unwrap();
+    let few = Limits { strands: 1, ..Limits::default() };
+    let found = Package::open(&bytes, &few).map(|package| package.strands().unwrap_err().to_string());
+    assert!(found.is_ok_and(|found| found.contains("limit")), "strands are bounded");
+}
+
+#[test]
+fn every_changed_byte_of_the_section_is_found() {
+    let bytes = package(&strands()).unwrap();
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let section = package.sections().iter().find(|s| s.tag == Tag::STRANDS).unwrap();
+    for at in section.offset..section.offset + section.length {
+        let mut broken = bytes.clone();
+        broken[at as usize] ^= 0x10;
+        assert!(!Package::validate(&broken, &Limits::default()).is_empty(), "byte {at} changed, and nobody saw it");
+    }
+}
+
+#[test]
+fn whole_numbers_come_back() {
+    let bytes = package(&strands()).unwrap();
+    let stored = Package::open(&bytes, &Limits::default()).unwrap().strands().unwrap().unwrap().stored();
+    let mut changed = stored.clone();
+    // Numbers and a scale that no decoded strands would be stored as.
+    changed.scale = StrandScale { reach: 7.0, radius: 0.25 };
+    (changed.points[1].aside, changed.points[4].height, changed.roots[0]) = ([i16::MIN, 3], 1, [5, 65535]);
+    let sample = sample_package();
+    let opened = Package::open(&sample, &Limits::default()).unwrap();
+    let write = |strands: &StoredStrands| {
+        let sections = opened.sections().iter().enumerate().skip(1);
+        let writer = sections.fold(PackageWriter::new(opened.manifest().clone()), |writer, (index, section)| {
+            writer.section(section.tag, opened.section_bytes(index).unwrap().to_vec())
+        });
+        writer.stored_strands(strands).finish()
+    };
+    assert!(write(&stored).unwrap() == bytes, "the same strands, however they are written");
+    let written = write(&changed).unwrap();
+    let back = Package::open(&written, &Limits::default()).unwrap().strands().unwrap().unwrap().stored();
+    assert_eq!(back, changed);
+    assert_eq!(back.points[1].decoded(back.scale).aside[0], -7.0, "-32768 counts as -32767");
+    let odd = StoredStrands { points: changed.points[1..].to_vec(), ..changed.clone() };
+    assert!(write(&odd).unwrap_err().to_string().contains("expected one set or two"));
+    changed.scale.reach = f32::NAN;
+    assert!(write(&changed).unwrap_err().to_string().contains("reach is NaN"));
+}

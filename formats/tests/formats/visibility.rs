@@ -1,0 +1,88 @@
+//! The `VISI` section: what comes back, and what is refused.
+
+use crate::common::{self, ktx2_file, sample_manifest, sample_mesh};
+use pelage_formats::*;
+
+const TEXELS: TextureFormat = TextureFormat::Rgba8Unorm;
+
+/// A package with dry and wet hair, of which textures 2 and 5 say how much light reaches it.
+fn package(info: &VisibilityInfo, change: &dyn Fn(&mut Manifest), seen: &[u8]) -> Result<Vec<u8>, FormatError> {
+    let mut manifest = Manifest {
+        textures: (0..6).map(|i| TextureEntry { name: format!("t{i}") }).collect(),
+        materials: sample_manifest().materials.split_off(1),
+        parts: vec![Part { material: 0, first_index: 0, index_count: 12 }],
+        ..sample_manifest()
+    };
+    (manifest.coat, manifest.choice, manifest.fur.fins) = (None, None, None);
+    manifest.detail.clear();
+    manifest.fur.wet = Some(ShellTextures { color_texture: 3, direction_texture: 4 });
+    change(&mut manifest);
+    let hair = |format| ktx2_file(format, 4, 4, 2, 3, 1);
+    let writer = PackageWriter::new(manifest).mesh(&sample_mesh(false)).visibility(info);
+    let writer = writer.texture(hair(TextureFormat::Rgba8Srgb)).texture(hair(TextureFormat::Rg8Unorm));
+    let writer = writer.texture(seen.to_vec()).texture(hair(TextureFormat::Rgba8Srgb));
+    writer.texture(hair(TextureFormat::Rg8Unorm)).texture(hair(TEXELS)).finish()
+}
+
+const INFO: VisibilityInfo = VisibilityInfo { texture: 2, wet_texture: Some(5), horizon: 8.0 };
+
+fn sound() -> Vec<u8> {
+    package(&INFO, &|_| (), &ktx2_file(TEXELS, 4, 4, 2, 3, 7)).unwrap()
+}
+
+#[test]
+fn it_comes_back_byte_for_byte_in_its_place() {
+    let bytes = sound();
+    assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    assert_eq!(package.visibility().unwrap(), Some(INFO));
+    let textures = package.visibility_textures().unwrap().unwrap();
+    assert_eq!((textures.dry.layers, textures.wet.unwrap().width), (2, 4));
+    // The bytes that a reader in another language stands on: u32, option of u32, f32.
+    let index = package.sections().iter().position(|s| s.tag == Tag::VISIBILITY).unwrap();
+    let expected = [&2u32.to_le_bytes()[..], &[1], &5u32.to_le_bytes(), &8f32.to_le_bytes()].concat();
+    assert_eq!(package.section_bytes(index).unwrap(), expected);
+}
+
+#[test]
+fn packages_without_it_have_none() {
+    let bytes = common::sample_package();
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    assert!(package.visibility().unwrap().is_none() && package.visibility_textures().unwrap().is_none());
+}
+
+#[test]
+fn contents_are_checked() {
+    let good = || ktx2_file(TEXELS, 4, 4, 2, 3, 7);
+    for (info, change, seen, expected) in [
+        (VisibilityInfo { horizon: 0.0, ..INFO }, None, good(), "horizon is 0, expected a finite number above 0"),
+        (VisibilityInfo { horizon: f32::INFINITY, ..INFO }, None, good(), "horizon is inf"),
+        (VisibilityInfo { wet_texture: None, ..INFO }, None, good(), "wet_texture and the manifest's fur.wet"),
+        (VisibilityInfo { texture: 9, ..INFO }, None, good(), "section KTX2 number 9 is missing"),
+        (INFO, None, ktx2_file(TEXELS, 4, 4, 3, 3, 7), "in 3 layers, expected 4x4 of four components"),
+        (INFO, None, ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 7), "that are not sRGB in 2 as visibility"),
+        (INFO, None, ktx2_file(TextureFormat::Rg8Unorm, 4, 4, 2, 3, 7), "of four components"),
+        (
+            VisibilityInfo { wet_texture: None, ..INFO },
+            Some((|m: &mut Manifest| (m.fur.layers, m.fur.wet) = (0, None)) as fn(&mut Manifest)),
+            good(),
+            "visibility of a package without fur",
+        ),
+    ] {
+        let error = package(&info, &|m| change.iter().for_each(|change| change(m)), &seen).unwrap_err().to_string();
+        assert!(error.contains(expected), "expected {expected:?} in: {error}");
+    }
+}
+
+#[test]
+fn every_cut_and_every_changed_byte_of_the_section_is_found() {
+    let bytes = sound();
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let section = package.sections().iter().find(|s| s.tag == Tag::VISIBILITY).unwrap();
+    for at in section.offset..section.offset + section.length {
+        let mut broken = bytes.clone();
+        broken[at as usize] ^= 0x10;
+        let faults = Package::validate(&broken, &Limits::default());
+        assert!(!faults.is_empty(), "byte {at} changed, and nobody saw it");
+    }
+}

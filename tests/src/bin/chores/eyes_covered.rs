@@ -1,0 +1,127 @@
+//! How much of an animal's eyes its hair covers: `chores eyes-covered MODEL [bake options] [+ MODEL [bake options]]…`.
+//!
+//! Of each package a copy is drawn whose eyes are green and all else black, bare and furred, without shadows: what of the green is gone, is covered. A
+//! highlight on hair is white and counts for nothing. Eyes are the bare materials whose names say so; seen from the front, and from the front left, through a
+//! long lens, as a whole animal is seen. Of a model without such there is nothing to tell.
+
+use anyhow::{Context as _, ensure};
+use image::RgbImage;
+use pelage_stage::Viewpoint;
+use pelage_tests::chores::{Baked, Workshop};
+use serde_json::{Value, json};
+
+/// Views, degrees about the vertical axis and above the horizon; the eyes fill about half of the picture.
+const VIEWS: [(&str, &str); 2] = [("front", "0,0,0.5"), ("front left", "40,5,0.5")];
+const SIZE: &str = "834x424";
+/// How far away the camera is, radii of the model.
+const AWAY: f32 = 6.0;
+/// A pixel is covered where less than that share of its green is left.
+const LEFT: f64 = 0.9;
+
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let workshop = Workshop::default();
+    println!("| model | eyes | view | pixels of eyes | covered pixels, % | covered area, % |");
+    println!("|---|---|---|---|---|---|");
+    for (index, model) in arguments.split(|a| a == "+").filter(|m| !m.is_empty()).enumerate() {
+        for row in measure(&workshop, &format!("model_{index}"), model).with_context(|| model[0].clone())? {
+            println!("{row}");
+        }
+    }
+    Ok(())
+}
+
+fn measure(workshop: &Workshop, name: &str, model: &[String]) -> anyhow::Result<Vec<String>> {
+    let baked = workshop.bake(name, model)?;
+    let (marked, eyes, radius_m) = marked(workshop, &baked, name)?;
+    let Some(first) = eyes.first() else { return Ok(vec![format!("| {} | none | | | | |", model[0])]) };
+    let mut rows = Vec::new();
+    for (view, orbit) in VIEWS {
+        let camera = format!("--camera={}", from_afar(workshop, &marked, first, orbit, AWAY * radius_m)?);
+        let draw = |style: &str| {
+            workshop.draw(&marked, SIZE, &[&camera, "--style", style, "--self-shadow", "off", "--soft-shadow", "off"])
+        };
+        let (pixels, covered, area) = covered(&draw("bare")?, &draw("fur")?);
+        // Of eyes at the sides of a head nothing may be seen from there.
+        let [covered, area] =
+            [covered, area].map(|share| if pixels > 0 { format!("{:.2}", 100.0 * share) } else { String::new() });
+        rows.push(format!("| {} | {} | {view} | {pixels} | {covered} | {area} |", model[0], eyes.join(", ")));
+    }
+    Ok(rows)
+}
+
+/// The camera that looks at the eyes from that side and that far away, and shows as much of them as one that frames them does.
+fn from_afar(workshop: &Workshop, marked: &Baked, eyes: &str, orbit: &str, away_m: f32) -> anyhow::Result<String> {
+    let (package, picture) = (&marked.package, marked.package.with_extension("png"));
+    let paths = [package, &picture].map(|path| path.display().to_string());
+    let look = ["--style", "bare", "--orbit", orbit, "--look-at", eyes, "--size", SIZE, "--json", "--quiet"];
+    let run = workshop.run(&[&["render", &paths[0], "-o", &paths[1]], &look[..]].concat())?;
+    let report: Value = serde_json::from_str(&run.stdout)?;
+    let near: Viewpoint =
+        report["camera"].as_str().context("no camera is named")?.parse().map_err(|e: String| anyhow::anyhow!(e))?;
+    let way = near.eye - near.target;
+    let eye = near.target + way.normalize() * away_m;
+    let half = (near.fov_deg.to_radians() / 2.0).tan() * way.length() / away_m;
+    let fov_deg = 2.0 * half.atan().to_degrees();
+    Ok(Viewpoint { eye, target: near.target, fov_deg }.to_string())
+}
+
+/// A copy of a package whose eyes are green and all else black, the names of the eyes, and the model's radius, metres.
+fn marked(workshop: &Workshop, baked: &Baked, name: &str) -> anyhow::Result<(Baked, Vec<String>, f32)> {
+    let folder = baked.package.with_file_name(format!("{name}_unpacked"));
+    let package = baked.package.with_file_name(format!("{name}_marked.pelage"));
+    let words = [&baked.package, &folder, &package].map(|path| path.display().to_string());
+    workshop.run(&["unpack", &words[0], &words[1], "--quiet"])?;
+    let path = folder.join("manifest.json");
+    let mut manifest: Value = serde_json::from_str(&std::fs::read_to_string(&path)?)?;
+    let radius_m = manifest["manifest"]["bounds"]["radius"].as_f64().context("the manifest names no radius")? as f32;
+    let mut eyes = Vec::new();
+    for material in manifest["manifest"]["materials"].as_array_mut().context("the manifest names no materials")? {
+        let name = material["name"].as_str().unwrap_or_default().to_owned();
+        let is_eye = name.to_lowercase().contains("eye") && material["furred"] == false;
+        ensure!(material["base_color"].is_array(), "{name:?} has no colour");
+        material["base_color"] = if is_eye { json!([0.0, 1.0, 0.0, 1.0]) } else { json!([0.0, 0.0, 0.0, 1.0]) };
+        if is_eye {
+            eyes.push(name);
+        }
+    }
+    std::fs::write(&path, manifest.to_string())?;
+    workshop.run(&["pack", &words[1], &words[2], "--quiet"])?;
+    Ok((Baked { package, report: Value::Null }, eyes, radius_m))
+}
+
+/// Pixels of eyes in the bare picture; the share of them that hair covers by more than a tenth, and the share of their light that it takes.
+fn covered(bare: &RgbImage, fur: &RgbImage) -> (usize, f64, f64) {
+    let green = |pixel: &image::Rgb<u8>| {
+        let linear = |byte: u8| (f64::from(byte) / 255.0).powf(2.2);
+        (linear(pixel.0[1]) - linear(pixel.0[0])).max(0.0)
+    };
+    // The background is a little greener than red.
+    let eyes: Vec<(f64, f64)> = bare
+        .pixels()
+        .zip(fur.pixels())
+        .filter(|(bare, _)| u16::from(bare.0[1]) > 2 * u16::from(bare.0[0].max(8)))
+        .map(|(bare, fur)| (green(bare), green(fur)))
+        .collect();
+    let lost = eyes.iter().filter(|(bare, fur)| *fur < LEFT * bare).count();
+    let (all, left) = eyes.iter().fold((0.0, 0.0), |(all, left), (bare, fur)| (all + bare, left + fur.min(*bare)));
+    let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+    (eyes.len(), share(lost as f64, eyes.len() as f64), share(all - left, all))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::covered;
+    use image::{Rgb, RgbImage};
+
+    #[test]
+    fn what_hides_green_is_counted_and_what_shines_is_not() {
+        let picture = |pixels: [[u8; 3]; 4]| RgbImage::from_fn(4, 1, |x, _| Rgb(pixels[x as usize]));
+        let bare = picture([[0, 200, 0], [0, 200, 0], [204, 209, 217], [0, 0, 0]]);
+        assert_eq!(covered(&bare, &bare), (2, 0.0, 0.0));
+        let (pixels, lost, area) = covered(&bare, &picture([[0, 0, 0], [0, 200, 0], [0, 0, 0], [0, 200, 0]]));
+        assert_eq!((pixels, lost), (2, 0.5));
+        assert!((area - 0.5).abs() < 1e-9, "{area}");
+        let white_hair = picture([[200, 200, 200], [0, 200, 0], [0, 0, 0], [0, 0, 0]]);
+        assert_eq!(covered(&bare, &white_hair).1, 0.5, "hair covers, however light it is");
+    }
+}

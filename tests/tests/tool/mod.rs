@@ -1,0 +1,31 @@
+//! The `pelage` command, run as its users run it: fresh folders, real arguments, exit codes, what lies there afterwards.
+
+/// Random numbers and packages of the formats' own tests.
+#[path = "../../../formats/tests/formats/common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod body;
+mod chart;
+mod comb;
+mod compare;
+mod decisions;
+mod doctor;
+mod errands;
+mod framing;
+mod groom;
+mod groom_maps;
+mod herd;
+mod likeness;
+mod limits;
+mod models;
+mod mutate;
+mod packages;
+mod reference;
+mod roots;
+mod sequences;
+mod skies;
+mod strands;
+mod strangers;
+mod unpacked_hair;
+mod written_recipes;

@@ -1,0 +1,217 @@
+#![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+//! `pelage view` in a real window on a screen without glass, with real keys and a real mouse.
+
+use pelage_bake::pipeline::STAGES;
+use pelage_tests::binary::{Sandbox, walk, workspace};
+use pelage_tests::desktop::{Desktop, View};
+use serde_json::Value;
+use std::path::Path;
+use std::time::Duration;
+
+/// A hare of little hair, baked once.
+fn package(sandbox: &Sandbox) {
+    let model = workspace().join("assets/models/hare.glb").display().to_string();
+    let set = SMALL.iter().flat_map(|set| ["--set", set]);
+    sandbox.fixture(&[&model, "-o", "hare.pelage"].into_iter().chain(set).collect::<Vec<_>>());
+}
+
+const SMALL: [&str; 4] = ["slice.layers=6", "slice.tile_texels=32", "hair.density=80", "pack.shell_format=rgba8"];
+
+fn shown<'a>(desktop: &'a Desktop, sandbox: &Sandbox, args: &[&str]) -> View<'a> {
+    let mut view = desktop.view(sandbox.path(), args);
+    view.wait_for("first picture");
+    view.focus();
+    view
+}
+
+fn pixels(path: &Path) -> image::RgbaImage {
+    image::open(path).unwrap().to_rgba8()
+}
+
+#[test]
+fn a_window_shows_what_render_draws_and_hands_change_it() {
+    let Some(desktop) = Desktop::open("a_window_shows_what_render_draws_and_hands_change_it") else { return };
+    let sandbox = Sandbox::new();
+    package(&sandbox);
+    let mut view = shown(&desktop, &sandbox, &["hare.pelage", "--window", "500x400", "--no-panels"]);
+
+    // The picture is that of `render` with the camera that the window tells.
+    view.pass_over();
+    view.key("p");
+    let told = view.wait_for("pictured");
+    view.wait_for("saved");
+    let first = pixels(&sandbox.path().join("hare-0001.png"));
+    assert_eq!(first.dimensions(), (500, 400));
+    let camera = format!("--camera={}", told["camera"].as_str().unwrap());
+    let run = sandbox.run(&["render", "hare.pelage", "-o", "drawn.png", "--size", "500x400", &camera]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let drawn = pixels(&sandbox.path().join("drawn.png"));
+    let off = first.as_raw().iter().zip(drawn.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(off <= Some(1), "a pixel is off by {off:?} bytes");
+
+    // A drag goes around, and R comes back.
+    view.drag("1", (150, 200), (350, 230));
+    std::thread::sleep(Duration::from_millis(400));
+    let turned = pixels(&view.save("p"));
+    assert!(turned != first, "the drag moved nothing");
+    view.key("r");
+    let back = pixels(&view.save("p"));
+    assert!(back == first, "R is not where it began");
+
+    // Styles, a wheel, flight, light: each changes the picture.
+    let mut before = back;
+    for (what, hands) in [
+        ("bare skin", &["key", "3"][..]),
+        ("fur", &["key", "1"]),
+        ("the wheel", &["mousemove", "250", "200", "click", "--repeat", "3", "4"]),
+        ("flight", &["keydown", "w", "sleep", "0.4", "keyup", "w"]),
+        ("an arrow", &["keydown", "Left", "sleep", "0.4", "keyup", "Left"]),
+    ] {
+        view.hands(hands);
+        std::thread::sleep(Duration::from_millis(400));
+        let after = pixels(&view.save("p"));
+        assert!(after != before, "{what} changed nothing");
+        before = after;
+    }
+    view.hands(&["keydown", "ctrl"]);
+    view.drag("1", (150, 200), (300, 200));
+    view.hands(&["keyup", "ctrl"]);
+    std::thread::sleep(Duration::from_millis(400));
+    let lit = pixels(&view.save("p"));
+    assert!(lit != before, "the light does not turn");
+    view.hands(&["key", "ctrl+z"]);
+    assert!(pixels(&view.save("p")) == before, "an undo does not turn it back");
+
+    // The whole window, and its panels.
+    view.key("n");
+    let window = pixels(&view.save("F12"));
+    assert_eq!(window.dimensions(), (500, 400));
+    view.key("n");
+
+    // As small as can be, and back.
+    let id = view.focus();
+    view.hands(&["windowsize", &id, "1", "1"]);
+    std::thread::sleep(Duration::from_millis(300));
+    view.assert_alive();
+    view.hands(&["windowsize", "--sync", &id, "420", "300"]);
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(pixels(&view.save("p")).dimensions(), (420, 300));
+
+    // The truth beside it, as far as its first sample.
+    view.pass_over();
+    view.key("t");
+    let truth = view.wait_for("truth");
+    assert!(truth["flip"].as_f64().is_some_and(|flip| flip > 0.0 && flip < 0.3), "{truth}");
+    view.assert_alive();
+}
+
+#[test]
+fn a_recipe_is_baked_again_when_it_is_saved_and_a_broken_one_is_told_of() {
+    let Some(desktop) = Desktop::open("a_recipe_is_baked_again_when_it_is_saved_and_a_broken_one_is_told_of") else {
+        return;
+    };
+    let sandbox = Sandbox::new();
+    let model = workspace().join("assets/models/hare.glb").display().to_string();
+    let recipe = |shading: &str| {
+        format!(
+            "# Small.\n[hair]\ndensity = 80\n[slice]\nlayers = 6\ntile_texels = 32\n[pack]\nshell_format = \"rgba8\"\n[shading]\nambient = {shading}\n"
+        )
+    };
+    sandbox.write("hare.toml", recipe("[0.3, 0.3, 0.3]"));
+    let mut view =
+        desktop.view(sandbox.path(), &[&model, "--recipe", "hare.toml", "--window", "400x300", "--no-panels"]);
+    let stages_of = |made: &Value| -> Vec<String> {
+        made["stages"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap().to_owned()).collect()
+    };
+    let made = view.wait_for("made");
+    assert_eq!(stages_of(&made), STAGES, "{made}");
+    view.wait_for("first picture");
+    view.focus();
+    let dark = pixels(&view.save("p"));
+
+    // As editors save: another file that gets the name.
+    sandbox.write("hare.toml.new", recipe("[2.5, 2.5, 2.5]"));
+    std::fs::rename(sandbox.path().join("hare.toml.new"), sandbox.path().join("hare.toml")).unwrap();
+    let made = view.wait_for("made");
+    assert_eq!(stages_of(&made), ["pack"], "a change of shading");
+    view.wait_for("picture");
+    let bright = pixels(&view.save("p"));
+    assert!(bright != dark, "the new shading is not to be seen");
+
+    sandbox.write("hare.toml", recipe("[2.5, 2.5]"));
+    let failure = view.wait_for("failure");
+    let reason = failure["reason"].as_str().unwrap();
+    for word in ["hare.toml", "line 10", "shading.ambient", "[2.5, 2.5]", "three numbers"] {
+        assert!(reason.contains(word), "{word:?} is not in {reason:?}");
+    }
+    assert!(pixels(&view.save("p")) == bright, "the picture before stays");
+
+    sandbox.write("hare.toml", recipe("[0.3, 0.3, 0.3]"));
+    view.wait_for("mended");
+    view.wait_for("picture");
+    assert!(pixels(&view.save("p")) == dark, "the mended recipe is another one");
+
+    // Saved with nothing changed, the recipe stays as somebody wrote it.
+    view.pass_over();
+    view.hands(&["key", "ctrl+s"]);
+    view.wait_for("saved");
+    assert_eq!(std::fs::read_to_string(sandbox.path().join("hare.toml")).unwrap(), recipe("[0.3, 0.3, 0.3]"));
+}
+
+#[test]
+fn a_window_outlives_what_is_no_package() {
+    let Some(desktop) = Desktop::open("a_window_outlives_what_is_no_package") else { return };
+    let sandbox = Sandbox::new();
+    package(&sandbox);
+    let whole = std::fs::read(sandbox.path().join("hare.pelage")).unwrap();
+    sandbox.write("a-cut.pelage", &whole[..whole.len() / 2]);
+    let mut flipped = whole.clone();
+    let middle = flipped.len() / 2;
+    flipped[middle] ^= 0x55;
+    sandbox.write("b-flipped.pelage", &flipped);
+    sandbox.write("c-empty.pelage", b"");
+    sandbox.write("d-text.pelage", b"This is a letter.");
+    sandbox.write("e-broken.glb", b"glTF\x02\0\0\0\xff\xff\xff\xff");
+    let mut bad = 5;
+    // And every file of the test data that is no model, under names that a window opens.
+    if let Some(data) = pelage_needs::data("a_window_outlives_what_is_no_package") {
+        let mut files = Vec::new();
+        walk(&data, &mut files);
+        files.retain(|file| !file.extension().is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|model| e == *model)));
+        assert!(files.len() > 300, "only {} files", files.len());
+        for (number, file) in files.iter().enumerate() {
+            std::fs::copy(file, sandbox.path().join(format!("f-{number:04}.pelage"))).unwrap();
+        }
+        bad += files.len();
+    }
+    let mut view = desktop.view(sandbox.path(), &["a-cut.pelage", "--window", "300x240", "--no-panels"]);
+    let failure = view.wait_for("failure");
+    assert!(failure["reason"].as_str().unwrap().contains("a-cut.pelage"), "{failure}");
+    view.focus();
+    for _ in 1..bad {
+        view.key("Next");
+        let failure = view.wait_for("failure");
+        let reason = failure["reason"].as_str().unwrap();
+        assert!(reason.contains(".pelage") || reason.contains(".glb"), "which file? {reason}");
+    }
+    view.key("Next");
+    let made = view.wait_for("made");
+    assert_eq!(made["name"], "./hare.pelage");
+    view.wait_for("first picture");
+    view.assert_alive();
+}
+
+#[test]
+fn without_a_screen_the_command_says_what_is_missing() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.pelage", b"");
+    let mut command = sandbox.command(&["view", "a.pelage"]);
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+    let run = pelage_tests::binary::finish(command);
+    assert_eq!(run.code, Some(4), "{run:?}");
+    for word in ["no window can be opened", "DISPLAY", "pelage render"] {
+        assert!(run.stderr.contains(word), "{word:?} is not in {run:?}");
+    }
+    let run = sandbox.run(&["view", "no-such.pelage"]);
+    assert_eq!(run.code, Some(2), "{run:?}");
+}
