@@ -36,11 +36,11 @@ use subject::Subject;
 
 pub use args::ChartArgs;
 
-/// A row of a result.
+/// Row of a chart.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "only its schema is used")]
-enum ResultRow {
+enum ChartRow {
     /// A configuration of any other topic.
     Measured(driver::MeasuredRow),
     /// A row of stability.
@@ -49,7 +49,7 @@ enum ResultRow {
 
 /// Returns the JSON schema of the result.
 pub fn result_schema(generator: &mut SchemaGenerator) -> Schema {
-    driver::ChartResult::<ResultRow>::json_schema(generator)
+    driver::ChartResult::<ChartRow>::json_schema(generator)
 }
 
 /// Runs the subcommand.
