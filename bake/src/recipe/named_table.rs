@@ -44,7 +44,7 @@ macro_rules! named_table {
                 name: stringify!($key),
                 doc: concat!($($doc, "\n"),+),
                 expected: || <$ty as pelage_params::Field>::expected(&$range),
-                default: || None$(.or_else(|| <$ty as pelage_params::Field>::to_toml(&$default)))?,
+                default: || None$(.or_else(|| <$ty as pelage_params::Field>::shown(&$default)))?,
             }),+];
 
             fn expected_list() -> String {

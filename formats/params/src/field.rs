@@ -26,6 +26,11 @@ pub trait Field: Sized {
     /// TOML, or `None` for a value that is left out.
     fn to_toml(&self) -> Option<String>;
 
+    /// Returns the value as documents show it, in TOML with no more digits than a reader needs.
+    fn shown(&self) -> Option<String> {
+        self.to_toml()
+    }
+
     /// What a word of a command line stands for.
     fn raw_of_word(word: &str) -> Raw {
         Raw::from_word(word)
@@ -320,6 +325,11 @@ impl Field for SrgbColor {
 
     fn to_toml(&self) -> Option<String> {
         self.0.to_toml()
+    }
+
+    fn shown(&self) -> Option<String> {
+        let [r, g, b] = self.0.map(|x| (x * 255.0).round() as u8);
+        Some(format!("\"#{r:02x}{g:02x}{b:02x}\""))
     }
 }
 
