@@ -159,7 +159,7 @@ fn documents_keep_their_size() {
 /// What the pages for artists and scripts tell to type is understood: recipes, single keys, options.
 #[test]
 fn what_documents_tell_to_type_is_understood() {
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let mut options = String::new();
     for command in [
         "bake",

@@ -79,6 +79,32 @@ fn no_files_of_a_crate_know_each_other_in_a_circle() {
     assert!(files > 300 && count > 800, "{files} files and {count} arrows were read");
 }
 
+/// Arrows between the rooms of a crate: a room is a file or a folder of `src`.
+fn rooms(arrows: &Arrows) -> Arrows {
+    let room = |module: &Module| module[..module.len().min(1)].to_vec();
+    let mut out = Arrows::new();
+    for (file, targets) in arrows.iter().filter(|(file, _)| !file.is_empty() && file[0] != "main") {
+        let others = targets.iter().map(room).filter(|target| !target.is_empty() && *target != room(file));
+        out.entry(room(file)).or_default().extend(others);
+    }
+    out
+}
+
+#[test]
+fn no_rooms_of_a_crate_know_each_other_in_a_circle() {
+    for folder in crates() {
+        assert_eq!(circle(&rooms(&read(&folder))), None, "{folder}");
+    }
+    // Two files of one folder and a file beside it: no circle of files, but one of rooms.
+    let module = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Module>();
+    let files = Arrows::from([
+        (module(&["a", "b"]), BTreeSet::from([module(&["d"])])),
+        (module(&["a", "c"]), BTreeSet::new()),
+        (module(&["d"]), BTreeSet::from([module(&["a", "c"])])),
+    ]);
+    assert!(circle(&files).is_none() && circle(&rooms(&files)).is_some());
+}
+
 #[test]
 fn a_file_knows_only_lower_floors() {
     for (folder, floors, least) in [("runtime", &RUNTIME[..], 100), ("bake", &BAKE[..], 400)] {
