@@ -66,7 +66,7 @@ impl TrueLight {
 pub struct TrueLighting {
     /// The light that throws shadows; ambient light has its colour.
     pub key: TrueLight,
-    /// Width of a penumbra over the distance from what throws the shadow, 0..: the key light is a disc of that size ([`super::DiscLight`]).
+    /// Width of a penumbra over the distance from what throws the shadow, 0..: the key light is a disc of that size.
     /// Shadow rays go to a point of it that is drawn anew for each sample; directions in the equation go to its middle.
     pub penumbra: f64,
     /// Lights without shadow.

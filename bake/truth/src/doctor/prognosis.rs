@@ -134,7 +134,7 @@ pub struct Advice {
     pub measured: Option<ErrorChange>,
 }
 
-/// Error ([`crate::judge::likeness`]) of a picture without a change and with it.
+/// Error ([`crate::likeness`]) of a picture without a change and with it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ErrorChange {
     /// Error without the change.
