@@ -76,7 +76,7 @@ fn the_viewer_knows_windows_and_no_models() {
     let never = ["clap", "rayon", "gltf", "pelage-bake", "pelage-glb"];
     assert_floor("pelage-viewer", &[], &["winit", "egui", "wgpu", "pelage-stage", "pelage-runtime"], &never);
     // Without its windows the tool draws and knows none.
-    assert_floor("pelage-tool", &["--no-default-features"], &["wgpu"], &["winit", "egui", "pelage-viewer", "plotters"]);
+    assert_floor("pelage-tool", &["--no-default-features"], &["wgpu"], &["winit", "egui", "pelage-viewer"]);
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn the_importer_knows_formats_and_codecs() {
 
 #[test]
 fn the_baker_and_the_truth_know_no_gpu() {
-    let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit", "clap"];
+    let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit"];
     assert_floor(
         "pelage-bake",
         &[],
@@ -143,7 +143,7 @@ fn the_models_know_no_other_floor_but_how_gltf_is_written() {
 #[test]
 fn the_tool_draws_and_has_no_laboratory() {
     // The negative control: the same look at the same tree does find wgpu and the laboratory where they are.
-    assert_floor("pelage-tool", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &["pelage-lab", "plotters"]);
+    assert_floor("pelage-tool", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &["pelage-lab"]);
     assert_floor("pelage-lab", &[], &["pelage-tool", "plotters"], &[]);
 }
 

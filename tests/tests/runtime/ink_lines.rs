@@ -37,7 +37,7 @@ fn shared(test: &str, path: &str) -> Option<PathBuf> {
 
 /// Rows of `pelage chart ink` for a model.
 fn chart(model: &Path, rows: &str) -> Vec<Value> {
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let mut args = vec!["chart", "ink", model.to_str().unwrap(), "--rows", rows, "-o", "out", "--json", "-q"];
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
     args.extend(plain.iter().chain(&QUICK).flat_map(|set| ["--set", set]));

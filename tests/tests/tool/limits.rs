@@ -189,7 +189,7 @@ fn the_shells_chart() {
     if gpu("the_shells_chart").is_none() {
         return;
     }
-    let sandbox = Sandbox::new();
+    let sandbox = Sandbox::new().with_lab();
     let sets: Vec<&str> = SMALL.iter().flat_map(|set| ["--set", set]).collect();
     let run = sandbox.run(&[&["chart", "shells", "-o", "out", "--rows", "1,2,9", "--json"], &sets[..]].concat());
     let object = schema::done(&run, "chart");

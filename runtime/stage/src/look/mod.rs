@@ -20,6 +20,7 @@ macro_rules! same {
     };
 }
 
+mod apply;
 #[cfg(feature = "draw")]
 mod frame;
 mod kinds;

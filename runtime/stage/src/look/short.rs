@@ -1,8 +1,5 @@
 //! Short forms of the look's knobs: flags of the command line, which the table `[view]` of scene files has as well.
 
-use super::tables::Look;
-use pelage_params::{Knob, ParamError, knobs};
-
 /// A flag that sets a knob of the look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShortForm {
@@ -93,25 +90,4 @@ pub(super) fn in_laboratory(name: &str) -> Option<String> {
         let expected = "expected the laboratory's build, which alone draws it: `./run chart`, `pelage-lab`";
         format!("found a form as a paper prints it, {expected}")
     })
-}
-
-impl ShortForm {
-    /// The knob that it sets; `None` for a printed form in a build without the feature `study`.
-    pub fn knob(&self) -> Option<&'static Knob> {
-        knobs::<Look>().find(|knob| knob.name == self.key)
-    }
-
-    /// Sets its knob in `look`, or adds to it where it repeats.
-    ///
-    /// # Errors
-    /// What was found and what was expected; nothing is changed then.
-    pub fn apply(&self, look: &mut Look, word: &str) -> Result<(), ParamError> {
-        if !self.repeats {
-            return pelage_params::set_word(look, self.key, word);
-        }
-        let mut added = Look::default();
-        pelage_params::set_word(&mut added, self.key, word)?;
-        look.light.fill.append(&mut added.light.fill);
-        Ok(())
-    }
 }

@@ -1,0 +1,26 @@
+//! The short forms applied to a look.
+
+use super::short::ShortForm;
+use super::tables::Look;
+use pelage_params::{Knob, ParamError, knobs};
+
+impl ShortForm {
+    /// The knob that it sets; `None` for a printed form in a build without the feature `study`.
+    pub fn knob(&self) -> Option<&'static Knob> {
+        knobs::<Look>().find(|knob| knob.name == self.key)
+    }
+
+    /// Sets its knob in `look`, or adds to it where it repeats.
+    ///
+    /// # Errors
+    /// What was found and what was expected; nothing is changed then.
+    pub fn apply(&self, look: &mut Look, word: &str) -> Result<(), ParamError> {
+        if !self.repeats {
+            return pelage_params::set_word(look, self.key, word);
+        }
+        let mut added = Look::default();
+        pelage_params::set_word(&mut added, self.key, word)?;
+        look.light.fill.append(&mut added.light.fill);
+        Ok(())
+    }
+}
