@@ -1,4 +1,5 @@
 //! Tests that use several crates, linked once. Each module can be run by itself: `cargo test --workspace --test all house::`.
+//! The tests of the window are a binary of their own, which runs alone: hands and eyes on a screen want a quiet machine.
 
 mod assets;
 mod house;
@@ -7,4 +8,3 @@ mod runtime;
 mod stability;
 mod stages;
 mod tool;
-mod window;

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use super::*;
+#[cfg(feature = "draw")]
 use glam::Vec3;
 use pelage_params::{Control, knobs};
 
