@@ -3,7 +3,7 @@
 use super::anatomy::Anatomy;
 use super::errand::Errand;
 use super::exit::{Exit, Failure};
-use super::limits::choose;
+use super::limits::{Judged, choose};
 use super::output::{Output, human_bytes, require_parent};
 use super::picture_args::{PictureArgs, positive};
 use super::shell_judge::Source;
@@ -245,19 +245,6 @@ pub struct BakeResult<'a> {
 pub struct StageTime {
     name: &'static str,
     seconds: f64,
-}
-
-/// Figures of a trial.
-#[derive(Serialize, JsonSchema)]
-pub struct Judged {
-    /// Mean FLIP against the true pictures, 0 to 1.
-    pub flip: f64,
-    /// Mean absolute difference of coverage within the height of the fur of the true outline, 0 to 1.
-    pub outline: f64,
-    /// Ratio of local contrast to the contrast of the true pictures, above 0.
-    pub contrast: f64,
-    /// Lower and upper quartile of the frame time, milliseconds; equal if the frame was timed once.
-    pub frame_ms_quartiles: [f64; 2],
 }
 
 /// Runs the subcommand.

@@ -3,8 +3,7 @@
 
 use super::exit::{Exit, Failure};
 use super::look_args::LABORATORY;
-use super::output::Output;
-use crate::ResultSchema;
+use super::output::{Output, ResultSchema};
 use clap::{Arg, ArgAction, Command};
 use pelage_params::wrap;
 use schemars::generate::SchemaSettings;

@@ -71,8 +71,11 @@ use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use exit::{Exit, Failure};
 use output::Output;
 use pelage_bake::unfinished;
-use schemars::{JsonSchema as _, Schema, SchemaGenerator};
+use schemars::JsonSchema as _;
 use std::panic::{self, AssertUnwindSafe};
+
+#[doc(hidden)]
+pub use output::ResultSchema;
 
 /// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
 #[derive(Debug, Parser)]
@@ -99,9 +102,6 @@ pub trait Commands: Subcommand {
     /// Lists the results printed with `--json`.
     fn results() -> Vec<ResultSchema>;
 }
-
-/// Name of a subcommand, and the schema of its result.
-pub type ResultSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);
 
 /// The command line around a subcommand.
 pub struct Invocation<'a> {

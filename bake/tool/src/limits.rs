@@ -1,6 +1,5 @@
 //! `pelage bake` with limits: the search of `pelage_truth::decide` over pictures of this machine's adapter.
 
-use super::bake::Judged;
 use super::exit::Failure;
 use super::machine::measured_on;
 use super::output::{Output, human_bytes};
@@ -12,10 +11,25 @@ use pelage_stage::{Gpu, LookDetail};
 use pelage_truth::decide;
 use pelage_truth::decide::{Decision, Figure, FrameTime, Judge, Limits, Measured, Setting, Space, Trial};
 use pelage_truth::likeness::Likeness;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::fmt::Write as _;
 
 /// What the evidence may add to a package, bytes: part of every measured size, so that a package with it keeps its limit.
 const EVIDENCE_BYTES: u64 = 16 << 10;
+
+/// Figures of a trial.
+#[derive(Serialize, JsonSchema)]
+pub struct Judged {
+    /// Mean FLIP against the true pictures, 0 to 1.
+    pub flip: f64,
+    /// Mean absolute difference of coverage within the height of the fur of the true outline, 0 to 1.
+    pub outline: f64,
+    /// Ratio of local contrast to the contrast of the true pictures, above 0.
+    pub contrast: f64,
+    /// Lower and upper quartile of the frame time, milliseconds; equal if the frame was timed once.
+    pub frame_ms_quartiles: [f64; 2],
+}
 
 /// What was chosen, and why.
 pub struct Chosen {

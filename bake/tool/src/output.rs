@@ -5,13 +5,16 @@ use super::work::{Herald, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use pelage_bake::steps::Steps;
 use pelage_import::BakeError;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use std::fmt;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+
+/// Name of a subcommand, and the schema of its result.
+pub type ResultSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);
 
 /// Where a subcommand's words go.
 #[derive(Debug)]
