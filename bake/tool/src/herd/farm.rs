@@ -1,6 +1,5 @@
 //! Slurm, by its commands.
 
-use super::HerdResult;
 use super::args::RunArgs;
 use super::engine;
 use super::finish;
@@ -8,6 +7,7 @@ use super::notes;
 use super::on_disk::Herd;
 use super::paths::io_error;
 use super::ran::Ran;
+use super::result::HerdResult;
 use crate::exit::Failure;
 use crate::output::{Output, make_folder};
 use pelage_bake::io;

@@ -4,7 +4,7 @@ use super::notes;
 use super::on_disk::{Herd, history_file};
 use super::paths::io_error;
 use super::ran::Ran;
-use super::{HerdFailure, HerdResult, HerdTasks};
+use super::result::{HerdFailure, HerdResult, HerdTasks};
 use crate::errand::CommandRecord;
 use crate::exit::{Exit, Failure};
 use crate::output::{Output, make_folder};

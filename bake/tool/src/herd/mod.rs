@@ -10,109 +10,20 @@ mod notes;
 mod on_disk;
 mod paths;
 mod ran;
+mod result;
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
 use args::{Action, Engine, HerdFiles, PlanArgs, RunArgs};
 use on_disk::{Herd, Refusal};
-use pelage_herd::{Kind, Row, Task, shell_line};
-use schemars::JsonSchema;
-use serde::Serialize;
+use pelage_herd::{Kind, Task, shell_line};
+use result::{KindSummary, PlannedTask};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 pub use args::HerdArgs;
-
-/// Commands of a herd (`plan`), their outcome (`run`, also of `pelage herd report`), or the jobs submitted to Slurm.
-///
-/// Exit code of `run`: that of the first command that failed; 7 if only comparisons exceeded their limit.
-#[derive(Serialize, JsonSchema)]
-#[serde(tag = "action", rename_all = "lowercase")]
-pub enum HerdResult<'a> {
-    /// Plan of a herd.
-    Plan {
-        /// Absolute path of the folder that commands run in.
-        folder: String,
-        /// Build file of Ninja, relative to that folder.
-        ninja: String,
-        /// Models, each in each of its variants.
-        rows: &'a [Row],
-        /// Commands, with the files that each reads and writes.
-        tasks: Vec<PlannedTask<'a>>,
-        /// Number and expected needs of the commands of each kind.
-        kinds: Vec<KindSummary>,
-        /// Commands run at once on this machine.
-        jobs: u32,
-        /// Commands run at once that need much memory.
-        heavy_jobs: u32,
-    },
-    /// Outcome of a run.
-    Run {
-        /// Path of the report.
-        report: String,
-        /// Number of rows.
-        models: usize,
-        /// Commands that were run.
-        ran: usize,
-        /// Commands among them that were cache hits.
-        cached: usize,
-        tasks: HerdTasks,
-        /// Commands that failed, then comparisons that exceeded their limit.
-        failures: Vec<HerdFailure>,
-    },
-    /// Jobs submitted to Slurm.
-    Submitted {
-        /// Job numbers.
-        jobs_submitted: Vec<String>,
-        /// Number of array tasks.
-        shards: usize,
-        /// Number of commands.
-        tasks: usize,
-    },
-}
-
-/// A command of a plan.
-#[derive(Serialize, JsonSchema)]
-pub struct PlannedTask<'a> {
-    #[serde(flatten)]
-    task: &'a Task,
-    /// Command line.
-    command: Vec<String>,
-}
-
-/// Number and expected needs of the commands of a kind.
-#[derive(Serialize, JsonSchema)]
-pub struct KindSummary {
-    kind: Kind,
-    /// Number of commands.
-    tasks: usize,
-    /// Total time.
-    seconds: f64,
-    /// Peak memory of the largest command.
-    peak_bytes: u64,
-}
-
-/// Number of commands in each state.
-#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
-pub struct HerdTasks {
-    all: usize,
-    done: usize,
-    failed: usize,
-    /// Comparisons that exceeded their limit.
-    differ: usize,
-    /// Commands that could not run.
-    missing: usize,
-}
-
-/// A command that failed, or a comparison that exceeded its limit.
-#[derive(Serialize, JsonSchema)]
-pub struct HerdFailure {
-    /// Name of the command.
-    task: String,
-    exit_code: u8,
-    message: String,
-}
+pub use result::HerdResult;
 
 /// Runs the subcommand.
 ///
