@@ -5,7 +5,7 @@
 //! out keeps its default.
 //!
 //! ```
-//! use crate::recipe::{Recipe, Style};
+//! use pelage_bake::recipe::{Recipe, Style};
 //! let mut recipe = Recipe::parse("fox.toml", "[hair]\nstyle = \"curly\"\nlength_m = 0.03\n")?;
 //! recipe.set("hair.density=900")?;
 //! assert_eq!((recipe.hair.style, recipe.hair.density), (Style::Curly, 900));
