@@ -77,7 +77,8 @@ fn bare_parts_of_known_animals() {
         ("quaternius_Velociraptor", "[\"Black/claws\"]"),
         ("Fox", "[]"),
     ] {
-        let more = ["--set", "visibility.enabled=false", "--set", "hair.density=20"];
+        let less = ["visibility.enabled=false", "hair.density=20", "slice.layers=4", "slice.tile_texels=32"];
+        let more = less.map(|set| ["--set", set]).concat();
         let found = decisions_on(&data.join(format!("meshes/skinned/{animal}.glb")), &more);
         assert!(lines(&found).contains(&&*format!("model.bare = {bare}")), "{animal}: {:?}", lines(&found));
     }

@@ -19,7 +19,7 @@ title = "A herd of <three>"
 files = "animals/*.{glb,obj,gltf}"
 
 [[recipe]]
-set = { slice = { tile_texels = 32, layers = 4 }, "hair.density" = 60, pack.shell_format = "rgba8" }
+set = { slice = { tile_texels = 32, layers = 4 }, "hair.density" = 60, pack.shell_format = "rgba8", "ink.enabled" = false, "visibility.enabled" = false }
 
 [[recipe]]
 models = "*knot*"

@@ -289,7 +289,7 @@ fn the_corpus_of_hard_files() {
     }
     // Whatever is no model (buffers, images, notes) is bad input too, and is baked like the rest.
     assert!(models.len() > 150, "only {} files found", models.len());
-    let results = bake_all(&models, &[]);
+    let results = bake_all(&models, &["--set", "ink.enabled=false", "--set", "slice.layers=4"]);
     let mut wrong = Vec::new();
     let mut counts = BTreeMap::new();
     for (model, run) in &results {
@@ -328,8 +328,8 @@ fn every_obj_file() {
     }
     models.retain(|m| m.extension().is_some_and(|e| e == "obj"));
     assert!(models.len() >= 46, "only {} files found", models.len());
-    // Without textures of ink, which know nothing of the model and take two seconds each.
-    for (model, run) in bake_all(&models, &["--set", "ink.enabled=false"]) {
+    // Without textures of ink, which know nothing of the model and take two seconds each, and without shadows of the body on itself.
+    for (model, run) in bake_all(&models, &["--set", "ink.enabled=false", "--set", "visibility.enabled=false"]) {
         let name = model.file_stem().unwrap().to_str().unwrap();
         match REFUSED_OBJ.iter().find(|(file, _)| *file == name) {
             Some((_, words)) => {

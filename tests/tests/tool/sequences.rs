@@ -361,7 +361,7 @@ fn hair_swings_in_sequences() {
     for folder in ["a", "b", "c", "d", "e"] {
         std::fs::create_dir(sandbox.path().join(folder)).unwrap();
     }
-    let view = ["pony.pelage", "--clip", "Walk", "--size", "240x200", "--samples", "1", "--look", "motion.wind=3,0,-2"];
+    let view = ["pony.pelage", "--clip", "Walk", "--size", "120x100", "--samples", "1", "--look", "motion.wind=3,0,-2"];
     let shot = |more: &[&str]| rendered(&sandbox, &[&view[..], more].concat());
     shot(&["--frames", "4", "--fps", "12", "-o", "a/%d.png"]);
     shot(&["--frames", "7", "--fps", "24", "-o", "b/%d.png"]);

@@ -53,8 +53,9 @@ fn skies_are_taken_for_few_lights() {
 fn a_picture_names_its_sky_by_words_and_by_files() {
     let sandbox = Sandbox::new();
     sandbox.write("torus.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
-    let bake = ["bake", "torus.glb", "-o", "t.pelage", "--set", "slice.layers=4", "--set", "shading.model=marschner"];
-    assert_eq!(sandbox.run(&bake).code, Some(0));
+    let sets = ["slice.layers=4", "shading.model=marschner", "hair.density=100", "ink.enabled=false"];
+    let sets = sets.map(|set| ["--set", set]).concat();
+    assert_eq!(sandbox.run(&[&["bake", "torus.glb", "-o", "t.pelage"], &sets[..]].concat()).code, Some(0));
     let mean = |arguments: &[&str]| {
         let words = ["reference", "t.pelage", "-o", "t.exr", "--size", "24x24", "--spp", "4"];
         let run = sandbox.run(&[&words[..], arguments].concat());

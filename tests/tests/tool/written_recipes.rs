@@ -24,6 +24,11 @@ fn bake(sandbox: &Sandbox, package: &str, more: &[&str]) -> Run {
 
 /// Bakes and writes the recipe, bakes by it, and returns it.
 fn written(sandbox: &Sandbox, path: &str, more: &[&str]) -> String {
+    written_and_said(sandbox, path, more).0
+}
+
+/// The same, and the run that wrote it.
+fn written_and_said(sandbox: &Sandbox, path: &str, more: &[&str]) -> (String, Run) {
     let first = bake(sandbox, "first.pelage", &[&["--write-recipe", path], more].concat());
     assert_eq!(first.code, Some(0), "{first:?}");
     assert!(first.stdout.contains(path), "{first:?}");
@@ -33,7 +38,7 @@ fn written(sandbox: &Sandbox, path: &str, more: &[&str]) -> String {
     let same = sandbox.read("first.pelage") == sandbox.read("second.pelage");
     assert!(same, "another package, by {text}");
     assert_eq!(sandbox.run(&["validate", "first.pelage"]).code, Some(0));
-    text
+    (text, first)
 }
 
 const SMALL: [&str; 4] = ["--set", "slice.layers=4", "--set", "slice.tile_texels=16"];
@@ -86,13 +91,13 @@ fn what_limits_chose_is_in_the_written_recipe() {
         return;
     }
     let sandbox = sandbox();
-    let small = ["judge.width=120", "judge.height=72", "judge.samples=8", "ink.enabled=false", "slice.layers=64"];
+    let small = ["judge.width=60", "judge.height=36", "judge.samples=8", "ink.enabled=false", "slice.layers=64"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    let text = written(&sandbox, "whole.toml", &[&["--max-error", "1"], &sets[..]].concat());
+    let limits = [&["--max-error", "1", "--json"], &sets[..]].concat();
+    let (text, run) = written_and_said(&sandbox, "whole.toml", &limits);
     assert!(text.contains("\n# chosen by the bake: for --max-error 1\nlayers = "), "{text}");
     // The package is that of a bake that measured nothing; what was measured is said.
-    let limits = [&["--max-error", "1", "--json", "--write-recipe", "whole.toml"], &sets[..]].concat();
-    let object = schema::done(&bake(&sandbox, "first.pelage", &limits), "bake");
+    let object = schema::done(&run, "bake");
     assert!(object["choice"].is_object() && object["recipe"] == "whole.toml", "{object}");
     let inspected = sandbox.run(&["inspect", "first.pelage", "--json"]);
     let inspected: serde_json::Value = serde_json::from_str(&inspected.stdout).unwrap();

@@ -4,13 +4,14 @@ use super::args::ChartArgs;
 use super::driver::ChartResult;
 use crate::chart;
 use crate::chart::Cell;
-use crate::stability::{Finding, ROWS, Row};
+use crate::stability::{DRAWN_ROWS, Finding, ROWS, Row};
 use pelage_bake::io;
 use pelage_tool::exit::{Exit, Failure};
 use pelage_tool::machine::processor;
 use pelage_tool::output::{Output, make_folder};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// A numerical cliff, driven in one case.
 #[derive(Serialize, JsonSchema)]
@@ -96,22 +97,21 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.model.is_some()
         || args.recipe.recipe.is_some()
         || !args.recipe.set.is_empty()
-        || !args.rows.is_empty()
         || args.restart
         || args.part
         || !args.from.is_empty()
     {
-        return Err(Failure::Usage(
-            "chart stability takes neither model nor recipe: its rows bring their own, and all of them are driven"
-                .into(),
-        ));
+        return Err(Failure::Usage("chart stability takes neither model nor recipe: its rows bring their own".into()));
     }
     let mut table = Table::default();
-    for (i, row) in ROWS.iter().enumerate() {
+    let numbers: BTreeSet<usize> = args.numbers(ROWS.len() + DRAWN_ROWS.len())?.collect();
+    for (i, row) in ROWS.iter().enumerate().filter(|(i, _)| numbers.contains(&(i + 1))) {
         output.progress_of(i, ROWS.len() + 1, row.method);
         table.add(row, &processor(), &(row.drive)()?);
     }
-    let undriven = drawn::add(&mut table, output);
+    let drawn = DRAWN_ROWS.iter().enumerate().filter(|(i, _)| numbers.contains(&(ROWS.len() + i + 1)));
+    let drawn: Vec<_> = drawn.map(|(_, row)| row).collect();
+    let undriven = if drawn.is_empty() { Ok(()) } else { drawn::add(&mut table, &drawn, output) };
     let no_adapter = match undriven {
         Err(failure @ Failure::NoAdapter(_)) => Some(failure),
         other => other.map(|()| None)?,
@@ -146,7 +146,7 @@ fn report(
 /// The rows that need pictures.
 mod drawn {
     use super::Table;
-    use crate::stability::{DRAWN_ROWS, Drawing};
+    use crate::stability::{Drawing, DrawnDriver, Row};
     use half::f16;
     use pelage_import::BakeError;
     use pelage_runtime::{Instance, Renderer, wgpu};
@@ -155,9 +155,9 @@ mod drawn {
     use pelage_tool::machine::measured_on;
     use pelage_tool::output::Output;
 
-    pub fn add(table: &mut Table, output: &mut Output) -> Result<(), Failure> {
+    pub fn add(table: &mut Table, rows: &[&Row<DrawnDriver>], output: &mut Output) -> Result<(), Failure> {
         let gpu = Gpu::open()?;
-        for row in DRAWN_ROWS {
+        for row in rows {
             output.progress_of(super::ROWS.len(), super::ROWS.len() + 1, row.method);
             let mut draw = |drawing: &Drawing<'_>| {
                 texels(&gpu, drawing).map_err(|failure| BakeError::Internal(failure.to_string()))
