@@ -1,10 +1,10 @@
 //! What a recipe leaves open and a bake chooses: said with the line of a recipe that would say it otherwise.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A choice that the recipe left open and the bake made.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Decision {
     /// Name of the choice, in words: `length of hair`.
     pub what: &'static str,

@@ -252,7 +252,9 @@ fn relative_path(uri: &str) -> Result<PathBuf, String> {
             "it has the scheme `{scheme}`{drive}; expected a relative path: put the file beside the model"
         ));
     }
-    let decoded = urlencoding::decode(uri).map_err(|_| "its percent-encoding is no UTF-8".to_owned())?;
+    let decoded = percent_encoding::percent_decode_str(uri)
+        .decode_utf8()
+        .map_err(|_| "its percent-encoding is no UTF-8".to_owned())?;
     if decoded.is_empty() {
         return Err("it is empty; expected a relative path".to_owned());
     }

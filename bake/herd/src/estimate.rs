@@ -1,7 +1,6 @@
 //! How much memory and time a command may need, before it has ever run and after.
 
 use super::kind::Kind;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -9,7 +8,8 @@ use std::collections::BTreeMap;
 pub type History = BTreeMap<String, Known>;
 
 /// Time and memory of a command.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Known {
     /// Wall-clock time.
     pub seconds: f64,

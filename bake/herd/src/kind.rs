@@ -1,10 +1,10 @@
 //! What commands of a herd do.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Kind of a command of a herd.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// Bake a model.

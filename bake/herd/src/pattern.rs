@@ -1,12 +1,12 @@
 //! Patterns of paths: `animals/**/*.glb`.
 
-use globset::{GlobBuilder, GlobMatcher};
+use fast_glob::glob_match;
 
 /// Patterns of which one has to fit, and others of which none may.
 #[derive(Clone, Debug, Default)]
 pub struct Patterns {
-    fit: Vec<GlobMatcher>,
-    except: Vec<GlobMatcher>,
+    fit: Vec<String>,
+    except: Vec<String>,
 }
 
 impl Patterns {
@@ -30,20 +30,25 @@ impl Patterns {
 
     /// Whether a path fits, as it is written from the herd file's folder, with slashes.
     pub fn fits(&self, path: &str) -> bool {
-        let any = |patterns: &[GlobMatcher]| patterns.iter().any(|pattern| pattern.is_match(path));
+        let any = |patterns: &[String]| patterns.iter().any(|pattern| glob_match(pattern, path));
         any(&self.fit) && !any(&self.except)
     }
 }
 
-fn matchers(patterns: &[String]) -> Result<Vec<GlobMatcher>, String> {
+fn matchers(patterns: &[String]) -> Result<Vec<String>, String> {
     patterns.iter().map(|pattern| matcher(pattern)).collect()
 }
 
-fn matcher(pattern: &str) -> Result<GlobMatcher, String> {
+fn matcher(pattern: &str) -> Result<String, String> {
     let whole = if pattern.contains('/') { pattern.to_owned() } else { format!("**/{pattern}") };
     let whole = whole.strip_prefix("./").unwrap_or(&whole);
-    let glob = GlobBuilder::new(whole).literal_separator(true).build();
-    glob.map(|glob| glob.compile_matcher()).map_err(|error| format!("{pattern:?}: {}", error.kind()))
+    for (open, close) in [('[', ']'), ('{', '}')] {
+        // A bracket behind a backslash, or one inside the others, is rare in paths; a pattern that has one is taken as it is.
+        if !whole.contains('\\') && whole.matches(open).count() > whole.matches(close).count() {
+            return Err(format!("{pattern:?}: the bracket `{open}` is never closed by `{close}`"));
+        }
+    }
+    Ok(whole.to_owned())
 }
 
 /// The folder that all paths of a pattern are in, as far as it names one; empty for the herd file's own.

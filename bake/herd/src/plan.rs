@@ -7,7 +7,6 @@ use super::kind::Kind;
 use super::words::{Word, sets};
 use pelage_import::BakeError;
 use pelage_stage::TomlText;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -32,7 +31,8 @@ pub struct Told<'a> {
 }
 
 /// A command of a herd, with its inputs and outputs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Task {
     /// Unique name.
     pub name: String,
@@ -79,7 +79,8 @@ impl Task {
 }
 
 /// A model in one variant: a row of the report.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
     /// Name of the model.
     pub name: String,

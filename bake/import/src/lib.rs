@@ -63,7 +63,7 @@ use source::Source;
 pub use error::BakeError;
 pub use notes::input_record;
 pub use options::ImportOptions;
-pub use source::Resolve;
+pub use source::{Resolve, path_as_uri};
 
 /// Reads a glTF 2.0 or OBJ model from `bytes`; what the file is shows in its contents, and only where they leave it open in its name.
 ///

@@ -7,8 +7,17 @@ use crate::BakeError;
 use base64::Engine as _;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+
+/// Bytes that a path in a URI writes with a percent sign (RFC 3986, section 2.3).
+const OUTSIDE_PATHS: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'-').remove(b'.').remove(b'_').remove(b'~');
+
+/// Returns a relative path with slashes as a URI.
+pub fn path_as_uri(path: &str) -> String {
+    utf8_percent_encode(path, OUTSIDE_PATHS).to_string()
+}
 
 /// Everything that is unpacked of a model, bytes: many views can name the same packed bytes.
 pub(super) const MAX_UNPACKED: u64 = 1 << 30;
@@ -108,7 +117,7 @@ impl<'a, 'r> Source<'a, 'r> {
             fetched.map_err(|cause| at.fault(format!("names the {role} file \"{}\": {cause}", shorten(uri))))?;
         // Images go once they are decoded; buffers stay.
         self.file_bytes += declared.map_or(0, |_| bytes.len() as u64);
-        let name = urlencoding::decode(uri).unwrap_or(Cow::Borrowed(uri));
+        let name = percent_decode_str(uri).decode_utf8().unwrap_or(Cow::Borrowed(uri));
         self.record(role, &name, &bytes);
         Ok(bytes)
     }
@@ -172,7 +181,7 @@ impl<'a, 'r> Source<'a, 'r> {
 fn decode_data(data: &str) -> Result<Vec<u8>, String> {
     let (header, body) =
         data.split_once(',').ok_or("is a data URI without a comma, expected data:[type][;base64],data")?;
-    let body = urlencoding::decode_binary(body.as_bytes());
+    let body: Cow<'_, [u8]> = percent_decode_str(body).into();
     if header.to_ascii_lowercase().ends_with(";base64") {
         let text: Vec<u8> = body.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect();
         BASE64.decode(text).map_err(|e| format!("is a data URI whose base64 is broken: {e}"))

@@ -1,6 +1,9 @@
 //! The command `pelage-lab`: every subcommand of `pelage`, and `chart`.
 
+mod commands_page;
+
 use clap::Subcommand;
+use commands_page::CommandsPageArgs;
 use pelage_lab::command::{self, ChartArgs};
 use pelage_tool::errand::Errand;
 use pelage_tool::exit::{Exit, Failure};
@@ -12,6 +15,7 @@ enum Command {
     #[command(flatten)]
     Tool(pelage_tool::Command),
     Chart(ChartArgs),
+    CommandsPage(CommandsPageArgs),
 }
 
 impl Commands for Command {
@@ -19,19 +23,21 @@ impl Commands for Command {
         match self {
             Self::Tool(command) => command.run(invocation, output),
             Self::Chart(args) => command::run(args, output),
+            Self::CommandsPage(_) => commands_page::run((invocation.definition)(), results(), output),
         }
     }
 
     fn errand(&self) -> Option<Errand> {
         match self {
             Self::Tool(command) => command.errand(),
-            Self::Chart(_) => None,
+            Self::Chart(_) | Self::CommandsPage(_) => None,
         }
     }
+}
 
-    fn results() -> Vec<ResultSchema> {
-        [pelage_tool::Command::results(), vec![("chart", command::result_schema)]].concat()
-    }
+/// The results of all subcommands.
+fn results() -> Vec<ResultSchema> {
+    [pelage_tool::results(), vec![("chart", command::result_schema)]].concat()
 }
 
 fn main() -> std::process::ExitCode {

@@ -21,7 +21,6 @@ use pelage_formats::meaning::hair_offset;
 use pelage_formats::meaning::planting::{Crossed, Footing, Roots, SurfaceWalk};
 use pelage_import::BakeError;
 use rayon::prelude::*;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -32,7 +31,8 @@ pub(super) const SIMPLIFICATION: f64 = 0.1;
 const MAX_STRANDS: f64 = 2e7;
 
 /// Counts of the tile's strands as they were planted on the skin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GroomReport {
     /// Strands on the skin.
     #[serde(skip)]

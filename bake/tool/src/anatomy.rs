@@ -6,11 +6,11 @@ use pelage_bake::stages::size;
 use pelage_bake::stages::textures::decode_texture;
 use pelage_formats::meaning::{linear_to_srgb, posed_vertices, srgb_to_linear};
 use pelage_formats::{FormatError, Package, Pose};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Size, materials, joints and clips of a model.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Anatomy {
     /// Size of the bounding box at rest along x, y and z, metres.
     pub size_m: [f64; 3],
@@ -23,7 +23,8 @@ pub struct Anatomy {
 }
 
 /// A material of a model.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MaterialSummary {
     name: String,
     furred: bool,
@@ -40,14 +41,16 @@ pub struct MaterialSummary {
 }
 
 /// A clip of an animation.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ClipSummary {
     name: String,
     seconds: f32,
 }
 
 /// A morph target.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MorphSummary {
     name: String,
     /// Weight at rest.

@@ -29,7 +29,6 @@ use pelage_import::BakeError;
 use pelage_import::mesh::RestPose;
 use pelage_import::{ImportOptions, input_record};
 use pelage_truth::decide::Limits;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -221,7 +220,8 @@ impl<'a> Named<'a> {
 }
 
 /// A finished bake.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BakeResult<'a> {
     output: String,
     bytes: usize,
@@ -241,7 +241,8 @@ pub struct BakeResult<'a> {
 }
 
 /// Time of a stage.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StageTime {
     name: &'static str,
     seconds: f64,

@@ -8,7 +8,6 @@ use super::view::View;
 use super::view_args::{Frames, ViewArgs};
 use pelage_runtime::{Frame, PassId};
 use pelage_stage::{Clock, FrameTimes, Gpu, Look, Meter, Spread, Stage};
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -24,7 +23,8 @@ pub struct BenchArgs {
 }
 
 /// Cost of a frame on this machine's adapter.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BenchResult<'a> {
     adapter: &'a str,
     driver: String,
@@ -59,7 +59,8 @@ pub struct BenchResult<'a> {
 }
 
 /// Time of a pass.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct PassTime {
     name: &'static str,
     median_ms: f64,

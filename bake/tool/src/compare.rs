@@ -6,7 +6,6 @@ use super::output::{Output, require_parent};
 use pelage_bake::io;
 use pelage_import::BakeError;
 use pelage_truth::compare::{CompareParams, Comparison, compare_pictures};
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -79,7 +78,8 @@ fn parse_pixels_per_degree(text: &str) -> Result<f32, String> {
 }
 
 /// Difference of two pictures. Exit code 7 if a limit is exceeded, else 0.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CompareResult {
     a: String,
     b: String,
@@ -97,13 +97,14 @@ pub struct CompareResult {
 }
 
 /// A limit of a comparison.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Limit {
-    #[schemars(extend("enum" = ["--max-flip", "--max-rmse", "--max-coverage", "--min-psnr"]))]
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["--max-flip", "--max-rmse", "--max-coverage", "--min-psnr"])))]
     option: &'static str,
     bound: f64,
     /// Value measured; null for the infinite ratio of equal pictures.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     found: f64,
     exceeded: bool,
 }

@@ -11,7 +11,6 @@ use pelage_bake::io;
 use pelage_bake::pipeline::{self, Baked, Told};
 use pelage_bake::stages::groom::MapImages;
 use pelage_stage::{Background, Gpu, LookStyle, NamedPackage, Rgb, Samples, find_clip};
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +23,8 @@ pub struct DemoArgs {
 }
 
 /// Packages and pictures written.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DemoResult {
     packages: Vec<String>,
     pictures: Vec<String>,

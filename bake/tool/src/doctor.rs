@@ -9,7 +9,6 @@ use super::view::View;
 use pelage_import::BakeError;
 use pelage_stage::{Size, Viewpoint};
 use pelage_truth::doctor::{self, Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis};
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -37,7 +36,8 @@ pub struct DoctorArgs {
 }
 
 /// Predicted cost of a package on a screen, counted without a GPU, and recommended changes.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DoctorResult<'a> {
     package: String,
     width: u32,
@@ -60,7 +60,8 @@ pub struct DoctorResult<'a> {
 }
 
 /// Camera of the picture.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DoctorCamera {
     eye: [f32; 3],
     /// Point in the middle of the picture, metres.
@@ -70,7 +71,8 @@ struct DoctorCamera {
 }
 
 /// Layers on a pixel with fur.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Overdraw {
     mean: f64,
     max: u16,

@@ -7,7 +7,6 @@ use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
 use pelage_bake::traffic::{self, Digest, Traffic};
 use pelage_import::BakeError;
-use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use sha2::{Digest as _, Sha256};
@@ -224,7 +223,8 @@ fn rename(value: &mut Value, old: &str, new: &str) {
 }
 
 /// Record of a command, written with `--record` by every subcommand, also if it failed.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CommandRecord {
     command: Vec<String>,
     version: &'static str,
@@ -235,7 +235,7 @@ pub struct CommandRecord {
     /// Whether the result is a cache hit; it then has the figures of the run that made it.
     cached: bool,
     /// Result that the subcommand prints with `--json`; null if it failed.
-    #[schemars(with = "Option<Map<String, Value>>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Map<String, Value>>"))]
     result: Option<Value>,
     error: Option<String>,
     /// Notes printed to stderr.

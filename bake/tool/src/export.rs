@@ -14,7 +14,6 @@ use pelage_bake::strands::{CurveGroup, CurvePoint, Curves, GroomReport};
 use pelage_formats::meaning::scattering::colour;
 use pelage_stage::Size;
 use pelage_truth::TrueScattering;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -54,7 +53,8 @@ pub struct ExportArgs {
 }
 
 /// Files written, and the strands and skin in them.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExportResult<'a> {
     files: &'a [String],
     strands: usize,
@@ -75,7 +75,8 @@ pub struct ExportResult<'a> {
 }
 
 /// A named group of strands.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct StrandGroup<'a> {
     /// Name of the group; `coat` for the strands of the tile.
     name: &'a str,
@@ -89,7 +90,8 @@ struct StrandGroup<'a> {
 }
 
 /// A fibre as pbrt-4 and Mitsuba 3 define it; both tilt lobes by twice the angle of the scales.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct GroupFibre {
     index_of_refraction: f64,
     longitudinal_roughness: f64,

@@ -7,7 +7,6 @@ use pelage_bake::io::write_atomic;
 use pelage_bake::sky_file::SkyFile;
 use pelage_stage::Look;
 use pelage_stage::sky::{Environment, FitParams, Fitted, environment_to_toml};
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -35,7 +34,8 @@ pub struct SkyArgs {
 }
 
 /// Lights that were written, and their distance from the panorama.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SkyResult {
     output: String,
     /// Width and height of the panorama, pixels; null for lights in TOML.
@@ -52,7 +52,8 @@ pub struct SkyResult {
 }
 
 /// A sun.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct SkySun {
     towards: [f32; 3],
     /// Linear colour; 1 gives an irradiance of π.

@@ -11,7 +11,6 @@ use pelage_bake::picture::encode_png;
 use pelage_bake::pipeline::Told;
 use pelage_bake::recipe::GroomCoordinates;
 use pelage_import::ImportOptions;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -49,14 +48,15 @@ pub struct GroomArgs {
 }
 
 /// A groom map that was written.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GroomResult {
     /// Paths of the image and of the mesh of `--mesh`.
     files: Vec<String>,
     /// Key of `[groom]`.
     map: &'static str,
     /// Texture coordinates that the image lies over.
-    #[schemars(extend("enum" = ["model", "atlas"]))]
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["model", "atlas"])))]
     coordinates: &'static str,
     texels: u32,
     /// Largest difference, 0 to 1, of a vertex's value from the image before rounding to bytes.

@@ -6,7 +6,6 @@ use super::output::{Output, human_bytes};
 use super::package_file;
 use pelage_bake::hexadecimal::hex;
 use pelage_formats::{Choice, CoatInfo, DetailLevel, FormatError, InkInfo, Package, QualityFigure};
-use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -30,7 +29,8 @@ pub fn run(args: &InspectArgs, output: &mut Output) -> Result<Exit, Failure> {
 }
 
 /// Contents of a package.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InspectResult<'a> {
     /// Version of the format.
     version: u32,
@@ -74,14 +74,16 @@ pub struct InspectResult<'a> {
 }
 
 /// A section of a package.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct SectionSize {
     tag: String,
     bytes: u64,
 }
 
 /// A texture of a package.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct TextureShape<'a> {
     name: &'a str,
     /// Texel format, by its WebGPU name.
@@ -95,7 +97,8 @@ struct TextureShape<'a> {
 }
 
 /// A group of hair on guides.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct HairSize {
     name: String,
     hairs: u32,
@@ -104,7 +107,8 @@ struct HairSize {
 }
 
 /// A file that a package was baked from.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct InputFile<'a> {
     role: &'a str,
     name: &'a str,

@@ -10,7 +10,6 @@ mod bench;
 #[doc(hidden)]
 pub mod built_in;
 mod camera_args;
-mod commands_page;
 mod compare;
 mod demo;
 mod doctor;
@@ -43,6 +42,8 @@ mod picture_args;
 mod reference;
 mod render;
 mod scene;
+#[cfg(feature = "schema")]
+mod schemas;
 mod sequence;
 #[doc(hidden)]
 pub mod share;
@@ -71,11 +72,13 @@ use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use exit::{Exit, Failure};
 use output::Output;
 use pelage_bake::unfinished;
-use schemars::JsonSchema as _;
 use std::panic::{self, AssertUnwindSafe};
 
 #[doc(hidden)]
-pub use output::ResultSchema;
+pub use look_args::LABORATORY;
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub use schemas::{ResultSchema, results};
 
 /// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
 #[derive(Debug, Parser)]
@@ -98,9 +101,6 @@ pub trait Commands: Subcommand {
 
     /// Inputs, options and outputs of a subcommand whose outputs depend on nothing else.
     fn errand(&self) -> Option<errand::Errand>;
-
-    /// Lists the results printed with `--json`.
-    fn results() -> Vec<ResultSchema>;
 }
 
 /// The command line around a subcommand.
@@ -109,9 +109,8 @@ pub struct Invocation<'a> {
     /// Why a command line is refused, if it is.
     refusal: fn(&[String]) -> Option<String>,
     /// The definition of all subcommands.
-    definition: fn() -> clap::Command,
-    /// Results of all subcommands.
-    results: fn() -> Vec<ResultSchema>,
+    #[doc(hidden)]
+    pub definition: fn() -> clap::Command,
 }
 
 /// Options of every subcommand.
@@ -146,7 +145,6 @@ pub enum Command {
     Export(export::ExportArgs),
     Groom(groom::GroomArgs),
     Sky(fit_sky::SkyArgs),
-    CommandsPage(commands_page::CommandsPageArgs),
     Compare(compare::CompareArgs),
     Doctor(doctor::DoctorArgs),
     Herd(herd::HerdArgs),
@@ -170,7 +168,6 @@ impl Commands for Command {
             Self::Export(args) => export::run(args, output),
             Self::Groom(args) => groom::run(args, output),
             Self::Sky(args) => fit_sky::run(args, output),
-            Self::CommandsPage(_) => commands_page::run((invocation.definition)(), (invocation.results)(), output),
             Self::Compare(args) => compare::run(args, output),
             Self::Doctor(args) => doctor::run(args, output),
             Self::Herd(args) => herd::run(args, invocation.global.errand.cache(), &invocation.refusal, output),
@@ -188,29 +185,6 @@ impl Commands for Command {
             _ => None,
         }
     }
-
-    fn results() -> Vec<ResultSchema> {
-        vec![
-            ("bake", bake::BakeResult::json_schema),
-            ("bench", bench::BenchResult::json_schema),
-            ("compare", compare::CompareResult::json_schema),
-            ("demo", demo::DemoResult::json_schema),
-            ("doctor", doctor::DoctorResult::json_schema),
-            ("error", output::ErrorResult::json_schema),
-            ("export", export::ExportResult::json_schema),
-            ("groom", groom::GroomResult::json_schema),
-            ("herd", herd::HerdResult::json_schema),
-            ("inspect", inspect::InspectResult::json_schema),
-            ("merge", merge::MergeResult::json_schema),
-            ("pack", pack::PackResult::json_schema),
-            ("record", errand::CommandRecord::json_schema),
-            ("reference", reference::ReferenceResult::json_schema),
-            ("render", render::RenderResult::json_schema),
-            ("sky", fit_sky::SkyResult::json_schema),
-            ("unpack", unpack::UnpackResult::json_schema),
-            ("validate", validate::ValidateResult::json_schema),
-        ]
-    }
 }
 
 /// Runs the command line of this process.
@@ -222,7 +196,7 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
             let mut output = Output::new(cli.global.quiet, cli.global.json);
             let errand = cli.command.errand();
             let definition = Cli::<C>::command;
-            let invocation = Invocation { global: &cli.global, refusal: refusal::<C>, definition, results: C::results };
+            let invocation = Invocation { global: &cli.global, refusal: refusal::<C>, definition };
             let run = |output: &mut Output| catch(|| cli.command.run(&invocation, output));
             let result = errand::run(&cli.global.errand, errand.as_ref(), run, &mut output);
             finish(result, &mut output)

@@ -11,7 +11,6 @@ use pelage_stage::{Gpu, LookDetail};
 use pelage_truth::decide;
 use pelage_truth::decide::{Decision, Figure, FrameTime, Judge, Limits, Measured, Setting, Space, Trial};
 use pelage_truth::likeness::Likeness;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -19,7 +18,8 @@ use std::fmt::Write as _;
 const EVIDENCE_BYTES: u64 = 16 << 10;
 
 /// Figures of a trial.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Judged {
     /// Mean FLIP against the true pictures, 0 to 1.
     pub flip: f64,

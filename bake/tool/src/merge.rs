@@ -7,7 +7,6 @@ use super::reference::{Format, exr, png};
 use pelage_bake::io;
 use pelage_import::BakeError;
 use pelage_truth::TracedPart;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +22,8 @@ pub struct MergeArgs {
 }
 
 /// A picture that was put together from its parts.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MergeResult {
     output: String,
     width: u32,

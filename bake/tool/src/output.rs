@@ -5,16 +5,12 @@ use super::work::{Herald, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use pelage_bake::steps::Steps;
 use pelage_import::BakeError;
-use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use std::fmt;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-
-/// Name of a subcommand, and the schema of its result.
-pub type ResultSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);
 
 /// Where a subcommand's words go.
 #[derive(Debug)]
@@ -197,15 +193,17 @@ impl Output {
 }
 
 /// Failure of a command: with `--json` this is printed to stdout, beside the message on stderr.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorResult {
     error: ErrorObject,
 }
 
 /// Reason of a failure.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ErrorObject {
-    #[schemars(range(min = 1, max = 5))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 5)))]
     exit_code: u8,
     message: String,
 }

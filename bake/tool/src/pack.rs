@@ -8,7 +8,6 @@ use pelage_bake::recipe::Recipe;
 use pelage_bake::traffic;
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
-use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 use std::io;
@@ -29,7 +28,8 @@ pub struct PackArgs {
 }
 
 /// A package that was written.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PackResult {
     output: String,
     bytes: usize,

@@ -18,7 +18,6 @@ use pelage_import::BakeError;
 use pelage_params::Knob;
 use pelage_stage::{Background, Look, NamedPackage, SHORT_FORMS, ShortForm};
 use pelage_truth::{Lens, OfPicture, Part, Portion, TracedPart, TracedPicture, TrueCamera, TrueScattering};
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Cursor;
 use std::ops::ControlFlow;
@@ -83,7 +82,8 @@ enum FibreTruth {
 }
 
 /// A traced picture, and what it took.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReferenceResult {
     output: String,
     width: u32,
@@ -244,7 +244,8 @@ fn report(
 }
 
 /// The camera of `render` for the same view.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CameraResult {
     /// Position of the eye, metres.
     eye: [f32; 3],

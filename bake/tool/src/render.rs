@@ -15,7 +15,6 @@ use super::view_args::{Frames, ViewArgs};
 use pelage_bake::traffic;
 use pelage_formats::MAGIC;
 use pelage_stage::{Cast, Gpu, Look, NamedPackage, SAMPLES, StageError};
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -67,7 +66,8 @@ pub struct RenderArgs {
 }
 
 /// Pictures or video drawn. The figures of a sequence are those of its first picture; lists cover all pictures.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RenderResult<'a> {
     /// Path of the first picture, or of the video.
     output: &'a str,
@@ -97,7 +97,8 @@ pub struct RenderResult<'a> {
 }
 
 /// Models of a scene file.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RenderedScene<'a> {
     /// Names of the models, in file order.
     models: &'a [String],

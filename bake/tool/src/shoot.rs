@@ -14,7 +14,6 @@ use pelage_formats::meaning::{hair_motion, srgb_to_linear};
 use pelage_runtime::{Camera, Frame, Light, PassReport, Projection};
 use pelage_stage::{Shot, Stage};
 use pelage_truth::{Lens, TrueCamera};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -37,7 +36,8 @@ pub struct Picture {
 }
 
 /// Report of a pass of a frame.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PassRun {
     name: String,
     ran: bool,

@@ -5,7 +5,6 @@ use super::view::View;
 use image::RgbaImage;
 use pelage_runtime::{Frame, InstanceDetail};
 use pelage_stage::{Cast, Gpu, NamedPackage, Stage, StageError};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The model of a package, or a crowd of it, on the device that `open_gpu` gives.
@@ -46,7 +45,8 @@ pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, St
 }
 
 /// Fur drawn for a copy of the model.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FurDetail {
     /// Index into the package's levels of detail.
     level: u32,

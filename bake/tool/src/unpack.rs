@@ -6,7 +6,6 @@ use super::package_file;
 use super::unpacked::{self, File};
 use pelage_bake::unfinished::Unfinished;
 use pelage_import::BakeError;
-use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -31,14 +30,16 @@ pub struct UnpackArgs {
 }
 
 /// Files that were written.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct UnpackResult {
     output: String,
     files: Vec<UnpackedFile>,
 }
 
 /// A file of an unpacked package.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct UnpackedFile {
     name: String,
     bytes: usize,

@@ -7,7 +7,6 @@ use pelage_bake::recipe::Recipe;
 use pelage_bake::recorded::disagreements;
 use pelage_formats::{FormatError, Limits, MAGIC, Package, Tag};
 use pelage_stage::NamedPackage;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -23,7 +22,8 @@ pub struct ValidateArgs {
 }
 
 /// All faults of a package. Exit code 0 without faults, else 7.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ValidateResult<'a> {
     package: &'a str,
     bytes: usize,
@@ -32,7 +32,8 @@ pub struct ValidateResult<'a> {
 }
 
 /// A fault of a package.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Fault {
     /// Tag of the section, or `head` for header and table.
     section: String,

@@ -8,7 +8,6 @@ use image::{Rgb, RgbImage, RgbaImage};
 use nv_flip::FlipImageRgb8;
 use pelage_bake::picture::{Picture, encode_png};
 use pelage_import::BakeError;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How pictures are looked at.
@@ -29,7 +28,8 @@ impl Default for CompareParams {
 }
 
 /// FLIP of all pixels, each 0 (the same) to 1 (black against white).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FlipFigures {
     /// Mean over the picture: the one figure that its authors recommend.
     pub mean: f64,
@@ -42,14 +42,15 @@ pub struct FlipFigures {
 }
 
 /// How much two pictures differ.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
     /// FLIP: the difference that a person sees.
     pub flip: FlipFigures,
     /// Root of the mean squared difference of premultiplied linear red, green and blue over all pixels; 1 is black against white.
     pub rmse: f64,
     /// Peak signal-to-noise ratio, decibels: −20 log10 of `rmse`. Infinite for equal pictures; null in JSON.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub psnr_db: f64,
     /// Mean absolute difference of alpha, 0..=1.
     pub coverage: f64,

@@ -51,8 +51,8 @@ pub struct ViewOptions {
 pub enum ViewError {
     /// The system has no screen to show a window on.
     #[error(
-        "no window can be opened: {0}\nA window takes a desktop: on Linux an X server (DISPLAY) or a Wayland compositor (WAYLAND_DISPLAY), and \
-             libxkbcommon-x11 for the former. Without one, `pelage render` draws into files."
+        "no window can be opened: {0}\nA window needs a desktop: on Linux an X server (DISPLAY; Wayland desktops bring one, Xwayland) and \
+             libxkbcommon-x11. Without one, `pelage render` draws into files."
     )]
     NoDisplay(String),
     /// Nothing can draw into it.

@@ -105,13 +105,7 @@ impl Drop for Workers {
 fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: Sender<Asked>, tell: &Tell) {
     let changes = Mutex::new(changes);
     let changed = move || drop(changes.lock().unwrap_or_else(PoisonError::into_inner).send(Asked::Changed));
-    let mut watch = match Watch::new(changed) {
-        Ok(watch) => Some(watch),
-        Err(reason) => {
-            tell(Told::Failed(format!("files are not watched, a change of theirs is not noticed: {reason}")));
-            None
-        }
-    };
+    let mut watch = Watch::new(changed);
     let mut edits = Vec::new();
     while let Ok(first) = asked.recv() {
         let mut make = false;
@@ -139,9 +133,7 @@ fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: S
         }
         let began = Instant::now();
         let made = caught(|| workshop.make(&edits, &mut |progress| tell(Told::Working(progress))));
-        if let Some(watch) = &mut watch {
-            watch.set(&workshop.files());
-        }
+        watch.set(&workshop.files());
         tell(match made {
             Ok(made) => Told::Made(Box::new(made), began.elapsed()),
             Err(reason) => Told::Failed(reason),

@@ -120,7 +120,7 @@ fn the_baker_and_the_truth_know_no_gpu() {
         &["pelage-bake", "obvhs"],
         &[&never[..], &["pelage-tool", "pelage-lab"]].concat(),
     );
-    assert_floor("pelage-herd", &[], &["globset"], &[&never[..], &["pelage-bake", "pelage-tool"]].concat());
+    assert_floor("pelage-herd", &[], &["fast-glob"], &[&never[..], &["pelage-bake", "pelage-tool"]].concat());
 }
 
 #[test]

@@ -214,8 +214,7 @@ fn fetch(path: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
     if drive || path.starts_with('/') {
         return Err("it is an absolute path; expected a relative one: put the file beside the model".to_owned());
     }
-    let uri: Vec<_> = path.split('/').map(urlencoding::encode).collect();
-    source::beside(&uri.join("/"), resolve)
+    source::beside(&source::path_as_uri(&path), resolve)
 }
 
 #[cfg(test)]

@@ -3,28 +3,28 @@
 use super::solve::{FaceFrame, gradients, jacobian, singular_values};
 use super::topology::{NONE, Topology};
 use glam::{DMat2, DVec2};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Measures of the map from the skin to its tile coordinates, after one global scale that makes the total areas equal; means are
 /// weighted by area on the skin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measures {
     /// Connected regions of the furred skin in which tile coordinates are continuous.
     pub patches: u32,
     /// Triangles that the map turns over, as seen from outside.
     pub flipped_triangles: u32,
     /// Mean of (σ1/σ2 + σ2/σ1)/2 − 1; 0 for a conformal map.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub angle_distortion: f64,
     /// Mean of (σ1σ2 + 1/(σ1σ2))/2 − 1; 0 for an area-preserving map.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub area_distortion: f64,
     /// Sander's L² stretch, sqrt(mean of (σ1² + σ2²)/2); 1 for an isometry.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub stretch_l2: f64,
     /// Length of the edges whose two sides disagree in tile coordinates by more than whole tiles, over sqrt(skin area).
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub seam_length_ratio: f64,
     /// Mean angle between the comb field and the tile's v direction, degrees; `None` without a comb.
     pub comb_misalignment_deg: Option<f64>,

@@ -12,7 +12,7 @@ use image::{DynamicImage, Rgb, RgbImage, imageops};
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
 use pelage_herd::{Became, Known, Report, State, Task};
-use pelage_import::BakeError;
+use pelage_import::{BakeError, path_as_uri};
 use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;
@@ -204,7 +204,7 @@ impl<'a> Thumbs<'a> {
         let found = std::fs::metadata(&path).ok()?;
         if self.herd.plan.rows.len() > MOST_ROWS {
             let inside = self.herd.plan.inside(file);
-            return Some(inside.split('/').map(|step| urlencoding::encode(step)).collect::<Vec<_>>().join("/"));
+            return Some(path_as_uri(inside));
         }
         let name = Sha256::digest(format!("{file} {} {:?}", found.len(), found.modified().ok()));
         let name = format!("{}.jpg", &hex(&name)[..32]);

@@ -1,13 +1,13 @@
 //! Results of `pelage herd`, as `--json` prints them.
 
 use pelage_herd::{Kind, Row, Task};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Commands of a herd (`plan`), their outcome (`run`, also of `pelage herd report`), or the jobs submitted to Slurm.
 ///
 /// Exit code of `run`: that of the first command that failed; 7 if only comparisons exceeded their limit.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "action", rename_all = "lowercase")]
 pub enum HerdResult<'a> {
     /// Plan of a herd.
@@ -53,7 +53,8 @@ pub enum HerdResult<'a> {
 }
 
 /// A command of a plan.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PlannedTask<'a> {
     #[serde(flatten)]
     pub(super) task: &'a Task,
@@ -62,7 +63,8 @@ pub struct PlannedTask<'a> {
 }
 
 /// Number and expected needs of the commands of a kind.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KindSummary {
     pub(super) kind: Kind,
     /// Number of commands.
@@ -74,7 +76,8 @@ pub struct KindSummary {
 }
 
 /// Number of commands in each state.
-#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HerdTasks {
     pub(super) all: usize,
     pub(super) done: usize,
@@ -86,7 +89,8 @@ pub struct HerdTasks {
 }
 
 /// A command that failed, or a comparison that exceeded its limit.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HerdFailure {
     /// Name of the command.
     pub(super) task: String,

@@ -1,7 +1,6 @@
 //! How a package will be looked at, and what is found out about that.
 
 use glam::Vec3;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How the package will be looked at.
@@ -22,7 +21,8 @@ pub struct View {
 }
 
 /// Work of a pass of the runtime.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PassWork {
     /// Name in the runtime's report.
     pub name: &'static str,
@@ -39,7 +39,8 @@ pub struct PassWork {
 }
 
 /// Memory on the device, bytes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Memory {
     /// Textures as they are stored. A software adapter uses four bytes a texel for any format.
     pub textures: u64,
@@ -61,7 +62,8 @@ impl Memory {
 }
 
 /// Sizes on the screen where the fur is nearest to the eye; 0 if nothing is in sight.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OnScreen {
     /// Width of a texel of the tile, pixels.
     pub texel_px: f64,
@@ -114,7 +116,8 @@ pub struct Prognosis {
 }
 
 /// A recommended change and its effect.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Advice {
     /// Change as `--set` takes it, or what to do to the model.
     pub change: String,
@@ -135,7 +138,8 @@ pub struct Advice {
 }
 
 /// Error ([`crate::likeness`]) of a picture without a change and with it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorChange {
     /// Error without the change.
     pub before: f64,
@@ -144,7 +148,8 @@ pub struct ErrorChange {
 }
 
 /// Savings of a change in a frame and on the device. The order is that of advice: work before memory.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Saved {
     /// Fragments of a frame, all copies.
     pub fragments: u64,

@@ -63,9 +63,7 @@ pub fn show(ui: &mut Ui, app: &mut App) {
             }
         });
         ui.separator();
-        ui.label(
-            "Files can be dropped into the window (on Wayland not yet): packages, models, recipes, looks, scenes.",
-        );
+        ui.label("Files can be dropped into the window: packages, models, recipes, looks, scenes.");
     });
     app.help = open;
 }

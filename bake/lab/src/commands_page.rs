@@ -1,11 +1,11 @@
 //! The command line as a page of Markdown, and the results of `--json` as JSON schemas, generated from their definitions.
 //! It is a hidden subcommand, because only the binary has these.
 
-use super::exit::{Exit, Failure};
-use super::look_args::LABORATORY;
-use super::output::{Output, ResultSchema};
 use clap::{Arg, ArgAction, Command};
 use pelage_params::wrap;
+use pelage_tool::exit::{Exit, Failure};
+use pelage_tool::output::Output;
+use pelage_tool::{LABORATORY, ResultSchema};
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 

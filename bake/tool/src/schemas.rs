@@ -1,0 +1,32 @@
+//! JSON schemas of the results that `--json` prints.
+
+use super::{bake, bench, compare, demo, doctor, errand, export, fit_sky, groom, herd, inspect, merge, output, pack};
+use super::{reference, render, unpack, validate};
+use schemars::{JsonSchema as _, Schema, SchemaGenerator};
+
+/// Name of a subcommand, and the schema of its result.
+pub type ResultSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);
+
+/// Lists the results of all subcommands, of errors and of records.
+pub fn results() -> Vec<ResultSchema> {
+    vec![
+        ("bake", bake::BakeResult::json_schema),
+        ("bench", bench::BenchResult::json_schema),
+        ("compare", compare::CompareResult::json_schema),
+        ("demo", demo::DemoResult::json_schema),
+        ("doctor", doctor::DoctorResult::json_schema),
+        ("error", output::ErrorResult::json_schema),
+        ("export", export::ExportResult::json_schema),
+        ("groom", groom::GroomResult::json_schema),
+        ("herd", herd::HerdResult::json_schema),
+        ("inspect", inspect::InspectResult::json_schema),
+        ("merge", merge::MergeResult::json_schema),
+        ("pack", pack::PackResult::json_schema),
+        ("record", errand::CommandRecord::json_schema),
+        ("reference", reference::ReferenceResult::json_schema),
+        ("render", render::RenderResult::json_schema),
+        ("sky", fit_sky::SkyResult::json_schema),
+        ("unpack", unpack::UnpackResult::json_schema),
+        ("validate", validate::ValidateResult::json_schema),
+    ]
+}
