@@ -8,7 +8,7 @@ use pelage_bake::io;
 use pelage_bake::traffic::{self, Digest, Traffic};
 use pelage_import::BakeError;
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::ffi::OsString;
 use std::fmt::Debug;
@@ -235,7 +235,7 @@ pub struct CommandRecord {
     /// Whether the result is a cache hit; it then has the figures of the run that made it.
     cached: bool,
     /// Result that the subcommand prints with `--json`; null if it failed.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Map<String, Value>>"))]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<serde_json::Map<String, Value>>"))]
     result: Option<Value>,
     error: Option<String>,
     /// Notes printed to stderr.
