@@ -95,7 +95,7 @@ fn draw(
     workshop.run(&["render", &package, "-q", "-o", &picture, "--size", size])?;
     if truth {
         let picture = folder.join("true.png").display().to_string();
-        workshop.run(&["reference", &package, "-q", "-o", &picture, "--size", size, "--spp", SAMPLES])?;
+        workshop.run(&["reference", &package, "-q", "-o", &picture, "--size", size, "--samples", SAMPLES])?;
     }
     std::fs::remove_file(&package).with_context(|| package.clone())
 }

@@ -9,6 +9,7 @@ mod light_pictures;
 mod likeness_pairs;
 mod motion_pictures;
 mod mutate;
+mod performance_table;
 mod same_pictures;
 mod shadow_table;
 mod window_pictures;
@@ -27,13 +28,14 @@ fn main() -> anyhow::Result<ExitCode> {
         "likeness-pairs" => likeness_pairs::run(arguments)?,
         "motion-pictures" => motion_pictures::run(arguments)?,
         "mutate" => return mutate::run(arguments),
+        "performance-table" => performance_table::run()?,
         "same-pictures" => return same_pictures::run(arguments),
         "shadow-table" => shadow_table::run(arguments)?,
         "window-pictures" => window_pictures::run(arguments)?,
         "write-docs" => write_docs::run()?,
         _ => anyhow::bail!(
             "unknown chore {chore:?}; expected contact-sheet, eyes-covered, key-pictures, light-pictures, likeness-pairs, \
-             motion-pictures, mutate, same-pictures, shadow-table, window-pictures or write-docs"
+             motion-pictures, mutate, performance-table, same-pictures, shadow-table, window-pictures or write-docs"
         ),
     }
     Ok(ExitCode::SUCCESS)

@@ -1,0 +1,119 @@
+//! The tables of runtime/docs/performance.md, measured here and now: `chores performance-table`.
+//!
+//! It writes the lines between the page's marks, with adapter, date and commit. Measure on a quiet machine.
+
+use anyhow::{Context as _, ensure};
+use pelage_tests::binary::workspace;
+use pelage_tests::chores::Workshop;
+use serde_json::Value;
+use std::process::Command;
+
+/// What a table shows of a result.
+type Shown = fn(&Value) -> String;
+
+/// What is measured of a frame: words, options of `pelage bench` and what is shown of its result.
+const FRAMES: [(&str, &[&str], Shown); 8] = [
+    ("the hare, 834×424, 9 of its 15 layers, all shadows, light still", &[], |found| {
+        format!("{}, of which shells {}, skin {}", frame(found), pass(found, "shells"), pass(found, "skin"))
+    }),
+    ("the same at 1668×848, all 15 layers", &["--size", "1668x848"], frame),
+    ("the same with all layers, whatever the size", &["--detail", "full"], frame),
+    ("the same without shadows", &["--self-shadow", "off", "--soft-shadow", "off"], frame),
+    ("the same with four samples a pixel, as `render` draws", &["--samples", "4"], frame),
+    ("a hundred hares", &["--crowd", "100"], frame),
+    ("the hare in ink", &["--style", "ink"], frame),
+    ("the hare's shadow maps drawn anew", &[], |found| milliseconds(&found["shadow_maps_ms"])),
+];
+
+/// What is measured of a bake: words, model below assets/models, options and what is shown of its result.
+const BAKES: [(&str, &str, &[&str], Shown); 4] = [
+    ("the hare, ink and all; its package", "hare", &["--recipe", "assets/recipes/hare.toml"], of_bake),
+    ("the same without ink", "hare", &["--recipe", "assets/recipes/hare.toml", "--set", "ink.enabled=false"], of_bake),
+    ("the pony with mane and tail", "pony", &["--recipe", "assets/recipes/pony.toml"], of_bake),
+    (
+        "a tile of 512×512×64 with 20 000 strands, plain texels",
+        "torus",
+        &[
+            "--set",
+            "slice.tile_texels=512",
+            "--set",
+            "slice.layers=64",
+            "--set",
+            "hair.density=20000",
+            "--set",
+            "pack.shell_format=rgba8",
+            "--set",
+            "pack.direction_format=rg8",
+        ],
+        of_bake,
+    ),
+];
+
+fn milliseconds(value: &Value) -> String {
+    format!("{:.1} ms", value.as_f64().unwrap_or(f64::NAN))
+}
+
+fn frame(found: &Value) -> String {
+    milliseconds(&found["frame_ms"]["median"])
+}
+
+fn pass(found: &Value, name: &str) -> String {
+    let pass = found["passes"].as_array().into_iter().flatten().find(|pass| pass["name"] == name);
+    pass.map_or_else(|| "none".to_owned(), |pass| milliseconds(&pass["median_ms"]))
+}
+
+fn of_bake(found: &Value) -> String {
+    let number = |key: &str| found[key].as_f64().unwrap_or(f64::NAN);
+    format!("{:.2} s; {:.2} MiB", number("seconds"), number("bytes") / f64::from(1 << 20))
+}
+
+/// What a program prints.
+fn printed(program: &str, arguments: &[&str]) -> anyhow::Result<String> {
+    let output = Command::new(program).args(arguments).current_dir(workspace()).output()?;
+    ensure!(output.status.success(), "{program} {arguments:?} failed");
+    Ok(String::from_utf8(output.stdout)?.trim().to_owned())
+}
+
+/// Puts lines between the marks of a table.
+fn replaced(page: &str, table: &str, lines: &[String]) -> anyhow::Result<String> {
+    let (begin, end) = (format!("<!-- {table}: begin -->\n"), format!("<!-- {table}: end -->\n"));
+    let (before, rest) = page.split_once(&begin).with_context(|| format!("no mark {begin:?}"))?;
+    let (_, after) = rest.split_once(&end).with_context(|| format!("no mark {end:?}"))?;
+    Ok(format!("{before}{begin}{}\n{end}{after}", lines.join("\n")))
+}
+
+pub fn run() -> anyhow::Result<()> {
+    std::env::set_current_dir(workspace())?;
+    let workshop = Workshop::default();
+    let head = ["| what | measured | command |", "|---|---|---|"].map(str::to_owned);
+    let (mut frames, mut bakes) = (head.to_vec(), head.to_vec());
+    let run = |arguments: &[&str]| -> anyhow::Result<Value> {
+        Ok(serde_json::from_str(&workshop.run(&[arguments, &["--json", "--quiet"]].concat())?.stdout)?)
+    };
+    let folder = tempfile::tempdir()?;
+    let package = folder.path().join("a.pelage").display().to_string();
+    for (what, model, options, said) in BAKES {
+        let model = format!("assets/models/{model}.glb");
+        let found = run(&[&["bake", &model, "-o", &package], options].concat())?;
+        bakes.push(format!("| {what} | {} | `pelage bake {model} {}` |", said(&found), options.join(" ")));
+    }
+    run(&["bake", "assets/models/hare.glb", "--recipe", "assets/recipes/hare.toml", "-o", &package])?;
+    let mut adapter = String::new();
+    for (what, options, said) in FRAMES {
+        let found = run(&[&["bench", &package], options].concat())?;
+        adapter = found["adapter"].as_str().unwrap_or_default().to_owned();
+        frames.push(format!("| {what} | {} | `pelage bench hare.pelage {}` |", said(&found), options.join(" ")));
+    }
+    let made = format!(
+        "{adapter}, {}, commit {}",
+        printed("date", &["+%F"])?,
+        printed("git", &["rev-parse", "--short", "HEAD"])?
+    );
+    for table in [&mut frames, &mut bakes] {
+        table.extend([String::new(), format!("Measured on {made}.")]);
+    }
+    let path = workspace().join("runtime/docs/performance.md");
+    let page = replaced(&std::fs::read_to_string(&path)?, "frames", &frames)?;
+    std::fs::write(&path, replaced(&page, "bakes", &bakes)?)?;
+    Ok(())
+}
