@@ -55,7 +55,7 @@ def main():
 
     with tempfile.TemporaryDirectory() as folder:
         strands, skin, true = (Path(folder) / name for name in ("strands.txt", "skin.obj", "true.exr"))
-        pelage(given.pelage, "reference", given.package, "-o", true, "--size", given.size, "--spp", given.spp)
+        pelage(given.pelage, "reference", given.package, "-o", true, "--size", given.size, "--samples", given.spp)
         words = ["--strands", strands, "--mesh", skin, "--size", given.size]
         exported = pelage(given.pelage, "export", given.package, *words)
         ours = np.array(mi.Bitmap(str(true)))[..., 3]

@@ -119,7 +119,7 @@ def main():
     if given.environment:
         lit = ["--environment", given.environment, "--environment-strength", given.environment_strength]
     ours = pelage(
-        given.pelage, "reference", given.package, "-o", ours_file, "--size", given.size, "--spp", given.spp,
+        given.pelage, "reference", given.package, "-o", ours_file, "--size", given.size, "--samples", given.spp,
         *lit, "--fibre", "exact", "--bounces", given.bounces,
     )  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:

@@ -55,7 +55,7 @@ def main():
     light = ",".join(map(str, TOWARDS_LIGHT))
     ours_cpu = -resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     ours = pelage(
-        given.pelage, "reference", given.package, "-o", ours_file, "--size", given.size, "--spp", given.spp,
+        given.pelage, "reference", given.package, "-o", ours_file, "--size", given.size, "--samples", given.spp,
         "--threads", given.threads, f"--light={light}", "--penumbra", 0,
     )  # fmt: skip
     ours_cpu += resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime

@@ -50,7 +50,7 @@ impl Truth {
     /// Its options as `reference` has them.
     pub(super) fn words(&self) -> Vec<Word> {
         let words = [
-            word("samples", "spp", self.samples),
+            word("samples", "samples", self.samples),
             word("fibre", "fibre", self.fibre.as_ref()),
             word("bounces", "bounces", self.bounces),
         ];

@@ -1,6 +1,7 @@
 //! `pelage bench`: how long every pass of a package takes on this machine's adapter.
 
 use super::exit::{Exit, Failure};
+use super::look_args::SamplesArgs;
 use super::output::{Output, human_bytes};
 use super::package_file;
 use super::staged::{FurDetail, detail, stage_of};
@@ -13,11 +14,16 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Time every pass of a package on this machine's adapter
+///
+/// It draws one sample per pixel unless --samples says otherwise. Options of sequences (--fps, --auto-rotate, --turn-light) are those of `render` alone: here
+/// every frame is the next of the clip.
 #[derive(Clone, Debug, clap::Args)]
 pub struct BenchArgs {
     /// The package
     #[arg(value_name = "PKG")]
     package: PathBuf,
+    #[command(flatten)]
+    samples: SamplesArgs,
     #[command(flatten)]
     view: ViewArgs,
 }
@@ -74,7 +80,8 @@ const FRAMES: u32 = 30;
 
 /// Runs the subcommand.
 pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let view = View::new(&args.view, Look::default())?;
+    let mut view = View::new(&args.view, Look::default())?;
+    args.samples.apply(&mut view.look)?;
     let frames = match args.view.frames.map(Frames::count) {
         Some(None) => return Err(Failure::Usage("--frames: bench times so many frames, expected a number".into())),
         Some(Some(count)) => count,

@@ -21,6 +21,7 @@ pub mod exit;
 mod export;
 mod fit_sky;
 mod groom;
+#[cfg(feature = "herd")]
 mod herd;
 mod inspect;
 #[doc(hidden)]
@@ -29,6 +30,8 @@ mod limits;
 mod look_args;
 #[doc(hidden)]
 pub mod machine;
+#[cfg(feature = "manual")]
+mod manual;
 mod merge;
 #[doc(hidden)]
 pub mod mesh_glb;
@@ -73,6 +76,7 @@ use exit::{Exit, Failure};
 use output::Output;
 use pelage_bake::unfinished;
 use std::panic::{self, AssertUnwindSafe};
+use std::path::Path;
 
 #[doc(hidden)]
 pub use look_args::LABORATORY;
@@ -105,9 +109,12 @@ pub trait Commands: Subcommand {
 
 /// The command line around a subcommand.
 pub struct Invocation<'a> {
-    global: &'a Global,
+    /// The folder of what was made before.
+    #[doc(hidden)]
+    pub cache: Option<&'a Path>,
     /// Why a command line is refused, if it is.
-    refusal: fn(&[String]) -> Option<String>,
+    #[doc(hidden)]
+    pub refusal: fn(&[String]) -> Option<String>,
     /// The definition of all subcommands.
     #[doc(hidden)]
     pub definition: fn() -> clap::Command,
@@ -116,7 +123,7 @@ pub struct Invocation<'a> {
 /// Options of every subcommand.
 #[derive(Clone, Debug, Default, Args)]
 struct Global {
-    /// No progress and no notes on stderr, only errors
+    /// Print nothing but errors, and the object of --json
     #[arg(long, short, global = true)]
     quiet: bool,
     /// Print exactly one JSON object on stdout instead of text (schemas: bake/docs/schemas.json)
@@ -147,10 +154,14 @@ pub enum Command {
     Sky(fit_sky::SkyArgs),
     Compare(compare::CompareArgs),
     Doctor(doctor::DoctorArgs),
+    #[cfg(feature = "herd")]
     Herd(herd::HerdArgs),
+    #[cfg(feature = "manual")]
+    Manual(manual::ManualArgs),
 }
 
 impl Commands for Command {
+    #[cfg_attr(not(feature = "herd"), allow(unused_variables, reason = "only the herd asks how it was called"))]
     fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure> {
         match self {
             Self::Demo(args) => demo::run(args, output),
@@ -170,7 +181,10 @@ impl Commands for Command {
             Self::Sky(args) => fit_sky::run(args, output),
             Self::Compare(args) => compare::run(args, output),
             Self::Doctor(args) => doctor::run(args, output),
-            Self::Herd(args) => herd::run(args, invocation.global.errand.cache(), &invocation.refusal, output),
+            #[cfg(feature = "manual")]
+            Self::Manual(args) => manual::run(args, (invocation.definition)(), output),
+            #[cfg(feature = "herd")]
+            Self::Herd(args) => herd::run(args, invocation.cache, &invocation.refusal, output),
         }
     }
 
@@ -189,6 +203,8 @@ impl Commands for Command {
 
 /// Runs the command line of this process.
 pub fn run<C: Commands>() -> std::process::ExitCode {
+    #[cfg(target_os = "linux")]
+    spare_mesa_a_missing_variable();
     install_panic_hook();
     install_signal_handler();
     let exit = match Cli::<C>::try_parse() {
@@ -196,7 +212,7 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
             let mut output = Output::new(cli.global.quiet, cli.global.json);
             let errand = cli.command.errand();
             let definition = Cli::<C>::command;
-            let invocation = Invocation { global: &cli.global, refusal: refusal::<C>, definition };
+            let invocation = Invocation { cache: cli.global.errand.cache(), refusal: refusal::<C>, definition };
             let run = |output: &mut Output| catch(|| cli.command.run(&invocation, output));
             let result = errand::run(&cli.global.errand, errand.as_ref(), run, &mut output);
             finish(result, &mut output)
@@ -204,6 +220,26 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
         Err(error) => usage(&error),
     };
     exit.into()
+}
+
+/// Starts the process again with `XDG_RUNTIME_DIR` where it is not set: Mesa looks for a Wayland display there whenever it opens an adapter, and on
+/// servers it complains on stderr about the variable. Where that fails, Mesa complains.
+#[cfg(target_os = "linux")]
+fn spare_mesa_a_missing_variable() {
+    use std::os::unix::process::CommandExt as _;
+    const NAME: &str = "XDG_RUNTIME_DIR";
+    // A folder without displays. It is absolute, as Mesa asks for, so that this happens once.
+    const NOWHERE: &str = "/nonexistent";
+    if std::env::var_os(NAME).is_some_and(|folder| Path::new(&folder).is_absolute()) {
+        return;
+    }
+    let Ok(program) = std::env::current_exe() else { return };
+    let mut arguments = std::env::args_os();
+    let mut command = std::process::Command::new(program);
+    if let Some(name) = arguments.next() {
+        command.arg0(name);
+    }
+    let _ = command.args(arguments).env(NAME, NOWHERE).exec();
 }
 
 /// What clap found wrong and what it expected, in a line, without its advice.
@@ -218,7 +254,11 @@ fn said_in_a_line(error: &clap::Error) -> String {
 /// Where to find a subcommand that this build lacks.
 fn hint(error: &clap::Error) -> Option<&'static str> {
     match error.get(ContextKind::InvalidSubcommand) {
-        Some(ContextValue::String(name)) if name == "chart" => Some("it is part of pelage-lab: ./run chart"),
+        Some(ContextValue::String(name)) => match name.as_str() {
+            "chart" => Some("it is part of pelage-lab: ./run chart"),
+            "herd" | "view" => Some("this build leaves it out: build pelage-tool with its default features"),
+            _ => None,
+        },
         _ => None,
     }
 }

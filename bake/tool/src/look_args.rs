@@ -6,7 +6,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use pelage_bake::io::read_text;
 use pelage_import::BakeError;
 use pelage_params::Control;
-use pelage_stage::{Look, ParamError, SHORT_FORMS, ShortForm};
+use pelage_stage::{Look, ParamError, SAMPLES, SHORT_FORMS, ShortForm};
 use std::path::Path;
 
 /// Options about the look.
@@ -50,6 +50,31 @@ impl LookArgs {
     /// Whether that flag is among the options.
     pub fn has(&self, flag: &str) -> bool {
         self.flags.iter().any(|(short, _)| short.flag == flag)
+    }
+}
+
+/// The option `--samples` of the commands that draw with an adapter; `reference` has one of its own, which allows more.
+#[derive(Clone, Debug, Args)]
+pub struct SamplesArgs {
+    #[arg(
+        long,
+        value_name = SAMPLES.value_name,
+        allow_hyphen_values = true,
+        help = "Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much [default: 4, of bench 1]",
+        value_parser = parser(&SAMPLES)
+    )]
+    samples: Option<String>,
+}
+
+impl SamplesArgs {
+    /// Changes `look` as the option says.
+    ///
+    /// # Errors
+    ///
+    /// Another number than 1 or 4.
+    pub fn apply(&self, look: &mut Look) -> Result<(), Failure> {
+        let Some(word) = &self.samples else { return Ok(()) };
+        SAMPLES.apply(look, word).map_err(|error| Failure::Usage(format!("--samples: {}", error.reason)))
     }
 }
 

@@ -51,7 +51,7 @@ const DOING: &str = "{spinner} {msg} {elapsed}{left}";
 const STEPS: &str = "{bar:30} {msg} {elapsed}{left}";
 
 impl Output {
-    /// `quiet` silences notes and progress, `json` makes stdout one JSON object.
+    /// `quiet` silences everything but errors and JSON, `json` makes stdout one JSON object.
     pub fn new(quiet: bool, json: bool) -> Self {
         let steps = Arc::new(Steps::new());
         let work = Arc::new(Mutex::new(Work::new(steps.clone())));
@@ -63,11 +63,15 @@ impl Output {
         self.json
     }
 
-    /// Prints the result: `result` as JSON with `--json`, else the lines of `text`.
+    /// Prints the result: `result` as JSON with `--json`, else the lines of `text` unless quiet.
     pub fn result(&mut self, text: &str, result: &impl Serialize) -> Result<(), Failure> {
         self.end_progress();
         let json = serde_json::to_value(result).map_err(|error| BakeError::Internal(error.to_string()))?;
-        let mut bytes = if self.json { format!("{json:#}") } else { text.to_owned() };
+        let mut bytes = match (self.json, self.quiet) {
+            (true, _) => format!("{json:#}"),
+            (false, true) => String::new(),
+            (false, false) => text.to_owned(),
+        };
         // Of no lines there is none.
         if !bytes.is_empty() && !bytes.ends_with('\n') {
             bytes.push('\n');

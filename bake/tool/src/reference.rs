@@ -25,6 +25,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Trace the true picture of a package: every strand one by one, no layers, no adapter
+///
+/// It takes the options of `render` but those that say how layers are drawn (it has none) and those of sequences: one picture a run, at --time.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ReferenceArgs {
     /// The package
@@ -34,8 +36,9 @@ pub struct ReferenceArgs {
     #[arg(long, short, value_name = "PNG|EXR")]
     output: PathBuf,
     /// Samples per pixel: the error falls with their square root
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    spp: u32,
+    #[arg(long, alias = "spp", value_name = "N", default_value_t = 64,
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    samples: u32,
     /// How hair is lit: as `render` lights it, or `exact`, by light that goes from fibre to fibre. Packages with `shading.model = "marschner"` are `exact`
     /// anyway, but with `--scattering off`
     #[arg(long, value_name = "HOW", default_value = "package")]
@@ -136,7 +139,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     let grown_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let mut show = |done: u64, total: u64| output.progress_of(done as usize, total as usize, "pixels traced");
-    let portion = Portion { samples: 0..args.spp, part: args.part.unwrap_or_default() };
+    let portion = Portion { samples: 0..args.samples, part: args.part.unwrap_or_default() };
     let mut going_on = |done, total| {
         show(done, total);
         ControlFlow::Continue(())
@@ -151,7 +154,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
                 picture: args.identity(&file, &view),
                 width: picture.width,
                 height: picture.height,
-                spp: args.spp,
+                spp: args.samples,
                 part: part.number,
                 parts: part.of,
                 background: !transparent,
@@ -171,7 +174,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
 impl ReferenceArgs {
     /// Stands for everything that the picture depends on, whichever part of it is traced where.
     fn identity(&self, file: &NamedPackage<'_>, view: &View) -> String {
-        let args = (self.spp, self.fibre, self.bounces);
+        let args = (self.samples, self.fibre, self.bounces);
         Key::of_version().and(format!("{args:?} {view:?}")).and(&file.bytes).finish()
     }
 }
@@ -218,7 +221,7 @@ fn report(
         output: args.output.display().to_string(),
         width: picture.width,
         height: picture.height,
-        spp: args.spp,
+        spp: args.samples,
         strands: groom.strands,
         segments: groom.segments,
         groom: *groom,
@@ -282,6 +285,7 @@ const FAST_PATH: [(&str, bool); 9] = [
 ];
 
 /// Keys of looks that say how the fast path shall draw, and mean nothing to the truth.
+#[cfg(feature = "herd")]
 pub fn only_drawn() -> Vec<&'static str> {
     let of = |(flag, _): &(&str, bool)| SHORT_FORMS.iter().find(|short| short.flag == *flag).map(|short| short.key);
     FAST_PATH.iter().filter_map(of).collect()

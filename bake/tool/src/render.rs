@@ -3,7 +3,7 @@
 use super::errand::{ADAPTER, Errand};
 use super::exit::{Exit, Failure};
 use super::journal::Key;
-use super::look_args;
+use super::look_args::SamplesArgs;
 use super::output::Output;
 use super::package_file;
 use super::scene::{Scene, speaks_of_models};
@@ -14,7 +14,7 @@ use super::view::View;
 use super::view_args::{Frames, ViewArgs};
 use pelage_bake::traffic;
 use pelage_formats::MAGIC;
-use pelage_stage::{Cast, Gpu, Look, NamedPackage, SAMPLES, StageError};
+use pelage_stage::{Cast, Gpu, Look, NamedPackage, StageError};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -40,15 +40,8 @@ pub struct RenderArgs {
     /// Pictures per second of the clip, with --frames [default: 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     fps: Option<u32>,
-    // A flag of the look, which `render` alone has.
-    #[arg(
-        long,
-        value_name = SAMPLES.value_name,
-        allow_hyphen_values = true,
-        help = "Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much [default: 4]",
-        value_parser = look_args::parser(&SAMPLES)
-    )]
-    samples: Option<String>,
+    #[command(flatten)]
+    samples: SamplesArgs,
     /// The light goes once around the vertical axis while the pictures last, with --frames
     #[arg(long)]
     turn_light: bool,
@@ -192,9 +185,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     let look = scene.map_or_else(Look::of_picture, |scene| scene.look.clone());
     let mut view = View::new(&args.view, look)?;
-    if let Some(word) = &args.samples {
-        SAMPLES.apply(&mut view.look, word).map_err(|error| Failure::Usage(format!("--samples: {}", error.reason)))?;
-    }
+    args.samples.apply(&mut view.look)?;
     let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
     let of_scene = scene.and_then(|s| s.file.frames());
     // A picture alone is at rest; the first of several has lived through what comes before it.

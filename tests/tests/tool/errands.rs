@@ -226,7 +226,7 @@ fn pictures_and_comparisons_are_kept_as_well() {
 fn parts_of_a_truth_are_the_whole() {
     let sandbox = sandbox();
     assert_eq!(bake(&sandbox, &["-o", "m.pelage"]).code, Some(0));
-    let view = ["--size", "50x40", "--spp", "3"];
+    let view = ["--size", "50x40", "--samples", "3"];
     let trace = |out: &str, more: &[&str]| {
         let run = sandbox.run(&[&["reference", "m.pelage", "-o", out, "--quiet"], &view[..], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");

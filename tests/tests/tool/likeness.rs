@@ -47,7 +47,7 @@ fn a_ghost_of_an_outline_loses_to_hair() {
         let render = ["render", &package, "-q", "--hair", "shells", "-o", &format!("{name}.png")];
         assert_eq!(sandbox.run(&[&render, &view[..]].concat()).code, Some(0));
     }
-    let reference = ["reference", "hair.pelage", "-q", "-o", "true.png", "--spp", "16"];
+    let reference = ["reference", "hair.pelage", "-q", "-o", "true.png", "--samples", "16"];
     assert_eq!(sandbox.run(&[&reference, &view[..]].concat()).code, Some(0));
     let picture = |name: &str| sandbox.path().join(name);
     let of = |name: &str| likeness(&picture(name), &picture("true.png"), 40.0);

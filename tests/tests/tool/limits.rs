@@ -84,7 +84,7 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
         let render = ["render", "torus.pelage", "-o", "drawn.png", "--samples", "1"];
         let drawn = sandbox.run(&[&render, &words[..], &size].concat());
         assert_eq!(drawn.code, Some(0), "{drawn:?}");
-        let command = ["reference", "torus.pelage", "-o", "true.png", "--spp", "8"];
+        let command = ["reference", "torus.pelage", "-o", "true.png", "--samples", "8"];
         let traced = sandbox.run(&[&command, &words[..], &size].concat());
         assert_eq!(traced.code, Some(0), "{traced:?}");
         let compared = schema::done(&sandbox.run(&["compare", "drawn.png", "true.png", "--json"]), "compare");

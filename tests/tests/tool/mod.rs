@@ -21,6 +21,7 @@ mod limits;
 mod models;
 mod mutate;
 mod packages;
+mod quiet;
 mod reference;
 mod roots;
 mod sequences;

@@ -16,7 +16,7 @@ fn torus(settings: &[&str]) -> Sandbox {
     sandbox
 }
 
-const SMALL: [&str; 6] = ["reference", "torus.pelage", "--size", "96x64", "--spp", "8"];
+const SMALL: [&str; 6] = ["reference", "torus.pelage", "--size", "96x64", "--samples", "8"];
 
 #[test]
 fn the_picture_is_the_same_with_any_number_of_threads() {
@@ -131,7 +131,7 @@ fn what_is_wrong_is_said() {
         (&["-o", "a.png", "--shadow-map", "64"], "--shadow-map says how"),
         (&["-o", "a.exr", "--background", "1,2,3"], "--background"),
         (&["-o", "a.png", "--clip", "Walk"], "no such clip"),
-        (&["-o", "a.png", "--spp", "0"], "0 is not in"),
+        (&["-o", "a.png", "--samples", "0"], "0 is not in"),
     ] {
         let run = sandbox.run(&[&["reference", "torus.pelage"], more].concat());
         assert!(run.code == Some(1) && run.stderr.contains(word), "{more:?}: {run:?}");

@@ -64,7 +64,7 @@ fn hair_at_a_border_has_its_roots_colour() {
     };
     bake(&sandbox, "root", &["color.at_root=true", "fins.enabled=true"]);
     bake(&sandbox, "below", &["color.at_root=false", "fins.enabled=true"]);
-    done(&sandbox, &[&["reference", "root", "-o", "true.png", "--spp", "16"][..], &VIEW].concat());
+    done(&sandbox, &[&["reference", "root", "-o", "true.png", "--samples", "16"][..], &VIEW].concat());
     let truth = red(&sandbox, "true.png");
     let [root, below] = ["root", "below"].map(|package| share(package, "shells"));
     println!("red: true {truth:.3}, by the root {root:.3}, by the skin below {below:.3}");

@@ -63,7 +63,7 @@ fn a_blend_goes_from_one_clip_to_another() {
     assert!(drawn(&["--blend", "Walk:0"]) == rest && drawn(&["--blend", "Walk:1"]) == walk, "from rest");
     // The truth stands as the picture does.
     let traced = |more: &[&str]| {
-        let run = sandbox.run(&[&["reference", "-o", "true.png", "--spp", "1"], &seen[..], more].concat());
+        let run = sandbox.run(&[&["reference", "-o", "true.png", "--samples", "1"], &seen[..], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
         sandbox.read("true.png")
     };

@@ -57,7 +57,7 @@ fn a_picture_names_its_sky_by_words_and_by_files() {
     let sets = sets.map(|set| ["--set", set]).concat();
     assert_eq!(sandbox.run(&[&["bake", "torus.glb", "-o", "t.pelage"], &sets[..]].concat()).code, Some(0));
     let mean = |arguments: &[&str]| {
-        let words = ["reference", "t.pelage", "-o", "t.exr", "--size", "24x24", "--spp", "4"];
+        let words = ["reference", "t.pelage", "-o", "t.exr", "--size", "24x24", "--samples", "4"];
         let run = sandbox.run(&[&words[..], arguments].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
         let picture = image::open(sandbox.path().join("t.exr")).unwrap().into_rgba32f();
@@ -96,7 +96,7 @@ fn a_sky_is_seen_behind_and_over_a_ground() {
     let sandbox = Sandbox::new();
     sandbox.write("torus.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
     assert_eq!(sandbox.run(&["bake", "torus.glb", "-o", "t.pelage", "--set", "slice.layers=4"]).code, Some(0));
-    let words = ["reference", "t.pelage", "-o", "t.png", "--size", "32x32", "--spp", "2"];
+    let words = ["reference", "t.pelage", "-o", "t.png", "--size", "32x32", "--samples", "2"];
     let picture = |arguments: &[&str]| {
         let run = sandbox.run(&[&words[..], arguments].concat());
         assert_eq!(run.code, Some(0), "{run:?}");

@@ -22,7 +22,7 @@ fn strands_are_nearer_to_the_true_picture_than_layers() {
     };
     done(&["bake", &model, "--recipe", &recipe, "-o", "hare.pelage", "-q", "--set", "strands.enabled=true"]);
     let size = ["--size", "417x212"];
-    done(&[&["reference", "hare.pelage", "-o", "true.png", "--spp", "64"], &size[..]].concat());
+    done(&[&["reference", "hare.pelage", "-o", "true.png", "--samples", "64"], &size[..]].concat());
     let draw = |hair: &str, name: &str| {
         let how = ["--look", "picture.samples=4", "--detail", "full", "--hair", hair, "-o", name];
         done(&[&["render", "hare.pelage"], &size[..], &how].concat());
@@ -64,7 +64,7 @@ fn hair_on_guides_is_drawn_where_the_true_picture_has_it() {
         let size = ["--size", "500x400", "--camera", "0.9,0.6,1.2/0,0.22,0/30"];
         let (true_png, drawn_png, bald_png) =
             (format!("{name}_true.png"), format!("{name}.png"), format!("{name}_bald.png"));
-        done(&[&["reference", "hare.pelage", "-o", &true_png, "--spp", "48"][..], &size, when].concat());
+        done(&[&["reference", "hare.pelage", "-o", &true_png, "--samples", "48"][..], &size, when].concat());
         let samples = ["--look", "picture.samples=4"];
         done(&[&["render", "hare.pelage", "-o", &drawn_png][..], &size, &samples, when].concat());
         let against = |picture: &str| {

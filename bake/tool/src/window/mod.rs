@@ -8,7 +8,7 @@ mod workshop;
 
 use super::bake::RecipeArgs;
 use super::exit::{Exit, Failure};
-use super::look_args::LookArgs;
+use super::look_args::{LookArgs, SamplesArgs};
 use super::output::{Output, require_parent};
 use super::sky::lights_of;
 use pelage_import::BakeError;
@@ -25,6 +25,8 @@ use workshop::Studio;
 ///
 /// A model is baked in the background, and baked again when it, its images or its recipe change on disk; the picture before stays until the new one is there, and
 /// what is wrong with a file stands in the window until it is mended. H lists the keys.
+///
+/// Camera, time, clip and copies are chosen in the window, so there are no options for them; pictures and sequences are saved from there.
 #[derive(Clone, Debug, clap::Args)]
 pub struct WindowArgs {
     /// The package, the model (.glb, .gltf, .obj) or the scene (.toml); left out, the window waits for a file to be dropped into it
@@ -32,6 +34,8 @@ pub struct WindowArgs {
     input: Option<PathBuf>,
     #[command(flatten)]
     recipe: RecipeArgs,
+    #[command(flatten)]
+    samples: SamplesArgs,
     #[command(flatten)]
     look: LookArgs,
     /// Width and height of the window, pixels
@@ -53,6 +57,7 @@ pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
     let began = Instant::now();
     let mut look = Look::of_picture();
     args.look.apply(&mut look)?;
+    args.samples.apply(&mut look)?;
     look.take_lights(&mut lights_of).map_err(|reason| Failure::Usage(format!("--environment: {reason}")))?;
     if !args.save_to.is_dir() {
         return Err(Failure::Usage(format!("--save-to {}: there is no such folder", args.save_to.display())));
