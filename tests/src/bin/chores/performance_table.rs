@@ -95,23 +95,27 @@ pub fn run() -> anyhow::Result<()> {
     for (what, model, options, said) in BAKES {
         let model = format!("assets/models/{model}.glb");
         let found = run(&[&["bake", &model, "-o", &package], options].concat())?;
-        bakes.push(format!("| {what} | {} | `pelage bake {model} {}` |", said(&found), options.join(" ")));
+        bakes.push(format!(
+            "| {what} | {} | `{}` |",
+            said(&found),
+            [&["pelage bake", &model], options].concat().join(" ")
+        ));
     }
     run(&["bake", "assets/models/hare.glb", "--recipe", "assets/recipes/hare.toml", "-o", &package])?;
     let mut adapter = String::new();
     for (what, options, said) in FRAMES {
         let found = run(&[&["bench", &package], options].concat())?;
         adapter = found["adapter"].as_str().unwrap_or_default().to_owned();
-        frames.push(format!("| {what} | {} | `pelage bench hare.pelage {}` |", said(&found), options.join(" ")));
+        frames.push(format!(
+            "| {what} | {} | `{}` |",
+            said(&found),
+            [&["pelage bench hare.pelage"], options].concat().join(" ")
+        ));
     }
-    let made = format!(
-        "{adapter}, {}, commit {}",
-        printed("date", &["+%F"])?,
-        printed("git", &["rev-parse", "--short", "HEAD"])?
-    );
-    for table in [&mut frames, &mut bakes] {
-        table.extend([String::new(), format!("Measured on {made}.")]);
-    }
+    let when = format!("{}, commit {}", printed("date", &["+%F"])?, printed("git", &["rev-parse", "--short", "HEAD"])?);
+    let cores = std::thread::available_parallelism()?;
+    frames.extend([String::new(), format!("Measured on {adapter}, {cores} cores, {when}.")]);
+    bakes.extend([String::new(), format!("Measured on {cores} cores, {when}.")]);
     let path = workspace().join("runtime/docs/performance.md");
     let page = replaced(&std::fs::read_to_string(&path)?, "frames", &frames)?;
     std::fs::write(&path, replaced(&page, "bakes", &bakes)?)?;
