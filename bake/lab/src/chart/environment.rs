@@ -580,6 +580,7 @@ mod tests {
         let [one, lobes, constant] = [Form::OneLight(16, default_size()), Form::Tables(16), Form::Constant].map(of);
         assert!(lobes.error < one.error && one.error < 0.5 * constant.error, "{lobes:?} {one:?} {constant:?}");
         assert!(one.mean.abs() < 0.1, "{one:?}");
+        assert!(of(Form::Samples(256)).error < of(Form::Samples(16)).error);
         let all = configurations(1);
         assert_eq!(all.iter().filter(|configuration| configuration.is_default()).count(), 1);
         assert_eq!(cells(&all[0], "sky", &one).len(), COLUMNS.len());
