@@ -1,5 +1,5 @@
-//! `cargo bench -p pelage-formats --bench fur_motion`: what a frame of a sixtieth of a second costs on one core, of a million tips of fur in gusts. Prints
-//! least, median and greatest time of thirty frames.
+//! Benchmark `cargo bench -p pelage-formats --bench fur_motion`: cost of one frame of 1/60 s on one core, for a million
+//! fur tips in gusts. Prints minimum, median and maximum time of thirty frames.
 #![allow(clippy::disallowed_methods, reason = "a benchmark makes no package")]
 
 use glam::Vec3;

@@ -1,5 +1,6 @@
-//! `cargo bench -p pelage-formats --bench hair_motion`: what a frame of a sixtieth of a second costs on one core, of 1 000 guides that swing at a gallop among
-//! 8 colliders, by how many points each has. Prints least, median and greatest time over two seconds of motion.
+//! Benchmark `cargo bench -p pelage-formats --bench hair_motion`: cost of one frame of 1/60 s on one core, for 1 000
+//! guides at a gallop among 8 colliders, by number of points per guide. Prints minimum, median and maximum time over
+//! two seconds of motion.
 #![allow(clippy::disallowed_methods, reason = "a benchmark makes no package")]
 
 use glam::{Mat3, Vec3};

@@ -1,6 +1,6 @@
-//! `cargo bench -p pelage-formats`: how long opening a 50 MiB package takes, which reads header, table and manifest only, and
-//! the first use of its textures, which verifies their checksums. Prints least, median and greatest time, and fails above
-//! the figure that the project promises.
+//! Benchmark `cargo bench -p pelage-formats`: time to open a 50 MiB package, which reads only header, table and
+//! manifest, and time of the first texture access, which verifies checksums. Prints minimum, median and maximum time;
+//! fails above the figure that the project promises.
 #![allow(clippy::unwrap_used, reason = "in a benchmark a panic is the report")]
 
 #[path = "../tests/formats/common/mod.rs"]
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 const PROMISED: Duration = Duration::from_millis(2);
 
 fn main() {
-    // A real layout: shell colour and direction of 1024 x 1024 in 6 layers, base colour of 512 x 512, all with mips.
+    // Realistic layout: shell colour and direction of 1024 x 1024 in 6 layers, base colour of 512 x 512, all with mips.
     let manifest = Manifest {
         fur: FurInfo { layers: 6, tile_texels: 1024, ..common::sample_manifest_v1().fur },
         ..common::sample_manifest_v1()

@@ -1,6 +1,6 @@
-//! The checksum of sections and of the package's head.
+//! Checksum of sections and of the package header.
 
-/// CRC-32 as PNG and zlib have it, of parts one after another.
+/// CRC-32 of the concatenated parts, as in PNG and zlib.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn crc32(parts: &[&[u8]]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
@@ -11,7 +11,7 @@ pub(crate) fn crc32(parts: &[&[u8]]) -> u32 {
 #[cfg(target_arch = "wasm32")]
 pub(crate) use by_one_table as crc32;
 
-/// The same for a page, which loads the tables of a checksum before it computes any.
+/// CRC-32 with a single table, which keeps the download small on WebAssembly.
 #[cfg(any(test, target_arch = "wasm32"))]
 pub(crate) fn by_one_table(parts: &[&[u8]]) -> u32 {
     static CRC: crc::Crc<u32, crc::Table<1>> = crc::Crc::<u32, crc::Table<1>>::new(&crc::CRC_32_ISO_HDLC);

@@ -1,39 +1,41 @@
-//! Header and section table: the outermost shell of the file. Byte positions are those of `FORMAT.md`.
+//! Header and section table of the file. Byte positions are those of `FORMAT.md`.
 
 use crate::checksum::crc32;
 use crate::error::FormatError;
 use crate::limits::Limits;
 use crate::tag::Tag;
 
-/// The first eight bytes of every package. The high bit, and the line feed at the end, make damage by text-mode transfer visible.
+/// First eight bytes of every package. The high bit and the line feed at the end make damage by text-mode transfer
+/// visible.
 pub const MAGIC: [u8; 8] = *b"\x89PELAGE\n";
-/// The version of the format that this crate writes, and the newest it reads. It reads, and on request writes, all older ones.
+/// Version of the format that this crate writes, and the newest that it reads. All older versions can be read and, on
+/// request, written.
 pub const FORMAT_VERSION: u32 = 3;
 
-/// Bytes of the fixed header.
+/// Size of the fixed header, bytes.
 pub(crate) const HEADER_BYTES: usize = 32;
 /// End of magic and version, the part of the header that is the same in every version.
 const VERSION_END: usize = 12;
-/// Bytes of one entry of the table.
+/// Size of a table entry, bytes.
 pub(crate) const ENTRY_BYTES: usize = 32;
-/// Every section begins at a multiple of this, so that vertex data can be mapped and uploaded in place.
+/// Alignment of sections, bytes, so that vertex data can be mapped and uploaded in place.
 pub(crate) const ALIGNMENT: u64 = 16;
 
-/// One entry of the section table.
+/// Entry of the section table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Section {
-    /// What the section is.
+    /// Kind of section.
     pub tag: Tag,
-    /// First byte, from the start of the package; a multiple of 16.
+    /// Start of the section, bytes from the start of the package; a multiple of 16.
     pub offset: u64,
-    /// Bytes, without the padding that follows.
+    /// Length in bytes, without the padding that follows.
     pub length: u64,
     /// CRC-32 (ISO-HDLC, as in zlib and PNG) of the section's bytes.
     pub checksum: u32,
 }
 
 impl Section {
-    /// Fails where it has more than `limit` bytes; `what` is the name of its length.
+    /// Fails if the section has more than `limit` bytes. `what` is the name of its length.
     pub(crate) fn check_length(&self, what: &'static str, limit: u64) -> Result<(), FormatError> {
         if self.length > limit {
             let (tag, offset, found) = (self.tag, self.offset, self.length);
@@ -76,22 +78,24 @@ fn expect_field(what: &'static str, offset: usize, found: u64, expected: u64) ->
     Ok(())
 }
 
-/// Reads and checks header and table, and returns version and sections: magic, version, length, checksum, reserved fields, and that the sections lie one
-/// after the other, aligned, with zero padding between them and nothing behind the last.
+/// Reads and checks header and table, and returns version and sections.
 ///
-/// The layout is canonical, one byte string for one list of sections: that is what makes unpack–pack the identity and leaves no
-/// byte of the file unchecked.
+/// Checks magic, version, length, checksum and reserved fields. Sections must be consecutive and aligned, with zero
+/// padding between them and nothing after the last.
+///
+/// The layout is canonical: a list of sections has exactly one byte string. So unpacking and packing again gives
+/// identical bytes, and no byte of the file is unchecked.
 pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<(u32, Vec<Section>), FormatError> {
     if !bytes.starts_with(&MAGIC) {
-        // A prefix of the magic is a truncated package; anything else is some other file.
+        // A prefix of the magic is a truncated package; anything else is a different kind of file.
         if !bytes.is_empty() && MAGIC.starts_with(bytes) {
             require(bytes, Tag::HEAD, "header", 0, HEADER_BYTES as u64)?;
         }
         let found = bytes[..bytes.len().min(8)].to_vec();
         return Err(FormatError::Magic { found, expected: MAGIC });
     }
-    // Magic and version are the only fields whose place no later version may change, so the version is judged before anything
-    // else is required of the file: a newer package must never be taken for a damaged one.
+    // Magic and version are the only fields whose position is fixed for all versions, so the version is checked first:
+    // a newer package must never be reported as damaged.
     if let Some(version) = bytes.get(8..VERSION_END).map(|field| u32_at(field, 0)).filter(|v| *v > FORMAT_VERSION) {
         return Err(FormatError::Version { found: version, supported: FORMAT_VERSION });
     }
@@ -152,8 +156,8 @@ pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<(u32, Vec<Sect
     }
 }
 
-/// Fails unless the bytes from `from` up to `to` are there and zero. An empty section may begin past the end of a file that is
-/// cut inside the padding before it, so presence is checked here and not left to the section.
+/// Fails unless the bytes from `from` up to `to` exist and are zero. An empty section may begin past the end of a file
+/// truncated inside the padding before it. So presence is checked here, not in the section.
 fn expect_zero_padding(bytes: &[u8], from: u64, to: u64) -> Result<(), FormatError> {
     require(bytes, Tag::HEAD, "padding", from, to - from)?;
     match (from..).zip(&bytes[from as usize..to as usize]).find(|(_, byte)| **byte != 0) {
@@ -162,12 +166,12 @@ fn expect_zero_padding(bytes: &[u8], from: u64, to: u64) -> Result<(), FormatErr
     }
 }
 
-/// CRC-32 of header and table with the checksum field itself left out.
+/// CRC-32 of header and table without the checksum field.
 fn head_checksum(head: &[u8]) -> u32 {
     crc32(&[&head[..24], &head[28..]])
 }
 
-/// Lays out header, table and sections. The inverse of [`read_table`].
+/// Writes header, table and sections. Inverse of [`read_table`].
 pub(crate) fn write(version: u32, sections: &[(Tag, impl AsRef<[u8]>)]) -> Vec<u8> {
     let head_bytes = (HEADER_BYTES + sections.len() * ENTRY_BYTES) as u64;
     let mut out = Vec::new();

@@ -1,4 +1,4 @@
-//! bincode as the package uses it: little-endian, fixed-width integers, so that the layout can be stated in one table.
+//! Bincode configuration of packages: little-endian, fixed-width integers, so that one table can specify the layout.
 
 use crate::error::FormatError;
 use crate::tag::Tag;
@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 const CONFIG: Configuration<LittleEndian, Fixint> =
     bincode::config::standard().with_little_endian().with_fixed_int_encoding();
 
-/// Reads from a section and knows how far it has come, so that an error can say where it happened.
+/// Reader of a section that tracks its position for error messages.
 struct SectionReader<'a> {
     bytes: &'a [u8],
     position: usize,
@@ -39,13 +39,14 @@ impl Reader for SectionReader<'_> {
     }
 }
 
-/// Decodes a bincode section to its last byte. `offset` is where `bytes` begins in the package.
+/// Decodes a bincode section to its last byte. `offset` is the position of `bytes` in the package.
 ///
-/// Memory stays in proportion to `bytes`, which the caller has bounded by [`crate::Limits`]: serde reserves at most 1 MiB for
-/// a list ahead of the elements that it has read, and bincode's own limit, without which it would allocate whatever length a
-/// string states, is set to the next of a few steps above the section's size, 1 MiB at least. (bincode takes it as a constant,
-/// and each would be a decoder of its own, which a page loads: one takes the largest, and what is above the step is claimed
-/// before anything is read.)
+/// Memory stays proportional to `bytes`, which the caller has bounded by [`crate::Limits`]. Serde reserves at most 1
+/// MiB for a list ahead of the elements already read. Bincode would allocate whatever length a string states, so its
+/// limit is set to the smallest step (at least 1 MiB) that covers the section.
+///
+/// Bincode's limit is a constant, and each value would instantiate another decoder, which enlarges the WebAssembly
+/// download. So a single decoder has the largest limit, and the excess over the step is claimed before reading.
 pub(crate) fn decode_section<T: DeserializeOwned>(tag: Tag, offset: u64, bytes: &[u8]) -> Result<T, FormatError> {
     const MOST: usize = 0x1000_0000;
     let step = [0x10_0000, 0x100_0000, MOST].into_iter().find(|step| bytes.len() <= *step);
@@ -83,7 +84,7 @@ fn in_words(error: &DecodeError) -> String {
         DecodeError::Utf8 { inner } => format!("a string is not UTF-8: {inner}"),
         DecodeError::OtherString(reason) => reason.clone(),
         DecodeError::Other(reason) => (*reason).into(),
-        // Their own text would bring a page the texts of all errors that there are.
+        // Bincode's own messages would pull the text of all its errors into the WebAssembly download.
         _ => "bytes that are no value of this kind".into(),
     }
 }

@@ -1,6 +1,6 @@
 use crate::tag::Tag;
 
-/// What is wrong with a package, where in the file, what was found and what was expected.
+/// Error in a package: its location in the file, what was found and what was expected.
 ///
 /// Offsets are bytes from the start of the package.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -14,100 +14,100 @@ pub enum FormatError {
         /// [`crate::MAGIC`].
         expected: [u8; 8],
     },
-    /// The package was written in a newer version of the format than this reader knows.
+    /// The package has a newer format version than this reader supports.
     #[error(
         "package version {found} at byte 8 is newer than this reader: expected version {supported}; update pelage, or bake the package again"
     )]
     Version {
         /// Version in the file.
         found: u32,
-        /// The newest version this reader knows.
+        /// Newest version that this reader supports.
         supported: u32,
     },
-    /// The input ends before the named thing is complete.
+    /// The input ends before the named item is complete.
     #[error("package is cut short: {what} ({tag}) at byte {offset} needs {needed} bytes, {available} are left")]
     Truncated {
-        /// The section that is cut; `head` for header, table and padding.
+        /// Truncated section; `head` for header, table and padding.
         tag: Tag,
-        /// What was being read.
+        /// Name of the item being read.
         what: &'static str,
-        /// Where it begins.
+        /// Start of the item.
         offset: u64,
-        /// Its size in bytes.
+        /// Size of the item, bytes.
         needed: u64,
         /// Bytes between `offset` and the end of the input.
         available: u64,
     },
-    /// The input goes on after the end that its header states.
+    /// The input continues after the end stated in its header.
     #[error("{count} trailing bytes at byte {offset}: expected the package to end there")]
     TrailingBytes {
-        /// Where the package should end.
+        /// Expected end of the package.
         offset: u64,
-        /// How many bytes follow.
+        /// Number of bytes that follow.
         count: u64,
     },
-    /// A field that must hold one fixed or derived value holds another.
+    /// A field with one fixed or derived legal value holds a different one.
     #[error("{what} at byte {offset} is {found}, expected {expected}")]
     Field {
-        /// Name of the field as in `FORMAT.md`.
+        /// Name of the field, as in `FORMAT.md`.
         what: &'static str,
-        /// Where it stands.
+        /// Position of the field.
         offset: u64,
-        /// Its value.
+        /// Value found.
         found: u64,
-        /// What it must be.
+        /// Value expected.
         expected: String,
     },
-    /// A number in the file is above the reader's [`crate::Limits`].
+    /// A number in the file exceeds the reader's [`crate::Limits`].
     #[error("section {tag}: {what} at byte {offset} is {found}, above the reader's limit of {limit}")]
     Limit {
-        /// Which section; `head` for header and table.
+        /// Section; `head` for header and table.
         tag: Tag,
         /// Name of the field.
         what: &'static str,
-        /// Where it stands.
+        /// Position of the field.
         offset: u64,
-        /// Its value.
+        /// Value found.
         found: u64,
-        /// The limit.
+        /// Limit.
         limit: u64,
     },
     /// The bytes of a section do not match the checksum in the table.
     #[error("section {tag} at byte {offset} is damaged: CRC-32 {found:#010x}, the table says {expected:#010x}")]
     Checksum {
-        /// Which section; `head` for header and table.
+        /// Section; `head` for header and table.
         tag: Tag,
-        /// Where the section begins.
+        /// Start of the section.
         offset: u64,
         /// CRC-32 of the bytes.
         found: u32,
         /// CRC-32 in the table.
         expected: u32,
     },
-    /// A section that the format requires, or that the manifest names, is not there.
+    /// A section is missing that the format requires or the manifest names.
     #[error("section {tag} number {index} is missing: {reason}")]
     MissingSection {
-        /// Which section.
+        /// Missing section.
         tag: Tag,
-        /// The how-manieth of its tag, from 0.
+        /// Index among the sections with this tag, from 0.
         index: u32,
-        /// Who needs it.
+        /// Reason why the section is needed.
         reason: String,
     },
     /// The contents of a section are well-formed bytes but not a valid value.
     #[error("section {tag} at byte {offset}: {reason}")]
     Content {
-        /// Which section.
+        /// Section.
         tag: Tag,
-        /// Where the section, or the faulty part of it, begins.
+        /// Start of the section or of its faulty part.
         offset: u64,
-        /// What was found and what was expected.
+        /// Description of what was found and what was expected.
         reason: String,
     },
 }
 
 impl FormatError {
-    /// The byte offset the error points at, where it has one.
+    /// Returns the byte offset of the error, if it has one.
     pub fn offset(&self) -> Option<u64> {
         match self {
             Self::Magic { .. } => Some(0),
@@ -122,9 +122,9 @@ impl FormatError {
         }
     }
 
-    /// The section the error is about; [`Tag::HEAD`] for header, table, padding and the length of the whole.
+    /// Returns the section of the error; [`Tag::HEAD`] for header, table, padding and the length of the whole file.
     ///
-    /// Every error of this version names one; the `Option` leaves room for those that cannot.
+    /// Every error of this version names a section; the `Option` is reserved for errors that cannot.
     pub fn section(&self) -> Option<Tag> {
         Some(match self {
             Self::Magic { .. } | Self::Version { .. } | Self::TrailingBytes { .. } | Self::Field { .. } => Tag::HEAD,

@@ -1,9 +1,9 @@
-//! The `.pelage` package: the one place where the file is defined.
+//! Reader and writer of `.pelage` packages, and the definition of the format.
 //!
-//! A package is a checksummed table of sections (see `formats/FORMAT.md`, from which a reader can be written in any language).
-//! [`Package::open`] borrows from the caller's bytes: header, table and manifest are read and checked, vertex, index and
-//! texture data are handed out as slices of the input. A section is checked when it is first used, once for each opened
-//! package: its checksum and its contents.
+//! A package is a checksummed table of sections; `formats/FORMAT.md` specifies it for readers in any language.
+//! [`Package::open`] borrows the caller's bytes. Header, table and manifest are read and checked; vertex, index and
+//! texture data are returned as slices of the input. The checksum and contents of a section are checked on first use,
+//! once for each opened package.
 //!
 //! ```
 //! use pelage_formats::{Limits, Manifest, Package, PackageWriter};
@@ -15,21 +15,22 @@
 //!
 //! # Trust
 //!
-//! No input makes this crate panic, and memory stays in proportion to the input and [`Limits`]: counts and lengths in the file
-//! are compared with the bytes that are really there before anything is allocated. Every byte of a package is covered: by
-//! a field with one legal value, by the checksum of header and table, by a section's checksum, or by being zero padding.
-//! [`Package::validate`] looks at all of them. A checksum finds damage, not malice, so contents are checked as well:
-//! indices, counts, ranges, and that numbers are finite.
+//! No input makes this crate panic, and memory stays proportional to the input and [`Limits`]: counts and lengths in
+//! the file are compared with the bytes actually present before anything is allocated.
+//!
+//! Every byte of a package is covered: by a field with one legal value, by the checksum of header and table, by a
+//! section's checksum, or by being zero padding. [`Package::validate`] checks all of them. A checksum detects damage,
+//! not malice, so contents are checked as well: indices, counts, ranges, and that numbers are finite.
 //!
 //! # Errors
 //!
-//! [`FormatError`] says which section, at which byte of the package, what was found and what was expected.
+//! [`FormatError`] gives the section, the byte offset in the package, what was found and what was expected.
 //!
-//! This crate knows no GPU, no thread and no file system.
+//! This crate uses no GPU, no threads and no file system.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
 
-// Vertex data is handed out as it lies in the file, which is little-endian.
+// Vertex data is returned as stored in the file, which is little-endian.
 #[cfg(target_endian = "big")]
 compile_error!("pelage-formats needs a little-endian target: packages hold vertex data that is uploaded in place");
 

@@ -1,27 +1,28 @@
-/// Upper bounds on what a reader accepts, so that a damaged or hostile file cannot make it allocate without measure.
+/// Upper bounds on the input of a reader, so that a damaged or hostile file cannot cause unbounded allocation.
 ///
 /// The defaults are far above what [`pelage bake`] writes and far below what harms a machine.
 ///
 /// [`pelage bake`]: https://docs.rs/pelage-bake
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Sections in the table (default 4 096).
+    /// Maximum number of sections in the table (default 4 096).
     pub sections: u32,
-    /// Bytes of the manifest section (default 16 MiB, at most 256 MiB); also bounds every string and list inside it.
+    /// Maximum size of the manifest section, bytes (default 16 MiB, at most 256 MiB); also bounds every string and list
+    /// inside it.
     pub manifest_bytes: u64,
-    /// Bytes of the animation section (default 256 MiB, which is also the most).
+    /// Maximum size of the animation section, bytes (default 256 MiB, which is also the largest allowed).
     pub animation_bytes: u64,
-    /// Vertices of the mesh (default 16 777 216).
+    /// Maximum number of mesh vertices (default 16 777 216).
     pub vertices: u32,
-    /// Indices of the mesh (default 100 663 296).
+    /// Maximum number of mesh indices (default 100 663 296).
     pub indices: u32,
-    /// Fins (default 50 331 648).
+    /// Maximum number of fins (default 50 331 648).
     pub fins: u32,
-    /// Strands of the tile, and hairs on guides (default 16 777 216).
+    /// Maximum number of strands of the tile, and of guided hairs (default 16 777 216).
     pub strands: u32,
-    /// Width and height of a texture, texels (default 16 384).
+    /// Maximum width and height of a texture, texels (default 16 384).
     pub texture_size: u32,
-    /// Array layers of a texture (default 2 048).
+    /// Maximum number of array layers of a texture (default 2 048).
     pub texture_layers: u32,
 }
 
@@ -42,7 +43,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// No bounds: for what was just written, whose size is its writer's business.
+    /// No limits; for data just written, whose size the writer is responsible for.
     pub(crate) const NONE: Self = Self {
         sections: u32::MAX,
         manifest_bytes: u64::MAX,

@@ -1,5 +1,5 @@
-//! An opened package: its bytes, its table, its manifest, and what is kept of its sections. What a section means stands in
-//! [`crate::sections`]; how a package is opened and validated, in [`crate::whole`].
+//! Opened package: bytes, table, manifest, and cached section contents. [`crate::sections`] defines the sections;
+//! [`crate::whole`] opens and validates packages.
 
 use crate::checksum::crc32;
 use crate::container::Section;
@@ -12,33 +12,33 @@ use std::fmt;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// An opened package, borrowing from the bytes it was opened from.
+/// Opened package, which borrows the bytes it was opened from.
 ///
-/// A section is checked when it is first asked for, once for each opened package; what came of it, the value or the fault, is
-/// kept, and later calls return that.
+/// A section is checked on first access, once for each opened package. The result, value or error, is cached for later
+/// calls.
 pub struct Package<'a> {
     bytes: &'a [u8],
     limits: Limits,
     version: u32,
     sections: Vec<Section>,
-    /// One for each section.
+    /// Cache, one slot for each section.
     slots: Vec<Slot>,
     manifest: Manifest,
 }
 
-/// What is known of a section besides its entry of the table.
+/// State of a section besides its table entry.
 struct Slot {
-    /// Whether the package's version defines its tag; else it is one of the sections that are kept unread.
+    /// Whether the package's version defines its tag. Sections of unknown tags are kept unread.
     defined: bool,
-    /// Whether its checksum was found right. Relaxed is enough: verifying twice is harmless.
+    /// Whether its checksum has been verified. Relaxed ordering suffices: verifying twice is harmless.
     verified: AtomicBool,
-    /// A `Result<T, FormatError>`, where T is what the section's own file keeps of it. The type is erased, so that this file need
-    /// not name the sections.
+    /// Cached `Result<T, FormatError>`, with a T of the section's own module. The type is erased, so that this module
+    /// need not name the sections.
     kept: OnceLock<Box<dyn Any + Send + Sync>>,
 }
 
 impl fmt::Debug for Package<'_> {
-    /// Says what is in the package, not its megabytes.
+    /// Formats a summary of the contents.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut out = f.debug_struct("Package");
         out.field("version", &self.version).field("bytes", &self.bytes.len());
@@ -48,7 +48,8 @@ impl fmt::Debug for Package<'_> {
 }
 
 impl<'a> Package<'a> {
-    /// A package whose table is read, with a manifest still to come. `defined` says whether its version defines a tag.
+    /// Creates a package from its section table, without a manifest yet. `defined` tells whether the version defines a
+    /// tag.
     pub(crate) fn new(
         bytes: &'a [u8],
         limits: &Limits,
@@ -62,37 +63,37 @@ impl<'a> Package<'a> {
         Self { bytes, limits: limits.clone(), version, sections, slots, manifest: Manifest::default() }
     }
 
-    /// The same package with its manifest.
+    /// Returns the package with its manifest set.
     pub(crate) fn with_manifest(self, manifest: Manifest) -> Self {
         Self { manifest, ..self }
     }
 
-    /// Version of the format the package was written in.
+    /// Returns the format version that the package was written in.
     pub fn version(&self) -> u32 {
         self.version
     }
 
-    /// The bytes the package was opened from.
+    /// Returns the bytes that the package was opened from.
     pub fn bytes(&self) -> &'a [u8] {
         self.bytes
     }
 
-    /// The manifest.
+    /// Returns the manifest.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// The section table, in file order.
+    /// Returns the section table, in file order.
     pub fn sections(&self) -> &[Section] {
         &self.sections
     }
 
-    /// What the reader accepts.
+    /// Returns the reader's limits.
     pub(crate) fn limits(&self) -> &Limits {
         &self.limits
     }
 
-    /// Bytes of section number `index` of the table; verifies its checksum the first time.
+    /// Returns the bytes of section `index` of the table; verifies its checksum on first access.
     pub fn section_bytes(&self, index: usize) -> Result<&'a [u8], FormatError> {
         let section = self.sections.get(index).ok_or_else(|| FormatError::MissingSection {
             tag: Tag::HEAD,
@@ -112,23 +113,23 @@ impl<'a> Package<'a> {
         Ok(data)
     }
 
-    /// Number in the table and entry of the `nth` section of a tag, counted from 0; `None` also where the package's version does
-    /// not define the tag.
+    /// Returns table index and entry of the `nth` section of a tag, counted from 0; `None` also if the package's
+    /// version does not define the tag.
     pub(crate) fn find(&self, tag: Tag, nth: usize) -> Option<(usize, Section)> {
         let of_tag = |(index, section): &(usize, Section)| section.tag == tag && self.slots[*index].defined;
         self.sections.iter().copied().enumerate().filter(of_tag).nth(nth)
     }
 
-    /// What `read` makes of section number `index` of the table: made once, then kept.
+    /// Returns the result of `read` for section `index` of the table; computed once, then cached.
     ///
-    /// `read` may ask for other sections, but none of them, however far on, may ask for this one.
+    /// `read` may access other sections, but none of them may access this one, directly or indirectly.
     pub(crate) fn keep<T>(&self, index: usize, read: impl Fn() -> Result<T, FormatError>) -> Result<T, FormatError>
     where
         T: Clone + Send + Sync + 'static,
     {
         let Some(slot) = self.slots.get(index) else { return read() };
         let kept = slot.kept.get_or_init(|| Box::new(read()));
-        // A slot holds one type: a section is read by its own file alone.
+        // A slot holds a single type: a section is read only by its own module.
         kept.downcast_ref::<Result<T, FormatError>>().cloned().unwrap_or_else(read)
     }
 }

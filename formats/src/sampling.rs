@@ -1,38 +1,40 @@
-//! What the `ANIM` section means: clip and time to joint matrices. Bake (rest state) and runtime (every frame) share it.
+//! Sampling of the `ANIM` section: clip and time to joint matrices. Used by bake (rest state) and runtime (every
+//! frame).
 
 use crate::sections::animation::{Animation, Channel, Interpolation, MorphChannel, Property};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
-/// Joint matrices of one moment. Keep it between frames: its buffers are reused.
+/// Joint matrices at one time. Keep a `Pose` between frames to reuse its buffers.
 #[derive(Clone, Debug, Default)]
 pub struct Pose {
-    /// Mesh space to world space, one per joint.
+    /// Transforms from mesh space to world space, one per joint.
     pub joints: Vec<Mat4>,
-    /// Node to world, one per node.
+    /// Transforms from node to world space, one per node.
     pub nodes: Vec<Mat4>,
-    /// How far the weight of each morph target is from where it rests, one per target.
+    /// Difference of each morph target's weight from its value at rest, one per target.
     pub shifts: Vec<f32>,
 }
 
 impl Pose {
-    /// Poses the skeleton at `time_s` of clip number `clip`, or at rest for `None` or a clip that does not exist.
+    /// Poses the skeleton at `time_s` of clip number `clip`; at rest for `None` or a clip that does not exist.
     ///
-    /// Times before the first and after the last key hold that key's value, and a NaN time counts as before the first; looping
-    /// is the caller's choice.
+    /// Times before the first and after the last key use that key's value, and a NaN time counts as before the first.
+    /// Looping is up to the caller.
     ///
-    /// Never panics and never gives NaN, whatever the animation: a channel whose counts do not fit leaves the node at rest, a
-    /// rotation without direction (0, 0, 0, 0) is no rotation, and a matrix whose numbers overflow f32 is the identity.
+    /// Never panics and never gives NaN, whatever the animation. A channel with inconsistent counts leaves the node at
+    /// rest. A rotation without direction (0, 0, 0, 0) and a matrix that overflows f32 become the identity.
     pub fn sample(&mut self, animation: &Animation, clip: Option<usize>, time_s: f32) {
         self.place(animation, locals(animation, clip, time_s));
         self.shifts = shifts(animation, clip, time_s);
     }
 
-    /// Poses the skeleton by several moments, of one clip or of more, one after another: each goes over, by its share, from what those before it come to.
-    /// None at all is the pose at rest. So a character goes from one motion into the next, and into a third before it has arrived.
+    /// Poses the skeleton by several layers, of one clip or several, applied in order: each blends over the result of
+    /// the layers before it, by its share. Without layers the pose is at rest. So a character can blend from one motion
+    /// into the next, and into a third before the second is fully reached.
     ///
-    /// Nodes go straight from one place and scale to the other and turn the shorter way, each about its parent, so that limbs keep their lengths;
-    /// weights of morph targets go straight.
-    /// Else as [`Self::sample`].
+    /// Translations and scales are interpolated linearly. Rotations take the shorter arc, each about the node's parent,
+    /// so that limbs keep their lengths. Weights of morph targets are interpolated linearly. Otherwise as
+    /// [`Self::sample`].
     pub fn blend(&mut self, animation: &Animation, layers: &[ClipLayer]) {
         let mut all = locals(animation, None, 0.0);
         self.shifts = shifts(animation, None, 0.0);
@@ -48,8 +50,8 @@ impl Pose {
         self.place(animation, all);
     }
 
-    /// Puts morph targets at weights of the caller's; the others stay where they are. What there is no such target for is left out, and a weight that is
-    /// not finite is that at rest.
+    /// Sets the weights of some morph targets; the others keep theirs. Targets that do not exist are ignored, and a
+    /// weight that is not finite becomes that at rest.
     pub fn morph(&mut self, animation: &Animation, weights: &[(usize, f32)]) {
         let targets = &animation.morphs.targets;
         self.shifts.resize(targets.len(), 0.0);
@@ -79,18 +81,18 @@ impl Pose {
     }
 }
 
-/// A moment of a clip, and how far a pose goes over to it.
+/// Time in a clip, and its share in a blended pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipLayer {
-    /// Index of the clip; `None`, or one that does not exist, is the pose at rest.
+    /// Index of the clip; the pose at rest for `None` or a clip that does not exist.
     pub clip: Option<usize>,
-    /// Seconds.
+    /// Time in the clip, seconds.
     pub time_s: f32,
-    /// Of it, 0..=1, the rest is of what the layers before it come to; outside and for NaN the nearest of these, 0.
+    /// Share of this layer, 0..=1; the rest comes from the layers before it. Clamped; NaN counts as 0.
     pub share: f32,
 }
 
-/// Where a node is in its parent's space.
+/// Transform of a node in its parent's space.
 struct Local {
     translation: Vec3,
     rotation: Quat,
@@ -100,7 +102,7 @@ struct Local {
 impl Local {
     fn go_over(&mut self, other: Self, share: f32) {
         if share >= 1.0 {
-            // Exactly, whatever was before.
+            // Exact, whatever the value before.
             *self = other;
             return;
         }
@@ -113,7 +115,7 @@ impl Local {
     }
 }
 
-/// One per node.
+/// Returns the local transforms, one per node.
 fn locals(animation: &Animation, clip: Option<usize>, time_s: f32) -> Vec<Local> {
     let at_rest = animation.nodes.iter().map(|node| Local {
         translation: node.translation.into(),
@@ -138,8 +140,8 @@ fn finite_or_identity(matrix: Mat4) -> Mat4 {
     if matrix.is_finite() { matrix } else { Mat4::IDENTITY }
 }
 
-/// A zero quaternion (from cubic keys that cross the origin, or a broken file) has no direction: no rotation then. Dividing by
-/// the largest component first keeps the squares of very short and very long ones in range.
+/// Returns the unit quaternion. A zero quaternion (from cubic keys that cross the origin, or a damaged file) becomes
+/// the identity. Dividing by the largest component first keeps the squares of very short and very long ones in range.
 fn normalize_or_identity(q: Quat) -> Quat {
     let largest = q.x.abs().max(q.y.abs()).max(q.z.abs()).max(q.w.abs());
     if q.is_finite() && largest >= f32::MIN_POSITIVE {
@@ -149,7 +151,7 @@ fn normalize_or_identity(q: Quat) -> Quat {
     }
 }
 
-/// The channel's value, in as many components as its property has; `None` where its counts do not fit.
+/// Returns the channel's value, with as many components as its property has; `None` if its counts are inconsistent.
 fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
     let n = channel.property.components();
     if channel.expected_values() != Some(channel.values.len()) {
@@ -174,7 +176,7 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
         Interpolation::Step => key(before),
         Interpolation::Linear if rotation => {
             let (a, b) = (Quat::from_vec4(key(before)), Quat::from_vec4(key(next)));
-            // glam's slerp takes the shorter arc, as glTF asks.
+            // glam's slerp takes the shorter arc, as glTF requires.
             #[expect(clippy::disallowed_methods, reason = "a pose is drawn, no package keeps it")]
             let turned = normalize_or_identity(a).slerp(normalize_or_identity(b), t);
             turned.into()
@@ -187,7 +189,7 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
     })
 }
 
-/// How far the weight of each target is from where it rests.
+/// Returns the difference of each target's weight from its value at rest.
 fn shifts(animation: &Animation, clip: Option<usize>, time_s: f32) -> Vec<f32> {
     let motion = &animation.morphs;
     let mut shifts = vec![0.0; motion.targets.len()];
@@ -202,7 +204,7 @@ fn shifts(animation: &Animation, clip: Option<usize>, time_s: f32) -> Vec<f32> {
     shifts
 }
 
-/// The weight of the channel's target number `k`; `None` where its counts do not fit.
+/// Returns the weight of the channel's target number `k`; `None` if its counts are inconsistent.
 fn sample_weight(channel: &MorphChannel, k: usize, time_s: f32) -> Option<f32> {
     if channel.times.is_empty() || channel.expected_values() != Some(channel.values.len()) {
         return None;
@@ -226,29 +228,29 @@ fn sample_weight(channel: &MorphChannel, k: usize, time_s: f32) -> Option<f32> {
     })
 }
 
-/// Where a time lies among keys.
+/// Position of a time among keys.
 enum Moment {
-    /// Before the first, at the last or after it: it holds.
+    /// Before the first key, or at or after the last: the key's value holds.
     Key(usize),
-    /// Past a key by `t`, 0..1, of the way to the next, which takes `span_s` seconds.
+    /// Between a key and the next, `span_s` seconds later, at the fraction `t`, 0..1.
     Between { before: usize, t: f32, span_s: f32 },
 }
 
-/// `times`, at least one, rise.
+/// Returns the position of a time among `times`, which are ascending and not empty.
 fn moment(times: &[f32], time_s: f32) -> Moment {
     let next = times.partition_point(|t| *t <= time_s);
     if next == 0 || next == times.len() {
         return Moment::Key(next.saturating_sub(1));
     }
     let before = next - 1;
-    // In f64, where the distance of any two f32 is finite and not zero.
+    // In f64, where the difference of two distinct f32 is finite and not zero.
     let span = f64::from(times[next]) - f64::from(times[before]);
     let t = ((f64::from(time_s) - f64::from(times[before])) / span) as f32;
     Moment::Between { before, t, span_s: span as f32 }
 }
 
-/// Factors of a key's value, its out-tangent, the next key's value and its in-tangent, `t` of the way between them (glTF 2.0, appendix C.5: cubic Hermite
-/// with tangents scaled by the key distance).
+/// Returns the factors of a key's value, its out-tangent, the next key's value and its in-tangent, at fraction `t`
+/// between them (glTF 2.0, appendix C.5: cubic Hermite with tangents scaled by the key distance).
 fn hermite(t: f32, span_s: f32) -> [f32; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [2.0 * t3 - 3.0 * t2 + 1.0, (t3 - 2.0 * t2 + t) * span_s, 3.0 * t2 - 2.0 * t3, (t3 - t2) * span_s]

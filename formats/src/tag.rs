@@ -1,13 +1,13 @@
-//! The four bytes that say what a section is.
+//! Four-byte identifier of a section's kind.
 
 use std::fmt;
 
-/// The four bytes that say what a section is. Each tag of the format is a constant beside the section's code.
+/// Four-byte identifier of a section's kind. Each tag of the format is a constant beside the section's code.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Tag(pub [u8; 4]);
 
 impl Tag {
-    /// Stands for header, table and padding in errors; never in a file's table.
+    /// Tag of header, table and padding in errors; never in a file's table.
     pub const HEAD: Self = Self(*b"head");
 }
 

@@ -1,5 +1,5 @@
-//! Whole packages: opened, validated, written. Which sections there are, how many and what to check, the list in
-//! [`crate::sections`] says.
+//! Opening, validating and writing of whole packages. The list in [`crate::sections`] defines the sections, their
+//! number and their checks.
 
 use crate::container;
 use crate::error::FormatError;
@@ -13,8 +13,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 impl<'a> Package<'a> {
-    /// Reads header, section table and manifest. No other byte of the sections is touched: their checksums are verified, and
-    /// their contents checked, when they are first used.
+    /// Reads header, section table and manifest. No other byte of the sections is accessed: checksums and contents are
+    /// checked on first use.
     pub fn open(bytes: &'a [u8], limits: &Limits) -> Result<Self, FormatError> {
         let (version, sections) = container::read_table(bytes, limits)?;
         let missing = || FormatError::MissingSection {
@@ -47,16 +47,16 @@ impl<'a> Package<'a> {
         Ok(package.with_manifest(manifest))
     }
 
-    /// Reads everything: every checksum, every vertex, every texture's header, every key, and whether the manifest's textures
-    /// are fit for their use. Returns all faults: those of each section in file order, then those between sections. Where
-    /// the package does not open, that is the only fault found.
+    /// Reads everything: every checksum, every vertex, every texture's header, every key, and whether the manifest's
+    /// textures suit their use. Returns all faults: those of each section in file order, then those between sections.
+    /// If the package does not open, that is the only fault.
     pub fn validate(bytes: &'a [u8], limits: &Limits) -> Vec<FormatError> {
         let package = match Self::open(bytes, limits) {
             Ok(package) => package,
             Err(error) => return vec![error],
         };
         let mut faults: Vec<FormatError> = Vec::new();
-        // A damaged section fails again in each check that uses it: once is enough.
+        // A damaged section fails again in each check that uses it: report it once.
         let mut add = |fault: Option<FormatError>| faults.extend(fault.filter(|fault| !faults.contains(fault)));
         let mut found: BTreeMap<Tag, u32> = BTreeMap::new();
         for (index, section) in package.sections().iter().enumerate() {
@@ -81,9 +81,10 @@ impl<'a> Package<'a> {
         faults
     }
 
-    /// What keeps the package from being drawn, as far as its bytes decide: faults of what a renderer reads. Most of these [`Self::validate`] finds as
-    /// well; what it finds beyond lies in sections that no picture needs, or in textures that nothing uses. It does not find what is no fault of the
-    /// format: that there is nothing to draw, or that dry and wet hair have directions in formats of different components.
+    /// Returns the faults in the package's bytes that prevent drawing: those of everything that a renderer reads.
+    /// [`Self::validate`] finds most of them as well, and others in sections or textures that drawing does not need. It
+    /// does not find obstacles that are no faults of the format: nothing to draw, or directions of dry and wet hair in
+    /// formats with different numbers of components.
     pub fn drawing_faults(&self) -> Vec<FormatError> {
         let mut faults = vec![
             self.triangles().err(),
@@ -116,7 +117,7 @@ impl<'a> Package<'a> {
 }
 
 impl PackageWriter<'_> {
-    /// Writes the package, then reads it back in full: what is returned is a package that opens and validates.
+    /// Writes the package, then reads it back in full, so that every returned package opens and validates.
     pub fn finish(self) -> Result<Vec<u8>, FormatError> {
         if let Some(error) = self.error {
             return Err(error);

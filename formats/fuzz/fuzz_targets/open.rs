@@ -1,4 +1,5 @@
-//! `cargo +nightly fuzz run open -- -max_len=8192` in `formats/`: no input makes the reader panic.
+//! Fuzz target `cargo +nightly fuzz run open -- -max_len=8192` (in `formats/`): checks that no input makes the reader
+//! panic.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

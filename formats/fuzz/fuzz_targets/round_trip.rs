@@ -1,4 +1,5 @@
-//! `cargo +nightly fuzz run round_trip -- -max_len=8192` in `formats/`: what validates is written again byte for byte.
+//! Fuzz target `cargo +nightly fuzz run round_trip -- -max_len=8192` (in `formats/`): checks that every valid package
+//! is written back byte for byte.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

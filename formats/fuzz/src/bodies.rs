@@ -1,8 +1,8 @@
-//! What the fuzz targets do with an input. `formats/tests/formats/smoke.rs` includes this file and runs it on stable.
+//! Bodies of the fuzz targets. `formats/tests/formats/smoke.rs` includes this file and runs it on stable.
 
 use pelage_formats::*;
 
-/// Makes the input's checksums right where its table can be read at all, so that mutations reach the code behind them.
+/// Corrects the checksums of an input whose table can be read, so that mutations reach the code behind the checks.
 pub fn reseal(bytes: &mut [u8]) {
     let u64_at = |bytes: &[u8], at: usize| {
         let field = bytes.get(at..)?.first_chunk()?;
@@ -28,7 +28,7 @@ pub fn reseal(bytes: &mut [u8]) {
     bytes[24..28].copy_from_slice(&head.finalize().to_le_bytes());
 }
 
-/// Small, so that a fuzzer's memory limit is a test of them.
+/// Returns small limits, so that the fuzzer's memory limit tests them.
 pub fn limits() -> Limits {
     Limits {
         manifest_bytes: 1 << 20,
@@ -40,7 +40,7 @@ pub fn limits() -> Limits {
     }
 }
 
-/// Opens and validates the input and uses everything in it. Returns whether it was a valid package.
+/// Opens and validates the input and uses everything in it. Returns whether it is a valid package.
 pub fn open(bytes: &[u8]) -> bool {
     let faults = Package::validate(bytes, &limits());
     for fault in &faults {
@@ -92,7 +92,7 @@ pub fn open(bytes: &[u8]) -> bool {
     faults.is_empty()
 }
 
-/// Takes a valid package apart into values, writes it again and expects the identical bytes. Returns whether it was valid.
+/// Decodes a valid package into values, writes it again and asserts identical bytes. Returns whether it is valid.
 pub fn round_trip(bytes: &[u8]) -> bool {
     if !Package::validate(bytes, &limits()).is_empty() {
         return false;

@@ -1,4 +1,4 @@
-//! What the fuzz targets share: see `bodies.rs`.
+//! Code shared by the fuzz targets: see `bodies.rs`.
 
 mod bodies;
 

@@ -1,8 +1,8 @@
-//! Binary glTF 2.0 as pelage writes it: the buffer with its views and accessors, and the container about document and buffer.
+//! Writer for binary glTF 2.0: the buffer with its views and accessors, and the container around document and buffer.
 //!
-//! The document is the caller's: which meshes, skins and clips there are differs from writer to writer. What they have in common
-//! stands here, because strands, meshes of packages and the project's own models are written by crates that know nothing of each
-//! other. Reading is another matter: `pelage bake` reads whatever the world's exporters write.
+//! The caller supplies the document, because meshes, skins and clips differ from writer to writer. This crate holds
+//! what the writers share: strands, package meshes and the project's own models are written by crates that do not
+//! depend on each other. It does not read glTF; `pelage bake` reads files of any exporter.
 //!
 //! ```
 //! use pelage_glb::{Buffer, Component, ViewTarget, container};
@@ -32,7 +32,7 @@ pub enum Component {
     Float = 5126,
 }
 
-/// What a view's bytes are for, with its number in glTF.
+/// Purpose of a view's bytes, with its number in glTF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewTarget {
     /// Vertex attributes.
@@ -41,19 +41,19 @@ pub enum ViewTarget {
     Indices = 34963,
 }
 
-/// Views and accessors of a buffer whose bytes are written elsewhere.
+/// Views and accessors of a buffer whose bytes are stored elsewhere.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// Bytes of the buffer so far, a multiple of 4.
+    /// Size of the buffer so far, bytes; a multiple of 4.
     pub length: usize,
-    /// For the document's `bufferViews`.
+    /// Entries of the document's `bufferViews`.
     pub views: Vec<Value>,
-    /// For the document's `accessors`.
+    /// Entries of the document's `accessors`.
     pub accessors: Vec<Value>,
 }
 
 impl Layout {
-    /// Adds a view of so many bytes behind what is there, with padding up to the next multiple of 4; returns its index.
+    /// Appends a view of `bytes` bytes, padded to a multiple of 4. Returns its index.
     pub fn view(&mut self, bytes: usize, target: Option<ViewTarget>) -> usize {
         let mut view = json!({ "buffer": 0, "byteOffset": self.length, "byteLength": bytes });
         if let Some(target) = target {
@@ -64,8 +64,8 @@ impl Layout {
         self.views.len() - 1
     }
 
-    /// Adds an accessor of `count` elements such as `"VEC3"`, from `offset` bytes into its view on where one is given; returns its
-    /// index. `more` holds its keys beyond the common ones.
+    /// Adds an accessor of `count` elements of type `kind`, such as `"VEC3"`, and returns its index. `offset` is its
+    /// byte offset within the view; `more` holds further keys.
     pub fn accessor(
         &mut self,
         view: usize,
@@ -90,17 +90,17 @@ impl Layout {
     }
 }
 
-/// A buffer with its bytes.
+/// Buffer with its contents.
 #[derive(Clone, Debug, Default)]
 pub struct Buffer {
-    /// Its views and accessors.
+    /// Views and accessors.
     pub layout: Layout,
-    /// Its bytes.
+    /// Contents.
     pub bytes: Vec<u8>,
 }
 
 impl Buffer {
-    /// Appends bytes in a view of their own; returns its index.
+    /// Appends bytes in a view of their own. Returns its index.
     pub fn view(&mut self, bytes: &[u8], target: Option<ViewTarget>) -> usize {
         self.bytes.extend_from_slice(bytes);
         let view = self.layout.view(bytes.len(), target);
@@ -108,7 +108,7 @@ impl Buffer {
         view
     }
 
-    /// Appends an accessor in a view of its own; returns the accessor's index. `more` as for [`Layout::accessor`].
+    /// Appends an accessor in a view of its own. Returns the accessor's index. `more` is as for [`Layout::accessor`].
     pub fn push(
         &mut self,
         bytes: &[u8],
@@ -123,8 +123,9 @@ impl Buffer {
     }
 }
 
-/// `min` and `max` of an accessor of `width` numbers an element, for the `more` of [`Layout::accessor`]. `numbers` are all of them,
-/// at least one element, none of them NaN.
+/// Returns `min` and `max` of an accessor with `width` numbers per element, for the `more` of [`Layout::accessor`].
+///
+/// * `numbers`: all numbers of the accessor; at least one element, no NaN
 pub fn bounds(numbers: &[f32], width: usize) -> Value {
     let column = |k: usize| numbers.iter().copied().skip(k).step_by(width);
     let low: Vec<f32> = (0..width).map(|k| column(k).fold(f32::INFINITY, f32::min)).collect();
@@ -132,12 +133,12 @@ pub fn bounds(numbers: &[f32], width: usize) -> Value {
     json!({ "min": low, "max": high })
 }
 
-/// Writes what stands before the bytes of the buffer: header, JSON chunk, and where `length` is not 0 the beginning of the BIN
+/// Writes the part of the file before the buffer: header, JSON chunk and, unless `length` is 0, the start of the BIN
 /// chunk (glTF 2.0, section 4.4). The caller then writes `length` bytes, a multiple of 4.
 ///
 /// # Errors
 ///
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] where the file would pass the 4 GiB that the container can count.
+/// Errors of `out`; [`io::ErrorKind::InvalidInput`] if the file would exceed the 4 GiB limit of the container.
 pub fn write_head(document: &Value, length: usize, out: &mut dyn Write) -> io::Result<()> {
     write_head_of_text(document.to_string().into_bytes(), length, out)
 }
@@ -162,20 +163,20 @@ fn write_head_of_text(mut text: Vec<u8>, length: usize, out: &mut dyn Write) -> 
     Ok(())
 }
 
-/// A whole file. `bytes` are those of the buffer; zeros follow up to a multiple of 4.
+/// Returns a whole file. `bytes` is the buffer, padded with zeros to a multiple of 4.
 ///
 /// # Errors
 ///
-/// As [`write_head`], for a file past 4 GiB.
+/// Same as for [`write_head`], if the file exceeds 4 GiB.
 pub fn container(document: &Value, bytes: &[u8]) -> io::Result<Vec<u8>> {
     container_of_text(document.to_string().into_bytes(), bytes)
 }
 
-/// As [`container`], whatever the text of the document is: files for tests of readers.
+/// Returns a whole file like [`container`], with any document text. For tests of readers.
 ///
 /// # Errors
 ///
-/// As [`container`].
+/// Same as for [`container`].
 pub fn container_of_text(text: Vec<u8>, bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut out = Vec::new();
     let length = bytes.len().next_multiple_of(4);

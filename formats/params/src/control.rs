@@ -1,26 +1,26 @@
-//! What a window needs to know of a knob to show it.
+//! Description of a knob for a user interface.
 
-/// One of the words that a knob can be set to.
+/// Word that a knob can be set to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// As it stands in a file.
+    /// Spelling in a file.
     pub word: &'static str,
-    /// What it means.
+    /// Meaning.
     pub doc: &'static str,
-    /// What it was called in earlier files: still read.
+    /// Deprecated spellings, still read.
     pub was: &'static [&'static str],
 }
 
-/// A key of the tables that a list has.
+/// Key of the tables in a list.
 #[derive(Clone, Copy, Debug)]
 pub struct TableKey {
-    /// As it stands in a file.
+    /// Spelling in a file.
     pub name: &'static str,
-    /// What it means.
+    /// Meaning.
     pub doc: &'static str,
     /// Type and range, such as `a number 0..=1`.
     pub expected: fn() -> String,
-    /// Default as TOML; `None` where it is left out or depends on other values.
+    /// Default as TOML; `None` if it is left out or depends on other values.
     pub default: fn() -> Option<String>,
 }
 
@@ -31,50 +31,50 @@ impl PartialEq for TableKey {
     }
 }
 
-/// How a knob is shown: what it holds, and from where to where.
+/// Kind of control that shows a knob, with the range of its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Control {
-    /// On or off.
+    /// Switch, on or off.
     Toggle,
-    /// A number.
+    /// Number.
     Number {
-        /// Least value.
+        /// Minimum.
         least: f64,
-        /// Greatest value.
+        /// Maximum.
         most: f64,
         /// Whether only whole numbers are allowed.
         whole: bool,
-        /// Whether a slider should run through the logarithm: the range is above 0 and spans a factor of a thousand or more.
+        /// Whether a slider should be logarithmic: the range is above 0 and spans a factor of a thousand or more.
         logarithmic: bool,
     },
-    /// A power of two.
+    /// Power of two.
     PowerOfTwo {
-        /// Least value.
+        /// Minimum.
         least: u32,
-        /// Greatest value.
+        /// Maximum.
         most: u32,
     },
-    /// Several numbers of one range.
+    /// Several numbers with a common range.
     Vector {
-        /// How many.
+        /// Number of components.
         len: usize,
-        /// Least value of each.
+        /// Minimum of each component.
         least: f64,
-        /// Greatest value of each.
+        /// Maximum of each component.
         most: f64,
     },
-    /// A colour in sRGB.
+    /// Colour in sRGB.
     Color,
-    /// One of a few words.
+    /// Choice between a few words.
     Choice(&'static [Choice]),
-    /// A list of tables with these keys.
+    /// List of tables with these keys.
     Tables(&'static [TableKey]),
-    /// What only text can say: names, paths, lists.
+    /// Free text: names, paths, lists.
     Text,
 }
 
 impl Control {
-    /// That of a number in a range.
+    /// Returns the control for a number in a range.
     pub fn number(least: f64, most: f64, whole: bool) -> Self {
         Self::Number { least, most, whole, logarithmic: least > 0.0 && most / least >= 1000.0 }
     }

@@ -1,19 +1,19 @@
-//! What is wrong with a value, and where.
+//! Errors about values, with their location.
 
-/// What is wrong with a text, or with one `key=value`.
+/// Error in a text or in one `key=value`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {reason}", self.place())]
 pub struct ParamError {
-    /// Line of the text, from 1; `None` where there are no lines.
+    /// Line in the text, from 1; `None` if there are no lines.
     pub line: Option<usize>,
-    /// The key as it was given: `hair.lean`; empty where the fault is not that of one key.
+    /// Key as given, such as `hair.lean`; empty if the error does not concern a single key.
     pub key: String,
-    /// What was found and what was expected.
+    /// Description of what was found and what was expected.
     pub reason: String,
 }
 
 impl ParamError {
-    /// Where it is: `line 3, hair.lean`.
+    /// Returns the location, such as `line 3, hair.lean`.
     pub fn place(&self) -> String {
         match (self.line, self.key.as_str()) {
             (Some(line), "") => format!("line {line}"),
@@ -23,12 +23,12 @@ impl ParamError {
     }
 }
 
-/// A value outside its range.
+/// Error for a value outside its range.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{name}: {reason}")]
 pub struct OutOfRange {
-    /// The knob: `hair.lean`.
+    /// Name of the knob, such as `hair.lean`.
     pub name: &'static str,
-    /// What was found and what was expected.
+    /// Description of what was found and what was expected.
     pub reason: String,
 }

@@ -1,53 +1,53 @@
-//! Value types of knobs: how each is read, checked, written, described and shown.
+//! Value types of knobs: reading, checking, writing, description and control of each.
 
 use crate::control::Control;
 use crate::raw::Raw;
 
-/// A type that a knob can have. `Range` is what its declaration restricts it to.
+/// Value type of a knob. `Range` is the restriction that a declaration can state.
 pub trait Field: Sized {
-    /// What a declaration may restrict values to; `()` where there is nothing to say.
+    /// Restriction of the values in a declaration; `()` if the type has none.
     type Range;
 
-    /// Type and range in words.
+    /// Returns type and range in words.
     fn expected(range: &Self::Range) -> String;
 
-    /// How it is shown: as text, unless the type says otherwise.
+    /// Returns the control that shows the value; text unless the type overrides it.
     fn control(range: &Self::Range) -> Control {
         let _ = range;
         Control::Text
     }
 
-    /// The value of that TOML, whatever its range.
+    /// Returns the value of `raw`, without a range check.
     fn from_raw(raw: &Raw) -> Option<Self>;
 
-    /// Whether it is in its range.
+    /// Whether the value is in its range.
     fn in_range(&self, range: &Self::Range) -> bool;
 
-    /// TOML, or `None` for a value that is left out.
+    /// Returns the value as TOML, or `None` if it is left out.
     fn to_toml(&self) -> Option<String>;
 
-    /// Returns the value as documents show it, in TOML with no more digits than a reader needs.
+    /// Returns the value for documents, as TOML with no more digits than a reader needs.
     fn shown(&self) -> Option<String> {
         self.to_toml()
     }
 
-    /// What a word of a command line stands for.
+    /// Parses a command-line word into an unchecked value.
     fn raw_of_word(word: &str) -> Raw {
         Raw::from_word(word)
     }
 
-    /// The value of that TOML.
+    /// Returns the value of `raw`, checked against its range.
     ///
     /// # Errors
-    /// What was found and what was expected.
+    /// Message with what was found and what was expected.
     fn read(raw: &Raw, range: &Self::Range) -> Result<Self, String> {
         Self::from_raw(raw).filter(|value| value.in_range(range)).ok_or_else(|| raw.instead_of(&Self::expected(range)))
     }
 
-    /// Whether it is in its range.
+    /// Checks the value against its range.
     ///
     /// # Errors
-    /// What was found and what was expected.
+    /// Message with what was found and what was expected.
     fn check(&self, range: &Self::Range) -> Result<(), String> {
         if self.in_range(range) {
             return Ok(());
@@ -57,7 +57,7 @@ pub trait Field: Sized {
     }
 }
 
-/// Inclusive.
+/// Inclusive range.
 pub type Range<T> = std::ops::RangeInclusive<T>;
 
 impl Field for f32 {
@@ -80,7 +80,8 @@ impl Field for f32 {
     }
 
     fn to_toml(&self) -> Option<String> {
-        // `{:?}` is the shortest text that reads back as the same f32, and always has a point or an exponent, as TOML wants.
+        // `{:?}` gives the shortest text that reads back as the same f32. It always has a point or an exponent, as TOML
+        // requires.
         Some(format!("{self:?}"))
     }
 
@@ -89,7 +90,7 @@ impl Field for f32 {
     }
 }
 
-/// A number of a command line may look as it does not in TOML: `.5`, `3.`, `+007`.
+/// Parses a number of a command line, which TOML may not accept: `.5`, `3.`, `+007`.
 fn number_of_word(word: &str) -> Raw {
     match (Raw::from_word(word.trim()), word.trim().parse()) {
         (Raw::String(_), Ok(number)) => Raw::Float(number),
@@ -98,7 +99,7 @@ fn number_of_word(word: &str) -> Raw {
     }
 }
 
-/// Numbers with commas between them, `1,2,3`, beside the brackets of TOML.
+/// Parses comma-separated numbers, `1,2,3`, or a TOML array.
 fn numbers_of_word(word: &str) -> Raw {
     let items: Vec<Raw> = word.split(',').map(number_of_word).collect();
     match Raw::from_word(word) {
@@ -135,7 +136,7 @@ impl<T: Field> Field for Option<T> {
     }
 
     fn read(raw: &Raw, range: &Self::Range) -> Result<Self, String> {
-        // Which may know more of what is wrong than that it is: a list says which of its entries.
+        // `T::read` may give a more precise error than the range check: a list names the faulty entry.
         T::read(raw, range).map(Some)
     }
 
@@ -144,7 +145,7 @@ impl<T: Field> Field for Option<T> {
     }
 }
 
-/// Integers whose range is plain.
+/// Implements `Field` for integers with a plain range.
 macro_rules! integer_field {
     ($($ty:ty, $to_f64:expr;)*) => { $(
         impl Field for $ty {
@@ -174,7 +175,7 @@ macro_rules! integer_field {
             }
 
             fn raw_of_word(word: &str) -> Raw {
-                // `007` is an integer where people type, though not in TOML.
+                // `007` is an integer on a command line, though not in TOML.
                 word.trim().parse().map_or_else(|_| Raw::from_word(word), Raw::Integer)
             }
         }
@@ -182,7 +183,7 @@ macro_rules! integer_field {
 }
 integer_field!(u32, f64::from; u64, |x| x as f64;);
 
-/// A power of two.
+/// Power of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PowerOfTwo(pub u32);
 
@@ -283,19 +284,19 @@ impl Field for [f32; 3] {
     }
 }
 
-/// The three bytes of `#rrggbb`.
+/// Returns the three bytes of `#rrggbb`.
 pub fn hex(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
     let [_, r, g, b] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
     Some([r, g, b])
 }
 
-/// A colour in sRGB, each channel 0..=1. In a file `[r, g, b]` or `"#rrggbb"`.
+/// Colour in sRGB, each channel 0..=1. In a file `[r, g, b]` or `"#rrggbb"`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SrgbColor(pub [f32; 3]);
 
 impl SrgbColor {
-    /// From the three bytes of `#rrggbb`.
+    /// Converts `0xrrggbb` to a colour.
     pub const fn hex(rgb: u32) -> Self {
         Self([(rgb >> 16 & 255) as f32 / 255.0, (rgb >> 8 & 255) as f32 / 255.0, (rgb & 255) as f32 / 255.0])
     }

@@ -1,11 +1,11 @@
-//! Names that a pattern stands for.
+//! Pattern matching of names.
 
-/// Whether a pattern matches a name: `*` stands for any run of characters and `?` for one; the case of ASCII letters does not matter. (That of all others would bring a page
-/// the tables of Unicode.)
+/// Whether a pattern matches a name: `*` matches any run of characters, `?` a single one. Only ASCII letters are
+/// compared case-insensitively, because Unicode case tables would enlarge the WebAssembly download.
 pub fn glob(pattern: &str, name: &str) -> bool {
     let [pattern, name] = [pattern, name].map(|text| text.to_ascii_lowercase().chars().collect::<Vec<_>>());
-    // Where the last `*` stands, and how much of the name it has swallowed so far: a mismatch goes back there and lets it
-    // swallow one more. Going back to earlier ones never helps.
+    // `star`: position of the last `*`, and how much of the name it covers. A mismatch returns there and extends it by
+    // one character. Returning to earlier `*` never helps.
     let (mut p, mut n, mut star) = (0, 0, None);
     while n < name.len() {
         match pattern.get(p) {

@@ -1,109 +1,109 @@
-//! Knobs, tables of them, and sets of tables.
+//! Knobs, tables of knobs, and sets of tables.
 
 use crate::control::Control;
 use crate::error::OutOfRange;
 use crate::raw::Raw;
 
-/// What is known of a knob without a value of it.
+/// Declaration of a knob, without a value.
 #[derive(Clone, Copy, Debug)]
 pub struct Knob {
-    /// `table.key`.
+    /// Full name, `table.key`.
     pub name: &'static str,
-    /// Its key in earlier files, which are still read; `table.key` where the table was another.
+    /// Deprecated keys, still read; `table.key` if the table was a different one.
     pub was: &'static [&'static str],
-    /// What it means, with unit and what the ends of the range do.
+    /// Meaning, with unit and the effect of both ends of the range.
     pub doc: &'static str,
     /// Type and range, such as `a number 0..=1`.
     pub expected: fn() -> String,
-    /// How a window shows it.
+    /// Control that shows the knob in a window.
     pub control: fn() -> Control,
-    /// What a word of a command line stands for.
+    /// Parses a command-line word into an unchecked value.
     pub raw_of_word: fn(&str) -> Raw,
 }
 
 impl Knob {
-    /// The table that it stands in.
+    /// Returns the name of the table that contains the knob.
     pub fn table(&self) -> &'static str {
         self.name.split_once('.').map_or("", |(table, _)| table)
     }
 
-    /// Its key there.
+    /// Returns the key within the table.
     pub fn key(&self) -> &'static str {
         self.name.split_once('.').map_or(self.name, |(_, key)| key)
     }
 
-    /// Whether `table.key` names it, or did in earlier files.
+    /// Whether `table.key` is the current or a deprecated name of the knob.
     pub(crate) fn answers_to(&self, table: &str, key: &str) -> bool {
         let is_here = self.table() == table;
         let was = |old: &&str| (is_here && *old == key) || old.split_once('.') == Some((table, key));
         (is_here && self.key() == key) || self.was.iter().any(was)
     }
 
-    /// Its value in `set` as TOML, or `None` where it is left out, or the set has no such knob.
+    /// Returns the knob's value in `set` as TOML, or `None` if it is left out or the set has no such knob.
     pub fn value<S: Tables>(&self, set: &S) -> Option<String> {
         let at = S::TABLES.iter().position(|table| table.name == self.table())?;
         set.tables().get(at)?.write(self.key())
     }
 }
 
-/// Values of a table of knobs; [`params!`](crate::params) makes one.
+/// Values of a table of knobs. Implemented by [`params!`](crate::params).
 pub trait Table {
-    /// Its knobs, in the order of declaration.
+    /// Returns the table's knobs, in the order of declaration.
     fn knobs(&self) -> &'static [Knob];
 
-    /// Sets one.
+    /// Sets the value of a key.
     ///
     /// # Errors
-    /// What was found and what was expected; nothing is changed then.
+    /// Message with what was found and what was expected; the table is then unchanged.
     fn read(&mut self, key: &str, raw: &Raw) -> Result<(), String>;
 
-    /// The value of one as TOML, or `None` where it is left out.
+    /// Returns the value of a key as TOML, or `None` if it is left out.
     fn write(&self, key: &str) -> Option<String>;
 
-    /// Whether one is in its range.
+    /// Checks the value of a key against its range.
     ///
     /// # Errors
-    /// What was found and what was expected.
+    /// Message with what was found and what was expected.
     fn check(&self, key: &str) -> Result<(), String>;
 }
 
-/// What is known of a table without values.
+/// Declaration of a table, without values.
 #[derive(Clone, Copy, Debug)]
 pub struct TableInfo {
-    /// Its name in a file.
+    /// Name in a file.
     pub name: &'static str,
-    /// What it is about.
+    /// Description.
     pub doc: &'static str,
-    /// Its knobs, in the order of declaration.
+    /// Knobs, in the order of declaration.
     pub knobs: &'static [Knob],
 }
 
-/// Tables that stand in one file; [`tables!`](crate::tables) makes it.
+/// Set of tables in one file. Implemented by [`tables!`](crate::tables).
 pub trait Tables: Default {
-    /// What is known of the tables, in the order in which they are written.
+    /// Declarations of the tables, in the order in which they are written.
     const TABLES: &'static [TableInfo];
-    /// A `key=value` for messages.
+    /// Example `key=value` for messages.
     const EXAMPLE: &'static str;
 
-    /// The tables, in the order of [`Self::TABLES`].
+    /// Returns the tables, in the order of [`Self::TABLES`].
     fn tables(&self) -> Vec<&dyn Table>;
 
-    /// The tables, to be changed, in the same order.
+    /// Returns the tables mutably, in the same order.
     fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
 
-    /// Reason why a table or `table.key` is unknown here and would be known to another build;
-    /// `None` (default) for a mistake.
+    /// Returns why a table or `table.key` is unknown in this build but known in another; `None` (default) if it is
+    /// simply a mistake.
     fn elsewhere(_name: &str) -> Option<String> {
         None
     }
 }
 
-/// Every knob of a set in order.
+/// Returns every knob of a set, in order.
 pub fn knobs<S: Tables>() -> impl Iterator<Item = &'static Knob> {
     S::TABLES.iter().flat_map(|table| table.knobs)
 }
 
-/// The knob of that name, `table.key`, whether it is called so or was.
+/// Returns the knob with the current or deprecated name `table.key`.
 pub(crate) fn knob_named<S: Tables>(name: &str) -> Option<&'static Knob> {
     let (table, key) = name.split_once('.')?;
     knobs::<S>().find(|knob| knob.answers_to(table, key))
@@ -112,7 +112,7 @@ pub(crate) fn knob_named<S: Tables>(name: &str) -> Option<&'static Knob> {
 /// Checks every value of a set against its range.
 ///
 /// # Errors
-/// The first that is outside.
+/// The first value outside its range.
 pub fn validate<S: Tables>(set: &S) -> Result<(), OutOfRange> {
     set.tables().into_iter().try_for_each(validate_table)
 }
@@ -120,7 +120,7 @@ pub fn validate<S: Tables>(set: &S) -> Result<(), OutOfRange> {
 /// Checks every value of a table against its range.
 ///
 /// # Errors
-/// The first that is outside.
+/// The first value outside its range.
 pub fn validate_table(table: &dyn Table) -> Result<(), OutOfRange> {
     table
         .knobs()
@@ -128,7 +128,7 @@ pub fn validate_table(table: &dyn Table) -> Result<(), OutOfRange> {
         .try_for_each(|knob| table.check(knob.key()).map_err(|reason| OutOfRange { name: knob.name, reason }))
 }
 
-/// Whether two names are one; what [`tables!`](crate::tables) asks while it is compiled.
+/// Whether two names are equal, as a `const fn` for the compile-time check of [`tables!`](crate::tables).
 pub const fn same(a: &str, b: &str) -> bool {
     let (a, b) = (a.as_bytes(), b.as_bytes());
     let mut i = 0;

@@ -1,37 +1,39 @@
-//! Knobs that are declared once.
+//! Declarative configuration knobs.
 //!
-//! [`params!`] declares a table of knobs: a struct whose fields each have a meaning, a default and a range. [`tables!`] puts such
-//! tables together to what a file says: a recipe, a look. From these declarations follow the struct and its defaults, reading TOML with
-//! errors that name line and key ([`read`], [`read_table`]), setting one value by `key=value` ([`set`], [`set_word`]), writing
-//! ([`to_toml`], [`to_documented_toml`]), checking ([`validate`]), what a slider needs ([`Knob::control`]) and a reference page
-//! ([`reference_page`]); so none of these can disagree with another. A key that does not exist is an error that names the nearest one
-//! that does: a mistyped key must never pass for a setting that has no effect.
+//! [`params!`] declares a table of knobs: a struct whose fields each have a meaning, a default and a range. [`tables!`]
+//! combines such tables into the contents of one file: a recipe, a look.
+//!
+//! These declarations generate the struct and its defaults, TOML reading with errors that name line and key ([`read`],
+//! [`read_table`]), and setting one value by `key=value` ([`set`], [`set_word`]). They also provide writing
+//! ([`to_toml`], [`to_documented_toml`]), checking ([`validate`]), slider metadata ([`Knob::control`]) and a reference
+//! page ([`reference_page`]), so that all of these agree. An unknown key is an error that names the nearest known key,
+//! so a mistyped key is never silently ignored.
 //!
 //! ```
 //! use pelage_params::{params, set, tables, words};
 //! words! {
-//!     /// How a strand is bent.
+//!     /// Shape of a strand.
 //!     Style {
-//!         /// Not at all.
+//!         /// Straight line.
 //!         #[default]
 //!         Straight = "straight",
-//!         /// Into helices.
+//!         /// Helix.
 //!         Curly = "curly",
 //!     }
 //! }
 //! params! {
 //!     /// `[hair]`: the strands.
 //!     HairParams in hair {
-//!         /// How strands are bent.
+//!         /// Shape of the strands.
 //!         style: Style = Style::Straight;
-//!         /// How far strands lean: 0 upright, 1 lying on the skin.
+//!         /// Lean of the strands: 0 upright, 1 flat on the surface.
 //!         lean: f32 = 0.4, in 0.0..=1.0;
 //!         /// Length, metres. Left out, it is chosen from the model's size.
 //!         length_m: Option<f32> = None, in 1e-6..=1e3;
 //!     }
 //! }
 //! tables! {
-//!     /// What steers everything.
+//!     /// All settings.
 //!     pub struct Recipe, such as "hair.lean=0.5" {
 //!         /// The strands.
 //!         hair: HairParams,

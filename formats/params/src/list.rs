@@ -1,35 +1,35 @@
-//! Lists of things.
+//! List values.
 
 use crate::control::{Control, TableKey};
 use crate::field::Field;
 use crate::raw::Raw;
 
-/// What a list can hold. `Vec<T>` is then a [`Field`].
+/// Entry of a list. `Vec<T>` is then a [`Field`].
 pub trait Item: Sized {
-    /// Whether one alone may stand without brackets.
+    /// Whether a single entry may be written without brackets.
     const ALONE: bool;
-    /// Keys of those that are tables.
+    /// Keys of the entries, if they are tables.
     const KEYS: &'static [TableKey] = &[];
 
-    /// What a list of them is, in words.
+    /// Returns a description of the list, in words.
     fn expected_list() -> String;
 
-    /// What an entry is called in messages.
+    /// Returns the name of an entry in messages.
     fn place(index: usize, raw: &Raw) -> String {
         let _ = raw;
         format!("entry {index}")
     }
 
-    /// The value of that TOML.
+    /// Returns the value of `raw`.
     ///
     /// # Errors
-    /// What is wrong with it; `None` where [`Self::expected_list`] says all that there is to say.
+    /// The reason; `None` if [`Self::expected_list`] already says everything.
     fn read(raw: &Raw) -> Result<Self, Option<String>>;
 
-    /// Whether it may stand in a list.
+    /// Whether the value is allowed in a list.
     fn in_range(&self) -> bool;
 
-    /// TOML.
+    /// Returns the value as TOML.
     fn to_toml(&self) -> String;
 }
 

@@ -1,6 +1,7 @@
-//! What declarations are made with.
+//! Declaration macros.
 
-/// Declares an enum whose values are words in a file; `was` gives the word of earlier files, and `or` what it was as a switch, which are still read.
+/// Declares an enum whose values are words in a file. `was` gives a deprecated word and `or` a deprecated boolean; both
+/// are still read.
 #[macro_export]
 macro_rules! words {
     (
@@ -17,7 +18,7 @@ macro_rules! words {
             /// All values, in the order of declaration.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
-            /// The word in a file.
+            /// Returns the word in a file.
             pub fn word(self) -> &'static str {
                 match self { $(Self::$variant => $word),+ }
             }
@@ -44,7 +45,7 @@ macro_rules! words {
                         $($word $(| $old)? => Some(Self::$variant),)+
                         _ => None,
                     },
-                    // Knobs that were switches.
+                    // Booleans, from knobs that used to be switches.
                     $($($crate::Raw::Bool($flag) => Some(Self::$variant),)?)+
                     _ => None,
                 }
@@ -63,11 +64,14 @@ macro_rules! words {
 
 /// Declares a table of knobs: the struct, its defaults, its checks and its keys.
 ///
-/// A field reads `/// meaning`, `name: Type = default, in range, as Checked, or "word", clears other, was "name";`, where everything after the default may be left
-/// out. Without a range the type's values are all allowed. `Checked` is the wrapper whose [`Field`](crate::Field) does the checking where
-/// the type alone does not say enough. `"word"` is what the type's own default is called, so that an `Option` can be emptied again. To set
-/// the field empties `other`: of two ways to say the same, the later one counts. `was` is the key of earlier files, which
-/// is still read; with its table where that was another.
+/// A field reads `/// meaning`, `name: Type = default, in range, as Checked, or "word", clears other, was "name";`,
+/// where everything after the default is optional.
+///
+/// * `in`: range; without one, all values of the type are allowed
+/// * `as`: wrapper type whose [`Field`](crate::Field) does the checking, if the type alone is not specific enough
+/// * `or`: word for the type's own default, so that an `Option` can be unset again
+/// * `clears`: field that is reset when this one is set; if two fields say the same thing, the later one counts
+/// * `was`: deprecated key, still read; with its table if that was a different one
 #[macro_export]
 macro_rules! params {
     (
@@ -97,7 +101,7 @@ macro_rules! params {
         }
 
         impl $name {
-            /// What is known of the table.
+            /// Declaration of the table.
             pub const TABLE: $crate::TableInfo = $crate::TableInfo {
                 name: stringify!($table),
                 doc: concat!($($table_doc, "\n"),+),
@@ -126,7 +130,7 @@ macro_rules! params {
             /// Checks every field against its range.
             ///
             /// # Errors
-            /// The first that is outside, with what was found and what was expected.
+            /// The first value outside its range, with what was found and what was expected.
             pub fn validate(&self) -> Result<(), $crate::OutOfRange> {
                 $crate::validate_table(self)
             }
@@ -190,8 +194,9 @@ macro_rules! params {
     };
 }
 
-/// Puts tables together to what stands in one file: the struct, a field a table, and its [`Tables`](crate::Tables). `such as` gives messages an example of
-/// `key=value`; `elsewhere` names the function [`Tables::elsewhere`](crate::Tables::elsewhere). A table may have one `#[cfg]`.
+/// Declares the contents of one file: a struct with a field for each table, and its [`Tables`](crate::Tables). Messages
+/// take their example of `key=value` from `such as`. `elsewhere` names the function
+/// [`Tables::elsewhere`](crate::Tables::elsewhere). A table may have one `#[cfg]`.
 #[macro_export]
 macro_rules! tables {
     (

@@ -1,17 +1,18 @@
-//! What a mistyped name was meant to be.
+//! Suggestions for mistyped names.
 
-/// A candidate that is less like the name than this by both measures is no misspelling of it: to name it would mislead.
+/// Minimum similarity of a misspelling: candidates below both this and `LEAST_WINKLER` are not suggested, because they
+/// would mislead.
 const LEAST_EDITS: f64 = 0.4;
 const LEAST_WINKLER: f64 = 0.85;
 
-/// How alike two names are, 0..=1, and whether they are alike at all.
+/// Returns the similarity of two names, 0..=1, and whether it is enough for a suggestion.
 fn likeness(name: &str, candidate: &str) -> (f64, bool) {
     let (winkler, edits) =
         (strsim::jaro_winkler(name, candidate), strsim::normalized_damerau_levenshtein(name, candidate));
     (winkler.max(edits), winkler >= LEAST_WINKLER || edits >= LEAST_EDITS)
 }
 
-/// The candidate most like `name`; the first of several equals, `None` where none is like it.
+/// Returns the candidate most similar to `name`: the first of several equals, `None` if none is similar.
 pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut best: Option<(f64, &str)> = None;
     for candidate in candidates {
@@ -23,14 +24,14 @@ pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
     best.map(|(_, candidate)| candidate)
 }
 
-/// The candidates in the order in which they are like `name`, at most so many of them; equals in their own order.
+/// Returns the `most` candidates most similar to `name`, best first; equals keep their order.
 pub fn closest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
     let mut scored: Vec<(f64, &str)> = candidates.map(|candidate| (likeness(name, candidate).0, candidate)).collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     scored.into_iter().take(most).map(|(_, candidate)| candidate).collect()
 }
 
-/// What to say of a key that is none of `known`.
+/// Returns the message for a key that is not in `known`.
 pub fn unknown_key(key: &str, known: &[&str]) -> String {
     match nearest(key, known.iter().copied()) {
         Some(near) => format!("unknown key; did you mean {near}?"),

@@ -1,14 +1,18 @@
-//! A reference page of a set of tables.
+//! Reference page of a set of tables.
 
 use crate::control::Control;
 use crate::knob::{Knob, Tables};
 
-/// Longest line of a page.
+/// Maximum line width of a page.
 const COLUMNS: usize = 120;
 
-/// All keys of a set as Markdown: a heading for each table, with what it is about, and an entry for each key with default, type and range, meaning,
-/// and what its words mean. `title` and the paragraphs of `introduction` come first; lines have at most 120 columns where words allow it.
-/// `picture` gives the line of Markdown that shows what a key does, of those that have one.
+/// Returns all keys of a set as Markdown. Each table has a heading and its description; each key has an entry with
+/// default, type, range, meaning, and the meanings of its words.
+///
+/// * `title`, `introduction`: heading and paragraphs at the top
+/// * `picture`: Markdown line that illustrates a key, for keys that have one
+///
+/// Lines are at most 120 columns wide where words allow it.
 pub fn reference_page<S: Tables>(
     title: &str,
     introduction: &[&str],
@@ -21,7 +25,7 @@ pub fn reference_page<S: Tables>(
     }
     for (info, values) in S::TABLES.iter().zip(defaults.tables()) {
         let doc = one_line(info.doc);
-        // The documentation of the struct begins with the table's name, which the heading says already.
+        // The struct's documentation begins with the table's name, which the heading already shows.
         let doc = doc.strip_prefix(&format!("`[{}]`: ", info.name)).unwrap_or(&doc);
         page += &format!("\n## `[{}]`\n\n{}\n", info.name, wrap("", &capital(doc)));
         for knob in info.knobs {
@@ -65,8 +69,8 @@ fn capital(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Breaks a text at spaces into lines of at most 120 columns; all but the first begin with `indent`, and the first is taken to begin as far in.
-/// No line begins with a character that would make it a list or a heading in Markdown.
+/// Breaks a text at spaces into lines of at most 120 columns. All lines but the first begin with `indent`; the first is
+/// assumed to be indented as far. No line begins with a character that Markdown reads as a list or heading.
 pub fn wrap(indent: &str, text: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {

@@ -1,29 +1,29 @@
-//! Values before they are understood.
+//! Unchecked values.
 
 use std::fmt;
 use toml::de::DeValue;
 
-/// A TOML value without its place.
+/// TOML value without its location.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Raw {
-    /// An integer.
+    /// Integer.
     Integer(i128),
-    /// A number with a point or an exponent, or one that is none (`nan`, `inf`).
+    /// Number with a point or an exponent, or `nan` or `inf`.
     Float(f64),
-    /// `true` or `false`.
+    /// Boolean, `true` or `false`.
     Bool(bool),
-    /// A string.
+    /// String.
     String(String),
-    /// Values in brackets.
+    /// Array.
     Array(Vec<Raw>),
-    /// Keys and values in the order of the file.
+    /// Keys and values, in file order.
     Table(Vec<(String, Raw)>),
-    /// A date or a number too large to hold; the text says which.
+    /// Date, or a number too large to represent; the text says which.
     Other(&'static str),
 }
 
 impl Raw {
-    /// From what the TOML parser found.
+    /// Converts a value of the TOML parser.
     pub fn from_de(value: &DeValue<'_>) -> Self {
         match value {
             DeValue::String(s) => Self::String(s.to_string()),
@@ -44,7 +44,7 @@ impl Raw {
         }
     }
 
-    /// From a value that was read before.
+    /// Converts a parsed TOML value.
     pub fn from_value(value: &toml::Value) -> Self {
         match value {
             toml::Value::String(s) => Self::String(s.clone()),
@@ -59,7 +59,7 @@ impl Raw {
         }
     }
 
-    /// From a word of a command line: what is no TOML value on its own (`curly`, `#aabbcc`, `Eye*`) is the string it looks like.
+    /// Parses a word of a command line. Text that is not a TOML value (`curly`, `#aabbcc`, `Eye*`) becomes a string.
     pub fn from_word(word: &str) -> Self {
         match DeValue::parse(word) {
             Ok(parsed) => Self::from_de(parsed.get_ref()),
@@ -67,7 +67,7 @@ impl Raw {
         }
     }
 
-    /// As a number.
+    /// Returns the value as a number.
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Integer(i) => Some(*i as f64),
@@ -76,13 +76,13 @@ impl Raw {
         }
     }
 
-    /// The message for a value that is not what it should be.
+    /// Returns the message for an unexpected value.
     pub fn instead_of(&self, expected: &str) -> String {
         format!("found {self}, expected {expected}")
     }
 }
 
-/// What was found, for messages. Long values are cut.
+/// Formats the value for messages. Long values are truncated.
 impl fmt::Display for Raw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let cut = |s: String| {

@@ -79,7 +79,7 @@ fn every_key_of_every_table_is_checked() {
             "light.strength" => look.light.strength = 0.0,
             "light.color" => look.light.color.0[1] = 1.5,
             "light.seed" => look.light.seed = u64::MAX,
-            // Every value of these types is in their range.
+            // Every value of these types is in range.
             "picture.drawn" | "picture.enabled" | "light.seen_by" | "light.hidden_from" => continue,
             other => panic!("{other} has no wrong value here"),
         }
@@ -169,7 +169,7 @@ fn what_was_called_otherwise_is_still_read_and_written_anew() {
     let text = to_toml(&look);
     assert!(text.contains("enabled = false\n") && text.contains("drawn = \"sparse\"\n"), "{text}");
     assert_eq!(after(&["picture.visible=off", "picture.drawn=thin"]), look);
-    // A key that has moved to another table.
+    // Key that has moved to another table.
     assert_eq!(after(&["picture.exposure=2"]), after(&["light.strength=2"]));
     let error = set(&mut look, "picture.visible=2").unwrap_err().to_string();
     assert_eq!(error, "picture.visible: found 2, expected true or false");
@@ -191,7 +191,7 @@ fn tables_that_were_read_before_are_taken_alike() {
         ("light = { seed = 2021-01-01 }", "light.seed: found a date, expected an integer 0..=9223372036854775807"),
     ] {
         assert_eq!(read_before(text).unwrap_err().to_string(), message);
-        // With the text at hand the same, and the line.
+        // From a text, the message is the same and includes the line.
         assert!(read(&mut Look::default(), text).unwrap_err().to_string().ends_with(message), "{text}");
     }
 }

@@ -7,7 +7,7 @@ use crate::raw::Raw;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A TOML text without the byte order mark that some editors begin a file with, and where in it bytes are.
+/// TOML text without the byte order mark that some editors write, with byte positions in the original.
 struct Source<'a> {
     text: &'a str,
     body: &'a str,
@@ -23,7 +23,7 @@ impl<'a> Source<'a> {
         DeTable::parse(self.body).map_err(broken)
     }
 
-    /// A fault at that byte of the body.
+    /// Returns an error at that byte of the body.
     fn fail(&self, byte: usize, key: &str, reason: String) -> ParamError {
         let before = self.text.len() - self.body.len() + byte;
         let line = self.text.bytes().take(before).filter(|b| *b == b'\n').count() + 1;
@@ -31,10 +31,11 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Reads a TOML text: what it names is set, everything else stays as it is.
+/// Reads a TOML text: keys in the text are set, everything else keeps its value.
 ///
 /// # Errors
-/// Line and key of broken TOML, an unknown table or key, a wrong type or a value outside its range. What stood before that is set.
+/// Line and key of malformed TOML, an unknown table or key, a wrong type or a value outside its range. Keys before the
+/// error are already set.
 pub fn read<S: Tables>(set: &mut S, text: &str) -> Result<(), ParamError> {
     let source = Source::new(text);
     for (name, value) in source.parse()?.get_ref() {
@@ -53,10 +54,10 @@ pub fn read<S: Tables>(set: &mut S, text: &str) -> Result<(), ParamError> {
     Ok(())
 }
 
-/// As [`read`], from a table that was read before, such as one that stands in another file.
+/// Reads a parsed table like [`read`], such as one inside another file.
 ///
 /// # Errors
-/// As [`read`], without a line.
+/// Same as for [`read`], without a line.
 pub fn read_table<S: Tables>(set: &mut S, document: &toml::Table) -> Result<(), ParamError> {
     for (name, value) in document {
         match value {
@@ -75,7 +76,7 @@ fn has_table<S: Tables>(name: &str) -> bool {
     S::TABLES.iter().any(|table| table.name == name)
 }
 
-/// What is wrong with something at the top of a file that is none of its tables.
+/// Returns the error for a top-level entry that is not one of the tables.
 fn no_table<S: Tables>(name: &str, found: &Raw) -> ParamError {
     let reason = if has_table::<S>(name) { found.instead_of("a table") } else { unknown_table::<S>(name) };
     ParamError { line: None, key: name.to_owned(), reason }
@@ -93,7 +94,7 @@ fn read_key<S: Tables>(set: &mut S, table: &str, key: &str, raw: &Raw) -> Result
 /// Sets one value, as in `hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`.
 ///
 /// # Errors
-/// As [`read`], without a line; nothing is changed then.
+/// Same as for [`read`], without a line; the set is then unchanged.
 pub fn set<S: Tables>(set: &mut S, assignment: &str) -> Result<(), ParamError> {
     let Some((name, word)) = assignment.split_once('=') else {
         let reason = format!("found no '=', expected key=value, such as {}", S::EXAMPLE);
@@ -102,27 +103,29 @@ pub fn set<S: Tables>(set: &mut S, assignment: &str) -> Result<(), ParamError> {
     set_word(set, name.trim(), word.trim())
 }
 
-/// Sets the value of one key to what a word of a command line stands for.
+/// Sets the value of one key from a word of a command line.
 ///
 /// # Errors
-/// As [`set`].
+/// Same as for [`set`].
 pub fn set_word<S: Tables>(set: &mut S, name: &str, word: &str) -> Result<(), ParamError> {
     let fail = |reason: String| ParamError { line: None, key: name.to_owned(), reason };
     let knob = knob_named::<S>(name).ok_or_else(|| fail(unknown_key::<S>(name)))?;
     read_key(set, knob.table(), knob.key(), &(knob.raw_of_word)(word)).map_err(|error| fail(error.reason))
 }
 
-/// The set as TOML with every key that has a value, in the order of declaration. Reading it gives an equal set.
+/// Returns the set as TOML with every key that has a value, in the order of declaration. Reading it gives an equal set.
 pub fn to_toml<S: Tables>(set: &S) -> String {
     write(set, |_, _| String::new())
 }
 
-/// As [`to_toml`], with each key's meaning, type and range as comments, and keys without a value commented out.
+/// Returns the set as TOML like [`to_toml`], with each key's meaning, type and range as comments. Keys without a value
+/// are commented out.
 pub fn to_documented_toml<S: Tables>(set: &S) -> String {
     to_noted_toml(set, |_| Vec::new())
 }
 
-/// As [`to_documented_toml`], with what `note` has to say of a key as further comments right above it, each in lines of its own.
+/// Returns the set as TOML like [`to_documented_toml`], with the lines of `note` as further comments directly above
+/// each key.
 pub fn to_noted_toml<S: Tables>(set: &S, note: impl Fn(&Knob) -> Vec<String>) -> String {
     write(set, |knob, value| {
         let mut lines = String::new();
@@ -172,7 +175,7 @@ fn unknown_key<S: Tables>(name: &str) -> String {
         return reason;
     }
     let (table, key) = name.split_once('.').unwrap_or(("", name));
-    // A key without its unit is looked for first, then one under the wrong table.
+    // First try a key without its unit, then a key under the wrong table.
     let whole = knobs::<S>().find(|k| k.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('_')));
     let moved = knobs::<S>().find(|k| k.key() == key);
     let near = whole.or(moved).map(|k| k.name).or_else(|| {
@@ -181,7 +184,7 @@ fn unknown_key<S: Tables>(name: &str) -> String {
             Some(info) => nearest(key, info.knobs.iter().map(Knob::key))
                 .and_then(|near| info.knobs.iter().find(|k| k.key() == near))
                 .map(|k| k.name),
-            // Without a table the key alone is compared as well.
+            // A name without a table is also compared with the bare keys.
             None => nearest(name, knobs::<S>().map(|k| k.name)).or_else(|| {
                 let near = nearest(key, knobs::<S>().map(Knob::key))?;
                 knobs::<S>().find(|k| k.key() == near).map(|k| k.name)

@@ -1,18 +1,20 @@
-//! How much of the key light reaches the hair that is seen in the far coat.
+//! Key light on the hair that is visible in the far layer, the single layer that replaces all others at a distance.
 
 use crate::sections::manifest::detail::CoatInfo;
 
-/// Share of the key light that reaches the hair seen in the far coat, where the way through a layer is `path` times its thickness.
+/// Returns the share of the key light that reaches the hair visible in the far layer. `path` is the path length through
+/// a layer over the layer's thickness.
 pub fn coat_light(path: f32, base: f32, slope: f32) -> f32 {
     1.0 / (base + slope * path)
 }
 
-/// The numbers `base` and `slope` for [`coat_light`], which meets the coat's two at a path of 1 and of 4.
+/// Returns the coefficients `base` and `slope` for which [`coat_light`] matches the two values of `coat` at paths 1 and
+/// 4.
 ///
-/// That form is exact for a coat that hides everything behind it: where hair is seen as deep as light comes into it, t is the mean of
-/// T^(ρp) over the transmittance T, 1 / (1 + ρp).
+/// This form is exact for fur that hides everything behind it. Hair is then seen as deep as light enters, and t is the
+/// mean of T^(ρp) over the transmittance T, 1 / (1 + ρp).
 pub fn coat_light_numbers(coat: &CoatInfo) -> [f32; 2] {
-    // Light that is gone has no reciprocal.
+    // Zero light has no reciprocal.
     let [straight, slanted] = [coat.light_straight, coat.light_slanted].map(|t| t.max(1e-3).recip());
     let slope = (slanted - straight) / 3.0;
     [straight - slope, slope]

@@ -1,27 +1,28 @@
-//! How a hair's direction becomes a texel. `FORMAT.md`, "Directions".
+//! Encoding of hair directions as texels. `FORMAT.md`, "Directions".
 
 use crate::sections::textures::TextureFormat;
 use glam::Vec3;
 
-/// Numbers 0..=1 of a texel to components −1..=1: `c = (255 v − 128) / 127`, so that the byte 128 is exactly 0 and upright
-/// hair (0, 0) has no rounding error. Byte 0 means the same as byte 1.
+/// Scale from texel values 0..=1 to components −1..=1: `c = (255 v − 128) / 127`, so that the byte 128 is exactly 0 and
+/// upright hair (0, 0) has no rounding error. Byte 0 means the same as byte 1.
 const SCALE: f32 = 255.0 / 127.0;
 const OFFSET: f32 = -128.0 / 127.0;
 
-/// Decodes a sampled texel of the direction texture to a direction in the tile frame: x along +u of the tile, y along +v,
-/// z away from the skin.
+/// Decodes a sampled texel of the direction texture to a direction in the tile frame: x along +u of the tile, y along
+/// +v, z away from the surface.
 ///
-/// * Two-component formats hold x and y; z is what is missing to unit length. Hair that points to the skin is stored reversed:
-///   equation (1) cannot tell T from −T. The result has unit length, also between texels.
-/// * Four-component formats hold x, y and z in red, green and blue; alpha is 1. Texels are unit vectors; between texels, and in
-///   smaller mip levels, the length falls where directions disagree. It is kept here: it tells how far to trust the direction.
+/// * Two-component formats hold x and y; z is computed for unit length. Hair that points towards the surface is stored
+///   reversed: equation (1) cannot tell T from −T. The result has unit length, also between texels.
+/// * Four-component formats hold x, y and z in red, green and blue; alpha is 1. Texels are unit vectors; between
+///   texels, and in smaller mip levels, the length decreases where directions disagree. The length is kept here as a
+///   measure of confidence in the direction.
 ///
-/// No number gives NaN or a vector longer than √3.
+/// No input gives NaN or a vector longer than √3.
 pub fn decode_direction(texel: [f32; 4], format: TextureFormat) -> Vec3 {
     let c = texel.map(|v| (v * SCALE + OFFSET).clamp(-1.0, 1.0));
     if format.components() == 2 {
         let planar = c[0] * c[0] + c[1] * c[1];
-        // Filtering and rounding can push (x, y) out of the unit disc: bring it back, lying flat.
+        // Filtering and rounding can push (x, y) outside the unit disc: move it back to the rim, with z = 0.
         let shrink = if planar > 1.0 { planar.sqrt().recip() } else { 1.0 };
         Vec3::new(c[0] * shrink, c[1] * shrink, (1.0 - planar).max(0.0).sqrt())
     } else {
@@ -29,10 +30,10 @@ pub fn decode_direction(texel: [f32; 4], format: TextureFormat) -> Vec3 {
     }
 }
 
-/// Encodes a direction in the tile frame as four bytes, of which a two-component format takes the first two. The inverse of
+/// Encodes a direction in the tile frame as four bytes; a two-component format uses the first two. Inverse of
 /// [`decode_direction`] up to rounding (half a step of 1/127) and, for two components, sign.
 ///
-/// `direction` has unit length, or less to say that it is not to be trusted.
+/// `direction` has unit length, or less to express low confidence.
 pub fn encode_direction(direction: Vec3, format: TextureFormat) -> [u8; 4] {
     let byte = |c: f32| (c.clamp(-1.0, 1.0) * 127.0 + 128.0).round() as u8;
     if format.components() == 2 {

@@ -1,78 +1,79 @@
-//! Light from all around: what is even, spherical Gaussians (Xu 2011), and a sun. It is what a sky or a room is taken for, small enough to be written down, turned
-//! and blended.
+//! Environment lighting as a constant term, spherical Gaussians (Xu 2011) and a sun. This approximation of a sky or a
+//! room is small enough to store, rotate and blend.
 
 use super::scattering::gaussian_light::GaussianLight;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// A sky or a room as hair is lit by it. Colours are linear RGB. Radiance 1 from everywhere makes a white surface as bright as a light of colour 1 that stands
-/// square to it does.
+/// Environment light of a sky or a room, as it lights hair. Colours are linear RGB. Constant radiance 1 makes a white
+/// surface as bright as a perpendicular light of colour 1.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Environment {
-    /// Radiance from everywhere, 0 or more.
+    /// Constant radiance from all directions, 0 or more.
     #[serde(default)]
     pub even: [f32; 3],
-    /// What is as bright as to be a light of its own and small enough to throw sharp shadows: the sun.
+    /// Sun: a source bright enough to be a separate light and small enough to cast sharp shadows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sun: Option<Sun>,
-    /// Lights that are spread about a direction; at most [`Environment::MOST_LOBES`].
+    /// Light lobes; at most [`Environment::MOST_LOBES`].
     #[serde(default, rename = "lobe", skip_serializing_if = "Vec::is_empty")]
     pub lobes: Vec<LightLobe>,
 }
 
-/// A light that is spread about a direction as a spherical Gaussian: radiance · exp((cos − 1) / width²) at the angle of that cosine from its middle.
+/// Light lobe: a spherical Gaussian with radiance · exp((cos − 1) / width²), where cos is the cosine of the angle from
+/// its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightLobe {
-    /// Towards its middle, of any length but 0; y is up.
+    /// Direction towards the centre of the lobe, of any length but 0; y is up.
     pub towards: [f32; 3],
     /// Standard deviation, degrees, [`LightLobe::WIDTHS`].
     pub width_deg: f32,
-    /// Of its middle, 0 or more.
+    /// Radiance at the centre, 0 or more.
     pub radiance: [f32; 3],
 }
 
-/// A light that is as small as to be one direction.
+/// Light small enough to have a single direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sun {
-    /// Towards it, of any length but 0; y is up.
+    /// Direction towards the sun, of any length but 0; y is up.
     pub towards: [f32; 3],
-    /// As that of any light: 1 brings an irradiance of π to a surface that is square to it.
+    /// Colour, as for any light: 1 gives an irradiance of π on a perpendicular surface.
     pub color: [f32; 3],
 }
 
 impl LightLobe {
-    /// Degrees that a lobe may be wide. What is narrower is a sun; wider ones are even.
+    /// Range of lobe widths, degrees. A narrower light is a sun; a wider one is constant.
     pub const WIDTHS: core::ops::RangeInclusive<f32> = 4.0..=120.0;
 
-    /// Its shape.
+    /// Returns the lobe's shape.
     pub fn light(&self) -> GaussianLight {
         let width = f64::from(self.width_deg).to_radians();
         GaussianLight { towards: unit(self.towards), sharpness: 1.0 / (width * width) }
     }
 
-    /// ∫ of its radiance over all directions.
+    /// Returns ∫ of the radiance over all directions.
     pub fn whole(&self) -> DVec3 {
         color(self.radiance) * self.light().whole()
     }
 }
 
 impl Environment {
-    /// Most lobes of one.
+    /// Maximum number of lobes in an environment.
     pub const MOST_LOBES: usize = 32;
-    /// Most that a colour may be: what half floats hold, with room for sums.
+    /// Maximum of a colour channel; limited by half floats, with room for sums.
     pub const BRIGHTEST: f32 = 1e9;
-    /// Width of the lobe that a gradient is, degrees.
+    /// Width of the lobe that represents a gradient, degrees.
     const GRADIENT_DEG: f32 = 55.0;
 
-    /// The same light from everywhere.
+    /// Returns constant light from all directions.
     pub fn constant(radiance: [f32; 3]) -> Self {
         Self { even: radiance, ..Self::default() }
     }
 
-    /// Light that goes over from what comes from straight below to what comes from straight above.
+    /// Returns light that changes from `below` in the downward direction to `above` in the upward direction.
     pub fn gradient(above: [f32; 3], below: [f32; 3]) -> Self {
         let lobe = |up: f32, more: [f32; 3], less: [f32; 3]| LightLobe {
             towards: [0.0, up, 0.0],
@@ -87,26 +88,27 @@ impl Environment {
         }
     }
 
-    /// Radiance from a direction of length 1; the sun is not seen.
+    /// Returns the radiance from a direction of unit length, without the sun.
     pub fn radiance(&self, from: DVec3) -> DVec3 {
         let of = |lobe: &LightLobe| color(lobe.radiance) * lobe.light().radiance(from);
         self.lobes.iter().fold(color(self.even), |sum, lobe| sum + of(lobe))
     }
 
-    /// ∫ of all light over all directions, the sun's irradiance with it.
+    /// Returns ∫ of all light over all directions, including the sun's irradiance.
     pub fn whole(&self) -> DVec3 {
         let sun = self.sun.map_or(DVec3::ZERO, |sun| color(sun.color) * core::f64::consts::PI);
         let even = color(self.even) * (4.0 * core::f64::consts::PI);
         self.lobes.iter().fold(sun + even, |sum, lobe| sum + lobe.whole())
     }
 
-    /// Irradiance over π of what lies level under it, the sun's with it: what a white ground sends back from everywhere.
+    /// Returns the irradiance over π of a horizontal surface under the environment, including the sun: the radiance
+    /// that white ground reflects in all directions.
     pub fn onto_ground(&self) -> DVec3 {
         const ROWS: u32 = 32;
         const COLUMNS: u32 = 64;
         let sun = self.sun.map_or(DVec3::ZERO, |sun| color(sun.color) * unit(sun.towards).y.max(0.0));
         let row = |y: u32| {
-            // Equal steps of the squared sine are equal parts of what a level surface meets.
+            // Equal steps of the squared sine are equal parts of the irradiance of a horizontal surface.
             let up = ((f64::from(y) + 0.5) / f64::from(ROWS)).sqrt();
             let out = (1.0 - up * up).sqrt();
             let at = |x: u32| {
@@ -118,7 +120,7 @@ impl Environment {
         sun + (0..ROWS).map(row).sum::<DVec3>() / f64::from(ROWS * COLUMNS)
     }
 
-    /// The direction that most of its light comes from, of length 1; upwards where it comes from nowhere in particular.
+    /// Returns the mean direction of the light, of unit length; upwards if the light has no predominant direction.
     pub fn middle(&self) -> DVec3 {
         let lobe = |lobe: &LightLobe| {
             let light = lobe.light();
@@ -131,7 +133,7 @@ impl Environment {
         sum.normalize_or(DVec3::Y)
     }
 
-    /// The same turned about the vertical, degrees: from +x towards −z, as a model turns.
+    /// Returns the environment rotated about the vertical axis, degrees: from +x towards −z, as a model turns.
     pub fn turned(&self, yaw_deg: f32) -> Self {
         let (sin, cos) = libm::sincos(f64::from(yaw_deg).to_radians());
         let turn = |way: [f32; 3]| {
@@ -146,7 +148,7 @@ impl Environment {
         out
     }
 
-    /// The same as many times as bright.
+    /// Returns the environment with its brightness multiplied by `strength`.
     pub fn times(&self, strength: f32) -> Self {
         let scaled = |color: [f32; 3]| color.map(|x| x * strength);
         let mut out = self.clone();
@@ -158,8 +160,9 @@ impl Environment {
         out
     }
 
-    /// Between this and another: 0 is this, 1 the other. Their radiance is mixed, so that nothing wanders; where that makes too many lobes, those that are most alike
-    /// become one. Of two suns the middle is one: they are the same sun some time later.
+    /// Blends two environments: share 0 is `self`, 1 is `other`. Radiances are mixed, so that lights do not move. If
+    /// there are then too many lobes, the most similar ones are merged. The direction between two suns is interpolated:
+    /// they are the same sun at different times.
     pub fn blended(&self, other: &Self, share: f32) -> Self {
         let (here, there) = (self.times(1.0 - share), other.times(share));
         let mut lobes = here.lobes;
@@ -179,7 +182,8 @@ impl Environment {
         Self { even: core::array::from_fn(|i| here.even[i] + there.even[i]), lobes, sun }
     }
 
-    /// Its light as at most so many lobes, at least 1, beside what is even: those that are most alike become one.
+    /// Returns the environment with at most `most` lobes, at least 1, besides the constant light; the most similar
+    /// lobes are merged.
     pub fn with_fewer(&self, most: usize) -> Self {
         let mut out = self.clone();
         while out.lobes.len() > most.max(1) {
@@ -188,7 +192,7 @@ impl Environment {
         out
     }
 
-    /// The first of its values that is wrong, if one is: where it stands, `lobe[0].width_deg`, and what was found and expected.
+    /// Returns the first invalid value, if any: its path, such as `lobe[0].width_deg`, and what was found and expected.
     pub fn fault(&self) -> Option<(String, String)> {
         let (least, most) = (LightLobe::WIDTHS.start(), LightLobe::WIDTHS.end());
         let colour = |key: String, found: [f32; 3]| {
@@ -222,17 +226,18 @@ impl Environment {
     }
 }
 
-/// Mean cosine of the light of a spherical Gaussian about its middle: coth κ − 1/κ.
+/// Returns the mean cosine between the light of a spherical Gaussian and its axis: coth κ − 1/κ.
 pub fn mean_cosine(sharpness: f64) -> f64 {
     if sharpness < 1e-3 {
         return sharpness / 3.0;
     }
-    // coth κ by what is small: 1 − exp(−2 κ).
+    // coth κ from a small quantity: 1 − exp(−2 κ).
     let less = -libm::expm1(-2.0 * sharpness);
     (2.0 - less) / less - 1.0 / sharpness
 }
 
-/// The κ whose light has that mean cosine, below 1: a start after Banerjee 2005, and Newton's steps.
+/// Returns the κ whose light has mean cosine `mean`, below 1: starting value after Banerjee 2005, then Newton
+/// iterations.
 pub fn sharpness_of(mean: f64) -> f64 {
     let mean = mean.clamp(0.0, 1.0 - 1e-6);
     let mut k = mean * (3.0 - mean * mean) / (1.0 - mean * mean);
@@ -245,10 +250,11 @@ pub fn sharpness_of(mean: f64) -> f64 {
     k
 }
 
-/// Makes one lobe of the two that are most alike: it has their light, and as much of it about the same direction.
+/// Merges the two most similar lobes. The result has their total light and, as far as possible, their mean direction
+/// and spread.
 fn merge_nearest(lobes: &mut Vec<LightLobe>) {
     let pairs = (0..lobes.len()).flat_map(|i| (i + 1..lobes.len()).map(move |j| (i, j)));
-    // How far apart the light of a pair would be moved.
+    // How far merging would move the light of a pair.
     let cost = |(i, j): (usize, usize)| {
         let [a, b] = [i, j].map(|i| (brightness(lobes[i].whole()), lobes[i].light()));
         let moved = [a.1, b.1].map(|light| light.towards * mean_cosine(light.sharpness));
@@ -279,7 +285,7 @@ fn merged(a: &LightLobe, b: &LightLobe) -> LightLobe {
     LightLobe { radiance: (whole / shape.whole()).as_vec3().into(), ..shape }
 }
 
-/// How bright a colour looks (Rec. 709).
+/// Returns the luminance of a colour (Rec. 709).
 pub fn brightness(color: DVec3) -> f64 {
     color.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }

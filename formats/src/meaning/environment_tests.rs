@@ -6,7 +6,7 @@ fn lobe(towards: [f32; 3], width_deg: f32, radiance: [f32; 3]) -> LightLobe {
     LightLobe { towards, width_deg, radiance }
 }
 
-/// Directions evenly over the sphere, and the solid angle of each.
+/// Directions distributed evenly over the sphere, and the solid angle of each.
 fn sphere(count: usize) -> impl Iterator<Item = (DVec3, f64)> {
     (0..count).map(move |i| {
         let y = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
@@ -78,7 +78,7 @@ fn sharpness_and_mean_cosine_undo_each_other() {
     assert!(sharpness_of(1.0).is_finite() && sharpness_of(-1.0) == 0.0);
 }
 
-/// Half way it is the mean of both, from everywhere, and the ends are the two themselves.
+/// The blend at one half is the mean of both in every direction, and the ends are the two environments.
 #[test]
 fn between_two_skies_every_direction_is_between() {
     let many = |seed: f32| Environment {

@@ -1,30 +1,31 @@
-//! Fins: where the corners of a quad stand, and how much of it shows (Lengyel 2001).
+//! Fins: positions of a quad's corners, and opacity (Lengyel 2001).
 
 use super::skinning::normalize_or;
 use glam::Vec3;
 
 /// Vertices of a fin's quad: two triangles.
 pub const FIN_CORNERS: u32 = 6;
-/// Quads above each other where hair leans, which bends it.
+/// Number of stacked quads of a fin where hair leans, so that it can bend.
 pub const LEANING_ROWS: u32 = 3;
 
-/// Quads of a fin above each other, all of them as high as the hair: one where none leans.
+/// Returns the number of stacked quads of a fin, which together are as high as the hair: 1 if the hair does not lean.
 pub fn fin_rows(leans: bool) -> u32 {
     if leans { LEANING_ROWS } else { 1 }
 }
 
-/// Share of the hair's height at which the corners of a row of quads stand, lower and upper.
+/// Returns the heights of the lower and upper corners of a row of quads, as shares of the hair's height.
 pub fn row_heights(row: u32, rows: u32) -> [f32; 2] {
     [row, row + 1].map(|r| r as f32 / rows as f32)
 }
 
-/// Unit normal of a fin's own plane, by its edge from `a` to `b` and the normals of the skin there; zero where they give none.
+/// Returns the unit normal of a fin's plane, from its edge `a` to `b` and the surface normals there; zero if they give
+/// none.
 pub fn fin_face(a: Vec3, b: Vec3, normal_a: Vec3, normal_b: Vec3) -> Vec3 {
     normalize_or((b - a).cross(normal_a + normal_b), Vec3::ZERO)
 }
 
-/// Opacity of a fin: `p` is the cosine between its normal and the direction to the eye. 1 where it is seen face
-/// on, 0 from 60° on.
+/// Returns the opacity of a fin: 1 seen face on, 0 from 60° on. `p` is the cosine between its normal and the direction
+/// to the eye.
 pub fn fin_opacity(p: f32) -> f32 {
     (2.0 * p.abs() - 1.0).max(0.0)
 }

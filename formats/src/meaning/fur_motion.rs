@@ -1,60 +1,65 @@
-//! How fur leans in wind and stride: a particle at the tip of the hair on each vertex of the skin, on a spring to where the hair was groomed.
+//! Lean of fur in wind and motion: a particle at the hair tip on each vertex, with a spring to its groomed position.
 //!
-//! The runtime does the same on the GPU (`runtime/src/passes/fur_motion`). Axes are those of the world, lengths metres, times seconds.
+//! The runtime does the same on the GPU (`runtime/src/passes/fur_motion`). Axes are those of world space, lengths
+//! metres, times seconds.
 //!
-//! Within a frame the skin gets faster evenly and the air is as it is at the end, so beside the skin the particle is a damped oscillator about a place, whose
-//! motion has a closed form: it is exact for a frame of any length, and no spring is too stiff for it. Nothing but the place of the vertex and the length of its hair
-//! enters, so vertices that share a place lean alike and fur does not part along seams.
+//! Within a frame the surface accelerates uniformly and the air is as at the end of the frame. Relative to the surface
+//! the particle is then a damped oscillator about a fixed point, whose motion has a closed form. So it is exact for a
+//! frame of any length, and no spring is too stiff.
 //!
-//! With s the [`stiffness`] and L the length of the hair, ω² = s / L: what accelerates by s bends it by a radian, as far as that may be said of so large an
-//! angle. Short hair is stiff, long hair sways.
+//! The motion depends only on the position of the vertex and the length of its hair. So vertices at the same position
+//! lean alike, and fur does not part along seams.
+//!
+//! With s the [`stiffness`] and L the length of the hair, ω² = s / L: an acceleration of s would bend the hair by one
+//! radian if springs were linear that far. Short hair is stiff, long hair sways.
 
 use super::hair_motion::Wind;
 use glam::Vec3;
 
-/// [`stiffness`] of long hair, metres a second squared.
+/// [`stiffness`] of long hair, m/s².
 pub const STIFFNESS: f32 = 60.0;
-/// Hair of this length is twice as stiff, metres.
+/// Length at which hair is twice as stiff as long hair, metres.
 pub const SHORT_M: f32 = 0.01;
-/// How fast the air takes hair along, 1/s.
+/// Drag rate: how fast hair takes on the velocity of the air, 1/s.
 pub const DRAG_PER_S: f32 = 4.0;
-/// Share of the damping that would stop it from swinging at all.
+/// Damping, as a share of critical damping.
 pub const DAMPING: f32 = 0.35;
-/// Angle that hair comes near to and never reaches, radians: fur stays within its height, and points away from the skin.
+/// Upper bound of the lean angle, approached but never reached, radians: fur stays within its height and points away
+/// from the surface.
 pub const MOST_LEAN_RAD: f32 = 0.7;
-/// How far from where it was groomed a tip goes at most, lengths of the hair.
+/// Maximum distance of a tip from its groomed position, hair lengths.
 const FARTHEST: f32 = 2.0;
-/// Hair that is shorter does not move, metres.
+/// Length below which hair does not move, metres.
 pub const SHORTEST_M: f32 = 1e-5;
 
-/// The tip of the hair on a vertex.
+/// Tip of the hair on a vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tip {
-    /// Where it is, from where it was groomed.
+    /// Offset from the groomed position.
     pub aside: Vec3,
-    /// How fast it goes beside its root, metres a second.
+    /// Velocity relative to the root, m/s.
     pub beside: Vec3,
-    /// How fast the skin went, metres a second; `None` where that is not known yet.
+    /// Velocity of the surface, m/s; `None` while unknown.
     pub of_skin: Option<Vec3>,
 }
 
-/// A frame of time.
+/// Frame of time.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// How long it is; 0: nothing moves.
+    /// Duration; 0: nothing moves.
     pub seconds: f32,
-    /// How long the one before was.
+    /// Duration of the previous frame.
     pub before_s: f32,
-    /// What the air does.
+    /// Wind.
     pub wind: &'a Wind,
-    /// The moment at its end, seconds.
+    /// Time at the end of the frame, seconds.
     pub time_s: f32,
 }
 
-/// Hair as the wind holds it, where nothing is known of how the skin moves.
+/// Returns the tip in equilibrium with the wind, for a surface whose motion is unknown.
 ///
-/// * `length_m`: of the hair, [`SHORTEST_M`] or more
-/// * `root`: where the skin is
+/// * `length_m`: length of the hair, [`SHORTEST_M`] or more
+/// * `root`: position of the surface
 pub fn begun(length_m: f32, root: Vec3, wind: &Wind, time_s: f32) -> Tip {
     let held = wind.at(root, time_s) * (DRAG_PER_S * length_m / stiffness(length_m));
     Tip { aside: within(held, FARTHEST * length_m), ..Tip::default() }
@@ -62,9 +67,9 @@ pub fn begun(length_m: f32, root: Vec3, wind: &Wind, time_s: f32) -> Tip {
 
 /// Moves a tip by one frame.
 ///
-/// * `length_m`: of the hair, [`SHORTEST_M`] or more
-/// * `root`: where the skin is now
-/// * `went`: how far it went in the frame
+/// * `length_m`: length of the hair, [`SHORTEST_M`] or more
+/// * `root`: current position of the surface
+/// * `went`: displacement of the surface during the frame
 pub fn advance(tip: Tip, length_m: f32, root: Vec3, went: Vec3, frame: &Frame<'_>) -> Tip {
     let h = frame.seconds;
     if h <= 0.0 {
@@ -72,7 +77,7 @@ pub fn advance(tip: Tip, length_m: f32, root: Vec3, went: Vec3, frame: &Frame<'_
     }
     let square = stiffness(length_m) / length_m;
     let of_skin = went / h;
-    // From the middle of the frame before to that of this one.
+    // From the middle of the previous frame to the middle of this one.
     let faster = (of_skin - tip.of_skin.unwrap_or(of_skin)) / (0.5 * (h + frame.before_s));
     let pulled = (frame.wind.at(root, frame.time_s) - of_skin) * DRAG_PER_S - faster;
     let goal = within(pulled / square, FARTHEST * length_m);
@@ -86,51 +91,54 @@ pub fn advance(tip: Tip, length_m: f32, root: Vec3, went: Vec3, frame: &Frame<'_
     Tip { aside: within(aside, FARTHEST * length_m), beside, of_skin: Some(of_skin) }
 }
 
-/// Acceleration that bends hair over by a radian if springs were linear that far, metres a second squared.
+/// Returns the acceleration that would bend hair by one radian if springs were linear that far, m/s².
 pub fn stiffness(length_m: f32) -> f32 {
     STIFFNESS * (1.0 + SHORT_M / length_m)
 }
 
-/// Where a tip is at the end of a frame, from where it was groomed.
+/// Returns the offset of a tip from its groomed position at the end of a frame.
 ///
-/// What makes skin faster is known in the middle of two frames, so that [`advance`] is half a frame late, which this makes good.
+/// The acceleration of the surface is known between the middles of two frames, so [`advance`] lags by half a frame.
+/// This function compensates for it.
 ///
-/// * `seconds`: of the frame
+/// * `seconds`: duration of the frame
 pub fn shown(tip: &Tip, length_m: f32, seconds: f32) -> Vec3 {
     within(tip.aside + tip.beside * (0.5 * seconds), FARTHEST * length_m)
 }
 
-/// No longer than `most`.
+/// Returns `v` with its length limited to `most`.
 fn within(v: Vec3, most: f32) -> Vec3 {
     v * (most / v.length().max(1e-20)).min(1.0)
 }
 
-/// How freely the fur of a vertex moves, 0..=1: what already lies, and what wet tips hold together, moves less.
+/// Returns how freely the fur of a vertex moves, 0..=1: hair that leans already or sticks together because it is wet
+/// moves less.
 ///
 /// * `lean`, `wetness`: of the vertex, 0..=1
 pub fn freedom(lean: f32, wetness: f32) -> f32 {
     (1.0 - 0.5 * lean.clamp(0.0, 1.0)) * (1.0 - 0.6 * wetness.clamp(0.0, 1.0))
 }
 
-/// By how much the hair on a vertex leans, radians, 0 to [`MOST_LEAN_RAD`], and towards where, a unit vector along the skin; `None` where it stands as
-/// it was groomed.
+/// Returns the lean angle of the hair on a vertex, radians, 0 to [`MOST_LEAN_RAD`], and its direction, a unit vector
+/// along the surface; `None` if the hair is as groomed.
 ///
-/// * `normal`: of the skin, unit length
-/// * `strength`: times [`freedom`] and what the application wants
+/// * `normal`: surface normal, unit length
+/// * `strength`: product of [`freedom`] and the application's factor
 pub fn lean(aside: Vec3, normal: Vec3, length_m: f32, strength: f32) -> Option<(f32, Vec3)> {
     let along = aside - normal * normal.dot(aside);
     let far = along.length();
     let angle = strength * far / length_m;
-    // What nobody sees is nothing: fur at rest is what it was.
+    // An invisible lean counts as none, so that fur at rest is exactly as groomed.
     (angle > 1e-4).then(|| (angle / (1.0 + (angle / MOST_LEAN_RAD) * (angle / MOST_LEAN_RAD)).sqrt(), along / far))
 }
 
-/// The direction in which hair grows that leans, unit length. Tangents follow as they do where skin bends: what of them is along it is taken away.
+/// Returns the growth direction of leaning hair, unit length. Tangents follow as on a bent surface: their component
+/// along this direction is removed.
 pub fn leaned(normal: Vec3, angle_rad: f32, along: Vec3) -> Vec3 {
     normal * libm::cosf(angle_rad) + along * libm::sinf(angle_rad)
 }
 
-/// Seconds after which fur that is `length_m` long and that nothing moves has a thousandth of its swing left.
+/// Returns the time, in seconds, after which the swing of unmoved fur of length `length_m` has decayed to a thousandth.
 pub fn rest_s(length_m: f32) -> f32 {
     const LN_1000: f32 = 6.907_755;
     let length_m = length_m.max(SHORTEST_M);
@@ -144,7 +152,7 @@ mod tests {
 
     const CALM: Wind = Wind { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5 };
 
-    /// Where the tip is frame by frame, of hair whose skin is at `place` at each moment.
+    /// Returns the tip of a hair frame by frame, on a surface at `place` at each time.
     fn run(length_m: f32, fps: f32, seconds: f32, place: impl Fn(f32) -> Vec3, wind: &Wind) -> Vec<Vec3> {
         let mut tip = begun(length_m, place(0.0), wind, 0.0);
         let frames = (seconds * fps).round() as u32;
@@ -159,7 +167,7 @@ mod tests {
         moved.collect()
     }
 
-    /// A stride: up and down, while it goes on.
+    /// Surface that moves forward and bobs up and down, as in a stride.
     fn stride(time_s: f32) -> Vec3 {
         Vec3::new(3.0 * time_s, 0.05 * (14.0 * time_s).sin(), 0.0)
     }
@@ -187,7 +195,7 @@ mod tests {
         let blown = *run(0.03, 60.0, 3.0, |_| Vec3::ZERO, &wind).last().unwrap();
         let expected = 5.0 * DRAG_PER_S / stiffness(0.03) * 0.03;
         assert!((blown.x - expected).abs() < 1e-4 * expected && blown.y == 0.0, "{blown}");
-        // Whoever runs has the wind of it, whatever the air does.
+        // A moving surface feels headwind, even in still air.
         let ran = *run(0.03, 60.0, 3.0, |t| Vec3::X * 5.0 * t, &CALM).last().unwrap();
         assert!((ran.x + expected).abs() < 1e-2 * expected, "{ran}");
         let still = run(0.03, 60.0, 3.0, |t| Vec3::X * t.min(1.0), &CALM);
@@ -198,7 +206,7 @@ mod tests {
 
     #[test]
     fn frames_of_any_length_tell_the_same() {
-        // The shortest swings faster than 30 frames a second show: off by a quarter of a millimetre.
+        // The shortest hair swings faster than 30 frames a second can show: the error is a quarter of a millimetre.
         for (length, bound) in [(0.005, 0.05), (0.01, 0.03), (0.02, 0.01), (0.1, 0.01)] {
             let ends = [30.0, 60.0, 144.0, 960.0].map(|fps| *run(length, fps, 5.0, stride, &CALM).last().unwrap());
             let off = ends.iter().map(|end| end.distance(ends[3]) / length).fold(0.0, f32::max);

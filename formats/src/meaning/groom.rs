@@ -1,20 +1,21 @@
-//! How much hair grows at a point of the skin and how wet it is, from the bytes of a vertex and a texel of the groom texture.
+//! Amount and wetness of hair at a surface point, from the bytes of a vertex and a texel of the groom texture.
 
 use glam::Vec2;
 
-/// Bytes of [`crate::AttributeVertex::groom`] for a bareness and a wetness, both 0..=1.
+/// Returns the bytes of [`crate::AttributeVertex::groom`] for a bareness and a wetness, both 0..=1.
 pub fn groom_bytes(bareness: f32, wetness: f32) -> [u8; 4] {
     let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
     [byte(bareness), byte(wetness), 0, 0]
 }
 
-/// Share of the hair that grows at a vertex, and of that which is wet; 0..=1 each.
+/// Returns the share of the hair that grows at a vertex, and its wetness; 0..=1 each.
 pub fn groom_of_vertex(bytes: [u8; 4]) -> Vec2 {
     let [bareness, wetness, ..] = bytes.map(|byte| f32::from(byte) / 255.0);
     Vec2::new(1.0 - bareness, wetness)
 }
 
-/// The same with a texel of the material's groom texture: growths multiply, wetness adds up to 1.
+/// Combines the values of [`groom_of_vertex`] with a texel of the material's groom texture: shares of hair multiply,
+/// wetnesses add up to at most 1.
 pub fn groom_with_texel(groom: Vec2, texel: Vec2) -> Vec2 {
     Vec2::new(groom.x * texel.x, (groom.y + texel.y).min(1.0))
 }

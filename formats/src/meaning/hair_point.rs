@@ -1,25 +1,25 @@
-//! Where a point of hair stands: at the share s of the fur's height H it lies s · H along the skin's normal and s² · l · H along the comb
-//! direction, the tile's bitangent, where l is the vertex's lean.
+//! Position of a point of hair. At the share s of the fur's height H, it is s · H along the surface normal and s² · l ·
+//! H along the comb direction. The comb direction is the tile's bitangent, and l is the vertex's lean.
 
 use glam::Vec3;
 use std::ops::{Add, Mul};
 
-/// How far a point of the hair volume lies aside in the comb direction, heights of the volume, for a lean of 0..=1 beyond that of the
-/// tile's strands at a share of the volume's height.
+/// Returns the lateral offset of a point of the fur volume in the comb direction, heights of the volume. `lean` is
+/// 0..=1, beyond that of the tile's strands; `share` is the share of the volume's height.
 pub fn lean_offset<S: Copy + Mul<Output = S>>(lean: S, share: S) -> S {
     lean * share * share
 }
 
-/// Derivative of [`lean_offset`] by the share.
+/// Returns the derivative of [`lean_offset`] with respect to `share`.
 pub fn lean_slope(lean: f32, share: f32) -> f32 {
     2.0 * lean * share
 }
 
-/// The way from the skin to the hair that grows there, metres, in f32 or f64.
+/// Returns the offset from the surface to the hair that grows there, metres, in f32 or f64.
 ///
 /// * `normal`, `bitangent` - of the tile's frame, unit length
 /// * `lean` - of the vertex, 0..=1
-/// * `share` - of the fur's height, 0 on the skin, 1 at the outermost layer
+/// * `share` - of the fur's height, 0 on the surface, 1 at the outermost layer
 /// * `height_m` - of the outermost layer, metres
 pub fn hair_offset<V, S>(normal: V, bitangent: V, lean: S, share: S, height_m: S) -> V
 where
@@ -29,8 +29,8 @@ where
     (normal * share + bitangent * lean_offset(lean, share)) * height_m
 }
 
-/// What becomes of a piece of the tile's hair, in the tile frame, where the fur is `share` as high as the tile's and leans: it rises less and wanders as
-/// far aside, so it lies flatter.
+/// Transforms a segment of the tile's hair, in the tile frame, to fur that is `share` times as high as the tile's and
+/// leans. The segment rises less but extends as far sideways, so it is flatter.
 ///
 /// * `share` - the vertex's height of the fur over `FurInfo::height_m`
 /// * `slope` - [`lean_slope`]
@@ -39,7 +39,7 @@ pub fn grown_tangent(direction: Vec3, share: f32, slope: f32) -> Vec3 {
     Vec3::new(direction.x, direction.y + slope * rises, rises)
 }
 
-/// The direction of [`grown_tangent`], with the length of the tile's, up to 1.
+/// Returns the direction of [`grown_tangent`], with the length of the tile's direction, up to 1.
 pub fn hair_direction(direction: Vec3, share: f32, slope: f32) -> Vec3 {
     let grown = grown_tangent(direction, share, slope);
     grown * (direction.dot(direction) / grown.dot(grown).max(1e-30)).sqrt()
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn shorter_hair_lies_flatter() {
-        // Two points of a strand of the tile, heights over the tile's; a vertex with a quarter of them, which leans.
+        // Two points of a strand of the tile, in tile heights; a vertex with a quarter of the height, which leans.
         let (low, high) = (Vec3::new(0.1, -0.05, 0.5), Vec3::new(0.103, -0.046, 0.504));
         let (lean, quarter) = (0.3, 0.25);
         let point = |p: Vec3| Vec3::new(p.x, p.y, 0.0) + hair_offset(Vec3::Z, Vec3::Y, lean, p.z, quarter);
@@ -80,7 +80,7 @@ mod tests {
         let found = hair_direction((high - low).normalize(), quarter, lean_slope(lean, 0.502));
         assert!(found.distance(along) < 1e-3, "{found} along {along}");
         assert!(hair_direction((high - low).normalize(), 1.0, 0.0).z > 2.0 * found.z);
-        // Of no length at all, it lies.
+        // Hair of height 0 lies flat.
         assert_eq!(hair_direction(Vec3::Z, 0.0, 0.5), Vec3::ZERO);
     }
 }

@@ -1,54 +1,58 @@
-//! Layers of hair: how high each lies, and which of them a level of detail draws.
+//! Layers of fur: their heights, and the layers drawn in each level of detail.
 
 use crate::DetailLevel;
 
-/// Layers, skin counted, that a map of what all hair together lets through is drawn of: what comes through them hardly depends on how many there are.
+/// Number of layers, layer 0 included, drawn into a map of the fur's total transmittance. The transmittance hardly
+/// depends on the layer count.
 pub const TOTAL_MAP_LAYERS: u32 = 3;
 
-/// Share of the fur's height at which a layer lies, of so many with the skin counted, 2 or more: 0 for the skin, layer 0, and 1 for the outermost.
+/// Returns the height of a layer, as a share of the fur's height: 0 for layer 0, on the surface, and 1 for the
+/// outermost. `layers` is the layer count, layer 0 included, 2 or more.
 pub fn layer_height(layer: u32, layers: u32) -> f32 {
     layer as f32 / (layers - 1) as f32
 }
 
-/// How many of the `baked` layers a layer, 1..`baked`, stands for in a level of that step: itself and those below it, down to the next
-/// that is drawn. 0 where the level does not draw it, and in a level of step 0, which draws none.
+/// Returns how many of the `baked` layers a layer in 1..`baked` represents in a level of that step: itself and those
+/// below it, down to the next drawn layer. 0 if the level does not draw it, and in a level of step 0, which draws no
+/// layers.
 pub fn layers_stood_for(layer: u32, baked: u32, step: u32) -> u32 {
     if step == 0 || !(baked - 1 - layer).is_multiple_of(step) { 0 } else { step.min(layer) }
 }
 
-/// How many layers a level of that step draws of `baked`, skin not counted.
+/// Returns the number of layers that a level of that step draws of `baked`, layer 0 excluded.
 pub fn detail_count(baked: u32, step: u32) -> u32 {
     if step == 0 || baked < 2 { 0 } else { (baked - 2) / step + 1 }
 }
 
-/// How many layers of a level of that step, 1 or more, the next level leaves out, which draws every `2 * step`-th.
+/// Returns the number of layers drawn by a level of that step, 1 or more, but not by the next, with step `2 * step`.
 pub fn detail_pairs(baked: u32, step: u32) -> u32 {
     detail_count(baked, step) - detail_count(baked, 2 * step)
 }
 
-/// The lowest layer that is drawn of `baked`, 2 or more, where every `step`-th is.
+/// Returns the lowest layer drawn of `baked`, 2 or more, if every `step`-th is drawn.
 fn lowest(baked: u32, step: u32) -> u32 {
     (baked - 2) % step + 1
 }
 
-/// Share in which a layer, 1..`baked`, has gone over from a level of that step to the next, where so many of [`detail_pairs`] have.
+/// Returns the share in which a layer in 1..`baked` has changed from a level of that step to the next; `gone` is the
+/// number of [`detail_pairs`] that have changed.
 ///
-/// Layers are left out one after another, from the skin outwards: each gives its opacity to the next above, while all others stay as they are.
-/// So a level passes into the next through every number of layers between both.
+/// Layers are removed one after another, from the surface outwards. Each gives its opacity to the next layer above,
+/// while all others stay as they are. So the transition passes through every number of layers between both levels.
 pub fn detail_fade(layer: u32, baked: u32, step: u32, gone: f32) -> f32 {
     let kept = lowest(baked, 2 * step);
-    // A lowest layer that is kept may have none below it to stand for.
+    // The lowest layer that is kept may have none below it to represent.
     let first = u32::from(kept <= step);
     let pair = (layer + step).saturating_sub(kept) / (2 * step);
     (gone - pair.saturating_sub(first) as f32).clamp(0.0, 1.0)
 }
 
-/// The `index`-th layer that is drawn of `baked`, 2 or more, from the skin outwards, where every `step`-th is, and so many of [`detail_pairs`]
-/// have gone over to the next level.
+/// Returns the `index`-th drawn layer, from the surface outwards. Every `step`-th of `baked` layers, 2 or more, is
+/// drawn, and `gone` of [`detail_pairs`] have changed to the next level.
 pub fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
     let kept = lowest(baked, 2 * step);
     let first = u32::from(kept <= step);
-    // Pairs of which one layer is left.
+    // Pairs with one layer left.
     let thinned = gone as u32 + first;
     if gone >= 1.0 && index < thinned {
         kept + 2 * step * index
@@ -57,23 +61,26 @@ pub fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
     }
 }
 
-/// Where in a chain of levels of detail a model is whose fur is `px` pixels high: the level, and the share of the way to the next.
+/// Returns the level of detail for fur that is `px` pixels high, and the share of the transition to the next level.
 ///
-/// Between two levels layers are as many as the fur has pixels.
+/// Between two levels the number of layers equals the height of the fur in pixels.
 pub fn detail_place(levels: &[DetailLevel], px: f32) -> (usize, f32) {
     let last = levels.len().saturating_sub(1);
     let level = levels.iter().position(|level| px > level.gone_px).unwrap_or(last);
     let Some(found) = levels.get(level).filter(|found| level < last && px < found.full_px) else { return (level, 0.0) };
-    // A level that is never gone does not fade.
+    // A level with `gone_px` 0 never fades.
     let fade = if found.gone_px > 0.0 { (found.full_px - px) / (found.full_px - found.gone_px) } else { 0.0 };
     (level, fade.clamp(0.0, 1.0))
 }
 
-/// Pixels by which simplified index lists may deviate from the mesh where they are drawn in its place.
+/// Maximum deviation from the mesh of simplified index lists drawn instead of it, pixels.
 pub const MOST_DEVIATION_PX: f32 = 0.5;
 
-/// The simplest of index lists that deviates by at most [`MOST_DEVIATION_PX`] where a metre has so many pixels: 0 for the mesh itself, k for the
-/// list number k − 1 of those whose deviations, metres, rise.
+/// Returns the simplest index list that deviates by at most [`MOST_DEVIATION_PX`]: 0 for the mesh itself, k for list k
+/// − 1.
+///
+/// * `deviations_m`: deviation of each list, metres, ascending
+/// * `px_per_m`: pixels per metre
 pub fn simplest_list(deviations_m: &[f32], px_per_m: f32) -> usize {
     deviations_m.partition_point(|deviation| deviation * px_per_m <= MOST_DEVIATION_PX)
 }
@@ -92,7 +99,7 @@ mod tests {
         assert_eq!([8.0, 7.0, 2.0].map(at), [(2, 0.0); 3], "levels without a range switch at once");
         assert_eq!([1.0, 0.1, 0.0].map(at), [(3, 0.0); 3]);
         assert_eq!((at(14.0), at(1.25)), ((0, 0.5), (2, 0.75)), "layers are as many as pixels");
-        // The last level of a package without coat, and one that is never gone.
+        // The last level of a package without far layer, and a level that never fades.
         let endless = [level(1, 4.0, 0.0), level(2, 0.0, 0.0)];
         assert_eq!((detail_place(&endless, 0.5), detail_place(&endless[..1], 0.0)), ((0, 0.0), (0, 0.0)));
     }
@@ -101,7 +108,7 @@ mod tests {
     fn lists_are_as_simple_as_pixels_allow() {
         let deviations = [0.5, 2.0];
         assert_eq!([2.0, 1.0, 0.26, 0.25, 0.0].map(|px_per_m| simplest_list(&deviations, px_per_m)), [0, 1, 1, 2, 2]);
-        // With the eye within the bounds, and for a package without lists.
+        // With the eye inside the bounds, and for a package without lists.
         assert_eq!((simplest_list(&deviations, f32::INFINITY), simplest_list(&[], 1.0)), (0, 0));
     }
 
@@ -138,7 +145,7 @@ mod tests {
                 for gone in 0..=pairs {
                     let layers = drawn(gone);
                     assert!(layers.is_sorted_by(|a, b| a < b), "{layers:?}: {baked} layers, step {step}, {gone} gone");
-                    // The fade says the same, and a layer that is half gone is drawn still.
+                    // The fade agrees, and a half-faded layer is still drawn.
                     let whole: Vec<u32> = drawn(0)
                         .into_iter()
                         .filter(|l| {

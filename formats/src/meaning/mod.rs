@@ -1,8 +1,8 @@
-//! What the numbers of a package mean, once for all who read it: where a posed vertex stands, where a point of its hair does, which layers a
-//! level of detail draws, how much of a fin shows, how colours are encoded, and how a camera is turned.
+//! Meaning of the numbers in a package, defined once for all readers: posed vertices, points of hair, layers per level
+//! of detail, opacity of fins, colour encoding and camera orientation.
 //!
-//! The runtime's shaders say the same in WGSL; its tests hold shader, function and a truth in f64 against each other. The functions of a point of
-//! hair take f32 and f64 alike, because what traces single hairs from afar needs the digits.
+//! The runtime's shaders implement the same in WGSL. Its tests compare shader, function and an f64 reference. The
+//! functions for points of hair accept f32 and f64, because tracing single hairs from afar needs the precision.
 
 mod coat;
 mod direction;

@@ -1,38 +1,41 @@
-//! What of all directions a body leaves open to its hair: its own ears, legs and belly hide part of a sky, and its curves open more than what is above the skin.
+//! Openness: the directions that the body leaves open to its hair. Ears, legs and belly hide part of the sky, and
+//! convex surfaces open more than a hemisphere.
 
 use glam::Vec3;
 
-/// What the body leaves open to the tips of the hair at a place of its skin, or to bare skin, at rest.
+/// Directions left open by the body to the hair tips at a surface point, or to the bare surface, at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Openness {
-    /// Share of all directions that is open, 0..=1: half of them above a plain.
+    /// Share of all directions that is open, 0..=1; 0.5 above a plane.
     pub share: f32,
-    /// Of the unit vector towards the middle of what is open, what lies along u and v of the tile; at most 1 long. The middle never lies below the skin's horizon.
+    /// Components along u and v of the tile of the unit vector towards the centre of the open directions; length at
+    /// most 1. The centre is never below the surface's horizon.
     pub aside: [f32; 2],
 }
 
 impl Default for Openness {
-    /// That of a plain.
+    /// Returns the openness of a plane.
     fn default() -> Self {
         Self { share: 0.5, aside: [0.0; 2] }
     }
 }
 
 impl Openness {
-    /// Its four bytes in a package: the share as unorm, the vector as snorm, 0.
+    /// Returns the four bytes in a package: share as unorm, vector as snorm, 0.
     pub fn to_bytes(self) -> [u8; 4] {
         let share = (self.share.clamp(0.0, 1.0) * 255.0).round() as u8;
-        // Towards 0: what is stored is never longer than 1.
+        // Rounded towards 0, so that the stored vector is never longer than 1.
         let [u, v] = self.aside.map(|x| (x.clamp(-1.0, 1.0) * 127.0) as i8 as u8);
         [share, u, v, 0]
     }
 
-    /// What four bytes say.
+    /// Decodes four bytes of a package.
     pub fn of_bytes([share, u, v, _]: [u8; 4]) -> Self {
         Self { share: f32::from(share) / 255.0, aside: [u, v].map(|x| (f32::from(x as i8) / 127.0).max(-1.0)) }
     }
 
-    /// A vector as long as the share, towards the middle of what is open: along u and v of the tile, and the skin's normal.
+    /// Returns the vector towards the centre of the open directions, as long as the share: along u and v of the tile
+    /// and the surface normal.
     pub fn open(self) -> Vec3 {
         let [u, v] = self.aside;
         self.share * Vec3::new(u, v, (1.0 - u * u - v * v).max(0.0).sqrt())

@@ -1,19 +1,19 @@
-//! Where hair roots that is seen at a point of the tile: `FORMAT.md`, "ROOT".
+//! Root of the hair that is seen at a point of the tile: `FORMAT.md`, "ROOT".
 
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// How far hair at one height lies aside of its root, widths of the tile.
+/// Lateral offset of hair at one height from its root, widths of the tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Aside {
-    /// Of hair that points straight away from the skin there, along u and v.
+    /// Offset of hair that points straight away from the surface, along u and v.
     pub mean: [f32; 2],
-    /// How much farther for each unit that its direction, of unit length, points aside.
+    /// Additional offset per unit of the lateral component of its unit direction.
     pub along: f32,
 }
 
 impl Aside {
-    /// The way along u and v from the root of hair to where it is seen, widths of the tile.
+    /// Returns the offset along u and v from the root of hair to the point where it is seen, widths of the tile.
     ///
     /// * `direction` - of the hair there, in the frame of the tile, unit length
     pub fn of(&self, direction: Vec3) -> Vec2 {
@@ -21,7 +21,8 @@ impl Aside {
     }
 }
 
-/// The way from the root of hair to where it is seen; `aside` is mean and along of an [`Aside`], in any unit.
+/// Returns the offset from the root of hair to the point where it is seen. `aside` is mean and along of an [`Aside`],
+/// in any unit.
 pub fn root_aside(aside: Vec3, direction: Vec3) -> Vec2 {
     aside.truncate() + direction.truncate() * aside.z
 }

@@ -1,16 +1,17 @@
-//! Linear blend skinning: where joints move a vertex, its normal and its tangent.
+//! Linear blend skinning: the transform of vertices, normals and tangents by joints.
 
 use crate::sampling::Pose;
 use crate::sections::mesh::{GeometryVertex, MeshView, SkinVertex};
 use crate::sections::morphs::{MorphDelta, Morphs};
 use glam::{Mat3, Mat4, Vec3, Vec4};
 
-/// One joint's share of a vertex's matrix. A joint of weight 0 counts for nothing, even where its matrix is not finite.
+/// Returns a joint's contribution to a vertex's matrix. A joint of weight 0 contributes nothing, even if its matrix is
+/// not finite.
 pub fn weighted(m: Mat4, weight: f32) -> Mat4 {
     if weight > 0.0 { m * weight } else { Mat4::ZERO }
 }
 
-/// The weighted sum of a vertex's four joint matrices; the identity where no weight is positive.
+/// Returns the weighted sum of a vertex's four joint matrices; the identity if no weight is positive.
 pub fn blend(m0: Mat4, m1: Mat4, m2: Mat4, m3: Mat4, weights: Vec4) -> Mat4 {
     if !weights.cmpgt(Vec4::ZERO).any() {
         return Mat4::IDENTITY;
@@ -19,15 +20,16 @@ pub fn blend(m0: Mat4, m1: Mat4, m2: Mat4, m3: Mat4, weights: Vec4) -> Mat4 {
     Mat4::ZERO + weighted(m0, weights.x) + weighted(m1, weights.y) + weighted(m2, weights.z) + weighted(m3, weights.w)
 }
 
-/// The matrix that moves a vertex in a pose, mesh space to world space. A joint that the pose has not got stands still.
+/// Returns the matrix of a vertex in a pose, from mesh space to world space. A joint missing from the pose has the
+/// identity.
 pub fn skin_matrix(pose: &Pose, skin: &SkinVertex) -> Mat4 {
     let [m0, m1, m2, m3] = skin.joints.map(|j| pose.joints.get(usize::from(j)).copied().unwrap_or(Mat4::IDENTITY));
     blend(m0, m1, m2, m3, Vec4::from_array(skin.weights))
 }
 
-/// `v` at unit length, or `fallback` where `v` has no usable length (below 1e-30, above 1e30, or NaN).
+/// Returns `v` at unit length, or `fallback` if `v` has no usable length (below 1e-30, above 1e30, or NaN).
 pub fn normalize_or(v: Vec3, fallback: Vec3) -> Vec3 {
-    // Where the square of the length has all its digits, nothing needs to be scaled.
+    // If the squared length is at full precision, no scaling is needed.
     if (1e-36..=1e36).contains(&v.length_squared()) {
         return v.normalize();
     }
@@ -35,22 +37,24 @@ pub fn normalize_or(v: Vec3, fallback: Vec3) -> Vec3 {
     if largest > 1e-30 && largest < 1e30 && v.is_finite() { (v / largest).normalize() } else { fallback }
 }
 
-/// A unit normal under a matrix that may scale unevenly, mirror or collapse: unit length always, and outward stays outward.
+/// Transforms a unit normal by a matrix that may scale unevenly, mirror or collapse. The result always has unit length
+/// and stays outward.
 ///
-/// The cofactor matrix is the inverse transpose times the determinant: it needs no division, so it survives a zero scale; its
-/// sign is the determinant's, which is taken out again. A normal that collapses altogether keeps its old direction.
+/// The cofactor matrix is the inverse transpose times the determinant. It needs no division, so it survives a zero
+/// scale; its sign is that of the determinant, which is removed again. A normal that collapses to zero keeps its old
+/// direction.
 pub fn transform_normal(m: Mat3, normal: Vec3) -> Vec3 {
     let cofactor = Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
     normalize_or(cofactor * normal * handedness_of(m), normal)
 }
 
-/// −1 where `m` mirrors, else 1.
+/// Returns −1 if `m` mirrors, else 1.
 pub fn handedness_of(m: Mat3) -> f32 {
     if m.x_axis.dot(m.y_axis.cross(m.z_axis)) < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// A stored vertex as `matrix` moves it ([`skin_matrix`]). The tangent is moved along and neither unit nor perpendicular to the normal
-/// any more: [`super::tile_frame`] makes it so. Height and lean of the hair stay.
+/// Transforms a stored vertex by `matrix` ([`skin_matrix`]). The tangent is transformed as well, and then neither unit
+/// nor perpendicular to the normal: [`super::tile_frame`] corrects it. Height and lean of the hair are unchanged.
 pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
     let linear = Mat3::from_mat4(matrix);
     let [x, y, z, handedness] = vertex.tangent;
@@ -62,8 +66,9 @@ pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
     }
 }
 
-/// A stored vertex as its morph targets have it, of whose weights `shifts` says how far each is from where it rests ([`Pose::shifts`]). The tangent is
-/// neither unit nor perpendicular to the normal any more, as in [`posed`]. One that no weight moves is as it was stored, bit for bit.
+/// Applies morph targets to a stored vertex; `shifts` are the differences of the weights from their values at rest
+/// ([`Pose::shifts`]). The tangent is then neither unit nor perpendicular to the normal, as in [`posed`]. A vertex that
+/// no weight moves is unchanged, bit for bit.
 pub fn morphed(vertex: &GeometryVertex, deltas: &[MorphDelta], shifts: &[f32]) -> GeometryVertex {
     let [x, y, z, handedness] = vertex.tangent;
     let stored = [vertex.position.into(), Vec3::from(vertex.normal), Vec3::new(x, y, z)];
@@ -88,7 +93,8 @@ pub fn morphed(vertex: &GeometryVertex, deltas: &[MorphDelta], shifts: &[f32]) -
     }
 }
 
-/// The vertices of a mesh in a pose ([`morphed`], then [`posed`]); those of a mesh without joints as they are stored.
+/// Returns the vertices of a mesh in a pose ([`morphed`], then [`posed`]); for a mesh without joints, the stored
+/// vertices.
 pub fn posed_vertices(
     mesh: &MeshView<'_>,
     morphs: Option<&Morphs>,

@@ -1,13 +1,13 @@
-//! The sRGB transfer function (IEC 61966-2-1), byte for byte the same on every machine.
+//! sRGB transfer function (IEC 61966-2-1), identical to the byte on every machine.
 //!
-//! `powf` differs in the last bit between mathematics libraries, which could move a byte; so both directions go through one table
-//! of 256 linear values, computed with the `libm` crate.
+//! `powf` differs in the last bit between mathematics libraries, which could change a byte. So both directions use one
+//! table of 256 linear values, computed with the `libm` crate.
 
 use std::sync::LazyLock;
 
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|byte| decode(byte as f64 / 255.0) as f32));
 
-/// For each of the intervals that 0..=1 is cut into, the byte to start searching at: slicing encodes some 10⁸ values.
+/// Byte at which the search starts, for each interval of 0..=1: slicing encodes some 10⁸ values.
 static START: LazyLock<[u8; INTERVALS + 1]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let x = i as f32 / INTERVALS as f32;
@@ -21,24 +21,24 @@ fn decode(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
-/// Linear light, 0..=1, of an encoded value 0..=1.
+/// Returns the linear light, 0..=1, of an encoded value 0..=1.
 pub fn srgb_value_to_linear(encoded: f32) -> f32 {
     decode(f64::from(encoded)) as f32
 }
 
-/// Linear light, 0..=1, of an sRGB byte.
+/// Returns the linear light, 0..=1, of an sRGB byte.
 pub fn srgb_to_linear(byte: u8) -> f32 {
     LINEAR[usize::from(byte)]
 }
 
-/// The sRGB byte whose linear light is nearest to `linear`; values outside 0..=1 are clamped, NaN gives 0.
+/// Returns the sRGB byte whose linear light is nearest to `linear`; values outside 0..=1 are clamped, NaN gives 0.
 pub fn linear_to_srgb(linear: f32) -> u8 {
     let (table, linear) = (&*LINEAR, linear.clamp(0.0, 1.0));
     let mut below = usize::from(START[(linear * INTERVALS as f32) as usize]);
     while below < 254 && table[below + 1] < linear {
         below += 1;
     }
-    // Nearest in linear light is what a filter that sums linear light wants.
+    // Nearest in linear light suits a filter that sums linear light.
     let up = linear - table[below] >= table[below + 1] - linear;
     (below + usize::from(up)) as u8
 }

@@ -1,25 +1,26 @@
-//! The hair tile's frame at a point of the skin: bitangent (along +v) = handedness · normal × tangent.
+//! Frame of the hair tile at a surface point: bitangent (along +v) = handedness · normal × tangent.
 
 use glam::{DVec3, Vec3};
 
-/// The hair tile's frame at a point of the skin, three perpendicular unit vectors in world space.
+/// Frame of the hair tile at a surface point: three perpendicular unit vectors in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TileFrame {
-    /// Along +u of the tile.
+    /// Direction of +u of the tile.
     pub tangent_ws: Vec3,
-    /// Along +v of the tile.
+    /// Direction of +v of the tile.
     pub bitangent_ws: Vec3,
-    /// Away from the skin.
+    /// Outward surface normal.
     pub normal_ws: Vec3,
 }
 
-/// Any unit vector perpendicular to the unit vector `n`.
+/// Returns a unit vector perpendicular to the unit vector `n`.
 pub fn any_perpendicular(n: Vec3) -> Vec3 {
     let axis = if n.x.abs() > 0.5 { Vec3::Y } else { Vec3::X };
     (axis - n * n.dot(axis)).normalize()
 }
 
-/// `tangent` made perpendicular to the unit `normal` (Gram–Schmidt), unit length; any perpendicular where nothing is left.
+/// Returns `tangent` made perpendicular to the unit vector `normal` (Gram–Schmidt), at unit length; any perpendicular
+/// if nothing remains.
 pub fn orthonormal_tangent(tangent: Vec3, normal: Vec3) -> Vec3 {
     let t = tangent - normal * normal.dot(tangent);
     let length_squared = t.dot(t);
@@ -29,20 +30,20 @@ pub fn orthonormal_tangent(tangent: Vec3, normal: Vec3) -> Vec3 {
     t * length_squared.sqrt().recip()
 }
 
-/// The frame of a unit normal, a tangent and a handedness of ±1.
+/// Returns the frame for a unit normal, a tangent and a handedness of ±1.
 pub fn tile_frame(normal_ws: Vec3, tangent_ws: Vec3, handedness: f32) -> TileFrame {
     let t = orthonormal_tangent(tangent_ws, normal_ws);
     TileFrame { tangent_ws: t, bitangent_ws: handedness * normal_ws.cross(t), normal_ws }
 }
 
-/// Tangent and bitangent of [`tile_frame`] in f64, for what traces single hairs.
+/// Returns tangent and bitangent of [`tile_frame`] in f64, for tracing single hairs.
 pub fn tile_axes_f64(normal_ws: DVec3, tangent_ws: DVec3, handedness: f64) -> [DVec3; 2] {
     let along = tangent_ws.reject_from_normalized(normal_ws).try_normalize();
     let tangent = along.unwrap_or_else(|| normal_ws.any_orthonormal_vector());
     [tangent, normal_ws.cross(tangent) * handedness]
 }
 
-/// Components of `v_ws` along the frame's axes.
+/// Returns the components of `v_ws` along the frame's axes.
 pub fn to_tile(frame: TileFrame, v_ws: Vec3) -> Vec3 {
     Vec3::new(frame.tangent_ws.dot(v_ws), frame.bitangent_ws.dot(v_ws), frame.normal_ws.dot(v_ws))
 }
@@ -68,7 +69,7 @@ mod tests {
                 assert_eq!(to_tile(frame, normal).z, normal.dot(normal));
             }
         }
-        // Nothing is left of a tangent along the normal.
+        // Nothing remains of a tangent along the normal.
         let frame = tile_frame(Vec3::Y, Vec3::Y, 1.0);
         assert!(frame.tangent_ws.dot(Vec3::Y).abs() < 1e-6 && (frame.tangent_ws.length() - 1.0).abs() < 1e-6);
         let [t, b] = tile_axes_f64(DVec3::Y, DVec3::ZERO, 1.0);

@@ -1,23 +1,25 @@
-//! How a camera that is given by its place and its target is turned. World space has +Y up; a camera looks along −Z of view space.
+//! Orientation of a camera given by position and target. World space has +Y up; a camera looks along −Z of view space.
 
 use glam::{Mat4, Vec3};
 
-/// A look along the vertical axis to within this cosine, 0.8°, has no upright side of its own.
+/// Cosine to the vertical axis above which a view, within 0.8° of it, has no up direction of its own.
 const STRAIGHT: f32 = 0.9999;
 
-/// What is up in the picture, in the world: +Y, or −Z where the view is straight up or down.
+/// Returns the up direction of the view in world space: +Y, or −Z if the view is straight up or down.
 pub fn up_of_view(eye: Vec3, target: Vec3) -> Vec3 {
     if backward(eye, target).y.abs() > STRAIGHT { Vec3::NEG_Z } else { Vec3::Y }
 }
 
-/// Right, up and backward in the picture of a camera at `eye` that looks at `target`: perpendicular unit vectors in the world.
+/// Returns the right, up and backward directions of a camera at `eye` that looks at `target`: perpendicular unit
+/// vectors in world space.
 pub fn view_axes(eye: Vec3, target: Vec3) -> [Vec3; 3] {
     let backward = backward(eye, target);
     let right = up_of_view(eye, target).cross(backward).normalize();
     [right, backward.cross(right), backward]
 }
 
-/// World to view space of that camera: rotation and translation, no scale. An eye that is its own target looks along −Z.
+/// Returns the transform from world to view space for that camera: rotation and translation, no scale. If `eye` equals
+/// `target`, the camera looks along −Z.
 pub fn view_from_world(eye: Vec3, target: Vec3) -> Mat4 {
     let [right, up, backward] = view_axes(eye, target);
     Mat4::from_cols(right.extend(0.0), up.extend(0.0), backward.extend(0.0), eye.extend(1.0)).inverse()

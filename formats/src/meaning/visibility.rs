@@ -1,35 +1,36 @@
-//! How much of a distant light reaches a point of the hair of the tile: t = s(ω.z) clamp(c₀ + c · ω, 0, 1), with ω the unit vector towards the light as the
-//! tile has it. `FORMAT.md`, "VISI".
+//! Visibility of a distant light from a point of the tile's hair: t = s(ω.z) clamp(c₀ + c · ω, 0, 1), where ω is the
+//! unit vector towards the light in the tile. `FORMAT.md`, "VISI".
 
 use glam::{Vec3, Vec4};
 
-/// z of the mean direction towards lights. For light from there t is what a texel's alpha says, whatever the slopes.
+/// Height z of the mean direction towards lights. For light from there, t is a texel's alpha, whatever the slopes.
 pub const VISIBILITY_MEAN_Z: f32 = 0.585;
 
-/// Step of a slope, in bytes: (byte − 128) / 64.
+/// Steps per unit of a slope: (byte − 128) / 64.
 const STEPS: f32 = 64.0;
 
-/// Four bytes of coefficients (c₀, c): c in red, green and blue, −2 to just below 2; in alpha c₀ + c.z [`VISIBILITY_MEAN_Z`], 0..=1.
+/// Encodes coefficients (c₀, c) in four bytes: c in red, green and blue, −2 to just below 2; in alpha c₀ + c.z
+/// [`VISIBILITY_MEAN_Z`], 0..=1.
 pub fn encode_visibility(c: Vec4) -> [u8; 4] {
     let slope = |x: f32| (STEPS * x + 128.0).round().clamp(0.0, 255.0) as u8;
     let mean = (c.x + c.w * VISIBILITY_MEAN_Z).clamp(0.0, 1.0);
     [slope(c.y), slope(c.z), slope(c.w), (255.0 * mean).round() as u8]
 }
 
-/// s of a light at that height z over the skin of the tile: 1 − exp(−k z), 0 from the horizon down. The lower the light, the longer its way through the
-/// hair, whatever hair that is.
+/// Returns s for a light whose direction has height z above the tile's surface: 1 − exp(−k z), 0 from the horizon down.
+/// The lower the light, the longer its path through the hair, whatever the hair.
 pub fn above_horizon(z: f32, horizon: f32) -> f32 {
     -libm::expm1f(-horizon * z.max(0.0))
 }
 
-/// Share of a light that reaches hair of such a texel, whose numbers are 0..=1; `towards` is [`light_in_tile`].
+/// Returns the share of a light that reaches hair at a texel with values 0..=1; `towards` comes from [`light_in_tile`].
 pub fn visibility_towards(texel: Vec4, towards: Vec3, horizon: f32) -> f32 {
     let slopes = texel.truncate() * (255.0 / STEPS) - 128.0 / STEPS;
     (texel.w + slopes.dot(towards - Vec3::Z * VISIBILITY_MEAN_Z)).clamp(0.0, 1.0) * above_horizon(towards.z, horizon)
 }
 
-/// The direction in the tile of a light that is seen from shorter or leaning hair in the direction `towards`, in the tile frame: what is done to the tile
-/// to make that hair of it, undone.
+/// Returns the direction in the tile of a light in the direction `towards` (tile frame), for shorter or leaning hair.
+/// Inverts the deformation of the tile into that hair.
 ///
 /// * `share` - the vertex's height of the fur over `FurInfo::height_m`
 /// * `slope` - [`super::lean_slope`]
@@ -52,7 +53,7 @@ mod tests {
             assert!((visibility_towards(texel, towards, 1e3) - expected).abs() < 3e-3, "{towards}");
         }
         assert_eq!(encode_visibility(Vec4::new(9.0, -9.0, 9.0, -9.0)), [0, 255, 0, 255].map(|b: u8| b));
-        // Nothing is seen, or all is, from everywhere.
+        // Nothing or everything is visible from all directions.
         assert_eq!(visibility_towards(Vec4::new(128.0, 128.0, 128.0, 0.0) / 255.0, Vec3::Z, 1e3), 0.0);
         assert_eq!(visibility_towards(Vec4::new(128.0, 128.0, 128.0, 255.0) / 255.0, Vec3::Z, 1e3), 1.0);
     }

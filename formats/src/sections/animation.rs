@@ -1,4 +1,4 @@
-//! The `ANIM` section: the node tree, the joints and the clips. The order of the fields is the order of the bytes.
+//! The `ANIM` section: node tree, joints and clips. Fields are in byte order.
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::encoding::{decode_section, encode_section};
@@ -24,7 +24,7 @@ pub(crate) const KIND: Kind = Kind {
 };
 
 impl Package<'_> {
-    /// What the section itself holds.
+    /// Returns the contents of the section itself.
     pub(super) fn skeleton(&self) -> Result<Option<Arc<Animation>>, FormatError> {
         let Some((index, section)) = self.find(Tag::ANIMATION, 0) else { return Ok(None) };
         let kept = self.keep(index, || {
@@ -39,7 +39,7 @@ impl Package<'_> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds skeleton and clips. What moves morph targets belongs to their own section: [`PackageWriter::morphs`].
+    /// Adds skeleton and clips. The animation of morph targets belongs to their own section: [`PackageWriter::morphs`].
     pub fn animation(self, animation: &Animation) -> Self {
         self.encoded(Tag::ANIMATION, encode_section(Tag::ANIMATION, animation))
     }
@@ -47,21 +47,22 @@ impl PackageWriter<'_> {
 
 /// Skeleton and clips of a model.
 ///
-/// Every vertex of a package with this section follows up to four joints: also rigid parts, which follow the node they hang on.
+/// Every vertex of a package with this section follows up to four joints, including rigid parts, which follow their
+/// node.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Animation {
     /// Nodes, each after its parent.
     pub nodes: Vec<Node>,
-    /// What [`crate::SkinVertex::joints`] points into.
+    /// Joints; [`crate::SkinVertex::joints`] holds indices into this list.
     pub joints: Vec<Joint>,
     /// Named motions.
     pub clips: Vec<Clip>,
-    /// Which morph targets there are, and how clips move their weights: what the section `MRPH` says of it, no part of `ANIM`.
+    /// Morph targets and the animation of their weights; from the section `MRPH`, not part of `ANIM`.
     #[serde(skip)]
     pub morphs: MorphMotion,
 }
 
-/// A node of the tree with its transform at rest.
+/// Node of the tree with its transform at rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Node {
     /// Name in the model, may be empty.
@@ -76,77 +77,77 @@ pub struct Node {
     pub scale: [f32; 3],
 }
 
-/// A joint: a node, seen from the space in which the vertices are stored.
+/// Joint: a node, with its transform from the space of the stored vertices.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
     /// Index into [`Animation::nodes`].
     pub node: u32,
-    /// Mesh space to node space at bind time, column-major.
+    /// Transform from mesh space to node space at bind time, column-major.
     pub inverse_bind: [f32; 16],
 }
 
-/// One motion.
+/// Named motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clip {
-    /// Name in the model, or `clip_<index>` where it has none.
+    /// Name in the model, or `clip_<index>` if it has none.
     pub name: String,
     /// Time of the last key of all channels, seconds.
     pub duration_s: f32,
-    /// Curves; nodes without one keep their rest transform.
+    /// Curves; nodes without a curve keep their rest transform.
     pub channels: Vec<Channel>,
 }
 
-/// Which part of a node's transform a channel drives.
+/// Part of a node's transform that a channel drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Property {
-    /// Three numbers a key.
+    /// Translation, three numbers per key.
     Translation,
-    /// Four numbers a key: quaternion x, y, z, w.
+    /// Rotation, four numbers per key: quaternion x, y, z, w.
     Rotation,
-    /// Three numbers a key.
+    /// Scale, three numbers per key.
     Scale,
 }
 
-/// Which morph targets there are, and how clips move their weights.
+/// Morph targets and the animation of their weights.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MorphMotion {
-    /// The targets, those of one node together.
+    /// Targets; those of one node are consecutive.
     pub targets: Vec<MorphTarget>,
-    /// Curves of weights; targets without one keep their weight at rest.
+    /// Curves of weights; targets without a curve keep their weight at rest.
     pub channels: Vec<MorphChannel>,
 }
 
-/// A shape.
+/// Morph target.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MorphTarget {
     /// Name in the model, may be empty.
     pub name: String,
-    /// Index into [`Animation::nodes`]: whose mesh it is of.
+    /// Index into [`Animation::nodes`] of the node whose mesh has the target.
     pub node: u32,
-    /// Its weight at rest. The vertices of the package are stored with all targets at these weights.
+    /// Weight at rest. The vertices of the package are stored with all targets at these weights.
     pub weight: f32,
 }
 
-/// A curve of the weights of neighbouring targets.
+/// Curve of the weights of consecutive targets.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MorphChannel {
     /// Index into [`Animation::clips`].
     pub clip: u32,
-    /// First of the targets that it moves.
+    /// Index of the first target that it moves.
     pub target: u32,
-    /// How many it moves, at least one.
+    /// Number of targets that it moves, at least one.
     pub count: u32,
-    /// How it runs between keys.
+    /// Interpolation between keys.
     pub interpolation: Interpolation,
-    /// Key times, seconds, strictly rising, at least one.
+    /// Key times, seconds, strictly increasing, at least one.
     pub times: Vec<f32>,
-    /// `times.len() * count` weights, three times as many for [`Interpolation::Cubic`]: the in-tangents of all targets, their values, their
-    /// out-tangents.
+    /// `times.len() * count` weights, three times as many for [`Interpolation::Cubic`]: the in-tangents of all targets,
+    /// their values, their out-tangents.
     pub values: Vec<f32>,
 }
 
 impl Property {
-    /// Numbers in one value.
+    /// Returns the number of components of a value.
     pub fn components(self) -> usize {
         match self {
             Self::Rotation => 4,
@@ -155,10 +156,10 @@ impl Property {
     }
 }
 
-/// How values between keys are found, as in glTF 2.0.
+/// Interpolation between keys, as in glTF 2.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
-    /// The value of the key before.
+    /// Value of the preceding key.
     Step,
     /// Linear; spherical for rotations.
     Linear,
@@ -167,7 +168,7 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// Values that a key holds.
+    /// Returns the number of values per key.
     pub(crate) fn values_per_key(self) -> usize {
         match self {
             Self::Cubic => 3,
@@ -176,23 +177,23 @@ impl Interpolation {
     }
 }
 
-/// One curve.
+/// Curve of one node's property.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
     /// Index into [`Animation::nodes`].
     pub node: u32,
-    /// What it drives.
+    /// Property that it drives.
     pub property: Property,
-    /// How it runs between keys.
+    /// Interpolation between keys.
     pub interpolation: Interpolation,
-    /// Key times, seconds, strictly rising, at least one.
+    /// Key times, seconds, strictly increasing, at least one.
     pub times: Vec<f32>,
     /// `times.len() * property.components()` numbers, three times as many for [`Interpolation::Cubic`].
     pub values: Vec<f32>,
 }
 
 impl MorphChannel {
-    /// Numbers that `values` must hold for its keys; `None` where there are too many to count.
+    /// Returns the length that `values` must have for its keys; `None` if it is too large to represent.
     pub(crate) fn expected_values(&self) -> Option<usize> {
         let width = self.interpolation.values_per_key().checked_mul(self.count as usize)?;
         self.times.len().checked_mul(width)
@@ -213,8 +214,8 @@ impl MorphChannel {
 }
 
 impl Animation {
-    /// Checks every index, count and number; what [`crate::Pose`] relies on. Returns the path of the fault, what was found and
-    /// what was expected.
+    /// Checks every index, count and number, for [`crate::Pose`] to rely on. Returns the path of the fault, what was
+    /// found and what was expected.
     fn check(&self) -> Result<(), String> {
         let finite = |values: &[f32]| values.iter().all(|v| v.is_finite());
         for (i, node) in self.nodes.iter().enumerate() {
@@ -250,7 +251,8 @@ impl Animation {
 }
 
 impl Channel {
-    /// Numbers that `values` must hold for its keys; `None` where there are no keys, or too many to count.
+    /// Returns the length that `values` must have for its keys; `None` if there are no keys, or if it is too large to
+    /// represent.
     pub(crate) fn expected_values(&self) -> Option<usize> {
         let keys = Some(self.times.len()).filter(|keys| *keys > 0)?;
         keys.checked_mul(self.property.components() * self.interpolation.values_per_key())
@@ -264,7 +266,8 @@ impl Channel {
     }
 }
 
-/// Whether a curve has keys that rise, and `expected` finite numbers for them. Returns the fault, to go behind the curve's path.
+/// Checks that a curve has ascending keys, and `expected` finite numbers for them. Returns the fault, to be appended to
+/// the curve's path.
 pub(super) fn check_keys(times: &[f32], values: &[f32], expected: Option<usize>) -> Result<(), String> {
     let expected = expected.unwrap_or(0);
     if times.is_empty() || values.len() != expected {

@@ -1,4 +1,4 @@
-//! The `FIBR` section: how the fibres of the hair scatter light. Layout in `FORMAT.md`, "FIBR".
+//! The `FIBR` section: light scattering of the hair's fibres. Layout in `FORMAT.md`, "FIBR".
 
 use super::kind::{Count, Kind, Row, faults};
 use super::textures::{TextureFormat, TextureView};
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 impl Tag {
-    /// How fibres scatter light, since version 3. At most one.
+    /// Light scattering of fibres, since version 3. At most one.
     pub const FIBRES: Self = Self(*b"FIBR");
 }
 
@@ -26,40 +26,40 @@ pub(crate) const KIND: Kind = Kind {
     row: Row { what: "[how fibres scatter light](#fibr-fibres)", how_many: "at most one", place: "any" },
 };
 
-/// Array layers that each fibre has in the texture: along it, and around it.
+/// Array layers of each fibre in the texture: along it, and around it.
 pub const FIBRE_LAYERS: u32 = 2;
 
-/// How the fibres of a package scatter light.
+/// Light scattering of a package's fibres.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FibreInfo {
-    /// Index into the manifest's `textures`: half floats, square, [`FIBRE_LAYERS`] array layers for each fibre, as [`crate::meaning::scattering::tables`]
-    /// lays them out.
+    /// Index into the manifest's `textures`: half floats, square, [`FIBRE_LAYERS`] array layers for each fibre, laid
+    /// out as in [`crate::meaning::scattering::tables`].
     pub texture: u32,
-    /// The fibres: that of the coat first. At most [`FibreInfo::MOST`].
+    /// Fibres; that of the fur first. At most [`FibreInfo::MOST`].
     pub fibres: Vec<FibreOptics>,
-    /// Of each fibre what needs no table.
+    /// Properties of each fibre that need no table.
     pub means: Vec<Means>,
-    /// For each group of the section `HAIR` which of them it is made of.
+    /// For each group of the section `HAIR`, the index of its fibre.
     pub of_groups: Vec<u8>,
-    /// For each of the manifest's materials which of them the coat on it is made of.
+    /// For each of the manifest's materials, the index of the fibre of its fur.
     pub of_materials: Vec<u8>,
 }
 
-/// A fibre of one kind.
+/// Optical properties of a fibre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FibreOptics {
     /// Index of refraction, 1.01..=3.
     pub eta: f32,
     /// Standard deviation of the reflected lobe along the fibre, radians of the half angle, 0.01..=1.
     pub along: f32,
-    /// By how much its scales tilt that lobe towards the root, radians of the half angle, −0.5..=0.5.
+    /// Tilt of that lobe by the scales, towards the root, radians of the half angle, −0.5..=0.5.
     pub tilt: f32,
-    /// Scale of the logistic distribution around it, radians, 0.01..=5: even all around from 4 on.
+    /// Scale of the azimuthal logistic distribution, radians, 0.01..=5; practically uniform from 4 on.
     pub around: f32,
 }
 
 impl FibreOptics {
-    /// The fibre of these numbers, which keeps energy.
+    /// Returns the energy-conserving fibre with these properties.
     pub fn fibre(&self) -> Fibre {
         Fibre {
             eta: self.eta.into(),
@@ -70,7 +70,7 @@ impl FibreOptics {
         }
     }
 
-    /// What is wrong with it, if anything is: numbers out of their ranges.
+    /// Returns an error message if a number is out of its range.
     pub fn fault(&self) -> Option<String> {
         let ranges = [
             ("eta", self.eta, 1.01, 3.0),
@@ -84,7 +84,7 @@ impl FibreOptics {
 }
 
 impl FibreInfo {
-    /// Most fibres of a package.
+    /// Maximum number of fibres in a package.
     pub const MOST: usize = 64;
 
     fn fault(&self, groups: usize, materials: usize) -> Option<String> {
@@ -115,9 +115,9 @@ impl FibreInfo {
 }
 
 impl<'a> Package<'a> {
-    /// How its fibres scatter light; `None` for a package that does not know.
+    /// Returns the light scattering of the fibres; `None` if the package has no such section.
     ///
-    /// Fails where the section is damaged, or does not fit the groups of hair or the materials.
+    /// Fails if the section is damaged, or is inconsistent with the hair groups or the materials.
     pub fn fibres(&self) -> Result<Option<Arc<FibreInfo>>, FormatError> {
         let Some((index, section)) = self.find(Tag::FIBRES, 0) else { return Ok(None) };
         let info = self.keep(index, || {
@@ -129,9 +129,9 @@ impl<'a> Package<'a> {
         Ok(Some(info))
     }
 
-    /// Their tables; `None` for a package that does not know.
+    /// Returns the scattering tables of the fibres; `None` if the package has none.
     ///
-    /// Fails where the texture is damaged, or not as [`FibreInfo`] says.
+    /// Fails if the texture is damaged, or is inconsistent with [`FibreInfo`].
     pub fn fibre_tables(&self) -> Result<Option<TextureView<'a>>, FormatError> {
         let Some(info) = self.fibres()? else { return Ok(None) };
         let view = self.texture(info.texture)?;
@@ -149,7 +149,7 @@ impl<'a> Package<'a> {
             return Err(self.texture_fault(info.texture, &reason));
         }
         let numbers = (0..view.levels).flat_map(|level| view.level(level).chunks_exact(2));
-        // All bits of the exponent: infinite, or no number.
+        // All bits of the exponent set: infinity or NaN.
         if numbers.into_iter().any(|half| half[1] & 0x7c == 0x7c) {
             return Err(self.texture_fault(info.texture, "holds what is no finite number, expected tables of fibres"));
         }
@@ -158,7 +158,7 @@ impl<'a> Package<'a> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds how fibres scatter light.
+    /// Adds the light scattering of fibres.
     pub fn fibres(self, info: &FibreInfo) -> Self {
         self.encoded(Tag::FIBRES, encode_section(Tag::FIBRES, info))
     }

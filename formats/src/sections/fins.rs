@@ -1,4 +1,4 @@
-//! The `FINS` section: quads of hair that stand on the edges of the mesh. Layout in `FORMAT.md`, "FINS".
+//! The `FINS` section: quads of hair on the edges of the mesh. Layout in `FORMAT.md`, "FINS".
 
 use super::kind::{Count, Kind, Row, faults};
 use super::textures::FurTextures;
@@ -11,7 +11,7 @@ use bytemuck::{Pod, Zeroable};
 use std::fmt;
 
 impl Tag {
-    /// Fins, from version 2 on. At most one.
+    /// Fins, since version 2. At most one.
     pub const FINS: Self = Self(*b"FINS");
 }
 
@@ -29,10 +29,10 @@ pub(crate) const KIND: Kind = Kind {
 };
 
 impl<'a> Package<'a> {
-    /// The fins; `None` for a package without. Every fin is checked once; what came of it is kept.
+    /// Returns the fins; `None` if the package has none. Every fin is checked once; the result is cached.
     ///
-    /// Fails where the manifest has no fin textures for them (or textures and no fins), the parts are not the manifest's, or a fin
-    /// stands on a vertex or shows a slab that is not there.
+    /// Fails if only one of fins and the manifest's fin textures is present, if the parts are not the manifest's, or if
+    /// a vertex or slab of a fin does not exist.
     pub fn fins(&self) -> Result<Option<FinsView<'a>>, FormatError> {
         let (info, (index, section)) = match (&self.manifest().fur.fins, self.find(Tag::FINS, 0)) {
             (None, None) => return Ok(None),
@@ -54,7 +54,7 @@ impl<'a> Package<'a> {
         Ok(Some(FinsView::of(self.section_bytes(index)?, counts)))
     }
 
-    /// Whether fins that are sound by themselves fit manifest and mesh.
+    /// Checks valid fins against manifest and mesh.
     fn check_fins(&self, view: &FinsView<'_>, slabs: u32, offset: u64) -> Result<(), FormatError> {
         let fail = |at: u64, reason| FormatError::Content { tag: Tag::FINS, offset: offset + at, reason };
         let (found, parts) = (view.part_counts().len(), self.manifest().parts.len());
@@ -70,10 +70,10 @@ impl<'a> Package<'a> {
         Ok(())
     }
 
-    /// The two fin textures; `None` for a package without fins.
+    /// Returns the two fin textures; `None` if the package has no fins.
     ///
-    /// Fails where one of them is damaged or not as [`crate::FinInfo`] says: `slabs` array layers of `width` by `height` texels,
-    /// colour with four components, directions in a format that is not sRGB.
+    /// Fails if a texture is damaged or inconsistent with [`crate::FinInfo`]: `slabs` array layers of `width` by
+    /// `height` texels, colour with four components, directions in a format that is not sRGB.
     pub fn fin_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
         let Some(fins) = &self.manifest().fur.fins else { return Ok(None) };
         let size = (fins.width, fins.height, fins.slabs);
@@ -88,30 +88,30 @@ impl PackageWriter<'_> {
     }
 }
 
-/// A quad that stands on an edge of the mesh, from the skin to the outermost layer (Lengyel 2001). 24 bytes.
+/// Quad on an edge of the mesh, from the surface to the outermost layer (Lengyel 2001). 24 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Fin {
-    /// The vertex where the edge begins.
+    /// Vertex at which the edge begins.
     pub a: u32,
-    /// The vertex where it ends; another one than `a`.
+    /// Vertex at which the edge ends; not equal to `a`.
     pub b: u32,
     /// Coordinate u of the fin textures at `a`, 0..=1.
     pub start: f32,
-    /// From `a` to `b` the coordinate u grows by this much; negative where the edge runs against the slab.
+    /// Increase of the coordinate u from `a` to `b`; negative if the edge runs against the slab.
     pub length: f32,
-    /// Which array layer of the fin textures it shows, less than [`crate::FinInfo::slabs`].
+    /// Array layer of the fin textures, less than [`crate::FinInfo::slabs`].
     pub slab: u32,
-    /// Factor of the fin's opacity, 0..=1: less where fins stand close.
+    /// Factor on the fin's opacity, 0..=1; less where fins are dense.
     pub opacity: f32,
 }
 
 /// Fins to be written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FinData {
-    /// How many fins stand on each part of the manifest, in the order of the parts.
+    /// Number of fins on each part of the manifest, in the order of the parts.
     pub part_counts: Vec<u32>,
-    /// The fins, part after part.
+    /// Fins, part after part.
     pub fins: Vec<Fin>,
 }
 
@@ -122,12 +122,12 @@ pub struct FinsView<'a> {
     pub count: u32,
     /// `count` [`Fin`], 24 bytes each, part after part.
     pub fins: &'a [u8],
-    /// One little-endian u32 per part.
+    /// Number of fins on each part, little-endian u32.
     part_counts: &'a [u8],
 }
 
 impl fmt::Debug for FinsView<'_> {
-    /// Says how many, not each.
+    /// Formats the number of fins.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "FinsView({} fins)", self.count)
     }
@@ -135,21 +135,22 @@ impl fmt::Debug for FinsView<'_> {
 
 const HEADER_BYTES: u64 = 16;
 
-/// What the layout of the section follows from.
+/// Counts that determine the layout of the section.
 #[derive(Clone, Copy)]
 struct Counts {
     parts: u32,
     fins: u32,
 }
 
-/// Offset of the first fin and the end, relative to the section.
+/// Returns the offset of the first fin and the end, relative to the section.
 fn layout(parts: u64, fins: u64) -> [u64; 2] {
     let first = (HEADER_BYTES + 4 * parts).next_multiple_of(16);
     [first, first + fins * size_of::<Fin>() as u64]
 }
 
 impl FinData {
-    /// Bytes of the section. Fails where the counts of the parts do not add up, or a fin has a number out of its range.
+    /// Returns the bytes of the section. Fails if the counts of the parts do not add up, or a fin has a number out of
+    /// range.
     fn encode(&self) -> Result<Vec<u8>, FormatError> {
         let fail = |reason: &str| FormatError::Content { tag: Tag::FINS, offset: 0, reason: reason.into() };
         if self.fins.len() > u32::MAX as usize || self.part_counts.len() > u32::MAX as usize {
@@ -170,7 +171,7 @@ impl FinData {
 }
 
 impl<'a> FinsView<'a> {
-    /// Reads the section that begins at `offset` of the package and checks every number in it by itself.
+    /// Reads the section at `offset` of the package and checks every number in it, independently of other sections.
     fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
         let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::FINS, offset: offset + at, reason };
         if (bytes.len() as u64) < HEADER_BYTES {
@@ -212,7 +213,7 @@ impl<'a> FinsView<'a> {
         Ok(view)
     }
 
-    /// The fins of a section of these counts, which is as long as they ask for.
+    /// Returns the view of a section with these counts, whose length matches them.
     fn of(bytes: &'a [u8], counts: Counts) -> Self {
         let [first, end] = layout(counts.parts.into(), counts.fins.into());
         Self {
@@ -226,22 +227,22 @@ impl<'a> FinsView<'a> {
         Counts { parts: self.part_counts().len() as u32, fins: self.count }
     }
 
-    /// How many fins stand on each part of the manifest.
+    /// Returns the number of fins on each part of the manifest.
     pub fn part_counts(&self) -> impl ExactSizeIterator<Item = u32> + 'a {
         self.part_counts.chunks_exact(4).map(bytemuck::pod_read_unaligned)
     }
 
-    /// The fins, decoded.
+    /// Decodes the fins.
     pub fn fins(&self) -> impl ExactSizeIterator<Item = Fin> + 'a {
         self.fins.chunks_exact(size_of::<Fin>()).map(bytemuck::pod_read_unaligned)
     }
 
-    /// Where fin number `index` begins in the section.
+    /// Returns the offset of fin number `index` in the section.
     fn offset_of(&self, index: usize) -> u64 {
         layout(self.part_counts.len() as u64 / 4, 0)[0] + index as u64 * size_of::<Fin>() as u64
     }
 
-    /// Copies everything out.
+    /// Copies the data out of the package.
     pub fn to_data(&self) -> FinData {
         FinData { part_counts: self.part_counts().collect(), fins: self.fins().collect() }
     }

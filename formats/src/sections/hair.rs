@@ -1,4 +1,4 @@
-//! The `HAIR` section: hair on guides, group for group. Layout in `FORMAT.md`, "HAIR".
+//! The `HAIR` section: groups of guided hair. Layout in `FORMAT.md`, "HAIR".
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::encoding::{decode_section, encode_section};
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 impl Tag {
-    /// Hair on guides, since version 3. At most one.
+    /// Guided hair, since version 3. At most one.
     pub const HAIR: Self = Self(*b"HAIR");
 }
 
@@ -24,47 +24,47 @@ pub(crate) const KIND: Kind = Kind {
     row: Row { what: "[hair on guides](#hair-hair-on-guides)", how_many: "at most one", place: "any" },
 };
 
-/// Most groups of a package.
+/// Maximum number of groups in a package.
 const MOST_GROUPS: usize = 256;
-/// Most guides of a group.
+/// Maximum number of guides in a group.
 const MOST_GUIDES: usize = 1 << 16;
-/// Most points of a hair, and of a guide as it is stored.
+/// Maximum number of points of a hair, and of a stored guide.
 const MOST_POINTS: u32 = 65;
 
-/// A place on a triangle.
+/// Point on a triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OnTriangle {
-    /// Its index.
+    /// Index of the triangle.
     pub triangle: u32,
-    /// Weights of its corners, which add up to 1.
+    /// Weights of its corners, with sum 1.
     pub weights: [f32; 3],
 }
 
 impl OnTriangle {
-    /// Where it is with the corners there.
+    /// Returns the position for given corners of the triangle.
     pub fn place(&self, corners: [Vec3; 3]) -> Vec3 {
         corners[0] * self.weights[0] + corners[1] * self.weights[1] + corners[2] * self.weights[2]
     }
 
-    /// Weights of the second and third corner in the whole numbers of [`HairGroup::guide_roots`].
+    /// Returns the weights of the second and third corner as stored in [`HairGroup::guide_roots`].
     pub fn stored_weights(&self) -> [u16; 2] {
         let [_, b, c] = self.weights.map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u16);
         [b, c.min(65535 - b)]
     }
 }
 
-/// A group of hair: a mane, a tail, whiskers, a head of hair.
+/// Group of hair: a mane, a tail, whiskers, a head of hair.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HairGroup {
     /// Name in the recipe.
     pub name: String,
-    /// Hairs that follow the guides; 0 where the guides are the hairs.
+    /// Number of hairs that follow the guides; 0 if the guides are the hairs.
     pub hairs: u32,
     /// Points of a hair, 2..=65.
     pub points: u32,
-    /// Points of a guide as it is stored, 2..=65; [`crate::meaning::hair_groups::smoothed`] makes the others.
+    /// Points of a stored guide, 2..=65; [`crate::meaning::hair_groups::smoothed`] computes the others.
     pub guide_points: u32,
-    /// What all that is left to chance begins with.
+    /// Seed of all random variation.
     pub seed: u32,
     /// Radius from the root to the middle, metres.
     pub root_radius_m: f32,
@@ -74,33 +74,35 @@ pub struct HairGroup {
     pub root_color: [u8; 3],
     /// Colour at the tip, sRGB.
     pub tip_color: [u8; 3],
-    /// How much brighter or darker than that single hairs are, 0..=1.
+    /// Variation of the brightness of single hairs about these colours, 0..=1.
     pub color_variation: f32,
     /// Share of the guides' length that the shortest hair lacks, 0..=0.95.
     pub length_variation: f32,
-    /// How much hairs of a lock come together at their tips, 0..=1.
+    /// How far the tips of a lock's hairs are drawn together, 0..=1.
     pub clump: f32,
     /// Hairs of a lock, 1 or more.
     pub lock_hairs: u32,
-    /// How far the tips of stray hairs are aside, over their length, 0..=1.
+    /// Lateral offset of the tips of stray hairs, over their length, 0..=1.
     pub stray: f32,
-    /// Triangles that hair grows on, and the density of the hair there over that of others, above 0 and at most 65535.
+    /// Triangles with hair, each with its relative hair density, above 0 and at most 65535.
     pub scalp: Vec<(u32, u16)>,
-    /// Of each guide the triangle of its root, and the weights of its second and third corner, over 65535.
+    /// For each guide, the triangle of its root, and the weights of its second and third corner, in units of 1/65535.
     pub guide_roots: Vec<(u32, [u16; 2])>,
-    /// What the largest number of a point stands for, metres.
+    /// Length represented by the largest stored coordinate, metres.
     pub reach_m: f32,
-    /// Of each guide all points but the root, relative to it, in the frame of its triangle, over 32767 of `reach_m`.
+    /// For each guide, all points but the root, relative to the root in the frame of its triangle, in units of
+    /// `reach_m` / 32767.
     pub guide_offsets: Vec<[i16; 3]>,
 }
 
 impl HairGroup {
-    /// The most that [`HairGroup::reach_m`] can be.
+    /// Maximum of [`HairGroup::reach_m`].
     pub const MOST_REACH_M: f32 = 1e6;
 
     /// Sets the guides.
     ///
-    /// * `guides`: of each its root, and its other points relative to that in the frame of its triangle, metres: as many for each
+    /// * `guides`: root of each guide, and its other points relative to the root in the frame of its triangle, metres;
+    ///   the same number for each
     pub fn set_guides(&mut self, guides: &[(OnTriangle, Vec<Vec3>)]) {
         let all = || guides.iter().flat_map(|(_, points)| points);
         self.guide_points = guides.first().map_or(2, |(_, points)| points.len() as u32 + 1);
@@ -110,7 +112,7 @@ impl HairGroup {
             all().map(|p| (*p / self.reach_m * 32767.0).round().to_array().map(|x| x as i16)).collect();
     }
 
-    /// Roots of the guides.
+    /// Returns the roots of the guides.
     pub fn roots(&self) -> impl ExactSizeIterator<Item = OnTriangle> + '_ {
         self.guide_roots.iter().map(|(triangle, weights)| {
             let [b, c] = weights.map(|w| f32::from(w) / 65535.0);
@@ -118,7 +120,8 @@ impl HairGroup {
         })
     }
 
-    /// Points of a guide as it is stored, relative to its root, which is the first, in the frame of its triangle, metres.
+    /// Returns the points of a stored guide relative to its root, which is the first, in the frame of its triangle,
+    /// metres.
     pub fn guide(&self, index: usize) -> Vec<Vec3> {
         let each = self.guide_points as usize - 1;
         let offsets = &self.guide_offsets[index * each..(index + 1) * each];
@@ -126,20 +129,20 @@ impl HairGroup {
         std::iter::once(Vec3::ZERO).chain(offsets.iter().map(point)).collect()
     }
 
-    /// Hairs that it has.
+    /// Returns the number of hairs.
     pub fn hair_count(&self) -> u32 {
         if self.hairs == 0 { self.guide_roots.len() as u32 } else { self.hairs }
     }
 
-    /// How far any of it reaches from its root, metres.
+    /// Returns the maximum distance of the group's hair from its roots, metres.
     pub fn reach(&self) -> f32 {
         let squared = |o: &[i16; 3]| o.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>();
         let farthest = self.guide_offsets.iter().map(squared).fold(0.0, f64::max).sqrt() / 32767.0;
-        // What strays or gathers leaves its guides.
+        // Stray and clumped hairs leave their guides.
         (farthest * f64::from(self.reach_m * (1.0 + 1.8 * self.stray))) as f32
     }
 
-    /// The first thing that is not as the specification says, but for what the mesh decides.
+    /// Returns the first violation of the specification, except for those that depend on the mesh.
     fn fault(&self) -> Option<String> {
         let within = |name: &str, found: f32, least: f32, most: f32| {
             let sane = (least..=most).contains(&found);
@@ -184,9 +187,9 @@ impl HairGroup {
 }
 
 impl<'a> Package<'a> {
-    /// Hair on guides, group for group; empty for a package without.
+    /// Returns the groups of guided hair; empty if the package has none.
     ///
-    /// Fails where the section is damaged, or names triangles that the mesh does not have.
+    /// Fails if the section is damaged, or names triangles that the mesh does not have.
     pub fn hair_groups(&self) -> Result<Arc<[HairGroup]>, FormatError> {
         let Some((index, section)) = self.find(Tag::HAIR, 0) else { return Ok(Arc::default()) };
         self.keep(index, || {
@@ -219,7 +222,7 @@ impl<'a> Package<'a> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds hair on guides.
+    /// Adds guided hair.
     pub fn hair_groups(self, groups: &[HairGroup]) -> Self {
         self.encoded(Tag::HAIR, encode_section(Tag::HAIR, &groups))
     }

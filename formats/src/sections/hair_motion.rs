@@ -1,4 +1,4 @@
-//! The `HMOV` section: how hair on guides moves, and what of the body it does not go into. Layout in `FORMAT.md`, "HMOV".
+//! The `HMOV` section: motion of guided hair, and its colliders. Layout in `FORMAT.md`, "HMOV".
 
 use super::hair::HairGroup;
 use super::kind::{Count, Kind, Row, USES_NOTHING};
@@ -12,7 +12,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 impl Tag {
-    /// How hair on guides moves, since version 3: bincode of [`HairMotion`]. At most one.
+    /// Motion of guided hair, since version 3: bincode of [`HairMotion`]. At most one.
     pub const HAIR_MOTION: Self = Self(*b"HMOV");
 }
 
@@ -25,46 +25,47 @@ pub(crate) const KIND: Kind = Kind {
     row: Row { what: "[how hair moves](#hmov-how-hair-moves)", how_many: "at most one", place: "any" },
 };
 
-/// Largest number of a place, metres.
+/// Maximum absolute value of a coordinate, metres.
 const FARTHEST_M: f32 = 1e6;
 
-/// How the hair of a package moves.
+/// Motion of a package's hair.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HairMotion {
-    /// One for each group of the section `HAIR`, in their order.
+    /// Motion of each group of the section `HAIR`, in the same order.
     pub groups: Vec<GroupMotion>,
-    /// For each group how freely each of its guides moves, times what [`GroupMotion::freedom`] says, 0 to 255 for 0 to 1; nothing where all are free.
+    /// For each group, the freedom of each guide, a factor on [`GroupMotion::freedom`]: 0 to 255 for 0 to 1; empty if
+    /// all are free.
     pub freedom: Vec<Vec<u8>>,
-    /// What of the body hair does not go into: at most [`HairMotion::MOST_COLLIDERS`].
+    /// Colliders of the body: at most [`HairMotion::MOST_COLLIDERS`].
     pub colliders: Vec<BodyCollider>,
 }
 
-/// How the hair of a group moves.
+/// Motion of a group's hair.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GroupMotion {
-    /// Share of a hair from its root on that the skin holds, 0..=1; 1: it does not move of itself.
+    /// Share of a hair, from its root, that is fixed to the surface, 0..=1; 1: the hair does not move by itself.
     pub held: f32,
-    /// Share of a hair from its root on beyond which it is wholly free, from `held` to 1.
+    /// Share of a hair, from its root, beyond which it is fully free, from `held` to 1.
     pub free: f32,
-    /// How fast the air takes it along, 1/s, 0..=1000.
+    /// Drag rate: how fast hair takes on the velocity of the air, 1/s, 0..=1000.
     pub drag_per_s: f32,
-    /// How often a second it swings back to where it was groomed, 0..=100; 0: it hangs.
+    /// Frequency of the spring to the groomed position, Hz, 0..=100; 0: hair hangs.
     pub shape_hz: f32,
-    /// How often a second its pieces swing back to the shape that they were groomed in, 0..=100; 0: it is limp.
+    /// Frequency of the spring to the groomed shape of each segment, Hz, 0..=100; 0: hair is limp.
     pub bend_hz: f32,
-    /// Share of its speed along a collider that it loses in 1/120 s, 0..=1.
+    /// Share of its speed along a collider that hair loses in 1/120 s, 0..=1.
     pub friction: f32,
 }
 
 impl Default for GroupMotion {
-    /// Long hair: a mane, a tail.
+    /// Returns the motion of long hair: a mane, a tail.
     fn default() -> Self {
         Self { held: 0.0, free: 0.3, drag_per_s: 2.0, shape_hz: 0.5, bend_hz: 1.2, friction: 0.2 }
     }
 }
 
 impl GroupMotion {
-    /// What the skin holds wholly.
+    /// Hair fixed to the surface over its whole length.
     pub const STIFF: Self = Self { held: 1.0, free: 1.0, drag_per_s: 0.0, shape_hz: 0.0, bend_hz: 0.0, friction: 0.0 };
 
     /// Range of `drag_per_s`.
@@ -72,7 +73,7 @@ impl GroupMotion {
     /// Range of `shape_hz` and `bend_hz`.
     pub const HZ: RangeInclusive<f32> = 0.0..=100.0;
 
-    /// How freely a point moves at a share of its hair's length, 0..=1.
+    /// Returns the freedom of a point at a share of its hair's length, 0..=1.
     pub fn freedom(&self, share: f32) -> f32 {
         if share <= self.held {
             return 0.0;
@@ -95,30 +96,30 @@ impl GroupMotion {
     }
 }
 
-/// A capsule that goes with a joint; of no length it is a ball.
+/// Capsule attached to a joint; with length 0, a sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BodyCollider {
     /// Index into [`crate::Animation::joints`]; 0 for a package without skeleton.
     pub joint: u32,
-    /// One end of its axis, mesh space.
+    /// First end of its axis, mesh space.
     pub from: [f32; 3],
-    /// The other.
+    /// Second end of its axis, mesh space.
     pub to: [f32; 3],
-    /// Above 0, in the lengths of mesh space.
+    /// Radius, above 0, in units of mesh space.
     pub radius: f32,
 }
 
 impl HairMotion {
-    /// Colliders at most.
+    /// Maximum number of colliders.
     pub const MOST_COLLIDERS: usize = 64;
 
-    /// How freely a guide of a group moves beside what is said of the whole group, 0..=1.
+    /// Returns the freedom of a guide, 0..=1, without the factor of its group.
     pub fn guide_freedom(&self, group: usize, guide: usize) -> f32 {
         let found = self.freedom.get(group).and_then(|guides| guides.get(guide));
         found.map_or(1.0, |byte| f32::from(*byte) / 255.0)
     }
 
-    /// The first thing that is not as the specification says.
+    /// Returns the first violation of the specification.
     fn fault(&self, groups: &[HairGroup], joints: usize) -> Option<String> {
         for (name, found) in [("groups", self.groups.len()), ("lists of freedom", self.freedom.len())] {
             if found != groups.len() {
@@ -158,9 +159,9 @@ impl HairMotion {
 }
 
 impl Package<'_> {
-    /// How hair on guides moves; `None` for a package that says nothing of it.
+    /// Returns the motion of guided hair; `None` if the package has no such section.
     ///
-    /// Fails where the section is damaged, or does not fit the groups of hair and the skeleton.
+    /// Fails if the section is damaged, or is inconsistent with the hair groups or the skeleton.
     pub fn hair_motion(&self) -> Result<Option<Arc<HairMotion>>, FormatError> {
         let Some((index, section)) = self.find(Tag::HAIR_MOTION, 0) else { return Ok(None) };
         let kept = self.keep(index, || {
@@ -176,7 +177,7 @@ impl Package<'_> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds how hair on guides moves.
+    /// Adds the motion of guided hair.
     pub fn hair_motion(self, motion: &HairMotion) -> Self {
         self.encoded(Tag::HAIR_MOTION, encode_section(Tag::HAIR_MOTION, motion))
     }

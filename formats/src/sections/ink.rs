@@ -1,4 +1,4 @@
-//! The `INKW` section: what a package needs to be drawn as an ink-wash painting (Fang 2006). Layout in `FORMAT.md`, "INKW".
+//! The `INKW` section: data for drawing a package as an ink-wash painting (Fang 2006). Layout in `FORMAT.md`, "INKW".
 
 use super::kind::{Count, Kind, Row, faults};
 use super::textures::TextureView;
@@ -28,9 +28,9 @@ pub(crate) const KIND: Kind = Kind {
 };
 
 impl<'a> Package<'a> {
-    /// The ink style; `None` for a package without. Every vertex is checked once; what came of it is kept.
+    /// Returns the ink style; `None` if the package has none. Every vertex is checked once; the result is cached.
     ///
-    /// Fails where the section is damaged, or has not a vertex for each of the mesh.
+    /// Fails if the section is damaged, or its vertex count is not that of the mesh.
     pub fn ink(&self) -> Result<Option<InkView<'a>>, FormatError> {
         let Some((index, section)) = self.find(Tag::INK, 0) else { return Ok(None) };
         let (info, first) = self.keep(index, || {
@@ -47,9 +47,10 @@ impl<'a> Package<'a> {
         Ok(Some(InkView { info, vertices: &self.section_bytes(index)?[first..] }))
     }
 
-    /// The textures of the ink style; `None` for a package without.
+    /// Returns the textures of the ink style; `None` if the package has none.
     ///
-    /// Fails where one of them is damaged or not as [`crate::InkInfo`] says: in layers, components or colour space.
+    /// Fails if a texture is damaged, or its layers, components or colour space are inconsistent with
+    /// [`crate::InkInfo`].
     pub fn ink_textures(&self) -> Result<Option<InkTextures<'a>>, FormatError> {
         let Some(ink) = self.ink()? else { return Ok(None) };
         let read = |what: &str, index: u32, layers: u32| {
@@ -73,16 +74,16 @@ impl<'a> Package<'a> {
     }
 }
 
-/// The textures of the ink style, see [`Package::ink_textures`] and [`InkInfo`].
+/// Textures of the ink style, see [`Package::ink_textures`] and [`InkInfo`].
 #[derive(Clone, Copy, Debug)]
 pub struct InkTextures<'a> {
-    /// The stroke of the sphere map.
+    /// Stroke of the sphere map.
     pub stroke: TextureView<'a>,
-    /// The tile of wash on the surface.
+    /// Wash, a tile on the surface.
     pub wash: TextureView<'a>,
-    /// The tile of paper.
+    /// Paper, a tile.
     pub paper: TextureView<'a>,
-    /// Strokes of fur in the hair's tile, where the package has fur.
+    /// Strokes of fur in the hair's tile, if the package has fur.
     pub fur: Option<TextureView<'a>>,
 }
 
@@ -97,27 +98,30 @@ impl PackageWriter<'_> {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InkInfo {
-    /// Index into the manifest's `textures`: the stroke, looked up by the normal in the frame perpendicular to the view, so that the rim
-    /// of the unit disc is the outline. One layer, four components, not sRGB: red is the stroke's grey, 0 black to 1 none, green the same
-    /// drawn with a dry brush, blue what varies its width (mean 0.5).
+    /// Index into the manifest's `textures`: the stroke, looked up by the normal in the frame perpendicular to the
+    /// view, so that the rim of the unit disc is the outline. One layer, four components, not sRGB. Red is the stroke's
+    /// grey, 0 black to 1 none; green is the same drawn with a dry brush; blue varies its width (mean 0.5).
     pub stroke_texture: u32,
-    /// Index into `textures`: a periodic tile on the surface. One layer, four components, not sRGB: red is the grain of the wash, green
-    /// its blotches, blue the pressure of lines (each of mean 0.5), alpha a threshold of even histogram for dry brushes.
+    /// Index into `textures`: a periodic tile on the surface. One layer, four components, not sRGB. Red is the grain of
+    /// the wash, green its blotches, blue the pressure of lines (each of mean 0.5); alpha is a threshold of uniform
+    /// histogram for dry brushes.
     pub wash_texture: u32,
-    /// Index into `textures`: a periodic tile of the paper. One layer, four components, not sRGB: red is the relief of its fibres, green how
-    /// much it absorbs (each of mean 0.5), blue its tone, 1 for clean paper, alpha a threshold of even histogram.
+    /// Index into `textures`: a periodic tile of the paper. One layer, four components, not sRGB. Red is the relief of
+    /// its fibres, green its absorption (each of mean 0.5), blue its tone, 1 for clean paper; alpha is a threshold of
+    /// uniform histogram.
     pub paper_texture: u32,
-    /// Index into `textures`: strokes of fur in the hair's tile. Two array layers, four components, not sRGB: the first seen from above,
-    /// periodic both ways, the second from the side as the fin textures are. Each component is the ink of one density, from few
-    /// strokes in red to all of them in alpha; what has ink in one has it in the next.
+    /// Index into `textures`: strokes of fur in the hair's tile. Two array layers, four components, not sRGB. The first
+    /// layer is seen from above and periodic both ways; the second is seen from the side, like the fin textures. Each
+    /// component is the ink of one density, from few strokes in red to all of them in alpha; ink in one component is
+    /// also in the next.
     pub fur_texture: Option<u32>,
     /// Period of the wash texture on the surface, metres, above 0.
     pub grain_size_m: f32,
-    /// Constants of the style.
+    /// Style constants.
     pub shading: InkShading,
 }
 
-/// Constants of the ink style, of one model.
+/// Constants of the ink style of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InkShading {
@@ -125,9 +129,9 @@ pub struct InkShading {
     pub wash_speed: f32,
     /// b of Fang 2006, §3, finite (default 0.66): grey at the centre, 0 black to 1 white.
     pub wash_range: f32,
-    /// Whether the wash follows the angle alone instead of the printed product (default false).
+    /// Whether the wash depends on the angle alone instead of the printed product (default false).
     pub normalised: bool,
-    /// Share of the wash texture in the wash, 0..=1 (default 0.5).
+    /// Weight of the wash texture in the wash, 0..=1 (default 0.5).
     pub grain: f32,
     /// Share of the base colour's darkness that the wash takes on, 0..=1 (default 0.6).
     pub tone: f32,
@@ -164,7 +168,7 @@ impl InkShading {
             ("fur", self.fur, 0.0..=1.0),
             ("line", self.line, Self::LINE),
         ] {
-            // Not a number is in no range.
+            // NaN is in no range.
             if !range.contains(&value) {
                 return Err(format!("{what} is {value}, expected {}..={}", range.start(), range.end()));
             }
@@ -173,43 +177,43 @@ impl InkShading {
     }
 }
 
-/// What the ink style needs of a vertex, in the order of the mesh's vertices. 8 bytes.
+/// Data of the ink style for a vertex, in the order of the mesh's vertices. 8 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct InkVertex {
-    /// Fang 2006, §3, at rest, in 32767ths: half of ((V − CP)·N)/ρ, where ρ is the radius of the manifest's bounds, and
-    /// ((V − CP)/|V − CP|)·N; each −32767..=32767.
+    /// Wash of Fang 2006, §3, at rest, in units of 1/32767: half of ((V − CP)·N)/ρ, where ρ is the radius of the
+    /// manifest's bounds, and ((V − CP)/|V − CP|)·N; each −32767..=32767.
     pub wash: [i16; 2],
-    /// Share of the wash, in 255ths: 0 is left blank.
+    /// Share of the wash, in units of 1/255; 0 is left blank.
     pub amount: u8,
-    /// Share of full ink, in 255ths.
+    /// Share of full ink, in units of 1/255.
     pub solid: u8,
-    /// Share of the width of lines, in 255ths.
+    /// Share of the width of lines, in units of 1/255.
     pub line: u8,
-    /// 0.
+    /// Reserved, 0.
     pub reserved: u8,
 }
 
-/// The ink style of a package to be written.
+/// Ink style of a package to be written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InkData {
     /// Textures and constants.
     pub info: InkInfo,
-    /// One per vertex of the mesh.
+    /// Vertex data, one per vertex of the mesh.
     pub vertices: Vec<InkVertex>,
 }
 
-/// The ink style of an opened package; vertices are a slice of the package's bytes, ready to upload.
+/// Ink style of an opened package; vertices are a slice of the package's bytes, ready to upload.
 #[derive(Clone)]
 pub struct InkView<'a> {
     /// Textures and constants.
     pub info: InkInfo,
-    /// One [`InkVertex`] for each vertex of the mesh, 8 bytes each.
+    /// [`InkVertex`] of each vertex of the mesh, 8 bytes each.
     pub vertices: &'a [u8],
 }
 
 impl fmt::Debug for InkView<'_> {
-    /// Says how many vertices, not each.
+    /// Formats the constants and the number of vertices.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "InkView({:?}, {} vertices)", self.info, self.vertices.len() / size_of::<InkVertex>())
     }
@@ -217,13 +221,13 @@ impl fmt::Debug for InkView<'_> {
 
 const HEADER_BYTES: u64 = 16;
 
-/// Offset of the first vertex, relative to the section.
+/// Returns the offset of the first vertex, relative to the section.
 fn first_vertex(info_bytes: u64) -> u64 {
     (HEADER_BYTES + info_bytes).next_multiple_of(16)
 }
 
 impl InkData {
-    /// Bytes of the section.
+    /// Returns the bytes of the section.
     fn encode(&self) -> Result<Vec<u8>, FormatError> {
         let fail = |reason: &str| FormatError::Content { tag: Tag::INK, offset: 0, reason: reason.into() };
         let info = encode_section(Tag::INK, &self.info)?;
@@ -242,7 +246,7 @@ impl InkData {
 }
 
 impl<'a> InkView<'a> {
-    /// Reads the section that begins at `offset` of the package and checks every number in it by itself.
+    /// Reads the section at `offset` of the package and checks every number in it, independently of other sections.
     fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
         let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::INK, offset: offset + at, reason };
         if (bytes.len() as u64) < HEADER_BYTES {
@@ -285,12 +289,12 @@ impl<'a> InkView<'a> {
         Ok(view)
     }
 
-    /// The vertices, decoded.
+    /// Decodes the vertices.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = InkVertex> + 'a {
         self.vertices.chunks_exact(size_of::<InkVertex>()).map(bytemuck::pod_read_unaligned)
     }
 
-    /// Copies everything out.
+    /// Copies the data out of the package.
     pub fn to_data(&self) -> InkData {
         InkData { info: self.info.clone(), vertices: self.vertices().collect() }
     }

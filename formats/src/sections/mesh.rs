@@ -1,4 +1,4 @@
-//! The `MESH` section: vertex streams and indices as the GPU wants them. Layout in `FORMAT.md`, "MESH".
+//! The `MESH` section: vertex streams and indices in GPU layout. Layout in `FORMAT.md`, "MESH".
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::container::FORMAT_VERSION;
@@ -29,10 +29,10 @@ pub(crate) const KIND: Kind = Kind {
 };
 
 impl<'a> Package<'a> {
-    /// The mesh; `None` for a package without one. Every vertex and index is checked once; what came of it is kept.
+    /// Returns the mesh; `None` if the package has none. Every vertex and index is checked once; the result is cached.
     ///
-    /// Fails where the manifest's parts do not cover the index buffer, a skinned mesh has no skeleton, or a mesh without skin
-    /// has one.
+    /// Fails if the manifest's parts do not cover the index buffer, or if only one of joint weights and skeleton is
+    /// present.
     pub fn mesh(&self) -> Result<Option<MeshView<'a>>, FormatError> {
         let Some((index, section)) = self.find(Tag::MESH, 0) else {
             let parts = self.manifest().parts.len();
@@ -50,7 +50,7 @@ impl<'a> Package<'a> {
         Ok(Some(MeshView::of(self.section_bytes(index)?, counts)))
     }
 
-    /// Whether a mesh that is sound by itself fits manifest and skeleton.
+    /// Checks a valid mesh against manifest and skeleton.
     fn check_mesh(&self, view: &MeshView<'_>, offset: u64) -> Result<(), FormatError> {
         let fail = |reason| FormatError::Content { tag: Tag::MESH, offset, reason };
         let covered: u64 = self.manifest().parts.iter().map(|p| u64::from(p.index_count)).sum();
@@ -74,7 +74,7 @@ impl<'a> Package<'a> {
         Ok(())
     }
 
-    /// Fails where the mesh is damaged, or there is nothing of it to draw.
+    /// Fails if the mesh is damaged, or has nothing to draw.
     pub(crate) fn triangles(&self) -> Result<(), FormatError> {
         let offset = self.find(Tag::MESH, 0).map_or(0, |(_, section)| section.offset);
         match self.mesh()? {
@@ -98,39 +98,39 @@ impl PackageWriter<'_> {
     }
 }
 
-/// First vertex stream: what posing changes. 48 bytes.
+/// First vertex stream: attributes that posing changes. 48 bytes.
 ///
-/// Positions and directions are in mesh space when the package has a skeleton, else in world space at rest.
+/// Positions and directions are in mesh space if the package has a skeleton, else in world space at rest.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GeometryVertex {
-    /// Position, metres once posed.
+    /// Position, metres when posed.
     pub position: [f32; 3],
-    /// Height of the outermost layer above the skin in the posed state, metres; 0 where the skin is bare.
+    /// Height of the outermost layer above the surface in the posed state, metres; 0 where the surface is bare.
     pub fur_height: f32,
-    /// Unit normal, outward.
+    /// Outward unit normal.
     pub normal: [f32; 3],
-    /// How far the hair leans over beyond what the tile's strands do, 0..=1: the outermost layer is shifted along the bitangent
-    /// by `lean * fur_height`, a layer at the share h of that height by h² of it. 0 in packages of version 1.
+    /// Lean of the hair beyond that of the tile's strands, 0..=1. The outermost layer is shifted along the bitangent by
+    /// `lean * fur_height`, a layer at the share h of that height by h² of it. 0 in packages of version 1.
     pub lean: f32,
-    /// Unit tangent along +u of the tile in the first three, and in the fourth the handedness ±1:
-    /// bitangent (along +v) = handedness · normal × tangent. Readers check that the numbers are finite, not that the vectors
-    /// are unit or the handedness is ±1.
+    /// Unit tangent along +u of the tile in the first three components, and in the fourth the handedness ±1: bitangent
+    /// (along +v) = handedness · normal × tangent. Readers check that the numbers are finite, not that the vectors are
+    /// unit or the handedness is ±1.
     pub tangent: [f32; 4],
 }
 
-/// Second vertex stream: what posing leaves alone. 24 bytes.
+/// Second vertex stream: attributes that posing does not change. 24 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct AttributeVertex {
-    /// Coordinates in the hair tile; 1 is one tile, the texture repeats.
+    /// Coordinates in the hair tile; 1 is one tile, and the texture repeats.
     pub tile_uv: [f32; 2],
-    /// The model's own texture coordinates, for base colour.
+    /// Texture coordinates of the model, for base colour.
     pub base_uv: [f32; 2],
     /// Vertex colour, linear RGBA, 0..=255 for 0..=1.
     pub color: [u8; 4],
-    /// Bareness, wetness, 0, 0; 0..=255 for 0..=1. Bareness 1 is a vertex without hair, wetness 1 is hair of the wet textures
-    /// alone. All 0 in packages of version 1.
+    /// Bareness, wetness, 0, 0; 0..=255 for 0..=1. Bareness 1 is a vertex without hair; wetness 1 is hair with the wet
+    /// textures only. All 0 in packages of version 1.
     pub groom: [u8; 4],
 }
 
@@ -144,20 +144,20 @@ pub struct SkinVertex {
     pub weights: [f32; 4],
 }
 
-/// A mesh to be written.
+/// Mesh to be written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
-    /// One per vertex.
+    /// First vertex stream, one entry per vertex.
     pub geometry: Vec<GeometryVertex>,
-    /// One per vertex.
+    /// Second vertex stream, one entry per vertex.
     pub attributes: Vec<AttributeVertex>,
-    /// One per vertex, or none at all for a mesh without skeleton.
+    /// Third vertex stream, one entry per vertex; empty for a mesh without skeleton.
     pub skin: Vec<SkinVertex>,
-    /// Three per triangle, counter-clockwise seen from outside.
+    /// Indices, three per triangle, counter-clockwise seen from outside.
     pub indices: Vec<u32>,
 }
 
-/// A mesh in an opened package: slices of the package's bytes, ready to upload.
+/// Mesh in an opened package: slices of the package's bytes, ready to upload.
 #[derive(Clone, Copy)]
 pub struct MeshView<'a> {
     /// Number of vertices.
@@ -175,14 +175,14 @@ pub struct MeshView<'a> {
 }
 
 impl MeshView<'_> {
-    /// Bytes of all vertices and indices.
+    /// Returns the size of all vertices and indices, bytes.
     pub fn bytes(&self) -> u64 {
         (self.geometry.len() + self.attributes.len() + self.skin.len() + self.indices.len()) as u64
     }
 }
 
 impl fmt::Debug for MeshView<'_> {
-    /// Says what the mesh is, not its megabytes.
+    /// Formats the counts only.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { vertex_count, index_count, .. } = self;
         let skin = if self.skin.is_empty() { "no skin" } else { "skin" };
@@ -193,7 +193,7 @@ impl fmt::Debug for MeshView<'_> {
 const HEADER_BYTES: u64 = 64;
 const FLAG_SKIN: u32 = 1;
 
-/// What a mesh's layout follows from.
+/// Counts that determine the layout of a mesh.
 #[derive(Clone, Copy)]
 struct Counts {
     vertices: u32,
@@ -201,7 +201,8 @@ struct Counts {
     skinned: bool,
 }
 
-/// Offsets of the four streams and the end, relative to the section. They follow from the counts, so the file cannot disagree.
+/// Returns the offsets of the four streams and the end, relative to the section. They follow from the counts, so the
+/// file cannot contradict them.
 fn layout(vertices: u64, indices: u64, skinned: bool) -> [u64; 5] {
     let align = |offset: u64| offset.next_multiple_of(16);
     let geometry = HEADER_BYTES;
@@ -212,14 +213,14 @@ fn layout(vertices: u64, indices: u64, skinned: bool) -> [u64; 5] {
     [geometry, attributes, skin, index, index + indices * 4]
 }
 
-// How many meshes this thread has read and checked.
+// Number of meshes that this thread has read and checked.
 #[cfg(test)]
 thread_local! {
     pub(crate) static CHECKED: std::cell::Cell<u32> = const { std::cell::Cell::new(0) };
 }
 
 impl MeshData {
-    /// Bytes of the section. Fails where the streams differ in length or an index points past the vertices.
+    /// Returns the bytes of the section. Fails if the streams differ in length or an index is out of range.
     fn encode(&self) -> Result<Vec<u8>, FormatError> {
         let fail = |reason: String| FormatError::Content { tag: Tag::MESH, offset: 0, reason };
         let vertices = self.geometry.len();
@@ -257,7 +258,7 @@ impl MeshData {
 }
 
 impl<'a> MeshView<'a> {
-    /// Reads the section that begins at `offset` of a package of that version and checks every index and number in it.
+    /// Reads the section at `offset` of a package of that version and checks every index and number in it.
     fn parse(bytes: &'a [u8], offset: u64, version: u32, limits: &Limits) -> Result<Self, FormatError> {
         #[cfg(test)]
         CHECKED.with(|checked| checked.set(checked.get() + 1));
@@ -317,7 +318,7 @@ impl<'a> MeshView<'a> {
         Ok(view)
     }
 
-    /// The streams of a section of these counts, which is long enough for them.
+    /// Returns the streams of a section with these counts, which is long enough for them.
     fn of(bytes: &'a [u8], counts: Counts) -> Self {
         let Counts { vertices, indices, skinned } = counts;
         let [geometry, attributes, skin, index, _] = layout(vertices.into(), indices.into(), skinned);
@@ -347,7 +348,7 @@ impl<'a> MeshView<'a> {
         for (i, v) in self.geometry().enumerate() {
             let at = geometry + i as u64 * size_of::<GeometryVertex>() as u64;
             let numbers = finite(&v.position) && finite(&v.normal) && finite(&v.tangent);
-            // What was reserved in version 1 is 0 there, to the bit.
+            // Fields reserved in version 1 are 0 there, to the bit.
             let lean = if version == 1 { v.lean.to_bits() == 0 } else { (0.0..=1.0).contains(&v.lean) };
             if !numbers || !v.fur_height.is_finite() || v.fur_height < 0.0 || !lean {
                 let lean = if version == 1 { "0 in version 1" } else { "0..=1" };
@@ -383,27 +384,27 @@ impl<'a> MeshView<'a> {
         Ok(())
     }
 
-    /// The first vertex stream, decoded.
+    /// Decodes the first vertex stream.
     pub fn geometry(&self) -> impl ExactSizeIterator<Item = GeometryVertex> + 'a {
         self.geometry.chunks_exact(size_of::<GeometryVertex>()).map(bytemuck::pod_read_unaligned)
     }
 
-    /// The second vertex stream, decoded.
+    /// Decodes the second vertex stream.
     pub fn attributes(&self) -> impl ExactSizeIterator<Item = AttributeVertex> + 'a {
         self.attributes.chunks_exact(size_of::<AttributeVertex>()).map(bytemuck::pod_read_unaligned)
     }
 
-    /// The third vertex stream, decoded; empty for a mesh without skeleton.
+    /// Decodes the third vertex stream; empty for a mesh without skeleton.
     pub fn skin(&self) -> impl ExactSizeIterator<Item = SkinVertex> + 'a {
         self.skin.chunks_exact(size_of::<SkinVertex>()).map(bytemuck::pod_read_unaligned)
     }
 
-    /// The indices, decoded.
+    /// Decodes the indices.
     pub fn indices(&self) -> impl ExactSizeIterator<Item = u32> + 'a {
         self.indices.chunks_exact(4).map(bytemuck::pod_read_unaligned)
     }
 
-    /// Copies everything out.
+    /// Copies the data out of the package.
     pub fn to_data(&self) -> MeshData {
         MeshData {
             geometry: self.geometry().collect(),

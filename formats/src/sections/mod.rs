@@ -1,7 +1,7 @@
-//! The sections of a package, one file each, and their list.
+//! Sections of a package, one file each, and their list.
 //!
-//! To add a section, add its file and its line in [`SECTIONS`]: what opens, validates and writes packages goes by the list, and
-//! the table of tags in `FORMAT.md` is held against it. `probe.rs` is a section that only tests have.
+//! To add a section, add its file and its line in [`SECTIONS`]. Opening, validating and writing packages follow the
+//! list, and the table of tags in `FORMAT.md` is tested against it. `probe.rs` is a section that exists only in tests.
 
 pub(crate) mod animation;
 pub(crate) mod fibres;
@@ -25,7 +25,7 @@ pub(crate) mod visibility;
 use crate::tag::Tag;
 use kind::Kind;
 
-/// All sections, in the order of the table in `FORMAT.md`. Faults of several are told in this order.
+/// List of all sections, in the order of the table in `FORMAT.md`. Faults across sections are reported in this order.
 pub(crate) const SECTIONS: &[&Kind] = &[
     &manifest::KIND,
     &mesh::KIND,
@@ -46,12 +46,12 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &probe::KIND,
 ];
 
-/// The sections that packages of that version may have.
+/// Returns the sections that packages of that version may have.
 pub(crate) fn of_version(version: u32) -> impl Iterator<Item = &'static Kind> {
     SECTIONS.iter().copied().filter(move |kind| kind.since <= version)
 }
 
-/// What a tag means to packages of that version; `None` for tags that are any tag to it.
+/// Returns the section kind of a tag in packages of that version; `None` for a tag unknown to it.
 pub(crate) fn kind(tag: Tag, version: u32) -> Option<&'static Kind> {
     of_version(version).find(|kind| kind.tag == tag)
 }

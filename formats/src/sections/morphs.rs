@@ -1,5 +1,5 @@
-//! The `MRPH` section: morph targets, what moves their weights, and how far each vertex goes with them. The order of the fields is the order of the
-//! bytes. Layout in `FORMAT.md`, "MRPH".
+//! The `MRPH` section: morph targets, the animation of their weights, and the displacement of each vertex. Fields are
+//! in byte order. Layout in `FORMAT.md`, "MRPH".
 
 use super::animation::{Animation, MorphMotion};
 use super::kind::{Count, Kind, Row, USES_NOTHING};
@@ -27,21 +27,22 @@ pub(crate) const KIND: Kind = Kind {
     row: Row { what: "[morph targets](#mrph-morph-targets)", how_many: "at most one", place: "any" },
 };
 
-/// Most targets of a package.
+/// Maximum number of targets in a package.
 const MOST_TARGETS: usize = 1 << 12;
 
-/// A section's targets, and the skeleton that knows them.
+/// Targets of the section, and the skeleton with their animation.
 type Kept = (Arc<Morphs>, Arc<Animation>);
 
 impl Package<'_> {
-    /// Morph targets; `None` for a package without. Decoded and checked once, then kept.
+    /// Returns the morph targets; `None` if the package has none. Decoded and checked once, then cached.
     ///
-    /// Fails where the section is damaged, or does not fit mesh and skeleton.
+    /// Fails if the section is damaged, or is inconsistent with mesh or skeleton.
     pub fn morphs(&self) -> Result<Option<Arc<Morphs>>, FormatError> {
         Ok(self.morphed_animation()?.map(|(morphs, _)| morphs))
     }
 
-    /// Skeleton and clips, with what moves the weights of morph targets; `None` for a package without. Decoded and checked once, then kept.
+    /// Returns skeleton and clips, including the animation of morph targets; `None` if the package has none. Decoded
+    /// and checked once, then cached.
     pub fn animation(&self) -> Result<Option<Arc<Animation>>, FormatError> {
         match self.morphed_animation()? {
             Some((_, animation)) => Ok(Some(animation)),
@@ -73,33 +74,34 @@ impl PackageWriter<'_> {
     }
 }
 
-/// Morph targets: shapes that the mesh goes over to, each by its weight.
+/// Morph targets: shapes into which the mesh changes, each by its weight.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Morphs {
-    /// Which there are, and how clips move them.
+    /// Targets, and their animation in clips.
     pub motion: MorphMotion,
-    /// One per vertex, and one more: its entries of `deltas` are those from its own number up to the next one's. Rising, from 0 to how many there are.
+    /// For each vertex, the index of its first entry in `deltas`, and finally the number of entries; a vertex's entries
+    /// end at the next one's first. Ascending from 0.
     pub first: Vec<u32>,
-    /// What targets do to vertices, vertex after vertex.
+    /// Displacements by targets, vertex after vertex.
     pub deltas: Vec<MorphDelta>,
 }
 
-/// What a target of weight 1 adds to a vertex that it finds at weight 0.
+/// Displacement of a vertex by a target when its weight rises from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct MorphDelta {
     /// Index into [`MorphMotion::targets`].
     pub target: u32,
-    /// Added to the position, in mesh space.
+    /// Displacement of the position, in mesh space.
     pub position: [f32; 3],
-    /// Added to the normal, which is then made unit length.
+    /// Addend to the normal, which is then normalised.
     pub normal: [f32; 3],
-    /// Added to the direction of the tile's u axis, which is then made unit length and perpendicular to the normal.
+    /// Addend to the direction of the tile's u axis, which is then made unit length and perpendicular to the normal.
     pub tangent: [f32; 3],
 }
 
 impl Morphs {
-    /// The entries of a vertex; none for one that there is not.
+    /// Returns the entries of a vertex; none for a vertex that does not exist.
     pub fn of_vertex(&self, vertex: usize) -> &[MorphDelta] {
         let at = |i: usize| self.first.get(i).map(|n| *n as usize);
         let range = at(vertex).zip(at(vertex + 1)).and_then(|(from, to)| self.deltas.get::<Range<usize>>(from..to));

@@ -1,4 +1,5 @@
-//! The `OPEN` section: what of all directions the body leaves open to the hair at each vertex. Layout in `FORMAT.md`, "OPEN".
+//! The `OPEN` section: the directions that the body leaves open to the hair at each vertex. Layout in `FORMAT.md`,
+//! "OPEN".
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::error::FormatError;
@@ -8,7 +9,7 @@ use crate::tag::Tag;
 use crate::writer::PackageWriter;
 
 impl Tag {
-    /// What the body leaves open to its hair, since version 3. At most one.
+    /// Openness of the hair, since version 3. At most one.
     pub const OPENNESS: Self = Self(*b"OPEN");
 }
 
@@ -25,14 +26,14 @@ pub(crate) const KIND: Kind = Kind {
     },
 };
 
-/// Bytes of a vertex.
+/// Size of a vertex, bytes.
 const VERTEX_BYTES: usize = 4;
 
 fn fault(at: usize, reason: String) -> FormatError {
     FormatError::Content { tag: Tag::OPENNESS, offset: at as u64, reason }
 }
 
-/// Whether four bytes are what [`Openness::to_bytes`] may write.
+/// Checks that [`Openness::to_bytes`] may write these four bytes.
 fn check_vertex(number: usize, bytes: [u8; 4]) -> Result<(), String> {
     let [_, u, v, spare] = bytes;
     let [u, v] = [u, v].map(|x| i32::from(x as i8));
@@ -45,9 +46,10 @@ fn check_vertex(number: usize, bytes: [u8; 4]) -> Result<(), String> {
 }
 
 impl<'a> Package<'a> {
-    /// What the body leaves open to the hair at each vertex, four bytes each ([`Openness::of_bytes`]); `None` for a package that does not know.
+    /// Returns the openness of the hair at each vertex, four bytes each ([`Openness::of_bytes`]); `None` if the package
+    /// has no such section.
     ///
-    /// Fails where the section is damaged, or has not as many as the mesh has vertices.
+    /// Fails if the section is damaged, or its vertex count is not that of the mesh.
     pub fn openness(&self) -> Result<Option<&'a [u8]>, FormatError> {
         let Some((index, section)) = self.find(Tag::OPENNESS, 0) else { return Ok(None) };
         let bytes = self.section_bytes(index)?;
@@ -72,7 +74,7 @@ impl<'a> Package<'a> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds what the body leaves open to the hair at each vertex of the mesh.
+    /// Adds the openness of the hair at each vertex of the mesh.
     pub fn openness(self, vertices: &[Openness]) -> Self {
         let encode = || {
             let mut out = Vec::with_capacity(VERTEX_BYTES * vertices.len());

@@ -1,5 +1,5 @@
-//! `PROB`: a section that exists in tests alone, a list of bytes none of which is 0. It shows what it takes to add one: this file,
-//! and its line in `mod.rs`.
+//! `PROB`: a section that exists only in tests, a list of non-zero bytes. It shows what adding a section takes: this
+//! file and its line in `mod.rs`.
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::error::FormatError;
@@ -22,12 +22,13 @@ pub(crate) const KIND: Kind = Kind {
 };
 
 thread_local! {
-    /// How many sections of this kind this thread has read and checked.
+    /// Number of sections of this kind that this thread has read and checked.
     pub(crate) static CHECKED: Cell<u32> = const { Cell::new(0) };
 }
 
 impl<'a> Package<'a> {
-    /// The bytes, and their sum; `None` for a package without. A model named `probed` must have them.
+    /// Returns the bytes and their sum; `None` if the package has no such section. A model named `probed` must have
+    /// one.
     pub(crate) fn probe(&self) -> Result<Option<(&'a [u8], u32)>, FormatError> {
         let fail = |offset, reason| FormatError::Content { tag: Tag::PROBE, offset, reason };
         let Some((index, section)) = self.find(Tag::PROBE, 0) else {

@@ -1,4 +1,5 @@
-//! The `ROOT` section: how far hair lies aside of its root, so that it can have the colour of the skin there. Layout in `FORMAT.md`, "ROOT".
+//! The `ROOT` section: lateral offset of hair from its root, so that hair can have the surface colour there. Layout in
+//! `FORMAT.md`, "ROOT".
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::encoding::{decode_section, encode_section};
@@ -10,7 +11,7 @@ use crate::writer::PackageWriter;
 use serde::{Deserialize, Serialize};
 
 impl Tag {
-    /// Where hair roots, since version 3. At most one.
+    /// Roots of hair, since version 3. At most one.
     pub const ROOTS: Self = Self(*b"ROOT");
 }
 
@@ -23,23 +24,24 @@ pub(crate) const KIND: Kind = Kind {
     row: Row { what: "[where hair roots](#root-where-hair-roots)", how_many: "at most one", place: "any" },
 };
 
-/// Heights at which [`RootsInfo`] says how far hair lies aside: evenly from the skin to the outermost layer.
+/// Number of heights at which [`RootsInfo`] gives offsets: evenly from the surface to the outermost layer.
 pub const ROOT_HEIGHTS: usize = 8;
 
-/// How far hair lies aside of its root, and by how much that moves the coordinates of the base colour.
+/// Lateral offsets of hair from its root, and the resulting offsets of base-colour coordinates.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RootsInfo {
-    /// At each of the heights, of dry hair.
+    /// Offset at each height, for dry hair.
     pub asides: [Aside; ROOT_HEIGHTS],
-    /// One per material: by how much its texture coordinates change along the width of a tile, both alike: u with the tile's u, v with its v. 0 where
-    /// hair has the base colour of the skin below it.
+    /// For each material, the change of its texture coordinates over the width of a tile, the same for both axes: u
+    /// with the tile's u, v with its v. 0 if hair has the base colour of the surface below it.
     pub uv_per_tile: Vec<f32>,
 }
 
 impl Package<'_> {
-    /// How far hair lies aside of its root; `None` for a package whose hair has the colour of the skin below it.
+    /// Returns the lateral offsets of hair from its root; `None` if the package's hair has the colour of the surface
+    /// below it.
     ///
-    /// Fails where the section is damaged, or does not fit the manifest.
+    /// Fails if the section is damaged, or is inconsistent with the manifest.
     pub fn roots(&self) -> Result<Option<RootsInfo>, FormatError> {
         let Some((index, section)) = self.find(Tag::ROOTS, 0) else { return Ok(None) };
         let info = self.keep(index, || {
@@ -72,7 +74,7 @@ impl Package<'_> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds how far hair lies aside of its root.
+    /// Adds the lateral offsets of hair from its root.
     pub fn roots(self, info: &RootsInfo) -> Self {
         self.encoded(Tag::ROOTS, encode_section(Tag::ROOTS, info))
     }

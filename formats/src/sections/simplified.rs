@@ -1,4 +1,4 @@
-//! The `SIMP` section: index lists of fewer triangles over the mesh's vertices. Layout in `FORMAT.md`, "SIMP".
+//! The `SIMP` section: index lists with fewer triangles over the mesh's vertices. Layout in `FORMAT.md`, "SIMP".
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::error::FormatError;
@@ -23,9 +23,10 @@ pub(crate) const KIND: Kind = Kind {
 };
 
 impl<'a> Package<'a> {
-    /// Index lists of fewer triangles; `None` for a package without. Every index is checked once; what came of it is kept.
+    /// Returns the simplified index lists; `None` if the package has none. Every index is checked once; the result is
+    /// cached.
     ///
-    /// Fails where the section is damaged, or does not fit the manifest's parts and the mesh's vertices.
+    /// Fails if the section is damaged, or is inconsistent with the manifest's parts or the mesh's vertices.
     pub fn simplified(&self) -> Result<Option<SimplifiedView<'a>>, FormatError> {
         let Some((index, section)) = self.find(Tag::SIMPLIFIED, 0) else { return Ok(None) };
         let counts = self.keep(index, || {
@@ -36,7 +37,7 @@ impl<'a> Package<'a> {
         Ok(Some(SimplifiedView::of(self.section_bytes(index)?, counts)))
     }
 
-    /// Whether lists that are sound by themselves fit manifest and mesh.
+    /// Checks valid lists against manifest and mesh.
     fn check_simplified(&self, view: &SimplifiedView<'_>, offset: u64) -> Result<(), FormatError> {
         let fail = |at: u64, reason| FormatError::Content { tag: Tag::SIMPLIFIED, offset: offset + at, reason };
         let parts = &self.manifest().parts;
@@ -62,20 +63,21 @@ impl<'a> Package<'a> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds index lists of fewer triangles.
+    /// Adds simplified index lists.
     pub fn simplified(self, levels: &[SimplifiedLevel]) -> Self {
         self.encoded(Tag::SIMPLIFIED, encode(levels))
     }
 }
 
-/// An index list of fewer triangles, to be written.
+/// Index list with fewer triangles, to be written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimplifiedLevel {
-    /// How far skin and outermost layer may lie from where the mesh has them, metres: above 0, and more than in the level before.
+    /// Maximum deviation of surface and outermost layer from the mesh, metres; above 0, and more than in the level
+    /// before.
     pub deviation_m: f32,
-    /// How many of the indices belong to each part of the manifest, multiples of 3, in the order of the parts.
+    /// Number of indices in each part of the manifest, multiples of 3, in the order of the parts.
     pub part_counts: Vec<u32>,
-    /// Three per triangle, into the mesh's vertices, part after part.
+    /// Vertex indices, three per triangle, part after part.
     pub indices: Vec<u32>,
 }
 
@@ -86,14 +88,14 @@ pub struct SimplifiedView<'a> {
     pub level_count: u32,
     /// Number of parts.
     pub part_count: u32,
-    /// Little-endian u32, list after list, each part after part.
+    /// Vertex indices, little-endian u32; list after list, each part after part.
     pub indices: &'a [u8],
     deviations: &'a [u8],
     part_counts: &'a [u8],
 }
 
 impl fmt::Debug for SimplifiedView<'_> {
-    /// Says how many, not each.
+    /// Formats the counts only.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "SimplifiedView({} lists, {} indices)", self.level_count, self.indices.len() / 4)
     }
@@ -101,10 +103,10 @@ impl fmt::Debug for SimplifiedView<'_> {
 
 const HEADER_BYTES: u64 = 16;
 
-/// Most lists of a package: each has fewer triangles than the one before.
+/// Maximum number of lists in a package; each has fewer triangles than the one before.
 const MOST_LEVELS: u32 = 64;
 
-/// What the layout of the section follows from.
+/// Counts that determine the layout of the section.
 #[derive(Clone, Copy)]
 struct Counts {
     levels: u32,
@@ -112,7 +114,7 @@ struct Counts {
     indices: u32,
 }
 
-/// Offsets of the counts of the parts and of the first index, and the end, relative to the section.
+/// Returns the offsets of the part counts and of the first index, and the end, relative to the section.
 fn layout(counts: Counts) -> [u64; 3] {
     let [levels, parts, indices] = [counts.levels, counts.parts, counts.indices].map(u64::from);
     let of_parts = HEADER_BYTES + 4 * levels;
@@ -124,7 +126,7 @@ fn numbers(bytes: &[u8]) -> impl ExactSizeIterator<Item = u32> {
     bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned)
 }
 
-/// Bytes of the section. Fails where the counts do not add up, or a number is out of its range.
+/// Returns the bytes of the section. Fails if the counts do not add up, or a number is out of range.
 fn encode(levels: &[SimplifiedLevel]) -> Result<Vec<u8>, FormatError> {
     let fail = |reason: &str| FormatError::Content { tag: Tag::SIMPLIFIED, offset: 0, reason: reason.into() };
     let count = |n: usize| u32::try_from(n).map_err(|_| fail("more than 2^32 lists, parts or indices"));
@@ -146,7 +148,7 @@ fn encode(levels: &[SimplifiedLevel]) -> Result<Vec<u8>, FormatError> {
 }
 
 impl<'a> SimplifiedView<'a> {
-    /// Reads the section that begins at `offset` of the package and checks every number in it by itself.
+    /// Reads the section at `offset` of the package and checks every number in it, independently of other sections.
     fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
         let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::SIMPLIFIED, offset: offset + at, reason };
         if (bytes.len() as u64) < HEADER_BYTES {
@@ -177,7 +179,7 @@ impl<'a> SimplifiedView<'a> {
         }
         let mut least = 0.0;
         for (level, deviation) in view.deviations().enumerate() {
-            // Not a number is more than nothing.
+            // Written so that NaN fails.
             if !(deviation > least && deviation.is_finite()) {
                 let reason = format!("deviation {level} is {deviation}, expected a finite number above {least}");
                 return Err(fail(HEADER_BYTES + 4 * level as u64, reason));
@@ -195,7 +197,7 @@ impl<'a> SimplifiedView<'a> {
         Ok(view)
     }
 
-    /// The lists of a section of these counts, which is as long as they ask for.
+    /// Returns the lists of a section with these counts, whose length matches them.
     fn of(bytes: &'a [u8], counts: Counts) -> Self {
         let [of_parts, first, end] = layout(counts).map(|at| at as usize);
         let part_counts = &bytes[of_parts..of_parts + 4 * counts.levels as usize * counts.parts as usize];
@@ -212,18 +214,18 @@ impl<'a> SimplifiedView<'a> {
         Counts { levels: self.level_count, parts: self.part_count, indices: (self.indices.len() / 4) as u32 }
     }
 
-    /// [`SimplifiedLevel::deviation_m`] of each list.
+    /// Returns [`SimplifiedLevel::deviation_m`] of each list.
     pub fn deviations(&self) -> impl ExactSizeIterator<Item = f32> + 'a {
         self.deviations.chunks_exact(4).map(bytemuck::pod_read_unaligned)
     }
 
-    /// How many indices of list number `level`, less than `level_count`, belong to each part.
+    /// Returns the number of indices in each part, for list number `level`, less than `level_count`.
     pub fn part_counts(&self, level: usize) -> impl ExactSizeIterator<Item = u32> + 'a {
         let bytes = 4 * self.part_count as usize;
         numbers(&self.part_counts[level * bytes..(level + 1) * bytes])
     }
 
-    /// All indices, decoded.
+    /// Decodes all indices.
     pub fn indices(&self) -> impl ExactSizeIterator<Item = u32> + 'a {
         numbers(self.indices)
     }

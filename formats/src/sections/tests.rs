@@ -1,4 +1,4 @@
-//! The list of sections: what goes by it, and what is kept of them.
+//! Tests of the section list, its use, and the caching of sections.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::{SECTIONS, mesh, probe};
@@ -12,14 +12,14 @@ fn open(bytes: &[u8]) -> Package<'_> {
     Package::open(bytes, &Limits::default()).unwrap()
 }
 
-/// How many meshes were checked while `f` ran.
+/// Returns the number of meshes checked while `f` ran.
 fn meshes_checked(f: impl FnOnce()) -> u32 {
     let before = mesh::CHECKED.get();
     f();
     mesh::CHECKED.get() - before
 }
 
-/// All that a runtime asks of a package in order to draw it, twice over.
+/// Accesses twice everything that a runtime reads from a package for drawing.
 fn load(package: &Package<'_>) {
     for _ in 0..2 {
         let mesh = package.mesh().unwrap().unwrap();
@@ -44,7 +44,7 @@ fn a_mesh_is_checked_once_for_each_opened_package() {
     assert_eq!(meshes_checked(|| load(&open(WITH_INK))), 1, "a model with ink");
     assert_eq!(meshes_checked(|| load(&open(WITH_FINS))), 1, "a model with fins and a skeleton");
     assert_eq!(meshes_checked(|| drop(open(WITH_INK))), 0, "opening reads no mesh");
-    // From fins and ink as well, whichever is asked first.
+    // Also via fins and ink, whichever is accessed first.
     assert_eq!(meshes_checked(|| assert!(open(WITH_FINS).fins().unwrap().is_some())), 1);
     assert_eq!(meshes_checked(|| assert!(open(WITH_INK).ink_textures().unwrap().is_some())), 1);
     assert_eq!(meshes_checked(|| assert_eq!(Package::validate(WITH_INK, &Limits::default()), [])), 1);
@@ -55,7 +55,7 @@ fn a_mesh_is_checked_once_for_each_opened_package() {
 fn a_fault_is_kept_as_well() {
     let mut bytes = WITH_INK.to_vec();
     let mesh = *open(&bytes).sections().iter().find(|s| s.tag == Tag::MESH).unwrap();
-    // Five vertices do not fit.
+    // Five vertices exceed the limit.
     let few = Limits { vertices: 4, ..Limits::default() };
     let package = Package::open(&bytes, &few).unwrap();
     let first = package.mesh().unwrap_err();
@@ -77,12 +77,13 @@ fn what_is_kept_is_shared() {
     assert!(std::sync::Arc::ptr_eq(&first, &second), "decoded once");
     let (first, second) = (package.mesh().unwrap().unwrap(), package.mesh().unwrap().unwrap());
     assert_eq!(first.geometry.as_ptr(), second.geometry.as_ptr());
-    // Borrowing from the bytes, not from the package: what a view holds outlives it.
+    // Views borrow from the bytes, not from the package, and outlive it.
     let fins = open(WITH_FINS).fins().unwrap().unwrap();
     assert_eq!(fins.fins().count(), 3);
 }
 
-/// Packages are shared between threads, and a package of long-lived bytes serves where one of shorter ones is asked for.
+/// Packages can be shared between threads, and a package of long-lived bytes can be used where a shorter lifetime is
+/// expected.
 #[test]
 fn packages_are_shared_and_covariant() {
     fn shared<T: Send + Sync>(_: &T) {}
@@ -131,7 +132,7 @@ fn refused(writer: PackageWriter<'_>) -> String {
     writer.finish().unwrap_err().to_string()
 }
 
-/// The probe is opened, validated and written by its line in the list alone.
+/// The probe is opened, validated and written with only its line in the list.
 #[test]
 fn a_section_is_its_file_and_its_line() {
     let bytes = PackageWriter::new(Manifest::default()).probe(&[7, 8, 9]).finish().unwrap();
@@ -143,7 +144,7 @@ fn a_section_is_its_file_and_its_line() {
     assert_eq!(probe::CHECKED.get() - before, 1);
     let plain = PackageWriter::new(Manifest::default()).finish().unwrap();
     assert_eq!(open(&plain).probe().unwrap(), None);
-    // Its own check, with the place; that at most one stands there; and that there must be one.
+    // Faults of its own check, with the position; of a second section; and of a missing one.
     let zero = refused(PackageWriter::new(Manifest::default()).probe(&[1, 0]));
     assert!(zero.starts_with("section PROB at byte") && zero.ends_with("byte 1 is 0, expected another"), "{zero}");
     let two = refused(PackageWriter::new(Manifest::default()).probe(&[1]).probe(&[1]));
@@ -151,11 +152,11 @@ fn a_section_is_its_file_and_its_line() {
     let probed = || Manifest { model: "probed".into(), ..Manifest::default() };
     assert!(refused(PackageWriter::new(probed())).ends_with("expected one of a probed model"));
     PackageWriter::new(probed()).probe(&[1]).finish().unwrap();
-    // To version 2 its tag is one like any other: kept unread, in any number.
+    // In version 2 its tag is unknown: any number of sections, kept unread.
     let old = PackageWriter::new(Manifest::default()).version(2).probe(&[0]).probe(&[0]).finish().unwrap();
     assert_eq!(open(&old).probe().unwrap(), None);
     assert_eq!(open(&old).sections().len(), 3);
-    // Damage is told as its own.
+    // Damage is reported for the section itself.
     let mut damaged = bytes.clone();
     let at = open(&bytes).sections()[1].offset as usize;
     damaged[at] ^= 1;
@@ -168,13 +169,13 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
 }
 
-/// The code of a source file, line by line.
+/// Returns the code of a source file, line by line, without comments.
 fn code(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(str::trim).filter(|line| !line.starts_with("//"))
 }
 
-/// Nothing names the probe but its own file, the list, and these tests; and what opens, validates and writes packages names no section but the
-/// manifest, with which every package begins.
+/// Only the probe's own file, the list and these tests name the probe. The code that opens, validates and writes
+/// packages names no section but the manifest, with which every package begins.
 #[test]
 fn no_other_file_knows_a_section_by_name() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");

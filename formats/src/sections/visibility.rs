@@ -1,4 +1,4 @@
-//! The `VISI` section: which textures say how much light reaches the hair past other strands. Layout in `FORMAT.md`, "VISI".
+//! The `VISI` section: textures of the light that reaches the hair past other strands. Layout in `FORMAT.md`, "VISI".
 
 use super::kind::{Count, Kind, Row, faults};
 use super::textures::TextureView;
@@ -23,30 +23,31 @@ pub(crate) const KIND: Kind = Kind {
     row: Row { what: "[visibility of the hair](#visi-visibility-of-the-hair)", how_many: "at most one", place: "any" },
 };
 
-/// Textures that say how much light reaches the hair, as [`crate::meaning::visibility_towards`] reads them.
+/// Visibility textures: the light that reaches the hair, as read by [`crate::meaning::visibility_towards`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VisibilityInfo {
-    /// Index into the manifest's `textures`: four components, not sRGB, of the size and with the array layers of the shell textures.
+    /// Index into the manifest's `textures`: four components, not sRGB, with the size and array layers of the shell
+    /// textures.
     pub texture: u32,
-    /// The same of wet hair; there where the manifest's `fur.wet` is.
+    /// Index into `textures` for wet hair; present exactly if the manifest's `fur.wet` is.
     pub wet_texture: Option<u32>,
-    /// k of [`crate::meaning::above_horizon`], a finite number above 0: how low a light begins to fade.
+    /// k of [`crate::meaning::above_horizon`], a finite number above 0: the height at which a light begins to fade.
     pub horizon: f32,
 }
 
-/// The textures of [`VisibilityInfo`], see [`Package::visibility_textures`].
+/// Textures of [`VisibilityInfo`], see [`Package::visibility_textures`].
 #[derive(Clone, Copy, Debug)]
 pub struct VisibilityTextures<'a> {
-    /// Of dry hair.
+    /// Visibility of dry hair.
     pub dry: TextureView<'a>,
-    /// Of wet hair, where dry and wet mix.
+    /// Visibility of wet hair, if dry and wet hair blend.
     pub wet: Option<TextureView<'a>>,
 }
 
 impl<'a> Package<'a> {
-    /// Which textures say how much light reaches the hair; `None` for a package that does not know.
+    /// Returns the references to the visibility textures; `None` if the package has no such section.
     ///
-    /// Fails where the section is damaged, or does not fit the manifest's fur.
+    /// Fails if the section is damaged, or is inconsistent with the manifest's fur.
     pub fn visibility(&self) -> Result<Option<VisibilityInfo>, FormatError> {
         let Some((index, section)) = self.find(Tag::VISIBILITY, 0) else { return Ok(None) };
         let info = self.keep(index, || {
@@ -71,9 +72,9 @@ impl<'a> Package<'a> {
         Ok(Some(info))
     }
 
-    /// The textures that say how much light reaches the hair; `None` for a package that does not know.
+    /// Returns the visibility textures; `None` if the package has none.
     ///
-    /// Fails where one of them is damaged or not as [`VisibilityInfo`] says.
+    /// Fails if a texture is damaged or inconsistent with [`VisibilityInfo`].
     pub fn visibility_textures(&self) -> Result<Option<VisibilityTextures<'a>>, FormatError> {
         let Some(info) = self.visibility()? else { return Ok(None) };
         let texels = self.manifest().fur.tile_texels;
@@ -101,7 +102,7 @@ impl<'a> Package<'a> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds which textures say how much light reaches the hair.
+    /// Adds the references to the visibility textures.
     pub fn visibility(self, info: &VisibilityInfo) -> Self {
         self.encoded(Tag::VISIBILITY, encode_section(Tag::VISIBILITY, info))
     }

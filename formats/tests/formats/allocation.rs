@@ -1,5 +1,5 @@
-//! What reading allocates: next to nothing for opening a large package, and never more than in proportion to the file, whatever
-//! lengths the file states.
+//! Allocation tests: opening a large package allocates next to nothing, and no read allocates more than in proportion
+//! to the file, whatever lengths the file states.
 #![allow(unsafe_code, reason = "only a global allocator sees every allocation")]
 
 use crate::bodies::reseal;
@@ -8,11 +8,11 @@ use pelage_formats::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-/// Counts the bytes that each thread has allocated, so that tests may run side by side.
+/// Allocator that counts the bytes of each thread, so that tests can run in parallel.
 struct Counting;
 
 thread_local! {
-    /// Bytes allocated minus bytes freed by this thread; freeing for another thread makes it negative.
+    /// Bytes allocated minus bytes freed by this thread; negative if it frees memory of another thread.
     static NOW: Cell<isize> = const { Cell::new(0) };
     static PEAK: Cell<isize> = const { Cell::new(0) };
 }
@@ -41,7 +41,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Maximum number of bytes that this thread had allocated at once while `f` ran, beyond those before.
+/// Returns the maximum number of bytes that this thread had allocated at once while `f` ran, beyond those before.
 fn peak<T>(f: impl FnOnce() -> T) -> (usize, T) {
     let before = NOW.get();
     PEAK.set(before);
@@ -61,7 +61,7 @@ fn allocations_are_bounded() {
     let (seen, _) = peak(|| package.section_bytes(1).unwrap().len());
     assert!(seen < 1 << 10, "reading a section allocated {seen} bytes");
 
-    // Each eight bytes of manifest and animation in turn as an enormous length, checksums put right.
+    // Replace every eight bytes of manifest and animation in turn by an enormous length, and correct the checksums.
     let good = common::sample_package();
     let sections = Package::open(&good, &Limits::default()).unwrap().sections().to_vec();
     let mut refused = 0;

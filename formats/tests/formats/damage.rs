@@ -1,4 +1,4 @@
-//! Damaged packages: whatever is done to the bytes, the reader says what is wrong and where, and never panics.
+//! Tests with damaged packages: whatever the damage, the reader reports what is wrong and where, and never panics.
 
 use crate::bodies::reseal;
 use crate::common::{self, ktx2_file, sample_fins, sample_manifest, sample_mesh, sample_package, sample_package_v1};
@@ -41,7 +41,7 @@ fn every_flipped_bit_is_found_in_its_section() {
         for flip in [1u8, 0x80, 0xff] {
             bytes[at] ^= flip;
             let faults = Package::validate(&bytes, &LIMITS());
-            // A damaged animation also hides the mesh's joints, and the other way round: one fault, told once.
+            // A damaged animation also hides the mesh's joints, and vice versa: report one fault.
             assert_eq!(faults.len(), 1, "byte {at} ^ {flip:#x}: {faults:?}");
             assert_eq!(faults[0].section(), Some(expected), "byte {at} ^ {flip:#x}: {}", faults[0]);
             bytes[at] ^= flip;
@@ -50,8 +50,8 @@ fn every_flipped_bit_is_found_in_its_section() {
     assert_eq!(bytes, good);
 }
 
-/// The same with right checksums: the contents themselves must be checked. Not every change is a fault there (a position may
-/// well be another number), but bytes with one legal value must be noticed.
+/// With correct checksums the contents themselves must be checked. Not every change is a fault there (a position may be
+/// a different number), but changes of bytes with one legal value must be detected.
 #[test]
 fn reserved_bytes_and_padding_of_the_mesh_are_checked() {
     let good = sample_package();
@@ -76,8 +76,8 @@ fn reserved_bytes_and_padding_of_the_mesh_are_checked() {
     }
 }
 
-/// Puts bytes at places of a section of the sample package, checksums right: each must be one fault, with those words, at that place or
-/// at the beginning of the section.
+/// Replaces bytes in a section of the sample package and corrects the checksums. Each case must give one fault, with
+/// that text, at that position or at the start of the section.
 fn each_is_one_fault(tag: Tag, cases: &[(u64, &[u8], &str)]) {
     let good = sample_package();
     let start = section(&good, tag).offset;
@@ -110,7 +110,7 @@ fn mesh_contents_are_checked() {
     each_is_one_fault(Tag::MESH, &cases);
 }
 
-/// What has a meaning from version 2 on is a fault in a package of version 1.
+/// Fields that have a meaning since version 2 are faults in a package of version 1.
 #[test]
 fn version_1_keeps_its_reserved_bytes() {
     let good = sample_package_v1();
@@ -124,7 +124,7 @@ fn version_1_keeps_its_reserved_bytes() {
         assert_eq!(faults.len(), 1, "byte {at}: {faults:?}");
         assert!(faults[0].to_string().contains(expected), "byte {at}: {}", faults[0]);
     }
-    // Its manifest has no room for what came later, and a writer says so instead of dropping it.
+    // Its manifest cannot store later fields, and the writer fails instead of dropping them.
     let old = |change: fn(&mut Manifest)| {
         let mut manifest = common::sample_manifest_v1();
         change(&mut manifest);
@@ -144,7 +144,7 @@ fn version_1_keeps_its_reserved_bytes() {
     assert!(coat.contains("coat is given, expected none in version 2"), "{coat}");
     assert!(before_3(|m| m.detail = sample_manifest().detail).contains("detail is given"));
     assert!(before_3(|m| m.choice = sample_manifest().choice).contains("choice is given"));
-    // Nor does a reader take for a coat what stands behind the warnings of version 2.
+    // A reader does not read bytes after the warnings of version 2 as a far layer.
     let plain = PackageWriter::new(Manifest::default()).version(2).finish().unwrap();
     let at = section(&plain, Tag::MANIFEST);
     let mut coat = plain[at.offset as usize..(at.offset + at.length) as usize].to_vec();
@@ -158,7 +158,7 @@ fn version_1_keeps_its_reserved_bytes() {
     reseal(&mut longer);
     let error = Package::open(&longer, &LIMITS()).unwrap_err().to_string();
     assert!(error.contains("bytes of coat behind the manifest of version 2"), "{error}");
-    // To version 1 the tag of the fins is any tag.
+    // In version 1 the tag of the fins is unknown.
     let any =
         PackageWriter::new(Manifest::default()).version(1).section(Tag::FINS, &b"x"[..]).section(Tag::FINS, &b""[..]);
     let bytes = any.finish().unwrap();
@@ -230,13 +230,13 @@ fn a_newer_version_is_named_whatever_follows() {
     put(&mut bytes, 8, &4u32.to_le_bytes());
     let newer = |found| FormatError::Version { found, supported: 3 };
     assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err(), newer(4));
-    // The rest of a later version may look like anything, or be hardly there.
+    // The rest of a later version may be anything, or almost absent.
     let mut garbage = b"\x89PELAGE\n\xff\xff\xff\xff".to_vec();
     assert_eq!(Package::open(&garbage, &LIMITS()).unwrap_err(), newer(u32::MAX));
     garbage.extend_from_slice(&[0xee; 999]);
     assert_eq!(Package::open(&garbage, &LIMITS()).unwrap_err(), newer(u32::MAX));
     assert!(newer(4).to_string().contains("newer than this reader"));
-    // There never was a version 0.
+    // Version 0 never existed.
     put(&mut bytes, 8, &0u32.to_le_bytes());
     assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err().to_string(), "version at byte 8 is 0, expected 1..=3");
 }
@@ -250,7 +250,8 @@ fn other_files_are_not_packages() {
     }
 }
 
-/// Every length, count and offset of header and table, at and around the powers where arithmetic wraps.
+/// Every length, count and offset of header and table is set to values at and around the powers of two where arithmetic
+/// wraps.
 #[test]
 fn enormous_fields_are_errors() {
     let good = sample_package();
@@ -274,7 +275,7 @@ fn enormous_fields_are_errors() {
     }
 }
 
-/// The counts in MESH, with the checksums put right.
+/// The counts in MESH are made enormous, with correct checksums.
 #[test]
 fn enormous_mesh_counts_are_errors() {
     let good = sample_package();
@@ -294,7 +295,7 @@ fn enormous_mesh_counts_are_errors() {
     }
 }
 
-/// An empty section behind a file that is cut inside the padding before it begins past the end of the file.
+/// An empty section after truncated padding begins past the end of the file.
 #[test]
 fn cut_padding_before_an_empty_section_is_an_error() {
     let bytes = PackageWriter::new(Manifest { generator: "x".into(), ..Manifest::default() })
@@ -310,7 +311,7 @@ fn cut_padding_before_an_empty_section_is_an_error() {
     }
 }
 
-/// Only header, table and manifest are read on opening; a damaged texture is found when it is used, and others still work.
+/// Opening reads only header, table and manifest. A damaged texture is detected when it is used, and others still work.
 #[test]
 fn damage_is_found_at_first_use() {
     let mut bytes = sample_package();
@@ -464,7 +465,7 @@ fn parts_need_a_mesh_and_skin_needs_a_skeleton() {
     assert!(finish(PackageWriter::new(manifest()).mesh(&uneven)).contains("one of each per vertex"));
 }
 
-/// Shell and base-colour textures that no GPU could use as the manifest says.
+/// Shell and base-colour textures that no GPU could use as the manifest states.
 #[test]
 fn textures_must_fit_their_use() {
     use TextureFormat::*;

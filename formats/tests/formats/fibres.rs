@@ -1,4 +1,4 @@
-//! The `FIBR` section: what comes back, and what is refused.
+//! The `FIBR` section: round trip and rejected contents.
 
 use crate::common::{self, furless_manifest, ktx2_file, sample_animation, sample_mesh};
 use pelage_formats::meaning::scattering::means::Means;
@@ -13,7 +13,7 @@ fn sample() -> FibreInfo {
     FibreInfo { texture: 0, fibres, means: vec![means; 2], of_groups: Vec::new(), of_materials: vec![1, 0] }
 }
 
-/// A file of half floats whose bytes are all 1: none of them is infinite.
+/// Returns a file of half floats whose bytes are all 1, so that none is infinite.
 fn tables(size: u32, layers: u32) -> Vec<u8> {
     let mut file = ktx2_file(TextureFormat::Rgba16Float, size, size, layers, 1, 0);
     let texels = (8 * size * size * layers.max(1)) as usize;
@@ -85,7 +85,7 @@ fn what_does_not_fit_is_told() {
     }
 }
 
-/// A group of hair names a fibre that there is.
+/// Groups of hair must name existing fibres.
 #[test]
 fn groups_name_their_fibres() {
     let mut group = HairGroup { points: 3, lock_hairs: 1, root_radius_m: 1e-4, ..HairGroup::default() };
@@ -102,7 +102,7 @@ fn groups_name_their_fibres() {
     assert!(told.contains("of_groups[0] is 2, expected less than the 2 fibres"), "{told}");
 }
 
-/// Texels of a table are no picture.
+/// Texels of a lookup table cannot be used as an image.
 #[test]
 fn half_floats_are_nothing_but_tables() {
     let mut manifest = furless_manifest();

@@ -1,10 +1,10 @@
-//! The golden packages: a file of each version that must stay readable, byte for byte, for ever.
+//! Golden packages: a file of each version, which must stay readable, byte for byte, permanently.
 
 use crate::common;
 use pelage_formats::*;
 use std::path::Path;
 
-/// The golden file of a version, with what was written into it.
+/// Returns the golden file of a version, and the package as written now.
 fn golden(version: u32) -> (Vec<u8>, Vec<u8>) {
     let written = match version {
         1 => common::sample_package_v1(),
@@ -51,7 +51,7 @@ fn golden_packages_say_what_they_always_said() {
         let fur = package.fur_textures().unwrap().unwrap();
         let color = fur.color;
         assert_eq!((color.format, color.width, color.height), (TextureFormat::Rgba8Srgb, 4, 4));
-        // Two shells, and from version 3 on the coat.
+        // Two shells, and since version 3 the far layer.
         let layers = if version < 3 { 2 } else { 3 };
         assert_eq!((color.layers, color.levels), (layers, 3));
         assert_eq!(color.gpu_bytes(), u64::from(layers) * (64 + 16 + 4));
@@ -67,7 +67,7 @@ fn golden_packages_say_what_they_always_said() {
     }
 }
 
-/// What version 1 cannot say reads as: no extra lean, no groom, no wet hair, no fins.
+/// Fields missing from version 1 read as: no extra lean, no groom, no wet hair, no fins.
 #[test]
 fn version_1_reads_as_todays() {
     let (bytes, _) = golden(1);
@@ -112,7 +112,7 @@ fn version_3_has_levels_of_detail_a_coat_and_a_choice() {
     assert_eq!(package.fins().unwrap().unwrap().to_data(), common::sample_fins());
 }
 
-/// The bytes that a reader in another language stands on, spelled out. If this fails, `FORMAT.md` is wrong too.
+/// Bytes that a reader in another language depends on, in full. If this fails, `FORMAT.md` is wrong too.
 #[test]
 fn header_and_table_lie_where_the_specification_says() {
     let (bytes, _) = golden(3);

@@ -1,10 +1,10 @@
-//! The `HAIR` section: what comes back, and what is refused.
+//! The `HAIR` section: round trip and rejected contents.
 
 use crate::common::sample_package;
 use glam::Vec3;
 use pelage_formats::*;
 
-/// The sample package with these groups.
+/// Returns the sample package with these groups.
 fn package(groups: &[HairGroup]) -> Result<Vec<u8>, FormatError> {
     let sample = sample_package();
     let opened = Package::open(&sample, &Limits::default())?;

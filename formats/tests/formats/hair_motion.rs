@@ -1,4 +1,4 @@
-//! How hair moves: what a package keeps of it, and what is refused.
+//! The `HMOV` section: round trip and rejected contents.
 
 use crate::common::{furless_manifest, sample_animation, sample_mesh};
 use pelage_formats::*;

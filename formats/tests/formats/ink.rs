@@ -1,10 +1,10 @@
-//! The `INKW` section: a golden package, what comes back, and what is refused.
+//! The `INKW` section: golden package, round trip and rejected contents.
 
 use crate::common::{self, ktx2_file, sample_mesh};
 use pelage_formats::*;
 use std::path::Path;
 
-/// A bare mesh of [`sample_mesh`] with the ink style, whose textures are the manifest's first four.
+/// Returns the manifest of a bare [`sample_mesh`] with the ink style, whose textures are the manifest's first four.
 fn manifest() -> Manifest {
     let name = |name: &str| TextureEntry { name: name.into() };
     Manifest {
@@ -67,7 +67,7 @@ fn the_golden_package_reads_as_it_always_did() {
     assert_eq!(view.to_data(), ink());
     let textures = package.ink_textures().unwrap().unwrap();
     assert_eq!((textures.wash.width, textures.fur.unwrap().layers), (8, 2));
-    // The bytes that a reader in another language stands on.
+    // Bytes that a reader in another language depends on.
     let section = package.sections().iter().find(|s| s.tag == Tag::INK).unwrap();
     let bytes = &golden[section.offset as usize..][..section.length as usize];
     let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
@@ -83,7 +83,7 @@ fn packages_without_ink_have_none() {
     let bytes = common::sample_package();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert!(package.ink().unwrap().is_none() && package.ink_textures().unwrap().is_none());
-    // To older versions the tag is one of those that are kept unread.
+    // In older versions the tag is unknown, and the section is kept unread.
     let old = PackageWriter::new(Manifest::default()).version(2).section(Tag::INK, &b"anything"[..]).finish().unwrap();
     assert!(Package::open(&old, &Limits::default()).unwrap().ink().unwrap().is_none());
 }

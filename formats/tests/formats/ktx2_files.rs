@@ -1,11 +1,11 @@
-//! Every .ktx2 file of the test data, well-formed and malformed, through the texture reader.
+//! Tests of the texture reader with every .ktx2 file of the test data, well-formed and malformed.
 
 use crate::common;
 use pelage_formats::*;
 use pelage_needs::data;
 
-/// Files whose fault is in something that pelage does not read, with what that is. Everything else in `invalid/` must be
-/// refused, apart from `warning_` files, which are legal.
+/// Malformed files that are accepted because pelage does not read the faulty part, with that part. Everything else in
+/// `invalid/` must be rejected, except for `warning_` files, which are legal.
 const ACCEPTED: [(&str, &str); 19] = [
     ("error_InvalidColorPrimaries_0xFF", PRIMARIES),
     ("error_NotEnoughDataForAnEntry", KEY_VALUES),
@@ -30,7 +30,7 @@ const ACCEPTED: [(&str, &str); 19] = [
 const KEY_VALUES: &str = "key/value data is not read: nothing in it changes what is uploaded";
 const PRIMARIES: &str = "colour primaries are not read: packages hold sRGB primaries only";
 
-/// What must open among the well-formed files: all that hold a format of ours in a 2D texture ready to upload.
+/// Well-formed files that must open: all that hold a supported format in a 2D texture ready to upload.
 const OPENED: [&str; 11] = [
     "cts_valid_R16G16B16A16_SFLOAT_2D.ktx2",
     "cts_valid_R8G8B8A8_SRGB_2D.ktx2",
@@ -45,8 +45,8 @@ const OPENED: [&str; 11] = [
     "magnum_bgra.ktx2",
 ];
 
-/// Name and contents of every file below `ktx2/<folder>` of the test data, for the test of that name; `None`, said loudly, where
-/// there are no data.
+/// Returns name and contents of every file below `ktx2/<folder>` of the test data, for the test named `test`; reports
+/// and returns `None` if there are no data.
 fn files(folder: &str, test: &str) -> Option<Vec<(String, Vec<u8>)>> {
     let root = data(test)?.join("ktx2").join(folder);
     let (mut files, mut folders) = (Vec::new(), vec![root]);
@@ -65,7 +65,7 @@ fn files(folder: &str, test: &str) -> Option<Vec<(String, Vec<u8>)>> {
     Some(files)
 }
 
-/// Inside a package, where errors must carry the offset of the package.
+/// Opens a file inside a package, where errors must carry the offset in the package.
 fn open_in_package(ktx2: &[u8]) -> Result<(), FormatError> {
     let textures = vec![TextureEntry { name: "t".into() }];
     let bytes = PackageWriter::new(Manifest { textures, ..Manifest::default() }).texture(ktx2).finish()?;
@@ -103,7 +103,7 @@ fn well_formed_files_open_or_say_why_not() {
     assert_eq!(opened, OPENED);
 }
 
-/// No file of the data set does this: the `ktx2` crate's own reader panics on it.
+/// No file of the data set covers this; the `ktx2` crate's own reader panics on such files.
 #[test]
 fn every_byte_of_a_file_may_be_anything() {
     for format in TextureFormat::ALL {
@@ -127,7 +127,7 @@ fn every_byte_of_a_file_may_be_anything() {
     }
 }
 
-/// A view is a plain struct that anyone can fill: its methods must not trust it.
+/// A view is a plain struct that anyone can fill, so its methods must not trust its fields.
 #[test]
 fn a_view_made_by_hand_does_not_panic() {
     let mut index = vec![0xff; 80 + 24 * 4];

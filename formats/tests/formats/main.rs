@@ -1,4 +1,4 @@
-//! The package file: every section's round trip and rules, damage, limits, golden files and a C reader.
+//! Tests of the package file: round trip and rules of every section, damage, limits, golden files and a C reader.
 #![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 

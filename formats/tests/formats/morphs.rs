@@ -1,4 +1,4 @@
-//! Morph targets: what a package keeps of them, what a clip makes of their weights, and where they put a vertex.
+//! Morph targets: round trip, weights sampled from clips, and displaced vertices.
 
 use crate::common::{morphed_package as packed, sample_animation, sample_morphs as sample};
 use pelage_formats::meaning::{morphed, posed_vertices};
@@ -62,7 +62,7 @@ fn weights_follow_their_curves() {
         pose.shifts.clone()
     };
     assert_eq!(at(None, 0.0), [0.0, 0.0]);
-    // The later curve of a target counts.
+    // The last curve of a target applies.
     assert_eq!(at(Some(0), 0.0), [0.0, 0.25]);
     assert_eq!(at(Some(0), 1.25), [0.25, 0.25]);
     assert_eq!(at(Some(0), 9.0), [1.0, 0.75]);
@@ -71,7 +71,7 @@ fn weights_follow_their_curves() {
     pose.blend(&animation, &[layer(Some(0), 1.0), layer(None, 0.25)]);
     assert_eq!(pose.shifts, [0.75, 0.5625]);
 
-    // A Hermite curve through two slopes and two values, of two targets at once.
+    // A Hermite curve through two slopes and two values, for two targets at once.
     let mut motion = sample().motion;
     let values = vec![9.0, 9.0, 0.0, 1.0, 1.0, 0.0, /* the next key */ 1.0, 0.0, 1.0, 1.0, 9.0, 9.0];
     motion.channels = vec![MorphChannel { interpolation: Interpolation::Cubic, values, ..motion.channels[0].clone() }];
@@ -100,10 +100,10 @@ fn vertices_go_with_their_targets_before_their_joints() {
     let [tx, ty, tz, w] = stored[0].tangent;
     assert_eq!(moved.tangent, [tx, ty + 0.375, tz, w]);
     assert_eq!((moved.fur_height, moved.lean), (stored[0].fur_height, stored[0].lean));
-    // At rest, and of too few weights, they are as they were stored, bit for bit.
+    // At rest, or with too few weights, vertices are unchanged, bit for bit.
     assert_eq!(morphed(&stored[0], morphs.of_vertex(0), &[0.0, 0.0]), stored[0]);
     assert_eq!(morphed(&stored[0], morphs.of_vertex(0), &[]), stored[0]);
-    // Two targets that take the whole normal away leave the old one.
+    // If two targets cancel the whole normal, the old one stays.
     let away = MorphDelta { normal: stored[0].normal.map(|n| -n), ..delta(0, [0.0; 3], [0.0; 3]) };
     assert_eq!(morphed(&stored[0], &[away], &[1.0]).normal, stored[0].normal);
 

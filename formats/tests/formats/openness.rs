@@ -1,17 +1,17 @@
-//! The `OPEN` section: what comes back, and what is refused.
+//! The `OPEN` section: round trip and rejected contents.
 
 use crate::common::sample_package;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::*;
 
-/// One for each vertex of the sample package.
+/// Returns a value for each vertex of the sample package.
 fn vertices() -> Vec<Openness> {
     let bytes = sample_package();
     let count = Package::open(&bytes, &Limits::default()).unwrap().mesh().unwrap().unwrap().vertex_count;
     (0..count).map(|i| Openness { share: i as f32 / count as f32, aside: [0.5, -0.25] }).collect()
 }
 
-/// The sample package with something at its end.
+/// Returns the sample package with an appended section.
 fn package(add: impl FnOnce(PackageWriter<'_>) -> PackageWriter<'_>) -> Result<Vec<u8>, FormatError> {
     let bytes = sample_package();
     let package = Package::open(&bytes, &Limits::default())?;

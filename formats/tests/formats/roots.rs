@@ -1,4 +1,4 @@
-//! The `ROOT` section: what comes back, and what is refused.
+//! The `ROOT` section: round trip and rejected contents.
 
 use crate::common::{sample_manifest, sample_package};
 use pelage_formats::*;
@@ -8,7 +8,7 @@ fn info() -> RootsInfo {
     RootsInfo { asides, uv_per_tile: vec![0.25; sample_manifest().materials.len()] }
 }
 
-/// The sample package with the section at its end.
+/// Returns the sample package with the section appended.
 fn package(info: &RootsInfo, change: impl FnOnce(&mut Manifest)) -> Result<Vec<u8>, FormatError> {
     let bytes = sample_package();
     let package = Package::open(&bytes, &Limits::default())?;
@@ -27,7 +27,7 @@ fn it_comes_back_byte_for_byte() {
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
     let opened = Package::open(&bytes, &Limits::default()).unwrap();
     assert_eq!(opened.roots().unwrap(), Some(info()));
-    // The bytes that a reader in another language stands on: eight times three f32, then a list of f32.
+    // Bytes that a reader in another language depends on: eight times three f32, then a list of f32.
     let index = opened.sections().iter().position(|s| s.tag == Tag::ROOTS).unwrap();
     let asides = info().asides.map(|aside| [aside.mean[0], aside.mean[1], aside.along].map(f32::to_le_bytes).concat());
     let count = info().uv_per_tile.len();

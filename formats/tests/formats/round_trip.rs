@@ -1,4 +1,4 @@
-//! Generated packages: written and read again they are the same, value for value and byte for byte.
+//! Round trips of generated packages: after writing and reading they are equal, value for value and byte for byte.
 
 use crate::common::{self, ktx2_file};
 use pelage_formats::*;
@@ -10,7 +10,7 @@ fn finite() -> impl Strategy<Value = f32> {
 }
 
 fn text() -> impl Strategy<Value = String> {
-    // Control characters, quotes and other planes: nothing in a string is special.
+    // Control characters, quotes and other Unicode planes: nothing in a string is special.
     vec(any::<char>(), 0..12).prop_map(String::from_iter)
 }
 
@@ -35,7 +35,7 @@ prop_compose! {
     }
 }
 
-/// A mesh with skin where there are joints.
+/// Generates a mesh, with joint weights if there are joints.
 fn mesh(joints: u16) -> impl Strategy<Value = MeshData> {
     (1usize..12, 0usize..9).prop_flat_map(move |(vertices, triangles)| {
         let skinned = if joints > 0 { vertices } else { 0 };
@@ -100,7 +100,7 @@ fn texture() -> impl Strategy<Value = Vec<u8>> {
 prop_compose! {
     fn material(textures: usize)(name in text(), base_color in [finite(), finite(), finite(), finite()],
         cutoff in any::<Option<u8>>(), furred: bool, double_sided: bool, texture in 0..textures.max(1) as u32) -> Material {
-        // Only the first texture of a package here is fit for base colour.
+        // Only the first texture of a package here is suitable as base colour.
         let base_color_texture = (textures > 0 && texture == 0).then_some(0);
         let alpha_cutoff = cutoff.map(|c| f32::from(c) / 255.0);
         Material { name, base_color, base_color_texture, groom_texture: None, alpha_cutoff, furred, double_sided }
@@ -185,7 +185,7 @@ prop_compose! {
 fn write(parts: &Parts) -> Vec<u8> {
     let mut writer = PackageWriter::new(parts.manifest.clone());
     let mut unknown = parts.unknown.iter();
-    // Unknown sections stand between known ones: their place is kept too.
+    // Unknown sections are placed between known ones, and their positions are kept too.
     if let Some((tag, bytes)) = unknown.next() {
         writer = writer.section(Tag(*tag), bytes);
     }
@@ -214,7 +214,7 @@ proptest! {
         for (k, texture) in parts.textures.iter().enumerate() {
             let view = package.texture(k as u32).unwrap();
             prop_assert_eq!(view.ktx2, &texture[..]);
-            // The `ktx2` crate's own reader sees the same levels.
+            // The `ktx2` crate's own reader finds the same levels.
             let reader = ktx2::Reader::new(&texture[..]).unwrap();
             for (level, data) in reader.levels().enumerate() {
                 prop_assert_eq!(view.level(level as u32), data.data);
@@ -231,7 +231,7 @@ proptest! {
             prop_assert!(section.offset.is_multiple_of(16));
         }
 
-        // Carried over section by section, as `unpack` and `pack` do, the bytes are the same.
+        // Copied section by section, as `unpack` and `pack` do, the bytes are the same.
         let mut copy = PackageWriter::new(package.manifest().clone());
         for (index, section) in package.sections().iter().enumerate().skip(1) {
             copy = copy.section(section.tag, package.section_bytes(index).unwrap());
@@ -246,7 +246,7 @@ proptest! {
     }
 }
 
-/// Vertex, index and texture data are handed out as slices of the input.
+/// Vertex, index and texture data are returned as slices of the input.
 #[test]
 fn nothing_is_copied() {
     let bytes = common::sample_package();
@@ -259,7 +259,7 @@ fn nothing_is_copied() {
     let mesh = package.mesh().unwrap().unwrap();
     for stream in [mesh.geometry, mesh.attributes, mesh.skin, mesh.indices] {
         inside(stream);
-        // Aligned within the file, for mapping it and uploading in place.
+        // Aligned within the file, for mapping and uploading in place.
         assert!((stream.as_ptr() as usize - range.start as usize).is_multiple_of(16));
     }
     inside(package.fins().unwrap().unwrap().fins);
@@ -270,7 +270,7 @@ fn nothing_is_copied() {
     inside(package.section_bytes(5).unwrap());
 }
 
-/// A failed `unwrap_err` or a `dbg!` must not print a texture byte for byte.
+/// A failed `unwrap_err` or a `dbg!` must not print a whole texture.
 #[test]
 fn debug_output_is_short() {
     let bytes = common::sample_package();

@@ -1,4 +1,4 @@
-//! Posing: exact values of the three interpolations, and the row "animation" of the stability table.
+//! Tests of posing: exact values of the three interpolations, and the row "animation" of the stability table.
 
 use pelage_formats::*;
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
@@ -74,7 +74,7 @@ fn cubic_keys_reproduce_a_cubic() {
     }
 }
 
-/// Linear rotation moves along the shorter arc at constant speed, also where the second key is written as −q.
+/// Linear rotation follows the shorter arc at constant speed, even if the second key is stored as −q.
 #[test]
 fn linear_rotation_is_spherical() {
     for sign in [1.0, -1.0] {
@@ -84,7 +84,7 @@ fn linear_rotation_is_spherical() {
             let t = i as f32 * 0.1;
             let angle = t / 2.0 * FRAC_PI_2;
             let x_axis = joint(&animation, Some(0), t).x_axis;
-            // glam's slerp takes an approximate arc cosine: 1e-4 rad is far below what shows.
+            // glam's slerp uses an approximate arc cosine: 1e-4 rad is far below a visible difference.
             assert!((x_axis.x - angle.cos()).abs() < 1e-4 && (x_axis.y - angle.sin()).abs() < 1e-4, "{t}: {x_axis}");
         }
     }
@@ -101,7 +101,7 @@ fn rotations_without_direction_are_no_rotation() {
             }
         }
     }
-    // q and −q with flat tangents: the curve runs straight through the origin at half time.
+    // q and −q with flat tangents: the curve passes through the origin at half time.
     let key = |w: f32| [[0.0; 4], [0.0, 0.0, 0.0, w], [0.0; 4]].concat();
     let values = [key(1.0), key(-1.0)].concat();
     let animation = one_channel(Property::Rotation, Interpolation::Cubic, &[0.0, 1.0], &values);
@@ -134,7 +134,7 @@ fn mirrored_and_zero_scale_stay_exact() {
     assert_eq!(matrix.determinant(), 0.0);
 }
 
-/// Animations that no reader would let through, and numbers at the ends of f32.
+/// Animations that no reader would accept, and numbers at the limits of f32.
 #[test]
 fn nothing_panics_or_gives_nan() {
     let huge = f32::MAX;
@@ -168,7 +168,8 @@ fn nothing_panics_or_gives_nan() {
     joint(&one_channel(Property::Scale, Interpolation::Step, &[0.0], &[1.0; 3]), Some(12), 0.0);
 }
 
-/// Half way between moments a node has gone half of the way and turned half of the angle, and an arm on it is as long as before.
+/// Halfway between two poses a node has moved half the distance and turned half the angle, and an arm attached to it
+/// keeps its length.
 #[test]
 fn between_moments_nodes_turn_about_their_parents() {
     let quarter = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
@@ -208,7 +209,7 @@ fn between_moments_nodes_turn_about_their_parents() {
     near(hand(&[turned, layer(None, 0.0, 0.5)]), [half, half, 0.0]);
     near(hand(&[layer(Some(1), 1.0, 0.25)]), [2.0, 0.0, 0.0]);
     near(hand(&[turned, ClipLayer { share: 0.5, ..gone }]), [2.0 + half, half, 0.0]);
-    // A third on its way, before the second has arrived.
+    // A third layer begins before the second is fully reached.
     near(hand(&[turned, ClipLayer { share: 0.5, ..gone }, layer(None, 0.0, 0.5)]), {
         let (eighth, y) = (std::f32::consts::FRAC_PI_8.cos(), std::f32::consts::FRAC_PI_8.sin());
         [1.0 + eighth, y, 0.0]
@@ -216,10 +217,10 @@ fn between_moments_nodes_turn_about_their_parents() {
     for (share, expected) in [(-1.0, [1.0, 0.0, 0.0]), (f32::NAN, [1.0, 0.0, 0.0]), (7.0, [0.0, 1.0, 0.0])] {
         near(hand(&[ClipLayer { share, ..turned }]), expected);
     }
-    // What is there wholly is the clip itself, to the bit.
+    // A layer with share 1 is the clip itself, to the bit.
     let mut pose = Pose::default();
     pose.sample(&animation, Some(1), 0.3);
     assert_eq!(hand(&[turned, layer(Some(1), 0.3, 1.0)]), pose.joints[0].w_axis.truncate());
-    // A clip that does not exist is rest.
+    // A clip that does not exist gives the pose at rest.
     near(hand(&[turned, layer(Some(9), 0.0, 1.0)]), [1.0, 0.0, 0.0]);
 }

@@ -1,9 +1,9 @@
-//! The `SIMP` section: what comes back, and what is refused.
+//! The `SIMP` section: round trip and rejected contents.
 
 use crate::common::{self, sample_manifest, sample_mesh};
 use pelage_formats::*;
 
-/// A package of one part of 12 indices without hair, and these lists.
+/// Returns a package of one part with 12 indices, without hair, and with these lists.
 fn package(levels: &[SimplifiedLevel]) -> Result<Vec<u8>, FormatError> {
     let mut materials = sample_manifest().materials.split_off(1);
     (materials[0].base_color_texture, materials[0].groom_texture) = (None, None);
@@ -38,7 +38,7 @@ fn lists_come_back_byte_for_byte_in_their_place() {
     assert_eq!(view.deviations().collect::<Vec<_>>(), [0.25, 0.5]);
     assert_eq!([0, 1].map(|level| view.part_counts(level).collect::<Vec<_>>()), [vec![6], vec![3]]);
     assert_eq!(view.indices().collect::<Vec<_>>(), [0, 1, 2, 0, 1, 2, 0, 1, 2]);
-    // The bytes that a reader in another language stands on.
+    // Bytes that a reader in another language depends on.
     let index = package.sections().iter().position(|s| s.tag == Tag::SIMPLIFIED).unwrap();
     let mut expected: Vec<u8> = [2u32, 1, 9, 0].into_iter().flat_map(u32::to_le_bytes).collect();
     expected.extend([0.25f32, 0.5].into_iter().flat_map(f32::to_le_bytes));

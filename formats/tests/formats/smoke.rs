@@ -1,4 +1,5 @@
-//! The fuzz targets' bodies over mutations of the golden packages and of one with morph targets, on stable, bounded, the same on every machine.
+//! Runs the fuzz targets' bodies on mutations of the golden packages and of one with morph targets: on stable, bounded,
+//! and the same on every machine.
 
 use crate::bodies;
 use crate::common::{self, random::Random};
@@ -9,13 +10,13 @@ const GOLDEN: [&[u8]; 3] = [
     include_bytes!("../golden/v3.pelage"),
 ];
 
-/// The golden packages, and one with morph targets.
+/// Returns the golden packages, and one with morph targets.
 fn bases() -> Vec<Vec<u8>> {
     let morphed = common::morphed_package(&common::sample_morphs()).unwrap();
     GOLDEN.iter().map(|golden| golden.to_vec()).chain([morphed]).collect()
 }
 
-/// One to four changes of the kinds that a fuzzer makes.
+/// Returns the package with one to four mutations of the kinds that a fuzzer makes.
 fn mutate(golden: &[u8], random: &mut Random) -> Vec<u8> {
     const NUMBERS: [u64; 12] = [
         0,
@@ -39,7 +40,7 @@ fn mutate(golden: &[u8], random: &mut Random) -> Vec<u8> {
             0 | 1 => bytes[at] ^= 1 << random.below(8),
             2 => bytes[at] = random.next_u64() as u8,
             3 => {
-                // Fields stand at multiples of four, mostly.
+                // Fields are mostly at multiples of four.
                 let (at, number) = (at & !3, NUMBERS[random.below(NUMBERS.len())].to_le_bytes());
                 for (byte, new) in bytes[at..].iter_mut().zip(&number[..[4, 8][random.below(2)]]) {
                     *byte = *new;
@@ -80,6 +81,6 @@ fn twenty_thousand_mutations() {
             refused += 1;
         }
     }
-    // Both kinds must occur, or one half of the test tested nothing.
+    // Both kinds must occur; otherwise half of the test would be vacuous.
     assert!(valid > 1000 && refused > 1000, "{valid} valid and {refused} refused mutations");
 }

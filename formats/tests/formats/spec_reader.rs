@@ -1,4 +1,5 @@
-//! `FORMAT.md` proves itself: `c/read_pelage.c`, written from it alone, must say of a package what the Rust reader says.
+//! Test of `FORMAT.md`: `c/read_pelage.c`, written from the specification alone, must give the same description of a
+//! package as the Rust reader.
 
 use pelage_formats::*;
 use pelage_needs::{Need, had, lacked};
@@ -6,7 +7,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Compiles the C reader for the test of that name; `None`, said loudly, on a machine without a C compiler.
+/// Compiles the C reader for the test named `test`; reports and returns `None` without a C compiler.
 fn compile(folder: &Path, test: &str) -> Option<PathBuf> {
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/c/read_pelage.c");
@@ -25,7 +26,7 @@ fn compile(folder: &Path, test: &str) -> Option<PathBuf> {
     }
 }
 
-/// What the C program prints, said by this crate.
+/// Returns the expected output of the C program.
 fn describe(bytes: &[u8]) -> String {
     let package = Package::open(bytes, &Limits::default()).unwrap();
     let manifest = package.manifest();
@@ -118,7 +119,7 @@ fn a_reader_written_from_the_specification_agrees() {
         assert_eq!(String::from_utf8(output.stdout).unwrap(), describe(bytes));
     }
 
-    // It also refuses what the Rust reader refuses: damage anywhere, cut and continued files.
+    // It also rejects what the Rust reader rejects: damage anywhere, truncated and extended files.
     for at in (0..golden.len()).step_by(7) {
         let mut bytes = golden.to_vec();
         bytes[at] ^= 0x10;

@@ -1,9 +1,9 @@
-//! The `STRN` section: what comes back, and what is refused.
+//! The `STRN` section: round trip and rejected contents.
 
 use crate::common::{sample_manifest, sample_package};
 use pelage_formats::*;
 
-/// The sample package with these strands.
+/// Returns the sample package with these strands.
 fn package(strands: &StrandsData) -> Result<Vec<u8>, FormatError> {
     with(strands, |_| ())
 }
@@ -20,7 +20,7 @@ fn with(strands: &StrandsData, change: impl FnOnce(&mut Manifest)) -> Result<Vec
     writer.strands(strands).finish()
 }
 
-/// Two strands of three points; where dry and wet hair mix, and only there, in two sets.
+/// Returns two strands of three points, in two sets if dry and wet hair blend in the sample manifest.
 fn strands() -> StrandsData {
     let point = |i: u32| StrandPoint {
         aside: [0.25 * i as f32, -0.5],
@@ -54,7 +54,7 @@ fn strands_come_back_as_near_as_they_are_stored() {
         assert!((found.height - point.height).abs() < 1e-5 && (found.radius - point.radius).abs() < 1e-6, "{found:?}");
         assert_eq!((found.color, found.visibility), (point.color, point.visibility));
     }
-    // The bytes that a reader in another language stands on.
+    // Bytes that a reader in another language depends on.
     let index = package.sections().iter().position(|s| s.tag == Tag::STRANDS).unwrap();
     let section = package.section_bytes(index).unwrap();
     let sets = u32::from(view.has_wet()) + 1;
@@ -128,7 +128,7 @@ fn whole_numbers_come_back() {
     let bytes = package(&strands()).unwrap();
     let stored = Package::open(&bytes, &Limits::default()).unwrap().strands().unwrap().unwrap().stored();
     let mut changed = stored.clone();
-    // Numbers and a scale that no decoded strands would be stored as.
+    // Integers and a scale that encoding decoded strands would not give.
     changed.scale = StrandScale { reach: 7.0, radius: 0.25 };
     (changed.points[1].aside, changed.points[4].height, changed.roots[0]) = ([i16::MIN, 3], 1, [5, 65535]);
     let sample = sample_package();

@@ -1,11 +1,11 @@
-//! The `VISI` section: what comes back, and what is refused.
+//! The `VISI` section: round trip and rejected contents.
 
 use crate::common::{self, ktx2_file, sample_manifest, sample_mesh};
 use pelage_formats::*;
 
 const TEXELS: TextureFormat = TextureFormat::Rgba8Unorm;
 
-/// A package with dry and wet hair, of which textures 2 and 5 say how much light reaches it.
+/// Returns a package with dry and wet hair, whose visibility is in textures 2 and 5.
 fn package(info: &VisibilityInfo, change: &dyn Fn(&mut Manifest), seen: &[u8]) -> Result<Vec<u8>, FormatError> {
     let mut manifest = Manifest {
         textures: (0..6).map(|i| TextureEntry { name: format!("t{i}") }).collect(),
@@ -38,7 +38,7 @@ fn it_comes_back_byte_for_byte_in_its_place() {
     assert_eq!(package.visibility().unwrap(), Some(INFO));
     let textures = package.visibility_textures().unwrap().unwrap();
     assert_eq!((textures.dry.layers, textures.wet.unwrap().width), (2, 4));
-    // The bytes that a reader in another language stands on: u32, option of u32, f32.
+    // Bytes that a reader in another language depends on: u32, option of u32, f32.
     let index = package.sections().iter().position(|s| s.tag == Tag::VISIBILITY).unwrap();
     let expected = [&2u32.to_le_bytes()[..], &[1], &5u32.to_le_bytes(), &8f32.to_le_bytes()].concat();
     assert_eq!(package.section_bytes(index).unwrap(), expected);

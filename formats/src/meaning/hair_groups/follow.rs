@@ -1,59 +1,64 @@
-//! Many hairs from few guides: each lies between those that grow beside it, unless a parting runs between them.
+//! Interpolation of many hairs from few guides: each hair lies between the guides around it, unless a parting separates
+//! them.
 
 use super::near::Near;
 use glam::Vec3;
 
-/// Guides that a hair follows.
+/// Number of guides that a hair follows.
 pub const FOLLOWED: usize = 4;
 
-/// Guides whose shapes differ by more than this share of their length do not mix: between them hair parts.
+/// Maximum difference of the shapes of two guides that mix, as a share of their mean length; beyond it hair parts
+/// between them.
 const PARTED: f32 = 0.6;
 
-/// Which guides a hair follows, and how much each.
+/// Guides that a hair follows, with weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Follow {
-    /// Indices of guides, the nearest first.
+    /// Indices of guides, nearest first.
     pub guides: [u32; FOLLOWED],
-    /// Their weights, which sum to 1; 0 for those on the other side of a parting.
+    /// Weights, summing to 1; 0 for guides on the other side of a parting.
     pub weights: [f32; FOLLOWED],
 }
 
-/// Guides with as many points each, by whose roots hair finds its way.
+/// Guides with equal numbers of points, for interpolating hair by root position.
 #[derive(Clone, Debug)]
 pub struct Followed {
-    /// Points of each, root first.
+    /// Points of each guide, root first.
     shapes: Vec<Vec<Vec3>>,
     lengths: Vec<f32>,
     roots: Near,
 }
 
 impl Followed {
-    /// * `shapes`: of each guide as many points, root first, 2 or more
+    /// Creates the set of guides.
+    ///
+    /// * `shapes`: points of each guide, root first; 2 or more, the same number for each
     pub fn new(shapes: Vec<Vec<Vec3>>) -> Self {
         let length = |shape: &Vec<Vec3>| shape.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
         let roots = Near::new(shapes.iter().map(|shape| shape[0]).collect());
         Self { lengths: shapes.iter().map(length).collect(), shapes, roots }
     }
 
-    /// Number of guides.
+    /// Returns the number of guides.
     pub fn len(&self) -> usize {
         self.shapes.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no guides.
     pub fn is_empty(&self) -> bool {
         self.shapes.is_empty()
     }
 
-    /// The guides that hair from `root` follows; `None` where there are none.
+    /// Returns the guides that hair from `root` follows; `None` if there are none.
     ///
-    /// Weights fall to 0 where the fifth nearest guide is as near, so that they change smoothly from root to root (a modified Shepard interpolation,
-    /// Franke and Nielson 1980). Of those that part from the nearest none is followed.
+    /// Weights fall to 0 where the fifth nearest guide is equally near, so that they change smoothly from root to root.
+    /// This is a modified Shepard interpolation (Franke and Nielson 1980). Guides separated from the nearest one by a
+    /// parting have weight 0.
     pub fn follow(&self, root: Vec3) -> Option<Follow> {
         let near = self.roots.nearest::<{ FOLLOWED + 1 }>(root);
         let nearest = near[0].1 as usize;
         self.shapes.get(nearest)?;
-        // Of few guides all are followed.
+        // With few guides, all are followed.
         let last = near.iter().rev().find(|(d, _)| d.is_finite())?.0.sqrt();
         let reach = if near[FOLLOWED].0.is_finite() { last } else { 1.5 * last };
         let mut follow = Follow::default();
@@ -76,7 +81,7 @@ impl Followed {
         Some(follow)
     }
 
-    /// Whether hair parts between two guides: somewhere along them their ways from their roots differ by too much.
+    /// Whether hair parts between two guides: at some point, their offsets from their roots differ by too much.
     pub fn part(&self, a: usize, b: usize) -> bool {
         let limit = PARTED * 0.5 * (self.lengths[a] + self.lengths[b]);
         let (one, other) = (&self.shapes[a], &self.shapes[b]);
@@ -85,7 +90,7 @@ impl Followed {
 }
 
 impl Follow {
-    /// Where a hair is of guides that are at those places.
+    /// Returns the weighted mean of the guides' positions, given by `at`.
     pub fn mix(&self, at: impl Fn(usize) -> Vec3) -> Vec3 {
         let of = |(guide, weight): (&u32, &f32)| if *weight > 0.0 { *weight * at(*guide as usize) } else { Vec3::ZERO };
         self.guides.iter().zip(&self.weights).map(of).sum()
@@ -97,20 +102,21 @@ impl Follow {
 mod tests {
     use super::*;
 
-    /// The way from its root of each point of the hair that grows there.
+    /// Returns the points of the hair from `root`, relative to the root.
     fn hair(guides: &Followed, root: Vec3) -> Vec<Vec3> {
         let follow = guides.follow(root).unwrap();
         (0..5).map(|k| follow.mix(|guide| guides.shapes[guide][k] - guides.shapes[guide][0])).collect()
     }
 
-    /// A guide that goes straight from (x, 0, z) that way.
+    /// Returns a straight guide from (x, 0, z) along `way`.
     fn straight(x: f32, z: f32, way: Vec3) -> Vec<Vec3> {
         (0..5).map(|k| Vec3::new(x, 0.0, z) + way * k as f32 / 4.0).collect()
     }
 
     #[test]
     fn hair_lies_between_its_guides() {
-        // Guides on a grid whose way changes evenly: hair anywhere between them has the way of its place.
+        // Guides on a grid with smoothly varying direction: hair anywhere between them has the direction for its
+        // position.
         let way = |x: f32, z: f32| Vec3::new(0.05 * x, 1.0, 0.05 * z);
         let grid = (0..6).flat_map(|i| (0..6).map(move |j| (i as f32, j as f32)));
         let guides = Followed::new(grid.map(|(x, z)| straight(x, z, way(x, z))).collect());
@@ -122,13 +128,14 @@ mod tests {
             assert_eq!(hair[0], Vec3::ZERO);
             assert!(hair[4].distance(way(x, z)) < 0.03, "{hair:?}");
         }
-        // From root to root without a jump.
+        // No jump from root to root.
         let tip = |x: f32| hair(&guides, Vec3::new(x, 0.0, 2.3))[4];
         let jump = (0..400).map(|i| 1.0 + 0.01 * i as f32).map(|x| tip(x).distance(tip(x + 0.01))).fold(0.0, f32::max);
         assert!(jump < 0.006, "{jump}");
     }
 
-    /// Left of a parting hair falls to the left, right of it to the right; what is interpolated across it would stand up.
+    /// Hair falls to the left on the left of a parting, and to the right on its right. Hair interpolated across it
+    /// would stand up.
     #[test]
     fn hair_parts_where_guides_do() {
         let fall = |x: f32| Vec3::new(if x < 0.0 { -1.0 } else { 1.0 }, -0.5, 0.0);
@@ -139,7 +146,7 @@ mod tests {
             let hair = hair(&guides, Vec3::new(x, 0.0, 2.5));
             assert!(hair[4].distance(fall(x)) < 1e-5, "at {x}: {hair:?}");
         }
-        // What mixes the nearest whatever their ways stands up at the parting, and shortens.
+        // Averaging the nearest guides regardless of direction would make hair stand up and shorten at the parting.
         let near = guides.roots.nearest::<FOLLOWED>(Vec3::new(0.05, 0.0, 2.5));
         let naive: Vec3 = near
             .iter()
@@ -158,7 +165,7 @@ mod tests {
         let two = Followed::new(vec![straight(0.0, 0.0, Vec3::Y), straight(1.0, 0.0, Vec3::new(0.2, 1.0, 0.0))]);
         let middle = hair(&two, Vec3::X * 0.5);
         assert!(middle[4].distance(Vec3::new(0.1, 1.0, 0.0)) < 1e-5, "{middle:?}");
-        // Guides at one place are no division by zero.
+        // Guides at the same position do not cause a division by zero.
         let same = Followed::new(vec![straight(0.0, 0.0, Vec3::Y); 6]);
         assert!(hair(&same, Vec3::ZERO).iter().all(|p| p.is_finite()));
     }

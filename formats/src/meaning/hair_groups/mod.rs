@@ -1,7 +1,8 @@
-//! Hair on guides: where each hair of a group roots, which guides it follows, and where its points are on a posed mesh.
+//! Guided hair: root and guides of each hair, and the positions of its points on a posed mesh.
 //!
-//! A package stores the guides of a group and numbers ([`HairGroup`]); the hairs follow from them and a seed, the same in the runtime and in the traced
-//! truth. A guide's points are kept relative to its root in the frame of the root's triangle, so that the group moves with the skin.
+//! A package stores the guides of a group and parameters ([`HairGroup`]). The hairs follow deterministically from them
+//! and a seed, in the runtime as in the path-traced reference. A guide's points are stored relative to its root in the
+//! frame of the root's triangle, so that the group moves with the surface.
 
 mod follow;
 mod near;
@@ -16,48 +17,52 @@ use crate::meaning::srgb_to_linear;
 use crate::sections::hair::HairGroup;
 use glam::{Mat3, Vec3};
 
-/// Hairs of a group have one of so many colours.
+/// Number of different colours of the hairs in a group.
 pub const HAIR_COLORS: u32 = 32;
 
-/// Share of the hairs that stray.
+/// Share of the hairs that are stray.
 const STRAYS: f32 = 0.08;
-/// How far the other hairs leave their guides, over how far strays do.
+/// Lateral offset of the other hairs, as a share of that of stray hairs.
 const ORDERLY: f32 = 0.12;
 
-/// A hair of a group.
+/// Hair of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hair {
-    /// Its root.
+    /// Root.
     pub root: OnTriangle,
-    /// The guides that it follows.
+    /// Guides that the hair follows.
     pub follow: Follow,
-    /// How much of their length it has, above 0 and at most 1.
+    /// Length as a share of the guides' length, above 0 and at most 1.
     pub length: f32,
-    /// How far its tip is aside of what it follows, in the frame of its root's triangle, metres.
+    /// Lateral offset of the tip from the interpolated guides, in the frame of the root's triangle, metres.
     pub aside: Vec3,
-    /// Which of [`HAIR_COLORS`] it has.
+    /// Colour index, less than [`HAIR_COLORS`].
     pub color: u32,
 }
 
-/// A group of hair on the mesh that it was baked for.
+/// Group of hair on the mesh that it was baked for.
 #[derive(Clone, Debug, Default)]
 pub struct Planted {
-    /// Of each guide the triangle of its root.
+    /// Triangle of each guide's root.
     pub guide_triangles: Vec<u32>,
-    /// Of each guide so many points, relative to its root in the frame of that triangle, metres.
+    /// Points of each guide, relative to its root in the frame of that triangle, metres. All guides have the same
+    /// number.
     pub guides: Vec<Vec<Vec3>>,
-    /// The hairs; any beginning is an even sample of all.
+    /// Hairs; any prefix is an even sample of all.
     pub hairs: Vec<Hair>,
 }
 
-/// The first so many roots of the hairs of a group, on triangles with those corners: spread over the scalp as dense as it says, any beginning of them
-/// as evenly as all.
+/// Returns the first `count` hair roots of a group. They are distributed over the scalp according to its density, and
+/// any prefix is as even as the whole.
+///
+/// * `corners`: corner positions of a triangle
 pub fn roots(group: &HairGroup, count: u32, corners: &impl Fn(u32) -> [Vec3; 3]) -> Vec<OnTriangle> {
     let scalp = Scalp::new(group, corners);
     (0..count).filter_map(|number| scalp.root(group.seed, number)).collect()
 }
 
-/// The frame of a triangle: along its first edge, aside of that in its plane, and along its normal; of one without area the axes of the space.
+/// Returns the frame of a triangle: its first edge, the perpendicular in its plane, and its normal; the axes of the
+/// space for a triangle without area.
 pub fn triangle_frame(corners: [Vec3; 3]) -> Mat3 {
     let [a, b, c] = corners;
     let (along, normal) = ((b - a).try_normalize(), (b - a).cross(c - a).try_normalize());
@@ -68,10 +73,10 @@ pub fn triangle_frame(corners: [Vec3; 3]) -> Mat3 {
 }
 
 impl Planted {
-    /// Lets a group grow.
+    /// Generates the hairs of a group.
     ///
     /// * `positions`: vertices at rest, metres
-    /// * `most`: hairs that are made at most: the first of all
+    /// * `most`: maximum number of hairs; the first ones are generated
     pub fn new(group: &HairGroup, positions: &[Vec3], triangles: &[[u32; 3]], most: u32) -> Self {
         let corners = |triangle: u32| triangles[triangle as usize].map(|v| positions[v as usize]);
         let roots: Vec<OnTriangle> = group.roots().collect();
@@ -85,13 +90,13 @@ impl Planted {
         let guide_triangles = roots.iter().map(|root| root.triangle).collect();
         let mut out = Self { guide_triangles, guides, hairs: Vec::new() };
         if group.hairs == 0 {
-            // The guides are the hairs.
+            // The guides are themselves the hairs.
             out.hairs = roots.iter().zip(0..most).map(|(root, number)| out.alone(group, *root, number)).collect();
             return out;
         }
         let places = self::roots(group, group.hairs.min(most), &corners);
         let at = |root: &OnTriangle| root.place(corners(root.triangle));
-        // The first hairs, which are an even sample, are the middles of locks.
+        // The first hairs, which are an even sample, are the centres of locks.
         let locks = (group.hairs / group.lock_hairs.max(1)).clamp(1, places.len().max(1) as u32) as usize;
         let middles = Near::new(places.iter().take(locks).map(at).collect());
         let grow = |(root, number): (&OnTriangle, u32)| {
@@ -109,14 +114,14 @@ impl Planted {
         out
     }
 
-    /// A hair that is guide number `number` itself.
+    /// Returns the hair that is guide `number` itself.
     fn alone(&self, group: &HairGroup, root: OnTriangle, number: u32) -> Hair {
         let mut follow = Follow::default();
         (follow.guides[0], follow.weights[0]) = (number, 1.0);
         Hair { root, follow, ..self.varied(group, number, length_of(&self.guides[number as usize])) }
     }
 
-    /// What varies from hair to hair, by chance; `length_m`: of what it follows.
+    /// Returns the random variation of a hair; `length_m` is the length of the guides that it follows.
     fn varied(&self, group: &HairGroup, number: u32, length_m: f32) -> Hair {
         let draw = |what: u32| chance([group.seed, number, what]);
         let strays = if draw(1) < STRAYS { 1.0 } else { ORDERLY };
@@ -130,7 +135,7 @@ impl Planted {
         }
     }
 
-    /// The guides on a posed mesh: of each its points relative to its root.
+    /// Returns the points of each guide on a posed mesh, relative to its root.
     pub fn posed_guides(&self, corners: impl Fn(u32) -> [Vec3; 3]) -> Vec<Vec<Vec3>> {
         let posed = |(triangle, points): (&u32, &Vec<Vec3>)| {
             let frame = triangle_frame(corners(*triangle));
@@ -141,7 +146,8 @@ impl Planted {
 }
 
 impl Hair {
-    /// Its points, root first, on a mesh with these corners of its root's triangle, and guides posed alike by [`Planted::posed_guides`].
+    /// Returns the hair's points, root first, on a posed mesh. `corners` are those of the root's triangle; `guides`
+    /// comes from [`Planted::posed_guides`] for the same pose.
     pub fn points(&self, corners: [Vec3; 3], guides: &[Vec<Vec3>]) -> impl ExactSizeIterator<Item = Vec3> {
         let root = self.root.place(corners);
         let aside = triangle_frame(corners) * self.aside;
@@ -156,15 +162,15 @@ impl Hair {
     }
 }
 
-/// Linear colour of a hair of that number of colour, at a share of its length.
+/// Returns the linear colour of a hair with that colour index, at a share of its length.
 pub fn hair_color(group: &HairGroup, color: u32, share: f32) -> Vec3 {
     let linear = |c: [u8; 3]| Vec3::from(c.map(srgb_to_linear));
-    // Neighbours in number differ.
+    // Hairs with consecutive indices differ.
     let varied = 2.0 * radical_inverse(2, color) - 1.0 + 1.0 / HAIR_COLORS as f32;
     linear(group.root_color).lerp(linear(group.tip_color), share) * (1.0 + group.color_variation * varied)
 }
 
-/// Radius of a hair at a share of its length, metres: even for most of it, then tapered.
+/// Returns the radius of a hair at a share of its length, metres: constant up to the middle, then tapered.
 pub fn hair_radius(group: &HairGroup, share: f32) -> f32 {
     let tapered = (2.0 * share - 1.0).max(0.0);
     group.root_radius_m + (group.tip_radius_m - group.root_radius_m) * tapered * tapered
@@ -174,9 +180,9 @@ fn length_of(points: &[Vec3]) -> f32 {
     points.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
 }
 
-/// Where hairs root.
+/// Area in which hairs root.
 struct Scalp {
-    /// Triangles with hair, and the sums of their areas times their shares up to and with each.
+    /// Triangles with hair, each with the cumulative sum of area times density up to and including it.
     triangles: Vec<(u32, f64)>,
 }
 
@@ -191,7 +197,8 @@ impl Scalp {
         Self { triangles: triangles.collect() }
     }
 
-    /// Root of hair number `number`: its triangle, and its place there, by radical inverses (Halton 1960), so that the first few are spread evenly.
+    /// Returns the root of hair `number`: triangle and position in it, by radical inverses (Halton 1960), so that the
+    /// first few are spread evenly.
     fn root(&self, seed: u32, number: u32) -> Option<OnTriangle> {
         let whole = self.triangles.last()?.1;
         let at = |base: u32| (radical_inverse(base, number + 1) + chance([seed, base, 0])).fract();
@@ -203,7 +210,7 @@ impl Scalp {
     }
 }
 
-/// The digits of a number in that base, mirrored at the point.
+/// Returns the radical inverse of `number`: its digits in base `base`, mirrored at the point.
 fn radical_inverse(base: u32, mut number: u32) -> f32 {
     let (mut sum, mut scale) = (0.0f64, 1.0 / f64::from(base));
     while number > 0 {
@@ -214,7 +221,7 @@ fn radical_inverse(base: u32, mut number: u32) -> f32 {
     sum as f32
 }
 
-/// A number in 0..1 that is another for each place, and the same every time: as well mixed as it is cheap (Mueller's hash of 32 bits).
+/// Deterministic hash of `number`, uniform in 0..1 (Mueller's 32-bit hash).
 pub fn chance<const N: usize>(number: [u32; N]) -> f32 {
     let mixed = number.into_iter().fold(0u32, |sum, part| {
         let x = sum.wrapping_mul(0x9e37_79b9) ^ part;

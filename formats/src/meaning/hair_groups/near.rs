@@ -1,4 +1,4 @@
-//! Which of many points are nearest to a place.
+//! Nearest-neighbour search among points.
 
 use glam::{IVec3, Vec3};
 use std::collections::HashMap;
@@ -9,17 +9,17 @@ pub struct Near {
     points: Vec<Vec3>,
     low: Vec3,
     cell_m: f32,
-    /// How many cells the points lie in along each axis.
+    /// Number of cells along each axis.
     size: IVec3,
     cells: HashMap<IVec3, Vec<u32>>,
 }
 
 impl Near {
-    /// Sorts points, which are finite.
+    /// Sorts points into a grid. The points must be finite.
     pub fn new(points: Vec<Vec3>) -> Self {
         let (low, high) = points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
         let extent = (high - low).max_element().max(f32::MIN_POSITIVE);
-        // Points of hair lie on a surface: so about two of them share a cell that it passes.
+        // Hair points lie on a surface, so about two of them share each cell that it crosses.
         let cell_m = extent / (points.len() as f32 / 2.0).sqrt().clamp(1.0, 512.0);
         let mut out = Self { points, low, cell_m, ..Self::default() };
         for (index, point) in out.points.iter().enumerate() {
@@ -33,15 +33,15 @@ impl Near {
         ((at - self.low) / self.cell_m).floor().as_ivec3()
     }
 
-    /// The nearest `N`, the nearest first, each with its squared distance, which is infinite where there are fewer; of equal ones those that were given
-    /// first.
+    /// Returns the `N` nearest points with their squared distances, nearest first; of equal ones those that were given
+    /// first. The distance is infinite if there are fewer points.
     pub fn nearest<const N: usize>(&self, at: Vec3) -> [(f32, u32); N] {
         let mut near = [(f32::INFINITY, 0u32); N];
-        // From beside the grid the search begins at its border.
+        // From outside the grid, the search begins at its border.
         let middle = self.cell(at).clamp(IVec3::ZERO, (self.size - 1).max(IVec3::ZERO));
         let outside = at.distance(at.clamp(self.low, self.low + self.cell_m * self.size.as_vec3()));
         for ring in 0..=self.size.max_element() {
-            // What lies in a ring is at least so far away.
+            // Minimum distance of anything in a ring.
             let least = self.cell_m * (ring - 1) as f32 - outside;
             if least > 0.0 && least * least > near[N - 1].0 {
                 break;
@@ -61,11 +61,11 @@ impl Near {
     }
 }
 
-/// Cells whose largest difference to `middle` along an axis is `ring`.
+/// Returns the cells whose Chebyshev distance to `middle` is `ring`.
 fn ring_of(middle: IVec3, ring: i32) -> impl Iterator<Item = IVec3> {
     let side = -ring..=ring;
     side.clone().flat_map(move |x| side.clone().map(move |y| (x, y))).flat_map(move |(x, y)| {
-        // Within the ring's faces only the two ends of a column belong to it.
+        // Inside the ring's faces, only the two ends of a column belong to it.
         let step = if x.abs() == ring || y.abs() == ring || ring == 0 { 1 } else { 2 * ring };
         (-ring..=ring).step_by(step as usize).map(move |z| middle + IVec3::new(x, y, z))
     })
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn the_nearest_are_those_that_a_look_at_all_finds() {
-        // A wavy sheet of points, and places on it, beside it and far from it.
+        // A wavy sheet of points, with queries on it, beside it and far from it.
         let points: Vec<Vec3> = (0..900)
             .map(|i| {
                 let (x, z) = ((i % 30) as f32, (i / 30) as f32);

@@ -1,16 +1,19 @@
-//! Guides of few points as smooth curves of many: through tangents as Bézier curves, as in the Nalu demo (GPU Gems 2, ch. 23).
+//! Smoothing of guides with few points into curves with many: Bézier curves through tangents, as in the Nalu demo (GPU
+//! Gems 2, ch. 23).
 
 use glam::Vec3;
 
-/// Samples of a piece that its curve is measured with.
+/// Number of samples per curve segment for measuring its length.
 const SAMPLES: usize = 16;
 
-/// How much a turn counts beside length when points are laid out: a right angle as much as this share of the whole length.
+/// Weight of a turn relative to length when points are distributed: a right angle counts as much as this share of the
+/// whole length.
 const TURN: f32 = 0.25;
 
-/// A curve through all points of a polyline, as `count` points of it: its ends, and between them more where it bends.
+/// Returns `count` points of a curve through all points of a polyline: both ends, and between them more points where
+/// the curve bends.
 ///
-/// * `points`: 2 or more, none at the place of the one before
+/// * `points`: 2 or more, consecutive ones distinct
 /// * `count`: 2 or more
 pub fn smoothed(points: &[Vec3], count: usize) -> Vec<Vec3> {
     let tangents = tangents(points);
@@ -28,8 +31,9 @@ pub fn smoothed(points: &[Vec3], count: usize) -> Vec<Vec3> {
     spread(&dense, count)
 }
 
-/// Direction of the curve at each point. Between two others: that of a parabola through the three, by the lengths of both pieces; of unit length, so that
-/// long pieces beside short ones do not swing out. At the ends: what makes the outermost piece a parabola.
+/// Returns the direction of the curve at each point. Inner points: tangent of the parabola through the point and its
+/// neighbours, parameterised by segment lengths, normalised so that long segments beside short ones do not overshoot.
+/// Ends: the tangent that makes the outermost segment a parabola.
 fn tangents(points: &[Vec3]) -> Vec<Vec3> {
     let pieces: Vec<Vec3> = points.windows(2).map(|ends| ends[1] - ends[0]).collect();
     let unit = |v: Vec3, or: Vec3| v.try_normalize().or(or.try_normalize()).unwrap_or(Vec3::Y);
@@ -48,7 +52,7 @@ fn tangents(points: &[Vec3]) -> Vec<Vec3> {
     std::iter::once(start).chain(inner.iter().copied()).chain(std::iter::once(stop)).collect()
 }
 
-/// `count` points of a polyline, equally far apart by length and turn together.
+/// Returns `count` points of a polyline, equally spaced by length and turn combined.
 fn spread(dense: &[Vec3], count: usize) -> Vec<Vec3> {
     let lengths: Vec<f32> = dense.windows(2).map(|ends| ends[0].distance(ends[1])).collect();
     let whole: f32 = lengths.iter().sum();
@@ -78,7 +82,7 @@ mod tests {
 
     #[test]
     fn a_straight_guide_stays_straight_and_even() {
-        // Segments that lengthen, as guides have.
+        // Segments of increasing length, as in guides.
         let points: Vec<Vec3> = [0.0, 1.0, 3.0, 6.0, 10.0].map(|x| Vec3::new(x, 0.5 * x, 0.0)).to_vec();
         let curve = smoothed(&points, 11);
         for (k, p) in curve.iter().enumerate() {
@@ -87,7 +91,7 @@ mod tests {
         assert_eq!(smoothed(&points[..2], 2), points[..2]);
     }
 
-    /// Seven points of a half circle make a curve that is nearer to it than their chords by far.
+    /// A curve through seven points of a semicircle is far closer to it than their chords are.
     #[test]
     fn points_of_an_arc_make_an_arc() {
         let at = |angle: f32| Vec3::new(angle.cos(), angle.sin(), 0.0);
@@ -99,7 +103,7 @@ mod tests {
         let curve = smoothed(&points, 36);
         assert!(off(&points) > 0.03 && off(&curve) < 0.004, "{} and {}", off(&points), off(&curve));
         assert!((curve[0] - points[0]).length() < 1e-6 && (curve[35] - points[6]).length() < 1e-5);
-        // It goes through all of them.
+        // The curve passes through all points.
         for p in &points {
             let nearest = curve.windows(2).map(|e| {
                 let along = e[1] - e[0];
@@ -110,7 +114,7 @@ mod tests {
         }
     }
 
-    /// More points where it bends: a hook has most of them in its bow.
+    /// There are more points where the curve bends: a hook has most of them in its bend.
     #[test]
     fn points_gather_where_a_guide_bends() {
         let points = [(0.0, 0.0), (3.0, 0.0), (6.0, 0.0), (6.5, 0.3), (6.5, 1.0), (6.0, 1.3)];
@@ -118,7 +122,7 @@ mod tests {
         let curve = smoothed(&points, 20);
         let bow = curve.iter().filter(|p| p.x > 5.8).count();
         assert!(bow >= 9, "{bow} of 20 in the last quarter of the length: {curve:?}");
-        // A corner in it is no reason to fail.
+        // A reversal of direction does not cause a failure.
         let back = smoothed(&[Vec3::ZERO, Vec3::X, Vec3::ZERO, Vec3::X], 9);
         assert!(back.iter().all(|p| p.is_finite() && (-1.0..2.0).contains(&p.x)), "{back:?}");
     }

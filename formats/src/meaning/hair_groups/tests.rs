@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A square of 1 m in the plane y = 0 whose normal is +y.
+/// Square of 1 m in the plane y = 0 with normal +y.
 const POSITIONS: [Vec3; 4] = [Vec3::ZERO, Vec3::Z, Vec3::new(1.0, 0.0, 1.0), Vec3::X];
 const TRIANGLES: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 
@@ -10,7 +10,7 @@ fn corners(triangle: u32) -> [Vec3; 3] {
     TRIANGLES[triangle as usize].map(|v| POSITIONS[v as usize])
 }
 
-/// Hairs of 0.5 m that stand up and bend over towards +x.
+/// Hairs of 0.5 m that stand up and bend towards +x.
 fn group(hairs: u32) -> HairGroup {
     let mut group = HairGroup {
         hairs,
@@ -38,10 +38,10 @@ fn hairs_stand_on_the_scalp_as_dense_as_it_says() {
     assert_eq!(planted.hairs.len(), 4000);
     let posed = planted.posed_guides(corners);
     for hairs in [&planted.hairs[..400], &planted.hairs] {
-        // Three times as many on the second triangle, among the first as among all.
+        // Three times as many on the second triangle, among the first few as among all.
         let second = hairs.iter().filter(|hair| hair.root.triangle == 1).count();
         assert!((second as f32 / hairs.len() as f32 - 0.75).abs() < 0.01, "{second} of {}", hairs.len());
-        // And evenly on that: as many near one corner as near each other.
+        // Evenly distributed over the triangle: equally many near each corner.
         for corner in 0..3 {
             let near = hairs.iter().filter(|h| h.root.triangle == 1 && h.root.weights[corner] > 0.5).count();
             assert!((near as f32 / second as f32 - 0.25).abs() < 0.04, "{near} of {second} near corner {corner}");
@@ -51,7 +51,7 @@ fn hairs_stand_on_the_scalp_as_dense_as_it_says() {
         let points: Vec<Vec3> = hair.points(corners(hair.root.triangle), &posed).collect();
         assert!(points[0].y.abs() < 1e-6 && (points[8] - points[0]).distance(Vec3::new(0.2, 0.45, 0.0)) < 1e-3);
     }
-    // Fewer are the first of all.
+    // A smaller count gives a prefix of all.
     let few = Planted::new(&group(4000), &POSITIONS, &TRIANGLES, 100);
     assert_eq!(few.hairs, planted.hairs[..100]);
 }
@@ -77,7 +77,7 @@ fn locks_gather_and_strays_stray() {
         let posed = planted.posed_guides(corners);
         let tips: Vec<Vec3> =
             planted.hairs.iter().map(|h| h.points(corners(h.root.triangle), &posed).last().unwrap()).collect();
-        // Mean distance of each tip to that which is nearest.
+        // Mean distance of each tip to its nearest neighbour.
         let nearest = Near::new(tips.clone());
         tips.iter().map(|tip| nearest.nearest::<2>(*tip)[1].0.sqrt()).sum::<f32>() / tips.len() as f32
     };
@@ -108,7 +108,7 @@ fn lengths_and_colours_vary_as_far_as_they_may() {
     assert!(hair_radius(&group, 0.0) == 1e-3 && hair_radius(&group, 0.5) == 1e-3 && hair_radius(&group, 1.0) == 0.0);
 }
 
-/// A group whose guides are the hairs has no others.
+/// A group whose guides are the hairs has no other hairs.
 #[test]
 fn guides_can_be_the_hairs() {
     let planted = Planted::new(&group(0), &POSITIONS, &TRIANGLES, u32::MAX);

@@ -1,18 +1,19 @@
-//! Why hair that nothing moves stands as it was groomed.
+//! Forces that keep unmoved hair as it was groomed.
 
 use glam::{Mat3, Vec3};
 
-/// Of the earth, metres a second squared.
+/// Gravitational acceleration of the earth, m/s².
 pub const GRAVITY: f32 = 9.81;
 
-/// What holds a guide's points in their groomed places against gravity at rest, beside the tension of its pieces: accelerations in the frame of its triangle,
-/// one a point.
+/// Returns the accelerations, one per point, that hold a guide's points in their groomed positions against gravity at
+/// rest, besides the tension of its segments; in the frame of its triangle.
 ///
-/// Pieces only pull. From the tip on, each bears along itself as much as it can of what hangs on it; the rest, hair that stands out or up, is borne by its
-/// stiffness, which is this.
+/// Segments only pull. From the tip on, each segment carries as much as it can, along itself, of the weight that hangs
+/// from it. The rest, from hair that stands out or up, is carried by the hair's stiffness, which is the returned
+/// acceleration.
 ///
 /// * `points`: relative to the root, which is the first, in the frame of the root's triangle
-/// * `frame`: from there to the axes of the world at rest, +y up
+/// * `frame`: from that frame to the axes of the world at rest, +y up
 pub fn ballast(points: &[Vec3], frame: Mat3) -> Vec<Vec3> {
     let down = Vec3::NEG_Y * GRAVITY;
     let to_frame = frame.inverse();

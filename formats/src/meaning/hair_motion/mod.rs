@@ -1,12 +1,15 @@
-//! How hair on guides moves: each guide is a string of pearls whose root goes with the skin (Nalu demo; position Verlet after Jakobsen 2001).
+//! Motion of guided hair: each guide is a string of particles whose root moves with the surface (Nalu demo; position
+//! Verlet after Jakobsen 2001).
 //!
-//! The runtime does the same on the GPU (`runtime/src/passes/hair_motion`), pearl for pearl. Axes are those of the world, lengths metres, times seconds.
+//! The runtime does the same on the GPU (`runtime/src/passes/hair_motion`), particle for particle. Axes are those of
+//! world space, lengths metres, times seconds.
 //!
-//! - Free pearls fly as Verlet has them, corrected for steps of unequal length, and the air takes them along.
-//! - A spring leads each to where it was groomed, another bends each piece back to the shape that it was groomed in. What gravity does to the groomed
-//!   shape at rest is part of that shape ([`ballast`]): hair that nothing moves stands as it was groomed.
-//! - Lengths hold exactly: the tensions of a string are the solution of a tridiagonal system, a few times over, and what is left goes from root to tip.
-//! - A pearl within a collider goes to the place on its surface that is as far from its neighbour as it has to be.
+//! - Free particles move by Verlet integration, corrected for steps of unequal length, with air drag.
+//! - A spring pulls each particle to its groomed position; another bends each segment back to its groomed shape. The
+//!   effect of gravity at rest is part of the groomed shape ([`ballast`]), so unmoved hair stays as groomed.
+//! - Lengths are held exactly: the tensions of a string solve a tridiagonal system, a few times over, and the remaining
+//!   error is corrected from root to tip.
+//! - A particle inside a collider moves to a point on its surface at the required distance from its neighbour.
 
 mod ballast;
 mod wind;
@@ -17,40 +20,43 @@ pub use wind::Wind;
 use crate::sections::hair_motion::GroupMotion;
 use glam::{Mat3, Quat, Vec3};
 
-/// Steps that a second is divided into at least.
+/// Minimum number of steps per second.
 pub const STEPS_PER_S: f32 = 120.0;
-/// Steps of a frame at most: of a longer frame only so much time passes for hair.
+/// Maximum number of steps per frame. In a longer frame, less time passes for hair.
 pub const MOST_STEPS: u32 = 16;
-/// Times that a pearl is taken out of the colliders.
+/// Number of times that a particle is pushed out of the colliders.
 const PUSHED: u32 = 3;
-/// Cosine of the turn beyond which a piece is not as it was.
+/// Cosine of the rotation beyond which a segment's current direction replaces its direction at the start of the step.
 const LEAST_TURN: f32 = 0.995;
-/// Share of what would stop a spring from swinging at all that is in those to the groomed shape.
+/// Damping of the springs to the groomed shape, as a share of critical damping.
 const DAMPED: f32 = 0.3;
-/// Of what is left of a swing when it is said to rest, a thousandth.
+/// Natural logarithm of 1000: hair is at rest when its swing has decayed to a thousandth.
 const LN_1000: f32 = 6.907_755;
-/// Seconds after which it is said to rest at the earliest, and at the latest.
+/// Minimum and maximum of the time after which hair is considered at rest, seconds.
 const REST_S: [f32; 2] = [0.5, 20.0];
-/// How many of its lengths a second a pearl flies at most, beside its root.
+/// Maximum speed of a particle relative to its root, guide lengths per second.
 const FASTEST: f32 = 25.0;
 
-/// How finely motion is followed. The runtime has one way, [`Solver::default`]; with others one measures what that costs, and how near to the truth it is.
+/// Accuracy of the simulation. The runtime always uses [`Solver::default`]; other values serve to measure cost and
+/// accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solver {
-    /// Steps that a second is divided into at least, above 0 (default [`STEPS_PER_S`]).
+    /// Minimum number of steps per second, above 0 (default [`STEPS_PER_S`]).
     pub steps_per_s: f32,
-    /// Times that the tensions of a string are solved for in a step at most; with 0 lengths go from root to tip only (default 16).
+    /// Maximum number of solutions for a string's tensions in a step; with 0, lengths are only corrected from root to
+    /// tip (default 16).
     pub solved: u32,
-    /// Share of its length that each piece is to be right within: then no more is solved. What is left goes from root to tip (default 0.0001).
+    /// Tolerance of each segment's length, as a share of it, at which solving stops (default 0.0001). The remaining
+    /// error is corrected from root to tip.
     pub within: f32,
 }
 
-/// What [`Solver::advance_frame`] did.
+/// Result of [`Solver::advance_frame`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Advanced {
-    /// How long its steps were, seconds.
+    /// Duration of a step, seconds.
     pub step_s: f32,
-    /// How often it solved for the tensions, in all of them.
+    /// Number of solutions for the tensions, over all steps.
     pub solved: u32,
 }
 
@@ -60,110 +66,110 @@ impl Default for Solver {
     }
 }
 
-/// The steps of a frame: how many there are, and how long each is.
+/// Returns number and duration of the steps of a frame.
 pub fn steps(frame_s: f32) -> (u32, f32) {
     Solver::default().steps(frame_s)
 }
 
-/// How the hair of a group moves.
+/// Spring constants of a group's hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Springs {
-    /// How fast the air takes hair along, 1/s.
+    /// Drag rate: how fast hair takes on the velocity of the air, 1/s.
     pub drag_per_s: f32,
-    /// How often a second hair swings back to where it was groomed; 0: it hangs.
+    /// Frequency of the spring to the groomed position, Hz; 0: hair hangs.
     pub shape_hz: f32,
-    /// How often a second its pieces swing back to the shape that they were groomed in; 0: it is limp.
+    /// Frequency of the spring to the groomed shape of each segment, Hz; 0: hair is limp.
     pub bend_hz: f32,
-    /// Share of its speed along a collider that hair loses in [`STEPS_PER_S`] of a second, 0..=1.
+    /// Share of its speed along a collider that hair loses in 1 / [`STEPS_PER_S`] seconds, 0..=1.
     pub friction: f32,
 }
 
-/// A guide as it was groomed.
+/// Guide as groomed.
 #[derive(Clone, Copy, Debug)]
 pub struct Groomed<'a> {
-    /// Points relative to the root, which is the first, in the frame of its triangle, metres: two or more.
+    /// Points relative to the root, which is the first, in the frame of its triangle, metres; two or more.
     pub points: &'a [Vec3],
-    /// What [`ballast`] says of them.
+    /// Result of [`ballast`] for the points.
     pub ballast: &'a [Vec3],
-    /// How freely each moves, 0..=1: not at all, or as a pearl does. Those that do not are the first.
+    /// Freedom of each point, 0..=1: from fixed to a free particle. Fixed points come first.
     pub free: &'a [f32],
 }
 
-/// A point of a guide that moves.
+/// Particle: a moving point of a guide.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pearl {
-    /// Where it is, from where the root is.
+    /// Position relative to the root.
     pub place: Vec3,
-    /// Metres a second.
+    /// Velocity, m/s.
     pub velocity: Vec3,
 }
 
-/// Where the skin has the root of a guide.
+/// Root of a guide on the posed surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rooted {
-    /// The root.
+    /// Position of the root.
     pub root: Vec3,
-    /// From the frame of its triangle to the axes of the world, with the scale of the character.
+    /// Matrix from the frame of the root's triangle to the axes of the world, including the scale of the character.
     pub frame: Mat3,
 }
 
-/// What hair does not go into: all that is nearer than `radius_m` to a piece of a line; of no length it is a sphere.
+/// Capsule collider: all points closer than `radius_m` to a line segment. A segment of length 0 gives a sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Capsule {
-    /// One end.
+    /// First end.
     pub from: Vec3,
-    /// The other end.
+    /// Second end.
     pub to: Vec3,
-    /// Metres.
+    /// Radius, metres.
     pub radius_m: f32,
 }
 
-/// A step of time.
+/// Time step.
 #[derive(Clone, Copy, Debug)]
 struct Step<'a> {
-    /// How long it is; 0: nothing but lengths and colliders are seen to.
+    /// Duration; with 0, only lengths and colliders are enforced.
     seconds: f32,
-    /// How long the step before was; as long as this one where there was none.
+    /// Duration of the previous step; that of this one if there was none.
     before_s: f32,
-    /// Acceleration of everything, metres a second squared.
+    /// Gravitational acceleration, m/s².
     gravity: Vec3,
-    /// What the air does, and the moment at the end of the step.
+    /// Wind, and the time at the end of the step.
     wind: &'a Wind,
     time_s: f32,
-    /// At the end of the step.
+    /// Colliders at the end of the step.
     colliders: &'a [Capsule],
-    /// How its lengths are held.
+    /// Settings for holding lengths.
     solver: Solver,
 }
 
 impl Rooted {
-    /// Between two, at a share of the way.
+    /// Interpolates linearly; share 0 is `self`, 1 is `other`.
     pub fn between(self, other: Self, share: f32) -> Self {
         let mix = |a: Vec3, b: Vec3| a + (b - a) * share;
         let axis = |i: usize| mix(self.frame.col(i), other.frame.col(i));
         Self { root: mix(self.root, other.root), frame: Mat3::from_cols(axis(0), axis(1), axis(2)) }
     }
 
-    /// Pearls that lie as they were groomed, and do not move.
+    /// Returns the particles in their groomed positions, at rest.
     pub fn groomed(&self, points: &[Vec3]) -> Vec<Pearl> {
         points.iter().map(|p| Pearl { place: self.frame * *p, velocity: Vec3::ZERO }).collect()
     }
 
-    /// How much larger than it was groomed hair is here.
+    /// Returns the scale of the hair relative to its groomed size.
     fn scale(&self) -> f32 {
         libm::cbrtf(self.frame.determinant().abs())
     }
 }
 
 impl Capsule {
-    /// Between two, at a share of the way.
+    /// Interpolates linearly; share 0 is `self`, 1 is `other`.
     pub fn between(self, other: Self, share: f32) -> Self {
         let mix = |a: Vec3, b: Vec3| a + (b - a) * share;
         let radius_m = self.radius_m + (other.radius_m - self.radius_m) * share;
         Self { from: mix(self.from, other.from), to: mix(self.to, other.to), radius_m }
     }
 
-    /// The place of its axis that is nearest to another.
+    /// Returns the point of the axis nearest to `place`.
     pub fn nearest(&self, place: Vec3) -> Vec3 {
         let along = self.to - self.from;
         let share = (place - self.from).dot(along) / along.length_squared().max(1e-20);
@@ -171,24 +177,24 @@ impl Capsule {
     }
 }
 
-/// A frame of time, which is some [`steps`].
+/// Frame of time, divided into [`steps`].
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// How long it is.
+    /// Duration.
     pub seconds: f32,
-    /// How long the steps of the frame before were; as long as those of this one where there was none.
+    /// Duration of the steps of the previous frame; of the steps of this one if there was none.
     pub before_s: f32,
-    /// Acceleration of everything, metres a second squared.
+    /// Gravitational acceleration, m/s².
     pub gravity: Vec3,
-    /// What the air does.
+    /// Wind.
     pub wind: Wind,
-    /// The moment at the end of the frame, seconds: what the air does changes with it.
+    /// Time at the end of the frame, seconds; the wind depends on it.
     pub time_s: f32,
-    /// At the beginning and at the end of the frame.
+    /// Colliders at the beginning and at the end of the frame.
     pub colliders: &'a [[Capsule; 2]],
 }
 
-/// Moves a guide by one frame, as [`Solver::advance_frame`] of the default. Returns how long its steps were.
+/// Moves a guide by one frame with [`Solver::advance_frame`] of the default solver. Returns the duration of its steps.
 pub fn advance_frame(
     pearls: &mut [Pearl],
     groomed: &Groomed<'_>,
@@ -201,18 +207,19 @@ pub fn advance_frame(
 }
 
 impl Solver {
-    /// The steps of a frame: how many there are, and how long each is. Of a frame longer than [`MOST_STEPS`] of the default only so much time passes.
+    /// Returns number and duration of the steps of a frame. A frame longer than [`MOST_STEPS`] default steps is limited
+    /// to their duration.
     pub fn steps(&self, frame_s: f32) -> (u32, f32) {
         let frame_s = frame_s.clamp(0.0, MOST_STEPS as f32 / STEPS_PER_S);
-        // A frame of 1/60 s is two steps of 1/120 s, also where it is longer by a rounding.
+        // A frame of 1/60 s is two steps of 1/120 s, even if rounding makes it slightly longer.
         let count = ((frame_s * self.steps_per_s - 1e-3).ceil() as u32).max(1);
         (count, frame_s / count as f32)
     }
 
     /// Moves a guide by one frame.
     ///
-    /// * `pearls`: as many as the guide has points
-    /// * `before`, `now`: where the skin has its root at the beginning and at the end of the frame
+    /// * `pearls`: one for each point of the guide
+    /// * `before`, `now`: its root on the surface at the beginning and at the end of the frame
     pub fn advance_frame(
         &self,
         pearls: &mut [Pearl],
@@ -234,31 +241,32 @@ impl Solver {
                 wind: &frame.wind,
                 time_s: frame.time_s - (count - number) as f32 * seconds,
                 colliders: &colliders,
-                // Without time nothing bends or swings.
+                // Without time nothing moves, so no tensions are solved.
                 solver: Self { solved: if seconds > 0.0 { self.solved } else { 0 }, ..*self },
             };
             let (from, to) = (before.between(now, at(number - 1)), before.between(now, at(number)));
-            // Between two frames that are turned lengths are too short; what counts is where the frame goes.
+            // Interpolating between two rotated frames shortens lengths, so lengths are those at the end of the frame.
             solved += advance(pearls, groomed, springs, &step, from, to, now);
         }
         Advanced { step_s: seconds, solved }
     }
 }
 
-/// Seconds after which hair of such a group has come to rest where nothing moves it: when a thousandth of its swing is left.
+/// Returns the time, in seconds, after which the swing of a group's unmoved hair has decayed to a thousandth.
 pub fn rest_s(motion: &GroupMotion) -> f32 {
     let slowed_per_s = motion.drag_per_s + 2.0 * DAMPED * std::f32::consts::TAU * motion.shape_hz;
-    // Oscillations die at half of the rate at which speeds do.
+    // Oscillations decay at half the rate of velocities.
     (2.0 * LN_1000 / slowed_per_s.max(1e-6)).clamp(REST_S[0], REST_S[1])
 }
 
-/// A direction, or that of `other` where there is none.
+/// Returns the direction of `v`, or `other` if it has none.
 fn direction(v: Vec3, other: Vec3) -> Vec3 {
     let length = v.length();
     if length > 1e-9 { v / length } else { other }
 }
 
-/// Moves a guide by one step, from `before` to `now`; pieces are as long as they are in `whole`. Returns how often it solved for the tensions.
+/// Moves a guide by one step, from `before` to `now`; segment lengths are those at `whole`. Returns how often the
+/// tensions were solved.
 fn advance(
     pearls: &mut [Pearl],
     groomed: &Groomed<'_>,
@@ -282,11 +290,11 @@ fn advance(
     let kept_of_air = libm::expf(-springs.drag_per_s * h);
     let kept_of_shape = libm::expf(-2.0 * DAMPED * std::f32::consts::TAU * springs.shape_hz * h);
     let weight = step.gravity.length() / (GRAVITY * scale.max(1e-9));
-    // Where pearls are, from where the root is now.
+    // Positions relative to the current root.
     pearls.iter_mut().for_each(|pearl| pearl.place -= went);
     let started: Vec<Vec3> = pearls.iter().map(|pearl| pearl.place).collect();
 
-    // What flies.
+    // Verlet step of the free particles.
     let mut held = 0;
     for (k, pearl) in pearls.iter_mut().enumerate() {
         if groomed.free[k] <= 0.0 || k == 0 {
@@ -303,7 +311,7 @@ fn advance(
         pearl.place += velocity * h + pulled * (0.5 * h * (h + step.before_s));
     }
 
-    // What bends back: each piece turns with the one before, and takes those behind it along.
+    // Bending springs: each segment turns with the previous one and moves those after it.
     let bend = square(springs.bend_hz) * h * h;
     let bend = bend / (1.0 + bend);
     let (mut turn, mut aside) = (Quat::IDENTITY, Vec3::ZERO);
@@ -322,11 +330,11 @@ fn advance(
         solved += 1;
     }
 
-    // What is left, from root to tip, and around what is in the way.
+    // Correct the remaining length error from root to tip, and push particles out of colliders.
     for k in 0..pearls.len() {
         let mut touched = Vec3::ZERO;
         if k > held {
-            // Half free means half as far from the groomed place as what is free, step for step of the same length.
+            // A freedom of 0.5 halves the distance to the groomed position in each step of nominal duration.
             let free = libm::powf(groomed.free[k], STEPS_PER_S * h);
             pearls[k].place = goal(k) + (pearls[k].place - goal(k)) * free;
             let (parent, length) = (pearls[k - 1].place, lengths[k]);
@@ -354,24 +362,25 @@ fn advance(
     solved
 }
 
-/// The most that a piece is longer or shorter than it should be, over its length.
+/// Returns the maximum relative length error of the segments.
 fn off(pearls: &[Pearl], lengths: &[f32], held: usize) -> f32 {
     let of = |k: usize| (pearls[k].place.distance(pearls[k - 1].place) - lengths[k]).abs() / lengths[k].max(1e-9);
     (held + 1..pearls.len()).map(of).fold(0.0, f32::max)
 }
 
-/// The least turn from one direction to another.
+/// Returns the smallest rotation from one direction to another.
 fn turned(from: Vec3, to: Vec3) -> Quat {
     let (from, to) = (direction(from, Vec3::Y), direction(to, Vec3::Y));
     let (across, half) = (from.cross(to), 1.0 + from.dot(to));
-    // Opposite directions have no least turn: none is better than any.
+    // Opposite directions have no unique smallest rotation; the identity is better than an arbitrary one.
     if half < 1e-6 { Quat::IDENTITY } else { Quat::from_xyzw(across.x, across.y, across.z, half).normalize() }
 }
 
-/// One step of Newton's method for the tensions that give all pieces their lengths: pearls beyond `held` have one mass, those up to it do not move.
+/// Performs one Newton step for the tensions that give all segments their lengths. Particles after index `held` have
+/// equal masses; the others do not move.
 ///
-/// Tensions act along the pieces as they were at the beginning of the step (SHAKE, Ryckaert 1977), so that what bears its weight stays where it is; along
-/// a piece as it is where that turned too far.
+/// Tensions act along the segments' directions at the beginning of the step (SHAKE, Ryckaert 1977), so that hair that
+/// carries its own weight stays in place. For a segment that has turned too far, they act along its current direction.
 fn hold_lengths(pearls: &mut [Pearl], started: &[Vec3], lengths: &[f32], held: usize) {
     let now = |pearls: &[Pearl], k: usize| direction(pearls[k].place - pearls[k - 1].place, Vec3::Y);
     let then = |k: usize| direction(started[k] - started[k - 1], Vec3::Y);
@@ -379,7 +388,7 @@ fn hold_lengths(pearls: &mut [Pearl], started: &[Vec3], lengths: &[f32], held: u
         let (now, then) = (now(pearls, k), then(k));
         if now.dot(then) < LEAST_TURN { now } else { then }
     };
-    // Thomas' algorithm: `left` and `right` are what elimination leaves of the row's neighbour and of its right side.
+    // Thomas algorithm: `left` and `right` are what elimination leaves of a row's neighbour and of its right-hand side.
     let mut left = vec![0.0; pearls.len()];
     let mut right = vec![0.0; pearls.len()];
     let mut before = Vec3::ZERO;
@@ -403,12 +412,13 @@ fn hold_lengths(pearls: &mut [Pearl], started: &[Vec3], lengths: &[f32], held: u
     }
 }
 
-/// The place nearest to `place` that is `length` from `parent` and `radius` from `center`; where there is none, straight away from `center`.
+/// Returns the point nearest to `place` at distance `length` from `parent` and `radius` from `center`; if there is
+/// none, the point at distance `length` straight away from `center`.
 fn outside(parent: Vec3, length: f32, place: Vec3, center: Vec3, radius: f32) -> Vec3 {
     let to_center = center - parent;
     let distance = to_center.length();
     let axis = direction(to_center, direction(parent - place, Vec3::Y));
-    // Two spheres meet in a circle about the line through their centers.
+    // Two spheres intersect in a circle about the line through their centres.
     let along = (length * length - radius * radius + distance * distance) / (2.0 * distance.max(1e-9));
     let squared = length * length - along * along;
     if squared <= 0.0 || distance <= 1e-9 {

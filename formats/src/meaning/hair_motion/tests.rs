@@ -5,7 +5,7 @@ use std::f32::consts::{PI, TAU};
 const CALM: Wind = Wind { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5 };
 const SPRINGS: Springs = Springs { drag_per_s: 2.0, shape_hz: 0.6, bend_hz: 1.5, friction: 0.2 };
 
-/// A guide with all that goes with it.
+/// Guide with its simulation parameters.
 struct Guide {
     points: Vec<Vec3>,
     ballast: Vec<Vec3>,
@@ -19,12 +19,12 @@ impl Guide {
         Self { ballast: ballast(&points, Mat3::IDENTITY), points, free, springs: SPRINGS }
     }
 
-    /// A string of that many points that hangs, 0.3 m long.
+    /// Returns a hanging string of `points` points, 0.3 m long.
     fn hanging(points: usize) -> Self {
         Self::new((0..points).map(|k| Vec3::NEG_Y * (0.3 * k as f32 / (points - 1) as f32)).collect())
     }
 
-    /// One that stands out, and curls.
+    /// Returns a guide that stands out and curls.
     fn curled() -> Self {
         let point = |k: usize| {
             let t = k as f32 / 15.0;
@@ -37,7 +37,7 @@ impl Guide {
         self.points.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
     }
 
-    /// Lets it move for some seconds with a root that goes its way; says at the end of each frame how it lies, and where its root is.
+    /// Simulates the guide for some seconds, and calls `at_end` after each frame with its particles and root.
     fn run(
         &self,
         fps: f32,
@@ -67,7 +67,7 @@ impl Guide {
         pearls
     }
 
-    /// The most that any piece is longer or shorter than it should be, over its length.
+    /// Returns the maximum relative length error of the segments.
     fn stretch(&self, pearls: &[Pearl]) -> f32 {
         let of = |k: usize| {
             let length = self.points[k].distance(self.points[k - 1]);
@@ -82,7 +82,7 @@ fn still(_: f32) -> Rooted {
     Rooted { root: Vec3::new(1.0, 2.0, 3.0), frame: Mat3::IDENTITY }
 }
 
-/// As a head at a gallop: up and down, back and forth, nodding.
+/// Root on a galloping head: up and down, back and forth, nodding.
 fn gallop(time_s: f32) -> Rooted {
     let turns = TAU * 2.2 * time_s;
     let root = Vec3::new(0.08 * turns.cos(), 0.15 * turns.sin(), 9.0 * time_s);
@@ -100,7 +100,7 @@ fn what_nothing_moves_stands_as_it_was_groomed() {
         let found = guide.run(60.0, 10.0, still, nothing, |_, _| ());
         let off = found.iter().zip(&groomed).map(|(a, b)| a.place.distance(b.place)).fold(0.0, f32::max);
         assert!(off < 1e-4 * guide.length(), "{} points: {off}", guide.points.len());
-        // Without what holds it up, hair that stands out falls.
+        // Without ballast, hair that stands out falls.
         if guide.points[1].y > -0.001 {
             let slack = Guide { ballast: vec![Vec3::ZERO; 16], ..guide };
             let found = slack.run(60.0, 10.0, still, nothing, |_, _| ());
@@ -127,7 +127,7 @@ fn strings_keep_their_lengths_at_a_gallop() {
     }
 }
 
-/// Sweeps over the pieces, each put right by itself, are what the tensions take the place of.
+/// Compares with the alternative to solving for tensions: sweeps that correct one segment at a time.
 #[test]
 fn sweeps_leave_long_strings_stretched() {
     let (points, length, h) = (64, 0.3f32, 1.0 / 60.0);
@@ -155,7 +155,7 @@ fn sweeps_leave_long_strings_stretched() {
 fn a_pendulum_swings_as_long_as_it_should() {
     let mut guide = Guide::hanging(2);
     guide.springs = Springs { drag_per_s: 0.0, shape_hz: 0.0, bend_hz: 0.0, friction: 0.0 };
-    // Pushed aside in the first frame.
+    // Displaced in the first frame.
     let root = |time_s: f32| Rooted { root: Vec3::X * if time_s > 0.0 { 0.01 } else { 0.0 }, frame: Mat3::IDENTITY };
     let mut crossed = Vec::new();
     let (mut time_s, mut last) = (0.0, -1.0);
@@ -172,7 +172,7 @@ fn a_pendulum_swings_as_long_as_it_should() {
     assert!((period / expected - 1.0).abs() < 0.02, "{period} s, expected {expected}");
 }
 
-/// What 30, 60 and 144 frames a second come to after five.
+/// Frame rates of 30, 60 and 144 fps give the same result after five seconds.
 #[test]
 fn frames_of_any_length_come_to_the_same() {
     for guide in [Guide::hanging(16), Guide::curled()] {
@@ -219,10 +219,10 @@ fn nothing_explodes() {
             };
             guide.run(fps, seconds, still, swallowing, &mut check);
             guide.run(fps, seconds, jump, nothing, &mut check);
-            // A frame's share of a turn is what the skin does: of half a second it is a whole one.
+            // The surface turns by a whole turn in a frame of half a second.
             guide.run(fps, seconds, spin, nothing, &mut check);
         }
-        // A moment of no length.
+        // A frame of zero duration.
         let groomed = Groomed { points: &guide.points, ballast: &guide.ballast, free: &guide.free };
         let mut pearls = still(0.0).groomed(&guide.points);
         let frame = Frame {
@@ -242,7 +242,7 @@ fn nothing_explodes() {
 #[test]
 fn nothing_goes_into_what_is_in_the_way() {
     let guide = Guide::hanging(16);
-    // A ball and a rod that come through where it hangs.
+    // A sphere and a capsule that pass through the hanging hair.
     let colliders = |time_s: f32| {
         let x = -0.4 + 0.4 * time_s;
         let rod = [Vec3::new(-x, -0.3, -0.5), Vec3::new(-x, -0.27, 0.5)];

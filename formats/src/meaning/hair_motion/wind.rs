@@ -1,19 +1,19 @@
-//! What the air does.
+//! Wind.
 
 use glam::Vec3;
 
-/// Moving air.
+/// Wind, with gusts and turbulence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wind {
-    /// On the whole, metres a second.
+    /// Mean velocity, m/s.
     pub velocity: Vec3,
-    /// By how much of that it swells and falls, 0 or more (default 0).
+    /// Amplitude of gusts, as a share of `velocity`, 0 or more (default 0).
     pub gust: f32,
-    /// Seconds between gusts (default 3).
+    /// Period of gusts, seconds (default 3).
     pub gust_s: f32,
-    /// By how much of it the air at one place differs from that at another, 0 or more (default 0).
+    /// Amplitude of the spatial variation, as a share of `velocity`, 0 or more (default 0).
     pub turbulence: f32,
-    /// How large eddies are, metres (default 0.5).
+    /// Size of eddies, metres (default 0.5).
     pub eddy_m: f32,
 }
 
@@ -23,21 +23,22 @@ impl Default for Wind {
     }
 }
 
-/// Much as the sine of so many turns, but of whole numbers of operations: the same on every machine.
+/// Approximates the sine of a number of full turns with basic arithmetic only, so that the result is the same on every
+/// machine.
 fn wave(turns: f32) -> f32 {
     let part = turns - (turns + 0.5).floor();
     8.0 * part * (1.0 - 2.0 * part.abs())
 }
 
 impl Wind {
-    /// Whether there is another air at another moment.
+    /// Whether the wind changes with time.
     pub fn changes(&self) -> bool {
         self.velocity != Vec3::ZERO && (self.gust > 0.0 || self.turbulence > 0.0)
     }
 
-    /// Velocity of the air at a place of the world and a moment, seconds: metres a second.
+    /// Returns the velocity of the air at a position in world space and a time in seconds, m/s.
     ///
-    /// Gusts are two waves whose lengths never meet; eddies are waves that the wind carries along.
+    /// Gusts are two waves with incommensurable periods; eddies are waves carried along by the wind.
     pub fn at(&self, place: Vec3, time_s: f32) -> Vec3 {
         let speed = self.velocity.length();
         let moment = time_s / self.gust_s.max(1e-3);

@@ -1,8 +1,8 @@
-//! Where the strands of a periodic tile stand on a mesh, and where on it the points of each lie.
+//! Planting: roots of the tile's strands on a mesh, and positions of their points.
 //!
-//! A strand of the tile stands wherever a copy of its root falls into a furred triangle ([`Roots`]), and from there its points lie where a walk over the
-//! mesh leads ([`SurfaceWalk`]). Both ask for the mesh's tile coordinates; what stands there and moves with the skin follows from triangle and weights
-//! ([`Footing`]), whatever the pose.
+//! A strand of the tile roots wherever a copy of its root lies in a furred triangle ([`Roots`]). A walk over the mesh
+//! gives the positions of its points ([`SurfaceWalk`]). Both use the mesh's tile coordinates. Triangle and weights
+//! ([`Footing`]) give the position in any pose.
 
 mod roots;
 mod walk;
@@ -15,25 +15,26 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// What planting asks of a mesh. Lists of vertices are as long as each other, and so are those of triangles.
+/// Mesh data for planting. All lists over vertices have the same length, and so have those over triangles.
 #[derive(Clone, Debug, Default)]
 pub struct Ground {
-    /// Corners of each triangle, all less than the number of vertices.
+    /// Corners of each triangle, valid vertex indices.
     pub triangles: Vec<[u32; 3]>,
     /// Whether hair grows on each triangle.
     pub furred: Vec<bool>,
-    /// Of each vertex, metres, in any pose.
+    /// Position of each vertex in any pose, metres.
     pub positions: Vec<DVec3>,
-    /// Of each vertex in the hair tile, 1 a tile.
+    /// Coordinates of each vertex in the hair tile; 1 is one tile.
     pub tile_uv: Vec<DVec2>,
-    /// For each vertex the first one at the same place that moves alike: a place stands once for each patch, part and seam that meets there.
+    /// For each vertex, the first one with the same position and motion: a position is stored once for each patch, part
+    /// and seam that meets there.
     pub same_place: Vec<u32>,
 }
 
-/// Joints that move a vertex, and their weights; `None` of a mesh without a skeleton.
+/// Joints that move a vertex, and their weights; `None` for a mesh without a skeleton.
 pub type MovedBy<J> = Option<(J, [f32; 4])>;
 
-/// For each vertex the first one that has its position and is moved by the same joints with the same weights, to the last bit.
+/// Returns for each vertex the first one with bitwise the same position, joints and weights.
 pub fn same_places<J: Eq + Hash>(vertices: impl Iterator<Item = ([f32; 3], MovedBy<J>)>) -> Vec<u32> {
     let mut first_at = HashMap::new();
     let keys = vertices.map(|(position, moved_by)| {
@@ -43,7 +44,7 @@ pub fn same_places<J: Eq + Hash>(vertices: impl Iterator<Item = ([f32; 3], Moved
 }
 
 impl Ground {
-    /// The mesh of a package as it stores it.
+    /// Creates the planting data from a package's stored mesh.
     pub fn of_package(manifest: &Manifest, mesh: &MeshView<'_>) -> Self {
         let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
         let indices: Vec<u32> = mesh.indices().collect();
@@ -62,7 +63,7 @@ impl Ground {
         }
     }
 
-    /// What a list of vertices says of the corners of a triangle.
+    /// Returns the corner values of a triangle from a list over vertices.
     pub fn corners<T: Copy>(&self, triangle: usize, of: &[T]) -> [T; 3] {
         self.triangles[triangle].map(|v| of[v as usize])
     }
@@ -72,7 +73,8 @@ impl Ground {
 mod tests {
     use super::*;
 
-    /// A square of a metre and a tile, of two triangles; the second stands in another patch, whose coordinates lie `apart` tiles away.
+    /// Square of one metre and one tile, made of two triangles. The second is in another patch, with coordinates
+    /// `apart` tiles away.
     fn square(apart: f64) -> Ground {
         let at = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
         Ground {
@@ -99,7 +101,7 @@ mod tests {
             walk.step(&mut at, DVec2::new(0.5, 0.4), &mut crossed);
             assert_eq!((at.triangle, crossed.patch_border, crossed.mesh_border), (1, apart != 0.0, false));
             assert!(place(&ground, &walk, &at).distance(DVec3::new(0.7, 0.6, 0.0)) < 1e-12, "{at:?}");
-            // Past the end it goes on in the last triangle's plane.
+            // Past the end, the walk continues in the last triangle's plane.
             walk.step(&mut at, DVec2::new(1.0, 0.0), &mut crossed);
             assert!(crossed.mesh_border && !crossed.lost && at.beyond.is_some());
             assert!(place(&ground, &walk, &at).distance(DVec3::new(1.7, 0.6, 0.0)) < 1e-12, "{at:?}");
@@ -108,7 +110,8 @@ mod tests {
 
     #[test]
     fn a_root_stands_in_one_triangle_and_in_every_tile() {
-        // On the edge between both triangles, and within one of them; the numbers say which is which, and where the tile lies does not matter.
+        // On the edge between both triangles, and inside one of them; the indices identify the roots, and the tile's
+        // position does not matter.
         let roots = Roots::new([(DVec2::new(0.5, 0.5), 7), (DVec2::new(3.25, -0.75), 9)]);
         for ground in [square(0.0), square(2.0)] {
             let mut found = Vec::new();
@@ -127,7 +130,8 @@ mod tests {
         let large = [DVec2::ZERO, DVec2::new(4.0, 0.0), DVec2::new(0.0, 4.0)];
         let mut count = [0; 10];
         roots.for_each_in(large, |strand, _| count[strand] += 1);
-        // Whole tiles under the diagonal, and those that it cuts; the root on a diagonal's middle belongs to one of its sides.
+        // Whole tiles below the diagonal, and tiles that it cuts; a root in the middle of a diagonal belongs to one of
+        // its sides.
         assert!(count[9] == 10 && (6..=10).contains(&count[7]), "{count:?}");
     }
 }

@@ -1,18 +1,18 @@
-//! The roots of a tile, and which of them stand in a triangle.
+//! Roots of a tile, and those of them in a triangle.
 
 use glam::{DVec2, DVec3};
 
-/// The roots of a tile, sorted into cells of a grid.
+/// Roots of a tile, sorted into cells of a grid.
 #[derive(Clone, Debug)]
 pub struct Roots {
     side: usize,
-    /// Root within the tile, 0..1, and strand; cell after cell.
+    /// Root within the tile, 0..1, and strand index; cell after cell.
     roots: Vec<(DVec2, u32)>,
     starts: Vec<usize>,
 }
 
 impl Roots {
-    /// Sorts roots, each the tile coordinates of a strand and its number.
+    /// Sorts roots; each is the tile coordinates of a strand and its index.
     pub fn new(roots: impl IntoIterator<Item = (DVec2, u32)>) -> Self {
         let mut roots: Vec<(DVec2, u32)> = roots.into_iter().map(|(at, strand)| (at - at.floor(), strand)).collect();
         let side = ((roots.len() as f64 / 2.0).sqrt() as usize).clamp(1, 512);
@@ -25,8 +25,8 @@ impl Roots {
         Self { side, roots, starts }
     }
 
-    /// Calls `visit` for every strand, in every copy of the tile, whose root lies in a triangle of tile coordinates, with the weights of the
-    /// corners there. Of triangles side by side, a root on their edge belongs to one.
+    /// Calls `visit` for every strand, in every copy of the tile, whose root lies in a triangle of tile coordinates;
+    /// passes the weights of the corners at the root. A root on the edge of adjacent triangles belongs to exactly one.
     pub fn for_each_in(&self, corners: [DVec2; 3], mut visit: impl FnMut(usize, DVec3)) {
         let (low, high) = corners.iter().fold((corners[0], corners[0]), |(l, h), c| (l.min(*c), h.max(*c)));
         let side = self.side as f64;
@@ -46,7 +46,7 @@ impl Roots {
     }
 }
 
-/// Weights of the corners at a point, where it lies in the triangle or on those of its edges that are its own.
+/// Returns the weights of the corners at a point, if it lies in the triangle or on one of the edges that belong to it.
 fn weights_inside(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
     let [a, b, c] = corners;
     let turn = if (b - a).perp_dot(c - a) < 0.0 { -1.0 } else { 1.0 };
@@ -54,7 +54,7 @@ fn weights_inside(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
     for k in 0..3 {
         let (from, to) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
         let side = turn * side_of_edge(from, to, p);
-        // An edge belongs to the triangle that lies above it, or to the right of an upright one.
+        // An edge belongs to the triangle above it, or to the right of it if the edge is upright.
         let way = (to - from) * turn;
         let own = way.x > 0.0 || (way.x == 0.0 && way.y < 0.0);
         if side < 0.0 || (side == 0.0 && !own) {
@@ -66,8 +66,8 @@ fn weights_inside(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
     (sum > 0.0).then(|| weights / sum)
 }
 
-/// Twice the signed area of the triangle of an edge and a point, computed in the same order for both directions of the edge, so that the
-/// triangles on its two sides see the same rounding.
+/// Returns twice the signed area of the triangle of an edge and a point. It is computed in the same order for both
+/// directions of the edge, so that the triangles on both sides see the same rounding.
 fn side_of_edge(from: DVec2, to: DVec2, p: DVec2) -> f64 {
     let forward = (from.x, from.y) <= (to.x, to.y);
     let (a, b) = if forward { (from, to) } else { (to, from) };

@@ -1,58 +1,60 @@
-//! Walking on the skin by steps in tile coordinates: how a strand that is longer than its triangle lies on the mesh.
+//! Walks on the mesh surface by steps in tile coordinates: the course of a strand that is longer than its triangle.
 //!
-//! A step is a straight line within each triangle. At an edge it goes on in the neighbour by that triangle's own tile gradients: within a patch
-//! that is the same line in tile coordinates, and over a patch's border, where coordinates jump, it is the same direction in the comb's frame,
-//! which is continuous there. Where each side of such a border leads to the other, as nearly parallel to it they may, the walk goes along the
-//! edge by what is left of its way in that direction. Where there is no neighbour to go on in, it leaves the skin straight ahead in the plane of
-//! its last triangle.
+//! A step is a straight line within each triangle. At an edge it continues in the neighbour with that triangle's own
+//! tile gradients. Within a patch that is the same line in tile coordinates. Across a patch border, where coordinates
+//! jump, it is the same direction in the comb's frame, which is continuous there.
+//!
+//! If each side of such a border leads to the other, as nearly parallel ones may, the walk follows the edge by the
+//! remaining component in that direction. Without a neighbour to continue in, it leaves the surface straight ahead in
+//! the plane of its last triangle.
 
 use super::Ground;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// No triangle.
+/// Marker for a missing triangle.
 const NONE: u32 = u32::MAX;
-/// Edges that a single step may cross; more is a walk that turns in circles.
+/// Maximum number of edges crossed in a single step; beyond it the walk is going in circles.
 const MAX_CROSSINGS: u32 = 256;
-/// Twice the tile area, over the square of the longest side, below which a triangle's coordinates say nothing.
+/// Twice the tile area over the square of the longest side, below which a triangle's coordinates are unusable.
 const LEAST_AREA: f64 = 1e-9;
 
-/// Which triangles lie side by side, and how tile coordinates run in them.
+/// Adjacency of triangles, and gradients of the tile coordinates in them.
 #[derive(Clone, Debug)]
 pub struct SurfaceWalk<'a> {
     ground: &'a Ground,
-    /// For each corner the triangle across the opposite edge, `NONE` at borders and where more than two meet.
+    /// For each corner, the triangle across the opposite edge; `NONE` at borders and where more than two meet.
     across: Vec<[u32; 3]>,
-    /// For each triangle the change of the three weights along u and along v; `None` where no walk leads.
+    /// For each triangle, the change of the three weights along u and along v; `None` if no walk can enter it.
     gradients: Vec<Option<[DVec3; 2]>>,
 }
 
-/// Where a walk stands.
+/// Position of a walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footing {
     /// Index of the triangle.
     pub triangle: usize,
-    /// Weights of the corners of that triangle; they add up to 1 and none is negative.
+    /// Weights of the triangle's corners; non-negative, with sum 1.
     pub weights: DVec3,
-    /// Once the walk has left the skin: the way from that point, tile coordinates.
+    /// Offset from that point, tile coordinates, once the walk has left the surface.
     pub beyond: Option<DVec2>,
 }
 
-/// What a walk came across.
+/// Events along a walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Crossed {
-    /// An edge on which tile coordinates jump.
+    /// The walk crossed an edge on which tile coordinates jump.
     pub patch_border: bool,
-    /// The end of the mesh or of the furred part.
+    /// The walk reached the end of the mesh or of the furred part.
     pub mesh_border: bool,
-    /// A border whose two sides lead against each other, so that the walk went along it.
+    /// The walk followed a border whose two sides lead against each other.
     pub slid: bool,
-    /// So many edges within a step that the walk left the skin rather than go on.
+    /// The walk crossed too many edges in one step and left the surface.
     pub lost: bool,
 }
 
 impl<'a> SurfaceWalk<'a> {
-    /// Looks at the furred triangles.
+    /// Analyses the furred triangles.
     pub fn new(ground: &'a Ground) -> Self {
         let mut sides: HashMap<[u32; 2], Vec<(u32, usize)>> = HashMap::new();
         for (t, triangle) in ground.triangles.iter().enumerate() {
@@ -78,14 +80,14 @@ impl<'a> SurfaceWalk<'a> {
         self.gradients[triangle].is_some()
     }
 
-    /// Goes `by` tile coordinates on.
+    /// Moves `by` tile coordinates.
     pub fn step(&self, from: &mut Footing, by: DVec2, crossed: &mut Crossed) {
         if let Some(way) = &mut from.beyond {
             *way += by;
             return;
         }
         let mut left = by;
-        // The corner opposite to the edge that the walk came over.
+        // Corner opposite the edge that the walk came across.
         let mut came_over = None;
         for _ in 0..MAX_CROSSINGS {
             let Some([along_u, along_v]) = self.gradients[from.triangle] else { break };
@@ -97,7 +99,7 @@ impl<'a> SurfaceWalk<'a> {
                 crossed.slid = true;
                 change = self.along_edge(from.triangle, k, change);
             }
-            // The first edge that the line meets, and the share of the way up to it.
+            // First edge that the line meets, and the share of the step up to it.
             let (mut edge, mut share) = (None, 1.0);
             for k in 0..3 {
                 if change[k] < 0.0 && from.weights[k] + change[k] * share < 0.0 {
@@ -124,7 +126,7 @@ impl<'a> SurfaceWalk<'a> {
         from.beyond = Some(left);
     }
 
-    /// What is left of a change of the weights along the edge opposite to corner `k`.
+    /// Returns the component of a change of the weights along the edge opposite corner `k`.
     fn along_edge(&self, triangle: usize, k: usize, change: DVec3) -> DVec3 {
         let corners = self.ground.corners(triangle, &self.ground.positions);
         let way = corners[0] * change.x + corners[1] * change.y + corners[2] * change.z;
@@ -138,7 +140,7 @@ impl<'a> SurfaceWalk<'a> {
         along
     }
 
-    /// Steps over an edge into the neighbour `next`; the corner of it that the edge lies opposite to.
+    /// Crosses an edge into the neighbour `next`; returns the neighbour's corner opposite that edge.
     fn enter(&self, from: &mut Footing, next: usize, crossed: &mut Crossed) -> Option<usize> {
         let (here, there) = (self.ground.triangles[from.triangle], self.ground.triangles[next]);
         let place = |v: u32| self.ground.same_place[v as usize];
@@ -158,8 +160,8 @@ impl<'a> SurfaceWalk<'a> {
         opposite
     }
 
-    /// Weights of the corners for the place on the skin; where the walk has left the skin, for that on the plane of its last triangle, and then some
-    /// may be negative.
+    /// Returns the weights of the corners at the walk's position. Once the walk has left the surface, the position is
+    /// on the plane of its last triangle, and weights may be negative.
     pub fn place_weights(&self, at: &Footing) -> DVec3 {
         match (at.beyond, self.gradients[at.triangle]) {
             (Some(way), Some([along_u, along_v])) => at.weights + along_u * way.x + along_v * way.y,
@@ -168,7 +170,8 @@ impl<'a> SurfaceWalk<'a> {
     }
 }
 
-/// Changes of the weights of a triangle along u and v. `None` on bare parts and where the coordinates collapse.
+/// Returns the changes of a triangle's weights along u and v; `None` on bare parts and if the coordinates are
+/// degenerate.
 fn gradients(ground: &Ground, triangle: usize) -> Option<[DVec3; 2]> {
     if !ground.furred[triangle] {
         return None;

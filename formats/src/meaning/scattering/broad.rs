@@ -1,9 +1,13 @@
-//! What a frame looks up for light that is spread about a direction: tables of what a fibre scatters of it, over the light's mean cosine, θo, θj and φ.
+//! Lookup tables for broad light: the light that a fibre scatters, over the light's mean cosine, θo, θj and φ.
 //!
-//! The light is a spherical Gaussian of which what is far below its horizon is cut off ([`BELOW`]): light from a sky comes to hair from above the skin and around its curves,
-//! not through the body. A whole Gaussian that is as wide would shine through the fibre from there, which a dark coat shows. As [`super::gaussian_light::BroadlyLit`]
-//! integrates, around the fibre the light of each path is a sum of cosines of n φ, which depends on θd alone and is found once for all lights; along it is a rule of 24 points.
-//! Colour is no part of the tables: a path that crosses the fibre n times keeps what n mean ways leave of it ([`Means::left`]).
+//! The light is a spherical Gaussian, cut off well below its horizon ([`BELOW`]): light from a sky reaches hair from
+//! above the surface and around its curves, not through the body. A whole Gaussian of that width would shine through
+//! the fibre from below, which is visible in dark fur.
+//!
+//! The light of each path around the fibre is a cosine series in n φ, as in [`super::gaussian_light::BroadlyLit`]. The
+//! series depends on θd alone and is computed once for all lights; along the fibre a 24-point quadrature is used.
+//! Colour is not part of the tables: a path that crosses the fibre n times keeps the remaining share of n mean
+//! crossings ([`Means::left`]).
 
 use super::azimuthal::legendre;
 use super::gaussian_light::{BroadlyLit, TERMS, window};
@@ -14,16 +18,16 @@ use core::array::from_fn;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 
-/// Texels along each axis of [`BroadTables`].
+/// Number of texels along each axis of [`BroadTables`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BroadSize {
-    /// Over the mean cosine of the light.
+    /// Mean cosine of the light.
     pub means: usize,
-    /// Over θo, from −π/2 to π/2.
+    /// θo, from −π/2 to π/2.
     pub to: usize,
-    /// Over θj, from −π/2 to π/2.
+    /// θj, from −π/2 to π/2.
     pub from: usize,
-    /// Over φ, from 0 to π.
+    /// φ, from 0 to π.
     pub phi: usize,
 }
 
@@ -34,68 +38,71 @@ impl Default for BroadSize {
 }
 
 impl BroadSize {
-    /// Texels of all of it.
+    /// Returns the total number of texels.
     pub fn texels(&self) -> usize {
         self.means * self.to * self.from * self.phi
     }
 }
 
-/// Of the axis of mean cosines, which is 1 − √((1 − r) / (1 − [`LEAST_MEAN`])), the last place: light that is narrower is taken for light so wide, a standard deviation of 8
-/// degrees.
+/// Last position on the axis of mean cosines, 1 − √((1 − r) / (1 − [`LEAST_MEAN`])). Narrower light is treated as
+/// having this width: a standard deviation of 8 degrees.
 const LAST_MEAN: f64 = 0.83;
 
-/// Sine of how far below its horizon light about a direction begins: so far hair at its tips sees around a body that is as round as most are.
+/// Sine of the angle below its horizon at which a broad light is cut off: as far as hair tips see around a body of
+/// typical roundness.
 pub const BELOW: f64 = 0.45;
 
-/// Mean cosine of light that is even above there.
+/// Mean cosine of uniform light above the cutoff.
 pub const LEAST_MEAN: f64 = 0.5 * (1.0 - BELOW);
 
-/// The upper half of a spherical Gaussian, and the rim of the lower one: radiance exp(κ (ω · ω_j − 1)) from the directions ω with ω · ω_j > −[`BELOW`], none from others.
+/// Upper half of a spherical Gaussian, with the rim of the lower half: radiance exp(κ (ω · ω_j − 1)) from the
+/// directions ω with ω · ω_j > −[`BELOW`], none from others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfLight {
     /// ω_j, a unit vector.
     pub towards: DVec3,
-    /// Its mean cosine to that: [`LEAST_MEAN`] for one that is even, below 1.
+    /// Mean cosine to ω_j, below 1; [`LEAST_MEAN`] for uniform light.
     pub mean: f64,
 }
 
 impl HalfLight {
-    /// ∫ of it over all directions.
+    /// Returns ∫ of the light over all directions.
     pub fn whole(&self) -> f64 {
         let k = sharpness_of_half(self.mean);
         if k < 1e-9 { TAU * (1.0 + BELOW) } else { TAU * -libm::expm1(-k * (1.0 + BELOW)) / k }
     }
 }
 
-/// What a fibre scatters of broad light of which as much comes as of a light of 1 in whole.
+/// Tables of the light that a fibre scatters from broad light whose integral over all directions is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BroadTables {
     /// Texels along each axis, 2 or more.
     pub size: BroadSize,
-    /// By mean cosine, θo, φ and θj, of which the last runs fastest: without absorption R, TT, and all light that was reflected within; how far TT goes within the
-    /// fibre, radii.
+    /// Texels by mean cosine, θo, φ and θj, the last varying fastest. Components, without absorption: R, TT, all
+    /// internally reflected light, and the path length of TT in the fibre, radii.
     pub texels: Vec<[f32; 4]>,
-    /// What is left of light that crosses the fibre.
+    /// Light that remains after crossing the fibre.
     pub means: Means,
     eta: f64,
 }
 
-/// Values of cos θd at which paths are found; of κ at which the terms of a light around a fibre are; and of the azimuth where it ends.
+/// Numbers of samples: of cos θd for the paths, of κ for the terms of a light around a fibre, and of the azimuth where
+/// the light ends.
 const SECTIONS: usize = 64;
 const LIGHTS: usize = 32;
 const ENDS: usize = 33;
-/// Sums of cosines: R, TT, TRT, and what is left of TT where [`REFERENCE_SIGMA`] is absorbed a radius.
+/// Number of cosine series: R, TT, TRT, and the rest of TT at an absorption of [`REFERENCE_SIGMA`] per radius.
 const SERIES: usize = 4;
-/// Path of each.
+/// Path of each series.
 const PATH_OF: [usize; SERIES] = [0, 1, 2, 1];
 
-/// The paths around a fibre as sums of cosines, by cos θd.
+/// Paths around a fibre as cosine series, by cos θd.
 struct Around {
-    /// Of each section the terms of the series, and what the rest has, a radian.
+    /// For each section, the terms of the series, and the light per radian of all further paths.
     sections: Vec<([[f64; TERMS]; SERIES], f64)>,
 }
 
-/// Which two of evenly spread values a share is between, 0..=1, and how far it lies between them.
+/// Returns the index below `share` among evenly spaced values over 0..=1, and the fraction of the step to the next one.
 fn between(share: f64, count: usize) -> (usize, f64) {
     let place = share.clamp(0.0, 1.0) * (count - 1) as f64;
     let below = (place as usize).min(count - 2);
@@ -128,12 +135,13 @@ impl Around {
     }
 }
 
-/// Lights of one sharpness, which reach a fibre at all angles.
+/// Lights of one sharpness that reach a fibre at all angles.
 struct Light<'a> {
     fibre: &'a Fibre,
     around: &'a Around,
     sharpness: f64,
-    /// Terms of what they are around it, by the root of how sharp they are there over how sharp they are, and by where they end.
+    /// Terms of the lights around the fibre, by the square root of their azimuthal sharpness over their sharpness, and
+    /// by the azimuth where they end.
     terms: Vec<[f64; TERMS]>,
 }
 
@@ -146,7 +154,7 @@ impl<'a> Light<'a> {
         Self { fibre, around, sharpness, terms: (0..LIGHTS * ENDS).map(at).collect() }
     }
 
-    /// Terms of light of that share of the sharpness, which ends at such an azimuth.
+    /// Returns the terms of light with that share of the sharpness, which ends at azimuth `end`.
     fn terms_at(&self, share: f64, end: f64) -> [f64; TERMS] {
         let (light, over) = between(share.sqrt(), LIGHTS);
         let (until, beyond) = between(end / PI, ENDS);
@@ -157,7 +165,7 @@ impl<'a> Light<'a> {
         from_fn(|n| mixed(mixed(a[n], b[n], beyond), mixed(c[n], d[n], beyond), over))
     }
 
-    /// What comes of light about θj at azimuths `phis`: the four series, and the rest.
+    /// Returns the scattered light from lights about θj at azimuths `phis`: the four series, and all further light.
     fn of_angles(&self, theta_o: f64, theta_j: f64, cosines: &[[f64; TERMS]]) -> Vec<([f64; SERIES], f64)> {
         let sines = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
         let (to, middle) = (sines(theta_o), sines(theta_j));
@@ -190,7 +198,7 @@ impl<'a> Light<'a> {
             }
         }
         let of = |cosines: &[f64; TERMS]| {
-            // A sum of cosines that is cut off may fall below nothing where there is none.
+            // A truncated cosine series may be slightly negative where the light is zero.
             let sum = |terms: &[f64; TERMS]| terms.iter().zip(cosines).map(|(a, b)| a * b).sum::<f64>().max(0.0);
             (from_fn(|series| sum(&sums[series])), rest)
         };
@@ -199,7 +207,7 @@ impl<'a> Light<'a> {
 }
 
 impl BroadTables {
-    /// Those of a fibre.
+    /// Computes the tables of a fibre.
     pub fn new(fibre: &Fibre, size: BroadSize) -> Self {
         let lit = BroadlyLit::new(fibre);
         let around = Around::new(&lit);
@@ -212,7 +220,7 @@ impl BroadTables {
             let light = Light::new(fibre, &around, sharpness_of_half(mean));
             for o in 0..size.to {
                 let theta_o = angle_at(o, size.to);
-                // By θj, each all around.
+                // One row for each θj, at all azimuths.
                 let row = |j: usize| light.of_angles(theta_o, angle_at(j, size.from), &cosines);
                 let rows: Vec<_> = (0..size.from).map(row).collect();
                 for f in 0..size.phi {
@@ -227,12 +235,13 @@ impl BroadTables {
         Self { size, texels, means: Means::new(fibre), eta: fibre.eta }
     }
 
-    /// Texels along the edges of one picture of all of them: a column of pictures of φ and θj for each θo, and such columns side by side by mean cosine.
+    /// Returns width and height of an image of all texels: images over θj and φ, one below the other by θo and side by
+    /// side by mean cosine.
     pub fn edges(size: BroadSize) -> [usize; 2] {
         [size.means * size.from, size.to * size.phi]
     }
 
-    /// That picture, row by row.
+    /// Returns that image, row by row.
     pub fn picture(&self) -> Vec<[f32; 4]> {
         let BroadSize { means, to, from, phi } = self.size;
         let at = |(row, column): (usize, usize)| {
@@ -242,9 +251,9 @@ impl BroadTables {
         (0..to * phi).flat_map(|row| (0..means * from).map(move |column| (row, column))).map(at).collect()
     }
 
-    /// ∫ of [`Fibre::scatter`] over the directions of the light, of each colour, from the tables.
+    /// Returns ∫ of [`Fibre::scatter`] over the directions of the light, for each colour, from the tables.
     ///
-    /// * `sigma`: what the fibre absorbs a radius, 0 or more
+    /// * `sigma`: absorption of the fibre per radius, 0 or more
     /// * `tip`, `eye`: unit vectors
     pub fn scatter(&self, sigma: [f64; 3], tip: DVec3, light: &HalfLight, eye: DVec3) -> [f64; 3] {
         let angles = Angles::between(tip, light.towards, eye);
@@ -280,7 +289,7 @@ impl BroadTables {
     }
 }
 
-/// Cosine of the difference angle of light of that mean cosine about a direction, on average.
+/// Returns the mean cosine of the difference angle for light of that mean cosine about a direction.
 fn mean_cos_d(tip: DVec3, towards: DVec3, mean: f64, eye: DVec3) -> f64 {
     let (sin_i, sin_o) = (mean * tip.dot(towards), tip.dot(eye).clamp(-1.0, 1.0));
     let cos_i = (1.0 - mean_square(mean, tip.dot(towards))).max(0.0).sqrt();
@@ -288,20 +297,20 @@ fn mean_cos_d(tip: DVec3, towards: DVec3, mean: f64, eye: DVec3) -> f64 {
     (0.5 * (1.0 + cos_i * cos_o + sin_i * sin_o)).clamp(0.0, 1.0).sqrt()
 }
 
-/// Mean cosine of a [`HalfLight`] of that κ, 0 or more, to its middle.
+/// Returns the mean cosine of a [`HalfLight`] of that κ, 0 or more, to its axis.
 pub fn mean_of_half(sharpness: f64) -> f64 {
     let wide = 1.0 + BELOW;
     if sharpness < 1e-3 {
         return LEAST_MEAN + sharpness * wide * wide / 12.0;
     }
-    // The share of a whole exponential that is cut off.
+    // Share of a whole exponential that is cut off.
     let cut = libm::exp(-sharpness * wide);
     (1.0 + BELOW * cut) / (1.0 - cut) - 1.0 / sharpness
 }
 
-/// The κ of the [`HalfLight`] of that mean cosine, which is taken for [`LEAST_MEAN`] at least.
+/// Returns the κ of a [`HalfLight`] with mean cosine `mean`, clamped to at least [`LEAST_MEAN`].
 pub fn sharpness_of_half(mean: f64) -> f64 {
-    // 1 − r is 1/κ where κ is large, and never more than that.
+    // 1 − r is 1/κ for large κ, and never more than that.
     let mean = mean.clamp(LEAST_MEAN, 1.0 - 1e-6);
     let (mut low, mut high) = (0.0, 1.0 / (1.0 - mean));
     for _ in 0..60 {
@@ -311,7 +320,8 @@ pub fn sharpness_of_half(mean: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Azimuth from a light's middle up to which it reaches, where light comes at the latitude of `from` and the middle has that of `middle`, sine and cosine each.
+/// Returns the azimuth from a light's axis up to which the light reaches. `from` is the latitude of the incident light
+/// and `middle` that of the axis, as sine and cosine.
 fn end_of_half(from: (f64, f64), middle: (f64, f64)) -> f64 {
     let (sines, cosines) = (from.0 * middle.0 + BELOW, from.1 * middle.1);
     if sines >= cosines {
@@ -323,9 +333,9 @@ fn end_of_half(from: (f64, f64), middle: (f64, f64)) -> f64 {
     libm::acos(-sines / cosines)
 }
 
-/// exp(κ (cos φ − 1)) for φ from −`end` to `end`, nothing beyond, as a sum of cosines of n φ.
+/// Returns exp(κ (cos φ − 1)) for φ from −`end` to `end`, and 0 beyond, as a cosine series in n φ.
 fn cosines_until(sharpness: f64, end: f64) -> [f64; TERMS] {
-    // Parts short enough for the narrowest light and the last cosine.
+    // Parts short enough for the narrowest light and the highest cosine.
     const PARTS: usize = 6;
     let mut terms = [0.0; TERMS];
     let half = 0.5 * end / PARTS as f64;
@@ -343,9 +353,10 @@ fn cosines_until(sharpness: f64, end: f64) -> [f64; TERMS] {
     terms
 }
 
-/// Mean of the squared cosine between a direction and a [`HalfLight`] of that mean cosine, of which the middle is at that cosine.
+/// Returns the mean squared cosine between a direction and a [`HalfLight`] with mean cosine `mean`; `cosine` is that
+/// between the direction and the light's axis.
 pub fn mean_square(mean: f64, cosine: f64) -> f64 {
-    // Half of 1 less the mean of the squared cosine to the middle, within 0.002; exactly at both ends.
+    // Half of 1 minus the mean squared cosine to the axis, within 0.002; exact at both ends.
     let across = (1.0 - mean) * ((1.0 + 2.0 * mean) / 3.0 - (mean - LEAST_MEAN) * (0.525 - 0.501 * mean));
     across + (1.0 - 3.0 * across) * cosine * cosine
 }
@@ -355,7 +366,7 @@ fn mean_at(share: f64) -> f64 {
     1.0 - (1.0 - LEAST_MEAN) * rest * rest
 }
 
-/// Where light of that mean cosine is on its axis, 0..=1.
+/// Returns the position of light of that mean cosine on its axis of the tables, 0..=1.
 pub fn mean_place(mean: f64) -> f64 {
     ((1.0 - ((1.0 - mean.clamp(LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN)).sqrt()) / LAST_MEAN).clamp(0.0, 1.0)
 }

@@ -2,8 +2,8 @@ use super::*;
 use crate::meaning::scattering::Around as Section;
 use crate::meaning::scattering::gaussian_light::GaussianLight;
 
-/// Root of the mean square by which tables are off, over that of what they are of, over looks and lights of that sharpness: `expected` says what is of a fibre's
-/// number, the light's middle and the eye.
+/// Returns the relative RMS error of tables over views and lights of that sharpness. `expected` returns the reference
+/// for a fibre's number, the light's axis and the eye.
 fn off(
     tables: &[BroadTables],
     sharpness: f64,
@@ -14,7 +14,7 @@ fn off(
     let (mut wrong, mut size) = (0.0, 0.0);
     for (number, tables) in tables.iter().enumerate() {
         for k in 0..samples {
-            // Looks and lights that no texel lies on.
+            // Views and lights between texels.
             let share = |step: f64| (step * (f64::from(k) + 0.5)).fract();
             let (theta_o, theta_j) = (2.6 * (share(0.754_877_67) - 0.5), 3.0 * (share(0.569_840_29) - 0.5));
             let phi = PI * share(0.819_172_5);
@@ -50,7 +50,7 @@ fn fibres() -> [Fibre; 2] {
     [smoother, rougher]
 }
 
-/// Of a narrow light, the upper half is all.
+/// For a narrow light, the cutoff makes no difference.
 #[test]
 fn tables_are_what_they_were_made_of() {
     let tables = fibres().map(|fibre| BroadTables::new(&fibre, BroadSize::default()));
@@ -66,7 +66,7 @@ fn tables_are_what_they_were_made_of() {
     }
 }
 
-/// Directions over all of a sphere, as evenly as can be.
+/// Directions distributed as evenly as possible over the sphere.
 fn everywhere(count: usize) -> impl Iterator<Item = DVec3> {
     (0..count).map(move |i| {
         let y = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
@@ -76,7 +76,7 @@ fn everywhere(count: usize) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Of wide lights, what direction by direction comes to.
+/// For wide lights, the tables agree with a sum over directions.
 #[test]
 fn nothing_shines_from_far_below_a_light() {
     const DIRECTIONS: usize = 2500;
@@ -95,7 +95,7 @@ fn nothing_shines_from_far_below_a_light() {
     }
 }
 
-/// Means and mean squares of cosines are those of the light, direction by direction.
+/// Means and mean squares of cosines agree with a sum over directions of the light.
 #[test]
 fn means_of_squares_are_those_of_the_light() {
     for sharpness in [0.0, 0.3, 1.0, 3.0, 10.0, 50.0] {

@@ -1,25 +1,27 @@
-//! What a fibre absorbs, from its pigments or from the colour that a coat of such fibres is to have.
+//! Absorption of a fibre, from its pigments or from the desired colour of fur made of such fibres.
 
 use core::f64::consts::PI;
 
-/// What a fibre absorbs a radius, red, green and blue, for each unit of eumelanin: black at 8, brown at 1.3, blond at 0.3 (d'Eon 2011, as Chiang 2016 has it).
+/// Absorption per radius, red, green and blue, per unit of eumelanin: 8 is black, 1.3 brown, 0.3 blond (d'Eon 2011, as
+/// in Chiang 2016).
 pub const EUMELANIN: [f64; 3] = [0.419, 0.697, 1.37];
-/// The same of pheomelanin, which makes hair red.
+/// Absorption per radius, red, green and blue, per unit of pheomelanin, which makes hair red.
 pub const PHEOMELANIN: [f64; 3] = [0.187, 0.4, 1.05];
-/// The darkest colour that is told from black: a fibre that absorbs without bound has no number.
+/// Darkest colour distinguished from black; black would need infinite absorption.
 pub const DARKEST: f64 = 1e-3;
 
-/// What a fibre with so much of both pigments absorbs a radius.
+/// Returns the absorption per radius of a fibre with those amounts of pigment.
 ///
 /// * `eumelanin`, `pheomelanin`: 0 or more
 pub fn of_pigments(eumelanin: f64, pheomelanin: f64) -> [f64; 3] {
     core::array::from_fn(|i| eumelanin.max(0.0) * EUMELANIN[i] + pheomelanin.max(0.0) * PHEOMELANIN[i])
 }
 
-/// What fibres absorb a radius of which a deep coat has that colour under light from all sides, once light has gone from hair to hair (Chiang 2016, section 4.2).
+/// Returns the absorption per radius at which deep fur has that colour under light from all sides, after scattering
+/// between hairs (Chiang 2016, section 4.2).
 ///
-/// * `color`: linear, 0..=1; what is less than [`DARKEST`] is that
-/// * `around`: scale of the logistic distribution around the fibre, radians
+/// * `color`: linear, 0..=1; at least [`DARKEST`], below it clamped
+/// * `around`: scale of the azimuthal logistic distribution, radians
 pub fn absorption(color: [f64; 3], around: f64) -> [f64; 3] {
     let depth = depth(around);
     color.map(|c| {
@@ -28,37 +30,39 @@ pub fn absorption(color: [f64; 3], around: f64) -> [f64; 3] {
     })
 }
 
-/// The colour of a deep coat of fibres that absorb so much a radius: the inverse of [`absorption`].
+/// Returns the colour of deep fur whose fibres have that absorption per radius. Inverse of [`absorption`].
 pub fn color(absorption: [f64; 3], around: f64) -> [f64; 3] {
     let depth = depth(around);
     absorption.map(|sigma| libm::exp(-depth * sigma.max(0.0).sqrt()))
 }
 
-/// How fast a deep coat darkens with the root of what its fibres absorb a radius, by their roughness around: a fit of Chiang 2016.
+/// Returns how fast deep fur darkens with the square root of the absorption per radius, as a function of azimuthal
+/// roughness: a fit of Chiang 2016.
 ///
-/// * `around`: scale of the logistic distribution around the fibre, radians
+/// * `around`: scale of the azimuthal logistic distribution, radians
 pub fn depth(around: f64) -> f64 {
     let b = roughness(around);
     5.969 + b * (-0.215 + b * (2.532 + b * (-10.73 + b * (5.574 + b * 0.245))))
 }
 
-/// Scale of the logistic distribution of a roughness that looks even from 0 to 1 (Chiang 2016, eq. 8).
+/// Returns the scale of the logistic distribution for a perceptually uniform roughness, 0..=1 (Chiang 2016, eq. 8).
 pub fn scale_of(roughness: f64) -> f64 {
     let b = roughness.clamp(0.0, 1.0);
     libm::sqrt(PI / 8.0) * (0.265 * b + 1.194 * b * b + 5.372 * libm::pow(b, 22.0))
 }
 
-/// The inverse of [`scale_of`], 0..=1.
+/// Returns the roughness for a scale, 0..=1. Inverse of [`scale_of`].
 pub fn roughness(scale: f64) -> f64 {
     inverse(scale_of, scale)
 }
 
-/// The roughness along a fibre for which the renderers pbrt-4 and Mitsuba 3 spread light by so many radians, a standard deviation (Chiang 2016, eq. 7), 0..=1.
+/// Returns the longitudinal roughness, 0..=1, at which the renderers pbrt-4 and Mitsuba 3 spread light by a standard
+/// deviation of `deviation` radians (Chiang 2016, eq. 7).
 pub fn roughness_along(deviation: f64) -> f64 {
     inverse(|b| 0.726 * b + 0.812 * b * b + 3.7 * libm::pow(b, 20.0), deviation)
 }
 
-/// Where in 0..=1 a growing function has that value.
+/// Returns the argument in 0..=1 at which an increasing function has that value.
 fn inverse(of: impl Fn(f64) -> f64, value: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..50 {

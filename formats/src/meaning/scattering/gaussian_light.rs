@@ -1,8 +1,9 @@
-//! What a fibre scatters of a light that is spread about a direction as a spherical Gaussian (after Xu 2011): a sky is a sum of such.
+//! Scattering of a light that is a spherical Gaussian about a direction (after Xu 2011); a sky is a sum of such lights.
 //!
-//! A spherical Gaussian is a Gaussian of θ times one of φ, exactly. Around the fibre both it and the light of each path are sums of cosines of n φ, whose products
-//! are integrated in closed form; what is printed fits the paths by Gaussians instead, which fails where glints meet (η′ near 2). Along the fibre it is a rule of
-//! 24 points about where lobe and light are.
+//! A spherical Gaussian is exactly a Gaussian of θ times one of φ. Around the fibre, both it and the light of each path
+//! are cosine series in n φ, whose products are integrated in closed form. The paper fits the paths by Gaussians
+//! instead, which fails where glints meet (η′ near 2). Along the fibre, a 24-point quadrature covers the overlap of
+//! lobe and light.
 
 use super::azimuthal::{legendre, logistic};
 use super::longitudinal::{Spread, i0e};
@@ -11,43 +12,43 @@ use core::array::from_fn;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 
-/// A light of radiance exp(κ (ω · ω_j − 1)) from each direction ω.
+/// Light of radiance exp(κ (ω · ω_j − 1)) from each direction ω.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussianLight {
-    /// ω_j, a unit vector towards its middle.
+    /// ω_j, a unit vector towards the light's centre.
     pub towards: DVec3,
-    /// κ, 0 for a light that is even all around; that of a standard deviation of so many radians is 1 over its square.
+    /// κ; 0 for uniform light, 1/σ² for a standard deviation of σ radians.
     pub sharpness: f64,
 }
 
 impl GaussianLight {
-    /// Its radiance from a direction, a unit vector.
+    /// Returns the radiance from a direction, a unit vector.
     pub fn radiance(&self, from: DVec3) -> f64 {
         libm::exp(self.sharpness * (from.dot(self.towards) - 1.0))
     }
 
-    /// ∫ of it over all directions.
+    /// Returns ∫ of the radiance over all directions.
     pub fn whole(&self) -> f64 {
         let k = self.sharpness;
         if k < 1e-9 { 2.0 * TAU } else { TAU * -libm::expm1(-2.0 * k) / k }
     }
 }
 
-/// Terms of the sums of cosines: enough for lights and glints from 8 degrees on.
+/// Number of terms of the cosine series: enough for lights and glints of 8 degrees or more.
 pub(super) const TERMS: usize = 49;
-/// How far from where lobe and light meet there is light, standard deviations.
+/// Half-width of the overlap of lobe and light that is integrated, standard deviations.
 const REACH: f64 = 5.0;
 
-/// A fibre, ready for such lights.
+/// Fibre prepared for Gaussian lights.
 #[derive(Clone, Debug)]
 pub struct BroadlyLit {
     fibre: Fibre,
-    /// What roughness around leaves of each term.
+    /// Factor on each term due to azimuthal roughness.
     rough: [f64; TERMS],
 }
 
 impl BroadlyLit {
-    /// That of a fibre.
+    /// Prepares a fibre.
     pub fn new(fibre: &Fibre) -> Self {
         let rough = match fibre.around {
             Around::Smooth(_) => [1.0; TERMS],
@@ -56,20 +57,21 @@ impl BroadlyLit {
         Self { fibre: *fibre, rough }
     }
 
-    /// The fibre.
+    /// Returns the fibre.
     pub(super) fn fibre(&self) -> &Fibre {
         &self.fibre
     }
 
-    /// What roughness leaves of term `n` of light that leaves at an azimuth by a bundle so wide.
+    /// Returns the factor on term `n` due to roughness, for a bundle of azimuthal width `width`.
     pub(super) fn kept(&self, n: usize, width: f64) -> f64 {
         let around = n as f64 * width;
         self.rough[n] * if width > 0.0 { libm::exp(-0.5 * around * around) } else { 1.0 }
     }
 
-    /// ∫ of [`Fibre::scatter`] over the directions of the light, of each colour: what the fibre sends to the eye.
+    /// Returns ∫ of [`Fibre::scatter`] over the directions of the light, for each colour: the light that the fibre
+    /// sends to the eye.
     ///
-    /// * `sigma`: what the fibre absorbs a radius, 0 or more
+    /// * `sigma`: absorption of the fibre per radius, 0 or more
     /// * `tip`, `eye`: unit vectors
     pub fn scatter(&self, sigma: [f64; 3], tip: DVec3, light: &GaussianLight, eye: DVec3) -> [f64; 3] {
         let middle = Angles::between(tip, light.towards, eye);
@@ -97,13 +99,13 @@ impl BroadlyLit {
         sum
     }
 
-    /// ∫ of path `p` around the fibre times exp(κ (cos(φ − δ) − 1)).
+    /// Returns ∫ of path `p` around the fibre times exp(κ (cos(φ − δ) − 1)).
     fn around(&self, section: &FibreSection, p: usize, sigma: [f64; 3], sharpness: f64, delta: f64) -> [f64; 3] {
         let light = cosines_of_gaussian(sharpness, delta);
         if p == 3 {
             return sigma.map(|sigma| TAU * light[0] * section.rest(sigma));
         }
-        // Light that leaves at φ meets cos(n φ) of both series.
+        // Light that leaves at φ is weighted by cos(n φ) of both series.
         let mut sum = [0.0; 3];
         section.cut(p as u32, &mut |phi, width, way| {
             let mut met = 0.0;
@@ -116,12 +118,13 @@ impl BroadlyLit {
                 *sum += way.left(sigma) * met;
             }
         });
-        // A sum of cosines that is cut off may fall below nothing where there is none.
+        // A truncated cosine series may be slightly negative where the light is zero.
         sum.map(|sum| sum.max(0.0))
     }
 }
 
-/// Angles of light between which it is that a lobe and light about `theta_j` meet: both are nearly Gaussians, and so is their product.
+/// Returns the range of light angles in which a lobe and the light about `theta_j` overlap: both are nearly Gaussian,
+/// and so is their product.
 pub(super) fn window(spread: &Spread, theta_j: f64, theta_o: f64, sharpness: f64) -> (f64, f64) {
     let lobe = 1.0 / spread.variance();
     let whole = lobe + sharpness;
@@ -131,9 +134,9 @@ pub(super) fn window(spread: &Spread, theta_j: f64, theta_o: f64, sharpness: f64
     (within(middle - reach), within(middle + reach))
 }
 
-/// ∫ of the logistic distribution of that scale times cos(n x).
+/// Returns ∫ of the logistic distribution of that scale times cos(n x).
 fn cosine_of_logistic(scale: f64, n: usize) -> f64 {
-    // Half of it in parts of a scale, or narrow enough for the cosine.
+    // Half of the integral, in parts as wide as the scale or narrow enough for the cosine.
     let parts = libm::ceil(PI / scale.min(1.0)).clamp(4.0, 400.0) as usize;
     let half = 0.5 * PI / parts as f64;
     let of_part = |k: usize| {
@@ -146,10 +149,11 @@ fn cosine_of_logistic(scale: f64, n: usize) -> f64 {
     2.0 * (0..parts).map(of_part).sum::<f64>()
 }
 
-/// exp(κ (cos(φ − δ) − 1)) over φ as a sum of cosines of n φ, for what is even in φ: exp(−κ) times I₀(κ), and 2 I_n(κ) cos(n δ).
+/// Returns exp(κ (cos(φ − δ) − 1)) over φ as a cosine series in n φ, for integrands even in φ: exp(−κ) times I₀(κ), and
+/// 2 I_n(κ) cos(n δ).
 pub(super) fn cosines_of_gaussian(sharpness: f64, delta: f64) -> [f64; TERMS] {
     let mut terms = [0.0; TERMS];
-    // Ratios of neighbouring Bessel functions, from where they do not matter any more downwards.
+    // Ratios of neighbouring Bessel functions, by downward recurrence from an order where they are negligible.
     let last = 2 * TERMS;
     let mut ratio = 0.0;
     let mut ratios = [0.0; TERMS];

@@ -1,30 +1,30 @@
-//! How light spreads along a fibre, about the cone that a smooth one would keep it on.
+//! Scattering along a fibre, about the cone to which a smooth fibre would confine light.
 
 use core::f64::consts::PI;
 
-/// How far and how widely a lobe spreads along the fibre, of the whole ways in Marschner 2003.
+/// Shift and width of a path's longitudinal lobe, as in Marschner 2003.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// By how much the scales tilt the lobe, radians in the half angle.
+    /// Shift of the lobe by the tilt of the scales, radians of the half angle.
     pub shift: f64,
-    /// Standard deviation, radians in the half angle, above 0.
+    /// Standard deviation, radians of the half angle, above 0.
     pub width: f64,
 }
 
-/// A normal distribution.
+/// Returns the density of a normal distribution.
 pub fn gaussian(width: f64, x: f64) -> f64 {
     libm::exp(-0.5 * (x / width) * (x / width)) / (width * libm::sqrt(2.0 * PI))
 }
 
 impl Spread {
-    /// Marschner's: a Gaussian of the half angle, halved, because the outgoing angle moves twice as far as the half angle does; as published a fibre that absorbs
-    /// nothing would give back twice the light.
+    /// Returns Marschner's lobe: a Gaussian of the half angle, halved because the outgoing angle moves twice as far as
+    /// the half angle. As published, a fibre without absorption would return twice the light.
     pub fn by_half_angle(&self, theta_i: f64, theta_o: f64) -> f64 {
         0.5 * gaussian(self.width, 0.5 * (theta_i + theta_o) - self.shift)
     }
 
-    /// d'Eon's, which keeps energy: ∫ M cos θi dθi = 1 for every θo, so that a fibre that absorbs nothing looks as bright as what is all around it. The tilt
-    /// turns the outgoing cone.
+    /// Returns d'Eon's lobe, which conserves energy: ∫ M cos θi dθi = 1 for every θo, so that a fibre without
+    /// absorption is as bright as its uniform surroundings. The tilt turns the outgoing cone.
     ///
     /// * sines and cosines of both angles, from the plane across the fibre
     pub fn conserving(&self, (sin_i, cos_i): (f64, f64), (sin_o, cos_o): (f64, f64)) -> f64 {
@@ -36,19 +36,20 @@ impl Spread {
 }
 
 impl Spread {
-    /// The outgoing direction as the tilt turns it: a tilt of the half angle by α moves that by 2 α.
+    /// Returns the outgoing direction turned by the tilt: a tilt of the half angle by α turns it by 2 α.
     pub fn tilted(&self, (sin_o, cos_o): (f64, f64)) -> (f64, f64) {
         let (sin, cos) = (libm::sin(2.0 * self.shift), libm::cos(2.0 * self.shift));
         (sin_o * cos - cos_o * sin, (cos_o * cos + sin_o * sin).abs())
     }
 
-    /// Variance of the angle in which light leaves, about its cone.
+    /// Returns the variance of the outgoing angle about its cone.
     pub fn variance(&self) -> f64 {
         4.0 * self.width * self.width
     }
 }
 
-/// exp(−x) I₀(x) for x ≥ 0, the modified Bessel function of the first kind (Abramowitz and Stegun 9.8.1 and 9.8.2): right within 5e-7, and it never overflows.
+/// Returns exp(−x) I₀(x) for x ≥ 0, the modified Bessel function of the first kind (Abramowitz and Stegun 9.8.1 and
+/// 9.8.2); accurate to 5e-7, never overflows.
 pub fn i0e(x: f64) -> f64 {
     let polynomial = |of: &[f64], t: f64| of.iter().rev().fold(0.0, |sum, c| sum * t + c);
     if x <= 3.75 {

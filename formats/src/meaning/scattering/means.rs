@@ -1,4 +1,4 @@
-//! What a fibre does to light that comes from all around it, or goes there: numbers instead of a table.
+//! Scattering of light that arrives from all directions, or leaves in all directions: a few numbers instead of a table.
 
 use super::optics::LEAST_COS_D;
 use super::{Fibre, PATHS};
@@ -7,27 +7,29 @@ use core::f64::consts::PI;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// What is absorbed a radius where mean lengths are right.
+/// Absorption per radius at which mean lengths are exact.
 pub const REFERENCE_SIGMA: f64 = 0.5;
-/// Angles that the numbers are fitted at, and azimuths of each.
+/// Number of angles of the fit, and of azimuths for each.
 const ROWS: usize = 24;
 const PHIS: usize = 48;
 
-/// Numbers of a fibre that tables need not hold.
+/// Properties of a fibre that need no table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Means {
-    /// How far aside of the fibre's middle light falls on it that is reflected within: mean of the square, over that of the radius, 0..=1. How far it goes each
-    /// time it crosses the fibre follows ([`Means::left`]): light reflected once within (TRT) crosses it twice, and all other light is taken to cross it
-    /// three times. Of light gone through (TT) the tables know it by the azimuth.
+    /// Mean squared offset, over the squared radius, at which internally reflected light meets the fibre, 0..=1. The
+    /// length of each crossing follows from it ([`Means::left`]). Light reflected once inside (TRT) crosses twice; all
+    /// further light is assumed to cross three times. The length of transmitted light (TT) is in the tables, by
+    /// azimuth.
     pub aside: f32,
-    /// The share of light that goes on, on the far side of the fibre, without absorption, of R, TT, TRT and all other light: the first, and the second times
-    /// (1 − cos θ)², and the third times (1 − cos θ)⁴, of the light's angle θ to the plane across the fibre.
+    /// Share of light that continues on the far side of the fibre, without absorption, for R, TT, TRT and all further
+    /// light. Coefficients of 1, (1 − cos θ)² and (1 − cos θ)⁴, where θ is the light's angle to the plane across the
+    /// fibre.
     pub on: [[f32; PATHS]; 3],
-    /// The share that comes back, the same way.
+    /// Share of light that returns on the near side, in the same form.
     pub back: [[f32; PATHS]; 3],
 }
 
-/// Squares of 1 / cos θt and of 1 / η′ of light at an angle of that cosine to the plane across the fibre.
+/// Returns the squares of 1 / cos θt and of 1 / η′ for light at an angle of that cosine to the plane across the fibre.
 fn bent(cos_theta: f64, eta: f64) -> [f64; 2] {
     let cos = cos_theta.max(LEAST_COS_D);
     let (square, per_eta) = (cos * cos, 1.0 / (eta * eta));
@@ -35,23 +37,23 @@ fn bent(cos_theta: f64, eta: f64) -> [f64; 2] {
     [slant, square * per_eta * slant]
 }
 
-/// 1, (1 − cos θ)² and its square.
+/// Returns 1, (1 − cos θ)² and its square.
 fn basis(cos_theta: f64) -> DVec3 {
     let u = 1.0 - cos_theta.max(LEAST_COS_D);
     DVec3::new(1.0, u * u, u * u * u * u)
 }
 
 impl Means {
-    /// Share of light that was reflected within more than once, of all that was reflected within and comes out.
+    /// Returns the share of light reflected inside more than once, among all internally reflected light that leaves.
     pub fn often(&self) -> f64 {
         let of = |path: usize| f64::from(self.on[0][path] + self.back[0][path]);
         of(3) / (of(2) + of(3)).max(1e-6)
     }
 
-    /// Those of a fibre: fitted by least squares, the shares so that none is lost without absorption.
+    /// Fits the properties of a fibre by least squares. Without absorption the shares sum to 1.
     pub fn new(fibre: &Fibre) -> Self {
         let phis: Vec<f64> = (0..PHIS).map(|i| PI * i as f64 / (PHIS - 1) as f64).collect();
-        // Of TRT: sum of squares of how far aside it falls in, by their light, and of light.
+        // For TRT: sum of squared entry offsets weighted by light, and sum of light.
         let (mut asides, mut light) = (0.0, 0.0);
         let mut matrix = DMat3::ZERO;
         let mut sums = [[DVec3::ZERO; PATHS]; 2];
@@ -66,7 +68,7 @@ impl Means {
                 if p == 2 {
                     for way in ways {
                         let [slant, per_across] = bent(cos, fibre.eta);
-                        // Directions along the fibre are few.
+                        // Weight for the solid angle: few directions are along the fibre.
                         let weight = way.light * cos;
                         asides += weight * (1.0 - way.length * way.length / (16.0 * slant)) / per_across;
                         light += weight;
@@ -83,7 +85,7 @@ impl Means {
                 *sum += at * (share / all);
             }
         }
-        // All shares have one basis, which has the constant: that their sum is 1 outlives the fit.
+        // All shares use one basis with a constant term, so the fit preserves their sum of 1.
         let solved = sums.map(|of| of.map(|sum| matrix.inverse() * sum));
         let numbers = |of: [DVec3; PATHS]| from_fn(|k| from_fn(|p| of[p][k] as f32));
         Self {
@@ -93,13 +95,15 @@ impl Means {
         }
     }
 
-    /// What a fibre that absorbs `sigma` a radius leaves of light that crosses it once, where θd has that cosine.
+    /// Returns the share of light that remains after one crossing of a fibre that absorbs `sigma` per radius, at that
+    /// cosine of θd.
     pub fn left(&self, cos_d: f64, eta: f64, sigma: f64) -> f64 {
         let [slant, per_across] = bent(cos_d, eta);
         libm::exp(-2.0 * sigma * (slant * (1.0 - f64::from(self.aside) * per_across)).sqrt())
     }
 
-    /// Of light at an angle of that cosine to the plane across the fibre, the share that goes on and the share that comes back, where `sigma` is absorbed a radius.
+    /// Returns the share of light that continues and the share that returns. The light has an angle of that cosine to
+    /// the plane across the fibre, and `sigma` is the absorption per radius.
     pub fn sides(&self, cos_theta: f64, eta: f64, sigma: [f64; 3]) -> [[f64; 3]; 2] {
         let at = basis(cos_theta);
         [&self.on, &self.back].map(|of| {
@@ -111,7 +115,7 @@ impl Means {
         })
     }
 
-    /// What is wrong with it, if anything is: numbers that no fibre has.
+    /// Returns an error message if a value is outside the range of any fibre.
     pub fn fault(&self) -> Option<String> {
         if !(0.0..=1.0).contains(&self.aside) {
             return Some(format!("aside is {}, expected 0 to 1", self.aside));
@@ -123,7 +127,8 @@ impl Means {
     }
 }
 
-/// Integrals of an even function of φ over the half of the turn about φ = 0, and over the other half, from its values evenly from 0 to π.
+/// Returns the integrals of an even function of φ over the half turn about φ = 0 and over the other half. `values` are
+/// evenly spaced from 0 to π.
 fn halves(values: &[f64]) -> [f64; 2] {
     let step = PI / (values.len() - 1) as f64;
     let at = |phi: f64| {
@@ -131,7 +136,7 @@ fn halves(values: &[f64]) -> [f64; 2] {
         let below = (place as usize).min(values.len() - 2);
         values[below] + (values[below + 1] - values[below]) * (place - below as f64)
     };
-    // Trapezia over both quarters, each of as many as there are values.
+    // Trapezoidal rule over both quarters, with as many intervals as there are values.
     let pieces = values.len();
     let quarter = |from: f64| {
         let width = 0.5 * PI / pieces as f64;

@@ -1,9 +1,12 @@
-//! How a fibre scatters light (Marschner 2003; d'Eon 2011; Chiang 2016; of broad lights Xu 2011): reflected at its surface (R), through it (TT), and reflected once within (TRT).
+//! Light scattering of a fibre (Marschner 2003; d'Eon 2011; Chiang 2016; broad lights Xu 2011): reflected at its
+//! surface (R), transmitted (TT), and reflected once inside (TRT).
 //!
-//! Angles: θ from the plane across the fibre, towards its tip, −π/2..=π/2; φ around it, from where light comes to where it goes, 0 straight back. Both
-//! directions point away from the fibre. θd = (θo − θi) / 2. Lengths within the fibre are radii; it absorbs σ a radius, for each colour by itself.
+//! Angles: θ is measured from the plane across the fibre, towards its tip, −π/2..=π/2. φ is measured around the fibre,
+//! from incident to outgoing light; 0 is straight back. Both directions point away from the fibre. θd = (θo − θi) / 2.
+//! Lengths within the fibre are in radii; its absorption σ is per radius, for each colour.
 //!
-//! All of it in f64, because tables are made of it and the truth is traced with it. A frame looks up tables.
+//! All computations are in f64, because tables are derived from them and the reference renderer uses them. A frame uses
+//! lookup tables.
 
 pub mod azimuthal;
 pub mod broad;
@@ -21,45 +24,45 @@ use glam::DVec3;
 use longitudinal::Spread;
 use optics::Section;
 
-/// Paths: R, TT, TRT, and all that is reflected within more than once, which has lost its way around the fibre.
+/// Number of paths: R, TT, TRT, and all light reflected inside more than once, which leaves evenly in azimuth.
 pub const PATHS: usize = 4;
 
-/// A fibre without its colour.
+/// Fibre without colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fibre {
-    /// Index of refraction, 1.2 to 2; of hair 1.55.
+    /// Index of refraction, 1.2 to 2; 1.55 for hair.
     pub eta: f64,
-    /// Standard deviation of the reflected lobe along the fibre, radians of the half angle (5 to 10 degrees for smooth hair). Light that goes through spreads half
-    /// as far, light that is reflected within twice as far.
+    /// Standard deviation of the reflected lobe along the fibre, radians of the half angle (5 to 10 degrees for smooth
+    /// hair). Transmitted light spreads half as far, internally reflected light twice as far.
     pub along: f64,
-    /// By how much its scales tilt the reflected lobe, radians of the half angle, towards the root (5 to 10 degrees).
+    /// Tilt of the reflected lobe by the scales, radians of the half angle, towards the root (5 to 10 degrees).
     pub tilt: f64,
-    /// What it is like all around.
+    /// Azimuthal scattering.
     pub around: Around,
-    /// How its lobes keep energy along it.
+    /// Longitudinal lobe shape.
     pub keeps: Keeps,
 }
 
-/// What a fibre is like all around.
+/// Azimuthal scattering of a fibre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Around {
-    /// Smooth, with caustics that are drawn so.
+    /// Smooth fibre, whose caustics have that shape.
     Smooth(Glint),
-    /// Rough: each way is spread by a logistic distribution of that scale, radians.
+    /// Rough fibre: each contribution is spread by a logistic distribution of that scale, radians.
     Rough(f64),
 }
 
-/// How lobes are shaped along a fibre.
+/// Shape of the lobes along a fibre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keeps {
-    /// So that all light goes on ([`Spread::conserving`]).
+    /// Energy-conserving lobes ([`Spread::conserving`]).
     Energy,
-    /// So that light may be turned about, eye for source ([`Spread::by_half_angle`]): Marschner's.
+    /// Marschner's lobes, in which eye and light source can be exchanged ([`Spread::by_half_angle`]).
     Reciprocity,
 }
 
 impl Default for Fibre {
-    /// Human hair.
+    /// Returns human hair.
     fn default() -> Self {
         Self {
             eta: 1.55,
@@ -71,7 +74,7 @@ impl Default for Fibre {
     }
 }
 
-/// Two directions about a fibre.
+/// Angles of two directions relative to a fibre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Angles {
     /// Sine and cosine of θi.
@@ -82,11 +85,12 @@ pub struct Angles {
     pub phi: f64,
 }
 
-/// Squared product of the parts across the fibre below which a direction lies along it, and has no azimuth.
+/// Squared product of the components across the fibre, below which a direction is along the fibre and has no azimuth.
 const ALONG: f64 = 1e-12;
 
 impl Angles {
-    /// Those between unit vectors: the fibre towards its tip, towards the light, towards the eye.
+    /// Returns the angles for three unit vectors: along the fibre towards its tip, towards the light, and towards the
+    /// eye.
     pub fn between(tip: DVec3, light: DVec3, eye: DVec3) -> Self {
         let split = |way: DVec3| {
             let sin = tip.dot(way).clamp(-1.0, 1.0);
@@ -102,7 +106,7 @@ impl Angles {
         Self { from, to, phi }
     }
 
-    /// cos θd, 0..=1.
+    /// Returns cos θd, 0..=1.
     pub fn cos_d(&self) -> f64 {
         let ((sin_i, cos_i), (sin_o, cos_o)) = (self.from, self.to);
         (0.5 * (1.0 + cos_i * cos_o + sin_i * sin_o)).clamp(0.0, 1.0).sqrt()
@@ -110,18 +114,19 @@ impl Angles {
 }
 
 impl Fibre {
-    /// The lobe of path `p` along the fibre.
+    /// Returns the lobe of path `p` along the fibre.
     pub fn spread(&self, p: u32) -> Spread {
         let (shift, width) = [(-1.0, 1.0), (0.5, 0.5), (1.5, 2.0), (0.0, 2.0)][p.min(3) as usize];
         Spread { shift: shift * self.tilt, width: width * self.along }
     }
 
-    /// How much of the light from θi leaves at θo, of each path; times what [`FibreSection::ways`] gives it is what the fibre scatters, times cos θi.
+    /// Returns the longitudinal factor of each path: the share of light from θi that leaves at θo. Multiplied by the
+    /// contributions of [`FibreSection::ways`], it is the scattered light times cos θi.
     pub fn along(&self, angles: &Angles) -> [f64; PATHS] {
         from_fn(|p| self.path_along(p as u32, angles))
     }
 
-    /// The same of path `p` alone.
+    /// Returns the longitudinal factor of path `p`.
     pub fn path_along(&self, p: u32, angles: &Angles) -> f64 {
         let spread = self.spread(p);
         match self.keeps {
@@ -134,7 +139,7 @@ impl Fibre {
         }
     }
 
-    /// What is common to all azimuths of a difference angle of that cosine.
+    /// Returns the cross-section for a difference angle of that cosine, which all azimuths share.
     pub fn section(&self, cos_d: f64) -> FibreSection {
         let section = Section::new(self.eta, cos_d);
         let glints = match &self.around {
@@ -144,10 +149,11 @@ impl Fibre {
         FibreSection { section, glints, rough: if let Around::Rough(scale) = self.around { Some(scale) } else { None } }
     }
 
-    /// What it scatters of the light from one direction into the other, times cos θi, of each colour: with the diameter of the fibre and the light within a solid
-    /// angle times that angle, it is the light that a fibre adds to a line of that width.
+    /// Returns the light scattered from one direction into the other, times cos θi, for each colour. Multiplied by the
+    /// fibre's diameter, the incident light and its solid angle, it is the light that a fibre adds to a line of that
+    /// width.
     ///
-    /// * `sigma`: what it absorbs a radius, 0 or more
+    /// * `sigma`: absorption of the fibre per radius, 0 or more
     pub fn scatter(&self, sigma: [f64; 3], angles: &Angles) -> [f64; 3] {
         let (along, section) = (self.along(angles), self.section(angles.cos_d()));
         let mut sum = sigma.map(|sigma| along[3] * section.rest(sigma));
@@ -162,17 +168,17 @@ impl Fibre {
     }
 }
 
-/// A fibre at a difference angle.
+/// Fibre at one difference angle.
 #[derive(Clone, Copy, Debug)]
 pub struct FibreSection {
-    /// Its cross-section.
+    /// Cross-section.
     pub section: Section,
     glints: Option<Glints>,
     rough: Option<f64>,
 }
 
 impl FibreSection {
-    /// Gives the ways of path `p` towards azimuth `phi`.
+    /// Calls `each` with the contributions of path `p` towards azimuth `phi`.
     pub fn ways(&self, p: u32, phi: f64, each: &mut dyn FnMut(Way)) {
         let section = &self.section;
         match (self.rough, p) {
@@ -183,8 +189,8 @@ impl FibreSection {
         }
     }
 
-    /// Cuts path `p` into bundles: gives the azimuth that each leaves at, the standard deviation by which it is spread beside what roughness does, and its light with
-    /// its way.
+    /// Divides path `p` into bundles. Calls `each` with the exit azimuth, the standard deviation of the spread besides
+    /// roughness, and the contribution of each.
     pub fn cut(&self, p: u32, each: &mut dyn FnMut(f64, f64, Way)) {
         let section = &self.section;
         let glints = self.glints.as_ref().filter(|_| p == 2);
@@ -199,7 +205,7 @@ impl FibreSection {
         }
     }
 
-    /// The light that is reflected within more than once, a radian, where so much is absorbed a radius.
+    /// Returns the light per radian reflected inside more than once, for an absorption of `sigma` per radius.
     pub fn rest(&self, sigma: f64) -> f64 {
         let section = &self.section;
         let left = azimuthal::over_section(|gamma| {
@@ -209,15 +215,16 @@ impl FibreSection {
         0.5 * left / core::f64::consts::TAU
     }
 
-    /// The light that is reflected within more than once, a radian, without absorption, and how far it goes within the fibre, as it is at that absorption.
+    /// Returns the light per radian reflected inside more than once, without absorption, with its effective path length
+    /// at absorption `sigma`.
     pub fn mean_rest(&self, sigma: f64) -> Way {
         mean_of(self.rest(0.0), self.rest(sigma), sigma)
     }
 
-    /// [`FibreSection::mean_way`] of path `p` at many azimuths.
+    /// Returns [`FibreSection::mean_way`] of path `p` at many azimuths.
     pub fn mean_ways(&self, p: u32, phis: &[f64], sigma: f64) -> Vec<Way> {
         let Some(scale) = self.rough else { return phis.iter().map(|phi| self.mean_way(p, *phi, sigma)).collect() };
-        // What does not depend on the azimuth is found once.
+        // Terms that do not depend on the azimuth are computed once.
         let bundles: Vec<_> = self.section.bundles(p).map(|(at, way)| (at, way.light, way.left(sigma))).collect();
         let mean = |phi: &f64| {
             let (mut light, mut left) = (0.0, 0.0);
@@ -230,7 +237,8 @@ impl FibreSection {
         phis.iter().map(mean).collect()
     }
 
-    /// The light of path `p` towards azimuth `phi`, without absorption, and how far it goes within the fibre on average, as it is at that absorption.
+    /// Returns the total light of path `p` towards azimuth `phi`, without absorption, with its effective path length at
+    /// absorption `sigma`.
     pub fn mean_way(&self, p: u32, phi: f64, sigma: f64) -> Way {
         let (mut light, mut left) = (0.0, 0.0);
         self.ways(p, phi, &mut |way| {
@@ -241,7 +249,7 @@ impl FibreSection {
     }
 }
 
-/// The way that has as much light, and as much of it left.
+/// Returns the single contribution with the same light, and the same remaining light.
 fn mean_of(light: f64, left: f64, sigma: f64) -> Way {
     if light <= 0.0 || left <= 0.0 {
         return Way::default();

@@ -1,7 +1,8 @@
-//! A fibre from nearby: light that meets it at an offset from its middle, as what traces paths has it (Chiang 2016, which the renderers pbrt and Mitsuba have too).
+//! Fibre at close range: light meets it at an offset from its axis, as in path tracing (Chiang 2016, also in the
+//! renderers pbrt and Mitsuba).
 //!
-//! Averaged over all offsets it is the fibre from afar, but that its section is that of the eye's angle θo, where from afar it is that of θd. At the cone that a
-//! smooth fibre would keep light on, both are the same; with θo no light is lost or gained at any angle.
+//! Averaged over all offsets it equals the distant fibre, except that the cross-section is that of the eye's angle θo
+//! instead of θd. On the cone of a smooth fibre both agree; with θo no light is lost or gained at any angle.
 
 use super::azimuthal::{logistic, wrapped};
 use super::optics::Section;
@@ -9,36 +10,36 @@ use super::{Fibre, PATHS};
 use core::array::from_fn;
 use core::f64::consts::{PI, TAU};
 
-/// Where an eye's ray meets a fibre.
+/// Intersection of an eye ray with a fibre.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit<'a> {
     fibre: &'a Fibre,
     scale: f64,
     to: (f64, f64),
-    /// Azimuths from the eye's at which the paths end.
+    /// Exit azimuths of the paths, relative to the eye.
     ends: [f64; 3],
-    /// Share of the light that takes each path, of each colour.
+    /// Share of the light on each path, for each colour.
     shares: [[f64; 3]; PATHS],
-    /// How likely each path is drawn.
+    /// Probability of sampling each path.
     chances: [f64; PATHS],
 }
 
-/// A direction that light is looked for in.
+/// Sampled direction of incident light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drawn {
     /// Sine and cosine of θi.
     pub from: (f64, f64),
-    /// Azimuth of the light, from the eye's.
+    /// Azimuth of the light, relative to the eye.
     pub phi: f64,
-    /// What the fibre scatters from there, times cos θi, over how likely it was drawn.
+    /// Light scattered from there, times cos θi, over the probability density of the sample.
     pub weight: [f64; 3],
 }
 
 impl<'a> Hit<'a> {
-    /// That of a fibre that is rough all around by `scale`, radians.
+    /// Creates an intersection with a fibre of azimuthal roughness `scale`, radians.
     ///
-    /// * `sigma`: what it absorbs a radius, 0 or more
-    /// * `offset`: from the middle, over the radius, −1..=1, towards growing azimuths
+    /// * `sigma`: absorption per radius, 0 or more
+    /// * `offset`: distance from the axis over the radius, −1..=1, towards increasing azimuths
     /// * `to`: sine and cosine of θo
     pub fn new(fibre: &'a Fibre, scale: f64, sigma: [f64; 3], offset: f64, to: (f64, f64)) -> Self {
         let section = Section::new(fibre.eta, to.1);
@@ -58,13 +59,14 @@ impl<'a> Hit<'a> {
         Self { fibre, scale, to, ends, shares, chances: sums.map(|sum| sum / whole) }
     }
 
-    /// How the light of path `p` is spread over directions: about its cone and the azimuth at its end.
+    /// Returns the density of path `p` over directions: about its cone and its exit azimuth.
     fn spread(&self, p: usize, from: (f64, f64), phi: f64) -> f64 {
         let along = self.fibre.spread(p as u32).conserving(from, self.to);
         along * self.ends.get(p).map_or(1.0 / TAU, |end| logistic(self.scale, wrapped(phi - end)))
     }
 
-    /// What the fibre scatters towards the eye of the light from a direction, times cos θi, of each colour, and how likely that direction is drawn, a steradian.
+    /// Returns the light scattered towards the eye from a direction, times cos θi, for each colour, and the probability
+    /// density of sampling that direction, per steradian.
     pub fn value(&self, from: (f64, f64), phi: f64) -> ([f64; 3], f64) {
         let (mut sum, mut chance) = ([0.0; 3], 0.0);
         for p in 0..PATHS {
@@ -77,7 +79,7 @@ impl<'a> Hit<'a> {
         (sum, chance)
     }
 
-    /// Draws a direction by four even numbers in 0..1.
+    /// Samples a direction from four uniform numbers in 0..1.
     pub fn draw(&self, [path, around, height, turn]: [f64; 4]) -> Drawn {
         let (mut p, mut left) = (0, path);
         while p + 1 < PATHS && left >= self.chances[p] {
@@ -87,7 +89,7 @@ impl<'a> Hit<'a> {
         let spread = self.fibre.spread(p as u32);
         let (sin_o, cos_o) = spread.tilted(self.to);
         let v = spread.variance();
-        // d'Eon's lobe is a distribution about a direction, seen by its height alone.
+        // d'Eon's lobe is a distribution about a direction, as a function of the height alone.
         let height = height.max(1e-300);
         let cos = 1.0 + v * libm::log(height + (1.0 - height) * libm::exp(-2.0 / v));
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
@@ -102,7 +104,7 @@ impl<'a> Hit<'a> {
     }
 }
 
-/// Draws from [`logistic`] by an even number in 0..1.
+/// Samples [`logistic`] from a uniform number in 0..1.
 fn drawn_logistic(scale: f64, even: f64) -> f64 {
     let below = 1.0 / (1.0 + libm::exp(PI / scale));
     let share = (below + even * (1.0 - 2.0 * below)).clamp(1e-300, 1.0 - 1e-16);

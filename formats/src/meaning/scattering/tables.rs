@@ -1,9 +1,11 @@
-//! What a frame looks up instead of the equations: tables of what happens along a fibre and around it (after Nguyen and Donnelly 2005, with other axes).
+//! Lookup tables of the scattering along and around a fibre (after Nguyen and Donnelly 2005, with other axes).
 //!
-//! - Along it lobes are narrow about sin θh = 0 and change slowly with tan(θd / 2); those are the axes, the first drawn out about its middle.
-//! - Around it: cos θd, and φ / π. Printed was cos φ, which has next to no texels where glints are.
-//! - Colour is no part of them: with the light of a path stands how far it goes within the fibre, and what absorbs is applied to that. One table serves all colours.
-//! - What does not depend on the azimuth, or hardly, is no table: [`Means`].
+//! - Along the fibre, lobes are narrow about sin θh = 0 and change slowly with tan(θd / 2). These are the axes; the
+//!   first is stretched about its middle.
+//! - Around the fibre the axes are cos θd and φ / π. The paper uses cos φ, which has almost no texels where glints are.
+//! - Colour is not part of the tables: the light of a path is stored with its length in the fibre, to which absorption
+//!   is applied. One table serves all colours.
+//! - Values that hardly depend on the azimuth, or not at all, need no table: [`Means`].
 
 use super::azimuthal::Way;
 use super::means::{Means, REFERENCE_SIGMA};
@@ -12,36 +14,38 @@ use super::{Angles, Fibre, PATHS};
 use core::array::from_fn;
 use core::f64::consts::PI;
 
-/// Share of the drawn-out axis that is as it was.
+/// Weight of the linear part of [`drawn_out`]; the middle of the axis is stretched by its reciprocal.
 const DRAWN_OUT: f64 = 0.3;
 
-/// The tables of a fibre.
+/// Tables of a fibre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tables {
     /// Texels along each edge, 2 or more.
     pub size: usize,
     /// Index of refraction.
     pub eta: f64,
-    /// Row by row from tan(θd / 2) = −1 to 1, by [`drawn_out`] of sin θh from −1 to 1: the paths along the fibre, times cos θi. The last is that of all light
-    /// that was reflected within more than once, times what of it leaves around the fibre, a radian: it is the same everywhere.
+    /// Longitudinal factors of the paths, times cos θi. Rows go from tan(θd / 2) = −1 to 1, columns by [`drawn_out`] of
+    /// sin θh from −1 to 1. The last component is that of all light reflected inside more than once, times its light
+    /// per radian, which is the same at every azimuth.
     pub along: Vec<[f32; PATHS]>,
-    /// Row by row from [`LEAST_COS_D`] to cos θd = 1, by φ / π from 0 to 1: the light of R, TT and TRT, a radian; how far TT goes within the fibre, radii.
+    /// Light per radian of R, TT and TRT, and path length of TT in the fibre, radii. Rows go from cos θd =
+    /// [`LEAST_COS_D`] to 1, columns by φ / π from 0 to 1.
     pub around: Vec<[f32; PATHS]>,
-    /// What needs no table.
+    /// Properties that need no table.
     pub means: Means,
 }
 
-/// Where sin θh is on its axis, −1..=1.
+/// Returns the position of sin θh on its stretched axis, −1..=1.
 pub fn drawn_out(sin_h: f64) -> f64 {
     sin_h / (DRAWN_OUT + (1.0 - DRAWN_OUT) * sin_h.abs())
 }
 
-/// The inverse of [`drawn_out`].
+/// Inverse of [`drawn_out`].
 fn drawn_in(place: f64) -> f64 {
     DRAWN_OUT * place / (1.0 - (1.0 - DRAWN_OUT) * place.abs())
 }
 
-/// A value between the four texels about a place in a square table, each coordinate 0..=1.
+/// Interpolates between four texels of a square table; both coordinates are 0..=1.
 ///
 /// * `size`: texels along each edge, 2 or more
 pub fn between<T: Copy + Into<f64>, const N: usize>(table: &[[T; N]], size: usize, [x, y]: [f64; 2]) -> [f64; N] {
@@ -57,7 +61,7 @@ pub fn between<T: Copy + Into<f64>, const N: usize>(table: &[[T; N]], size: usiz
 }
 
 impl Tables {
-    /// Those of a fibre.
+    /// Computes the tables of a fibre.
     ///
     /// * `size`: texels along each edge, 2 to 1024
     pub fn new(fibre: &Fibre, size: usize) -> Self {
@@ -69,7 +73,8 @@ impl Tables {
             let rest = fibre.section(libm::cos(d)).rest(0.0);
             for i in 0..size {
                 let h = libm::asin(drawn_in(2.0 * share(i) - 1.0).clamp(-1.0, 1.0));
-                // Beyond a quarter turn neither direction is one: the lobe goes on evenly, for what is between texels.
+                // Beyond a quarter turn the angles are not directions: the lobe is extended evenly for interpolation
+                // between texels.
                 let [from, to] = [h - d, h + d].map(|theta| theta.clamp(-0.5 * PI, 0.5 * PI));
                 let of = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
                 let angles = Angles { from: of(from), to: of(to), phi: 0.0 };
@@ -87,40 +92,40 @@ impl Tables {
         Self { size, eta: fibre.eta, along, around, means: Means::new(fibre) }
     }
 
-    /// Where two directions are in the table of what is along a fibre.
+    /// Returns the position of two directions in the table along the fibre.
     pub fn along_place(angles: &Angles) -> [f64; 2] {
         let cos_d = angles.cos_d();
         let sin_h = (0.5 * (angles.from.0 + angles.to.0) / cos_d.max(1e-9)).clamp(-1.0, 1.0);
-        // Which of both is nearer to the tip is known, where the sign of the difference is.
+        // The sign of the difference tells which direction is closer to the tip.
         let half = (1.0 - cos_d * cos_d).max(0.0).sqrt().copysign(angles.to.0 - angles.from.0) / (1.0 + cos_d);
         [drawn_out(sin_h), half].map(|place| 0.5 + 0.5 * place)
     }
 
-    /// Where they are in that of what is around it.
+    /// Returns the position of two directions in the table around the fibre.
     pub fn around_place(angles: &Angles) -> [f64; 2] {
         [angles.phi.abs() / PI, (angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D)]
     }
 
-    /// The two layers of a texture, one after the other, row by row.
+    /// Returns the two layers of a texture, each row by row.
     pub fn layers(&self) -> [&[[f32; PATHS]]; 2] {
         [&self.along, &self.around]
     }
 
-    /// The tables of such layers; `None` where they are not square, not of one size, or smaller than 2.
+    /// Creates tables from such layers; `None` if they are not square, differ in size, or are smaller than 2.
     pub fn of_layers(eta: f64, means: Means, [along, around]: [Vec<[f32; PATHS]>; 2]) -> Option<Self> {
         let size = along.len().isqrt();
         let same = along.len() == size * size && around.len() == size * size;
         (same && size >= 2).then_some(Self { size, eta, along, around, means })
     }
 
-    /// As [`Fibre::scatter`], from the tables.
+    /// Returns [`Fibre::scatter`] from the tables.
     pub fn scatter(&self, sigma: [f64; 3], angles: &Angles) -> [f64; 3] {
         let along = between(&self.along, self.size, Self::along_place(angles));
         let around = between(&self.around, self.size, Self::around_place(angles));
         self.of_texels(along, around, sigma, angles)
     }
 
-    /// What texels of both tables come to.
+    /// Returns the scattered light for texels of both tables.
     pub fn of_texels(&self, along: [f64; PATHS], around: [f64; PATHS], sigma: [f64; 3], angles: &Angles) -> [f64; 3] {
         let [r, tt, trt, length] = around;
         let [r, tt, trt, others] = [along[0] * r, along[1] * tt, along[2] * trt, along[3]];

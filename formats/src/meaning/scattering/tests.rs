@@ -15,7 +15,7 @@ fn cos_deg(degrees: f64) -> f64 {
     libm::cos(degrees.to_radians())
 }
 
-/// ∫ over all azimuths, by midpoints.
+/// Returns ∫ over all azimuths, by the midpoint rule.
 fn around(count: u32, f: impl Fn(f64) -> f64) -> f64 {
     (0..count).map(|k| f((f64::from(k) + 0.5) / f64::from(count) * TAU - PI)).sum::<f64>() * TAU / f64::from(count)
 }
@@ -73,7 +73,7 @@ fn roots_are_where_light_comes_out() {
     for eta in ETAS {
         for degrees in [0.0, 40.0, 52.0, 60.0, 80.0] {
             let section = Section::new(eta, cos_deg(degrees));
-            // A histogram of where an even beam goes, without Fresnel's share, has as much light as the ways say.
+            // The contribution of a ray through the axis agrees with its closed form.
             let straight = section.through(PI);
             let expected = section.share(1, 1.0) / (4.0 * (1.0 - 1.0 / section.across));
             assert!((straight.light - expected).abs() < 1e-9);
@@ -85,7 +85,7 @@ fn roots_are_where_light_comes_out() {
                     "{eta} {degrees}"
                 );
             }
-            // Nothing jumps where both halves meet.
+            // The light is continuous where both halves meet.
             let back = |phi: f64| section.within(phi).map(|way| way.light).sum::<f64>();
             assert!((back(0.0) - back(1e-9)).abs() < 1e-6, "eta {eta}, {degrees} degrees");
             for k in 1..60 {
@@ -93,7 +93,7 @@ fn roots_are_where_light_comes_out() {
                 let count = section.within(phi).count();
                 let inside = section.caustic().is_some_and(|(_, at)| phi < at);
                 let reach = -section.turned(2, PI / 2.0);
-                // Two on this side of the caustic, and one from the other half as far as it reaches.
+                // Two contributions on this side of the caustic, and one from the other half, as far as it reaches.
                 let expected = usize::from(inside) * if phi > -reach { 2 } else { 1 } + usize::from(phi <= reach);
                 assert_eq!(count, expected, "eta {eta}, {degrees} degrees, phi {phi}, reach {reach}");
             }
@@ -129,7 +129,7 @@ fn lobes_along_a_fibre_keep_energy() {
             assert!((whole - 1.0).abs() < 1e-5, "width {width}, {theta} degrees: {whole}");
         }
     }
-    // exp(-x) I0(x) by its integral.
+    // exp(-x) I0(x) from its integral.
     for x in [0.0, 0.5, 3.74, 3.76, 20.0, 5000.0] {
         let whole: f64 = (0..20_000)
             .map(|k| (f64::from(k) + 0.5) / 20_000.0 * PI)
@@ -139,7 +139,7 @@ fn lobes_along_a_fibre_keep_energy() {
     }
 }
 
-/// Unit vectors without order.
+/// Returns pseudo-random unit vectors.
 fn directions(count: u32) -> impl Iterator<Item = [DVec3; 3]> {
     let chance = |i: u32, k: u32| {
         let mixed = (u64::from(i) * 6 + u64::from(k) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -205,7 +205,7 @@ fn a_mean_way_absorbs_as_all_ways_do() {
     assert!((over_section(|_| 1.0) - 2.0).abs() < 1e-12 && wrapped(3.0 * PI + 0.1) < -3.0);
 }
 
-/// Relative root of the mean square by which `found` is off `fibre` over random directions, and over all colours.
+/// Returns the relative RMS error of `found` against `fibre` over random directions and all colours.
 fn off(fibre: &Fibre, sigma: [f64; 3], found: impl Fn(&Angles) -> [f64; 3]) -> f64 {
     let (mut error, mut whole) = (0.0, 0.0);
     for [tip, light, eye] in directions(3000) {
@@ -233,7 +233,7 @@ fn tables_are_near_the_equations() {
     }
 }
 
-/// What goes on and what comes back are together what the fibre does not absorb, white fibres all of it.
+/// Continuing and returning light add up to the light that the fibre does not absorb; for white fibres, to all of it.
 #[test]
 fn light_goes_on_and_comes_back() {
     let fibre = Fibre::default();
@@ -287,7 +287,7 @@ fn colours_and_what_makes_them() {
     assert_eq!(colour::of_pigments(-1.0, 0.0), [0.0; 3]);
 }
 
-/// Even numbers in 0..1, without order but evenly spread: the fractions of multiples of roots (Roberts 2018).
+/// Returns quasi-random numbers, uniform in 0..1: the fractional parts of multiples of roots (Roberts 2018).
 fn even(i: u32) -> [f64; 5] {
     let mut step = 1.0;
     from_fn(|_| {
@@ -297,7 +297,7 @@ fn even(i: u32) -> [f64; 5] {
     })
 }
 
-/// The positive root of x⁶ = x + 1.
+/// Positive root of x⁶ = x + 1.
 const ROOT: f64 = 1.134_724_138_401_519_4;
 
 #[test]
@@ -312,14 +312,14 @@ fn a_white_fibre_vanishes_in_even_light() {
                 let [offset, numbers @ ..] = even(i);
                 let hit = Hit::new(&fibre, scale, [0.0; 3], 2.0 * offset - 1.0, to);
                 drawn += hit.draw(numbers).weight[1];
-                // The same by directions that are even over the sphere.
+                // The same with directions uniform over the sphere.
                 let sin_i = 2.0 * numbers[0] - 1.0;
                 let from = (sin_i, (1.0 - sin_i * sin_i).max(0.0).sqrt());
                 found += hit.value(from, TAU * numbers[1] - PI).0[1] * 2.0 * TAU;
             }
             let (drawn, found) = (drawn / f64::from(COUNT), found / f64::from(COUNT));
             assert!((drawn - 1.0).abs() < 0.002, "width {along}, scale {scale}, {degrees} degrees: {drawn}");
-            // Few even directions fall into a narrow lobe near the fibre's own.
+            // Few uniform directions fall into a narrow lobe close to the fibre's direction.
             let noise = if degrees.abs() > 70.0 { 0.2 } else { 0.05 };
             assert!((found - 1.0).abs() < noise, "width {along}, scale {scale}, {degrees} degrees: {found}");
         }
@@ -331,7 +331,7 @@ fn from_nearby_and_from_afar_are_one_fibre() {
     let fibre = Fibre::default();
     let Around::Rough(scale) = fibre.around else { return };
     let sigma = [0.1, 0.5, 2.0];
-    // On the cone of each path, where both have the same section.
+    // On the cone of each path, both have the same cross-section.
     for degrees in [0.0_f64, 20.0, 50.0] {
         let theta = degrees.to_radians();
         let (to, from) = ((libm::sin(theta), libm::cos(theta)), (-libm::sin(theta), libm::cos(theta)));
@@ -356,7 +356,7 @@ fn what_is_drawn_comes_as_often_as_it_says() {
     let fibre = Fibre::default();
     let to = (0.5, 0.75_f64.sqrt());
     let hit = Hit::new(&fibre, 0.12, [0.3, 0.5, 1.0], 0.4, to);
-    // Boxes of sin θi and φ: how many fall in, and how likely that was.
+    // Bins of sin θi and φ: number of samples in each, and its probability.
     const BOXES: usize = 8;
     const COUNT: u32 = 100_000;
     let mut fallen = [[0.0; BOXES]; BOXES];
@@ -382,13 +382,13 @@ fn what_is_drawn_comes_as_often_as_it_says() {
     }
 }
 
-/// The integral over all directions, by a fine grid.
+/// Returns the integral over all directions, on a fine grid.
 fn by_grid(fibre: &Fibre, sigma: f64, tip: DVec3, light: &GaussianLight, eye: DVec3) -> f64 {
     const ROWS: usize = 120;
     const AROUND: usize = 96;
     let across = tip.any_orthonormal_vector();
     let beside = tip.cross(across);
-    // Azimuths from the eye's.
+    // Azimuths relative to the eye.
     let start = libm::atan2(eye.dot(beside), eye.dot(across));
     let phis: Vec<f64> = (0..AROUND).map(|j| TAU * (j as f64 + 0.5) / AROUND as f64 - PI).collect();
     let mut sum = 0.0;
@@ -432,13 +432,14 @@ fn lights_that_are_gaussians_scatter_as_all_their_directions_do() {
         let off = (found - expected) / light.whole();
         assert!(off.abs() < 2e-5, "{fibre:?} {towards} {degrees}: {found}, expected {expected}");
     }
-    // Even light all around: a white fibre looks as that does. From afar it gains a little where scales tilt its lobes apart.
+    // Uniform light: a white fibre is as bright as its surroundings. From afar it gains a little where the scales tilt
+    // its lobes apart.
     let even = GaussianLight { towards: eye, sharpness: 0.0 };
     for fibre in [Fibre::default(), rough, smooth] {
         let found = BroadlyLit::new(&fibre).scatter([0.0; 3], tip, &even, eye)[0];
         assert!((found - 1.0).abs() < 0.02, "{fibre:?}: {found}");
     }
-    // Narrow lights overflow nothing, and lights along the fibre have no azimuth.
+    // Narrow lights do not overflow, and lights along the fibre have no azimuth.
     for (towards, sharpness) in [(tip, 1e6), (-tip, 3.0), (eye, 1e9), (behind.normalize(), 1e4)] {
         let found = BroadlyLit::new(&rough).scatter([0.0; 3], tip, &GaussianLight { towards, sharpness }, eye);
         assert!(found.iter().all(|x| x.is_finite() && *x >= 0.0), "{towards} {sharpness}: {found:?}");

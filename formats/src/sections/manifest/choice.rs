@@ -1,65 +1,65 @@
-//! The evidence of a bake that chose its settings.
+//! Record of a bake that chose its settings.
 
 use serde::{Deserialize, Serialize};
 
-/// How a bake with limits chose its settings: the limits, the trials, and the settings chosen.
+/// Record of a bake that chose its settings within limits: the limits, the trials, and the chosen settings.
 ///
-/// Times depend on the machine, so that the same inputs need not give the same bytes where `limits` holds one.
+/// Frame times depend on the machine, so with a limit on them the same inputs need not give the same bytes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Choice {
-    /// What was asked for; at least one of them.
+    /// Requested limits; at least one is set.
     pub limits: ChoiceLimits,
-    /// The limit that keeps the settings from being cheaper, or better: `max_error`, `max_frame_ms` or `max_bytes`, one that was given;
-    /// empty where none does.
+    /// Limit that prevents cheaper or better settings: `max_error`, `max_frame_ms` or `max_bytes`, one that was set;
+    /// empty if none does.
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["", "max_error", "max_frame_ms", "max_bytes"])))]
     pub binding: String,
-    /// Adapter that frames were timed on; empty where none was.
+    /// Adapter on which frames were timed; empty if none were.
     pub adapter: String,
-    /// Width of the pictures that were compared and timed, pixels, at least 1.
+    /// Width of the images that were compared and timed, pixels, at least 1.
     pub width: u32,
-    /// Height of them, pixels, at least 1.
+    /// Height of the images that were compared and timed, pixels, at least 1.
     pub height: u32,
-    /// Samples per pixel of the true pictures; 0 where nothing was compared.
+    /// Samples per pixel of the reference images; 0 if nothing was compared.
     pub samples: u32,
-    /// The views, as arguments of `pelage render`.
+    /// Views, as arguments of `pelage render`.
     pub views: Vec<String>,
-    /// All settings that were looked at.
+    /// All settings that were tried.
     pub trials: Vec<Trial>,
-    /// Index into `trials` of the settings that the package has.
+    /// Index into `trials` of the settings used in the package.
     pub chosen: u32,
     /// Index into `trials` of the cheapest settings with less error.
     pub next_better: Option<u32>,
-    /// Index into `trials` of the most exact settings that cost less.
+    /// Index into `trials` of the most accurate settings that cost less.
     pub next_cheaper: Option<u32>,
 }
 
-/// Limits of a [`Choice`]; `None` was not given. Each is at least 0.
+/// Limits of a [`Choice`], each at least 0; `None` if not set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChoiceLimits {
-    /// Greatest error against the true pictures, of the kind of [`Trial::error`].
+    /// Maximum error against the reference images, measured as [`Trial::error`].
     pub max_error: Option<f64>,
-    /// Longest time of a frame, milliseconds.
+    /// Maximum frame time, milliseconds.
     pub max_frame_ms: Option<f64>,
-    /// Greatest size of the package, bytes.
+    /// Maximum size of the package, bytes.
     pub max_bytes: Option<u64>,
 }
 
-/// Settings that a [`Choice`] looked at.
+/// Settings tried for a [`Choice`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Trial {
-    /// What it set in the recipe, `key=value` each, as for `pelage bake --set`.
+    /// Settings in the recipe, each `key=value` as for `pelage bake --set`.
     pub settings: Vec<String>,
-    /// How far the pictures are from the true ones, 0 for equal ones: mean FLIP, lost outline and lost contrast weighed by the tool that baked; the first
-    /// tools had mean FLIP alone. `None` where nothing was compared.
+    /// Difference from the reference images, 0 for equal ones: mean FLIP, lost outline and lost contrast, weighted by
+    /// the tool that baked. The first tools used mean FLIP alone. `None` if nothing was compared.
     pub error: Option<f64>,
-    /// Time of a frame, milliseconds, at least 0; `None` where nothing was timed.
+    /// Frame time, milliseconds, at least 0; `None` if nothing was timed.
     pub frame_ms: Option<f64>,
     /// Size of the package, bytes.
     pub bytes: u64,
-    /// Whether the figures come from a model of them and were not measured.
+    /// Whether the figures are predicted by a model instead of measured.
     pub predicted: bool,
 }
 

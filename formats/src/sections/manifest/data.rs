@@ -1,4 +1,4 @@
-//! What a package says about itself. The order of the fields is the order of the bytes: see `FORMAT.md`, "MANI".
+//! Data of the manifest. Fields are in byte order: see `FORMAT.md`, "MANI".
 
 use super::choice::Choice;
 use super::detail::{self, CoatInfo, DetailLevel};
@@ -6,45 +6,45 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-/// The manifest section: what is in the package, how it was made, how to shade it.
+/// Manifest section: the contents of the package, how it was made, and how to shade it.
 ///
-/// It holds no absolute path, no time and no user name, so that the same inputs give the same bytes anywhere.
+/// The manifest contains no absolute path, time or user name, so that the same inputs give the same bytes anywhere.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Tool and version that baked the package, such as `pelage 0.1.0`.
     pub generator: String,
     /// Name of the model: the input's file name without folder and extension.
     pub model: String,
-    /// The recipe as resolved, TOML: every key with the value that was used.
+    /// Resolved recipe, TOML: every key with the value that was used.
     pub recipe: String,
-    /// The files that went in, in the order of reading.
+    /// Input files, in the order of reading.
     pub inputs: Vec<InputRecord>,
-    /// Extent of the skin in its posed rest state, without fur.
+    /// Bounds of the mesh surface in its posed rest state, without fur.
     pub bounds: Bounds,
-    /// The shell volume.
+    /// Shell volume.
     pub fur: FurInfo,
     /// Constants of the lighting equation.
     pub shading: Shading,
     /// Materials of the model.
     pub materials: Vec<Material>,
-    /// Index ranges, one draw each; together they cover the index buffer in order.
+    /// Index ranges, one draw call each; together they cover the index buffer in order.
     pub parts: Vec<Part>,
-    /// The k-th entry names the k-th `KTX2` section.
+    /// Textures; the k-th entry names the k-th `KTX2` section.
     pub textures: Vec<TextureEntry>,
-    /// Figures that bake measured.
+    /// Quality figures measured by the bake.
     pub quality: Vec<QualityFigure>,
-    /// What bake had to repair, leave out or guess.
+    /// Warnings: what the bake had to repair, omit or guess.
     pub warnings: Vec<String>,
-    /// The far coat, from version 3 on, as what follows: all layers above the skin seen from above, one more array layer of the shell
-    /// textures, dry and wet, behind the outermost.
+    /// Far layer, since version 3, like the fields below: all layers above the surface seen from above, in one more
+    /// array layer of the shell textures, dry and wet, after the outermost.
     pub coat: Option<CoatInfo>,
-    /// Levels of detail, finest first; empty where all layers are drawn at any distance.
+    /// Levels of detail, finest first; empty if all layers are drawn at any distance.
     pub detail: Vec<DetailLevel>,
-    /// How the settings were chosen, where a bake was told limits instead.
+    /// Record of how the settings were chosen, if the bake had limits.
     pub choice: Option<Choice>,
 }
 
-/// One input file of a bake.
+/// Input file of a bake.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputRecord {
     /// `model`, `recipe`, `buffer`, `image` or `material`.
@@ -57,12 +57,12 @@ pub struct InputRecord {
     pub sha256: [u8; 32],
 }
 
-/// Extent of the skin in its posed rest state, metres.
+/// Bounds of the mesh surface in its posed rest state, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
-    /// Least x, y, z.
+    /// Minimum x, y, z.
     pub min: [f32; 3],
-    /// Greatest x, y, z.
+    /// Maximum x, y, z.
     pub max: [f32; 3],
     /// Centre of the bounding sphere.
     pub center: [f32; 3],
@@ -70,32 +70,32 @@ pub struct Bounds {
     pub radius: f32,
 }
 
-/// The shell volume: one periodic tile of hair, sliced into layers.
+/// Shell volume: one periodic tile of hair, sliced into layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FurInfo {
-    /// Layers of the shell textures; layer 0 lies on the skin. 0 for a package without fur.
+    /// Number of layers of the shell textures; layer 0 is on the surface. 0 for a package without fur.
     pub layers: u32,
     /// Width and height of a layer, texels.
     pub tile_texels: u32,
-    /// Width and height of the tile on the skin, metres.
+    /// Width and height of the tile on the surface, metres.
     pub tile_size_m: f32,
-    /// Height of layer `layers - 1` above the skin where a vertex's `fur_height` is not scaled, metres.
+    /// Height of layer `layers - 1` above the surface at a vertex with unscaled `fur_height`, metres.
     pub height_m: f32,
-    /// Strands in the tile.
+    /// Number of strands in the tile.
     pub strands: u32,
-    /// Patches of the parameterization; 1 where the model's own texture coordinates serve.
+    /// Number of patches of the parameterization; 1 if the model's own texture coordinates are used.
     pub patches: u32,
-    /// Index into `textures`: RGBA, premultiplied linear colour and opacity, `layers` array layers, skin first.
+    /// Index into `textures`: RGBA, premultiplied linear colour and opacity, `layers` array layers, the surface first.
     pub color_texture: u32,
     /// Index into `textures`: hair direction in the tile frame, `layers` array layers (`FORMAT.md`, "Directions").
     pub direction_texture: u32,
-    /// The same hair when wet: a second set of textures of the same size, which a renderer mixes in by wetness.
+    /// Wet hair: a second set of textures of the same size, which a renderer blends in by wetness.
     pub wet: Option<ShellTextures>,
-    /// Textures of the fins; a package that has them has a `FINS` section, and the other way round.
+    /// Fin textures; present exactly if the package has a `FINS` section.
     pub fins: Option<FinInfo>,
 }
 
-/// A set of shell textures, as large as [`FurInfo`] says.
+/// Set of shell textures, of the size given by [`FurInfo`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShellTextures {
     /// Index into `textures`, as [`FurInfo::color_texture`].
@@ -104,15 +104,15 @@ pub struct ShellTextures {
     pub direction_texture: u32,
 }
 
-/// The fin textures: hair of the tile seen from the side, one array layer per slab. u runs along a slab and repeats; v runs from
-/// the skin, the first row, to [`FurInfo::height_m`], the last.
+/// Fin textures: hair of the tile seen from the side, one array layer per slab. u runs along a slab and repeats; v runs
+/// from the surface, the first row, to [`FurInfo::height_m`], the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FinInfo {
     /// Width of a slab, texels, at least 1.
     pub width: u32,
     /// Height of a slab, texels, at least 1.
     pub height: u32,
-    /// Slabs, each cut through the tile in another direction, at least 1: array layers of both textures.
+    /// Number of slabs, each cut through the tile in another direction, at least 1: array layers of both textures.
     pub slabs: u32,
     /// Index into `textures`: RGBA, premultiplied linear colour and opacity.
     pub color_texture: u32,
@@ -125,17 +125,17 @@ pub struct FinInfo {
 pub struct Shading {
     /// ka, multiplied by the hair's colour (default 0.35 each).
     pub ambient: [f32; 3],
-    /// kd (default 1.2 each: where hair shadows hair, not all of the light arrives).
+    /// kd (default 1.2 each, because hair shadows hair and not all light arrives).
     pub diffuse: [f32; 3],
     /// ks (default 0.18 each).
     pub specular: [f32; 3],
-    /// pd, 0..=10 000 (default 2): 0 lights all directions alike.
+    /// pd, 0..=10 000 (default 2); 0 lights all directions equally.
     pub diffuse_exponent: f32,
-    /// ps, 0..=10 000 (default 30): higher is a narrower highlight.
+    /// ps, 0..=10 000 (default 30); higher is a narrower highlight.
     pub specular_exponent: f32,
-    /// ε of the ambient attenuation γ, 0..1 (default 0.3): share of the ambient light that reaches the skin.
+    /// ε of the ambient attenuation γ, 0..1 (default 0.3): share of the ambient light that reaches the surface.
     pub ambient_floor: f32,
-    /// r of Attenu_Back, 0..1, exclusive (default 0.3): how far light creeps past the terminator, as −N·L.
+    /// r of Attenu_Back, 0..1, exclusive (default 0.3): how far light extends past the terminator, as −N·L.
     pub back_light_range: f32,
 }
 
@@ -190,8 +190,8 @@ impl Shading {
         Ok(())
     }
 
-    /// What the constants become where hair is wet: the film of water smooths its scales, which makes the highlight twice as
-    /// strong and much narrower.
+    /// Returns the constants for wet hair: the water film smooths its scales, which makes the highlight twice as strong
+    /// and much narrower.
     pub fn wet(&self) -> Self {
         Self {
             specular: self.specular.map(|k| 2.0 * k),
@@ -201,27 +201,27 @@ impl Shading {
     }
 }
 
-/// A surface material.
+/// Surface material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// Name in the model, may be empty.
     pub name: String,
-    /// Linear RGBA factor.
+    /// Base colour factor, linear RGBA.
     pub base_color: [f32; 4],
     /// Index into `textures`: base colour in the model's own texture coordinates.
     pub base_color_texture: Option<u32>,
-    /// Index into `textures`: the groom in the model's own texture coordinates, linear. Red is the share of the hair that grows,
-    /// 0 bare to 1 full; green is wetness, 0..=1.
+    /// Index into `textures`: the groom in the model's own texture coordinates, linear. Red is the share of the hair
+    /// that grows, 0 bare to 1 full; green is wetness, 0..=1.
     pub groom_texture: Option<u32>,
-    /// Opacity below which a texel of the skin is cut away; `None` for opaque materials.
+    /// Opacity below which a texel of the surface is discarded; `None` for opaque materials.
     pub alpha_cutoff: Option<f32>,
-    /// Whether hair grows on it; bare materials (eyes, hooves) are drawn by the skin pass only.
+    /// Whether hair grows on the material; bare materials (eyes, hooves) are drawn by the skin pass only.
     pub furred: bool,
     /// Whether back faces are drawn.
     pub double_sided: bool,
 }
 
-/// One range of the index buffer with one material.
+/// Range of the index buffer with one material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Part {
     /// Index into `materials`.
@@ -232,14 +232,14 @@ pub struct Part {
     pub index_count: u32,
 }
 
-/// One texture of the package.
+/// Texture of the package.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TextureEntry {
     /// Unique name, also the file name of the texture after `pelage unpack`: letters, digits, `_` and `-`.
     pub name: String,
 }
 
-/// One measured figure.
+/// Measured figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct QualityFigure {
@@ -252,12 +252,12 @@ pub struct QualityFigure {
 }
 
 impl Manifest {
-    /// Array layers of the shell textures: the shells, and the coat where there is one.
+    /// Returns the number of array layers of the shell textures: the shells, and the far layer if present.
     pub fn shell_texture_layers(&self) -> u32 {
         self.fur.layers.saturating_add(u32::from(self.coat.is_some()))
     }
 
-    /// Checks that every number is finite and in its range and every index points into its list; what a reader may rely on.
+    /// Checks that every number is finite and in range and every index valid, so that readers can rely on it.
     ///
     /// Returns the path of the faulty field with what was found and expected.
     pub(crate) fn check(&self) -> Result<(), String> {
@@ -353,7 +353,7 @@ impl Manifest {
                     t.name
                 ));
             }
-            // Two names that differ by case alone would be one file on some systems.
+            // Two names that differ only in case would be the same file on some systems.
             if !names.insert(t.name.to_ascii_lowercase()) {
                 return Err(format!("textures[{i}].name {:?} is taken, expected unique names", t.name));
             }

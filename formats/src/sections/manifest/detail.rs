@@ -1,44 +1,49 @@
-//! Levels of detail: what is drawn of fur that is small on screen.
+//! Levels of detail for fur that is small on screen.
 
 use serde::{Deserialize, Serialize};
 
-/// The far coat: where it lies and how it is lit, all as means over the hair that is seen from above.
+/// Far layer: its height and lighting, as means over the hair visible from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CoatInfo {
-    /// Share of the fur's height at which a skin drawn with it covers as wide an outline as the layers do, 0..=1.
+    /// Share of the fur's height at which a surface drawn with the far layer has as wide an outline as the layers,
+    /// 0..=1.
     pub height: f32,
-    /// Share of the fur's height whose ambient attenuation γ is the mean of the visible hair's, 0..=1.
+    /// Share of the fur's height at which the ambient attenuation γ equals the mean of the visible hair, 0..=1.
     pub ambient_height: f32,
-    /// Mean share of the key light that reaches the visible hair where light comes along the normal, 0..=1: t of Yang 2006, eq. (2).
+    /// Mean share of the key light that reaches the visible hair for light along the normal, 0..=1: t of Yang 2006, eq.
+    /// (2).
     pub light_straight: f32,
-    /// The same where the way through each layer is four times as long, 0..=[`CoatInfo::light_straight`].
+    /// Mean share of the key light that reaches the visible hair if the path through each layer is four times as long,
+    /// 0..=[`CoatInfo::light_straight`].
     pub light_slanted: f32,
 }
 
-/// One level of detail: what is drawn where the fur is so many pixels high on screen.
+/// Level of detail, for a range of heights of the fur on screen.
 ///
-/// Between `full_px` and `gone_px` a level and the next are cross-faded; `full_px` falls from level to level, and each level is gone
-/// where the next begins to fade or before.
+/// Between `full_px` and `gone_px` a level and the next are cross-faded. `full_px` decreases from level to level, and
+/// each level is gone where the next begins to fade, or before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DetailLevel {
-    /// Every `step`-th layer from the outermost inwards is drawn, each for the `step` layers that it stands for: a power of two, 1 in
-    /// the first level, and twice that of the level before. 0, in the last level alone: no layers, the coat on the skin.
+    /// Step between drawn layers, from the outermost inwards; each drawn layer represents `step` layers. A power of
+    /// two: 1 in the first level, and twice that of the level before. 0, in the last level only: no layers, but the far
+    /// layer on the surface.
     pub step: u32,
-    /// Height of the fur on screen, pixels, from which on the level is drawn as it is; 0 in the last level.
+    /// Minimum height of the fur on screen at which the level is drawn without fading, pixels; 0 in the last level.
     pub full_px: f32,
-    /// Height of the fur on screen, pixels, up to which the next level is drawn alone, at most `full_px`; 0 in the last level.
+    /// Height of the fur on screen up to which the next level is drawn alone, pixels, at most `full_px`; 0 in the last
+    /// level.
     pub gone_px: f32,
-    /// Share of the fins' opacity, 0..=1; with 0 they are not drawn.
+    /// Factor on the fins' opacity, 0..=1; with 0 they are not drawn.
     pub fins: f32,
-    /// Factor on the number of layers that each stands for, above 0: what keeps the mean optical depth of the whole, as hair is thinner in
-    /// the outer layers than in those that they stand for. 1 in the first level.
+    /// Factor on the number of layers that each layer represents, above 0. It keeps the mean optical depth of the
+    /// whole, because hair is thinner in the outer layers than in those they represent. 1 in the first level.
     pub density: f32,
 }
 
 impl CoatInfo {
-    /// Checks that every share is one.
+    /// Checks that every share is in range.
     pub(super) fn check(&self) -> Result<(), String> {
         for (what, value, max) in [
             ("height", self.height, 1.0),
@@ -46,7 +51,7 @@ impl CoatInfo {
             ("light_straight", self.light_straight, 1.0),
             ("light_slanted", self.light_slanted, self.light_straight),
         ] {
-            // Not a number is in no range.
+            // NaN is in no range.
             if !(0.0..=max).contains(&value) {
                 return Err(format!("coat.{what} is {value}, expected 0..={max}"));
             }
@@ -55,7 +60,8 @@ impl CoatInfo {
     }
 }
 
-/// Checks that the levels are a chain from all layers down to what the package has: so many layers of fur, and a coat or none.
+/// Checks that the levels form a chain from all layers down to the last that the package has: for that number of
+/// layers, with or without a far layer.
 pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Result<(), String> {
     if !levels.is_empty() && layers == 0 {
         return Err(format!("detail has {} levels, expected none without fur", levels.len()));
@@ -74,12 +80,12 @@ pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Resu
         if !coat && level.step != step {
             return Err(format!("detail[{i}].step is {}, expected {step}, or 0 in the last level", level.step));
         }
-        // 2^32 is no step, and far beyond every number of layers: the chain ends before.
+        // 2^32 is not a valid step, and far exceeds every number of layers: the chain ends before.
         step = step.checked_mul(2).unwrap_or(0);
         if last && (level.full_px != 0.0 || level.gone_px != 0.0) {
             return fail("full_px", level.full_px, "it and gone_px to be 0 in the last level".into());
         }
-        // Not a number is in no range.
+        // NaN is in no range.
         let falls = level.full_px > 0.0 && level.full_px <= ceiling;
         if !last && !falls {
             return fail(

@@ -1,4 +1,4 @@
-//! The `MANI` section: what a package says about itself, in the encoding of the package's version.
+//! The `MANI` section: the manifest, in the encoding of the package's version.
 
 pub(crate) mod choice;
 pub(crate) mod data;
@@ -21,13 +21,13 @@ pub(crate) const KIND: Kind = Kind {
     tag: Tag::MANIFEST,
     since: 1,
     count: Count::AtMostOne,
-    // Without a sound manifest no package opens.
+    // Without a valid manifest no package opens.
     check: |package, _| package.section_bytes(0).map(drop),
     check_use: |package| faults([package.fur_textures().err(), package.wet_textures().err()]),
     row: Row { what: "[manifest](#mani-manifest)", how_many: "exactly one", place: "first" },
 };
 
-/// Reads and checks the section that begins at `offset` of a package of that version.
+/// Reads and checks the section at `offset` of a package of that version.
 pub(crate) fn decode(version: u32, offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError> {
     let manifest = match version {
         1 => decode_section::<v1::ManifestV1>(Tag::MANIFEST, offset, bytes)?.into(),
@@ -38,7 +38,7 @@ pub(crate) fn decode(version: u32, offset: u64, bytes: &[u8]) -> Result<Manifest
     Ok(manifest)
 }
 
-/// Writes the section; fails for a manifest with fields that the version has no place for.
+/// Writes the section; fails for a manifest with fields that the version cannot store.
 pub(crate) fn encode(version: u32, manifest: &Manifest) -> Result<Vec<u8>, FormatError> {
     let no_place = |reason| FormatError::Content { tag: Tag::MANIFEST, offset: 0, reason };
     match version {

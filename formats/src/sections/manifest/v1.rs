@@ -1,5 +1,5 @@
-//! The manifest of version 1: the same as version 2's without wet hair, fins and groom textures. Kept for ever, so that packages of
-//! version 1 stay readable; the order of the fields here may not change.
+//! Manifest of version 1: that of version 2 without wet hair, fins and groom textures. Kept permanently, so that
+//! packages of version 1 stay readable; the order of the fields must not change.
 
 use super::data::{Bounds, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, TextureEntry};
 use super::v2;
@@ -87,7 +87,7 @@ impl From<ManifestV1> for Manifest {
 }
 
 impl TryFrom<&Manifest> for ManifestV1 {
-    /// The path of the field that version 1 has no place for.
+    /// Path of the field that version 1 cannot store.
     type Error = String;
 
     fn try_from(new: &Manifest) -> Result<Self, String> {

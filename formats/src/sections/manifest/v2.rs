@@ -1,15 +1,15 @@
-//! The manifest of version 2: the same as today's without its end, levels of detail and the evidence of a choice. Kept for ever, so that
-//! packages of version 2 stay readable.
+//! Manifest of version 2: the current one without its last fields, levels of detail and the record of a choice. Kept
+//! permanently, so that packages of version 2 stay readable.
 
 use super::data::Manifest;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::tag::Tag;
 
-/// What version 3 added to the end, all of it none: option, list and option.
+/// Fields that version 3 appended, all empty: option, list and option.
 const SINCE_VERSION_3: [u8; 10] = [0; 10];
 
-/// The path of the first field that came with version 3 and is given.
+/// Returns the path of the first field that is set and was added in version 3.
 pub(super) fn beyond(manifest: &Manifest) -> Option<&'static str> {
     let fields = [
         ("coat", manifest.coat.is_some()),
@@ -19,11 +19,11 @@ pub(super) fn beyond(manifest: &Manifest) -> Option<&'static str> {
     fields.iter().find(|(_, given)| *given).map(|(what, _)| *what)
 }
 
-/// Reads the section that begins at `offset` of a package.
+/// Reads the section at `offset` of a package.
 pub(super) fn decode(offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError> {
     let manifest: Manifest = decode_section(Tag::MANIFEST, offset, &[bytes, &SINCE_VERSION_3].concat())?;
     match beyond(&manifest) {
-        // Bytes of the section that went on as version 3 would.
+        // Bytes of the section that continue as in version 3.
         Some(what) => {
             let reason = format!("bytes of {what} behind the manifest of version 2, expected its end");
             Err(FormatError::Content { tag: Tag::MANIFEST, offset, reason })
@@ -32,7 +32,7 @@ pub(super) fn decode(offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError>
     }
 }
 
-/// Writes the section; fails for a manifest with fields that version 2 has no place for.
+/// Writes the section; fails for a manifest with fields that version 2 cannot store.
 pub(super) fn encode(manifest: &Manifest) -> Result<Vec<u8>, FormatError> {
     if let Some(what) = beyond(manifest) {
         let reason = format!("{what} is given, expected none in version 2 of the format");

@@ -1,75 +1,75 @@
-//! Strands as numbers of their unit, and as the whole numbers that a package stores.
+//! Strands in physical units, and in the integers that a package stores.
 
-/// A point of a strand as a package stores it.
+/// Point of a strand, in physical units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StrandPoint {
-    /// Way from the root along u and v, widths of the tile.
+    /// Offset from the root along u and v, widths of the tile.
     pub aside: [f32; 2],
-    /// Share of the fur's height, 0..=1.
+    /// Height as a share of the fur's height, 0..=1.
     pub height: f32,
-    /// Widths of the tile.
+    /// Radius, widths of the tile.
     pub radius: f32,
-    /// sRGB, times the skin's colour at the root.
+    /// Colour, sRGB, multiplied with the surface colour at the root.
     pub color: [u8; 3],
-    /// How much light reaches it, as in a texel of [`crate::VisibilityInfo`].
+    /// Visibility of light, as in a texel of [`crate::VisibilityInfo`].
     pub visibility: [u8; 4],
 }
 
 /// Strands to be written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StrandsData {
-    /// Points of each strand, 2..=33, equally far from each other along it.
+    /// Points of each strand, 2..=33, equally spaced along it.
     pub points_per_strand: u32,
-    /// Place of each root in the tile, 0..1. The first few are an even sample of all, however many.
+    /// Position of each root in the tile, 0..1. Any prefix is an even sample of all.
     pub roots: Vec<[f32; 2]>,
-    /// Of each strand, root first; then those of the same strands when they are wet, where dry and wet hair mix.
+    /// Points of each strand, root first; if dry and wet hair blend, followed by those of the same strands when wet.
     pub points: Vec<StrandPoint>,
 }
 
-/// What the largest numbers of a stored point stand for.
+/// Values represented by the largest integers of a stored point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StrandScale {
-    /// Way along u or v, widths of the tile; above 0.
+    /// Offset along u or v, widths of the tile; above 0.
     pub reach: f32,
     /// Radius, widths of the tile; above 0.
     pub radius: f32,
 }
 
-/// A point of a strand in the whole numbers of the section.
+/// Point of a strand in the integers of the section.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StoredStrandPoint {
-    /// Over 32767 of [`StrandScale::reach`]; −32768 counts as −32767.
+    /// Offset in units of [`StrandScale::reach`] / 32767; −32768 counts as −32767.
     pub aside: [i16; 2],
-    /// Over 65535 of the fur's height.
+    /// Height in units of the fur's height / 65535.
     pub height: u16,
-    /// Over 65535 of [`StrandScale::radius`].
+    /// Radius in units of [`StrandScale::radius`] / 65535.
     pub radius: u16,
-    /// As [`StrandPoint::color`].
+    /// Colour, as [`StrandPoint::color`].
     pub color: [u8; 3],
-    /// As [`StrandPoint::visibility`].
+    /// Visibility of light, as [`StrandPoint::visibility`].
     pub visibility: [u8; 4],
 }
 
-/// The strands of a section as its bytes have them, for programs that take packages apart and put them together again.
+/// Strands of a section as stored, for programs that take packages apart and put them together again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StoredStrands {
-    /// As [`StrandsData::points_per_strand`].
+    /// Points of each strand, as [`StrandsData::points_per_strand`].
     pub points_per_strand: u32,
-    /// What the numbers of points stand for.
+    /// Scale of the points' integers.
     pub scale: StrandScale,
-    /// As [`StrandsData::roots`]: the middle of what each number stands for, over 65536.
+    /// Roots, as [`StrandsData::roots`], in units of 1/65536; each represents the middle of its interval.
     pub roots: Vec<[u16; 2]>,
-    /// As [`StrandsData::points`].
+    /// Points, as [`StrandsData::points`].
     pub points: Vec<StoredStrandPoint>,
 }
 
-/// The middle of what the numbers of a root stand for, 0..1.
+/// Returns the position of a stored root, the middle of its interval, 0..1.
 pub fn strand_root(stored: [u16; 2]) -> [f32; 2] {
     stored.map(|x| (f32::from(x) + 0.5) / 65536.0)
 }
 
 impl StrandPoint {
-    /// The nearest numbers of the section; what is beyond their range becomes the end of it.
+    /// Rounds the point to the integers of the section; values out of range are clamped.
     pub fn stored(&self, scale: StrandScale) -> StoredStrandPoint {
         let unorm = |x: f32| (x * 65535.0 + 0.5) as u16;
         StoredStrandPoint {
@@ -83,7 +83,7 @@ impl StrandPoint {
 }
 
 impl StoredStrandPoint {
-    /// What the numbers stand for.
+    /// Decodes the integers.
     pub fn decoded(&self, scale: StrandScale) -> StrandPoint {
         StrandPoint {
             aside: self.aside.map(|x| f32::from(x.max(-32767)) / 32767.0 * scale.reach),
@@ -96,8 +96,7 @@ impl StoredStrandPoint {
 }
 
 impl StoredStrands {
-    /// The numbers that strands are stored as, with the least scale that holds all of them. Says what is wrong where counts do not fit each other, or a
-    /// number is out of its range.
+    /// Converts strands to integers, with the smallest scale that holds all of them. Fails if a number is out of range.
     pub(super) fn of(data: &StrandsData) -> Result<Self, String> {
         let sane = data.points.iter().all(|p| {
             p.aside.iter().all(|x| x.is_finite())

@@ -27,9 +27,9 @@ pub(crate) const KIND: Kind = Kind {
 };
 
 impl<'a> Package<'a> {
-    /// The strands of the tile; `None` for a package without. Every number is checked once.
+    /// Returns the strands of the tile; `None` if the package has none. Every number is checked once.
     ///
-    /// Fails where the section is damaged, or does not fit the manifest's fur.
+    /// Fails if the section is damaged, or is inconsistent with the manifest's fur.
     pub fn strands(&self) -> Result<Option<StrandsView<'a>>, FormatError> {
         let Some((index, section)) = self.find(Tag::STRANDS, 0) else { return Ok(None) };
         let header = self.keep(index, || {
@@ -62,7 +62,7 @@ impl PackageWriter<'_> {
         self.encoded(Tag::STRANDS, stored.and_then(|stored| encode(&stored)))
     }
 
-    /// Adds the strands of the tile in the whole numbers of the section.
+    /// Adds the strands of the tile as integers of the section.
     pub fn stored_strands(self, strands: &StoredStrands) -> Self {
         self.encoded(Tag::STRANDS, encode(strands))
     }
@@ -77,7 +77,7 @@ pub struct StrandsView<'a> {
 }
 
 impl fmt::Debug for StrandsView<'_> {
-    /// Says how many, not each.
+    /// Formats the header only.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "StrandsView({:?})", self.header)
     }
@@ -86,10 +86,10 @@ impl fmt::Debug for StrandsView<'_> {
 const HEADER_BYTES: u64 = 32;
 const ROOT_BYTES: u64 = 4;
 const POINT_BYTES: u64 = 16;
-/// Most points of a strand.
+/// Maximum number of points of a strand.
 const MOST_POINTS: u32 = 33;
 
-/// What the layout and the numbers of the section follow from.
+/// Header, which determines the layout and scale of the section.
 #[derive(Clone, Copy, Debug)]
 struct Header {
     strands: u32,
@@ -98,19 +98,19 @@ struct Header {
     scale: StrandScale,
 }
 
-/// Offsets of the first point, and the end, relative to the section.
+/// Returns the offset of the first point and the end, relative to the section.
 fn layout(header: Header) -> [u64; 2] {
     let [strands, points, sets] = [header.strands, header.points, header.sets].map(u64::from);
     let first = (HEADER_BYTES + ROOT_BYTES * strands).next_multiple_of(16);
     [first, first + POINT_BYTES * strands * points * sets]
 }
 
-/// A fault of strands that are to be written.
+/// Returns an error for strands to be written.
 fn fault(reason: String) -> FormatError {
     FormatError::Content { tag: Tag::STRANDS, offset: 0, reason }
 }
 
-/// How many sets so many points are. Fails where counts do not fit each other.
+/// Returns the number of sets of points, one or two. Fails if the counts are inconsistent.
 fn counted(strands: usize, per_strand: u32, points: usize) -> Result<u32, FormatError> {
     match strands.checked_mul(per_strand as usize) {
         Some(of_set) if of_set > 0 && points == of_set => Ok(1),
@@ -119,7 +119,7 @@ fn counted(strands: usize, per_strand: u32, points: usize) -> Result<u32, Format
     }
 }
 
-/// Bytes of the section. Fails where counts do not fit each other, or a number is out of its range.
+/// Returns the bytes of the section. Fails if counts are inconsistent, or a number is out of range.
 fn encode(data: &StoredStrands) -> Result<Vec<u8>, FormatError> {
     let header = Header {
         strands: u32::try_from(data.roots.len()).map_err(|_| fault("more than 2^32 strands".into()))?,
@@ -146,7 +146,7 @@ fn encode(data: &StoredStrands) -> Result<Vec<u8>, FormatError> {
 }
 
 impl<'a> StrandsView<'a> {
-    /// Reads the section that begins at `offset` of the package and checks every number in it by itself.
+    /// Reads the section at `offset` of the package and checks every number in it, independently of other sections.
     fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
         let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::STRANDS, offset: offset + at, reason };
         if (bytes.len() as u64) < HEADER_BYTES {
@@ -191,55 +191,55 @@ impl<'a> StrandsView<'a> {
         Ok(view)
     }
 
-    /// The strands of a section of that header, which is as long as it asks for.
+    /// Returns the strands of a section with that header, whose length matches it.
     fn of(bytes: &'a [u8], header: Header) -> Self {
         let first = layout(header)[0] as usize;
         let roots = &bytes[HEADER_BYTES as usize..(HEADER_BYTES + ROOT_BYTES * u64::from(header.strands)) as usize];
         Self { header, roots, points: &bytes[first..] }
     }
 
-    /// Number of strands.
+    /// Returns the number of strands.
     pub fn strand_count(&self) -> u32 {
         self.header.strands
     }
 
-    /// Points of each strand.
+    /// Returns the number of points of each strand.
     pub fn points_per_strand(&self) -> u32 {
         self.header.points
     }
 
-    /// Whether the same strands follow as they are when wet.
+    /// Whether a second set of points describes the strands when wet.
     pub fn has_wet(&self) -> bool {
         self.header.sets == 2
     }
 
-    /// Way along u or v that the largest number of a point stands for, widths of the tile.
+    /// Returns the offset along u or v that the largest integer of a point represents, widths of the tile.
     pub fn reach(&self) -> f32 {
         self.header.scale.reach
     }
 
-    /// Radius that the largest number of a point stands for, widths of the tile.
+    /// Returns the radius that the largest integer of a point represents, widths of the tile.
     pub fn radius(&self) -> f32 {
         self.header.scale.radius
     }
 
-    /// Points as they are stored, 16 bytes each, ready to upload.
+    /// Returns the stored points, 16 bytes each, ready to upload.
     pub fn point_bytes(&self) -> &'a [u8] {
         self.points
     }
 
-    /// Places of the roots in the tile, 0..1.
+    /// Returns the positions of the roots in the tile, 0..1.
     pub fn roots(&self) -> impl ExactSizeIterator<Item = [f32; 2]> + 'a {
         self.stored_roots().map(strand_root)
     }
 
-    /// All points, decoded: of each strand, root first; then of the wet ones.
+    /// Decodes all points: those of each strand, root first; then those of the wet strands.
     pub fn points(&self) -> impl ExactSizeIterator<Item = StrandPoint> + 'a {
         let scale = self.header.scale;
         self.stored_points().map(move |point| point.decoded(scale))
     }
 
-    /// All of it in the whole numbers that stand in the section.
+    /// Returns the contents as the integers of the section.
     pub fn stored(&self) -> StoredStrands {
         StoredStrands {
             points_per_strand: self.header.points,

@@ -1,16 +1,19 @@
-//! Blocks back into texels: for who looks at a package without a GPU, and for devices that cannot sample blocks, or only slowly.
+//! Decoding of blocks into texels: for readers without a GPU, and for devices that cannot sample blocks, or only
+//! slowly.
 
 use super::format::TextureFormat;
 use super::view::TextureView;
 
 impl TextureFormat {
-    /// The format without blocks that [`TextureView::rgba8`] decodes to: four bytes a texel, sRGB where this is.
+    /// Returns the uncompressed format that [`TextureView::rgba8`] decodes to: four bytes per texel, sRGB if this
+    /// format is.
     pub fn decoded(self) -> Self {
         if self.is_srgb() { Self::Rgba8Srgb } else { Self::Rgba8Unorm }
     }
 
-    /// `width * height` texels of this format as RGBA8, row-major from the top, encoded as they are stored. Of formats with two components blue is 0
-    /// and alpha 255; of half floats, 0 to 255 stand for 0 to 1. `None` where `data` is not as long as [`Self::layer_bytes`] says.
+    /// Decodes `width * height` texels of this format to RGBA8, row-major from the top, with their encoding unchanged.
+    /// For formats with two components, blue is 0 and alpha 255; for half floats, 0 to 255 represent 0 to 1. `None` if
+    /// the length of `data` is not [`Self::layer_bytes`].
     pub fn to_rgba8(self, data: &[u8], width: u32, height: u32) -> Option<Vec<u8>> {
         if data.len() as u64 != self.layer_bytes(width, height) {
             return None;
@@ -31,12 +34,12 @@ impl TextureFormat {
     }
 }
 
-/// A little-endian number of IEEE 754 binary16.
+/// Decodes a little-endian IEEE 754 binary16 number.
 pub(crate) fn half_to_f32(bytes: [u8; 2]) -> f32 {
     let half = u32::from(u16::from_le_bytes(bytes));
     let (sign, exponent, fraction) = ((half & 0x8000) << 16, half >> 10 & 0x1f, half & 0x3ff);
     match exponent {
-        // A fraction of 2^-24.
+        // Subnormal: a multiple of 2^-24.
         0 => f32::from_bits(sign | (fraction as f32 / 16_777_216.0).to_bits()),
         31 => f32::from_bits(sign | 0x7f80_0000 | fraction << 13),
         _ => f32::from_bits(sign | (exponent + 112) << 23 | fraction << 13),
@@ -44,7 +47,8 @@ pub(crate) fn half_to_f32(bytes: [u8; 2]) -> f32 {
 }
 
 impl TextureView<'_> {
-    /// A layer of level 0 of half floats, four numbers a texel; `None` for a layer that is not there, and for another format.
+    /// Returns a layer of level 0 of half floats, four numbers per texel; `None` for a layer that does not exist, and
+    /// for another format.
     pub fn floats(&self, layer: u32) -> Option<Vec<[f32; 4]>> {
         let size = usize::try_from(self.format.layer_bytes(self.width, self.height)).ok()?;
         let data = self.level(0).chunks_exact(size.max(1)).nth(layer as usize)?;
@@ -52,7 +56,8 @@ impl TextureView<'_> {
         (self.format == TextureFormat::Rgba16Float).then(|| data.chunks_exact(8).map(texel).collect())
     }
 
-    /// One array layer of one mip level as [`TextureFormat::to_rgba8`] has it; `None` for a level or layer that is not there.
+    /// Decodes an array layer of a mip level with [`TextureFormat::to_rgba8`]; `None` for a level or layer that does
+    /// not exist.
     pub fn rgba8(&self, level: u32, layer: u32) -> Option<Vec<u8>> {
         let (width, height) = self.level_size(level);
         let size = usize::try_from(self.format.layer_bytes(width, height)).ok()?;
@@ -88,7 +93,7 @@ mod tests {
         assert_eq!(TextureFormat::Rgba16Float.to_rgba8(&texel, 1, 1), Some(vec![255, 128, 0, 255]));
     }
 
-    /// A block of BC5 whose ends are 0 and 255 with all indices 0, and any block at all of BC7: no block is invalid.
+    /// Decodes a BC5 block with endpoints 0 and 255 and all indices 0, and arbitrary BC7 blocks: no block is invalid.
     #[test]
     fn blocks_of_partial_levels_are_decoded() {
         let mut block = [0u8; 16];

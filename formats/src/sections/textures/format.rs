@@ -1,13 +1,13 @@
 //! Texel formats.
 
-/// Texel formats that packages hold.
+/// Texel format of a texture in a package.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TextureFormat {
-    /// Four bytes a texel, colour sRGB-encoded.
+    /// Four bytes per texel, colour sRGB-encoded.
     Rgba8Srgb,
-    /// Four bytes a texel.
+    /// Four bytes per texel.
     Rgba8Unorm,
-    /// Two bytes a texel.
+    /// Two bytes per texel.
     Rg8Unorm,
     /// 16 bytes per 4×4 block, RGBA, colour sRGB-encoded.
     Bc7Srgb,
@@ -15,12 +15,12 @@ pub enum TextureFormat {
     Bc7Unorm,
     /// 16 bytes per 4×4 block, two components.
     Bc5Unorm,
-    /// Eight bytes a texel: four numbers of IEEE 754 binary16.
+    /// Eight bytes per texel: four IEEE 754 binary16 numbers.
     Rgba16Float,
 }
 
 impl TextureFormat {
-    /// All of them, for tables.
+    /// All formats, for tables.
     pub const ALL: [Self; 7] = [
         Self::Rgba8Srgb,
         Self::Rgba8Unorm,
@@ -35,7 +35,7 @@ impl TextureFormat {
         Self::ALL.into_iter().find(|f| f.ktx2() == format)
     }
 
-    /// The same format in the `ktx2` crate's words.
+    /// Returns the format as a type of the `ktx2` crate.
     pub fn ktx2(self) -> ktx2::Format {
         match self {
             Self::Rgba8Srgb => ktx2::Format::R8G8B8A8_SRGB,
@@ -48,7 +48,7 @@ impl TextureFormat {
         }
     }
 
-    /// Texels along a block's edge: 1 or 4.
+    /// Returns the edge length of a block, texels: 1 or 4.
     pub fn block_size(self) -> u32 {
         match self {
             Self::Rgba8Srgb | Self::Rgba8Unorm | Self::Rg8Unorm | Self::Rgba16Float => 1,
@@ -56,7 +56,7 @@ impl TextureFormat {
         }
     }
 
-    /// Bytes of one block.
+    /// Returns the size of a block, bytes.
     pub fn block_bytes(self) -> u32 {
         match self {
             Self::Rgba8Srgb | Self::Rgba8Unorm => 4,
@@ -66,12 +66,13 @@ impl TextureFormat {
         }
     }
 
-    /// Bytes of the numbers that texels are made of, which a big-endian machine would have to turn round: 1 or 2.
+    /// Returns the size of the numbers that texels consist of, whose bytes a big-endian machine would have to swap: 1
+    /// or 2.
     pub fn type_size(self) -> u32 {
         if self == Self::Rgba16Float { 2 } else { 1 }
     }
 
-    /// Channels a sampler returns that carry data.
+    /// Returns the number of channels that carry data in a sampler's result.
     pub fn components(self) -> u32 {
         match self {
             Self::Rg8Unorm | Self::Bc5Unorm => 2,
@@ -79,7 +80,7 @@ impl TextureFormat {
         }
     }
 
-    /// Name in WebGPU.
+    /// Returns the name in WebGPU.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rgba8Srgb => "rgba8unorm-srgb",
@@ -97,7 +98,7 @@ impl TextureFormat {
         matches!(self, Self::Rgba8Srgb | Self::Bc7Srgb)
     }
 
-    /// Bytes of one layer of `width × height` texels; `u64::MAX` where that is more.
+    /// Returns the size of one layer of `width × height` texels, bytes; `u64::MAX` if larger.
     pub fn layer_bytes(self, width: u32, height: u32) -> u64 {
         let blocks = |texels: u32| u64::from(texels.div_ceil(self.block_size()));
         (blocks(width) * blocks(height)).saturating_mul(self.block_bytes().into())

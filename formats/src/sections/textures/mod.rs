@@ -1,4 +1,4 @@
-//! `KTX2` sections: complete .ktx2 files, one for each texture of the manifest, and what they must be for their use.
+//! `KTX2` sections: complete .ktx2 files, one for each texture of the manifest, and the requirements of their use.
 
 mod decode;
 mod format;
@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 pub use view::TextureView;
 
 impl Tag {
-    /// A complete .ktx2 file; the k-th one belongs to the k-th texture of the manifest.
+    /// Complete .ktx2 file; the k-th one belongs to the k-th texture of the manifest.
     pub const TEXTURE: Self = Self(*b"KTX2");
 }
 
@@ -32,7 +32,7 @@ pub(crate) const KIND: Kind = Kind {
     },
 };
 
-/// Whether the textures of materials are fit for them: each texture once, however many materials share it.
+/// Checks that the textures of materials suit their use: each texture once, however many materials share it.
 fn check_materials(package: &Package<'_>) -> Vec<FormatError> {
     let (mut colors, mut grooms) = (BTreeSet::new(), BTreeSet::new());
     let mut faults = Vec::new();
@@ -47,17 +47,17 @@ fn check_materials(package: &Package<'_>) -> Vec<FormatError> {
     faults
 }
 
-/// A pair of hair textures, see [`Package::fur_textures`], [`Package::wet_textures`] and [`Package::fin_textures`].
+/// Pair of hair textures, see [`Package::fur_textures`], [`Package::wet_textures`] and [`Package::fin_textures`].
 #[derive(Clone, Copy, Debug)]
 pub struct FurTextures<'a> {
-    /// Premultiplied colour and opacity, one array layer per shell, skin first, or per slab.
+    /// Premultiplied colour and opacity; one array layer per shell, the surface first, or per slab.
     pub color: TextureView<'a>,
     /// Hair direction in the tile frame, of the same size (`FORMAT.md`, "Directions").
     pub direction: TextureView<'a>,
 }
 
 impl<'a> Package<'a> {
-    /// Texture number `index` of the manifest. Its file is checked once; what came of it is kept.
+    /// Returns texture number `index` of the manifest. Its file is checked once; the result is cached.
     pub fn texture(&self, index: u32) -> Result<TextureView<'a>, FormatError> {
         let (at, section) = self.find(Tag::TEXTURE, index as usize).ok_or_else(|| FormatError::MissingSection {
             tag: Tag::TEXTURE,
@@ -71,7 +71,7 @@ impl<'a> Package<'a> {
         Ok(TextureView::of(self.section_bytes(at)?, shape))
     }
 
-    /// As [`Self::texture`], of texels that are no numbers of a table.
+    /// Returns a texture like [`Self::texture`]; fails for half floats, which only lookup tables use.
     pub(crate) fn picture(&self, index: u32) -> Result<TextureView<'a>, FormatError> {
         let view = self.texture(index)?;
         if view.format == TextureFormat::Rgba16Float {
@@ -81,17 +81,17 @@ impl<'a> Package<'a> {
         Ok(view)
     }
 
-    /// Where texture number `index` of the manifest lies and what it is called, for an error about its use.
+    /// Returns an error about the use of texture number `index` of the manifest, with its position and name.
     pub(crate) fn texture_fault(&self, index: u32, reason: &str) -> FormatError {
         let offset = self.find(Tag::TEXTURE, index as usize).map_or(0, |(_, section)| section.offset);
         let name = self.manifest().textures.get(index as usize).map_or("", |t| &t.name);
         FormatError::Content { tag: Tag::TEXTURE, offset, reason: format!("texture {name:?} {reason}") }
     }
 
-    /// The two shell textures; `None` for a package without fur.
+    /// Returns the two shell textures; `None` if the package has no fur.
     ///
-    /// Fails where one of them is damaged or not as [`crate::FurInfo`] says: an array layer for each of `layers` and for the
-    /// coat, `tile_texels` square, colour with four components, directions in a format that is not sRGB.
+    /// Fails if a texture is damaged or inconsistent with [`crate::FurInfo`]: an array layer for each of `layers` and
+    /// for the far layer, `tile_texels` square, colour with four components, directions in a format that is not sRGB.
     pub fn fur_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
         let fur = &self.manifest().fur;
         if fur.layers == 0 {
@@ -101,7 +101,8 @@ impl<'a> Package<'a> {
         self.hair_textures("fur", size, fur.color_texture, fur.direction_texture).map(Some)
     }
 
-    /// The two textures of wet hair; `None` for a package without. They are as [`Package::fur_textures`], which see for errors.
+    /// Returns the two textures of wet hair; `None` if the package has none. Format and errors are as for
+    /// [`Package::fur_textures`].
     pub fn wet_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
         let fur = &self.manifest().fur;
         let Some(wet) = &fur.wet else { return Ok(None) };
@@ -109,7 +110,8 @@ impl<'a> Package<'a> {
         self.hair_textures("fur.wet", size, wet.color_texture, wet.direction_texture).map(Some)
     }
 
-    /// Fails where dry and wet hair do not mix: a shader reads the directions of both in one way. What else is wrong with them, others say.
+    /// Fails if dry and wet hair cannot be blended: a shader decodes the directions of both in the same way. Other
+    /// faults of the textures are reported elsewhere.
     pub(crate) fn wet_like_dry(&self) -> Result<(), FormatError> {
         let (Ok(Some(dry)), Ok(Some(wet)), Some(info)) =
             (self.fur_textures(), self.wet_textures(), &self.manifest().fur.wet)
@@ -125,7 +127,7 @@ impl<'a> Package<'a> {
         Err(self.texture_fault(info.direction_texture, &reason))
     }
 
-    /// A pair of textures of hair, colour and direction, of `size` texels across, down and array layers.
+    /// Returns a pair of hair textures, colour and direction. `size` is width, height and number of array layers.
     pub(crate) fn hair_textures(
         &self,
         whose: &str,
@@ -155,9 +157,10 @@ impl<'a> Package<'a> {
         Ok(FurTextures { color, direction })
     }
 
-    /// The base-colour texture of a material; `None` for a material without one, or a material that does not exist.
+    /// Returns the base-colour texture of a material; `None` for a material without one, or a material that does not
+    /// exist.
     ///
-    /// Fails where the texture is damaged, has more than one array layer, or has not four components.
+    /// Fails if the texture is damaged, has more than one array layer, or does not have four components.
     pub fn base_color_texture(&self, material: usize) -> Result<Option<TextureView<'a>>, FormatError> {
         let Some(index) = self.manifest().materials.get(material).and_then(|m| m.base_color_texture) else {
             return Ok(None);
@@ -173,9 +176,9 @@ impl<'a> Package<'a> {
         Ok(Some(view))
     }
 
-    /// The groom texture of a material; `None` for a material without one, or a material that does not exist.
+    /// Returns the groom texture of a material; `None` for a material without one, or a material that does not exist.
     ///
-    /// Fails where the texture is damaged, has more than one array layer, or an sRGB format.
+    /// Fails if the texture is damaged, has more than one array layer, or has an sRGB format.
     pub fn groom_texture(&self, material: usize) -> Result<Option<TextureView<'a>>, FormatError> {
         let Some(index) = self.manifest().materials.get(material).and_then(|m| m.groom_texture) else {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! One .ktx2 file, decoded with the `ktx2` crate and narrowed to what the runtime can upload as it is.
+//! A .ktx2 file, decoded with the `ktx2` crate and restricted to what the runtime can upload unchanged.
 
 use super::format::TextureFormat;
 use crate::error::FormatError;
@@ -6,7 +6,7 @@ use crate::limits::Limits;
 use crate::tag::Tag;
 use std::fmt;
 
-/// A texture of an opened package. Its levels are slices of the package's bytes.
+/// Texture of an opened package. Its levels are slices of the package's bytes.
 #[derive(Clone, Copy)]
 pub struct TextureView<'a> {
     /// Texel format.
@@ -15,16 +15,16 @@ pub struct TextureView<'a> {
     pub width: u32,
     /// Height of level 0, texels.
     pub height: u32,
-    /// Array layers, at least 1.
+    /// Number of array layers, at least 1.
     pub layers: u32,
-    /// Mip levels, at least 1.
+    /// Number of mip levels, at least 1.
     pub levels: u32,
-    /// The whole .ktx2 file.
+    /// Complete .ktx2 file.
     pub ktx2: &'a [u8],
 }
 
 impl fmt::Debug for TextureView<'_> {
-    /// Says what the texture is, not its megabytes.
+    /// Formats the header only.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { format, width, height, layers, levels, ktx2 } = self;
         let bytes = ktx2.len();
@@ -32,10 +32,10 @@ impl fmt::Debug for TextureView<'_> {
     }
 }
 
-/// Bytes of an entry of the level index, which follows the header.
+/// Size of an entry of the level index, which follows the header, bytes.
 const LEVEL_ENTRY: usize = ktx2::LevelIndex::LENGTH;
 
-/// Where a .ktx2 file lies in the package, for errors.
+/// Position of a .ktx2 file in the package, for errors.
 #[derive(Clone, Copy)]
 struct Place(u64);
 
@@ -45,7 +45,7 @@ impl Place {
     }
 }
 
-/// What a texture's header says, once it is checked.
+/// Checked contents of a texture's header.
 #[derive(Clone, Copy)]
 pub(super) struct Shape {
     format: TextureFormat,
@@ -56,7 +56,7 @@ pub(super) struct Shape {
 }
 
 impl<'a> TextureView<'a> {
-    /// The texture that a file of this shape holds.
+    /// Returns the texture in a file of this shape.
     pub(super) fn of(ktx2: &'a [u8], shape: Shape) -> Self {
         let Shape { format, width, height, layers, levels } = shape;
         Self { format, width, height, layers, levels, ktx2 }
@@ -67,18 +67,19 @@ impl<'a> TextureView<'a> {
         Shape { format, width, height, layers, levels }
     }
 
-    /// Reads a .ktx2 file. `offset` is where it begins in the package and only serves errors: 0 for a file on its own.
+    /// Reads a .ktx2 file. `offset` is its position in the package and only used in errors: 0 for a file on its own.
     ///
-    /// Accepted are 2D textures and 2D arrays in a [`TextureFormat`], not supercompressed, whose levels lie as KTX 2.0 asks
-    /// (smallest first, aligned, none overlapping) and whose data format descriptor agrees with the format. Block-compressed
-    /// ones must be whole blocks at level 0, as WebGPU asks. Key/value data is not looked at.
+    /// Accepts 2D textures and 2D arrays in a [`TextureFormat`], without supercompression. Their levels must be laid
+    /// out as KTX 2.0 requires (smallest first, aligned, none overlapping), and their data format descriptor must agree
+    /// with the format. Block-compressed textures must have whole blocks at level 0, as WebGPU requires. Key/value data
+    /// is ignored.
     ///
     /// # Errors
     ///
     /// [`FormatError::Limit`] for sizes above `limits`, [`FormatError::Content`] for everything else.
     pub fn parse(ktx2: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
-        // The crate's types decode the header and the level index. Its `Reader` is not used: it panics on a descriptor whose
-        // block dimension is 255, and its errors do not say where.
+        // The crate's types decode the header and the level index. Its `Reader` is not used: it panics on a descriptor
+        // with block dimension 255, and its errors have no position.
         let place = Place(offset);
         let header: &[u8; ktx2::Header::LENGTH] = ktx2.first_chunk().ok_or_else(|| {
             place.fail(0, format!("{} bytes, expected a KTX2 header of {}", ktx2.len(), ktx2::Header::LENGTH))
@@ -126,7 +127,7 @@ impl<'a> TextureView<'a> {
             return Err(place.fail(20, format!("{w}x{h} texels, expected multiples of {block} for {}", format.name())));
         }
         let full_chain = 32 - view.width.max(view.height).leading_zeros();
-        // 0 levels would mean that the reader makes the mips.
+        // 0 levels would mean that the reader generates the mips.
         if header.level_count == 0 || header.level_count > full_chain {
             return Err(place.fail(40, format!("{} mip levels, expected 1 to {full_chain}", header.level_count)));
         }
@@ -135,7 +136,7 @@ impl<'a> TextureView<'a> {
         Ok(view)
     }
 
-    /// Checks where descriptor, key/value and global data lie, and the descriptor's contents. Returns where they end.
+    /// Checks the positions of descriptor, key/value and global data, and the descriptor's contents. Returns their end.
     fn check_metadata(&self, place: Place, index: &ktx2::Index) -> Result<u64, FormatError> {
         let index_end = (ktx2::Header::LENGTH + LEVEL_ENTRY * self.levels as usize) as u64;
         let mut end = index_end;
@@ -163,7 +164,8 @@ impl<'a> TextureView<'a> {
         Ok(end)
     }
 
-    /// The descriptor says a second time what the format says. Where the two disagree, tools disagree about the colours.
+    /// Checks that the descriptor, which repeats the format, agrees with it. Otherwise tools would disagree about the
+    /// colours.
     fn check_descriptor(&self, place: Place, offset: u32, length: u32) -> Result<(), FormatError> {
         let (expected, _) = ktx2::dfd::Basic::from_format(self.format.ktx2())
             .map_err(|e| place.fail(12, format!("no data format descriptor for {}: {e}", self.format.name())))?;
@@ -192,7 +194,7 @@ impl<'a> TextureView<'a> {
     }
 
     fn check_levels(&self, place: Place, mut end: u64) -> Result<(), FormatError> {
-        // Least common multiple of the block's bytes and 4: 4 for 2 and 4, 16 for 16.
+        // Least common multiple of the block's size and 4: 4 for 2 and 4, 16 for 16.
         let alignment = u64::from(self.format.block_bytes().max(4));
         for level in (0..self.levels).rev() {
             let at = (ktx2::Header::LENGTH + LEVEL_ENTRY * level as usize) as u64;
@@ -229,24 +231,24 @@ impl<'a> TextureView<'a> {
         Some(ktx2::LevelIndex::from_bytes(self.ktx2.get(at..)?.first_chunk()?))
     }
 
-    /// Width and height of a level, texels.
+    /// Returns width and height of a level, texels.
     pub fn level_size(&self, level: u32) -> (u32, u32) {
         let size = |texels: u32| texels.checked_shr(level).unwrap_or(0).max(1);
         (size(self.width), size(self.height))
     }
 
-    /// Bytes of a level, all layers; `u64::MAX` where that is more.
+    /// Returns the size of a level, all layers, bytes; `u64::MAX` if larger.
     pub fn level_bytes(&self, level: u32) -> u64 {
         let (width, height) = self.level_size(level);
         self.format.layer_bytes(width, height).saturating_mul(self.layers.into())
     }
 
-    /// Bytes of all levels: what the texture takes on the GPU.
+    /// Returns the size of all levels, bytes: the memory of the texture on the GPU.
     pub fn gpu_bytes(&self) -> u64 {
         self.gpu_bytes_as(self.format)
     }
 
-    /// As [`Self::gpu_bytes`], had its texels another format.
+    /// Returns [`Self::gpu_bytes`] for texels in another format.
     pub fn gpu_bytes_as(&self, format: TextureFormat) -> u64 {
         let level = |level| {
             let (width, height) = self.level_size(level);
@@ -255,7 +257,8 @@ impl<'a> TextureView<'a> {
         (0..self.levels.min(32)).map(level).fold(0, u64::saturating_add)
     }
 
-    /// Data of a level: layer after layer, rows of blocks without padding. Empty for a level that does not exist.
+    /// Returns the data of a level: layer after layer, rows of blocks without padding. Empty for a level that does not
+    /// exist.
     pub fn level(&self, level: u32) -> &'a [u8] {
         let find = || {
             let entry = self.level_entry(level)?;
@@ -270,7 +273,8 @@ impl<'a> TextureView<'a> {
 /// Bytes of the descriptor that a writer may choose: the colour primaries and the flags (premultiplied alpha).
 const DESCRIPTOR_FREE: [usize; 2] = [13, 15];
 
-/// The name of a format. Pages have its number in `VkFormat` alone: the names of all formats would be a hundredth of what a page loads.
+/// Returns the name of a format. On WebAssembly it is only the number in `VkFormat`: the names of all formats would be
+/// a hundredth of the download.
 fn name_of(format: ktx2::Format) -> String {
     if cfg!(target_family = "wasm") { format!("VkFormat {}", format.value()) } else { format!("{format:?}") }
 }

@@ -1,4 +1,5 @@
-//! Things that several tests need: a minimal .ktx2 writer (the real one is in bake) and a package with everything in it.
+//! Helpers shared by several tests: a minimal .ktx2 writer (the real one is in bake) and a package with everything in
+//! it.
 #![allow(dead_code, reason = "the tests of the command include this module too, and each uses its own part of it")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
@@ -6,7 +7,8 @@ pub mod random;
 
 use pelage_formats::*;
 
-/// A .ktx2 file whose data are the bytes `seed`, `seed + 1`, … in file order. `layers` 0 is a texture that is no array.
+/// Returns a .ktx2 file whose data are the bytes `seed`, `seed + 1`, … in file order. With `layers` 0 the texture is
+/// not an array.
 pub fn ktx2_file(format: TextureFormat, width: u32, height: u32, layers: u32, levels: u32, seed: u8) -> Vec<u8> {
     let (basic, type_size) = ktx2::dfd::Basic::from_format(format.ktx2()).unwrap();
     let descriptor = ktx2::dfd::Block::Basic(basic).to_vec();
@@ -108,7 +110,7 @@ pub fn sample_animation() -> Animation {
     }
 }
 
-/// A manifest that fits [`sample_mesh`] and the textures of [`sample_package`], no field at its default.
+/// Returns a manifest for [`sample_mesh`] and the textures of [`sample_package`], with no field at its default.
 pub fn sample_manifest() -> Manifest {
     Manifest {
         generator: "pelage 0.1.0".into(),
@@ -131,7 +133,7 @@ pub fn sample_manifest() -> Manifest {
             wet: Some(ShellTextures { color_texture: 3, direction_texture: 4 }),
             fins: Some(FinInfo { width: 8, height: 4, slabs: 2, color_texture: 5, direction_texture: 6 }),
         },
-        // All spelled out: goldens outlive defaults.
+        // Written out in full: golden files must not depend on defaults.
         shading: Shading {
             ambient: [0.25, 0.5, 0.75],
             diffuse: [0.9; 3],
@@ -214,7 +216,7 @@ pub fn sample_manifest() -> Manifest {
     }
 }
 
-/// The manifest of [`sample_manifest`] as version 2 could say it: that of the golden package of version 2.
+/// Returns [`sample_manifest`] reduced to version 2: the manifest of the golden package of version 2.
 pub fn sample_manifest_v2() -> Manifest {
     let mut manifest = sample_manifest();
     manifest.coat = None;
@@ -223,7 +225,7 @@ pub fn sample_manifest_v2() -> Manifest {
     manifest
 }
 
-/// The mesh of [`sample_mesh`] as version 1 could say it.
+/// Returns [`sample_mesh`] reduced to version 1.
 pub fn sample_mesh_v1(skinned: bool) -> MeshData {
     let mut mesh = sample_mesh(skinned);
     mesh.geometry.iter_mut().for_each(|v| v.lean = 0.0);
@@ -231,7 +233,7 @@ pub fn sample_mesh_v1(skinned: bool) -> MeshData {
     mesh
 }
 
-/// The manifest of [`sample_manifest`] as version 1 could say it: that of the golden package of version 1.
+/// Returns [`sample_manifest`] reduced to version 1: the manifest of the golden package of version 1.
 pub fn sample_manifest_v1() -> Manifest {
     let mut manifest = sample_manifest_v2();
     manifest.fur.wet = None;
@@ -241,7 +243,7 @@ pub fn sample_manifest_v1() -> Manifest {
     manifest
 }
 
-/// Fins that fit [`sample_manifest`] and [`sample_mesh`].
+/// Returns fins for [`sample_manifest`] and [`sample_mesh`].
 pub fn sample_fins() -> FinData {
     let fin = |a, b, start, length, slab| Fin { a, b, start, length, slab, opacity: 0.5 + 0.5 * start };
     FinData {
@@ -250,25 +252,26 @@ pub fn sample_fins() -> FinData {
     }
 }
 
-/// A package of version 1 with every kind of section, one of an unknown tag among them.
+/// Returns a package of version 1 with every kind of section, including one with an unknown tag.
 pub fn sample_package_v1() -> Vec<u8> {
     let writer = PackageWriter::new(sample_manifest_v1()).version(1).mesh(&sample_mesh_v1(true));
     first_sections(writer, 2).finish().unwrap()
 }
 
-/// A package of version 2 with every kind of section. It begins with the sections of version 1.
+/// Returns a package of version 2 with every kind of section. It begins with the sections of version 1.
 pub fn sample_package_v2() -> Vec<u8> {
     let writer = PackageWriter::new(sample_manifest_v2()).version(2).mesh(&sample_mesh(true));
     all_sections(writer, 2).finish().unwrap()
 }
 
-/// A package with every kind of section, one of an unknown tag among them: the sections of version 2, and the coat in the shell
-/// textures.
+/// Returns a package with every kind of section, including one with an unknown tag: the sections of version 2, and the
+/// far layer in the shell textures.
 pub fn sample_package() -> Vec<u8> {
     all_sections(PackageWriter::new(sample_manifest()).mesh(&sample_mesh(true)), 3).finish().unwrap()
 }
 
-/// Two targets of the sample's five vertices, the first at 0.5 at rest; a curve of both, and one of the second alone.
+/// Returns two targets of the sample's five vertices, the first with weight 0.5 at rest; a curve of both, and one of
+/// the second alone.
 pub fn sample_morphs() -> Morphs {
     let delta = |target, position, normal| MorphDelta { target, position, normal, tangent: [0.0, 0.25, 0.0] };
     let target = |name: &str, weight| MorphTarget { name: name.into(), node: 1, weight };
@@ -297,7 +300,7 @@ pub fn sample_morphs() -> Morphs {
     }
 }
 
-/// As [`sample_manifest`], without fur and textures.
+/// Returns [`sample_manifest`] without fur and textures.
 pub fn furless_manifest() -> Manifest {
     let mut manifest = sample_manifest();
     (manifest.fur, manifest.coat) = (FurInfo::default(), None);
@@ -310,7 +313,7 @@ pub fn furless_manifest() -> Manifest {
     manifest
 }
 
-/// A package of version 3 with those morph targets.
+/// Returns a package of version 3 with those morph targets.
 pub fn morphed_package(morphs: &Morphs) -> Result<Vec<u8>, FormatError> {
     let writer = PackageWriter::new(furless_manifest()).mesh(&sample_mesh(true)).animation(&sample_animation());
     writer.morphs(morphs).finish()
