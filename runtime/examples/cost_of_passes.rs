@@ -1,15 +1,16 @@
-//! What each pass costs on this machine, beside the yardstick: the same layers with one texture read and no lighting.
+//! Measures the cost of each pass on this machine against a yardstick: the same layers with one texture read and no
+//! lighting.
 //!
 //! ```text
 //! cargo run --release --example cost_of_passes -- [PACKAGE.pelage] [FRAMES]
 //! ```
 //!
-//! Without a package (or with `-`) it takes a furry sphere of about 5 000 triangles and 16 layers. Times are medians of
-//! submit-and-wait, the variants in turn so that a slow moment of the machine hits all alike.
+//! Without a package (or with `-`) it uses a furry sphere of about 5 000 triangles and 16 layers. Times are medians of
+//! submit-and-wait. The variants alternate, so that a slow moment of the machine affects all alike.
 //!
-//! Then it counts, layer by layer, what another order of the layers could leave out: fragments without opacity, and fragments that the
-//! layers above hide, so that at most 1/512 of their light gets through. From the outermost layer inwards with a mask of what is
-//! opaque already, the latter would not be shaded.
+//! Then it counts, layer by layer, the fragments that another order of the layers could skip: those without opacity,
+//! and those hidden by the layers above, with at most 1/512 of their light getting through. The latter would not be
+//! shaded with layers drawn from the outermost inwards and a mask of opaque pixels.
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
 
@@ -63,7 +64,7 @@ fn main() {
             let started = Instant::now();
             gpu.queue.submit([commands]);
             gpu.wait().unwrap();
-            // The first round compiles and warms up.
+            // The first round compiles pipelines and warms up.
             if frame_number > 0 {
                 times.push(started.elapsed().as_secs_f64() * 1e3);
             }
@@ -93,7 +94,7 @@ fn main() {
     );
 }
 
-/// Fragments of the shells that pass the depth test.
+/// Counts of shell fragments that pass the depth test.
 #[derive(Default)]
 struct Counts {
     fragments: u64,
@@ -121,7 +122,7 @@ fn count(
     let layers = instance.model.manifest().fur.layers;
     let mut counts = Counts::default();
     let mut through = vec![1.0f64; SIZE.0 as usize * SIZE.1 as usize];
-    // The yardstick puts out the texels of a layer as they are.
+    // The yardstick writes the texels of a layer unchanged.
     params.debug.yardstick = true;
     for layer in (1..layers).rev() {
         params.debug.only_layer = Some(layer);
@@ -140,7 +141,7 @@ fn count(
         let fragments = u64::from_le_bytes(gpu.read_buffer(&staging).unwrap().try_into().unwrap());
         let mut seen = 0;
         for (through, texel) in through.iter_mut().zip(targets.texels(gpu).unwrap().chunks_exact(4)) {
-            // Less than half a step of 8 bits is 0 here: that is what the shells take for nothing, too.
+            // Opacities below half an 8-bit step are 0 here; the shells ignore them, too.
             if texel[3] > 0 {
                 seen += 1;
                 counts.hidden += u64::from(*through <= 1.0 / 512.0);

@@ -1,11 +1,12 @@
-//! Forty animals in one frame: copies of one model, each in its own place and pose, on the application's ground, with shadows both ways.
+//! Forty animals in one frame: copies of one model, each with its own position and pose, on the application's ground,
+//! with shadows in both directions.
 //!
 //! ```text
 //! cargo run --release --example forty_animals -- [PACKAGE.pelage] [PICTURE.png]
 //! ```
 //!
-//! Without a package it makes a small furry sphere. Device and targets are those of `pelage-stage`; what the application has of its own, the
-//! ground with its shader, is in `support/ground.rs`.
+//! Without a package it uses a small furry sphere. Device and targets are those of `pelage-stage`; the application's
+//! own ground and shader are in `support/ground.rs`.
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
 
@@ -29,12 +30,12 @@ fn main() {
     let package = support::package_or_sphere(arguments.next());
     let picture = arguments.next().unwrap_or_else(|| "target/forty_animals.png".into());
 
-    // The application's device, and its targets: colour and depth of four samples a pixel, which the options tell pelage.
+    // The application's device and targets: colour and depth with four samples per pixel, as the options tell pelage.
     let gpu = Gpu::with(wgpu::Features::TEXTURE_COMPRESSION_BC, Some(wgpu::Limits::default())).unwrap();
     let options = RendererOptions { sample_count: 4, ..RendererOptions::default() };
     let targets = Canvas::new(&gpu, SIZE, &(&options).into());
 
-    // Once: a renderer for that kind of pass, and the model that all are copies of.
+    // Once: a renderer for that kind of pass, and the model of all copies.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let model = renderer.load_bytes(&package).unwrap();
 
@@ -46,23 +47,23 @@ fn main() {
     let camera = Camera::framing(Vec3::ZERO, 0.62 * reach, Vec3::new(0.25, 0.7, 1.0), 0.6, aspect);
     let towards_sun = Vec3::new(-0.7, 0.8, 0.3).normalize();
 
-    // Every frame: how it is drawn. The key light throws the shadows, the fill light lightens them.
+    // Every frame: drawing parameters. The key light casts the shadows, the fill light brightens them.
     let params = FrameParams::new(camera, SIZE.into())
         .with(|p| {
             p.light = Light::Directional { towards_light: towards_sun, color: Vec3::new(1.0, 0.96, 0.88) };
             let sky =
                 Light::Directional { towards_light: Vec3::new(0.6, 0.9, -0.2), color: Vec3::new(0.1, 0.13, 0.18) };
             p.fill_lights = vec![sky];
-            // One map covers all of them, so that it takes more texels than for one; of its layers fewer do.
+            // One map covers all animals, so it needs more texels than for one, but fewer layers.
             (p.shadows.map_size, p.shadows.map_layers, p.shadows.shrink) = (2048, Some(6), 8);
         })
         .with_fur(|fur| fur.detail = Detail::Auto { bias: 1.0 });
-    // And who is in it. Fur is blended, so that the farthest are drawn first.
+    // Every frame: the instances. Fur is blended, so the farthest are drawn first.
     let mut herd: Vec<Instance> = (0..ANIMALS).map(|owner| animal(owner, &model)).collect();
     let nearness = |animal: &Instance| (camera.view_from_world * animal.transform.w_axis).z;
     herd.sort_by(|a, b| nearness(a).total_cmp(&nearness(b)));
 
-    // The ground takes part in the shadow maps: they must know what the shadows fall on.
+    // The ground is drawn into the shadow maps as well, because shadows fall on it.
     let mut draw_ground = |pass: &mut wgpu::RenderPass<'_>, view: &LightView, which: CasterPass| {
         scene.draw_depth(&gpu.device, pass, view, which);
     };
@@ -86,15 +87,15 @@ fn main() {
     }
 }
 
-/// One of the herd in its place in row and column, a little aside, turned and taller or smaller than its neighbours. Of three one moves,
-/// where the package has clips.
+/// Returns one animal of the herd at its row and column, slightly displaced, with its own rotation and size. Every
+/// third one moves if the package has clips.
 fn animal(owner: u64, model: &Model) -> Instance {
     let bounds = model.manifest().bounds;
     let [column, row] = [owner % COLUMNS, owner / COLUMNS].map(|n| n as f32);
     let odd = |seed: f32| (seed * owner as f32).sin();
     let place = Vec3::new(2.7 * (column - 3.5 + 0.25 * odd(1.9)), 0.0, 3.3 * (row - 2.0 + 0.25 * odd(2.9)));
     let (turn, size) = (Quat::from_rotation_y(0.7 + 0.8 * odd(2.6)), Vec3::splat(0.9 + 0.1 * odd(5.3)));
-    // On its feet: the middle of the package's bounds stands over its place.
+    // On its feet: the bottom middle of the package's bounds is at its position.
     let feet = Vec3::new(bounds.center[0], bounds.min[1], bounds.center[2]);
     let transform =
         Mat4::from_scale_rotation_translation(size, turn, place * radius(model)) * Mat4::from_translation(-feet);

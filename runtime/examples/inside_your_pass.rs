@@ -4,8 +4,8 @@
 //! cargo run --release --example inside_your_pass -- [PACKAGE.pelage] [PICTURE.png]
 //! ```
 //!
-//! Without a package it makes a small furry sphere. The picture shows the model twice, and the application's ground and post
-//! hiding fur, and hidden by it.
+//! Without a package it uses a small furry sphere. The picture shows the model twice; the application's ground and post
+//! hide fur, and are hidden by it.
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
 
@@ -24,12 +24,12 @@ fn main() {
     let package = support::package_or_sphere(arguments.next());
     let picture = arguments.next().unwrap_or_else(|| "target/inside_your_pass.png".into());
 
-    // What every application has: a device, targets with a depth buffer, a scene of its own.
+    // The application's part: a device, targets with a depth buffer, a scene of its own.
     let gpu = Gpu::with(wgpu::Features::TEXTURE_COMPRESSION_BC, Some(wgpu::Limits::default())).unwrap();
     let options = RendererOptions::default();
     let targets = Canvas::new(&gpu, SIZE, &(&options).into());
 
-    // pelage: a renderer for that kind of pass, a model, and two copies of it.
+    // Pelage's part: a renderer for that kind of pass, a model, and two copies of it.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let model = renderer.load_bytes(&package).unwrap();
     let bounds = model.manifest().bounds;
@@ -62,7 +62,7 @@ fn main() {
     }
 }
 
-/// The application's own opaque objects: a ground and a post, drawn with its own pipeline.
+/// Opaque objects of the application: a ground and a post, drawn with its own pipeline.
 struct Scene {
     pipeline: wgpu::RenderPipeline,
     vertices: wgpu::Buffer,
@@ -150,7 +150,7 @@ impl Scene {
     }
 }
 
-/// Which of a box's eight corners: bit 0 for +x, bit 1 for +y, bit 2 for +z.
+/// Returns the position of a box's corner: bit 0 for +x, bit 1 for +y, bit 2 for +z.
 fn corner_mask(corner: usize) -> pelage_runtime::glam::BVec3 {
     pelage_runtime::glam::BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0)
 }

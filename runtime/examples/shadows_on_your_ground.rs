@@ -1,11 +1,11 @@
-//! Fur and an application's own geometry that shade each other: a ground and a post take part in the shadow maps, and receive the
-//! shadows in the application's own shader. Both are in `support/ground.rs`.
+//! Fur and an application's own geometry that shade each other: a ground and a post are drawn into the shadow maps, and
+//! receive the shadows in the application's own shader. Both are in `support/ground.rs`.
 //!
 //! ```text
 //! cargo run --release --example shadows_on_your_ground -- [PACKAGE.pelage] [PICTURE.png]
 //! ```
 //!
-//! Without a package it makes a small furry sphere.
+//! Without a package it uses a small furry sphere.
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
 
@@ -48,14 +48,15 @@ fn main() {
     let camera =
         Camera::framing(Vec3::Y * 0.8 * r, r * 1.6, Vec3::new(-0.5, 0.6, 1.0), 0.6, SIZE.0 as f32 / SIZE.1 as f32);
     let light = Light::Directional { towards_light, color: Vec3::ONE };
-    // No penumbra is wider than 4/3 of `shrink` texels of the maps: those of a ground are larger than those of an animal alone.
+    // Penumbras are at most 4/3 of `shrink` map texels wide; maps that cover a ground have larger texels than those of
+    // an animal alone.
     let params = FrameParams::new(camera, SIZE.into()).with(|p| {
         p.light = light;
         p.shadows.shrink = 8;
     });
 
-    // The application's geometry takes part in the maps. The bounds hold all of it that may throw or receive a shadow: what lies beyond
-    // is lit. Another revision says that it has moved.
+    // The application draws its geometry into the maps. The bounds contain everything that may cast or receive a
+    // shadow; points beyond are lit. A changed revision means that the geometry has moved.
     let mut draw = |pass: &mut wgpu::RenderPass<'_>, view: &LightView, which: CasterPass| {
         scene.draw_depth(&gpu.device, pass, view, which);
     };

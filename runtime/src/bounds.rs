@@ -1,36 +1,37 @@
-//! How far things reach in world space.
+//! Bounding volumes in world space.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// A sphere in world space, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// Its centre.
+    /// Centre of the sphere.
     pub center: Vec3,
-    /// Its radius, at least 0.
+    /// Radius, at least 0.
     pub radius: f32,
 }
 
-/// What the maps must cover: points in world space, each with a margin about it, metres.
+/// Points in world space that the shadow maps must cover, each with a margin in metres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Hull(pub(crate) Vec<(Vec3, f32)>);
 
 impl Hull {
-    /// The same with wider margins.
+    /// Returns the hull with its margins widened by `by_m`.
     pub(crate) fn widened(&self, by_m: f32) -> Self {
         Self(self.0.iter().map(|(point, margin)| (*point, margin + by_m)).collect())
     }
 
-    /// Least and greatest coordinate along a unit direction from `origin`.
+    /// Returns the least and greatest coordinate along a unit direction, measured from `origin`.
     pub(crate) fn range(&self, origin: Vec3, axis: Vec3) -> (f32, f32) {
         let along = self.0.iter().map(|(point, margin)| ((*point - origin).dot(axis), *margin));
         along.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), (x, m)| (min.min(x - m), max.max(x + m)))
     }
 
-    /// Pixels on screen that a metre has, seen from the side, at the nearest point; infinite where the eye is within.
+    /// Returns the pixels per metre on screen, perpendicular to the view, at the nearest point. Infinite if the eye is
+    /// inside.
     pub(crate) fn px_per_m(&self, clip_from_view: Mat4, clip_from_world: Mat4, height_px: u32) -> f32 {
         let w = clip_from_world.row(3);
-        // Of clip space's w, which is the depth of a perspective view and 1 of a parallel one.
+        // Gradient length of clip-space w, which is the depth in a perspective view and 1 in a parallel one.
         let reach = w.truncate().length();
         let ahead = self.0.iter().map(|(p, margin)| w.dot(p.extend(1.0)) - reach * margin);
         let nearest = ahead.fold(f32::INFINITY, f32::min);
@@ -38,14 +39,14 @@ impl Hull {
         if nearest > 0.0 { px_per_m } else { f32::INFINITY }
     }
 
-    /// A sphere that holds all: about the box that does. `None` of nothing.
+    /// Returns a sphere that contains the hull: the one around its bounding box. `None` if the hull is empty.
     pub(crate) fn sphere(&self) -> Option<Sphere> {
         let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| self.range(Vec3::ZERO, axis));
         let (min, max) = (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1));
         (!self.0.is_empty()).then(|| Sphere { center: 0.5 * (min + max), radius: 0.5 * (max - min).length() })
     }
 
-    /// Whether any of it may be in the picture: not all of it is beyond one of the sides of the view.
+    /// Whether any part of the hull may be in the picture: no side of the view has all of it outside.
     pub(crate) fn may_be_seen(&self, clip_from_world: Mat4) -> bool {
         let rows: [Vec4; 4] = std::array::from_fn(|k| clip_from_world.row(k));
         let [x, y, z, w] = rows;
@@ -56,17 +57,17 @@ impl Hull {
         self.0.is_empty() || ![w + x, w - x, w + y, w - y, z, w - z].into_iter().any(beyond)
     }
 
-    /// The part of a picture that it may reach: from the left, from the top, to the right and to the bottom, pixels, with a margin on each side. All of
-    /// the picture where some of it is beside or behind the eye.
+    /// Returns the rectangle that the hull may cover: left, top, right and bottom in pixels, widened by the margin on
+    /// each side. Returns the whole viewport if any part is beside or behind the eye.
     pub(crate) fn on_screen(&self, clip_from_world: Mat4, viewport: [u32; 2], margin_px: f32) -> [u32; 4] {
         let size = Vec2::from(viewport.map(|n| n as f32));
         let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for (point, margin) in &self.0 {
-            // Of one without margin all are the same.
+            // Without a margin all corners coincide.
             for corner in 0..if *margin > 0.0 { 8 } else { 1 } {
                 let side = Vec3::from([1, 2, 4].map(|bit| if corner & bit == 0 { -1.0 } else { 1.0 }));
                 let clip = clip_from_world * (*point + *margin * side).extend(1.0);
-                // As in `may_be_seen`, of what is not a number all may be.
+                // As in `may_be_seen`, a NaN counts as visible.
                 if clip.w.is_nan() || clip.w <= 1e-6 {
                     return [0, 0, viewport[0], viewport[1]];
                 }
@@ -95,12 +96,12 @@ mod tests {
             let clip_from_world = projection.clip_from_view(reversed) * camera.view_from_world;
             let seen = |center: Vec3, margin: f32| Hull(vec![(center, margin)]).may_be_seen(clip_from_world);
             assert!(seen(Vec3::ZERO, 0.0) && seen(Vec3::X * 1.9, 0.0), "{projection:?}");
-            // Beside the picture, above it, behind the eye: unless the margin reaches in.
+            // Beside the picture, above it and behind the eye; visible only if the margin reaches in.
             for (center, reach) in [(Vec3::X * 20.0, 19.0), (Vec3::Y * 20.0, 19.5), (Vec3::Z * 8.0, 3.5)] {
                 assert!(!seen(center, 0.5), "{projection:?} {center}");
                 assert!(seen(center, reach), "{projection:?} {center}");
             }
-            // Corners on different sides: what is between them may cross the picture.
+            // Corners outside different sides: what is between them may cross the picture.
             assert!(Hull(vec![(Vec3::X * -20.0, 0.0), (Vec3::X * 20.0, 0.0)]).may_be_seen(clip_from_world));
             assert!(Hull::default().may_be_seen(clip_from_world), "nothing known is nothing left out");
             assert!(seen(Vec3::NAN, 0.0));

@@ -5,19 +5,20 @@ use glam::{Mat4, Vec3, Vec4};
 use pelage_formats::meaning::environment::Sun;
 use pelage_formats::meaning::view_from_world;
 
-/// From where the scene is seen.
+/// Camera of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// World to view space: rotation and translation, no scale. The camera looks along −Z of view space, +Y is up in the picture.
+    /// Transform from world to view space: rotation and translation, no scale. The camera looks along −Z of view space,
+    /// +Y is up in the picture.
     pub view_from_world: Mat4,
     /// View to clip space.
     pub projection: Projection,
 }
 
-/// How view space becomes clip space.
+/// Projection from view space to clip space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// Far things are smaller.
+    /// Distant objects appear smaller.
     Perspective {
         /// Height of the view, radians, above 0 and below π.
         fov_y_rad: f32,
@@ -25,10 +26,11 @@ pub enum Projection {
         aspect: f32,
         /// Distance of the near plane, metres, above 0.
         near_m: f32,
-        /// Distance of the far plane, metres, above `near_m`; infinity is allowed, and with reversed depth costs no precision.
+        /// Distance of the far plane, metres, above `near_m`. Infinity is allowed; it costs no precision with reversed
+        /// depth.
         far_m: f32,
     },
-    /// Far things are as large as near ones.
+    /// Distant objects appear as large as near ones.
     Orthographic {
         /// Height of the view, metres.
         height_m: f32,
@@ -39,15 +41,15 @@ pub enum Projection {
         /// Distance of the far plane, metres, above `near_m`.
         far_m: f32,
     },
-    /// The application's own matrix. It must agree with [`crate::RendererOptions::reversed_depth`].
+    /// Matrix supplied by the application. It must agree with [`crate::RendererOptions::reversed_depth`].
     Custom(
-        /// `clip_from_view`.
+        /// Matrix `clip_from_view`.
         Mat4,
     ),
 }
 
 impl Projection {
-    /// `clip_from_view`; with `reversed_depth` the near plane has depth 1 and the far plane 0.
+    /// Returns the matrix `clip_from_view`. With `reversed_depth` the near plane has depth 1 and the far plane 0.
     pub fn clip_from_view(&self, reversed_depth: bool) -> Mat4 {
         match *self {
             Self::Perspective { fov_y_rad, aspect, near_m, far_m } => {
@@ -83,19 +85,20 @@ impl Projection {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target` with +Y up, or −Z up where it looks straight up or down.
+    /// Creates a camera at `eye` that looks at `target`. Up is +Y, or −Z if the view is straight up or down.
     pub fn look_at(eye: Vec3, target: Vec3, projection: Projection) -> Self {
         Self { view_from_world: view_from_world(eye, target), projection }
     }
 
-    /// A perspective camera that sees a whole sphere, such as a package's bounds with its fur, from the side `towards_eye`.
+    /// Creates a perspective camera that sees a whole sphere from direction `towards_eye`, such as a package's bounds
+    /// including its fur.
     ///
     /// * `radius` - metres, above 0
     /// * `towards_eye` - any length
     /// * `fov_y_rad`, `aspect` - as in [`Projection::Perspective`]
     pub fn framing(center: Vec3, radius: f32, towards_eye: Vec3, fov_y_rad: f32, aspect: f32) -> Self {
         let half = 0.5 * fov_y_rad;
-        // The narrower of the two half angles decides.
+        // The narrower of the two half angles limits the view.
         let narrow = half.tan().min(half.tan() * aspect).atan();
         let distance = radius / narrow.sin();
         let eye = center + towards_eye.try_normalize().unwrap_or(Vec3::Z) * distance;
@@ -104,7 +107,7 @@ impl Camera {
         Self::look_at(eye, center, projection)
     }
 
-    /// Eye position and 1; for a parallel projection the direction towards the eye and 0.
+    /// Returns the eye position and 1, or for a parallel projection the direction towards the eye and 0.
     pub(crate) fn eye_ws(&self, clip_from_view: Mat4) -> Vec4 {
         let world_from_view = self.view_from_world.inverse();
         // The last row of a parallel projection is (0, 0, 0, 1).
@@ -131,47 +134,49 @@ impl Camera {
     }
 }
 
-/// The key light: one, as in Yang 2006.
+/// Key light; a frame has one, as in Yang 2006.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// Light from one direction everywhere: the sun.
+    /// Parallel light from one direction: the sun.
     Directional {
         /// World direction from the scene towards the light, any length above 0.
         towards_light: Vec3,
         /// Linear RGB, 1 for full light.
         color: Vec3,
     },
-    /// Light from one place.
+    /// Light from one position.
     Point {
         /// World position, metres.
         position: Vec3,
-        /// Linear RGB as it arrives: it does not fall with distance, so a scene's exposure does not change with its scale.
+        /// Linear RGB on arrival. It does not fall off with distance, so the exposure of a scene does not change with
+        /// its scale.
         color: Vec3,
     },
 }
 
 impl Default for Light {
-    /// White light from above, the front and the left.
+    /// Returns white light from above, the front and the left.
     fn default() -> Self {
         Self::Directional { towards_light: Vec3::new(-0.5, 0.8, 0.6), color: Vec3::ONE }
     }
 }
 
 impl Light {
-    /// That of an environment's sun, from far away.
+    /// Returns the light of an environment's sun, infinitely far away.
     pub fn sun(sun: &Sun) -> Self {
         Self::Directional { towards_light: Vec3::from(sun.towards).normalize_or(Vec3::Y), color: sun.color.into() }
     }
 
-    /// Linear RGB of the light.
+    /// Returns the linear RGB of the light.
     pub fn color(&self) -> Vec3 {
         match *self {
             Self::Directional { color, .. } | Self::Point { color, .. } => color,
         }
     }
 
-    /// Position and 1, or unit direction towards the light and 0.
-    /// `field`: whose light it is.
+    /// Returns the position and 1, or the unit direction towards the light and 0.
+    ///
+    /// `field`: the parameter that holds this light, for error messages.
     pub(crate) fn homogeneous(&self, field: &'static str) -> Result<Vec4, RuntimeError> {
         let result = match *self {
             Self::Directional { towards_light, .. } => towards_light.try_normalize().map(|d| d.extend(0.0)),

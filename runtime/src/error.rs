@@ -1,56 +1,56 @@
-//! The one error type of this crate.
+//! Error type of this crate.
 
 use pelage_formats::FormatError;
 
-/// What stopped the runtime, by who is at fault.
+/// Errors of the runtime, grouped by the faulty input.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RuntimeError {
     /// The package is damaged, too new, or not a package.
     #[error("{0}")]
     Package(#[from] FormatError),
-    /// The package is well-formed but nothing that can be drawn.
+    /// The package is well-formed, but its content cannot be drawn.
     #[error("package {package:?}: {what}: {reason}")]
     Content {
         /// Name of the model in the package.
         package: String,
         /// Field or texture at fault: `mesh`, `texture "shell_color"`.
         what: String,
-        /// What was found and what was expected.
+        /// Found and expected values.
         reason: String,
     },
-    /// Something is larger than the device's limits allow.
+    /// A resource is larger than the device's limits allow.
     #[error(
         "{what} is {found}, above the device's {limit} of {allowed}: request a higher limit when the device is made"
     )]
     DeviceLimit {
-        /// What is too large.
+        /// Resource that is too large.
         what: String,
-        /// Its size.
+        /// Size of the resource.
         found: u64,
         /// Name of the field of `wgpu::Limits`.
         limit: &'static str,
-        /// The limit of the device.
+        /// Limit of the device.
         allowed: u64,
     },
-    /// [`crate::RendererOptions`] that this device cannot draw with.
+    /// The device cannot draw with these [`crate::RendererOptions`].
     #[error("RendererOptions::{field} is {found}, expected {expected}")]
     Options {
-        /// The field.
+        /// Name of the field.
         field: &'static str,
-        /// Its value.
+        /// Value of the field.
         found: String,
-        /// What it must be.
+        /// Expected value.
         expected: &'static str,
     },
-    /// [`crate::FrameParams`] or an [`crate::Instance`] outside its range.
+    /// A value of [`crate::FrameParams`] or of an [`crate::Instance`] is out of range.
     #[error("{field} is {found}, expected {expected}")]
     Params {
-        /// The field: `FurParams::layers`.
+        /// Name of the field, such as `FurParams::layers`.
         field: &'static str,
-        /// Its value.
+        /// Value of the field.
         found: String,
-        /// What it must be.
+        /// Expected value.
         expected: String,
     },
 }

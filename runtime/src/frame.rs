@@ -1,4 +1,4 @@
-//! One frame: the list of its passes in their order, and what became of them.
+//! A frame: its list of passes in order, and the report of what ran.
 
 use crate::error::RuntimeError;
 use crate::gpu::{Draw, Target, TargetSet, record};
@@ -12,7 +12,7 @@ use crate::scene::{self, Kept, Nearest, Seen};
 use crate::shared::receiver::ShadowReceiver;
 use std::sync::Arc;
 
-/// The passes of a frame, in their order. A line is a folder of `passes/`.
+/// Passes of a frame, in order. Each line is a folder of `passes/`.
 pub(crate) const PASSES: &[&Pass] = &[
     &pose::PASS,
     &fur_motion::PASS,
@@ -41,27 +41,27 @@ pub(crate) const PASSES: &[&Pass] = &[
 ];
 
 impl PassId {
-    /// All passes, in the order in which they run.
+    /// Returns all passes in the order in which they run.
     pub fn all() -> impl ExactSizeIterator<Item = Self> + DoubleEndedIterator + Clone {
         PASSES.iter().map(|pass| Self(pass))
     }
 }
 
-/// A prepared frame: everything that [`Frame::draw`] needs. Keep it until what it was drawn into is submitted.
+/// Prepared frame: everything that [`Frame::draw`] needs. Keep it until the encoder it was drawn into is submitted.
 #[derive(Debug)]
 pub struct Frame {
     draws: Vec<(PassId, Vec<Draw>)>,
     shadows: Option<Arc<ShadowMaps>>,
     shadow_map: wgpu::TextureView,
     report: FrameReport,
-    /// Nobody else may write to its uniforms, or draw to what it reads, while it lives.
+    /// While this lives, no other frame may write to its uniforms or draw to the textures it reads.
     _uniforms: Arc<()>,
     _targets: Arc<TargetSet>,
     _instances: Arc<[Seen]>,
     _nearest: Option<Nearest>,
 }
 
-/// Prepares a frame: every pass plans, and those before the picture are recorded.
+/// Prepares a frame: plans every pass and records those that run before the picture.
 pub(crate) fn prepare(
     kept: &mut Kept,
     encoder: &mut wgpu::CommandEncoder,
@@ -80,7 +80,7 @@ pub(crate) fn prepare(
         let id = PassId(pass);
         let outcome = if of_style(&pass) { (pass.run)(&mut recording) } else { not_of(style) };
         if let (PassPlace::Before, Some(mark)) = (id.place(), &mut mark) {
-            // Who takes part may submit what is recorded so far.
+            // The callback may submit the commands recorded so far.
             recording.uniforms.write(recording.gpu);
             mark(recording.encoder, id);
         }
@@ -118,38 +118,41 @@ pub(crate) fn prepare(
 }
 
 impl Frame {
-    /// Records every pass into the application's render pass, whose targets must be as [`crate::RendererOptions`] said. Leaves
-    /// pipeline, bind groups 0..=3, vertex buffers 0 and 1 and the index buffer changed.
+    /// Records every pass into the application's render pass. Its targets must match [`crate::RendererOptions`].
+    ///
+    /// Leaves pipeline, bind groups 0..=3, vertex buffers 0 and 1 and the index buffer changed.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         record(pass, self.draws.iter().flat_map(|(_, draws)| draws));
     }
 
-    /// Records one pass alone, for measuring, or for drawing between skin and shells. Those with [`PassPlace::Before`] were recorded by
-    /// [`crate::Renderer::prepare`] and do nothing here.
+    /// Records a single pass, for measuring or for drawing between skin and shells. Passes with [`PassPlace::Before`]
+    /// were recorded by [`crate::Renderer::prepare`] and do nothing here.
     pub fn draw_pass(&self, id: PassId, pass: &mut wgpu::RenderPass<'_>) {
         record(pass, self.draws.iter().filter(|(found, _)| *found == id).flat_map(|(_, draws)| draws));
     }
 
-    /// What the application's own shader needs to receive the key light's shadows, besides [`Self::shadow_map`]: the uniform block of
-    /// [`crate::shared::receiver`]. Without shadow-width map ([`FrameParams::soft_shadow`] off, a dark light, no instance) it
-    /// lights everything, so that one pipeline serves all frames.
+    /// Uniform block of [`crate::shared::receiver`], with which the application's own shader receives the key light's
+    /// shadows. It also needs [`Self::shadow_map`].
+    ///
+    /// Without a shadow-width map ([`FrameParams::soft_shadow`] off, a dark light, no instance) the block lights
+    /// everything, so one pipeline serves all frames.
     pub fn shadow_receiver(&self) -> ShadowReceiver {
         self.shadows().and_then(ShadowMaps::receiver).unwrap_or_default()
     }
 
-    /// The shadow-width map, [`ShadowMaps::WIDTH_FORMAT`], or one white texel where the frame has none: a filterable two-dimensional
-    /// float texture in either case. It holds as long as [`Self::shadows`].
+    /// Returns the shadow-width map, [`ShadowMaps::WIDTH_FORMAT`], or one white texel if the frame has none. Both are
+    /// filterable two-dimensional float textures. It is valid as long as [`Self::shadows`].
     pub fn shadow_map(&self) -> &wgpu::TextureView {
         &self.shadow_map
     }
 
-    /// The key light's shadow maps themselves; `None` where the frame has none. No later frame draws over them while this one
-    /// lives.
+    /// Returns the key light's shadow maps; `None` if the frame has none. No later frame draws over them while this
+    /// frame lives.
     pub fn shadows(&self) -> Option<&ShadowMaps> {
         self.shadows.as_deref()
     }
 
-    /// Which passes run in this frame, and why the others do not.
+    /// Returns which passes run in this frame, and why the others do not.
     pub fn report(&self) -> &FrameReport {
         &self.report
     }

@@ -1,4 +1,4 @@
-//! A pass is a folder and a line: [`crate::passes::probe`] is one that only these tests have.
+//! Test that a pass is one folder and one line: [`crate::passes::probe`] is a pass that only these tests have.
 
 use crate::camera::{Camera, Projection};
 use crate::frame::PASSES;
@@ -12,7 +12,7 @@ use pelage_needs::{Need, gpu_is_wanted, had};
 use pelage_stage::{Canvas, CanvasOptions, Gpu};
 use std::path::{Path, PathBuf};
 
-/// A device, unless GPU tests are switched off by name.
+/// Returns a device, unless GPU tests are switched off by name.
 pub fn gpu(name: &str) -> Option<Gpu> {
     if !gpu_is_wanted(name) {
         return None;
@@ -28,7 +28,7 @@ fn a_pass_that_is_added_is_drawn_reported_and_listed() {
     let options = RendererOptions::default();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Projection::Custom(Mat4::IDENTITY));
-    // The stage knows this crate as others link it, not as it is tested here.
+    // The stage links this crate as other crates do, not its test build.
     let RendererOptions { color_format, depth_format, sample_count, reversed_depth, .. } = options;
     let canvas = CanvasOptions { color_format, depth_format, sample_count, reversed_depth };
     let targets = Canvas::new(&gpu, (8, 8), &canvas);
@@ -59,7 +59,8 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// What names the probe outside its folder: one line of the list, and the two words that make a folder part of a crate.
+/// Checks the mentions of the probe outside its folder: one line of the list, and the two words that declare the
+/// module.
 #[test]
 fn a_pass_is_one_folder_and_one_line() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -73,7 +74,7 @@ fn a_pass_is_one_folder_and_one_line() {
     }
     lines.sort();
     assert_eq!(lines, ["frame.rs: &probe::PASS,", "passes/mod.rs: pub(crate) mod probe;"]);
-    // And each real pass is a folder with its shader beside its Rust.
+    // Each real pass is a folder with its shader beside its Rust file.
     for pass in PASSES {
         let folder = source.join("passes").join(pass.name);
         assert!(folder.join("mod.rs").is_file(), "{}", folder.display());
@@ -84,7 +85,8 @@ fn a_pass_is_one_folder_and_one_line() {
     }
 }
 
-/// Buffers, textures, bind groups and pipelines are made in one room, which counts them: else a frame could not say what it made.
+/// Checks that buffers, textures, bind groups and pipelines are created only where they are counted, or a frame could
+/// not report what it created.
 #[test]
 fn everything_is_made_where_it_is_counted() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -101,6 +103,6 @@ fn everything_is_made_where_it_is_counted() {
         .map(|f| f.strip_prefix(&source).unwrap().display().to_string())
         .collect();
     rooms.sort();
-    // The one white texel is made with the renderer.
+    // The white texel is created with the renderer.
     assert_eq!(rooms, ["gpu/device.rs", "surface/mod.rs"]);
 }

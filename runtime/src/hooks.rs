@@ -1,30 +1,30 @@
-//! What an application may take part in while a frame is prepared.
+//! Hooks with which an application takes part while a frame is prepared.
 
 use crate::light::Casters;
 use crate::passes::PassId;
 use std::fmt;
 
-/// Called with the encoder after each pass that is recorded, or left out, before the picture.
+/// Callback with the encoder after each pass before the picture, whether recorded or skipped.
 pub(crate) type Mark<'a> = dyn FnMut(&mut wgpu::CommandEncoder, PassId) + 'a;
 
-/// What else belongs to a frame: `Hooks::default()` is nothing.
+/// Optional hooks of a frame: `Hooks::default()` has none.
 #[derive(Default)]
 #[non_exhaustive]
 pub struct Hooks<'a> {
-    /// Geometry of the application's own among the shadows.
+    /// Geometry of the application that casts and receives shadows.
     pub casters: Option<Casters<'a>>,
-    /// Called after each pass with [`crate::PassPlace::Before`], whether it recorded anything or not: how passes are timed. It may put another
-    /// encoder of the device in the place of the one it is given, and must then submit them in their order.
+    /// Callback after each pass with [`crate::PassPlace::Before`], whether it recorded anything or not; used to time
+    /// passes. The callback may replace the encoder by another of the same device, and must then submit them in order.
     pub mark: Option<&'a mut Mark<'a>>,
 }
 
 impl<'a> Hooks<'a> {
-    /// With geometry of the application's own among the shadows.
+    /// Adds geometry of the application that casts and receives shadows.
     pub fn casters(self, casters: Casters<'a>) -> Self {
         Self { casters: Some(casters), ..self }
     }
 
-    /// With a call after each pass before the picture.
+    /// Adds a callback after each pass before the picture.
     pub fn mark(self, mark: &'a mut Mark<'a>) -> Self {
         Self { mark: Some(mark), ..self }
     }

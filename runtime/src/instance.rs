@@ -1,4 +1,4 @@
-//! One drawn copy of a model in a frame: plain data of the application.
+//! Instance: one drawn copy of a model in a frame, as plain data of the application.
 
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -7,36 +7,37 @@ use glam::{Mat3, Mat4};
 use pelage_formats::meaning::hair_motion::Capsule;
 use pelage_formats::{Animation, ClipLayer};
 
-/// How an instance is posed.
+/// Pose of an instance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Motion {
-    /// As the model was stored: no clip playing.
+    /// Rest pose as stored, without a clip.
     #[default]
     Rest,
-    /// A moment of one of the model's clips.
+    /// Pose at one moment of one of the model's clips.
     Clip {
         /// Index into [`Model::clips`]; see [`Model::clip_index`].
         clip: usize,
-        /// Seconds. Before the first and after the last key the pose holds; looping is the caller's choice.
+        /// Time in seconds. The pose holds before the first and after the last key; looping is up to the caller.
         time_s: f32,
     },
-    /// Several moments one over another, of one clip or of more: a character that goes from one motion into the next.
+    /// Several moments blended in order, of the same or different clips: a transition from one motion to the next.
     Blend(
-        /// Each goes over, by its share, from what those before it come to. At most [`Motion::MOST_LAYERS`].
+        /// Layers in order; each blends by its share from the result of the layers before it. At most
+        /// [`Motion::MOST_LAYERS`].
         Vec<ClipLayer>,
     ),
-    /// The application's own animation.
+    /// Animation computed by the application.
     Joints(
-        /// Mesh space to model space, one per joint of the package's skeleton.
+        /// Transforms from mesh space to model space, one per joint of the package's skeleton.
         Vec<Mat4>,
     ),
 }
 
 impl Motion {
-    /// Layers of a [`Motion::Blend`] at most: each is a whole pose.
+    /// Maximum number of layers of a [`Motion::Blend`]: each is a whole pose.
     pub const MOST_LAYERS: usize = 16;
 
-    /// What is wrong with it for that skeleton, and what would be right.
+    /// Returns the fault of the motion for that skeleton, as found and expected values.
     fn fault(&self, animation: &Animation) -> Option<(String, String)> {
         let moment = |clip: Option<usize>, time_s: f32| {
             if !time_s.is_finite() {
@@ -68,41 +69,41 @@ impl Motion {
     }
 }
 
-/// One drawn copy of a model in one frame: whose it is, where it stands and how it is posed. Nothing of the device is in it: it may be kept and
-/// changed, or made anew for every frame from what an application keeps elsewhere.
+/// Copy of a model drawn in one frame: its owner, transform and pose. It holds no GPU resources: keep and change it, or
+/// create it for every frame from the application's own data.
 ///
-/// What lasts from frame to frame, such as posed vertices, the [`crate::Renderer`] keeps under `owner`.
+/// The [`crate::Renderer`] stores state that lasts between frames, such as posed vertices, under `owner`.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Instance {
-    /// The application's number for whoever this is: the same in every frame, and another for each instance of one frame. Any but
-    /// [`Instance::NOBODY`].
+    /// Identity chosen by the application: constant between frames, and unique among the instances of a frame. Any
+    /// number but [`Instance::NOBODY`].
     pub owner: u64,
-    /// The model that it is a copy of.
+    /// Model that is drawn.
     pub model: Model,
-    /// Model to world space: any invertible affine matrix; mirrored copies are fine. The fur's height follows the cube root of
-    /// the volume's scale.
+    /// Model to world space: any invertible affine matrix; mirrored copies are allowed. The fur height scales with the
+    /// cube root of the volume's scale.
     pub transform: Mat4,
-    /// How it is posed; without effect for models without skeleton.
+    /// Pose; no effect on models without skeleton.
     pub motion: Motion,
-    /// Morph targets that the application moves itself, a face that speaks for one: index into [`Model::morph_targets`], and weight. The others follow the
-    /// motion. Where one stands twice, the last counts.
+    /// Morph targets that the application sets itself, such as a speaking face: index into [`Model::morph_targets`],
+    /// and weight. The others follow the motion. If one appears twice, the last one counts.
     pub morphs: Vec<(usize, f32)>,
-    /// Whatever number, the same from frame to frame; with another one its hair begins as it was groomed, in place of being dragged along: set it on where
-    /// it was put elsewhere, or a shot begins.
+    /// Revision of the hair motion: any number, constant between frames. A change resets hair to its groomed state
+    /// instead of dragging it along. Increment it when the instance is teleported or a shot begins.
     pub cut: u32,
-    /// What its hair does not go into beside its own body, in world space: as many in every frame, or its hair begins anew. At most
-    /// [`Instance::MOST_COLLIDERS`].
+    /// Colliders for the hair besides the instance's own body, in world space. Their number must stay constant between
+    /// frames, or the hair is reset. At most [`Instance::MOST_COLLIDERS`].
     pub colliders: Vec<Capsule>,
 }
 
 impl Instance {
-    /// The number that no owner has.
+    /// Reserved number that no owner may have.
     pub const NOBODY: u64 = u64::MAX;
-    /// Colliders of the application at most: each point of each guide looks at all.
+    /// Maximum number of colliders of the application; each point of each guide tests all of them.
     pub const MOST_COLLIDERS: usize = 64;
 
-    /// A copy at the origin, at rest.
+    /// Creates an instance at the origin, in the rest pose.
     pub fn new(owner: u64, model: &Model) -> Self {
         Self {
             owner,
@@ -115,34 +116,34 @@ impl Instance {
         }
     }
 
-    /// The same at another place.
+    /// Returns the instance with another transform.
     pub fn at(self, transform: Mat4) -> Self {
         Self { transform, ..self }
     }
 
-    /// The same in another pose.
+    /// Returns the instance in another pose.
     pub fn moving(self, motion: Motion) -> Self {
         Self { motion, ..self }
     }
 
-    /// The same with morph targets at these weights ([`Instance::morphs`]).
+    /// Returns the instance with morph targets at these weights ([`Instance::morphs`]).
     pub fn morphing(self, morphs: Vec<(usize, f32)>) -> Self {
         Self { morphs, ..self }
     }
 
-    /// Whether a frame reads from its package how hair shadows hair.
+    /// Whether a frame reads hair self-shadow from the instance's package.
     pub(crate) fn reads_baked_shadow(&self, params: &FrameParams) -> bool {
         let may = matches!(params.form_of_self_shadow(), SelfShadow::Auto | SelfShadow::Baked);
         may && self.model.knows_visibility()
     }
 
-    /// How its hair scatters light by tables of its fibres; `None` where it is lit without.
+    /// Returns the scattering mode of its hair by tables of its fibres; `None` if lit without them.
     pub(crate) fn scattering(&self, params: &FrameParams) -> Option<Scattering> {
         let asked = params.style.fur().map_or(Scattering::Off, |fur| fur.scattering);
         (asked != Scattering::Off && self.model.fibres().is_some()).then_some(asked)
     }
 
-    /// Scale of lengths: cube root of that of volumes.
+    /// Returns the scale of lengths: the cube root of the volume's scale.
     pub(crate) fn scale(&self) -> f32 {
         Mat3::from_mat4(self.transform).determinant().abs().cbrt()
     }

@@ -1,4 +1,4 @@
-//! The shaders hold what the Rust side believes about them: all are valid, and the structs agree byte for byte.
+//! Tests that all shaders are valid, and that their structs match the Rust ones byte for byte.
 
 use crate::frame::PASSES;
 use crate::gpu::WORKGROUP;
@@ -45,7 +45,7 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Files of which a build has one or the other: what pelage draws with, and what a study puts in its place.
+/// Files of which a build includes one of the two: the default form, and the form used by studies.
 const FORMS: [[&str; 2]; 4] = [
     [include_str!("light/forms.wgsl"), include_str!("study/light/forms.wgsl")],
     [include_str!("light/deep_forms.wgsl"), include_str!("study/light/deep_forms.wgsl")],
@@ -53,7 +53,7 @@ const FORMS: [[&str; 2]; 4] = [
     [include_str!("ink/surface_forms.wgsl"), include_str!("study/ink/surface_forms.wgsl")],
 ];
 
-/// All shaders, of the passes and the application's, as this build has them and as the other one does.
+/// Returns all shaders of the passes and of the application, for this build and for the other one.
 fn sources() -> Vec<(String, String)> {
     let mut sources = vec![("the application's own shaders".to_string(), receiver::WGSL.to_string())];
     for shader in PASSES.iter().flat_map(|pass| pass.shaders) {
@@ -80,7 +80,7 @@ fn every_wgsl_file_is_valid_and_used() {
         let source = std::fs::read_to_string(file).unwrap();
         let users = sources.iter().filter(|(_, user)| user.contains(&source)).count();
         assert!(users > 0, "{}: nothing contains it", file.display());
-        // Shared topics stand on their own, but for the one that brings others with it.
+        // Shared files are valid on their own, except the one that includes others.
         if file.parent().is_some_and(|p| p.ends_with("shared")) && !file.ends_with("receiver.wgsl") {
             parse(&file.display().to_string(), &source);
         }
@@ -88,7 +88,7 @@ fn every_wgsl_file_is_valid_and_used() {
     assert!(files.len() >= 48, "not all are found: {files:?}");
 }
 
-/// Every file of WGSL without its comments.
+/// Returns every WGSL file with comments removed.
 fn wgsl_code() -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
@@ -100,7 +100,7 @@ fn wgsl_code() -> Vec<(PathBuf, String)> {
     files.into_iter().map(read).collect()
 }
 
-/// Browsers refuse a shift and a bitwise operator side by side without parentheses, which naga takes.
+/// Checks parentheses between adjacent shift and bitwise operators: browsers require them, naga does not.
 #[test]
 fn shifts_stand_in_parentheses() {
     for (file, code) in wgsl_code() {
@@ -115,7 +115,7 @@ fn shifts_stand_in_parentheses() {
     }
 }
 
-/// The same of "and" and "or", in statements of several lines as well.
+/// Checks parentheses between "and" and "or", also in statements of several lines.
 #[test]
 fn ands_among_ors_stand_in_parentheses() {
     for (file, code) in wgsl_code() {
@@ -147,9 +147,10 @@ fn mixes_logic(code: &str) -> bool {
     })
 }
 
-/// Whether between two brackets or `ends` there are operators of both kinds. `kind`: 0 or 1 where an operator ends, of a letter and the one before it.
+/// Whether operators of both kinds occur between two brackets or `ends`. `kind`: 0 or 1 if a letter and the one before
+/// it end an operator.
 fn side_by_side(code: &str, ends: &[char], kind: impl Fn(char, char) -> Option<usize>) -> bool {
-    // Of each open bracket: which kinds were seen.
+    // Kinds seen in each open bracket.
     let mut open = vec![[false; 2]];
     let mut before = ' ';
     for letter in code.chars() {
@@ -168,7 +169,7 @@ fn side_by_side(code: &str, ends: &[char], kind: impl Fn(char, char) -> Option<u
     false
 }
 
-/// Offset and size of each member of a struct, and the struct's size.
+/// Returns offset and size of each member of a struct, and the struct's size.
 fn members(source: &str, name: &str) -> (Vec<(String, u32, u32)>, u32) {
     let module = parse(name, source);
     let mut layouter = naga::proc::Layouter::default();
@@ -179,7 +180,7 @@ fn members(source: &str, name: &str) -> (Vec<(String, u32, u32)>, u32) {
     (members, *span)
 }
 
-/// Name, offset and size of the fields of a Rust struct, as `members` gives them.
+/// Name, offset and size of the fields of a Rust struct, in the format of `members`.
 macro_rules! fields {
     ($ty:ty, $($field:ident),+ $(,)?) => {{
         fn size<T, F>(_: fn(&T) -> &F) -> u32 { size_of::<F>() as u32 }
@@ -309,7 +310,7 @@ fn uniform_structs_agree() {
     for source in [&strand_gather::SHADER.wgsl(), &strand_blend::SHADER.wgsl()] {
         assert_eq!(members(source, "NearestHair"), fields!(NearestHair, area, size, pieces, round));
     }
-    // They read no more of the frame than how to place corners.
+    // These shaders read only the part of the frame that places corners.
     for source in [&strands::SHADER.wgsl(), &strand_gather::SHADER.wgsl()] {
         let (frame, _) = members(source, "Frame");
         assert_eq!(frame[..], fields!(frame::Frame, clip_from_world).0[..]);
@@ -338,7 +339,7 @@ fn storage_structs_agree() {
         );
     }
     assert_eq!(members(&fins::SHADER.wgsl(), "Fin"), fields!(Fin, a, b, start, length, slab, opacity));
-    // Four bytes are one word to the shader.
+    // Four bytes are one word in the shader.
     assert_eq!(
         members(&fins::SHADER.wgsl(), "AttributeVertex"),
         fields!(AttributeVertex, tile_uv, base_uv, color, groom)
@@ -449,7 +450,7 @@ fn morph_deltas_are_words_without_gaps() {
     }
 }
 
-/// Location and number of components of each input of a vertex shader.
+/// Returns location and number of components of each input of a vertex shader.
 fn inputs(source: &str, name: &str) -> BTreeMap<u32, u32> {
     let module = parse(name, source);
     let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap();
@@ -533,7 +534,8 @@ fn workgroups_agree() {
     }
 }
 
-/// Debug views and the study know pipelines by the names of their shaders: a name that no pass has would change nothing.
+/// Checks that debug views and the study name shaders of passes. They select pipelines by shader name, so an unknown
+/// name would change nothing.
 #[test]
 fn amended_pipelines_name_shaders_that_passes_have() {
     let names: Vec<_> = PASSES.iter().flat_map(|pass| pass.shaders).map(|shader| shader.name).collect();

@@ -1,39 +1,40 @@
-//! What the renderer keeps of the fur of each owner that leans.
+//! Fur motion state that the renderer keeps per owner.
 
 use crate::gpu::Gpu;
 use crate::swing::Swing;
 use pelage_formats::GeometryVertex;
 
-/// Heights of fur on screen, pixels: lower than the first, nobody sees it lean; from the second on it does as it should.
+/// Fur heights on screen in pixels. Below the first, the lean is not visible and not computed; from the second on it
+/// has full strength.
 const SEEN_PX: [f32; 2] = [1.0, 3.0];
-/// Bytes of the particle of a vertex.
+/// Bytes per vertex particle.
 const TIP_BYTES: u64 = 48;
-/// Differences of strength that nobody sees.
+/// Difference of strength too small to be visible.
 const SAME: f32 = 0.01;
 
-/// The fur of an owner.
+/// Fur motion state of an owner.
 #[derive(Debug)]
 pub(crate) struct Fur {
     tips: wgpu::Buffer,
     leaned: wgpu::Buffer,
-    /// The life that the tips went through last, and how many there were since they began.
+    /// Last motion update of the tips, and the number of updates since their reset.
     life: Option<u64>,
     lives: u32,
-    /// How far it leans: what the frame of the last moment wanted that sees most of it.
+    /// Current strength: the largest that any frame of the previous moment asked for.
     strength: f32,
     wanted: f32,
 }
 
-/// How the fur of an instance moves in a frame.
+/// Fur motion of an instance in a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Lean {
     pub(crate) tips: wgpu::Buffer,
     pub(crate) strength: f32,
-    /// 1: hair begins; 2: it began in the frame before; else 0.
+    /// 1: fur is reset in this frame; 2: it was reset in the frame before; else 0.
     pub(crate) begins: u32,
 }
 
-/// How far fur leans in a frame that shows it so high, pixels.
+/// Returns the strength of the lean in a frame that shows the fur `height_px` high.
 pub(crate) fn strength(of: f32, height_px: f32) -> f32 {
     let [none, all] = SEEN_PX;
     let way = ((height_px - none) / (all - none)).clamp(0.0, 1.0);
@@ -41,10 +42,10 @@ pub(crate) fn strength(of: f32, height_px: f32) -> f32 {
 }
 
 impl Fur {
-    /// Of an instance that is posed into, or drawn from, that buffer.
+    /// Creates the state for an instance whose posed vertices are in that buffer.
     pub(crate) fn new(gpu: &Gpu, posed: &wgpu::Buffer) -> Self {
         use wgpu::BufferUsages as Usage;
-        // Tests read it.
+        // Tests read the buffer.
         let read = if cfg!(test) { Usage::COPY_SRC } else { Usage::empty() };
         let vertices = posed.size() / size_of::<GeometryVertex>() as u64;
         Self {
@@ -57,7 +58,7 @@ impl Fur {
         }
     }
 
-    /// What is drawn in place of the posed vertices.
+    /// Returns the vertices that are drawn instead of the posed ones.
     pub(crate) fn leaned(&self) -> &wgpu::Buffer {
         &self.leaned
     }
@@ -66,8 +67,8 @@ impl Fur {
         self.tips.size() + self.leaned.size()
     }
 
-    /// Whether fur leans in a frame that wants it to do so that far. Of the frames of a moment, the first says for all; that another saw more of it the
-    /// next moment knows.
+    /// Whether fur leans in a frame that asks for strength `wanted`. The first frame of a moment decides for all; a
+    /// larger strength asked for by later frames applies from the next moment on.
     pub(crate) fn is_seen(&mut self, swing: &Swing, wanted: f32) -> bool {
         if self.life == Some(swing.life) {
             self.wanted = self.wanted.max(wanted);
@@ -76,7 +77,7 @@ impl Fur {
         wanted.max(self.wanted) > 0.0
     }
 
-    /// How it moves in a frame in which it [is seen](Self::is_seen); `None` where it stays as it leans.
+    /// Returns the fur motion of a frame in which it [is seen](Self::is_seen); `None` if the lean does not change.
     pub(crate) fn lean(&mut self, swing: &Swing, wanted: f32) -> Option<Lean> {
         if self.life == Some(swing.life) {
             return None;

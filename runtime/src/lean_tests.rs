@@ -1,4 +1,4 @@
-//! Fur leans on the GPU as its twin in `pelage-formats` says, vertex for vertex.
+//! Tests that fur leans on the GPU as its Rust counterpart in `pelage-formats` does, vertex for vertex.
 
 use crate::camera::Camera;
 use crate::frame_tests::gpu;
@@ -17,7 +17,7 @@ const WETNESS: [u8; 6] = [0, 0, 0, 0, 200, 0];
 const TIPS: [Vec3; 6] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
 const WIND: Wind = Wind { velocity: Vec3::new(3.0, 0.0, -1.0), gust: 0.5, gust_s: 0.7, turbulence: 0.4, eddy_m: 0.3 };
 
-/// An octahedron with hair of many kinds.
+/// Returns a package of an octahedron with hair of many kinds.
 fn package() -> Vec<u8> {
     let sides = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
     let vertex = |i: usize| GeometryVertex {
@@ -51,14 +51,14 @@ fn package() -> Vec<u8> {
     PackageWriter::new(manifest).mesh(&mesh).finish().unwrap()
 }
 
-/// Turned, larger, and on its way.
+/// Returns the transform at a time: rotated, scaled and moving.
 fn at(time_s: f32) -> Mat4 {
     let turn = Quat::from_rotation_z(0.8 * (3.0 * time_s).sin());
     let place = Vec3::new(0.08 * (7.0 * time_s).sin(), 0.02, 40.0 + 2.0 * time_s);
     Mat4::from_scale_rotation_translation(Vec3::splat(1.2), turn, place)
 }
 
-/// Runs so many frames, and returns the leaned vertices.
+/// Draws `frames` frames and returns the leaned vertices.
 fn drawn(gpu: &Gpu, frames: u32, fps: f32, at: &dyn Fn(f32) -> Mat4, wind: Wind) -> Option<Vec<GeometryVertex>> {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&package()).unwrap();
@@ -78,7 +78,7 @@ fn drawn(gpu: &Gpu, frames: u32, fps: f32, at: &dyn Fn(f32) -> Mat4, wind: Wind)
     renderer.leaned(1).map(|buffer| read(gpu, buffer))
 }
 
-/// The normal of each vertex in world space, as the twin has it.
+/// Returns the world-space normal of each vertex as the Rust counterpart computes it.
 fn twin(frames: u32, fps: f32) -> Vec<Vec3> {
     let axis = |i: usize| {
         let (size, place) = (HEIGHTS_M[i] * 1.2, |t: f32| at(t).transform_point3(TIPS[i] * 0.1));
@@ -126,7 +126,7 @@ fn fur_that_nothing_moves_is_as_it_was_groomed() {
     let still = |_: f32| Mat4::from_scale_rotation_translation(Vec3::splat(1.2), Quat::from_rotation_x(0.4), Vec3::X);
     let found = drawn(&gpu, 10, 60.0, &still, calm).unwrap();
     assert!((0..6).all(|i| found[i].normal == TIPS[i].to_array() && found[i].lean == LEANS[i]), "{found:?}");
-    // So far away that nobody sees it.
+    // Too far away to be visible.
     let far = |_: f32| Mat4::from_scale(Vec3::splat(1e-3));
     assert!(drawn(&gpu, 3, 60.0, &far, WIND).is_none());
 }

@@ -1,7 +1,7 @@
 //! Draws the fur of a .pelage package with wgpu, inside the application's own render pass.
 //!
-//! The application owns device, queue, targets, depth buffer, camera and light. It sets [`RendererOptions`] once to say what its
-//! pass looks like, and [`FrameParams`] per frame:
+//! The application owns device, queue, targets, depth buffer, camera and light. It describes its pass once with
+//! [`RendererOptions`], and each frame with [`FrameParams`]:
 //!
 //! ```no_run
 //! # use pelage_runtime::{wgpu, *};
@@ -9,23 +9,23 @@
 //! #      descriptor: &wgpu::RenderPassDescriptor<'_>) -> Result<(), RuntimeError> {
 //! let mut renderer = Renderer::new(device, queue, &RendererOptions::default())?;
 //! let fox = renderer.load_bytes(bytes)?;
-//! // Every frame: whose copies are where, in which pose. The renderer keeps what lasts under the owner's number.
+//! // Every frame: instances with owner and pose. The renderer stores lasting state under the owner's number.
 //! let copies = [Instance::new(0, &fox).moving(Motion::Clip { clip: 0, time_s: 0.3 })];
 //! let frame = renderer.prepare(&mut encoder, &FrameParams::new(camera, [1280, 720]), &copies)?;
 //! let mut pass = encoder.begin_render_pass(descriptor);
-//! // ... the application draws its own opaque things, then:
+//! // ... the application draws its own opaque objects, then:
 //! frame.draw(&mut pass);
 //! # Ok(()) }
 //! ```
 //!
-//! Space is right-handed with +Y up, in metres; clip depth is 0..=1, reversed on request. Colours are linear RGB and leave the
-//! shaders premultiplied with opacity: an sRGB target encodes them.
+//! Space is right-handed with +Y up, in metres; clip depth is 0..=1, reversed on request. Colours are linear RGB and
+//! leave the shaders premultiplied with opacity: an sRGB target encodes them.
 //!
-//! The hair is the layered volume of Lengyel 2001, lit per pixel as in Yang 2006, eq. (3): hair shadows hair by layer-wise shadow
-//! maps, things throw soft shadows by a shadow-width map. [`Casters`] lets the application's own geometry take part in both
-//! directions.
+//! The hair is the layered volume of Lengyel 2001, lit per pixel as in Yang 2006, eq. (3). Hair shadows hair by
+//! layer-wise shadow maps; objects cast soft shadows by a shadow-width map. With [`Casters`] the application's own
+//! geometry casts and receives these shadows.
 //!
-//! [`Style::Ink`] paints the same packages as an ink-wash painting after Fang 2006, as its [`InkParams`] say:
+//! [`Style::Ink`] paints the same packages as an ink-wash painting after Fang 2006, controlled by its [`InkParams`]:
 //!
 //! ```no_run
 //! # use pelage_runtime::*;
@@ -102,7 +102,7 @@ pub use pelage_formats::meaning::environment::{Environment, LightLobe, Sun};
 pub use pelage_formats::meaning::hair_motion::Capsule;
 pub use wgpu;
 
-/// The Rust of the documents, which is compiled with that of these comments.
+/// Rust code of the Markdown documents, compiled together with the examples in these comments.
 #[cfg(doctest)]
 mod documents {
     #[doc = include_str!("../../README.md")]

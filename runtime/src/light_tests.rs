@@ -1,4 +1,4 @@
-//! Hair is lit in one function, read off the shaders themselves.
+//! Test that hair is lit in a single function, from the parsed shaders.
 
 use crate::frame::PASSES;
 use naga::{Expression, Function, Handle, Module, Statement};
@@ -17,14 +17,14 @@ fn calls_in(block: &naga::Block, found: &mut BTreeSet<Handle<Function>>) {
     }
 }
 
-/// Names of the functions that `function` calls.
+/// Returns the names of the functions that `function` calls.
 fn calls(module: &Module, function: &Function) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     calls_in(&function.body, &mut found);
     found.iter().filter_map(|handle| module.functions[*handle].name.clone()).collect()
 }
 
-/// Names of all functions that `function` reaches.
+/// Returns the names of all functions reachable from `function`.
 fn reaches(module: &Module, function: &Function) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let mut open: Vec<String> = calls(module, function).into_iter().collect();
@@ -39,7 +39,7 @@ fn reaches(module: &Module, function: &Function) -> BTreeSet<String> {
     found
 }
 
-/// Names of the functions that call `callee`.
+/// Returns the names of the functions that call `callee`.
 fn callers(module: &Module, callee: &str) -> BTreeSet<String> {
     let functions = module.functions.iter().map(|(_, f)| (f.name.clone().unwrap_or_default(), f));
     let entries = module.entry_points.iter().map(|e| (e.name.clone(), &e.function));
@@ -57,7 +57,7 @@ fn hair_is_lit_in_one_function() {
         let module = naga::front::wgsl::parse_str(&shader.wgsl()).unwrap();
         for entry in module.entry_points.iter().filter(|e| e.stage == naga::ShaderStage::Fragment) {
             let reached = reaches(&module, &entry.function);
-            // Whoever asks what a fibre sends asks by way of the one function.
+            // Every entry point that reaches `fibre` also reaches `light_hair`.
             if reached.contains("fibre") {
                 assert!(reached.contains("light_hair"), "{}: {}", shader.name, entry.name);
                 geometries.insert(entry.name.clone());
@@ -68,7 +68,8 @@ fn hair_is_lit_in_one_function() {
             assert!(!has("fibre"), "{}", shader.name);
             continue;
         }
-        // The lights are its parts, nobody else's, and only they know of the fibre (a study of light at vertices aside).
+        // The functions of the lights are called by it alone, and only they call `fibre` (except in the study of light
+        // at vertices).
         for light in ["key_light_on_hair", "fill_lights_on_hair"] {
             assert_eq!(callers(&module, light), set(["light_hair"]), "{}", shader.name);
         }
@@ -76,7 +77,7 @@ fn hair_is_lit_in_one_function() {
         of_fibre.remove("half_or_factors");
         assert_eq!(of_fibre, set(["fill_lights_on_hair", "key_fibre"]), "{}", shader.name);
         assert_eq!(callers(&module, "key_fibre"), set(["key_light_on_hair"]), "{}", shader.name);
-        // Points are made by geometries: where one is composed, it is handed to the function.
+        // Every function that constructs a `HairPoint` passes it to `light_hair`.
         for (_, function) in module.functions.iter() {
             let composes = function.expressions.iter().any(|(_, e)| match e {
                 Expression::Compose { ty, .. } => module.types[*ty].name.as_deref() == Some("HairPoint"),

@@ -1,4 +1,4 @@
-//! What the renderer keeps of each owner from frame to frame.
+//! State that the renderer keeps per owner between frames.
 
 use crate::bounds::Hull;
 use crate::gpu::Gpu;
@@ -12,105 +12,105 @@ use pelage_formats::Pose;
 use pelage_formats::meaning::fur_motion;
 use std::collections::HashMap;
 
-/// Frames after which an owner that none of them named is forgotten.
+/// Frames after which the state of an unused owner is dropped.
 const FORGOTTEN_AFTER: u64 = 256;
 
-/// The state of one owner.
+/// State of an owner.
 #[derive(Debug)]
 struct State {
     model: Model,
-    /// Posed vertices, where the model has a skeleton.
+    /// Posed vertices, if the model has a skeleton.
     posed: Option<wgpu::Buffer>,
-    /// What they are of: the motion, and weights of morph targets.
+    /// Motion and morph target weights of the posed vertices.
     motion: Option<(Motion, Vec<(usize, f32)>)>,
-    /// They are to be computed anew although they are of that motion.
+    /// Whether to recompute the posed vertices even if the motion has not changed.
     is_stale: bool,
     pose: Pose,
-    /// Of its hair, where that moves.
+    /// Hair motion state, if its hair moves.
     past: Option<Past>,
-    /// Its fur, where that leaned once, and whether it does.
+    /// Fur motion state, if the fur has ever leaned, and whether it leans now.
     fur: Option<Fur>,
     is_leaning: bool,
-    /// Another number whenever the shape in model space is another, and never one that any owner had before.
+    /// Revision; changed whenever the shape in model space changes, and unique among all owners.
     revision: u64,
     last_frame: u64,
 }
 
-/// The states of all owners.
+/// State of all owners.
 #[derive(Debug, Default)]
 pub(crate) struct States {
     owners: HashMap<u64, State>,
-    /// By owner and number of the model's set, of those that were drawn of late: many owners are never near enough.
+    /// State by owner and strand set, only for recently drawn ones: many owners are never near enough.
     strands: HashMap<(u64, usize), StrandState>,
     frame: u64,
     revisions: u64,
-    /// Lives of hair that began so far.
+    /// Number of hair motion updates so far.
     lives: u64,
 }
 
-/// An instance as it is in this frame.
+/// Posed instance of a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Moved {
-    /// The first vertex stream as it is drawn: posed where the model has a skeleton, and leaned where fur leans.
+    /// First vertex stream as drawn: posed if the model has a skeleton, and leaned if its fur leans.
     pub(crate) geometry: wgpu::Buffer,
-    /// The same without leaning.
+    /// First vertex stream without leaning.
     pub(crate) posed: wgpu::Buffer,
-    /// How its fur moves, where it does in this frame.
+    /// Fur motion, if the fur moves in this frame.
     pub(crate) lean: Option<Lean>,
-    /// Where its parts are, where the posed vertices are not of it yet.
+    /// Joints and morphs, if the posed vertices need to be recomputed.
     pub(crate) pose: Option<Moves>,
     pub(crate) revision: u64,
-    /// How its hair moves, where frames move it.
+    /// Hair motion, if the frame enables it.
     pub(crate) swing: Option<Swing>,
-    /// The posed skin with its fur, in world space.
+    /// Bounds of the posed surface with its fur, in world space.
     pub(crate) hull: Hull,
 }
 
-/// What moves the vertices of an instance.
+/// Inputs that pose the vertices of an instance.
 #[derive(Clone, Debug)]
 pub(crate) struct Moves {
-    /// Mesh space to model space, one per joint.
+    /// Transforms from mesh space to model space, one per joint.
     pub(crate) joints: Vec<Mat4>,
-    /// How far the weight of each morph target is from where it rests.
+    /// Difference between the weight of each morph target and its rest weight.
     pub(crate) shifts: Vec<f32>,
 }
 
-/// A set of strands on the posed skin.
+/// Strand set on the posed surface.
 #[derive(Debug)]
 struct StrandState {
     points: wgpu::Buffer,
-    /// Points of its guides, where it follows some.
+    /// Guide points, if the strands follow guides.
     guides: Option<wgpu::Buffer>,
-    /// Their pearls, where they may move, and the life that they went through last.
+    /// Guide particles, if they may move, and the last motion update applied to them.
     pearls: Option<wgpu::Buffer>,
     life: Option<u64>,
-    /// The revision that both are of; 0 where they hold nothing yet.
+    /// Revision of both buffers; 0 if they are empty.
     revision: u64,
-    /// Share of them that is posed.
+    /// Share of the strands that is posed.
     share: f32,
     last_frame: u64,
 }
 
-/// Points of strands on the posed skin.
+/// Points of strands on the posed surface.
 #[derive(Debug)]
 pub(crate) struct PosedStrands {
     pub(crate) buffer: wgpu::Buffer,
-    /// Points of their guides, where they follow some: relative to their roots.
+    /// Guide points relative to their roots, if the strands follow guides.
     pub(crate) guides: Option<wgpu::Buffer>,
-    /// The pearls of those, where they may move.
+    /// Guide particles, if they may move.
     pub(crate) pearls: Option<wgpu::Buffer>,
-    /// The pearls are not of the life before: hair begins as it was groomed.
+    /// The particles do not continue the previous update: hair is reset to its groomed state.
     pub(crate) is_fresh: bool,
-    /// They went through this life in an earlier frame of its moment.
+    /// The particles already went through this update in an earlier frame of the same moment.
     pub(crate) has_lived: bool,
-    /// They are of another pose, or too few.
+    /// The points have another pose, or too few of them are posed.
     pub(crate) stale: bool,
-    /// Share of them that is posed.
+    /// Share of the strands that is posed.
     pub(crate) share: f32,
 }
 
 impl PosedStrands {
-    /// Whether its guides are where they swung to: else they are as they were groomed.
+    /// Whether the guides are moved by hair motion; otherwise they are as groomed.
     pub(crate) fn swings(&self, moved: &Moved, guided: &Guided) -> bool {
         let swing = moved.swing.as_ref().filter(|_| guided.motion.is_some());
         swing.is_some_and(|swing| !swing.is_fresh && !self.is_fresh)
@@ -118,7 +118,7 @@ impl PosedStrands {
 }
 
 impl States {
-    /// Moves the owners of instances that passed their check to where this frame has them.
+    /// Updates the owners of `instances`, which were validated, to their poses in this frame.
     pub(crate) fn move_to(
         &mut self,
         gpu: &Gpu,
@@ -156,7 +156,7 @@ impl States {
         });
         state.last_frame = frame;
         let mut pose = None;
-        // Without skeleton nothing moves.
+        // A model without skeleton does not move.
         let (motion, morphs) = match model.skeleton() {
             Some(_) => (&instance.motion, &instance.morphs[..]),
             None => (&Motion::Rest, &[][..]),
@@ -205,7 +205,7 @@ impl States {
             )
         });
         let (swing, past) = lives.unzip();
-        // Hair that begins to move, moves, or ceases to, has another shape.
+        // Hair that starts moving, moves or stops moving has a new shape.
         let mut is_other = match &swing {
             Some(swing) => swing.life == self.lives && !swing.is_at_rest,
             None => state.past.is_some(),
@@ -240,7 +240,7 @@ impl States {
         Moved { geometry, posed, lean, pose, revision: state.revision, swing, hull }
     }
 
-    /// Where a set of an instance's strands is posed, of which this frame draws a share as it was moved.
+    /// Returns the buffers for posing a strand set of an instance, of which this frame draws `share`.
     pub(crate) fn pose_strands(
         &mut self,
         gpu: &Gpu,
@@ -273,36 +273,36 @@ impl States {
         }
     }
 
-    /// The buffer of an owner's guides.
+    /// Returns the guide buffer of an owner.
     #[cfg(test)]
     pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
         self.strands.get(&(owner, set))?.guides.as_ref()
     }
 
-    /// The buffer of an owner's leaned vertices.
+    /// Returns the buffer of an owner's leaned vertices.
     #[cfg(test)]
     pub(crate) fn leaned(&self, owner: u64) -> Option<&wgpu::Buffer> {
         Some(self.owners.get(&owner)?.fur.as_ref()?.leaned())
     }
 
-    /// Forgets all poses, so that they are computed anew.
+    /// Marks all poses to be recomputed.
     pub(crate) fn invalidate(&mut self) {
         self.owners.values_mut().for_each(|state| state.is_stale = true);
     }
 
-    /// Forgets them with how hair swings, where the device may not have seen the last of it.
+    /// Invalidates all poses and resets the hair motion, for use when the device may have missed the last update.
     pub(crate) fn lose(&mut self) {
         self.invalidate();
         self.owners.values_mut().for_each(|state| state.past = None);
     }
 
-    /// Forgets an owner.
+    /// Drops the state of an owner.
     pub(crate) fn forget(&mut self, owner: u64) {
         self.owners.remove(&owner);
         self.strands.retain(|(of, _), _| *of != owner);
     }
 
-    /// Bytes on the GPU.
+    /// Returns the size on the GPU in bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let of_skin = |state: &State| {
             state.posed.as_ref().map_or(0, wgpu::Buffer::size) + state.fur.as_ref().map_or(0, Fur::gpu_bytes)
@@ -313,7 +313,7 @@ impl States {
 
 impl StrandState {
     fn new(gpu: &Gpu, strands: &Strands) -> Self {
-        // Tests read it.
+        // Tests read the buffer.
         let read = if cfg!(test) { wgpu::BufferUsages::COPY_SRC } else { wgpu::BufferUsages::empty() };
         let buffer = |label, bytes| gpu.buffer(label, bytes, wgpu::BufferUsages::STORAGE | read);
         Self {

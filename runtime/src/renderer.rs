@@ -1,4 +1,4 @@
-//! What lasts from frame to frame, and the one way to a frame.
+//! State that lasts between frames, and the preparation of frames.
 
 use crate::camera::Camera;
 use crate::error::RuntimeError;
@@ -15,15 +15,16 @@ use crate::surface::Surfaces;
 use glam::Vec3;
 use pelage_formats::{Limits, Package};
 
-/// Draws models into the application's own render pass. One per device and kind of pass.
+/// Draws models into the application's own render pass. Create one per device and kind of pass.
 #[derive(Debug)]
 pub struct Renderer {
     kept: Kept,
 }
 
 impl Renderer {
-    /// Checks the options. No pipeline is compiled: that happens when a frame first needs one, or in
-    /// [`Renderer::prepare_pipelines`]. Device and queue stay the application's; the renderer keeps handles of them.
+    /// Creates a renderer after checking the options. Pipelines are not compiled until a frame first needs them, or in
+    /// [`Renderer::prepare_pipelines`]. The application still owns device and queue; the renderer keeps handles to
+    /// them.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &RendererOptions) -> Result<Self, RuntimeError> {
         options.check(device)?;
         let gpu = Gpu::new(device, queue);
@@ -43,15 +44,15 @@ impl Renderer {
         Ok(Self { kept })
     }
 
-    /// The options it was made with.
+    /// Returns the options of the renderer.
     pub fn options(&self) -> &RendererOptions {
         &self.kept.options
     }
 
-    /// Uploads a package, straight from the slices it borrows; the package's bytes may be dropped afterwards.
+    /// Uploads a package directly from the slices that it borrows. The package's bytes may be dropped afterwards.
     ///
-    /// Fails where a section is damaged, a texture needs a feature the device was made without, or something exceeds the
-    /// device's limits.
+    /// Fails if a section is damaged, if a texture needs a feature that the device was created without, or if something
+    /// exceeds the device's limits.
     pub fn load(&self, package: &Package<'_>) -> Result<Model, RuntimeError> {
         model::load(&self.kept.gpu, &self.kept.options, &self.kept.surfaces, package)
     }
@@ -61,11 +62,12 @@ impl Renderer {
         self.load(&Package::open(bytes, &Limits::default())?)
     }
 
-    /// Compiles what drawing `model` with `params` needs, so that the first frame does not wait for it. Mirrored instances, and
-    /// parameters of another style or with other constants of the lighting equation, and models of different numbers of layers in one frame,
-    /// may compile more when first drawn.
+    /// Compiles the pipelines for drawing `model` with `params`, so that the first frame does not wait for them. More
+    /// may be compiled on first use for mirrored instances, parameters of another style or with other lighting
+    /// constants, and frames with models of different layer counts.
     ///
-    /// It prepares frames of one instance, for every level of detail that `params` may choose, and drops them unseen.
+    /// It prepares frames of one instance, for every level of detail that `params` may choose, and drops them without
+    /// drawing.
     pub fn prepare_pipelines(&mut self, model: &Model, params: &FrameParams) -> Result<(), RuntimeError> {
         let levels = model.manifest().detail.len();
         let mut variants = vec![params.clone()];
@@ -75,14 +77,14 @@ impl Renderer {
             let level = |k: usize| Detail::Level(0.5 * k as f32);
             variants = (0..(2 * levels).max(1)).map(|k| params.clone().with_fur(|f| f.detail = level(k))).collect();
         }
-        // What levels that are named leave out, because they are of layers.
+        // Variants that explicit levels leave out, because those draw layers.
         if params.style.fur().is_some_and(|fur| fur.hair == Hair::Auto) && model.coat_strands().is_some() {
             variants.push(params.clone().with_fur(|fur| fur.hair = Hair::Strands));
         }
         if params.style.fur().is_some_and(|fur| fur.strand_edges == StrandEdges::Blended) && !model.strands().is_empty()
         {
             let strands = params.clone().with_fur(|fur| fur.hair = Hair::Strands);
-            // Which of the two a picture gets hangs on its size, and on the device.
+            // The choice depends on the size of the picture and on the device.
             variants.push(strands.clone().with(|p| p.viewport = [64; 2]));
             variants.push(strands.with_fur(|fur| fur.strand_edges = StrandEdges::Samples));
         }
@@ -90,14 +92,14 @@ impl Renderer {
             self.invalidate();
             self.kept.states.lose();
         }
-        // What these frames leave behind is dropped with them.
+        // State left behind by these frames is dropped with them.
         let shadows = std::mem::take(&mut self.kept.shadows);
         let ribbons = std::mem::take(&mut self.kept.ribbons);
         let nearest = std::mem::take(&mut self.kept.nearest);
         let targets = std::mem::take(&mut self.kept.cache.targets);
         let bind_groups = std::mem::take(&mut self.kept.cache.bind_groups);
         let mut encoder = self.kept.gpu.device.create_command_encoder(&Default::default());
-        // Wherever the camera looks, the instance must not be left out.
+        // The instance must not be culled, wherever the camera looks.
         let bounds = model.manifest().bounds;
         let radius = bounds.radius.max(1e-6) + model.manifest().fur.height_m;
         let unseen = Instance::new(Instance::NOBODY, model);
@@ -114,7 +116,7 @@ impl Renderer {
         self.kept.cache.targets = targets;
         self.kept.cache.bind_groups = bind_groups;
         drop(encoder);
-        // That this encoder is dropped loses nothing that anybody waits for.
+        // Dropping this encoder loses no work that is needed.
         self.kept.ring.lost_work();
         prepared
     }
@@ -122,11 +124,15 @@ impl Renderer {
     /// Prepares a frame: compiles missing pipelines, uploads what changed, and records the passes that run before the
     /// application's render pass into `encoder`.
     ///
-    /// The encoder must be submitted before, or together with, the pass that the frame is drawn into, and encoders in the order in which frames
-    /// were prepared into them: a later frame counts on poses and shadow maps that an earlier one made. Two cameras in one
-    /// submission take two frames; an owner has one pose at a time, which is that of the last frame prepared. Instances are drawn in the order given; where furs overlap in the picture, give the farther
-    /// first. They may be owned or borrowed, from an array or straight from a query: nothing is kept of them but what the renderer notes
-    /// under their owner.
+    /// The encoder must be submitted before, or together with, the pass that the frame is drawn into. Submit encoders
+    /// in the order in which frames were prepared into them: a later frame reuses poses and shadow maps of earlier
+    /// ones.
+    ///
+    /// Two cameras in one submission need two frames. An owner has one pose at a time, that of the last frame prepared.
+    /// Instances are drawn in the given order; where fur overlaps in the picture, pass the farther instance first.
+    ///
+    /// Instances may be owned or borrowed, from an array or directly from a query. Only the state under their owner's
+    /// number is kept.
     pub fn prepare<I>(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -140,7 +146,7 @@ impl Renderer {
         self.prepare_with(encoder, params, instances, Hooks::default())
     }
 
-    /// [`Self::prepare`] that the application takes part in.
+    /// Prepares a frame as [`Self::prepare`] does, with hooks of the application.
     pub fn prepare_with<I>(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -158,20 +164,20 @@ impl Renderer {
         frame::prepare(&mut self.kept, encoder, params, &instances, hooks)
     }
 
-    /// The buffer of an owner's guides.
+    /// Returns the guide buffer of an owner.
     #[cfg(test)]
     pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
         self.kept.states.posed_guides(owner, set)
     }
 
-    /// The buffer of an owner's leaned vertices.
+    /// Returns the buffer of an owner's leaned vertices.
     #[cfg(test)]
     pub(crate) fn leaned(&self, owner: u64) -> Option<&wgpu::Buffer> {
         self.kept.states.leaned(owner)
     }
 
-    /// Forgets poses and shadow maps, so that the next frame makes them anew, and gives the maps' memory back. An encoder that a frame was
-    /// prepared into and that was dropped instead of submitted is noticed without this.
+    /// Drops poses and shadow maps, so that the next frame recreates them, and frees the maps' memory. Not needed after
+    /// an encoder is dropped instead of submitted; the renderer detects that.
     pub fn invalidate(&mut self) {
         self.kept.states.invalidate();
         self.kept.shadows = Shelf::default();
@@ -180,13 +186,13 @@ impl Renderer {
         self.kept.cache.bind_groups.clear();
     }
 
-    /// Forgets an owner at once. Those that no frame has named for 256 frames are forgotten without this. What is kept of an owner holds its
-    /// model.
+    /// Drops the state of an owner immediately. Owners unused for 256 frames are dropped automatically. The state of an
+    /// owner keeps its model alive.
     pub fn forget(&mut self, owner: u64) {
         self.kept.states.forget(owner);
     }
 
-    /// Bytes on the GPU of what is kept of all owners: posed vertices.
+    /// Returns the size on the GPU in bytes of the state of all owners: posed vertices, leaned fur and posed strands.
     pub fn owners_gpu_bytes(&self) -> u64 {
         self.kept.states.gpu_bytes()
     }

@@ -1,51 +1,51 @@
-//! What became of each pass of a frame, and of the fur of each instance.
+//! Report of a frame: its passes, and the fur of each instance.
 
-/// Which passes ran, and why the others did not.
+/// Report of a frame: which passes ran, and why the others did not.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct FrameReport {
-    /// One entry per pass, in order.
+    /// Report of each pass, in order.
     pub passes: Vec<PassReport>,
-    /// One entry per instance, in the order given.
+    /// Level of detail of each instance, in the given order.
     pub instances: Vec<InstanceDetail>,
-    /// Whether hair moves by itself: the next moment has another picture, although nobody moves anything.
+    /// Whether hair is still moving: a frame at a later time differs even if nothing else changes.
     pub hair_moves: bool,
-    /// What had to be made for the frame.
+    /// Objects created for the frame.
     pub created: Created,
-    /// Bytes of uniforms and storage that the queue was given: none where all is as in a frame before.
+    /// Bytes of uniforms and storage uploaded; 0 if nothing changed since an earlier frame.
     pub uploaded_bytes: u64,
-    /// Bytes on the GPU of the textures of the picture's size that the passes hand on, and of the lists of its pixels where strands have blended
-    /// edges. The renderer keeps them for the next frames of the same size.
+    /// Bytes on the GPU of textures of the picture's size that passes share, and of the per-pixel lists for blended
+    /// strand edges. The renderer keeps them for later frames of the same size.
     pub target_bytes: u64,
 }
 
-/// What became of one pass.
+/// Report of a pass.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PassReport {
     /// Name of the pass: [`crate::PassId::name`].
     pub name: &'static str,
-    /// Whether it does anything in this frame.
+    /// Whether the pass does anything in this frame.
     pub ran: bool,
-    /// What it does, or why nothing.
+    /// Description of what it does, or the reason why it was skipped.
     pub reason: String,
 }
 
-/// How many objects of the device a frame had to make: none where nothing is new since the frames before.
+/// Number of GPU objects created for a frame: none if nothing is new since earlier frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Created {
-    /// Buffers.
+    /// Number of buffers.
     pub buffers: u32,
-    /// Textures.
+    /// Number of textures.
     pub textures: u32,
-    /// Bind groups.
+    /// Number of bind groups.
     pub bind_groups: u32,
-    /// Pipelines.
+    /// Number of pipelines.
     pub pipelines: u32,
 }
 
 impl Created {
-    /// What was made between two counts.
+    /// Returns the number of objects created between two counts.
     pub(crate) fn since(self, before: Self) -> Self {
         Self {
             buffers: self.buffers - before.buffers,
@@ -56,31 +56,32 @@ impl Created {
     }
 }
 
-/// What is drawn of an instance's fur.
+/// Level of detail of an instance's fur, as drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct InstanceDetail {
-    /// Whether any of it can be in the picture. What cannot be is not drawn, and throws its shadow all the same.
+    /// Whether any of it may be in the picture. Otherwise it is not drawn, but still casts its shadow.
     pub in_picture: bool,
     /// Index into the package's levels of detail.
     pub level: u32,
-    /// How far it has faded to the next level, 0..1.
+    /// Progress of the fade to the next level, 0..1.
     pub fade: f32,
-    /// Layers that are drawn, the skin not counted; 0 where single strands are in their place.
+    /// Number of drawn layers, skin excluded; 0 if single strands replace them.
     pub layers: u32,
-    /// Layers that the package has, the skin not counted.
+    /// Number of layers in the package, skin excluded.
     pub of_layers: u32,
-    /// Triangles of the index list that is drawn: the mesh's own, or one of those that the package simplified.
+    /// Triangle count of the drawn index list: the mesh's own, or a simplified one of the package.
     pub triangles: u32,
     /// Share of the fins' opacity, 0..=1.
     pub fins: f32,
-    /// How far the far coat has taken over, 0..=1.
+    /// Progress of the transition to the far fur layer, 0..=1.
     pub coat: f32,
-    /// Share of the coat's single strands that is drawn, 0..=1; where it has none, of the first group of hair on guides. Layers are as well while `layers` is not 0: they fade when all strands are there.
+    /// Share of the single fur strands that is drawn, 0..=1; if there are none, of the first group of guided hair.
+    /// Layers are drawn as well while `layers` is not 0: they fade once all strands are drawn.
     pub strands: f32,
-    /// Straight pieces that each single strand is drawn in: fewer where it is small on screen; 0 where none is drawn.
+    /// Segments per single strand: fewer if it is small on screen; 0 if no strands are drawn.
     pub strand_pieces: u32,
-    /// Height of the fur on screen, pixels, at the nearest point of the model; `None` where nothing depends on it. Infinite where the eye is
-    /// within the model's bounds.
+    /// Height of the fur on screen, pixels, at the nearest point of the model; `None` if nothing depends on it.
+    /// Infinite if the eye is within the model's bounds.
     pub fur_px: Option<f32>,
 }

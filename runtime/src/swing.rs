@@ -1,7 +1,8 @@
-//! What the renderer keeps of the hair of each owner that moves: where its body was, and how long nothing has moved it.
+//! Hair motion state that the renderer keeps per owner: where its body was, and how long nothing has moved it.
 //!
-//! An owner's hair lives from one moment to the next. A life has a number; each set of strands knows the last that it lived through, so that a moment that
-//! several cameras look at is lived through once, by each set that any of them draws.
+//! The hair of an owner advances by one update from each moment to the next. Updates are numbered, and each strand set
+//! stores the last one applied to it. A moment seen by several cameras is therefore simulated once per set that any of
+//! them draws.
 
 use crate::instance::Instance;
 use crate::params::{HairMotionParams, Wind};
@@ -10,10 +11,11 @@ use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::Pose;
 use pelage_formats::meaning::hair_motion::{Capsule, steps};
 
-/// The time of the wind is told in f32: so many seconds after its beginning it begins again, which nobody sees but in the gust that blows then.
+/// Period of the wind in seconds, because its time is an f32. The jump is visible only in a gust that blows at that
+/// time.
 const WIND_REPEATS_S: f64 = 4096.0;
 
-/// Where a body was in the last frame that moved its hair.
+/// State of a body in the last frame that moved its hair.
 #[derive(Clone, Debug)]
 pub(crate) struct Past {
     transform: Mat4,
@@ -26,33 +28,33 @@ pub(crate) struct Past {
     swing: Swing,
 }
 
-/// How the hair of an instance moves in a frame.
+/// Hair motion of an instance in a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Swing {
     pub(crate) params: HairMotionParams,
-    /// Its number, and that of the life before, if there was one.
+    /// Number of this update, and of the previous one, if there was one.
     pub(crate) life: u64,
     pub(crate) follows: Option<u64>,
     pub(crate) world_from_model: Mat3,
-    /// Where the model's origin is in the world, and how far it went.
+    /// World position of the model's origin, and its displacement.
     pub(crate) origin: Vec3,
     pub(crate) went: Vec3,
-    /// The moment as the wind knows it.
+    /// Time of the wind.
     pub(crate) time_s: f32,
     pub(crate) steps: u32,
     pub(crate) step_s: f32,
     pub(crate) before_s: f32,
-    /// How long the frame before was, of which those are steps.
+    /// Duration of the previous frame, of which `before_s` is one step.
     pub(crate) frame_before_s: f32,
-    /// Before and now, relative to the origin now.
+    /// Colliders before and now, relative to the current origin.
     pub(crate) colliders: Vec<[Capsule; 2]>,
-    /// Hair begins as it was groomed.
+    /// Hair is reset to its groomed state.
     pub(crate) is_fresh: bool,
-    /// Hair is at rest: nothing is to be done but for sets that were not there before.
+    /// Hair is at rest: only sets that are new need to be updated.
     pub(crate) is_at_rest: bool,
 }
 
-/// The colliders of an instance in world space: those of its body, and the application's.
+/// Returns the colliders of an instance in world space: those of its body and those of the application.
 fn colliders(instance: &Instance, pose: &Pose) -> Vec<Capsule> {
     let of_body = instance.model.colliders().iter().map(|collider| {
         let joint = pose.joints.get(collider.joint as usize).copied().unwrap_or(Mat4::IDENTITY);
@@ -64,7 +66,7 @@ fn colliders(instance: &Instance, pose: &Pose) -> Vec<Capsule> {
     of_body.chain(instance.colliders.iter().copied()).collect()
 }
 
-/// What the air does in a frame, as `hair/wind.wgsl` has it.
+/// Wind in a frame; layout as in `hair/wind.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct WindBlock {
@@ -77,29 +79,29 @@ pub(crate) struct WindBlock {
 }
 
 impl Swing {
-    /// What the air does.
+    /// Returns the wind of the frame.
     pub(crate) fn wind(&self) -> WindBlock {
         let Wind { velocity, gust, gust_s, turbulence, eddy_m } = self.params.wind;
         WindBlock { velocity: velocity.to_array(), gust, gust_s, turbulence, eddy_m, time_s: self.time_s }
     }
 
-    /// How long the frame is for hair.
+    /// Returns the simulated duration of the frame.
     pub(crate) fn seconds(&self) -> f32 {
         self.steps as f32 * self.step_s
     }
 
-    /// Scale of lengths of the character.
+    /// Returns the character's scale of lengths.
     pub(crate) fn scale(&self) -> f32 {
         self.world_from_model.determinant().abs().cbrt()
     }
 }
 
-/// How the hair moves in this frame, and what is to be remembered of it. It is the life that was remembered where this frame is of
-/// the same moment and nothing is elsewhere.
+/// Returns the hair motion in this frame, and the state to keep. If the time is the same as before and nothing has
+/// moved, the stored update is returned.
 ///
-/// * `rest_s`: seconds after which it has come to rest where nothing moves it
-/// * `is_posed`: the skin is another than in the frame before
-/// * `life`: the number of a new life
+/// * `rest_s`: seconds after which hair comes to rest if nothing moves it
+/// * `is_posed`: the surface has changed since the previous frame
+/// * `life`: number for a new update
 pub(crate) fn swing(
     past: Option<&Past>,
     instance: &Instance,

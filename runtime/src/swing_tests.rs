@@ -1,4 +1,4 @@
-//! Hair swings on the GPU as its twin in `pelage-formats` says, pearl for pearl.
+//! Test that hair moves on the GPU as its Rust counterpart in `pelage-formats` does, particle for particle.
 
 use crate::camera::Camera;
 use crate::frame_tests::gpu;
@@ -19,11 +19,11 @@ use pelage_stage::Gpu;
 const POINTS: usize = 9;
 const MOTION: GroupMotion =
     GroupMotion { held: 0.1, free: 0.5, drag_per_s: 1.5, shape_hz: 0.8, bend_hz: 1.5, friction: 0.3 };
-/// How freely each of its guides moves: the first goes with the skin.
+/// Freedom of movement of each of its guides: the first follows the surface.
 const FREEDOM: [u8; 8] = [0, 128, 250, 255, 255, 255, 255, 255];
 const WIND: Wind = Wind { velocity: Vec3::new(2.0, 0.0, -1.0), gust: 0.5, gust_s: 0.7, turbulence: 0.4, eddy_m: 0.3 };
 
-/// What a buffer of the device has.
+/// Returns the contents of a GPU buffer.
 pub fn read<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<T> {
     let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
     let copy = wgpu::BufferDescriptor { label: None, size: buffer.size(), usage, mapped_at_creation: false };
@@ -34,7 +34,7 @@ pub fn read<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<T> {
     bytemuck::pod_collect_to_vec(&gpu.read_buffer(&copy).unwrap())
 }
 
-/// An octahedron whose every side has a guide.
+/// Octahedron with a guide on each side.
 struct Scene {
     corners: Vec<[Vec3; 3]>,
     points: Vec<Vec<Vec3>>,
@@ -76,7 +76,7 @@ impl Scene {
             ..HairGroup::default()
         };
         group.set_guides(&guides);
-        // As the package has them: in whole numbers, and spread out.
+        // As in the package: quantised, and resampled.
         let points = (0..8).map(|side| smoothed(&group.guide(side), POINTS)).collect();
         let manifest = Manifest {
             materials: vec![Material {
@@ -103,7 +103,8 @@ impl Scene {
         Rooted { root: transform.transform_point3(root), frame }
     }
 
-    /// How the twin has each guide at the end, in model space from its root.
+    /// Returns the final points of each guide as the Rust counterpart computes them, in model space relative to its
+    /// root.
     fn twin(&self, frames: u32, fps: f32, at: &dyn Fn(u32) -> (Mat4, Vec<Capsule>), wind: Wind) -> Vec<Vec3> {
         let springs = Springs {
             drag_per_s: MOTION.drag_per_s,
@@ -138,7 +139,7 @@ impl Scene {
         all
     }
 
-    /// How the GPU has them.
+    /// Returns the guide points as the GPU computes them.
     fn drawn(
         &self,
         gpu: &Gpu,
@@ -174,7 +175,7 @@ fn hair_swings_as_its_twin_does() {
     let Some(gpu) = gpu("hair_swings_as_its_twin_does") else { return };
     let body = BodyCollider { joint: 0, from: [0.0; 3], to: [0.0, 0.03, 0.0], radius: 0.06 };
     let scene = Scene::new(vec![body]);
-    // Moved, turned and larger, among what comes from the side.
+    // Moves, turns and grows, among colliders that come from the side.
     let at = |frame: u32| {
         let t = frame as f32 / 60.0;
         let turn = Quat::from_rotation_z(0.8 * (3.0 * t).sin());
@@ -198,7 +199,7 @@ fn hair_swings_as_its_twin_does() {
     }
 }
 
-/// What is blown aside comes back to where it was groomed, and no step moves it from there.
+/// Checks that hair blown aside returns to its groomed shape, and that no step moves it from there.
 #[test]
 fn hair_comes_to_rest_where_it_was_groomed() {
     let Some(gpu) = gpu("hair_comes_to_rest_where_it_was_groomed") else { return };

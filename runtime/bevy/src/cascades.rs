@@ -1,7 +1,7 @@
-//! Animals in the shadow maps of Bevy's suns, so that Bevy's meshes receive their shadows.
+//! Animals in the shadow maps of Bevy's directional lights, so that Bevy's meshes receive their shadows.
 //!
-//! Bevy draws a map for each cascade of a directional light and camera; after it the animals are drawn into the same map, as fur seen from
-//! the sun. Passes of the runtime have a colour target, which here is a texture that nobody reads.
+//! Bevy draws a map for each cascade of a directional light and camera; the animals are then drawn into the same map,
+//! as fur seen from the light. Passes of the runtime need a colour target; here it is a texture that is never read.
 
 use crate::extract::{Animal, Scene};
 use crate::reach;
@@ -21,13 +21,13 @@ use pelage_runtime::{
     Camera, Detail, FrameParams, FurParams, Hair, Instance, Light, Projection, SelfShadow, Style, StyleKind, wgpu,
 };
 
-/// One byte a texel, which nobody reads.
+/// Format of the unused colour target, one byte per texel.
 const COLOR: TextureFormat = TextureFormat::R8Unorm;
 
-/// What animals that stand before a map's first plane are squeezed into, as a share of the map's depth.
+/// Depth range, as a share of the map's depth, to which animals in front of the first plane are compressed.
 const SQUEEZED: f32 = 1e-3;
 
-/// The colour target of the maps.
+/// Unused colour target of the maps.
 #[derive(Resource, Debug, Default)]
 struct Unread(Option<wgpu::Texture>);
 
@@ -84,7 +84,7 @@ fn cast(
     }
 }
 
-/// Frames of the animals that throw shadows, as that cascade sees them.
+/// Prepares frames of the shadow-casting animals as seen by a cascade.
 fn prepare(
     drawing: &mut Drawing,
     scene: &Scene,
@@ -106,7 +106,7 @@ fn prepare(
         let style = if bare { Style::Bare } else { Style::Fur(thrown_fur()) };
         for camera in cameras(seen, &instances) {
             let params = FrameParams::new(camera, [seen.viewport.z, seen.viewport.w]).with(|params| {
-                // In a dark frame no shadow map of the runtime's own is drawn.
+                // With a dark light the runtime draws no shadow map of its own.
                 params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
                 params.soft_shadow = false;
                 params.style = style.clone();
@@ -120,7 +120,7 @@ fn prepare(
     prepared
 }
 
-/// Fur as shadow maps have it: layers, as many as the texels of a map show.
+/// Returns fur parameters for shadow maps: shells, with as many layers as a map's texels resolve.
 fn thrown_fur() -> FurParams {
     FurParams::default().with(|fur| {
         fur.detail = Detail::Auto { bias: 0.5 };
@@ -130,8 +130,11 @@ fn thrown_fur() -> FurParams {
     })
 }
 
-/// How a cascade sees the animals. Its depth begins where the camera's view does. What stands before that, towards the sun, throws shadows as
-/// well: Bevy clamps such depths to the first plane. Here a second camera sees nothing else, and squeezes it there.
+/// Returns the cameras with which a cascade sees the animals.
+///
+/// A cascade's depth begins where the camera's view does. Objects in front of that, towards the sun, cast shadows as
+/// well: Bevy clamps their depth to the first plane. Here a second camera sees nothing else, and compresses its depth
+/// there.
 fn cameras(seen: &ExtractedView, instances: &[Instance]) -> Vec<Camera> {
     let world_from_view = seen.world_from_view.to_matrix();
     let view_from_world = world_from_view.inverse();
@@ -145,14 +148,15 @@ fn cameras(seen: &ExtractedView, instances: &[Instance]) -> Vec<Camera> {
     cameras
 }
 
-/// How far an animal may reach past the first plane of a cascade, which is where its view space has z = 0, metres.
+/// Returns the maximum distance, metres, by which an animal may extend in front of a cascade's first plane, which is at
+/// z = 0 in view space.
 fn before_first_plane(view_from_world: Mat4, instance: &Instance) -> f32 {
     let reach = reach::of_animal(instance);
     view_from_world.transform_point3(reach.center).z + reach.radius
 }
 
-/// A cascade's projection that has depth 1 at its first plane and less before it, down to 1 - [`SQUEEZED`] at `nearest_m`; what lies behind the
-/// plane has more than 1 and is clipped.
+/// Returns a cascade's projection with depth 1 at its first plane, falling to 1 - [`SQUEEZED`] at `nearest_m` in front
+/// of it. Points behind the plane have a depth above 1 and are clipped.
 fn squeezed(clip_from_view: Mat4, nearest_m: f32) -> Mat4 {
     let mut squeezed = clip_from_view;
     squeezed.z_axis.z = -SQUEEZED / nearest_m;
@@ -161,7 +165,7 @@ fn squeezed(clip_from_view: Mat4, nearest_m: f32) -> Mat4 {
 }
 
 impl Unread {
-    /// A colour target of a map's size.
+    /// Returns a view of a colour target of the map's size.
     fn view(&mut self, device: &RenderDevice, viewport: UVec4) -> wgpu::TextureView {
         let size = wgpu::Extent3d { width: viewport.z, height: viewport.w, depth_or_array_layers: 1 };
         let texture = self.0.take().filter(|texture| texture.size() == size).unwrap_or_else(|| {

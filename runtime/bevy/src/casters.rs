@@ -1,7 +1,7 @@
-//! Meshes of Bevy's in the shadow maps of fur.
+//! Bevy meshes in the shadow maps of fur.
 //!
-//! The runtime asks for the depth of what stands about while it draws its maps. Bevy keeps the vertices of all meshes in few buffers; they are
-//! drawn from there with pipelines that read positions alone.
+//! While the runtime draws its maps, it asks for the depth of other casters. Bevy keeps the vertices of all meshes in
+//! few buffers; they are drawn from there with pipelines that read only positions.
 
 use crate::extract::{Caster, Scene};
 use crate::reach::{above, around};
@@ -22,7 +22,7 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::mem::size_of;
 use std::ops::Range;
 
-/// Puts positions through a matrix of their instance's own.
+/// Vertex shader: transforms positions by a matrix per instance.
 const SHADER: &str = "
 @vertex
 fn vs_caster(
@@ -36,26 +36,26 @@ fn vs_caster(
 }
 ";
 
-/// The columns of `clip_from_model`, which lie one after another.
+/// Vertex attributes of the columns of `clip_from_model`, stored consecutively.
 const MATRIX: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
 
-/// All that tells one pipeline from another.
+/// Cache key of a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Kind {
     stride: u64,
     position_offset: u64,
     topology: wgpu::PrimitiveTopology,
-    /// Of strips alone.
+    /// Index format; only for strips.
     strip_indices: Option<wgpu::IndexFormat>,
     pass: CasterPass,
 }
 
-/// Pipelines by their kind.
+/// Cache of pipelines by their key.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct CasterPipelines(HashMap<Kind, wgpu::RenderPipeline>);
 
-/// A mesh as it lies in Bevy's buffers.
+/// A mesh in Bevy's buffers.
 struct Placed<'a> {
     vertices: MeshBufferSlice<'a>,
     indices: Option<(MeshBufferSlice<'a>, wgpu::IndexFormat)>,
@@ -65,7 +65,7 @@ struct Placed<'a> {
     transform: Mat4,
 }
 
-/// Prepares frames among Bevy's meshes.
+/// System parameter that prepares frames with Bevy's meshes as casters.
 #[derive(SystemParam)]
 pub(crate) struct CasterDraws<'w> {
     meshes: Res<'w, RenderAssets<RenderMesh>>,
@@ -74,7 +74,8 @@ pub(crate) struct CasterDraws<'w> {
 }
 
 impl CasterDraws<'_> {
-    /// A frame of `instances`, which are within `reaches`, with those of the scene's casters in its shadow maps that can shade them.
+    /// Prepares a frame of `instances`, whose bounds are `reaches`. Its shadow maps contain the casters that can shade
+    /// them.
     pub(crate) fn prepare(
         &mut self,
         drawing: &mut Drawing,
@@ -87,7 +88,7 @@ impl CasterDraws<'_> {
     ) -> Result<Frame, RuntimeError> {
         let Self { meshes, allocator, pipelines } = self;
         let (casters, bounds) = shading(&scene.casters, reaches, params);
-        // Meshes that are not on the device yet are drawn when they are: the maps know those that they were drawn with by `revision`.
+        // Meshes that are not yet on the GPU are drawn later; `revision` tells the maps which meshes they contain.
         let placed: Vec<Placed> =
             casters.iter().filter_map(|caster| place(caster, meshes, allocator, drawing.said)).collect();
         if placed.is_empty() {
@@ -121,8 +122,8 @@ impl CasterDraws<'_> {
     }
 }
 
-/// The casters that can shade what lies in `reaches`, and what the maps must cover for them: a point so far towards the light as they reach. The
-/// maps are as wide as the animals, and what of a caster is wider lies beside them.
+/// Returns the casters that can shade anything in `reaches`, and what the maps must also cover: a point as far towards
+/// the light as they extend. The maps are as wide as the animals; wider parts of a caster are outside.
 fn shading<'a>(casters: &'a [Caster], reaches: &[Sphere], params: &FrameParams) -> (Vec<&'a Caster>, Option<Sphere>) {
     let (Light::Directional { towards_light, .. }, true) = (params.light, params.soft_shadow) else {
         return (Vec::new(), None);
@@ -164,7 +165,8 @@ impl Placed<'_> {
     }
 }
 
-/// Where a mesh lies; `None` while it is not on the device, and for one that cannot be drawn, which the log says.
+/// Locates a mesh in Bevy's buffers; `None` if it is not yet on the GPU, or (with a warning in the log) if it cannot be
+/// drawn.
 fn place<'a>(
     caster: &Caster,
     meshes: &RenderAssets<RenderMesh>,
@@ -195,7 +197,7 @@ fn place<'a>(
     Some(Placed { vertices, indices, topology, stride, position_offset, transform: caster.transform })
 }
 
-/// A number that is another whenever what casts shadows is.
+/// Returns a revision that changes whenever the casters change.
 fn revision(casters: &[&Caster], placed: &[Placed], meshes_changed: u64) -> u64 {
     let mut hasher = DefaultHasher::new();
     meshes_changed.hash(&mut hasher);

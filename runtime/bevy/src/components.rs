@@ -1,4 +1,4 @@
-//! What an application puts on its entities.
+//! Components and resources that an application sets.
 
 use crate::model::PelageModel;
 use bevy_asset::{AsAssetId, AssetId, Handle};
@@ -8,35 +8,36 @@ use bevy_math::Mat4;
 use bevy_transform::components::Transform;
 use pelage_runtime::{Environment, FurParams, HairMotionParams, InkBackground, InkParams, ShadowParams, Style};
 
-/// An animal: the model of a package, drawn in a style where the entity stands.
+/// An animal: the model of a package, drawn in a style at the entity's transform.
 ///
-/// It is drawn by the cameras that see the entity: `Visibility` and `RenderLayers` are Bevy's. What lies outside of a camera's view is left
-/// out by pelage itself, which knows the pose; hence `NoFrustumCulling`. The entity gets the `Aabb` of the model at rest when it is loaded.
+/// Cameras that see the entity draw it: `Visibility` and `RenderLayers` work as usual in Bevy. Pelage itself culls
+/// animals outside of a camera's view, because it knows the pose; hence `NoFrustumCulling`. When the model is loaded,
+/// the entity gets the model's `Aabb` at rest.
 #[derive(Component, Clone, Debug)]
 #[require(Transform, Visibility, VisibilityClass, NoFrustumCulling)]
 #[component(on_add = visibility::add_visibility_class::<Pelage>)]
 pub struct Pelage {
-    /// What it is.
+    /// Model to draw.
     pub model: Handle<PelageModel>,
-    /// How it is drawn: fur, bare skin or ink, with the parameters of each. A look file becomes one by
+    /// Drawing style: fur, bare or ink, with the parameters of each. A look file is converted by
     /// `pelage_stage::Look::frame_params().style`.
     pub style: Style,
 }
 
 impl Pelage {
-    /// In fur as it is by default.
+    /// Creates an animal in the default fur style.
     pub fn fur(model: Handle<PelageModel>) -> Self {
         Self { model, style: Style::Fur(FurParams::default()) }
     }
 
-    /// In ink, painted over what the camera saw before. With [`InkBackground::Paper`] in its parameters the sheet hides the background, but for
-    /// what other things cover.
+    /// Creates an animal in ink, painted over the camera's picture. With [`InkBackground::Paper`] in its parameters,
+    /// paper hides the background where no other object covers it.
     pub fn ink(model: Handle<PelageModel>) -> Self {
         Self { model, style: ink() }
     }
 }
 
-/// Ink over Bevy's picture.
+/// Returns the ink style that paints over Bevy's picture.
 pub(crate) fn ink() -> Style {
     Style::Ink(InkParams::default().with(|ink| ink.background = InkBackground::Picture))
 }
@@ -49,64 +50,68 @@ impl AsAssetId for Pelage {
     }
 }
 
-/// A clip that plays: without it an animal rests.
+/// Playback of a clip; without it an animal stays at rest.
 #[derive(Component, Clone, Debug, PartialEq)]
 #[require(ClipPlace)]
 pub struct PelageClip {
-    /// Name of the clip, as [`PelageModel::clip`] finds it. Where the model has none of the name the log says so, and the animal rests.
+    /// Name of the clip, as for [`PelageModel::clip`]. If the model has no such clip, a warning is logged and the
+    /// animal stays at rest.
     pub name: String,
-    /// The moment of the clip, seconds. It moves on by itself; set it to seek.
+    /// Current time of the clip, seconds. Advances by itself; set it to seek.
     pub time_s: f32,
-    /// Seconds of the clip in a second of Bevy's `Time` (default 1); below 0 it plays backwards.
+    /// Playback speed, clip seconds per second of Bevy's `Time` (default 1); negative plays backwards.
     pub speed: f32,
-    /// Whether it begins anew at its end (default true); else it holds there.
+    /// Whether the clip repeats (default true); else it stops at its end.
     pub looped: bool,
-    /// Whether time stands still for it (default false).
+    /// Whether playback is paused (default false).
     pub paused: bool,
 }
 
 impl PelageClip {
-    /// The clip of that name from its beginning, over and over.
+    /// Plays the clip of that name from its beginning, in a loop.
     pub fn new(name: impl Into<String>) -> Self {
         Self { name: name.into(), time_s: 0.0, speed: 1.0, looped: true, paused: false }
     }
 }
 
-/// A pose of the application's own, in place of a clip: mesh space to model space, one matrix per joint of the package's skeleton.
+/// Pose set by the application, in place of a clip: one matrix per joint of the package's skeleton, from mesh space to
+/// model space.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct PelageJoints(pub Vec<Mat4>);
 
-/// Morph targets at weights of the application's own, by their names, whatever the clip does with them: a face that speaks, a blink.
+/// Morph target weights by name, set by the application; they override those of the clip. Examples: a speaking face, a
+/// blink.
 ///
-/// Where the model has none of a name the log says so.
+/// If the model has no target of a name, an error is logged.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct PelageMorphs(pub Vec<(String, f32)>);
 
-/// A mesh that throws its shadow on fur: put it on entities with `Mesh3d` that may stand between a sun and an animal.
+/// Marker for a mesh that casts shadows on fur: add it to entities with `Mesh3d` that may be between a sun and an
+/// animal.
 ///
-/// Fur has shadow maps of its own. Leave out grounds, on which Bevy's own maps show the animals' shadows: the maps' depth covers all that
-/// reaches towards the sun, and things nearer to fur than a thousandth of that throw no shadow on it. Positions must be as `Mesh` has them by
-/// default, uncompressed, and the mesh neither skinned nor morphed.
+/// Fur has shadow maps of its own. Do not mark grounds; Bevy's own maps show the animals' shadows on them. The depth of
+/// the maps covers all casters towards the sun; objects nearer to fur than a thousandth of that cast no shadow on it.
+/// Positions must be in `Mesh`'s default format, uncompressed, and the mesh neither skinned nor morphed.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ShadesPelage;
 
-/// How the shadow maps of fur are made, for all lights and cameras. `map_size` is that of one animal: where those of one style are spread out
-/// in a picture, maps have up to four times as many texels a side.
+/// Settings of the fur's shadow maps, for all lights and cameras. `map_size` is that of one animal: if those of one
+/// style are spread out in a picture, maps have up to four times as many texels per side.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct PelageShadows(pub ShadowParams);
 
-/// Light from all around for fur: the lights that a sky is taken for (`pelage sky` writes them), in place of ambient light. Bevy's own meshes have it as
-/// `EnvironmentMapLight`; a sun in it is left to a `DirectionalLight`.
+/// Environment light on fur, in place of ambient light: the lights fitted to an environment map (written by `pelage
+/// sky`). For Bevy's own meshes use `EnvironmentMapLight`; represent a sun in it by a `DirectionalLight`.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct PelageEnvironment {
-    /// `None` for ambient light alone.
+    /// Fitted lights; `None` for ambient light alone.
     pub lights: Option<Environment>,
-    /// Candela per square metre that a radiance of 1 stands for, as `EnvironmentMapLight::intensity`.
+    /// Luminance for a radiance of 1, candela per square metre, as `EnvironmentMapLight::intensity`.
     pub intensity: f32,
 }
 
-/// What moves hair on guides, manes and tails: gravity and wind, for all animals (default gravity, and air that stands still). `None` leaves it as it was
-/// groomed. Hair lives as Bevy's `Time` passes.
+/// Gravity and wind that move fur and guide hair such as manes and tails, for all animals (default gravity, and still
+/// air). `None` keeps hair as groomed. Hair moves with Bevy's `Time`.
 #[derive(Resource, Clone, Debug)]
 pub struct PelageHair(pub Option<HairMotionParams>);
 
@@ -116,9 +121,9 @@ impl Default for PelageHair {
     }
 }
 
-/// What a [`PelageClip`] was found to be in the model of its entity.
+/// Result of looking up a [`PelageClip`] in the model of its entity.
 #[derive(Component, Clone, Debug, Default)]
 pub struct ClipPlace {
-    /// Index and length in seconds.
+    /// Index and length in seconds; `None` if not found.
     pub(crate) found: Option<(usize, f32)>,
 }

@@ -1,4 +1,4 @@
-//! The animals in Bevy's main pass: after what is opaque, before what is transparent.
+//! Drawing of animals in Bevy's main pass: after opaque objects, before transparent ones.
 
 use crate::Pelage;
 use crate::casters::CasterDraws;
@@ -19,7 +19,7 @@ use bevy_render::view::{
 };
 use pelage_runtime::{FrameParams, Instance, Sphere, Style};
 
-/// What a frame is drawn with in its pass.
+/// Components of a camera that drawing needs.
 type CameraParts = (
     &'static ExtractedCamera,
     &'static ExtractedView,
@@ -32,13 +32,13 @@ type CameraParts = (
     Option<&'static MainPassResolutionOverride>,
 );
 
-/// Animals of one style, the farthest first.
+/// Animals of one style, farthest first.
 struct Group<'a> {
     style: &'a Style,
     instances: Vec<Instance>,
 }
 
-/// Prepares a camera's frames: what runs before the picture is recorded here.
+/// Prepares a camera's frames, and records the work that runs before its main pass.
 pub(crate) fn prepare(
     view: ViewQuery<CameraParts>,
     scene: Res<Scene>,
@@ -95,8 +95,8 @@ pub(crate) fn prepare(
     frames.0.insert(entity, prepared);
 }
 
-/// The animals by their styles: a frame of the runtime has one. The farthest animal is the first of its group, and the group that it is in the
-/// first of all.
+/// Groups the animals by style, because a frame of the runtime has one style. The farthest animal comes first in its
+/// group, and its group comes first.
 fn groups<'a>(
     drawing: &mut Drawing,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! What the render world sees of the main world in a frame: plain data.
+//! Data extracted each frame from the main world to the render world.
 
 use crate::components::{
     ClipPlace, Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadows,
@@ -22,7 +22,7 @@ use pelage_stage::NamedPackage;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// An animal.
+/// An animal in the render world.
 #[derive(Clone, Debug)]
 #[cfg_attr(not(feature = "pbr"), allow(dead_code, reason = "the shadow maps that it throws shadows in are bevy_pbr's"))]
 pub(crate) struct Animal {
@@ -31,51 +31,51 @@ pub(crate) struct Animal {
     pub(crate) motion: Motion,
     pub(crate) morphs: PelageMorphs,
     pub(crate) style: Style,
-    /// Whether it throws a shadow on Bevy's meshes.
+    /// Whether it casts shadows on Bevy's meshes.
     pub(crate) throws_shadow: bool,
     pub(crate) layers: RenderLayers,
 }
 
-/// A mesh of Bevy's that throws its shadow on fur.
+/// A Bevy mesh that casts shadows on fur.
 #[derive(Clone, Debug)]
 pub(crate) struct Caster {
     pub(crate) mesh: AssetId<Mesh>,
     pub(crate) transform: Mat4,
-    /// What holds it.
+    /// Bounding sphere in world space.
     pub(crate) bounds: Sphere,
 }
 
-/// All that is drawn from.
+/// Extracted data from which all frames are drawn.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Scene {
-    /// By the entity in the main world.
+    /// Animals by their entity in the main world.
     pub(crate) animals: HashMap<MainEntity, Animal>,
-    /// Packages of all models that are loaded.
+    /// Packages of all loaded models.
     pub(crate) packages: HashMap<AssetId<PelageModel>, Arc<NamedPackage<'static>>>,
     pub(crate) suns: Vec<Sun>,
-    /// For cameras that have none of their own.
+    /// Ambient light of cameras without their own.
     pub(crate) ambient: Ambient,
-    /// Candela per square metre.
+    /// Environment lights, candela per square metre.
     pub(crate) environment: Option<Environment>,
-    /// Of cameras that have one, by the entity in the main world.
+    /// Ambient light of cameras that have their own, by their entity in the main world.
     pub(crate) ambients: HashMap<MainEntity, Ambient>,
     pub(crate) shadows: ShadowParams,
     pub(crate) hair_motion: Option<HairMotionParams>,
-    /// Of Bevy's clock, seconds.
+    /// Time of Bevy's clock, seconds.
     pub(crate) time_s: f64,
     pub(crate) casters: Vec<Caster>,
-    /// Another number whenever a mesh was changed in place.
+    /// Revision; incremented when a mesh is modified in place.
     pub(crate) meshes_changed: u64,
 }
 
 impl Scene {
-    /// Has hair live to the moment of the scene.
+    /// Sets the parameters of hair motion, up to the time of the scene.
     pub(crate) fn move_hair(&self, params: &mut FrameParams) {
         (params.time_s, params.hair_motion) = (self.time_s, self.hair_motion);
     }
 }
 
-/// How an animal is posed.
+/// Returns the pose of an animal.
 fn motion(clip: Option<(&PelageClip, &ClipPlace)>, joints: Option<&PelageJoints>) -> Motion {
     match (joints, clip) {
         (Some(joints), _) => Motion::Joints(joints.0.clone()),
@@ -86,7 +86,7 @@ fn motion(clip: Option<(&PelageClip, &ClipPlace)>, joints: Option<&PelageJoints>
     }
 }
 
-/// What an animal is extracted from.
+/// Components from which an animal is extracted.
 type AnimalParts = (
     Entity,
     &'static Pelage,
@@ -98,7 +98,7 @@ type AnimalParts = (
     Has<NotShadowCaster>,
 );
 
-/// The animals and their packages.
+/// Extracts the animals and their packages.
 pub(crate) fn animals(
     mut scene: ResMut<Scene>,
     animals: Extract<Query<AnimalParts>>,
@@ -123,7 +123,7 @@ pub(crate) fn animals(
     scene.packages.extend(models.iter().map(|(id, model)| (id, model.package.clone())));
 }
 
-/// The lights.
+/// Extracts the lights and the shadow settings.
 pub(crate) fn lights(
     mut scene: ResMut<Scene>,
     suns: Extract<Query<(&DirectionalLight, &GlobalTransform, &InheritedVisibility, Option<&RenderLayers>)>>,
@@ -149,26 +149,26 @@ pub(crate) fn lights(
     scene.shadows = shadows.0;
 }
 
-/// What moves hair, and the moment.
+/// Extracts the hair motion parameters and the time.
 pub(crate) fn hair(mut scene: ResMut<Scene>, hair: Extract<Res<PelageHair>>, time: Extract<Res<Time>>) {
     (scene.hair_motion, scene.time_s) = (hair.0, time.elapsed_secs_f64());
 }
 
-/// Light from all around, in candela per square metre.
+/// Extracts the environment lights, in candela per square metre.
 pub(crate) fn environment(mut scene: ResMut<Scene>, environment: Extract<Res<PelageEnvironment>>) {
     if environment.is_changed() {
         scene.environment = environment.lights.as_ref().map(|lights| lights.times(environment.intensity));
     }
 }
 
-/// The meshes that throw shadows on fur.
+/// Extracts the meshes that cast shadows on fur.
 pub(crate) fn casters(
     mut scene: ResMut<Scene>,
     casters: Extract<Query<(Entity, &Mesh3d, &GlobalTransform, &InheritedVisibility, &Aabb), With<ShadesPelage>>>,
     mut changes: Extract<MessageReader<AssetEvent<Mesh>>>,
 ) {
     let mut visible: Vec<_> = casters.iter().filter(|(_, _, _, visible, _)| visible.get()).collect();
-    // The order of a query may change without anything having moved.
+    // A query's order may change although nothing has moved.
     visible.sort_by_key(|(entity, ..)| *entity);
     scene.casters.clear();
     scene.casters.extend(visible.iter().map(|(_, mesh, transform, _, bounds)| Caster {

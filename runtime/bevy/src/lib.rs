@@ -28,12 +28,12 @@ use bevy_ecs::prelude::*;
 use bevy_render::{ExtractSchedule, GpuResourceAppExt as _, Render, RenderApp, RenderSystems};
 use pelage_runtime::RendererOptions;
 
-/// Loads packages and draws the entities that have a [`Pelage`].
+/// Plugin that loads packages and draws the entities that have a [`Pelage`].
 #[derive(Clone, Debug)]
 pub struct PelagePlugin {
-    /// Anisotropy of the base colours' sampler, 1..=16 (default 1).
+    /// Anisotropy of the base-colour sampler, 1..=16 (default 1).
     pub anisotropy: u16,
-    /// How many single strands of a coat a model may have (default 300 000); see [`RendererOptions::most_strands`].
+    /// Maximum number of single strands of a model's fur (default 300 000); see [`RendererOptions::most_strands`].
     pub most_strands: u32,
 }
 

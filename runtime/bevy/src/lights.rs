@@ -1,7 +1,8 @@
-//! What Bevy's lights come to for fur.
+//! Conversion of Bevy's lights for fur.
 //!
-//! Bevy's lights are in lux and candela per square metre, and a camera's exposure makes numbers of a picture of them; a Lambertian surface of
-//! albedo 1 that faces a sun of E lux is E · exposure / π there. In pelage a light of 1 is full light, which shows such a surface as 1.
+//! Bevy's lights are in lux and candela per square metre, and a camera's exposure converts them to picture values.
+//! There a Lambertian surface of albedo 1 facing a sun of E lux has the value E · exposure / π. In pelage a light of 1
+//! is full light and gives such a surface the value 1.
 
 use bevy_camera::visibility::RenderLayers;
 use bevy_color::{ColorToComponents as _, LinearRgba};
@@ -10,19 +11,19 @@ use pelage_runtime::formats::Shading;
 use pelage_runtime::{FrameParams, Light, MAX_FILL_LIGHTS};
 use std::f32::consts::PI;
 
-/// A directional light of Bevy's.
+/// A directional light of Bevy.
 #[derive(Clone, Debug)]
 pub(crate) struct Sun {
     pub(crate) towards_light: Vec3,
     pub(crate) color: LinearRgba,
-    /// Lux.
+    /// Illuminance, lux.
     pub(crate) illuminance: f32,
-    /// Whether it throws shadows.
+    /// Whether it casts shadows.
     pub(crate) shadows: bool,
     pub(crate) layers: RenderLayers,
 }
 
-/// An ambient light of Bevy's: its colour times its brightness, candela per square metre.
+/// An ambient light of Bevy: its colour times its brightness, candela per square metre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Ambient(pub(crate) Vec3);
 
@@ -32,13 +33,13 @@ impl Ambient {
     }
 }
 
-/// Linear RGB, 1 for full light.
+/// Returns the light's strength, linear RGB, 1 for full light.
 fn strength(sun: &Sun, exposure: f32) -> Vec3 {
     sun.color.to_vec3() * (sun.illuminance * exposure / PI)
 }
 
-/// Sets the lights of a frame for a camera of those layers. The strongest sun is the key light, which throws shadows; the others, up to 32,
-/// fill in.
+/// Sets the lights of a frame for a camera of those layers. The strongest sun is the key light and casts shadows; up to
+/// 32 others are fill lights.
 pub(crate) fn light(params: &mut FrameParams, suns: &[Sun], ambient: Ambient, exposure: f32, layers: &RenderLayers) {
     let mut seen: Vec<&Sun> = suns.iter().filter(|sun| sun.layers.intersects(layers)).collect();
     let brightness = |sun: &Sun| strength(sun, exposure).element_sum();
@@ -50,8 +51,8 @@ pub(crate) fn light(params: &mut FrameParams, suns: &[Sun], ambient: Ambient, ex
         seen.first().map_or(Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO }, |key| directional(key));
     params.soft_shadow = seen.first().is_some_and(|key| key.shadows);
     params.fill_lights = seen.iter().skip(1).take(MAX_FILL_LIGHTS).map(|sun| directional(sun)).collect();
-    // Packages multiply it with a constant of their own, which by default is that of full light. With it taken out an animal of a default
-    // package is lit by it as Bevy's meshes beside it are.
+    // Packages multiply ambient light by a constant, by default that of full light. Dividing by the default lights an
+    // animal of a default package like Bevy's meshes beside it.
     params.ambient = ambient.0 * exposure / Vec3::from(Shading::default().ambient);
 }
 

@@ -1,4 +1,4 @@
-//! A package as an asset of Bevy.
+//! Packages as Bevy assets.
 
 use bevy_asset::io::Reader;
 use bevy_asset::{Asset, AssetLoader, LoadContext};
@@ -9,11 +9,11 @@ use pelage_formats::{Animation, FormatError, Limits, Package};
 use pelage_stage::{NamedPackage, StageError, clip_named};
 use std::sync::Arc;
 
-/// An animal as `pelage bake` wrote it: the asset that a `.pelage` file becomes. Everything in it is checked when it is loaded, so that what
-/// Bevy holds can be drawn.
+/// An animal written by `pelage bake`: the asset type of `.pelage` files. Everything in it is checked on loading, so
+/// that every loaded model can be drawn.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct PelageModel {
-    /// The package with the path that messages use. A file that changes on disk becomes another one, which is how the render world sees it.
+    /// Package with the path that messages use. When the file changes on disk, a new `Arc` tells the render world.
     pub(crate) package: Arc<NamedPackage<'static>>,
     animation: Option<Arc<Animation>>,
     bounds: Aabb,
@@ -21,11 +21,11 @@ pub struct PelageModel {
 }
 
 impl PelageModel {
-    /// A model from the bytes of a package, which need not come from a file. `name`: what messages call it.
+    /// Creates a model from the bytes of a package, which need not come from a file. `name` is used in messages.
     ///
     /// # Errors
     ///
-    /// [`PelageLoadError::Package`] with the name, where in the package the fault is, what was found and what was expected.
+    /// [`PelageLoadError::Package`] with the name, the position in the package, found and expected.
     pub fn from_bytes(name: impl Into<String>, bytes: Vec<u8>) -> Result<Self, PelageLoadError> {
         let package = NamedPackage::new(name, bytes);
         let fault = |source: FormatError| PelageLoadError::Package(package.fault(source));
@@ -40,56 +40,56 @@ impl PelageModel {
         Ok(Self { package: Arc::new(package), animation, bounds, fur_height_m: fur })
     }
 
-    /// What messages call it: the path of its file.
+    /// Returns the name used in messages: the path of its file.
     pub fn name(&self) -> &str {
         &self.package.name
     }
 
-    /// Names and lengths in seconds of its clips, in the order of the model's file.
+    /// Returns names and lengths in seconds of its clips, in the order of the model's file.
     pub fn clips(&self) -> impl ExactSizeIterator<Item = (&str, f32)> {
         let clips = self.animation.as_ref().map_or(&[][..], |animation| &animation.clips);
         clips.iter().map(|clip| (clip.name.as_str(), clip.duration_s))
     }
 
-    /// The box of skin and fur at rest, in the model's own space, metres. A clip may leave it.
+    /// Returns the bounding box of body and fur at rest, in model space, metres. A clip may leave it.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// Height of the fur where it is highest, metres.
+    /// Returns the maximum height of the fur, metres.
     pub fn fur_height_m(&self) -> f32 {
         self.fur_height_m
     }
 
-    /// Index and length in seconds of a clip: by its whole name, or by the part behind the skeleton's name (`Walk` finds
-    /// `AnimalArmature|Walk`).
+    /// Returns the index and length in seconds of a clip: by its full name, or by the part after the skeleton's name
+    /// (`Walk` finds `AnimalArmature|Walk`).
     ///
     /// # Errors
     ///
-    /// The names that there are, in words.
+    /// The names of the existing clips, in words.
     pub fn clip(&self, name: &str) -> Result<(usize, f32), String> {
         let none = Animation::default();
         clip_named(self.animation.as_deref().unwrap_or(&none), name)
     }
 }
 
-/// Loads `.pelage` files.
+/// Asset loader for `.pelage` files.
 #[derive(Debug, Default, TypePath)]
 pub struct PelageModelLoader;
 
-/// Why a file did not become a [`PelageModel`].
+/// Error while loading a [`PelageModel`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PelageLoadError {
     /// The file could not be read.
     #[error("{file}: {source}")]
     Read {
-        /// Its path.
+        /// Path of the file.
         file: String,
-        /// What the asset's source said.
+        /// Error of the asset source.
         source: std::io::Error,
     },
-    /// It is damaged, too new, or no package.
+    /// The package is damaged, too new, or not a package.
     #[error(transparent)]
     Package(StageError),
 }

@@ -1,4 +1,4 @@
-//! In the main world: clips are found by their names and move on, and animals get their boxes.
+//! Systems of the main world: clip look-up and playback, and bounding boxes of animals.
 
 use crate::components::{ClipPlace, Pelage, PelageClip};
 use crate::model::PelageModel;
@@ -10,7 +10,7 @@ use bevy_time::Time;
 use pelage_stage::within;
 use std::collections::HashSet;
 
-/// Gives each animal the box of its model when that is loaded, or another.
+/// Gives each animal its model's bounding box when the model is loaded or replaced.
 pub(crate) fn fit_boxes(
     mut commands: Commands,
     animals: Query<(Entity, &Pelage), Or<(Changed<Pelage>, AssetChanged<Pelage>)>>,
@@ -23,7 +23,7 @@ pub(crate) fn fit_boxes(
     }
 }
 
-/// Finds clips by their names where name or model are others.
+/// Looks up clips by name when name or model changed.
 pub(crate) fn find_clips(
     mut clips: Query<
         (&Pelage, &PelageClip, &mut ClipPlace),
@@ -47,17 +47,17 @@ pub(crate) fn find_clips(
     }
 }
 
-/// Moves clips on by the time that has passed.
+/// Advances clips by the elapsed time.
 pub(crate) fn play_clips(mut clips: Query<(&mut PelageClip, &ClipPlace)>, time: Res<Time>) {
     for (mut clip, place) in &mut clips {
         let Some((_, duration_s)) = place.found else { continue };
         let moment = moment_after(&clip, time.delta_secs(), duration_s);
-        // It is no change of the clip: who asks for changes wants those that the application makes.
+        // Not marked as a change: change detection is for changes by the application.
         clip.bypass_change_detection().time_s = moment;
     }
 }
 
-/// The moment of a clip of that length after some more seconds.
+/// Returns the time of a clip after `passed_s` more seconds.
 fn moment_after(clip: &PelageClip, passed_s: f32, duration_s: f32) -> f32 {
     let moment = if clip.paused { clip.time_s } else { clip.time_s + clip.speed * passed_s };
     match clip.looped {

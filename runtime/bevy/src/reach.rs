@@ -1,15 +1,15 @@
-//! Where animals and what shades them are: as spheres.
+//! Bounding spheres of animals and their shadow casters.
 
 use bevy_math::{Mat3, Vec3};
 use pelage_runtime::{Instance, ShadowParams, Sphere};
 
-/// How much farther than at rest an animal in motion may reach.
+/// Maximum extent of an animal in motion, relative to its extent at rest.
 const IN_MOTION: f32 = 1.5;
 
-/// Texels of shadow maps grow no smaller than for animals that are spread over so many times the size of one.
+/// Maximum factor by which shadow maps are enlarged: the spread of the animals over the size of one, up to this.
 const MOST_SPREAD: f32 = 4.0;
 
-/// What holds an animal in any pose.
+/// Returns a sphere that contains an animal in any pose.
 pub(crate) fn of_animal(animal: &Instance) -> Sphere {
     let manifest = animal.model.manifest();
     let scale = Mat3::from_mat4(animal.transform).determinant().abs().cbrt();
@@ -19,7 +19,7 @@ pub(crate) fn of_animal(animal: &Instance) -> Sphere {
     }
 }
 
-/// A sphere around two.
+/// Returns the smallest sphere around two.
 pub(crate) fn around(a: Sphere, b: Sphere) -> Sphere {
     let apart = a.center.distance(b.center);
     if apart + b.radius <= a.radius {
@@ -33,7 +33,8 @@ pub(crate) fn around(a: Sphere, b: Sphere) -> Sphere {
     Sphere { center, radius }
 }
 
-/// How far towards the light a caster reaches past the middle of `lit`, metres; `None` where none of it can shade that.
+/// Returns how far towards the light a caster extends past the middle of `lit`, metres; `None` if no part of it can
+/// shade `lit`.
 ///
 /// * `towards_light` - of length 1
 pub(crate) fn above(lit: Sphere, towards_light: Vec3, caster: Sphere) -> Option<f32> {
@@ -44,7 +45,8 @@ pub(crate) fn above(lit: Sphere, towards_light: Vec3, caster: Sphere) -> Option<
     shades.then_some(along + caster.radius)
 }
 
-/// Shadow maps of one animal serve all of a frame: where those are spread out, maps are larger, so that their texels are not.
+/// Enlarges the shadow maps if the animals of a frame, which share them, are spread out, so that texels do not become
+/// larger.
 pub(crate) fn maps_of(shadows: ShadowParams, animals: &[Sphere], most_texels: u32) -> ShadowParams {
     let Some(all) = animals.iter().copied().reduce(around) else { return shadows };
     let least = animals.iter().map(|animal| animal.radius).fold(all.radius, f32::min);

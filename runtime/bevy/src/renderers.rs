@@ -1,4 +1,4 @@
-//! What lasts in the render world: one `Renderer` per kind of pass, and the models on the device.
+//! Persistent data of the render world: one `Renderer` per kind of pass, and the models on the GPU.
 
 use crate::extract::{Animal, Scene};
 use crate::model::PelageModel;
@@ -14,7 +14,7 @@ use pelage_stage::NamedPackage;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// What tells one pass of Bevy's from another.
+/// Formats and sample count that distinguish Bevy's passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct PassKind {
     pub(crate) color: TextureFormat,
@@ -22,19 +22,19 @@ pub(crate) struct PassKind {
     pub(crate) samples: u32,
 }
 
-/// A package on the device, or one that is none.
+/// A package on the GPU, or one that failed to load.
 #[derive(Debug)]
 struct Loaded {
     package: Arc<NamedPackage<'static>>,
-    /// `None` where the device cannot draw it, which the log says.
+    /// Model; `None` if the device cannot draw it (an error is logged).
     model: Option<Model>,
 }
 
-/// What each renderer is made with, but for what its pass decides.
+/// Options of all renderers, except those that the pass determines.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct Options(pub(crate) RendererOptions);
 
-/// Who draws, and what is kept between frames: a resource of the render world, which says what is on the device.
+/// Renderers, and the data kept between frames: a resource of the render world, which reports GPU memory.
 #[derive(Resource, Debug)]
 pub struct PelageRenderers {
     options: RendererOptions,
@@ -44,29 +44,29 @@ pub struct PelageRenderers {
     said: Said,
 }
 
-/// A frame, and where in the target it is drawn.
+/// A prepared frame and its area of the target.
 #[derive(Debug)]
 pub(crate) struct Prepared {
     pub(crate) frame: Frame,
-    /// Left, top, width and height of what the frame was prepared for, pixels.
+    /// Viewport that the frame was prepared for, pixels: left, top, width and height.
     pub(crate) viewport: UVec4,
-    /// The same of what of it is the view's.
+    /// Part of the viewport that belongs to the view, pixels: left, top, width and height.
     pub(crate) part: UVec4,
 }
 
-/// Frames that are drawn, by the entity of the view in the render world. They are kept until Bevy has submitted them.
+/// Frames to draw, by the view's entity in the render world. They are kept until Bevy has submitted them.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Frames(pub(crate) HashMap<Entity, Vec<Prepared>>);
 
-/// What the log was told already: a frame repeats the faults of the one before.
+/// Messages already logged: a frame repeats the errors of the previous one.
 #[derive(Debug, Default)]
 pub(crate) struct Said(HashSet<String>);
 
-/// Different faults that the log is told at most: numbers in them may be others in each frame.
+/// Maximum number of different messages in the log: numbers in them may change every frame.
 const MOST_FAULTS: usize = 100;
 
 impl Said {
-    /// Tells a fault once.
+    /// Logs an error once.
     pub(crate) fn error(&mut self, words: String) {
         if self.is_new(&words) {
             error!("{words}");
@@ -74,7 +74,7 @@ impl Said {
         }
     }
 
-    /// Tells once what is not as it should be.
+    /// Logs a warning once.
     pub(crate) fn warn(&mut self, words: String) {
         if self.is_new(&words) {
             warn!("{words}");
@@ -87,7 +87,7 @@ impl Said {
     }
 }
 
-/// The renderer of a pass, the models that it draws, and what to say of faults.
+/// Renderer of a pass, its models, and the messages already logged.
 pub(crate) struct Drawing<'a> {
     pub(crate) renderer: &'a mut Renderer,
     models: &'a mut HashMap<AssetId<PelageModel>, Loaded>,
@@ -95,7 +95,7 @@ pub(crate) struct Drawing<'a> {
 }
 
 impl PelageRenderers {
-    /// What draws into passes of that kind; `None` where the device cannot, which the log says.
+    /// Returns the renderer for passes of that kind; `None` if the device cannot draw into them (an error is logged).
     pub(crate) fn of(&mut self, kind: PassKind, device: &RenderDevice, queue: &RenderQueue) -> Option<Drawing<'_>> {
         let Self { options, by_pass, models, said, .. } = self;
         let renderer = by_pass.entry(kind).or_insert_with(|| {
@@ -117,12 +117,12 @@ impl PelageRenderers {
         renderer.as_mut().map(|renderer| Drawing { renderer, models, said })
     }
 
-    /// Tells once what is not as it should be.
+    /// Logs a warning once.
     pub(crate) fn warn(&mut self, words: String) {
         self.said.warn(words);
     }
 
-    /// Lets go of models whose assets are gone or others, and of what is kept of animals that are gone.
+    /// Drops models whose assets were removed or replaced, and the data of removed animals.
     fn forget(&mut self, scene: &Scene) {
         let same = |id: &AssetId<PelageModel>, loaded: &mut Loaded| {
             scene.packages.get(id).is_some_and(|package| Arc::ptr_eq(package, &loaded.package))
@@ -135,24 +135,24 @@ impl PelageRenderers {
         self.owners.extend(scene.animals.keys());
     }
 
-    /// Bytes on the GPU of the models' buffers and textures, which all animals of a model share.
+    /// Returns the GPU memory of the models' buffers and textures, bytes; all animals of a model share them.
     pub fn models_gpu_bytes(&self) -> u64 {
         self.models.values().filter_map(|loaded| loaded.model.as_ref()).map(Model::gpu_bytes).sum()
     }
 
-    /// Bytes on the GPU of what is kept of each animal: its posed vertices.
+    /// Returns the GPU memory of the animals' own data, their posed vertices, bytes.
     pub fn animals_gpu_bytes(&self) -> u64 {
         self.by_pass.values().flatten().map(Renderer::owners_gpu_bytes).sum()
     }
 
-    /// What the log was told: faults of packages and frames, and warnings, each once.
+    /// Returns the logged messages: errors of packages and frames, and warnings, each once.
     pub fn said(&self) -> impl Iterator<Item = &str> {
         self.said.0.iter().map(String::as_str)
     }
 }
 
 impl FromWorld for PelageRenderers {
-    /// Anew for a device: Bevy asks again when the device was lost.
+    /// Creates an empty state for a device; Bevy calls this again after a lost device.
     fn from_world(world: &mut World) -> Self {
         let options = world.get_resource::<Options>().cloned().unwrap_or_default().0;
         Self { options, by_pass: HashMap::new(), models: HashMap::new(), owners: HashSet::new(), said: Said::default() }
@@ -160,7 +160,8 @@ impl FromWorld for PelageRenderers {
 }
 
 impl Drawing<'_> {
-    /// An animal as the runtime takes it, with its model loaded; `None` while that is not there, or where it cannot be drawn.
+    /// Returns an animal as an instance of the runtime, and loads its model; `None` while the asset is missing, or if
+    /// it cannot be drawn.
     pub(crate) fn instance(&mut self, scene: &Scene, entity: MainEntity, animal: &Animal) -> Option<Instance> {
         let package = scene.packages.get(&animal.model)?;
         let loaded = self.models.entry(animal.model).or_insert_with(|| {
@@ -174,7 +175,7 @@ impl Drawing<'_> {
             Loaded { package: package.clone(), model }
         });
         let model = loaded.model.as_ref()?;
-        // An animal that is shrunk to nothing is not there; in a frame it would be a fault that takes the others with it.
+        // An animal scaled to zero is left out; in a frame it would be an error that affects all others.
         let there = animal.transform.is_finite() && Mat3::from_mat4(animal.transform).determinant() != 0.0;
         if let (Motion::Joints(joints), Some(skeleton)) = (&animal.motion, model.skeleton())
             && joints.len() != skeleton.joints.len()
@@ -198,18 +199,18 @@ impl Drawing<'_> {
         there.then_some(instance)
     }
 
-    /// The frame, or nothing and a word in the log.
+    /// Returns the frame, or logs the error.
     pub(crate) fn or_say(&mut self, frame: Result<Frame, RuntimeError>) -> Option<Frame> {
         frame.map_err(|fault| self.said.error(format!("pelage cannot draw a frame: {fault}"))).ok()
     }
 }
 
-/// Before the frame's passes.
+/// Drops unused data before the frame's passes.
 pub(crate) fn update(mut renderers: ResMut<PelageRenderers>, scene: Res<Scene>) {
     renderers.forget(&scene);
 }
 
-/// After Bevy has submitted the frame.
+/// Drops the frames after Bevy has submitted them.
 pub(crate) fn release(mut frames: ResMut<Frames>) {
     frames.0.clear();
 }

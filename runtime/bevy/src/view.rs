@@ -1,21 +1,21 @@
-//! A camera of Bevy's as the runtime takes it.
+//! Conversion of Bevy's cameras.
 
 use bevy_math::{Mat4, UVec2, UVec4, Vec3, Vec4, Vec4Swizzles as _};
 use bevy_render::camera::TemporalJitter;
 use bevy_render::view::ExtractedView;
 use pelage_runtime::{Camera, Projection, StyleKind};
 
-/// What a frame is drawn from, and the part of the target that it is drawn to.
+/// Camera of a frame, and its area of the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct View {
     pub(crate) camera: Camera,
-    /// Left, top, width and height, pixels.
+    /// Area of the target, pixels: left, top, width and height.
     pub(crate) rect: UVec4,
 }
 
 impl View {
-    /// The camera with Bevy's projection, which has reversed depth, and its jitter. `override_size`: of the main pass, where it is not that of the
-    /// view.
+    /// Creates the camera with Bevy's projection, which has reversed depth, and its jitter. `override_size`: size of
+    /// the main pass if it differs from the view's.
     pub(crate) fn new(view: &ExtractedView, jitter: Option<&TemporalJitter>, override_size: Option<UVec2>) -> Self {
         let mut rect = view.viewport;
         if let Some(size) = override_size {
@@ -29,15 +29,17 @@ impl View {
         Self { camera: Camera { view_from_world, projection: Projection::Custom(clip_from_view) }, rect }
     }
 
-    /// Camera, size and the viewport of the pass for a frame of that style. Ink is painted with textures of the picture's size, which begin at the
-    /// target's corner: there the picture is all that lies above and left of the view's far corner, and the camera sees it wider.
+    /// Returns the camera and the viewport (with the frame's size) for a frame of that style.
+    ///
+    /// Ink uses textures of the picture's size that begin at the target's corner. Its picture therefore covers
+    /// everything above and left of the view's far corner, and the camera's view is widened accordingly.
     pub(crate) fn of_style(&self, style: StyleKind) -> (Camera, UVec4) {
         let corner = self.rect.xy() + self.rect.zw();
         if style != StyleKind::Ink || self.rect.xy() == UVec2::ZERO {
             return (self.camera, self.rect);
         }
         let share = self.rect.zw().as_vec2() / corner.as_vec2();
-        // The view's middle in the wider picture, -1..=1 with +y up.
+        // Middle of the view in the widened picture, -1..=1 with +y up.
         let middle = (2.0 * self.rect.xy().as_vec2() + self.rect.zw().as_vec2()) / corner.as_vec2() - 1.0;
         let wider = Mat4::from_cols(
             Vec4::new(share.x, 0.0, 0.0, 0.0),
@@ -49,13 +51,13 @@ impl View {
         (Camera { projection, ..self.camera }, UVec4::new(0, 0, corner.x, corner.y))
     }
 
-    /// Where the camera stands.
+    /// Returns the position of the camera.
     pub(crate) fn eye(&self) -> Vec3 {
         self.camera.view_from_world.inverse().w_axis.truncate()
     }
 }
 
-/// A transform without its scale: Bevy's cameras may stand in scaled hierarchies.
+/// Removes the scale from a transform: Bevy's cameras may be in scaled hierarchies.
 fn rigid(world_from_view: Mat4) -> Mat4 {
     let axis = |column: Vec4| column.truncate().normalize_or_zero().extend(0.0);
     Mat4::from_cols(

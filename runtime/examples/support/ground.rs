@@ -1,21 +1,22 @@
-//! A scene as an application has one, with its own pipelines and shader: boxes that take part in the shadow maps, and receive the shadows.
+//! Scene of an application, with its own pipelines and shader: boxes that are drawn into the shadow maps, and receive
+//! the shadows.
 
 use pelage_runtime::glam::{Mat4, Vec3, Vec4};
 use pelage_runtime::shared::receiver;
 use pelage_runtime::{CasterPass, Frame, LightView, RendererOptions, ShadowMaps, wgpu};
 use wgpu::util::DeviceExt;
 
-/// A box along the axes, metres, in one colour.
+/// An axis-aligned box in one colour, metres.
 pub struct Cuboid {
-    /// Its lower left back corner.
+    /// Lower left back corner.
     pub low: Vec3,
-    /// Its upper right front corner.
+    /// Upper right front corner.
     pub high: Vec3,
-    /// Linear RGB.
+    /// Colour, linear RGB.
     pub color: Vec3,
 }
 
-/// The application's own opaque objects and its own pipelines.
+/// Opaque objects and pipelines of the application.
 pub struct Scene {
     vertices: wgpu::Buffer,
     count: u32,
@@ -24,7 +25,7 @@ pub struct Scene {
     depth_pipelines: [wgpu::RenderPipeline; 2],
 }
 
-/// The application's shader; `light_received` and `ShadowReceiver` are pelage's, from the source joined before it.
+/// Shader of the application; `light_received` and `ShadowReceiver` are pelage's, from the source joined before it.
 const SCENE_WGSL: &str = "
 struct View {
     clip_from_world: mat4x4<f32>,
@@ -57,14 +58,14 @@ struct Varying {
 ";
 
 impl Scene {
-    /// Uploads the boxes and makes pipelines for passes like `options` and for the shadow maps.
+    /// Uploads the boxes, and creates pipelines for passes like `options` and for the shadow maps.
     pub fn new(device: &wgpu::Device, options: &RendererOptions, cuboids: &[Cuboid]) -> Self {
         let vertices: Vec<[Vec3; 3]> = cuboids.iter().flat_map(Cuboid::triangles).collect();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("application"),
             source: wgpu::ShaderSource::Wgsl(format!("{}{SCENE_WGSL}", receiver::WGSL).into()),
         });
-        // The picture's pipeline, and the two that draw depth alone as pelage asks for it.
+        // The picture's pipeline, and two that draw only depth, as pelage requests it.
         let pipeline = |caster: Option<CasterPass>| {
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some("application"),
@@ -146,7 +147,7 @@ impl Scene {
         self.record(device, pass, &self.pipeline, clip_from_world, light_ws);
     }
 
-    /// Draws their depth into one of the shadow maps.
+    /// Draws the depth of the objects into one of the shadow maps.
     pub fn draw_depth(
         &self,
         device: &wgpu::Device,
@@ -158,7 +159,7 @@ impl Scene {
         self.record(device, pass, pipeline, view.clip_from_world, Vec4::ZERO);
     }
 
-    /// A buffer of its own for each view: one that is written again would change under the passes recorded before.
+    /// Records the draw with a new view buffer each time; writing to the old one would change passes recorded before.
     fn record(
         &self,
         device: &wgpu::Device,
@@ -188,7 +189,7 @@ fn uniform(device: &wgpu::Device, contents: &[u8]) -> wgpu::Buffer {
 }
 
 impl Cuboid {
-    /// Position, normal and colour of 36 corners, counter-clockwise from outside.
+    /// Returns position, normal and colour of 36 corners, counter-clockwise from outside.
     fn triangles(&self) -> Vec<[Vec3; 3]> {
         let half = 0.5 * (self.high - self.low);
         let mut out = Vec::new();

@@ -1,5 +1,4 @@
-//! What the examples and the tests need around the runtime: a scene of an application's
-//! own, and a small furry package made in code.
+//! Support for the examples and tests: an application's own scene, and a small furry package made in code.
 
 #![allow(clippy::unwrap_used, reason = "examples and tests stop at the first surprise")]
 
@@ -8,7 +7,7 @@ pub mod ground;
 pub mod ktx2;
 pub mod sphere;
 
-/// The bytes of the package of that path; without one, of a small furry sphere.
+/// Returns the bytes of the package at that path; without a path, of a small furry sphere.
 pub fn package_or_sphere(path: Option<String>) -> Vec<u8> {
     match path {
         Some(path) => std::fs::read(&path).unwrap_or_else(|e| panic!("{path}: {e}")),

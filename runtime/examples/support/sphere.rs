@@ -1,4 +1,4 @@
-//! A furry sphere as a package, made in code: what `pelage bake` does with far more care.
+//! A furry sphere as a package, made in code; a crude stand-in for `pelage bake`.
 
 use pelage_runtime::formats::{
     Animation, AttributeVertex, Bounds, Channel, Clip, FurInfo, GeometryVertex, InkData, InkInfo, InkShading,
@@ -7,16 +7,16 @@ use pelage_runtime::formats::{
 };
 use pelage_runtime::glam::{Quat, Vec2, Vec3};
 
-/// How the sphere is made.
+/// Parameters of the sphere.
 #[derive(Clone, Debug)]
 pub struct SphereParams {
-    /// Quads along an edge of the cube that the sphere is blown up from; `12 * quads * quads` triangles.
+    /// Quads along an edge of the cube that is projected to the sphere; `12 * quads * quads` triangles.
     pub quads: u32,
-    /// Radius of the skin, metres.
+    /// Radius of the mesh surface, metres.
     pub radius_m: f32,
     /// Height of the fur, metres.
     pub height_m: f32,
-    /// Layers of the hair volume, skin counted.
+    /// Layers of the hair volume, skin layer included.
     pub layers: u32,
     /// Texels along an edge of the tile.
     pub texels: u32,
@@ -26,17 +26,17 @@ pub struct SphereParams {
     pub tiles: u32,
     /// Lean of the hairs at their tips, in heights of the fur.
     pub lean: f32,
-    /// Directions in two components, else in three.
+    /// Whether directions have two components; else three.
     pub planar_directions: bool,
-    /// A base-colour texture of stripes, else a plain colour.
+    /// Whether the base colour is a texture of stripes; else it is plain.
     pub stripes: bool,
-    /// A base-colour texture that is white all over: the same fur by way of another shader.
+    /// Whether the base colour is an all-white texture: the same fur through another shader.
     pub white_texture: bool,
-    /// Two joints, the upper of which bends in the clip `bend`, else no skeleton.
+    /// Whether there is a skeleton: two joints, the upper of which bends in the clip `bend`.
     pub skeleton: bool,
-    /// A bare band around the equator with a material of its own.
+    /// Whether there is a bare band around the equator with its own material.
     pub bare_band: bool,
-    /// The ink style: a wash that fades from the top, a hard rim, plain paper.
+    /// Whether the ink style is included: a wash that fades from the top, a hard rim, plain paper.
     pub ink: bool,
 }
 
@@ -61,11 +61,11 @@ impl Default for SphereParams {
     }
 }
 
-/// A small reproducible source of numbers in 0..1 (Steele's SplitMix64).
+/// A small reproducible generator of random numbers in 0..1 (Steele's SplitMix64).
 pub struct Random(pub u64);
 
 impl Random {
-    /// The next number.
+    /// Returns the next number.
     pub fn next_f32(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -75,7 +75,7 @@ impl Random {
     }
 }
 
-/// The sphere's package, as bytes.
+/// Returns the package of the sphere, as bytes.
 pub fn package(params: &SphereParams) -> Vec<u8> {
     let mesh = mesh(params);
     let bare = if params.bare_band { bare_indices(params) } else { 0 };
@@ -98,7 +98,7 @@ pub fn package(params: &SphereParams) -> Vec<u8> {
     writer.finish().unwrap()
 }
 
-/// The manifest for a mesh of that many indices, of which the last `bare` are the band's.
+/// Returns the manifest for a mesh of `index_count` indices, the last `bare` of which are the band's.
 pub fn manifest(params: &SphereParams, index_count: u32, bare: u32) -> Manifest {
     let outer = params.radius_m;
     let material = |name: &str, base_color, furred| Material {
@@ -144,13 +144,13 @@ pub fn manifest(params: &SphereParams, index_count: u32, bare: u32) -> Manifest 
     }
 }
 
-/// Triangles of the band: two rows of quads on each of the four upright sides.
+/// Returns the number of indices of the band: two rows of quads on each of the four upright sides.
 fn bare_indices(params: &SphereParams) -> u32 {
     4 * 2 * params.quads * 6
 }
 
-/// A cube blown up to a sphere by equal angles, each side with its own tile coordinates: whole tiles, so that hair is nowhere
-/// cut, only turned.
+/// Returns the mesh: a cube projected to a sphere by equal angles. Each side has whole tiles of its own, so that hair
+/// is rotated at the edges, but never cut.
 fn mesh(params: &SphereParams) -> MeshData {
     let n = params.quads;
     let mut mesh = MeshData::default();
@@ -200,7 +200,7 @@ fn mesh(params: &SphereParams) -> MeshData {
     mesh
 }
 
-/// The ink style, its textures from number `first` on.
+/// Returns the ink style, with textures from index `first` on.
 fn ink(params: &SphereParams, mesh: &MeshData, first: u32) -> InkData {
     let center = Vec3::Y * params.radius_m;
     let vertex = |v: &GeometryVertex| {
@@ -222,7 +222,7 @@ fn ink(params: &SphereParams, mesh: &MeshData, first: u32) -> InkData {
     }
 }
 
-/// Stroke, wash, paper and fur.
+/// Returns the textures: stroke, wash, paper and fur.
 fn ink_textures() -> [Vec<u8>; 4] {
     let write = |n: u32, layers: u32, texel: &dyn Fn(f32, f32) -> [u8; 4]| {
         let at = |i: u32| texel((i % n) as f32 / (n - 1).max(1) as f32, (i / n) as f32 / (n - 1).max(1) as f32);
@@ -245,7 +245,7 @@ fn ink_textures() -> [Vec<u8>; 4] {
     ]
 }
 
-/// A lower joint that stands, and an upper one that bends to the right and back within a second.
+/// Returns a fixed lower joint, and an upper one that bends to the right and back within a second.
 fn skeleton() -> Animation {
     let node = |name: &str, parent| Node {
         name: name.into(),
@@ -275,7 +275,7 @@ fn skeleton() -> Animation {
     }
 }
 
-/// One hair: root and curl in the tile, length and shade.
+/// A hair: root and lean in the tile, length and shade.
 struct Strand {
     root: Vec2,
     lean: Vec2,
@@ -283,7 +283,7 @@ struct Strand {
     shade: f32,
 }
 
-/// Shell colour and direction textures as KTX2.
+/// Returns the colour and direction textures of the shells as KTX2.
 fn hair(params: &SphereParams) -> (Vec<u8>, Vec<u8>) {
     let mut random = Random(7);
     let strands: Vec<Strand> = (0..params.strands)
@@ -295,7 +295,7 @@ fn hair(params: &SphereParams) -> (Vec<u8>, Vec<u8>) {
         })
         .collect();
     let n = params.texels as usize;
-    // The tile's height in its own units.
+    // Height of the fur in units of the tile.
     let height = params.height_m / (params.radius_m * std::f32::consts::FRAC_PI_2 / params.tiles as f32);
     let format = if params.planar_directions { TextureFormat::Rg8Unorm } else { TextureFormat::Rgba8Unorm };
     let mut colors = vec![0.0f32; params.layers as usize * n * n * 4];
@@ -304,7 +304,7 @@ fn hair(params: &SphereParams) -> (Vec<u8>, Vec<u8>) {
         let z = layer as f32 / (params.layers - 1) as f32;
         let mut weights = vec![(0.0f32, 0.0f32, Vec3::ZERO); n * n];
         for strand in strands.iter().filter(|s| s.length >= z) {
-            // Leaning grows with the square of the height: hairs rise, then bow.
+            // Lean grows with the square of the height: hairs rise, then bow.
             let center = strand.root + strand.lean * (z * z * height);
             let direction = (strand.lean * (2.0 * z)).extend(1.0).normalize();
             let sigma = (0.9 - 0.45 * z / strand.length).max(0.3);
@@ -341,7 +341,8 @@ fn hair(params: &SphereParams) -> (Vec<u8>, Vec<u8>) {
     (write(TextureFormat::Rgba8Unorm, &color_levels), write(format, &direction_levels))
 }
 
-/// Means of 2 × 2 texels down to one, layer by layer; the texture is square, its size a power of two.
+/// Returns the mip levels, means of 2 × 2 texels down to one, layer by layer. The texture is square, its size a power
+/// of two.
 fn mips(level: Vec<f32>, size: usize, channels: usize) -> Vec<Vec<f32>> {
     let mut levels = vec![level];
     let mut size = size;

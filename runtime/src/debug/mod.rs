@@ -1,9 +1,9 @@
-//! Debug views: pipelines that show something else than the picture. A frame without one pays nothing for them.
+//! Debug views: pipelines that show something other than the final picture. Frames without a debug view pay no cost.
 
 use crate::gpu::RenderSpec;
 use crate::params::{FrameParams, FurShow, InkShow};
 
-/// Turns a pipeline that a pass asks for into the one of the debug view.
+/// Replaces a requested pipeline by its debug-view variant.
 pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
     let view = &params.debug;
     match spec.shader.name {

@@ -1,9 +1,9 @@
-// False colours in the place of light: of which geometry a fragment is, or how many lie over each other.
+// False colours instead of lighting: the geometry type of a fragment, or the number of overlapping fragments.
 
-// What fragments show: 0 their light, 1 which geometry they are of, 2 one step each.
+// Output of fragments: 0 lit colour, 1 geometry type, 2 one step per fragment.
 override SHOW_AS: u32 = 0u;
 
-// Skin, far coat, shells, fins, single strands; as the documents name them: grey, violet, green, yellow, red.
+// Colours as documented: mesh surface grey, far fur layer violet, shells green, fins yellow, single strands red.
 fn geometry_color(geometry: u32) -> vec3<f32> {
     switch geometry {
         case 0u: { return vec3(0.5); }
@@ -14,8 +14,8 @@ fn geometry_color(geometry: u32) -> vec3<f32> {
     }
 }
 
-// color: premultiplied. Of geometries the light stays as shades, so that forms are seen. In steps what blends adds up, and what is opaque is one step
-// in front of nothing.
+// Returns the false colour of a fragment. color: premultiplied. By geometry type, light remains as shading, so that
+// shapes stay visible. In steps, blended fragments add up; an opaque fragment is one step above the background.
 fn shown_as(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<f32> {
     if SHOW_AS == 1u {
         let light = dot(color.rgb, vec3(0.2126, 0.7152, 0.0722)) / max(color.a, 1e-3);
@@ -27,7 +27,8 @@ fn shown_as(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<f32> {
     return color;
 }
 
-// What a fragment shows of its geometry (0 skin, 1 far coat, 2 shells, 3 fins), or on the way from it to the next.
+// Returns the false colour of a geometry (0 mesh surface, 1 far fur layer, 2 shells, 3 fins), blended towards the next
+// by `share`.
 fn shown(color: vec4<f32>, geometry: u32, share: f32) -> vec4<f32> {
     return shown_as(color, mix(geometry_color(geometry), geometry_color(geometry + 1u), share), geometry < 2u);
 }

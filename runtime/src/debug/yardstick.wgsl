@@ -1,4 +1,4 @@
-// The yardstick that shells are measured by: the same layers and fragments with one texture read and no lighting.
+// Baseline for measuring shells: the same layers and fragments, with one texture read and no lighting.
 
 struct YardstickVarying {
     @invariant @builtin(position) position: vec4<f32>,

@@ -1,24 +1,24 @@
-//! Bind groups by what they bind: a frame in which nothing is new makes none.
+//! Bind groups, cached by what they bind: a frame that binds nothing new creates none.
 
 use super::bound::Bound;
 use super::device::Gpu;
 use std::collections::HashMap;
 
-/// Frames after which what none of them bound is forgotten, and what it binds can be freed.
+/// Frames after which an unused bind group is dropped, so that its resources can be freed.
 const FORGOTTEN_AFTER: u64 = 64;
 
-/// Layout and entries by their numbers.
+/// Layout, and entries with their binding numbers.
 type Key = (wgpu::BindGroupLayout, Vec<(u32, Bound)>);
 
 #[derive(Debug, Default)]
 pub(crate) struct BindGroups {
-    /// Each with the last frame that bound it.
+    /// Bind groups, each with the last frame that bound it.
     made: HashMap<Key, (wgpu::BindGroup, u64)>,
     frame: u64,
 }
 
 impl BindGroups {
-    /// The group of these entries by their numbers.
+    /// Returns the bind group of these entries, each with its binding number.
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
@@ -36,12 +36,12 @@ impl BindGroups {
         group
     }
 
-    /// Forgets all, with what they bind.
+    /// Drops all bind groups and the resources that they bind.
     pub(crate) fn clear(&mut self) {
         self.made.clear();
     }
 
-    /// Forgets what has not been bound for long, so that what it refers to can be freed.
+    /// Drops bind groups that have not been bound for long, so that their resources can be freed.
     pub(crate) fn next_frame(&mut self) {
         self.frame += 1;
         let oldest = self.frame.saturating_sub(FORGOTTEN_AFTER);

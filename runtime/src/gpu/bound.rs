@@ -1,11 +1,11 @@
-//! What bindings refer to.
+//! Resources that bindings refer to.
 
 use std::num::NonZeroU64;
 
-/// What a binding refers to.
+/// Resource that a binding refers to.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Bound {
-    /// `size` bytes from `offset`.
+    /// Range of `size` bytes from `offset`.
     Bytes {
         buffer: wgpu::Buffer,
         offset: u64,
@@ -17,12 +17,12 @@ pub(crate) enum Bound {
 }
 
 impl Bound {
-    /// All of a buffer.
+    /// Returns a binding of the whole buffer.
     pub(crate) fn all(buffer: &wgpu::Buffer) -> Self {
         Self::Buffer(buffer.clone())
     }
 
-    /// A block of `T` from `offset`.
+    /// Returns a binding of a block of `T` from `offset`.
     pub(crate) fn block<T>(buffer: &wgpu::Buffer, offset: u64) -> Self {
         Self::Bytes { buffer: buffer.clone(), offset, size: size_of::<T>() as u64 }
     }

@@ -1,4 +1,4 @@
-//! What is made when it is first asked for, and kept.
+//! Cache of GPU objects that are created on first use.
 
 use super::bind_groups::BindGroups;
 use super::layouts::Layouts;
@@ -6,7 +6,7 @@ use super::pipelines::Pipelines;
 use super::shelf::Shelf;
 use super::targets::TargetSet;
 
-/// What is made when it is first asked for, and kept.
+/// Cache of GPU objects that are created on first use.
 #[derive(Debug, Default)]
 pub(crate) struct Cache {
     pub(crate) layouts: Layouts,

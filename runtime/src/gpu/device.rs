@@ -1,11 +1,11 @@
-//! The device with a count of what is made.
+//! Device and queue, counting the objects that are created.
 
 use super::bound::Bound;
 use crate::report::Created;
 use std::sync::atomic::{AtomicU32, Ordering};
 use wgpu::util::DeviceExt;
 
-/// Device and queue, with a count of what is made.
+/// Device and queue, counting the objects that are created.
 #[derive(Debug)]
 pub(crate) struct Gpu {
     pub(crate) device: wgpu::Device,
@@ -16,7 +16,7 @@ pub(crate) struct Gpu {
     pipelines: AtomicU32,
 }
 
-/// Bytes of the largest buffer that shaders can write.
+/// Returns the size in bytes of the largest buffer that shaders can write.
 pub(crate) fn largest_buffer(limits: &wgpu::Limits) -> u64 {
     limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
 }
@@ -28,21 +28,21 @@ impl Gpu {
         Self { device, queue, buffers, textures, bind_groups, pipelines }
     }
 
-    /// All that was made so far.
+    /// Returns the number of objects created so far.
     pub(crate) fn created(&self) -> Created {
         let [buffers, textures, bind_groups, pipelines] =
             [&self.buffers, &self.textures, &self.bind_groups, &self.pipelines].map(|n| n.load(Ordering::Relaxed));
         Created { buffers, textures, bind_groups, pipelines }
     }
 
-    /// A buffer of `size` bytes.
+    /// Creates a buffer of `size` bytes.
     pub(crate) fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.buffers.fetch_add(1, Ordering::Relaxed);
         let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
         self.device.create_buffer(&descriptor)
     }
 
-    /// A buffer that holds `contents`.
+    /// Creates a buffer that holds `contents`.
     pub(crate) fn buffer_of(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.buffers.fetch_add(1, Ordering::Relaxed);
         self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
@@ -53,7 +53,7 @@ impl Gpu {
         self.device.create_texture(descriptor)
     }
 
-    /// A bind group of the entries by their numbers.
+    /// Creates a bind group of the entries, each with its binding number.
     pub(crate) fn bind_group(
         &self,
         label: &str,

@@ -1,8 +1,8 @@
-//! Draws as plain data: passes say what is drawn, and one function records it.
+//! Draw calls as plain data: passes describe draws, and one function records them.
 
 use std::ops::Range;
 
-/// A bind group, and where its dynamic block lies.
+/// Bind group and its dynamic offset.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Group {
     pub(crate) group: wgpu::BindGroup,
@@ -19,25 +19,25 @@ impl Group {
     }
 }
 
-/// One draw call and all it needs.
+/// Draw call with all its state.
 #[derive(Clone, Debug)]
 pub(crate) struct Draw {
     pub(crate) pipeline: wgpu::RenderPipeline,
-    /// By number.
+    /// Bind groups by number.
     pub(crate) groups: [Option<Group>; 4],
-    /// By slot.
+    /// Vertex buffers by slot.
     pub(crate) vertices: [Option<wgpu::Buffer>; 4],
-    /// 32-bit indices; without, vertices are drawn in their order.
+    /// Index buffer of 32-bit indices. Without it, vertices are drawn in order.
     pub(crate) indices: Option<wgpu::Buffer>,
-    /// Of indices or vertices.
+    /// Range of indices or vertices.
     pub(crate) range: Range<u32>,
     pub(crate) instances: Range<u32>,
-    /// Arguments that the GPU wrote to the beginning of a buffer, in place of the ranges.
+    /// Buffer that starts with draw arguments written by the GPU; replaces the ranges.
     pub(crate) indirect: Option<wgpu::Buffer>,
 }
 
 impl Draw {
-    /// A triangle over the whole target, with group 0 alone.
+    /// Returns a draw of a triangle over the whole target, with bind group 0 only.
     pub(crate) fn screen(pipeline: wgpu::RenderPipeline, group: &wgpu::BindGroup) -> Self {
         Self {
             pipeline,
@@ -51,7 +51,7 @@ impl Draw {
     }
 }
 
-/// Records draws in their order. What one binds stays bound for the next.
+/// Records draws in order. State that one draw binds stays bound for the next.
 pub(crate) fn record<'d>(pass: &mut wgpu::RenderPass<'_>, draws: impl IntoIterator<Item = &'d Draw>) {
     let mut last: Option<&Draw> = None;
     for draw in draws {

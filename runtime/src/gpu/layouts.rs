@@ -1,16 +1,16 @@
-//! Layouts of bind groups and samplers, found again by their names.
+//! Bind group layouts and samplers, cached by name.
 
 use super::device::Gpu;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
 
-/// How a texture is read between its texels; always with linear filters.
+/// Sampler settings; filters are always linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Sampling {
     pub(crate) label: &'static str,
     pub(crate) u: wgpu::AddressMode,
     pub(crate) v: wgpu::AddressMode,
-    /// Between two mip levels as well.
+    /// Also filters between two mip levels.
     pub(crate) mipmaps: bool,
     pub(crate) anisotropy: u16,
 }
@@ -41,7 +41,7 @@ pub(crate) struct Layouts {
 }
 
 impl Layouts {
-    /// The layout of that name, made of `entries` when it is first asked for.
+    /// Returns the layout of that name, created from `entries` on first use.
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
@@ -64,7 +64,7 @@ fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) ->
     wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
-/// A block of `T` for vertices and fragments.
+/// Returns a uniform block of `T` for vertex and fragment shaders.
 pub(crate) fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
@@ -74,7 +74,7 @@ pub(crate) fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGr
     entry(binding, wgpu::ShaderStages::VERTEX_FRAGMENT, ty)
 }
 
-/// An array of `T` that shaders of `visibility` read.
+/// Returns a read-only array of `T` for the shader stages of `visibility`.
 pub(crate) fn storage<T>(binding: u32, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Storage { read_only: true },
@@ -84,7 +84,7 @@ pub(crate) fn storage<T>(binding: u32, visibility: wgpu::ShaderStages) -> wgpu::
     entry(binding, visibility, ty)
 }
 
-/// An array of `T` that compute shaders write, and read.
+/// Returns an array of `T` that compute shaders read and write.
 pub(crate) fn storage_out<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Storage { read_only: false },
@@ -94,26 +94,26 @@ pub(crate) fn storage_out<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     entry(binding, wgpu::ShaderStages::COMPUTE, ty)
 }
 
-/// An array of `T` that compute shaders read.
+/// Returns an array of `T` that compute shaders read.
 pub(crate) fn storage_in<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     storage::<T>(binding, wgpu::ShaderStages::COMPUTE)
 }
 
-/// The same binding, for compute shaders.
+/// Returns the entry with its visibility changed to compute shaders.
 pub(crate) fn in_compute(entry: wgpu::BindGroupLayoutEntry) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry { visibility: wgpu::ShaderStages::COMPUTE, ..entry }
 }
 
-/// Threads of a workgroup of compute shaders, but for one that counts strands.
+/// Threads per workgroup of compute shaders, except for the one that counts strands.
 pub(crate) const WORKGROUP: u32 = 64;
 
-/// Columns and rows of a dispatch of so many workgroups: one dimension ends at 65 535.
+/// Returns columns and rows of a dispatch of `count` workgroups: one dimension is limited to 65 535.
 pub(crate) fn workgroups(count: u32) -> [u32; 2] {
     let columns = count.clamp(1, 65_535);
     [columns, count.div_ceil(columns)]
 }
 
-/// A texture of filterable floats for fragments.
+/// Returns a filterable float texture for fragment shaders.
 pub(crate) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: true },
@@ -123,14 +123,14 @@ pub(crate) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) 
     entry(binding, wgpu::ShaderStages::FRAGMENT, ty)
 }
 
-/// A depth texture for fragments.
+/// Returns a depth texture for fragment shaders.
 pub(crate) fn depth_texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
     let sample_type = wgpu::TextureSampleType::Depth;
     let ty = wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
     entry(binding, wgpu::ShaderStages::FRAGMENT, ty)
 }
 
-/// A filtering sampler for fragments.
+/// Returns a filtering sampler for fragment shaders.
 pub(crate) fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
     entry(binding, wgpu::ShaderStages::FRAGMENT, ty)

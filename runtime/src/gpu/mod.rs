@@ -1,5 +1,5 @@
-//! The device and queue that the application lends, and all that is made with them: a frame can say what it had to make, and what is made
-//! once is found again by what it is.
+//! Device and queue of the application, and everything created with them. A frame can report what it created; objects
+//! are cached by their descriptors.
 
 mod bind_groups;
 mod bound;

@@ -1,19 +1,20 @@
-//! Pipelines by what a pass says that it needs: the specification is the key.
+//! Pipelines, cached by the specification that a pass gives.
 
 use super::device::Gpu;
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
 
-/// A shader's source under its name; two of one name are the same.
+/// Shader source and its name; two with the same name are the same.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shader {
     pub(crate) name: &'static str,
-    /// Its files, one after another. They are joined where a device compiles them, so that what shaders share lies in a program once: pages load it.
+    /// Source files in order. They are joined on the device that compiles them, so that a program contains shared files
+    /// once: web pages download it.
     pub(crate) parts: &'static [&'static str],
 }
 
 impl Shader {
-    /// The whole source.
+    /// Returns the whole source.
     pub(crate) fn wgsl(&self) -> String {
         self.parts.concat()
     }
@@ -33,24 +34,25 @@ impl Hash for Shader {
     }
 }
 
-/// Values of a shader's override constants by their names: what is not named is as the shader declares it, which is off.
+/// Values of a shader's override constants by name. A constant that is not named keeps its declared default, which is
+/// off.
 pub(crate) type Constants = Vec<(&'static str, u32)>;
 
-/// An override constant that is on or off.
+/// Returns a boolean override constant.
 pub(crate) fn on(name: &'static str, value: bool) -> (&'static str, u32) {
     (name, u32::from(value))
 }
 
-/// Vertices in a buffer.
+/// Layout of vertices in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Stream {
-    /// Bytes from one to the next.
+    /// Bytes from one vertex to the next.
     pub(crate) stride: u64,
     pub(crate) attributes: &'static [wgpu::VertexAttribute],
 }
 
 impl Stream {
-    /// Of vertices `T`.
+    /// Creates a layout of vertices `T`.
     pub(crate) const fn of<T>(attributes: &'static [wgpu::VertexAttribute]) -> Self {
         Self { stride: size_of::<T>() as u64, attributes }
     }
@@ -64,7 +66,7 @@ pub(crate) const fn attribute(
     wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
 }
 
-/// Which side of a surface is drawn. `mirrored`: of a copy that is.
+/// Returns which sides of a surface are drawn. `mirrored`: the instance is mirrored.
 pub(crate) fn faces(mirrored: bool, double_sided: bool) -> wgpu::PrimitiveState {
     wgpu::PrimitiveState {
         front_face: if mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
@@ -73,7 +75,7 @@ pub(crate) fn faces(mirrored: bool, double_sided: bool) -> wgpu::PrimitiveState 
     }
 }
 
-/// A depth test without stencil or bias.
+/// Returns a depth test without stencil or bias.
 pub(crate) fn depth_state(
     format: wgpu::TextureFormat,
     write: bool,
@@ -88,11 +90,11 @@ pub(crate) fn depth_state(
     }
 }
 
-/// All that tells one render pipeline from another.
+/// Complete description of a render pipeline; the cache key.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct RenderSpec {
     pub(crate) shader: Shader,
-    /// Entry points.
+    /// Names of the entry points.
     pub(crate) vertex: &'static str,
     pub(crate) fragment: Option<&'static str>,
     pub(crate) groups: Vec<wgpu::BindGroupLayout>,
@@ -105,7 +107,7 @@ pub(crate) struct RenderSpec {
 }
 
 impl RenderSpec {
-    /// One triangle over a whole target of `format`.
+    /// Returns a specification of one triangle over a whole target of `format`.
     pub(crate) fn screen(
         shader: Shader,
         [vertex, fragment]: [&'static str; 2],
@@ -127,7 +129,7 @@ impl RenderSpec {
     }
 }
 
-/// All that tells one compute pipeline from another.
+/// Complete description of a compute pipeline; the cache key.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ComputeSpec {
     pub(crate) shader: Shader,
@@ -159,9 +161,9 @@ fn layout(gpu: &Gpu, label: &str, groups: &[wgpu::BindGroupLayout]) -> wgpu::Pip
     })
 }
 
-/// Override constants as a pipeline takes them.
+/// Converts override constants to the form that wgpu takes.
 fn declared(shader: Shader, constants: &Constants) -> Vec<(&'static str, f64)> {
-    // A browser refuses what the shader does not declare.
+    // A browser rejects constants that the shader does not declare.
     let declares = |name: &str| shader.parts.iter().any(|part| part.contains(&format!("override {name}:")));
     debug_assert!(constants.iter().all(|(name, _)| declares(name)), "{constants:?}");
     constants.iter().map(|(name, value)| (*name, f64::from(*value))).collect()

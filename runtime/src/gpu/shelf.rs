@@ -1,14 +1,14 @@
-//! Sets of textures that frames use again: one for each that is in use at a time.
+//! Pools of texture sets that frames reuse: one set per concurrent use.
 
 use std::sync::Arc;
 
-/// Frames after which a set that none of them used is given back.
+/// Frames after which an unused set is freed.
 const GIVEN_BACK_AFTER: u64 = 32;
 
-/// What is kept of sets `T`. A frame holds those that it draws from.
+/// Pool of sets `T`. A frame holds the sets that it draws from.
 #[derive(Debug)]
 pub(crate) struct Shelf<T> {
-    /// Each with the last frame that used it.
+    /// Sets, each with the last frame that used it.
     sets: Vec<(Arc<T>, u64)>,
     frame: u64,
 }
@@ -20,21 +20,21 @@ impl<T> Default for Shelf<T> {
 }
 
 impl<T> Shelf<T> {
-    /// Gives back what has not been used for long.
+    /// Frees sets that have not been used for long.
     pub(crate) fn next_frame(&mut self) {
         self.frame += 1;
         let oldest = self.frame.saturating_sub(GIVEN_BACK_AFTER);
         self.sets.retain(|(_, last)| *last >= oldest);
     }
 
-    /// A set as it is, to be shared.
+    /// Returns a matching set to be shared, unchanged.
     pub(crate) fn share(&mut self, wanted: impl Fn(&T) -> bool) -> Option<Arc<T>> {
         let (set, last) = self.sets.iter_mut().find(|(set, _)| wanted(set))?;
         *last = self.frame;
         Some(set.clone())
     }
 
-    /// A set that no frame holds, to be drawn over: of several the one that was used longest ago.
+    /// Removes a set that no frame holds, to be drawn over; the least recently used if there are several.
     pub(crate) fn take(&mut self, fits: impl Fn(&T) -> bool) -> Option<T> {
         let free = self.sets.iter().enumerate().filter(|(_, (set, _))| Arc::strong_count(set) == 1 && fits(set));
         let (index, _) = free.min_by_key(|(_, (_, last))| *last)?;
@@ -42,7 +42,7 @@ impl<T> Shelf<T> {
         Arc::try_unwrap(set).map_err(|held| self.sets.push((held, last))).ok()
     }
 
-    /// Keeps a set for this frame and later ones.
+    /// Stores a set for this frame and later ones.
     pub(crate) fn put(&mut self, set: T) -> Arc<T> {
         let set = Arc::new(set);
         self.sets.push((set.clone(), self.frame));

@@ -1,17 +1,17 @@
-//! Textures of the picture's size that passes hand on to each other.
+//! Textures of the picture's size that passes pass on to each other.
 
 use super::device::Gpu;
 use super::shelf::Shelf;
 use std::sync::Arc;
 
-/// A texture that a pass draws to and later ones read.
+/// Texture that a pass draws to and later passes read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Target {
     pub(crate) label: &'static str,
     pub(crate) format: wgpu::TextureFormat,
 }
 
-/// The textures of a frame. A frame keeps those that it draws from.
+/// Textures of a frame. A frame holds those that it draws from.
 #[derive(Debug, Default)]
 pub(crate) struct TargetSet {
     size: [u32; 2],
@@ -36,12 +36,12 @@ impl TargetSet {
         Self { size, views: wanted.iter().map(make).collect() }
     }
 
-    /// The texture of a target; `None` where no pass of the frame's style has it.
+    /// Returns the texture of a target; `None` if no pass of the frame's style has it.
     pub(crate) fn view(&self, target: &Target) -> Option<&wgpu::TextureView> {
         self.views.iter().find(|(found, _)| found == target).map(|(_, view)| view)
     }
 
-    /// Bytes on the GPU.
+    /// Returns the size on the GPU in bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let of_pixel: u32 = self.views.iter().map(|(t, _)| t.format.block_copy_size(None).unwrap_or(4)).sum();
         u64::from(self.size[0]) * u64::from(self.size[1]) * u64::from(of_pixel)
@@ -52,7 +52,7 @@ impl TargetSet {
     }
 }
 
-/// The `wanted` textures, none that a living frame still draws from.
+/// Returns the `wanted` textures, excluding any that a living frame still draws from.
 pub(crate) fn take_targets(
     shelf: &mut Shelf<TargetSet>,
     gpu: &Gpu,

@@ -1,17 +1,17 @@
-//! A ring of uniform buffers: what a frame tells its shaders goes into a slot that no other frame still needs.
+//! Ring of uniform buffers: the uniforms of a frame go into a slot that no other frame needs any more.
 
 use super::device::Gpu;
 use bytemuck::Pod;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Bytes of a buffer of a slot, unless more are needed at once.
+/// Least size in bytes of a buffer of a slot; larger if a single upload needs more.
 const CHUNK_BYTES: u64 = 64 << 10;
 
-/// Free slots that are kept for the next frames.
+/// Free slots kept for later frames.
 const SPARE_SLOTS: usize = 16;
 
-/// Where something was put: `offset` bytes into a buffer of the slot.
+/// Location of uploaded data: `offset` bytes into a buffer of the slot.
 #[derive(Clone, Debug)]
 pub(crate) struct Place {
     pub(crate) buffer: wgpu::Buffer,
@@ -24,20 +24,20 @@ pub(crate) struct Place {
 struct Chunk {
     buffer: wgpu::Buffer,
     bytes: Vec<u8>,
-    /// How many of them the queue has.
+    /// Number of bytes already passed to the queue.
     written: usize,
-    /// What the queue was last given.
+    /// Contents last passed to the queue.
     held: Vec<u8>,
 }
 
-/// A slot of the ring while a frame is prepared: bytes are gathered, and written all at once.
+/// Slot of the ring while a frame is prepared: collects bytes and writes them all at once.
 #[derive(Debug)]
 pub(crate) struct Uniforms {
     chunks: Vec<Chunk>,
-    /// Others hold it as long as their frame needs the slot.
+    /// Shared with the frame, which holds it as long as it needs the slot.
     in_use: Arc<()>,
     alignment: u64,
-    /// Bytes that this frame gave to the queue.
+    /// Bytes that this frame uploaded.
     uploaded: u64,
 }
 
@@ -48,13 +48,13 @@ impl Uniforms {
         Self { chunks: Vec::new(), in_use: Arc::new(()), alignment: u64::from(alignment), uploaded: 0 }
     }
 
-    /// Puts values one after the other, each at an offset that a binding may have.
+    /// Appends values, each at an offset that is valid for a binding.
     pub(crate) fn put<T: Pod>(&mut self, gpu: &Gpu, values: &[T]) -> Place {
         let stride = (size_of::<T>() as u64).next_multiple_of(self.alignment);
         self.put_bytes(gpu, stride, values.iter().map(bytemuck::bytes_of))
     }
 
-    /// Puts an array, close-packed.
+    /// Appends an array, tightly packed.
     pub(crate) fn put_array<T: Pod>(&mut self, gpu: &Gpu, values: &[T]) -> Place {
         let bytes = bytemuck::cast_slice(values);
         let stride = (bytes.len() as u64).next_multiple_of(self.alignment);
@@ -66,7 +66,7 @@ impl Uniforms {
         let fits = |chunk: &Chunk| chunk.bytes.len() as u64 + needed <= chunk.buffer.size();
         let index = self.chunks.iter().position(fits).unwrap_or_else(|| {
             let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-            // With room to grow, or a herd that grows by one a frame would make a buffer in each.
+            // Leaves room to grow: otherwise a herd that grows by one per frame would create a buffer in each frame.
             let buffer = gpu.buffer("pelage uniforms", needed.next_power_of_two().max(CHUNK_BYTES), usage);
             self.chunks.push(Chunk { buffer, bytes: Vec::new(), written: 0, held: Vec::new() });
             self.chunks.len() - 1
@@ -81,7 +81,7 @@ impl Uniforms {
         Place { buffer: chunk.buffer.clone(), offset: offset as u64, stride }
     }
 
-    /// Hands to the queue what it does not have yet: nothing where the slot holds the same from a frame before.
+    /// Uploads what the queue does not have yet; nothing if the slot holds the same bytes from an earlier frame.
     pub(crate) fn write(&mut self, gpu: &Gpu) {
         for chunk in &mut self.chunks {
             let (from, to) = (chunk.written, chunk.bytes.len());
@@ -96,21 +96,22 @@ impl Uniforms {
         }
     }
 
-    /// Bytes that this frame gave to the queue so far.
+    /// Returns the bytes that this frame uploaded so far.
     pub(crate) fn uploaded(&self) -> u64 {
         self.uploaded
     }
 }
 
-/// The slots. One is free when its frame is dropped and what it was recorded into is done, or dropped unsubmitted.
+/// Slots of the ring. A slot is free once its frame is dropped and its commands have finished, or were dropped
+/// unsubmitted.
 #[derive(Debug, Default)]
 pub(crate) struct Ring {
     slots: Vec<Uniforms>,
-    /// An encoder that a frame was prepared into was dropped instead of submitted.
+    /// Set when an encoder that a frame was prepared into is dropped instead of submitted.
     lost: Arc<AtomicBool>,
 }
 
-/// Holds a slot. Dropped without [`Submitted::done`] it says that what was recorded never ran.
+/// Holds a slot. Dropping it without [`Submitted::done`] means that the recorded commands never ran.
 struct Submitted {
     in_use: Option<Arc<()>>,
     lost: Arc<AtomicBool>,
@@ -131,11 +132,11 @@ impl Drop for Submitted {
 }
 
 impl Ring {
-    /// A slot that nobody needs any more.
+    /// Returns a slot that no frame needs any more.
     pub(crate) fn take(&mut self, gpu: &Gpu) -> Uniforms {
         let free = self.slots.iter().position(|slot| Arc::strong_count(&slot.in_use) == 1);
         let mut slot = free.map_or_else(|| Uniforms::new(gpu), |index| self.slots.swap_remove(index));
-        // What many frames at once needed is given back.
+        // Frees slots beyond the spare ones, which many frames at once had needed.
         let mut spare = 0;
         self.slots.retain(|slot| {
             spare += usize::from(Arc::strong_count(&slot.in_use) == 1);
@@ -150,7 +151,7 @@ impl Ring {
         slot
     }
 
-    /// Takes back the slot of a frame that is prepared into `encoder`. The frame keeps what this returns.
+    /// Returns the slot of a frame prepared into `encoder` to the ring. The frame keeps the returned handle.
     pub(crate) fn give(&mut self, slot: Uniforms, encoder: &wgpu::CommandEncoder) -> Arc<()> {
         let in_use = slot.in_use.clone();
         let submitted = Submitted { in_use: Some(in_use.clone()), lost: self.lost.clone() };
@@ -159,7 +160,7 @@ impl Ring {
         in_use
     }
 
-    /// Whether recorded work was lost since this was last asked.
+    /// Whether recorded work was lost since the last call.
     pub(crate) fn lost_work(&self) -> bool {
         self.lost.swap(false, Ordering::Relaxed)
     }

@@ -1,15 +1,17 @@
-// The far coat: all layers seen from above as one, on the skin, for fur too small to be drawn in layers.
+// Far fur layer: all fur layers as seen from above, flattened into one on the mesh surface. Used for fur too small to
+// be drawn in layers.
 
-// It lies on the skin.
+// The far fur layer is drawn on the surface.
 override COAT: bool = false;
 
-// What all layers together let through of the key light to the skin below.
+// Returns the transmittance of all layers together for the key light that reaches the surface below.
 fn visible_below_coat(far: Hair, grown: f32, n_dot_l: f32, length: f32) -> f32 {
     return layer_transmittance(far.color.a * grown, frame.hair_density * path_through(slanted_path(n_dot_l), length));
 }
 
-// The coat over the undercoat. `share`: of its hair, as far as that grows and the coat has taken over; `visible`: of the key light past other
-// things; `length`: of the hair here over the tile's; `slope`: that the vertex adds to it.
+// Returns the far fur layer over the undercoat. `share`: share of its hair that grows, times how far it has replaced
+// the layers; `visible`: share of the key light that passes other objects; `length`: length of the hair here over the
+// tile's; `slope`: slope added by the vertex.
 fn with_coat(
     baked: Baked,
     far: Hair,
@@ -27,9 +29,9 @@ fn with_coat(
     if far.color.a < LEAST_ALPHA {
         return undercoat;
     }
-    // As the layers that it stands for: where half of the hair grows, half of the optical depth is left.
+    // Same as for the layers that it replaces: where half of the hair grows, half of the optical depth is left.
     let alpha = resampled_opacity(far.color.a, share);
-    // No map is drawn for it: how the light gets into it is in the package.
+    // No shadow map is drawn for it: the package stores how light enters it.
     var arrives = 1.0;
     if !BAKED_SHADOW {
         let path = path_through(slanted_path(light_ts.z), length);

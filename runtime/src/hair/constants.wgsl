@@ -1,23 +1,23 @@
-// What the strands of a part have in common.
+// Constants shared by all strands of a part.
 
-// 32 bytes.
+// Size: 32 bytes.
 struct StrandConstants {
-    // Points of each.
+    // Points per strand.
     points: u32,
-    // Of the model, with those that fill up workgroups.
+    // Strands of the model, including those that pad workgroups.
     count: u32,
-    // Points of all dry strands of the tile: the wet ones stand behind them.
+    // Points of all dry strands of the tile; the wet ones follow them.
     dry_points: u32,
-    // Metres, of the largest number.
+    // Radius in metres of the largest stored number.
     radius: f32,
-    // Those of the part.
+    // Range of strands of the part.
     first: u32,
     end: u32,
-    // Of them that is drawn.
+    // Share of the strands that is drawn.
     share: f32,
-    // Every how many points is looked at.
+    // Stride between the points that are used.
     step: u32,
 }
 
-// Vectors of the skin's frame before the posed points of each: normal and wetness; tangent and handedness.
+// Vectors of the surface frame before the posed points of each strand: normal and wetness; tangent and handedness.
 const POSED_BEFORE: u32 = 2u;

@@ -1,8 +1,8 @@
-//! Levels of detail: how much of a model's fur is drawn where it is small on screen.
+//! Levels of detail: how much of a model's fur is drawn when it is small on screen.
 //!
-//! A package brings the chain (`FORMAT.md`, "Levels of detail"): fewer and fewer layers, each standing for more of them, and last the skin
-//! with the far coat on it. No level is drawn twice: between two, layers go one after
-//! another, and give their opacity to those that stay.
+//! A package stores the chain (`FORMAT.md`, "Levels of detail"): ever fewer layers, each representing more of the baked
+//! ones, and last the mesh surface with the far fur layer. No level is drawn twice: between two levels, layers
+//! disappear one after another and pass their opacity to those that stay.
 
 use super::thin::{found_as, point_step, share_of_hairs, shares_on_the_way, way_to_strands};
 use crate::bounds::Hull;
@@ -17,56 +17,59 @@ use pelage_formats::meaning::{detail_place, simplest_list};
 use pelage_formats::{FurInfo, Manifest};
 use std::ops::Range;
 
-/// What an instance draws in a frame, as pipelines and shaders need it.
+/// Drawing state of an instance in a frame, for pipelines and shaders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drawing {
     pub(crate) detail: InstanceDetail,
-    /// Layers that the shaders count with, skin counted; 1 where no fur shows.
+    /// Layer count used by the shaders, skin included; 1 if no fur is visible.
     pub(crate) layers: u32,
-    /// Every how many layers is drawn.
+    /// Stride between the layers that are drawn.
     pub(crate) step: u32,
-    /// How many of them have gone over to the next level, [`detail_fade`](crate::shared::detail::detail_fade).
+    /// Number of layers that have already moved to the next level, [`detail_fade`](crate::shared::detail::detail_fade).
     pub(crate) gone: f32,
-    /// Density of the level and of the next; where that is the far coat, its share, and what it leaves of the former.
+    /// Density of the level and of the next. If the next is the far fur layer: density that remains of the level, and
+    /// share of the far layer.
     pub(crate) weights: [f32; 2],
-    /// Mip level of the hair whose texels are as large as pixels at the nearest point of the model, whole: for what is read of one level.
+    /// Mip level, a whole number, at which texels of the hair are as large as pixels at the nearest point of the model.
+    /// Used where only one level is read.
     pub(crate) texel_level: f32,
-    /// Which index list is drawn: the mesh's own, 0, or one of those that are simplified.
+    /// Index list that is drawn: 0 for the mesh's own, else one of the simplified ones.
     pub(crate) list: usize,
-    /// Share of the layers' opacity that single strands leave.
+    /// Share of the layers' opacity that remains beside single strands.
     pub(crate) layer_share: f32,
-    /// Every how many points of single strands are drawn.
+    /// Stride between the points of single strands that are drawn.
     pub(crate) point_step: u32,
-    /// Most pieces of a strand, where a study says so.
+    /// Maximum number of segments per strand, if a study sets it.
     most_pieces: Option<u32>,
-    /// Pixels that a metre of it has on screen, times the application's bias.
+    /// Pixels per metre of the instance on screen, times the application's bias.
     px_per_m: f32,
-    /// Layers of the shadow maps that suit it, skin counted; 1 where it draws none.
+    /// Suitable layer count of the shadow maps, skin included; 1 if no layers are drawn.
     pub(crate) map_layers: u32,
 }
 
-/// How an instance draws one of its model's sets of strands.
+/// Drawing state of one of the model's strand sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DrawnSet {
-    /// Index into the model's.
+    /// Index of the model's strand set.
     pub(crate) set: usize,
-    /// Share of the strands.
+    /// Share of the strands that is drawn.
     pub(crate) share: f32,
-    /// How much wider they are than they grow.
+    /// Factor on the strands' natural width.
     pub(crate) widened: f32,
-    /// Every how many points is drawn.
+    /// Stride between the points that are drawn.
     pub(crate) step: u32,
 }
 
 impl DrawnSet {
-    /// All points of all of them, as wide as they grow.
+    /// Returns the set drawn with all points of all strands, at their natural width.
     pub(crate) fn whole(&self) -> Self {
         Self { share: 1.0, widened: 1.0, step: 1, ..*self }
     }
 }
 
 impl Drawing {
-    /// What `params` draws of an instance, with so many samples a pixel; `hull`: of it as it is posed, in world space.
+    /// Returns how `params` draws an instance, with that many samples per pixel. `hull`: bounds of the posed instance
+    /// in world space.
     pub(crate) fn of(
         instance: &Instance,
         hull: &Hull,
@@ -86,7 +89,7 @@ impl Drawing {
         let way = match fur.hair {
             Hair::Shells => 0.0,
             Hair::Strands => 1.0,
-            // Who names layers wants to see them.
+            // A caller who asks for layers wants to see them.
             Hair::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
             Hair::Auto => way_to_strands(fur, px_per_m * strands.mean_width_m * bias(fur.detail), samples),
         };
@@ -96,7 +99,7 @@ impl Drawing {
         }
     }
 
-    /// On the [way](way_to_strands) from layers to single strands. The far coat is in both.
+    /// Applies the [transition](way_to_strands) from layers to single strands. The far fur layer is part of both.
     fn with_strands(mut self, way: f32) -> Self {
         let [strands, layers] = shares_on_the_way(way);
         self.detail.strands = strands * (1.0 - self.detail.coat);
@@ -105,7 +108,7 @@ impl Drawing {
         self
     }
 
-    /// The same on a device of these limits: with fewer points where its buffers do not hold all.
+    /// Returns the drawing adapted to the device limits: with fewer points if its buffers cannot hold all.
     pub(crate) fn within(self, limits: &wgpu::Limits, model: &Model) -> Self {
         let Some(strands) = model.coat_strands().filter(|_| self.has_strands()) else { return self };
         let fits = |step: &u32| *step >= self.point_step && strands.ribbon_bytes(*step) <= largest_buffer(limits);
@@ -114,8 +117,10 @@ impl Drawing {
         Self { point_step, detail, ..self }
     }
 
-    /// Which of the model's sets of strands it draws, with so many samples a pixel, on a device of these limits. Groups of hair are drawn as strands at
-    /// any size: where they are thinner than samples find them, fewer and wider ones.
+    /// Returns which of the model's strand sets are drawn, with that many samples per pixel, within the device limits.
+    ///
+    /// Hair groups are drawn as strands at any size. If they are too thin for the samples, fewer and wider ones are
+    /// drawn.
     pub(crate) fn sets(&self, model: &Model, style: &Style, samples: u32, limits: &wgpu::Limits) -> Vec<DrawnSet> {
         let Some(fur) = style.fur() else { return Vec::new() };
         let found = found_as(fur, samples);
@@ -215,7 +220,7 @@ impl Drawing {
         };
         let of_level = detail_count(baked, this.step);
         let (gone, weights) = match (this.step, next.step) {
-            // The coat alone is the next of nothing.
+            // The far fur layer is the last level.
             (0, _) => (0.0, [0.0, 1.0]),
             (_, 0) => (0.0, [(1.0 - fade) * this.density, fade]),
             _ => (fade * detail_pairs(baked, this.step) as f32, [this.density, next.density]),
@@ -245,48 +250,48 @@ impl Drawing {
             point_step: 1,
             most_pieces: None,
             px_per_m: f32::INFINITY,
-            // Maps are not made anew for every number of layers.
+            // The maps are not redrawn for every number of layers.
             map_layers: of_level + 1,
         }
     }
 
-    /// Whether layers are left out, or fade.
+    /// Whether layers are left out or fading.
     pub(crate) fn is_reduced(&self) -> bool {
         self.detail.level > 0 || self.detail.fade > 0.0 || self.has_strands()
     }
 
-    /// Whether it has layers above the skin, drawn or not.
+    /// Whether there are layers above the surface, drawn or not.
     pub(crate) fn has_shells(&self) -> bool {
         self.detail.layers > 0
     }
 
-    /// Whether it draws them.
+    /// Whether the layers are drawn.
     pub(crate) fn draws_shells(&self) -> bool {
         self.has_shells() && self.layer_share > 0.0
     }
 
-    /// Whether it draws single strands.
+    /// Whether single strands are drawn.
     pub(crate) fn has_strands(&self) -> bool {
         self.detail.strands > 0.0
     }
 
-    /// As reports say it.
+    /// Returns the level of detail for reports.
     pub(crate) fn reported(&self) -> InstanceDetail {
         InstanceDetail { layers: if self.draws_shells() { self.detail.layers } else { 0 }, ..self.detail }
     }
 
-    /// Instances of the draw of the shells: layers, or where it is reduced the indices of `detail_layer`.
+    /// Returns the instance range of the shell draw: layers, or for reduced detail the indices of `detail_layer`.
     pub(crate) fn shell_instances(&self) -> Range<u32> {
         if self.is_reduced() { 0..self.detail.layers } else { 1..self.layers }
     }
 }
 
-/// Factor on the size on screen.
+/// Returns the factor on the size on screen.
 fn bias(detail: Detail) -> f32 {
     if let Detail::Auto { bias } = detail { bias } else { 1.0 }
 }
 
-/// Level of the hair's textures whose texels are as large as pixels, where fur is `px` pixels high.
+/// Returns the mip level of the hair textures at which texels are as large as pixels, for fur `px` pixels high.
 fn texel_level(fur: &FurInfo, px: f32) -> f32 {
     let texel_px = px * fur.tile_size_m / (fur.height_m * fur.tile_texels.max(1) as f32);
     let level = -texel_px.log2();

@@ -29,7 +29,7 @@ fn params() -> FrameParams {
     FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [834, 424])
 }
 
-/// Each level draws what it says, and all together hide as much as all layers do.
+/// Checks that each level draws its layers, and that the layers of a level together are as opaque as all baked layers.
 #[test]
 fn levels_keep_the_number_of_layers_that_are_stood_for() {
     for baked in [2u32, 3, 4, 5, 16, 17, 64] {
@@ -46,7 +46,7 @@ fn levels_keep_the_number_of_layers_that_are_stood_for() {
         }
     }
     assert_eq!(detail_count(16, 0), 0);
-    // Towards the coat they lose their opacity.
+    // Their opacity decreases towards the far fur layer.
     assert_eq!(detail_exponent(15, 16, 4, 0.0, 0.75, 0.25), 3.0);
 }
 
@@ -57,7 +57,7 @@ fn an_instance_draws_what_its_level_says() {
     let full = at(0, 0.0);
     assert!(!full.is_reduced() && full.shell_instances() == (1..16) && full.map_layers == 16);
     let fading = at(0, 0.5);
-    // Of seven that the next level leaves out three have gone, and half of the fourth.
+    // Of the seven layers that the next level leaves out, three are gone and the fourth is half gone.
     assert!(fading.is_reduced() && fading.detail.layers == 12 && fading.shell_instances() == (0..12));
     assert_eq!((fading.step, fading.gone, fading.detail.fins, fading.map_layers), (1, 3.5, 0.75, 16));
     let half = at(1, 0.0);
@@ -68,7 +68,7 @@ fn an_instance_draws_what_its_level_says() {
     assert!(!coat.has_shells() && coat.map_layers == 1 && coat.shell_instances().is_empty());
     assert_eq!((coat.detail.coat, coat.detail.fade, coat.weights), (1.0, 0.0, [0.0, 1.0]));
     assert_eq!(fading.weights, [1.0, 1.25]);
-    // Asking for a number of layers goes before.
+    // An explicit number of layers takes precedence.
     let eight = params.clone().with_fur(|fur| fur.layers = Some(8));
     assert_eq!(Drawing::at(&manifest, &eight, 2, 0.5), Drawing::at(&manifest, &eight, 0, 0.0));
     let bare = params.clone().with(|params| params.style = Style::Bare);
@@ -83,7 +83,7 @@ fn the_light_in_the_coat_meets_what_was_baked() {
     let coat = manifest.coat.as_ref().unwrap();
     let [base, slope] = coat_light_numbers(coat);
     assert!((coat_light(1.0, base, slope) - 0.75).abs() < 1e-6 && (coat_light(4.0, base, slope) - 0.5).abs() < 1e-6);
-    // A black coat has no numbers that are not finite.
+    // Black hair gives only finite numbers.
     let dark = coat_light_numbers(&CoatInfo::default());
     assert!(dark.iter().all(|x| x.is_finite()) && coat_light(2.0, dark[0], dark[1]) <= 1e-3);
 }
@@ -99,7 +99,7 @@ fn what_makes_no_sense_is_refused() {
     Detail::Level(2.5).check().unwrap();
 }
 
-/// Strands come in before layers go, and the far coat takes over from both.
+/// Checks that strands appear before layers disappear, and that the far fur layer replaces both.
 #[test]
 fn strands_come_in_before_layers_go() {
     let (manifest, params) = (manifest(), params());

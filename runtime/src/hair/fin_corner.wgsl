@@ -1,7 +1,7 @@
-// The corners of fins. There is no vertex buffer: a fin needs both ends of its edge at every corner, and reads them from the posed
+// Corners of fins. Fins have no vertex buffer: every corner needs both ends of its edge, and reads them from the posed
 // vertices.
 
-// Its colour is packed.
+// The colour is packed.
 struct AttributeVertex {
     tile_uv: vec2<f32>,
     base_uv: vec2<f32>,
@@ -24,7 +24,7 @@ struct Fin {
 
 // Vertices of a quad: two triangles.
 const CORNERS: u32 = 6u;
-// Quads above each other where hair leans, which bends it.
+// Quads above each other on fins that lean, so that they can bend.
 const LEANING_ROWS: u32 = 3u;
 
 fn vertex_of(index: u32) -> Vertex {
@@ -38,19 +38,19 @@ fn vertex_of(index: u32) -> Vertex {
 
 // A corner of a fin.
 struct FinCorner {
-    // The vertex that it stands on, with its normal and tile frame.
+    // Base vertex, with its normal and tile frame.
     vertex: Vertex,
     tile: TileFrame,
-    // 0 on the skin, 1 at the outermost layer.
+    // Height: 0 on the skin, 1 at the outermost layer.
     height: f32,
-    // Along the slab.
+    // Coordinate along the slab.
     along: f32,
-    // Along the edge: 0 at its first end, 1 at its second.
+    // Position along the edge: 0 at its first end, 1 at its second.
     across: f32,
     slab: u32,
-    // Of the whole fin: by the angle it is seen at, and what stands beside it.
+    // Opacity of the whole fin: depends on the view angle, and is lower where fins are dense.
     opacity: f32,
-    // Of the whole fin: how far the skin at its ends turns away from the eye, 0 to 1.
+    // Turn of the surface away from the eye at the ends of the whole fin, 0..1.
     turned: f32,
 }
 
@@ -59,7 +59,7 @@ fn fin_corner(index: u32) -> FinCorner {
     let quad = index / CORNERS;
     let corner = index % CORNERS;
     let fin = fins[quad / rows];
-    // a, b, b above, a, b above, a above.
+    // Order: a, b, b above, a, b above, a above.
     let at_b = corner == 1u || corner == 2u || corner == 4u;
     let above = corner == 2u || corner > 3u;
 
@@ -69,7 +69,7 @@ fn fin_corner(index: u32) -> FinCorner {
     let normal_b = normal_ws(b);
     let skin_a = position_ws(a);
     let skin_b = position_ws(b);
-    // The fin's own plane: by the edge and the mean of the normals, the same at all corners.
+    // Normal of the fin's plane, from the edge and the mean normal; the same at all corners.
     let face = normalize_or(cross(skin_b - skin_a, normal_a + normal_b), vec3(0.0));
     let eye = direction_to(frame.eye_ws, 0.5 * (skin_a + skin_b));
     let opacity = fin.opacity * fin_opacity(dot(face, eye));

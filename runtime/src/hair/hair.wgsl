@@ -1,4 +1,5 @@
-// What geometries read of the hair's volume: texels of a layer, dry and wet, what the groom says of them, and how layers thin out.
+// Reading the hair volume, for all geometries: texels of a layer, dry and wet, groom values, and the thinning of
+// layers.
 
 @group(1) @binding(3) var groom_texture: texture_2d<f32>;
 @group(2) @binding(0) var shell_colors: texture_2d_array<f32>;
@@ -11,29 +12,30 @@
 
 // The direction texture has two components.
 override PLANAR_DIRECTIONS: bool = false;
-// More or fewer layers are drawn than were baked.
+// The number of drawn layers differs from the baked one.
 override RESAMPLED: bool = false;
-// Some of the layers are left out, or fade: a level of detail.
+// A level of detail leaves out or fades some of the layers.
 override DETAIL: bool = false;
-// Some vertex is bare or wet.
+// At least one vertex is bare or wet.
 override GROOM_VERTICES: bool = false;
 // The material has a groom texture.
 override GROOM_TEXTURE: bool = false;
-// The package has wet hair to mix in.
+// The package has wet hair, which is mixed in.
 override WET: bool = false;
 
-// Hair has the base colour and the groom of the skin where it roots.
+// Hair takes base colour and groom from the surface at its root.
 override AT_ROOT: bool = false;
 
-// Alpha test of the layered method: below half a step of an 8-bit texel there is nothing to see, and no depth to write.
+// Threshold of the alpha test for layers. Below half a step of an 8-bit texel nothing is visible and no depth is
+// written.
 const LEAST_ALPHA: f32 = 0.5 / 255.0;
 
-// Height of a drawn layer: 0 on the skin, 1 the outermost.
+// Returns the height of a drawn layer: 0 on the skin, 1 for the outermost layer.
 fn height_of(layer: u32) -> f32 {
     return f32(layer) / f32(instance.drawn_layers - 1u);
 }
 
-// The layer that an instance of the draw is.
+// Returns the layer that an instance of the draw represents.
 fn drawn_layer(index: u32) -> u32 {
     if !DETAIL {
         return index;
@@ -41,12 +43,12 @@ fn drawn_layer(index: u32) -> u32 {
     return detail_layer(index, instance.baked_layers, instance.layer_step, instance.layers_gone);
 }
 
-// How many baked layers a drawn one stands for where others are drawn than were baked.
+// Returns the number of baked layers per drawn layer when the layer count differs from the baked one.
 fn resampled_exponent() -> f32 {
     return max(f32(instance.baked_layers) - 1.0, 1.0) / (f32(instance.drawn_layers) - 1.0);
 }
 
-// How many layers a drawn one stands for.
+// Returns the number of baked layers that a drawn layer represents.
 fn stands_for(layer: u32) -> f32 {
     if DETAIL {
         let baked = instance.baked_layers;
@@ -60,7 +62,8 @@ fn stands_for(layer: u32) -> f32 {
     return 1.0;
 }
 
-// What the groom says of a point: share of the hair that grows, and wetness, both 0..=1. `at_vertex` is bareness and wetness.
+// Returns the groom at a point: share of the hair that grows, and wetness, both 0..=1. `at_vertex`: bareness and
+// wetness.
 fn groom_at(at_vertex: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
     var groom = groom_of_vertex(at_vertex);
     if GROOM_TEXTURE {
@@ -80,14 +83,15 @@ fn groom_with(groom: vec2<f32>, texel: vec4<f32>) -> vec2<f32> {
     return vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
 }
 
-// How far hair at a share of the fur's height lies aside of its root, as root_aside takes it.
+// Returns the offset of hair from its root at a relative height of the fur, as root_aside takes it.
 fn aside_at(height: f32) -> vec3<f32> {
     let at = clamp(height, 0.0, 1.0) * 7.0;
     let below = min(u32(at), 6u);
     return mix(material.asides[below].xyz, material.asides[below + 1u].xyz, at - f32(below));
 }
 
-// Base colour and groom of hair that is seen over `uv` and roots at `root`. How coarse they are follows from `uv` alone: roots jump from hair to hair.
+// Base colour and groom of hair that is seen at `uv` and has its root at `root`. The mip level depends only on `uv`,
+// because roots change abruptly from hair to hair.
 fn base_color_at_root(tint: vec4<f32>, uv: vec2<f32>, root: vec2<f32>) -> vec4<f32> {
     if AT_ROOT && BASE_COLOR_TEXTURE {
         return tint * textureSampleGrad(base_color_texture, base_color_sampler, root, dpdx(uv), dpdy(uv));
@@ -103,7 +107,7 @@ fn groom_at_root(at_vertex: vec2<f32>, uv: vec2<f32>, root: vec2<f32>) -> vec2<f
     return groom;
 }
 
-// What the package knows of the light at a point of a layer.
+// Returns the baked lighting data at a point of a layer.
 fn baked_at(uv: vec2<f32>, layer: u32, wetness: f32, kept: f32, length: f32, slope: f32) -> Baked {
     var texel = vec4(1.0);
     if BAKED_SHADOW {
@@ -118,28 +122,28 @@ fn baked_at(uv: vec2<f32>, layer: u32, wetness: f32, kept: f32, length: f32, slo
 struct Hair {
     // Premultiplied colour and opacity.
     color: vec4<f32>,
-    // In the tile frame.
+    // Direction in the tile frame.
     direction: vec3<f32>,
 }
 
-// The dry hair of a layer, or of a slab of fins.
+// Returns the dry hair of a layer or of a fin slab.
 fn dry_hair_at(uv: vec2<f32>, layer: u32) -> Hair {
     let color = textureSample(shell_colors, shell_sampler, uv, layer);
     let direction = decode_direction(textureSample(shell_directions, shell_sampler, uv, layer), PLANAR_DIRECTIONS);
     return Hair(color, direction);
 }
 
-// Mean colour of the dry hair of a layer; `known` where nobody asks for it.
+// Returns the mean colour of the dry hair of a layer; `known` if multiple scattering is off.
 fn mean_of_layer(layer: u32, known: vec3<f32>) -> vec3<f32> {
     if !MULTIPLE {
         return known;
     }
-    // The smallest level.
+    // Reads the smallest mip level.
     let mean = textureSampleLevel(shell_colors, shell_sampler, vec2(0.5), layer, 16.0);
     return mean.rgb / max(mean.a, 1e-3);
 }
 
-// The hair of a layer: dry and wet mixed.
+// Returns the hair of a layer, mixed from dry and wet hair.
 fn hair_at(uv: vec2<f32>, layer: u32, wetness: f32) -> Hair {
     let dry = dry_hair_at(uv, layer);
     if !WET {
@@ -150,12 +154,12 @@ fn hair_at(uv: vec2<f32>, layer: u32, wetness: f32) -> Hair {
     return Hair(mix(dry.color, wet_color, wetness), mix(dry.direction, wet, wetness));
 }
 
-// Length of the hair that grows from a vertex over that of the tile's.
+// Returns the length of the hair that grows from a vertex, relative to the tile's hair.
 fn length_share(v: Vertex) -> f32 {
     return v.fur_height * material.share_per_m;
 }
 
-// The direction of hair whose vertices say how long it is and lean it: `slope` is what they add.
+// Returns the direction of hair, adjusted to the length and lean of its vertices. `slope`: slope that they add.
 fn grown(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
     if SHORT || LEAN {
         return hair_direction(direction, select(1.0, share, SHORT), slope);
@@ -163,7 +167,7 @@ fn grown(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
     return direction;
 }
 
-// A way through layers over their thickness, where hair is so long over the tile's.
+// Returns the path length through layers relative to their thickness, for hair of relative length `share`.
 fn path_through(path: f32, share: f32) -> f32 {
     if SHORT {
         return shortened_path(path, share);

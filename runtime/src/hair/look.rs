@@ -1,5 +1,5 @@
-//! What the shaders of hair are told by override constants: what a package or a frame does not need is compiled away. A branch on a uniform
-//! costs its body on rasterisers that mask instead of jump.
+//! Override constants of the hair shaders: code that a package or a frame does not need is compiled out. On rasterisers
+//! that mask instead of branching, a branch on a uniform costs as much as its body.
 
 use super::detail::{Drawing, DrawnSet};
 use crate::gpu::{Constants, on};
@@ -11,7 +11,7 @@ use crate::shared::skinning;
 use glam::Mat3;
 use pelage_formats::Shading;
 
-/// Source of what geometries of hair share, joined before each.
+/// Shader sources shared by all hair geometries, joined before each.
 macro_rules! hair_wgsl {
     ($($geometry:expr),+ $(,)?) => {
         &[
@@ -46,49 +46,49 @@ macro_rules! hair_wgsl {
 }
 pub(crate) use hair_wgsl;
 
-/// How a frame draws an instance, as far as the choice of pipelines goes.
+/// Shader variant for an instance in a frame: everything that selects its pipelines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Look {
-    /// The instance mirrors: its front faces wind clockwise.
+    /// The instance is mirrored: its front faces wind clockwise.
     pub(crate) mirrored: bool,
-    /// Other than the baked number of layers is drawn.
+    /// The number of drawn layers differs from the baked one.
     pub(crate) resampled: bool,
-    /// Layers are left out, or fade.
+    /// Layers are left out or fading.
     pub(crate) detail: bool,
-    /// The far coat lies on the skin.
+    /// The far fur layer is drawn on the surface.
     pub(crate) coat: bool,
     /// Fins are drawn.
     pub(crate) fins: bool,
-    /// Single strands are drawn, of the coat or of groups of hair.
+    /// Single strands are drawn, of fur or of hair groups.
     pub(crate) strands: bool,
-    /// They shadow each other by the deep opacity map.
+    /// Strands shadow each other by the deep opacity map.
     pub(crate) deep_shadow: bool,
-    /// Hair shadows hair, by the layer-wise maps.
+    /// Hair shadows itself by the layer-wise maps.
     self_shadow: bool,
-    /// Hair shadows hair, as the package knows it.
+    /// Hair shadows itself by data baked into the package.
     baked_shadow: bool,
-    /// What the package does not know: hair on guides shadows it too.
+    /// Guided hair also shadows the hair; the package does not include that.
     guided_shadow: bool,
-    /// The layer-wise maps are of other layers than are drawn.
+    /// The layer-wise maps have other layers than are drawn.
     pub(crate) maps_between: bool,
-    /// The layer-wise maps have another number of layers than were baked.
+    /// The number of layer-wise maps differs from the baked layer count.
     pub(crate) maps_resampled: bool,
-    /// Things throw soft shadows.
+    /// Soft shadows are on.
     soft_shadow: bool,
-    /// There are lights without shadow.
+    /// There are fill lights, which cast no shadows.
     pub(crate) fill_lights: bool,
-    /// There is light from all around: the first of the tables of broad light that is of the model's fibres.
+    /// Index of the first broad-light table for the model's fibres, if there is an environment map.
     pub(crate) environment: Option<u32>,
     /// The key light is black.
     dark_key: bool,
-    /// How hair scatters light by tables of its fibres, where it does.
+    /// Scattering mode, if hair is lit with the tables of its fibres.
     scattering: Option<Scattering>,
     /// Constants of the lighting equation.
     shading: Shading,
 }
 
 impl Look {
-    /// Of an instance of which `drawing` is drawn, under the shadow maps of `maps`.
+    /// Returns the variant for an instance drawn as `drawing`, with the shadow maps of `maps`.
     pub(crate) fn new(
         instance: &Instance,
         params: &FrameParams,
@@ -114,7 +114,7 @@ impl Look {
             self_shadow,
             baked_shadow,
             guided_shadow: baked_shadow && maps.is_some_and(|key| key.guided() && key.hair != HairMaps::None),
-            // Reduced layers are lit at the height of the hair seen in them.
+            // Reduced layers are lit at the height of the hair that is visible in them.
             maps_between: self_shadow && (map_layers != drawing.layers || drawing.is_reduced()),
             maps_resampled: map_layers != baked,
             soft_shadow: maps.is_some_and(|key| key.soft_shadow),
@@ -126,14 +126,14 @@ impl Look {
         }
     }
 
-    /// What surfaces that are lit are told.
+    /// Returns the constants of lit surfaces.
     pub(crate) fn lights(&self) -> Constants {
         let mut constants = self.strand_lights();
         constants.push(on("GUIDED_SHADOW", self.guided_shadow));
         constants
     }
 
-    /// What strands that are lit are told: their own map has hair on guides too.
+    /// Returns the constants of lit strands. They need no `GUIDED_SHADOW`: their own map includes guided hair.
     pub(crate) fn strand_lights(&self) -> Constants {
         vec![
             on("SQUARED_DIFFUSE", self.shading.diffuse_exponent == 2.0),
@@ -151,29 +151,29 @@ impl Look {
     }
 }
 
-/// What all that looks at a part's material is told.
+/// Returns the constants of shaders that read a part's material.
 pub(crate) fn material(part: &Part) -> Constants {
     vec![on("BASE_COLOR_TEXTURE", part.has_texture), on("CUTOUT", part.cutout)]
 }
 
-/// What all that sees of a part's colour only what is cut away is told.
+/// Returns the constants of shaders that read a part's colour only for its cutout.
 pub(crate) fn holes(part: &Part) -> Constants {
     vec![on("BASE_COLOR_TEXTURE", part.cutout && part.has_texture), on("CUTOUT", part.cutout)]
 }
 
-/// What all that asks whether hair of a part grows is told.
+/// Returns the constants of shaders that test whether hair of a part grows.
 pub(crate) fn grown_by(model: &Model, part: &Part) -> Constants {
     vec![on("GROOM_VERTICES", model.varies().groom), on("GROOM_TEXTURE", part.has_groom_texture)]
 }
 
-/// The same, and whether wet hair is mixed in.
+/// Returns the constants of `grown_by`, and whether wet hair is mixed in.
 pub(crate) fn grown(model: &Model, part: &Part) -> Constants {
     let mut constants = grown_by(model, part);
     constants.push(on("WET", model.manifest().fur.wet.is_some()));
     constants
 }
 
-/// What all that reads the hair of a part is told, but for how it leans.
+/// Returns the constants of shaders that read the hair of a part, except for its lean.
 pub(crate) fn groom(model: &Model, part: &Part) -> Constants {
     let mut constants = grown(model, part);
     constants.extend([on("SHORT", model.varies().length), on("AT_ROOT", part.at_root)]);

@@ -1,4 +1,5 @@
-//! Hair: how much of an instance's is drawn, and what its shaders are told. The geometries' shared shaders stand in this folder.
+//! Hair: how much of an instance's hair is drawn, the constants of its shaders, and the shaders shared by all hair
+//! geometries.
 
 mod detail;
 mod look;

@@ -1,28 +1,30 @@
-// The nearest pieces of hair in each pixel of a part of the picture: of each pixel NEAREST keys, the nearest first, and how opaque what is behind those is.
+// Nearest hair segments per pixel, in an area of the picture: NEAREST keys per pixel, nearest first, then the optical
+// depth of the segments behind them.
 
 const NEAREST: u32 = 8u;
 const OF_A_PIXEL: u32 = NEAREST + 1u;
-// Optical depth of 1, as the last number counts it.
+// Fixed-point value of optical depth 1 in the last number.
 const OPTICAL_DEPTH: f32 = 256.0;
 
 struct NearestHair {
-    // The part of the picture: left, top, width and height in pixels, the last two multiples of TILE.
+    // Area of the picture: left, top, width and height in pixels. Width and height are multiples of TILE.
     area: vec4<u32>,
-    // Of the whole picture, pixels.
+    // Size of the whole picture, pixels.
     size: vec2<f32>,
-    // Of a strand.
+    // Segments per strand.
     pieces: u32,
-    // Of the gathering: 0 sorts keys, 1 leaves light.
+    // Round of the gathering: 0 sorts keys, 1 stores light.
     round: u32,
 }
 
 // Pixels along a side of a tile.
 const TILE: u32 = 8u;
 
-// Near is 1 and far is 0.
+// Depth is 1 at the near plane and 0 at the far plane.
 override REVERSED_DEPTH: bool = false;
 
-// A key is larger the nearer a piece is, and holds how much of the pixel it covers in its last 8 bits. 0 is none.
+// Returns the sort key of a segment, which is larger for nearer segments. The low 8 bits hold the coverage of the
+// pixel; 0 means no segment.
 fn nearest_key(depth: f32, covered: f32) -> u32 {
     let nearness = select(1.0 - depth, depth, REVERSED_DEPTH);
     return ((bitcast<u32>(nearness) >> 6u) << 8u) | u32(covered * 255.0 + 0.5);
@@ -37,7 +39,7 @@ fn covered_by(key: u32) -> f32 {
     return f32(key & 255u) / 255.0;
 }
 
-// Which of the pixels of the part of the picture it is.
+// Returns the index of a pixel within the area.
 fn pixel_number(at: vec2<u32>) -> u32 {
     return at.y * nearest.area.z + at.x;
 }

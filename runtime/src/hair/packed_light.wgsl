@@ -1,6 +1,6 @@
-// Light in 32 bits: nine bits a channel with one exponent of five.
+// Light packed into 32 bits: nine bits per channel and a shared five-bit exponent.
 
-// 2 to the power of a whole number, by the bits of a float.
+// Returns an integer power of two, built from the bits of a float.
 fn power_of_two(exponent: i32) -> f32 {
     return bitcast<f32>(u32(exponent + 127) << 23u);
 }
@@ -8,9 +8,9 @@ fn power_of_two(exponent: i32) -> f32 {
 fn packed_light(light: vec3<f32>) -> u32 {
     let c = clamp(light, vec3(0.0), vec3(65408.0));
     let most = max(max(c.r, c.g), max(c.b, 6e-8));
-    // So that the largest of the three has its first bit at the top.
+    // Exponent at which the largest of the three channels uses its top bit.
     var exponent = max(i32(bitcast<u32>(most) >> 23u) - 111, 0);
-    // What rounds up to ten bits needs the next exponent.
+    // A value that rounds up to ten bits needs the next exponent.
     if most * power_of_two(24 - exponent) >= 511.5 {
         exponent += 1;
     }

@@ -1,22 +1,22 @@
-// Strands as the runtime plants them. A pass that includes this declares groom_texture,
-// base_color_sampler, GROOM_VERTICES and GROOM_TEXTURE.
+// Strands as the runtime places them. A pass that includes this file declares groom_texture, base_color_sampler,
+// GROOM_VERTICES and GROOM_TEXTURE.
 
-// 32 bytes.
+// Size: 32 bytes.
 struct Strand {
     base_uv: vec2<f32>,
-    // Of the vertices, unorm.
+    // Vertex colour, unorm.
     color: u32,
-    // Bareness, wetness, unorm; what the body leaves open to it, packed.
+    // Bareness and wetness, unorm; openness of the body at the strand, packed.
     groom: u32,
-    // Which of the tile's it is.
+    // Index of the tile's strand.
     of_tile: u32,
-    // 0..1, for what is true of a share of all strands; 1 of none that grows.
+    // Random number in 0..1 that selects a share of all strands; 1 for strands that do not grow.
     chance: f32,
     lean: f32,
     fur_height: f32,
 }
 
-// What the groom says of a strand: share of the hair around it that grows, and wetness, both 0..=1.
+// Returns the groom of a strand: share of the hair around it that grows, and wetness, both 0..=1.
 fn strand_groom(strand: Strand) -> vec2<f32> {
     var groom = vec2(1.0, 0.0);
     if GROOM_VERTICES {

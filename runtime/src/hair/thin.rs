@@ -1,12 +1,13 @@
-//! Strands thinner than pixels: when they take the place of layers, how many of them are drawn and in how many pieces.
+//! Level of detail for strands thinner than pixels: when they replace layers, how many are drawn and in how many
+//! segments.
 
 use crate::model::Strands;
 use crate::params::{Detail, FurParams, StrandEdges};
 
-/// Samples a pixel that blended edges are as good as.
+/// Samples per pixel to which blended edges are equivalent.
 const BLENDED_AS: u32 = 16;
 
-/// Samples a pixel that thin strands are found by, in a pass of so many.
+/// Returns the effective samples per pixel for thin strands, in a pass with `samples`.
 pub(super) fn found_as(fur: &FurParams, samples: u32) -> u32 {
     match fur.strand_edges {
         StrandEdges::Samples => samples,
@@ -14,31 +15,34 @@ pub(super) fn found_as(fur: &FurParams, samples: u32) -> u32 {
     }
 }
 
-/// Width of hairs on screen, pixels over samples, below which fewer and wider ones stand for them.
+/// Hair width on screen, in pixels divided by samples, below which fewer and wider hairs are drawn.
 const THINNEST_PX: f32 = 0.36;
 
-/// The same, pixels, of hair on guides and of coats whose edges are blended: a pixel knows its nearest eight alone.
+/// Limits as `THINNEST_PX`, in pixels, for guided hair and for fur, both with blended edges. A pixel stores only its
+/// nearest eight segments.
 const THINNEST_BLENDED_PX: [f32; 2] = [0.36, 0.18];
 
-/// Least share of them.
+/// Smallest share of hairs that is drawn.
 const FEWEST_HAIRS: f32 = 0.02;
 
-/// The same, pixels over the root of the samples, of coats that are drawn in samples. From there on they shimmer less than twice as much as the true
-/// picture.
+/// Limit as `THINNEST_PX` for fur drawn in samples, in pixels divided by the square root of the samples. From this
+/// width on, fur shimmers less than twice as much as the reference picture.
 const THINNEST_OF_COAT_PX: f32 = 0.9;
 
-/// Least share of a coat's hairs that is drawn in samples: what would have to be fewer is drawn in layers.
+/// Smallest share of fur strands drawn in samples. If fewer would be needed, layers are drawn.
 const FEWEST_OF_COAT: f32 = 0.25;
 
-/// Samples a pixel from which that is so. With fewer, hairs a pixel wide have jagged edges, and all that are thinner are drawn in layers.
+/// Samples per pixel from which `FEWEST_OF_COAT` applies. With fewer samples, hairs one pixel wide have jagged edges,
+/// so all thinner ones are drawn in layers.
 const FEW_FROM_SAMPLES: u32 = 4;
 
-/// The least share as an application wants it: who asks for all detail gets all hairs.
+/// Returns the smallest share of fur strands; 1 if the application asks for full detail.
 fn fewest_of_coat(fur: &FurParams, samples: u32) -> f32 {
     if fur.detail == Detail::Full || samples < FEW_FROM_SAMPLES { 1.0 } else { FEWEST_OF_COAT }
 }
 
-/// Share of hairs that is drawn, the wider, where they are so many pixels wide and a pixel has so many samples.
+/// Returns the share of hairs that is drawn, correspondingly wider, for hairs of `width_px` and the given samples per
+/// pixel.
 pub(super) fn share_of_hairs(fur: &FurParams, guided: bool, width_px: f32, samples: u32) -> f32 {
     let [of_guided, of_coats] = THINNEST_BLENDED_PX;
     let (thinnest_px, fewest) = match (fur.strand_edges, guided) {
@@ -50,25 +54,27 @@ pub(super) fn share_of_hairs(fur: &FurParams, guided: bool, width_px: f32, sampl
     (width_px / thinnest_px).clamp(fewest, 1.0)
 }
 
-/// Width from which strands begin to take the place of layers, over that from which they have. Both are drawn in between, so that it is narrow.
+/// Strand width at which strands begin to replace layers, relative to the width at which they have. Both are drawn in
+/// between, so the range is narrow.
 const MIXED_FROM: f32 = 0.8;
 
-/// The same, pixels, of strands with blended edges. They are as bright as layers, and layers between them would fill what is dark: it is one or the other.
+/// Strand width in pixels from which strands with blended edges replace layers. They have no transition: they are as
+/// bright as layers, and layers between them would fill dark gaps.
 const BLENDED_FROM_PX: f32 = 0.2025;
 
-/// Of the way from layers to strands: where all strands have come in, and where layers begin to fade.
+/// Points in the transition from layers to strands: where all strands are present, and where layers begin to fade.
 const STRANDS_IN: f32 = 0.6;
 const LAYERS_STAY: f32 = 0.4;
 
-/// Shares of the strands, and of the layers' opacity, on the way from layers, 0, to single strands, 1: first strands come in between the layers, then
-/// the layers fade.
+/// Returns the shares of the strands and of the layers' opacity in the transition from layers, 0, to single strands, 1.
+/// Strands appear between the layers first, then the layers fade.
 pub(super) fn shares_on_the_way(way: f32) -> [f32; 2] {
     let left = ((1.0 - way) / (1.0 - LAYERS_STAY)).min(1.0);
-    // Many layers hide more together than one: the last of them go slowly.
+    // Many layers together are more opaque than one, so the last of them fade slowly.
     [(way / STRANDS_IN).min(1.0), left * left]
 }
 
-/// How far on the way to single strands hair is where those are so many pixels wide, in a pass of so many samples.
+/// Returns the progress of the transition to single strands, for strands `width_px` wide in a pass with `samples`.
 pub(super) fn way_to_strands(fur: &FurParams, width_px: f32, samples: u32) -> f32 {
     match fur.strand_edges {
         StrandEdges::Samples => {
@@ -80,19 +86,21 @@ pub(super) fn way_to_strands(fur: &FurParams, width_px: f32, samples: u32) -> f3
     }
 }
 
-/// How far, in pixels over the root of the samples, the mean strand may bend away from what is left of it when points are left out.
+/// Maximum deviation of the mean strand from its simplified form, in pixels divided by the square root of the samples.
 const BENT_PX: f32 = 0.28;
 
-/// Width in pixels below which strands may bend more, in proportion to what they are thinner: which of them samples find is most of the error then.
+/// Strand width in pixels below which strands may deviate more, in inverse proportion to their width. For these the
+/// largest error is which strands the samples hit.
 const FOUND_BY_CHANCE_PX: f32 = 0.5;
 
-/// Samples beyond which more of them let a strand bend no less.
+/// Number of samples above which the allowed deviation no longer decreases.
 const MOST_BENT_SAMPLES: u32 = 4;
 
-/// Fewest pieces of a strand: what two points leave of a coat is not it.
+/// Fewest segments per strand: two points do not represent fur.
 const FEWEST_PIECES: u32 = 2;
 
-/// Every how many points of strands is drawn, where a metre has so many pixels and a pixel so many samples; in at most `most_pieces`, where that says so.
+/// Returns the stride between the points that are drawn, for `px_per_m` and the given samples per pixel. `most_pieces`:
+/// maximum number of segments, if set.
 pub(super) fn point_step(strands: &Strands, px_per_m: f32, samples: u32, most_pieces: Option<u32>) -> u32 {
     if let Some(most) = most_pieces {
         return strands.steps().find(|step| strands.pieces(*step) <= most).unwrap_or(strands.points - 1);
@@ -119,7 +127,7 @@ mod tests {
         let widths = [1.0, 0.9, 0.45, 0.225, 0.1];
         assert_eq!(widths.map(|px| share_of_hairs(&fur, false, px, 1)), [1.0; 5]);
         assert_eq!(widths.map(|px| share_of_hairs(&fur, false, px / 2.0, 4)), [1.0, 1.0, 0.5, 0.25, 0.25]);
-        // Where layers have gone no hair is thinner than that.
+        // Where layers are gone no hair is thinner than the limit.
         assert_eq!([0.11, 0.1125].map(|px| way_to_strands(&fur, px, 4) == 1.0), [false, true]);
         let full = FurParams::default().with(|fur| fur.detail = Detail::Full);
         assert_eq!([0.9, 0.45, 0.1].map(|px| share_of_hairs(&full, false, px, 4)), [1.0; 3]);

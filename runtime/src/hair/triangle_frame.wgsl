@@ -1,4 +1,5 @@
-// Along the first edge, aside of that, and along the normal; of a triangle without area the axes of the space.
+// Returns the frame along the first edge, perpendicular to it in the plane, and along the normal. A triangle without
+// area gets the coordinate axes.
 fn triangle_frame(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> mat3x3<f32> {
     let along = normalize_or(b - a, vec3(0.0));
     let normal = normalize_or(cross(b - a, c - a), vec3(0.0));

@@ -1,5 +1,5 @@
-// What all geometries of hair compute at a vertex. What is linear over a triangle belongs here: the directions to the light and H, turned
-// into the tile's frame, where the direction texture lives.
+// Vertex computations of all hair geometries. Values that are linear over a triangle belong here: the directions to the
+// light and H, in the tile frame of the direction texture.
 
 struct HairVertex {
     position: vec4<f32>,
@@ -10,9 +10,9 @@ struct HairVertex {
     base_uv: vec2<f32>,
     // Bareness, wetness.
     groom: vec2<f32>,
-    // Place in the shadow maps.
+    // Position in the shadow maps.
     place: vec4<f32>,
-    // Cosine between the skin's normal and the direction to the eye.
+    // Cosine between the surface normal and the direction to the eye.
     n_dot_e: f32,
     spot: Spot,
 }

@@ -1,4 +1,4 @@
-// What the air does. The twin of formats/src/meaning/hair_motion/wind.rs.
+// Wind velocity. Rust counterpart: formats/src/meaning/hair_motion/wind.rs.
 
 struct Wind {
     velocity: vec3<f32>,
@@ -6,11 +6,12 @@ struct Wind {
     gust_s: f32,
     turbulence: f32,
     eddy_m: f32,
-    // At the end of the frame.
+    // Time at the end of the frame.
     time_s: f32,
 }
 
-// Much as the sine of so many turns, but of whole numbers of operations: the same on every machine.
+// Returns an approximate sine of `turns` revolutions. Only exactly reproducible operations are used, so the result is
+// the same on every machine.
 fn wave(turns: f32) -> f32 {
     let part = turns - floor(turns + 0.5);
     return 8.0 * part * (1.0 - 2.0 * abs(part));

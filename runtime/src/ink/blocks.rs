@@ -1,4 +1,4 @@
-//! The constants that the ink passes read.
+//! Uniform blocks of the ink passes.
 
 use crate::bounds::Hull;
 use crate::model::ModelInk;
@@ -7,7 +7,7 @@ use crate::shared::srgb::encoded;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Mat4};
 
-/// The constants of a frame, as the shaders read them.
+/// Uniform block of a frame, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct InkFrame {
@@ -32,7 +32,7 @@ pub(crate) struct InkFrame {
     pub(crate) far_depth: f32,
 }
 
-/// The constants of an instance, as the shaders read them.
+/// Uniform block of an instance, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct InkModel {
@@ -116,14 +116,15 @@ impl InkModel {
     }
 }
 
-/// How many pixels high a metre is at clip w 1.
+/// Returns the height of 1 m at clip w 1, pixels.
 fn px_per_unit(clip_from_view: Mat4, viewport: [u32; 2]) -> f32 {
     clip_from_view.y_axis.y.abs() * 0.5 * viewport[1] as f32
 }
 
-/// The part of the target that a frame's lines can reach: left, top, width and height, pixels. Passes over the picture leave out the rest.
+/// Returns the rectangle of the target that lines can reach: left, top, width and height, pixels. Screen passes skip
+/// the rest.
 pub(crate) fn painted_rect(hull: &Hull, clip_from_world: Mat4, params: &InkParams, viewport: [u32; 2]) -> [u32; 4] {
-    // Lines reach beyond their features, and those are found beside what is drawn.
+    // Lines extend beyond their features, and features lie beside the drawn geometry.
     let margin = (params.reach_px(viewport[1]) + params.step_px + 1) as f32;
     let [left, top, right, bottom] = hull.on_screen(clip_from_world, viewport, margin);
     [left, top, right - left, bottom - top]

@@ -1,24 +1,26 @@
-// The forms that pelage draws lines with. A study of what Fang 2006 prints puts another file in the place of this one.
+// Line functions as pelage draws them. A study of Fang 2006 as printed replaces this file.
 
-// Lines are no wider than the template.
+// Lines are at most as wide as the template.
 const TEMPLATE: bool = true;
-// Lines run a little into the paper, as wash does.
+// Lines bleed slightly into the paper, like wash.
 const SOFT: bool = true;
-// Features are followed, and those that no line goes through are left out.
+// Features are traced, and those that are not on a line are dropped.
 const FOLLOWED: bool = true;
 
-// Strength of a feature; `dots`: of the pixel's normal with those of its neighbours.
+// Returns the strength of a feature. `dots`: dot products of the pixel's normal with its neighbours' normals.
 fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
     return strength;
 }
 
-// How far the line of a feature reaches: a weak one leaves the pixels beside it to its stronger neighbours. `w`: half of the line's width.
-// With the square root, by which bands are drawn, two outlines and a fold that meet in a corner would run together.
+// Returns the reach of a feature's line: a weak feature leaves pixels beside it to stronger neighbours. `w`: half of
+// the line's width. With the square root, which is used for bands, two outlines and a fold that meet in a corner would
+// merge.
 fn form_of_reach(w: f32, strength: f32) -> f32 {
     return w * sqrt(sqrt(strength));
 }
 
-// Least for the feature whose line reaches farthest, at 0 or below where it reaches a pixel: `d` away, which its line does by `w`.
+// Returns the cost of a feature at offset `d` whose line reaches `w`. The line that reaches farthest has the lowest
+// cost; it is at most 0 if the line covers the pixel.
 fn line_cost(d: vec2<f32>, w: f32) -> f32 {
     return dot(d, d) - w * w;
 }
@@ -27,7 +29,7 @@ fn line_distance(d: vec2<f32>) -> f32 {
     return length(d);
 }
 
-// Opacity and grey of a line.
+// Returns opacity and grey of a line.
 fn form_of_line(
     brushed: vec2<f32>,
     even_grey: f32,

@@ -1,4 +1,4 @@
-//! The ink-wash style (Fang 2006): the constants that its shaders read. What they share stands in this folder.
+//! Ink-wash style (Fang 2006): uniform blocks, and the WGSL that the ink passes share.
 
 mod blocks;
 

@@ -1,32 +1,32 @@
-// What the ink passes over a model's surface share: its constants and textures.
+// Uniform block and textures shared by the ink passes that draw a model's surface.
 
 struct InkModel {
-    // Right of the picture.
+    // Right vector of the view.
     right_ws: vec3<f32>,
     wash_speed: f32,
-    // Up of the picture.
+    // Up vector of the view.
     up_ws: vec3<f32>,
     wash_range: f32,
-    // Periods of the wash's tile per unit of the stored mesh.
+    // Periods of the wash tile per unit of the stored mesh.
     periods: f32,
-    // 1 where the wash follows the angle alone.
+    // 1 if the wash depends on the angle alone.
     normalised: f32,
-    // Shares: of the wash's tile, of the base colour's darkness, of strokes of fur.
+    // Weights of the wash tile, of the base colour's darkness, and of fur strokes.
     grain: f32,
     tone: f32,
     fur: f32,
-    // Factor on the width of lines, and how unevenly the hand presses.
+    // Factor on line width, and variation of brush pressure.
     line: f32,
     pressure: f32,
-    // Factor on the rim of the sphere map.
+    // Factor on the breadth of the sphere map's rim.
     swell: f32,
-    // sRGB-encoded.
+    // Ink colour, sRGB-encoded.
     ink: vec3<f32>,
     // Period of the paper, pixels.
     paper_period: f32,
-    // Width of a stroke of fur, pixels.
+    // Width of a fur stroke, pixels.
     stroke_px: f32,
-    // Pixels of a metre at clip w 1.
+    // Pixels per metre at clip w 1.
     px_per_unit: f32,
     reserved1: f32,
     reserved2: f32,
@@ -40,11 +40,12 @@ struct InkModel {
 @group(2) @binding(5) var tile_sampler: sampler;
 @group(2) @binding(6) var clamp_sampler: sampler;
 
-// Width of a stroke in the texture, tiles.
+// Width of a stroke in the texture, in tiles.
 const STROKE_TILES: f32 = 0.022;
 
-// Strokes of fur, never thinner on screen than a brush: the texture is spread over twice, four times as many tiles as it gets small, each time
-// with the next mixed in, so that strokes neither blur into grey nor jump. along: the axes that are spread.
+// Samples fur strokes that never get thinner on screen than a brush. As fur gets small, the texture is scaled up by 2,
+// 4 and so on. Adjacent scales are blended, so that strokes neither blur into grey nor jump. along: axes that are
+// scaled.
 fn fur_strokes_at(uv: vec2<f32>, along: vec2<f32>, layer: u32) -> vec4<f32> {
     let dx = dpdx(uv) * along;
     let dy = dpdy(uv) * along;

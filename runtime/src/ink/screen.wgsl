@@ -1,46 +1,46 @@
-// What the passes over the whole picture share: the frame's constants, and a triangle that covers the target.
+// Uniform block of a frame and full-screen triangle, shared by the screen passes.
 
 struct InkFrame {
-    // sRGB-encoded: as ink and paper are mixed.
+    // Ink colour, sRGB-encoded, because ink and paper are mixed in that encoding.
     ink: vec3<f32>,
-    // Of lines: how much the relief of the paper moves their edge, pixels.
+    // Displacement of line edges by the paper's relief, pixels.
     roughness: f32,
     paper: vec3<f32>,
-    // Share of the paper's relief and tone.
+    // Weight of the paper's relief and tone.
     paper_grain: f32,
-    // Target, pixels.
+    // Size of the target, pixels.
     size: vec2<f32>,
-    // T1 and T2.
+    // Thresholds T1 and T2.
     t1: f32,
     t2: f32,
-    // Distance of the neighbours that a normal is compared with, pixels.
+    // Distance to the neighbours whose normals are compared, pixels.
     step: i32,
-    // Farthest that a line reaches from its feature, whole pixels.
+    // Largest distance of a line's pixels from its feature, whole pixels.
     reach: i32,
-    // Half of the widest line, pixels; or metres times the pixels that a metre has at clip w 1.
+    // Half width of the widest line: a constant part, pixels; and a part in metres, times pixels per metre at clip w 1.
     half_width: f32,
     half_width_scaled: f32,
-    // k and levelColor of D.
+    // k and levelColor of the line grey D.
     tone: f32,
     lightness: f32,
-    // How much lines run dry.
+    // Dryness of lines.
     dryness: f32,
     // Period of the paper, pixels.
     paper_period: f32,
-    // Clip w where mist begins, and where only it is left.
+    // Clip w where mist begins, and where only mist is visible.
     mist_from: f32,
     mist_to: f32,
-    // Relative step of 1 / clip w between neighbours that is a feature; 0 for none.
+    // Smallest relative step of 1 / clip w between neighbours that makes a feature; 0 for none.
     depth_step: f32,
-    // Depth where nothing is.
+    // Depth of the background.
     far_depth: f32,
 }
 
 @group(0) @binding(0) var<uniform> ink: InkFrame;
 
-// Halves of lines that the feature texture can hold, pixels.
+// Largest half width of a line that the feature texture can hold, pixels.
 const WIDEST_HALF: f32 = 16.0;
-// Strength of lines with the body on both sides, unless one side is farther.
+// Strength of lines with the body on both sides, unless a depth step raises it.
 const FOLD: f32 = 0.5;
 
 @vertex
@@ -53,7 +53,8 @@ fn inside(p: vec2<i32>) -> vec2<i32> {
     return clamp(p, vec2(0), vec2<i32>(ink.size) - 1);
 }
 
-// Weight of what is that many pixels away along a row or column: 1 for none, 0 out of reach. All of them together are reach + 1.
+// Returns the weight of a pixel at a distance along a row or column: 1 at distance 0, 0 out of reach. All weights add
+// up to reach + 1.
 fn nearness(distance: f32) -> f32 {
     return 1.0 - abs(distance) / f32(ink.reach + 1);
 }

@@ -1,19 +1,25 @@
-//! The application's own geometry among the shadows.
+//! Geometry of the application that casts and receives shadows.
 
 use super::view::LightView;
 use crate::bounds::Sphere;
 
-/// The application's own geometry among the shadows: it throws shadows on the fur, and the fur on it. Give it to
+/// Geometry of the application that casts shadows on the fur and receives the fur's shadows. Pass it to
 /// [`crate::Renderer::prepare_with`] in every frame.
 ///
-/// What only receives, such as a ground, belongs to it as well: the maps must know where a shadow falls. The application's own shader
-/// then reads them with [`crate::shared::receiver`]. `cargo run --example shadows_on_your_ground` shows all of it.
+/// Include geometry that only receives, such as a ground: the maps must store where a shadow falls. The application's
+/// own shader then reads them with [`crate::shared::receiver`]. `cargo run --example shadows_on_your_ground` shows all
+/// of it.
 ///
-/// `draw` records the geometry into a pass of depth alone, with pipelines of the application's own, one for each [`CasterPass`]:
-/// depth format [`crate::ShadowMaps::DEPTH_FORMAT`], depth written, [`CasterPass::compare`], [`CasterPass::cull_mode`] with
-/// counter-clockwise fronts, one sample, no colour target, and positions put through [`LightView::clip_from_world`]. It is called
-/// while the frame is prepared, once for each of the maps that are drawn anew, and not at all where they are kept. Keep the matrix
-/// in a buffer made there: one that is written for several frames of one submission would hold the last of them for all.
+/// `draw` records the geometry into a depth-only pass, with one pipeline of the application for each [`CasterPass`]:
+///
+/// * depth format [`crate::ShadowMaps::DEPTH_FORMAT`], depth written, compared by [`CasterPass::compare`]
+/// * [`CasterPass::cull_mode`] with counter-clockwise fronts
+/// * one sample, no colour target
+/// * positions transformed by [`LightView::clip_from_world`]
+///
+/// It is called while the frame is prepared: once for each map that is redrawn, and not at all if the maps are kept.
+/// Store the matrix in a buffer created there. A buffer written for several frames of one submission would hold the
+/// last matrix for all of them.
 ///
 /// ```no_run
 /// # use pelage_runtime::{wgpu, *};
@@ -30,13 +36,15 @@ use crate::bounds::Sphere;
 /// # Ok(()) }
 /// ```
 pub struct Casters<'a> {
-    /// What the maps must cover besides the furry things: whatever throws a shadow or receives one. What lies beyond throws none
-    /// and is lit. Keep them to the fur's surroundings: the larger they are, the larger the maps' texels, and things nearer to what
-    /// they shade than a thousandth of the bounds throw no shadow on it. `None` adds nothing.
+    /// Bounds that the maps must cover besides the furry instances: all objects that cast or receive a shadow. Objects
+    /// outside cast no shadow and are lit. `None` adds nothing.
+    ///
+    /// Keep the bounds close around the fur: larger bounds mean larger texels. Objects nearer to the surface they shade
+    /// than a thousandth of the bounds cast no shadow on it.
     pub bounds: Option<Sphere>,
-    /// A number that is another whenever the geometry is; the maps are kept while it stays the same.
+    /// Revision; change it whenever the geometry changes. The maps are kept while it stays the same.
     pub revision: u64,
-    /// Records the draws, as said above.
+    /// Callback that records the draws, as described above.
     pub draw: &'a mut dyn FnMut(&mut wgpu::RenderPass<'_>, &LightView, CasterPass),
 }
 
@@ -50,7 +58,7 @@ impl std::fmt::Debug for Casters<'_> {
 }
 
 impl<'a> Casters<'a> {
-    /// The same for a shorter time.
+    /// Reborrows the casters for a shorter lifetime.
     pub(crate) fn for_frame<'f>(self) -> Casters<'f>
     where
         'a: 'f,
@@ -59,17 +67,17 @@ impl<'a> Casters<'a> {
     }
 }
 
-/// The two depth maps that casters are drawn into. Both get the same geometry.
+/// The two depth maps that casters are drawn into, both with the same geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CasterPass {
-    /// What the light reaches first: it throws the shadows.
+    /// Surface nearest to the light; it casts the shadows.
     Nearest,
-    /// The farthest surface that faces the light: it receives them. Drawn only for soft shadows.
+    /// Farthest surface that faces the light; it receives shadows. Drawn only for soft shadows.
     Farthest,
 }
 
 impl CasterPass {
-    /// Depth comparison of the pipeline, which writes depth.
+    /// Returns the depth comparison of the pipeline, which writes depth.
     pub fn compare(self) -> wgpu::CompareFunction {
         match self {
             Self::Nearest => wgpu::CompareFunction::LessEqual,
@@ -77,7 +85,8 @@ impl CasterPass {
         }
     }
 
-    /// Which faces of closed things to leave out. Sheets that are seen from both sides leave out none, and receive on both.
+    /// Returns the faces of closed objects to cull. Sheets visible from both sides cull nothing, and receive on both
+    /// sides.
     pub fn cull_mode(self) -> Option<wgpu::Face> {
         match self {
             Self::Nearest => None,
@@ -85,7 +94,7 @@ impl CasterPass {
         }
     }
 
-    /// What depth is cleared to.
+    /// Returns the clear value of the depth.
     pub(crate) fn clear(self) -> f32 {
         match self {
             Self::Nearest => 1.0,

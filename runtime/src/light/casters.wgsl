@@ -1,4 +1,4 @@
-// The opaque skin as the key light sees it: depth alone.
+// Depth-only pass of the opaque mesh surface as seen from the key light.
 
 struct CasterVarying {
     @invariant @builtin(position) position: vec4<f32>,
@@ -11,7 +11,7 @@ fn vs_caster(v: Vertex) -> CasterVarying {
     return CasterVarying(frame.clip_from_world * vec4(position_ws(v), 1.0), v.color * material.base_color, v.base_uv);
 }
 
-// Of parts with holes.
+// Fragment shader for parts with holes.
 @fragment
 fn fs_caster(in: CasterVarying) {
     if is_cut(base_color(in.tint, in.base_uv).a) {

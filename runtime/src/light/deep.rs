@@ -1,4 +1,5 @@
-//! The deep opacity map of strands: how much hair lies before each point in the key light, counted from the first hair of each texel.
+//! Deep opacity map of strands: the amount of hair before each point in the key light, counted from the first hair of
+//! each texel.
 
 use super::view::LightView;
 use crate::bounds::Hull;
@@ -6,31 +7,32 @@ use crate::gpu::{Gpu, largest_buffer};
 use crate::params::FrameParams;
 use crate::study;
 
-/// Which map strands need.
+/// Settings of a deep opacity map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DeepKey {
-    /// Texels of a side.
+    /// Texels along each edge.
     pub(crate) size: u32,
-    /// Slabs of a texel.
+    /// Number of slabs per texel.
     pub(crate) slabs: u32,
-    /// How deep the slabs of a texel reach together, metres.
+    /// Total depth of the slabs of a texel, metres.
     pub(crate) reach_m: f32,
-    /// Some of the hair follows guides: what of it lies before each texel is kept besides.
+    /// Some of the hair is guided; its opacity before each texel is stored separately.
     pub(crate) guided: bool,
-    /// Depth at which they begin, where it is not that of the texel's first hair.
+    /// Depth at which the slabs begin, if not at the texel's first hair.
     pub(crate) whole_from: f32,
 }
 
-/// How far behind the first hair the slabs reach, heights of the highest fur.
+/// Depth of the slabs behind the first hair, in heights of the highest fur.
 const REACH: f32 = 2.0;
 
-/// Least width of a texel over that of a strand: in finer ones a strand hides all of some and nothing of others, and too much light comes past.
+/// Minimum width of a texel relative to that of a strand. In finer texels a strand covers some completely and others
+/// not at all, and too much light passes.
 const TEXEL_WIDTHS: f32 = 1.25;
 
-/// Smallest map, texels of a side.
+/// Size of the smallest map, texels along each edge.
 const LEAST_SIZE: u32 = 16;
 
-/// The hair that a map is for: the highest, and the widest strands.
+/// Properties of the hair in a map: greatest height and greatest strand width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DeepHair {
     pub(crate) fur_m: f32,
@@ -39,7 +41,7 @@ pub(crate) struct DeepHair {
 }
 
 impl DeepHair {
-    /// What suits both.
+    /// Returns the settings that suit both.
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
             fur_m: self.fur_m.max(other.fur_m),
@@ -50,8 +52,8 @@ impl DeepHair {
 }
 
 impl DeepKey {
-    /// Of a map as `params` ask for, with texels twice as wide as often as strands or the buffers of the device ask for. `hull`: of all that throws a
-    /// shadow.
+    /// Returns the settings of a map for `params`. The texel size is doubled until it suits the strands and the
+    /// device's buffer limits. `hull`: bounds of all objects that cast a shadow.
     pub(crate) fn new(
         params: &FrameParams,
         hair: DeepHair,
@@ -62,7 +64,8 @@ impl DeepKey {
         let wanted = params.shadows.slabs;
         let (slabs, reach_m, whole_from) = if study::opacity_spans_all(params) {
             let (from, to) = depths(hull, view);
-            // Between so many planes lies one slab less; as printed, planes are that much nearer to each other.
+            // N planes have one slab fewer between them. In the printed form, the planes are that much closer to each
+            // other.
             let slabs = wanted.saturating_sub(1).max(1);
             let share = if study::spacing_is_printed(params) { slabs as f32 / (slabs + 1) as f32 } else { 1.0 };
             (slabs, (to - from) * view.range_m * share, from)
@@ -80,7 +83,7 @@ impl DeepKey {
     }
 }
 
-/// Depths in the maps between which a hull lies.
+/// Returns the range of map depths that a hull spans.
 fn depths(hull: &Hull, view: &LightView) -> (f32, f32) {
     let row = view.map_from_world.row(2);
     let ends = hull.0.iter().map(|(point, margin)| {
@@ -91,12 +94,12 @@ fn depths(hull: &Hull, view: &LightView) -> (f32, f32) {
     if from < to { (from.max(0.0), to.min(1.0)) } else { (0.0, 1.0) }
 }
 
-/// Bytes of a map of so many texels a side.
+/// Returns the size in bytes of a map with `size` texels along each edge.
 fn bytes(size: u32, slabs: u32) -> u64 {
     4 * u64::from(size) * u64::from(size) * u64::from(2 + slabs)
 }
 
-/// A map that holds nothing yet.
+/// Creates an empty map.
 pub(super) fn make(gpu: &Gpu, key: &DeepKey) -> wgpu::Buffer {
     use wgpu::BufferUsages as Usage;
     let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
@@ -135,7 +138,7 @@ mod tests {
         assert_eq!((size(2048, 0.0), size(8192, 0.0), size(100, 0.0)), (2048, 2048, 100));
         let slabs = |slabs, map_size| key(&frame(map_size).with(|p| p.shadows.slabs = slabs), 0.0);
         assert_eq!((slabs(4, 512).reach_m, slabs(16, 512).reach_m, slabs(16, 512).slabs), (0.02, 0.02, 16));
-        // 128 MiB hold 17 numbers of 1024² texels, and not those of 2048².
+        // 128 MiB hold 18 numbers for each of 1024² texels, but not for 2048².
         assert_eq!((slabs(16, 1024).size, slabs(16, 2048).size), (1024, 1024));
         let both = DeepHair { fur_m: 1.0, width_m: 0.1, guided: false }.and(DeepHair {
             fur_m: 2.0,
@@ -145,7 +148,8 @@ mod tests {
         assert_eq!(both, DeepHair { fur_m: 2.0, width_m: 0.1, guided: true });
     }
 
-    /// 16 planes over a ball of 1 m: the first where it begins, the last where it ends, and as printed a sixteenth of it before that.
+    /// Checks 16 planes over a sphere of 1 m diameter: from its near end to its far end, or in the printed form to a
+    /// sixteenth before that.
     #[cfg(feature = "study")]
     #[test]
     fn planes_span_the_hair() {

@@ -1,22 +1,23 @@
-// Where the slabs of strands' shadows lie, and where their light is looked up. A study of what the papers print puts another file in the place of
-// this one.
+// Placement of the slabs for strand shadows, and offset of the light lookup. A study of the printed forms replaces this
+// file by another.
 
-// Depth at which the slabs of a texel begin: at its first hair. `whole`: where all hair begins.
+// Returns the depth at which the slabs of a texel begin: its first hair. `whole`: depth at which all hair begins.
 fn slabs_begin(first: f32, whole: f32) -> f32 {
     return first;
 }
 
-// Whether hair so many slabs behind that is kept.
+// Whether hair `behind` slabs after the first hair is stored.
 fn is_kept(behind: f32, slabs: u32) -> bool {
     return true;
 }
 
-// Share of the hair before a place so many slabs behind that, which shadows it.
+// Returns the share of the hair before a point `behind` slabs after the first hair that shadows the point.
 fn shadowing(behind: f32, slabs: u32) -> f32 {
     return 1.0;
 }
 
-// How many radii of the strand towards the eye its light is looked up: half of a strand's light never comes through it.
+// Returns the offset of the light lookup towards the eye, in strand radii. Half of a strand's light never passes
+// through the strand itself.
 fn radii_towards_eye() -> f32 {
     return 1.0;
 }

@@ -1,27 +1,28 @@
-// Light from all around: what of it comes from above the skin's horizon is taken for one light that is spread about the mean of its directions.
+// Light from an environment map: the light from above the surface's horizon is treated as one light, spread about its
+// mean direction.
 
 @group(0) @binding(6) var environment_map: texture_2d_array<f32>;
 @group(0) @binding(7) var broad_tables: texture_2d_array<f32>;
 
-// There is an environment.
+// The frame has an environment map.
 override ENVIRONMENT: bool = false;
-// The first of the tables that are of this package's fibres.
+// Index of the first broad-light table for this package's fibres.
 override BROAD_FIRST: u32 = 0u;
-// The key light is black, and only where it would shine from is looked at.
+// The key light is black; only its direction is used.
 override DARK_KEY: bool = false;
 
-// Texels of the tables of broad light: over mean cosine, angle to the eye, angle of the light, azimuth.
+// Size of the broad-light tables in texels: mean cosine, angle to the eye, angle of the light, azimuth.
 const BROAD_MEANS: f32 = 8.0;
 const BROAD_TO: f32 = 24.0;
 const BROAD_FROM: f32 = 24.0;
 const BROAD_PHI: f32 = 16.0;
 
 struct Around {
-    // All that comes from above the horizon.
+    // Total light from above the horizon.
     whole: vec3<f32>,
-    // Irradiance over pi.
+    // Irradiance divided by pi.
     irradiance: vec3<f32>,
-    // Mean of the directions that it comes from, in the tile frame: the shorter, the wider it is spread.
+    // Mean direction of the light in the tile frame; the shorter, the wider the light is spread.
     towards: vec3<f32>,
 }
 
@@ -29,7 +30,7 @@ fn environment_texel(place: vec2<f32>, layer: u32) -> vec3<f32> {
     return textureSampleLevel(environment_map, map_sampler, place, layer, 0.0).rgb;
 }
 
-// What comes to a spot of a body of that colour.
+// Returns the environment light at a spot of a body with that colour.
 fn around_at(spot: Spot, color: vec3<f32>) -> Around {
     let tile = tile_of(spot);
     let share = clamp(length(spot.open), 0.02, 1.0 / USUALLY_OPEN);
@@ -37,34 +38,36 @@ fn around_at(spot: Spot, color: vec3<f32>) -> Around {
     let facing = tile.tangent_ws * open.x + tile.bitangent_ws * open.y + tile.normal_ws * open.z;
     let place = environment_place(facing);
     var towards = to_tile(tile, environment_texel(place, 1u));
-    // Where less is open, light is spread less.
+    // The smaller the open share, the less the light is spread.
     let long = max(length(towards), 1e-6);
     towards *= max(1.0 - share * (1.0 - long), 0.05) / long;
-    // None of it comes from below.
+    // No light comes from below.
     towards.z = max(towards.z, 0.05);
     let hidden = max(1.0 - share, 0.0);
     let whole = environment_texel(place, 0u) * left_open(color, hidden) * max(share, 1.0);
-    // Skin has no light from below its horizon, and a body hides what is low first, of which skin gets least: of a cone that is open, the share of the square of its sine.
+    // The surface receives no light from below its horizon. A body occludes low directions first, which contribute
+    // least: an open cone contributes the square of its sine.
     let below = max(1.0 - 2.0 * USUALLY_OPEN * share, 0.0);
     let irradiance = environment_texel(place, 2u) * left_open(color, below * below);
     return Around(whole, irradiance, towards);
 }
 
-// Where the map has what is above a skin that faces a way.
+// Returns the coordinates in the environment map for a surface that faces `facing`.
 fn environment_place(facing: vec3<f32>) -> vec2<f32> {
     let size = f32(textureDimensions(environment_map).x);
     return ((0.5 + 0.5 * octahedral(facing)) * (size - 1.0) + 0.5) / size;
 }
 
-// Height over the skin by which light at that height is kept from hair that the share `open` of other light reaches, where the skin curves away below its way: the way
-// through the hair is as long as under a light so high over a plain. With d the depth of the hair and R the radius of the body the way is R (sqrt(z^2 + 2 d / R) - z).
+// Returns the effective height (sine) of light above the surface, for hair that the share `open` of ambient light
+// reaches. The surface curves away below the light's path. The path through the hair is as long as under light of the
+// returned height over a plane. With hair depth d and body radius R the path is R (sqrt(z^2 + 2 d / R) - z).
 fn over_curve(height: f32, open: f32) -> f32 {
     let dip = material.rim * open;
     return 0.5 * (height + sqrt(height * height + dip * dip));
 }
 
-// Share of light that other strands let through, which comes from directions of that mean. They let through a share that is linear in the direction, so that of the mean
-// is the mean of the shares.
+// Returns the share of light with that mean direction that other strands let through. The share is linear in the
+// direction, so that of the mean direction is the mean of the shares.
 fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
     if !BAKED_SHADOW {
         return 1.0;
@@ -79,18 +82,19 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
     return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));
 }
 
-// Mean of the directions from which light comes that one lobe of a fibre sends to the eye, in the tile frame. The lobe has that variance along the fibre, and around it it
-// is as narrow about the eye as a von Mises distribution of that concentration; below 0, about the other side.
+// Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame. `variance`:
+// variance of the lobe along the fibre. `about_eye`: concentration of a von Mises distribution around the fibre, about
+// the eye; if negative, about the opposite side.
 fn lit_from(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, concentration: f32, variance: f32, about_eye: f32) -> vec3<f32> {
     let sin_j = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
-    // Along the fibre lobe and light are nearly Gaussians, and so is their product.
+    // Along the fibre, lobe and light are nearly Gaussian, and so is their product.
     let theta = (asin(sin_j) * concentration * variance - asin(sin_o)) / (1.0 + concentration * variance);
     let sine = sin(theta);
     let cosine = cos(theta);
     let cos_j = sqrt(1.0 - sin_j * sin_j);
     let across = max(cosine * cos_j, 1e-4);
-    // Light ends where it would come from far below its horizon.
+    // No light comes from far below its horizon.
     let end = max(acos(clamp(-(sine * sin_j + BELOW) / across, -1.0, 1.0)), 1e-2);
     let ahead = max(sin(end) / end, mean_cosine_around(concentration * across));
     let narrow = ahead * (2.0 - ahead * ahead) / max(1.0 - ahead * ahead, 1e-3);
@@ -99,7 +103,8 @@ fn lit_from(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, concentration: f32
     return sine * tip + cosine * (mean_cosine_around(both) / max(both, 1e-4)) * aside;
 }
 
-// A texel of the tables of broad light between its neighbours: R, TT, all that was reflected within, and how far TT goes within the fibre.
+// Reads the broad-light tables, interpolated between texels: R, TT, all internal reflections, and the path of TT within
+// the fibre.
 fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     let size = vec2(BROAD_MEANS * BROAD_FROM, BROAD_TO * BROAD_PHI);
     let within = vec2(asin(sin_i) / PI + 0.5, phi) * vec2(BROAD_FROM - 1.0, BROAD_PHI - 1.0) + 0.5;
@@ -118,17 +123,18 @@ fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     return mix(mix(a, b, share.x), mix(c, d, share.x), share.y);
 }
 
-// How narrow R and TRT are about the eye, around the fibre, and TT about the other side.
+// Concentration around the fibre: of R and TRT about the eye, and of TT about the opposite side.
 const REFLECTED_ABOUT: f32 = 0.7;
 const THROUGH_ABOUT: f32 = -3.0;
 
-// How far R, TT, TRT and the rest lean towards the eye around the fibre: mean cosines.
+// Mean cosines towards the eye around the fibre, for R, TT, TRT and the rest.
 const LEANS_TO_EYE: vec4<f32> = vec4(0.33, -0.85, 0.33, 0.0);
 
-// What a fibre sends to the eye of light that comes from the half above the skin, and from the half below, each as much from all its directions. What goes to the eye along
-// a fibre has come the other way along it, which is from below where hair stands up. All in the tile frame.
+// Returns the light that a fibre sends to the eye from uniform light of the half-space above the surface, and of the
+// one below. Light that leaves along a fibre arrived along it from the other end, which is below for upright hair. All
+// in the tile frame.
 fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
-    // Light falls from z and from above as much as light from below falls from -z, if it is linear in z.
+    // Share from above for a directional density linear in z: 1/2 + 3/4 of the mean z.
     let risen = -sin_o * tip.z + LEANS_TO_EYE * (eye.z - sin_o * tip.z);
     let above = clamp(0.5 + 0.75 * risen, vec4(0.0), vec4(1.0));
     let shares = fibre_shares(fibre, sqrt(max(1.0 - sin_o * sin_o, 0.0)));
@@ -141,14 +147,15 @@ fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left
     );
 }
 
-// What a fibre of that colour, over others that are `deeper` in colour, sends to the eye of such light, of which the share `direct` comes past other fibres. All in the tile frame.
+// Returns the light that a fibre of that colour sends to the eye from environment light. `deeper`: colour of the hair
+// below it; `direct`: share of the light that passes other fibres. All in the tile frame.
 fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: vec3<f32>, deeper: vec3<f32>, direct: f32, baked: Baked) -> vec3<f32> {
     let number = fibre_number();
     let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let long = length(around.towards);
     let light = around.towards / long;
-    // Nothing is wider than even light; two lights from opposite sides are taken for that.
+    // Uniform light is the widest distribution; two lights from opposite sides are treated as uniform.
     let mean = clamp(long, LEAST_MEAN, 1.0);
     let sin_j = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
@@ -156,7 +163,7 @@ fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: v
     let across = sqrt(1.0 - sin_j * sin_j) * cos_o;
     let cos_phi = clamp((dot(light, eye) - sin_j * sin_o) / max(across, 1e-6), -1.0, 1.0);
     let phi = acos(cos_phi) / PI;
-    // Of the light's angle and of the difference angle on average.
+    // Mean cosines of the light's angle and of the difference angle.
     let cos_i = sqrt(max(1.0 - mean_square(mean, sin_j), 0.0));
     let cos_d = sqrt(clamp(0.5 * (1.0 + cos_i * cos_o + mean * sin_j * sin_o), 0.0, 1.0));
     let absorbed = fibre_absorption(color, optics.y);
@@ -166,7 +173,7 @@ fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: v
     let first_back = fibres[number].back[0];
     let often = (first_on.w + first_back.w) / max(first_on.z + first_back.z + first_on.w + first_back.w, 1e-6);
     let within = left * left * texel.z * (1.0 - often + often * left);
-    // Of each lobe what comes from where it looks to.
+    // Visibility per lobe, for the directions that the lobe collects light from.
     var visible = vec3(direct);
     if BAKED_SHADOW && !HANGS {
         let concentration = 1.0 / max(broad_variance(mean), 1e-2);
@@ -177,19 +184,20 @@ fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: v
     var sent = around.whole * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
     if MULTIPLE {
         let reaches = dot(texel.xyz, visible) / max(texel.x + texel.y + texel.z, 1e-6);
-        // Light that went from hair to hair went through those below.
+        // Multiply scattered light passed through the hair below.
         let sides = fibre_sides(fibres[number], cos_i, fibre_left(cos_d, optics, fibre_absorption(deeper, optics.y)));
         var met = sides;
         if HANGS {
             met = hanging_sides(sides);
         }
         let d = diffused(met[0], met[1], direct);
-        // What does not come to the eye from where its lobes look, others scatter: as much of it as a deep coat gives back.
+        // Light that does not arrive from the directions of the lobes is scattered by other strands, with the
+        // reflectance of deep fur.
         let sent_on = d.sent_on + max(direct - reaches, 0.0) * d.from_below;
         let halves = sent_of_halves(fibres[number], tip, eye, sin_o, left);
         let to_here = halves[0];
         let to_there = halves[1];
-        // falls_in over the sine, which irradiance holds already.
+        // falls_in divided by the sine, which the irradiance already includes.
         let root = 2.0 * d.root_lost;
         let falls = (1.0 + root) / (1.0 + around.towards.z * root);
         let spread = d.from_light * to_here + d.from_below * to_there;
@@ -198,7 +206,8 @@ fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: v
     return sent;
 }
 
-// The terms of eq. (1) under such light: sines are means over its directions, and the highlight is as much wider.
+// Returns the terms of eq. (1) for environment light. Sines are means over its directions, and the highlight is widened
+// accordingly.
 fn fibre_around(direction: vec3<f32>, towards: vec3<f32>, eye: vec3<f32>, wetness: f32) -> vec2<f32> {
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let long = length(towards);
@@ -218,7 +227,7 @@ fn fibre_around(direction: vec3<f32>, towards: vec3<f32>, eye: vec3<f32>, wetnes
     return vec2(diffuse, dry_or_wet.x * sqrt(wider) * lobe);
 }
 
-// Share of light from all sides that comes past other strands to hair that hangs, where it is seen.
+// Share of ambient light that passes other strands to hanging hair, at visible points.
 const SEEN_HANGING: f32 = 0.2;
 
 fn environment_on_hair(p: HairPoint) -> vec3<f32> {
@@ -227,14 +236,14 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     let eye = to_tile(tile_of(p.spot), direction_to(frame.eye_ws, p.spot.position_ws));
     var direct = visible_past_strands_around(p.baked, around.towards);
     if (HANGS && DEEP_SHADOW) || (!BAKED_SHADOW && (DEEP_SHADOW || SELF_SHADOW)) {
-        // How deep a point lies in such hair is known from the key light's side alone. Light that is spread goes through it at a slant: on average over a half, 1.66 times as
-        // far (the diffusivity factor of a layer).
+        // The depth of a point in such hair is known only towards the key light. Spread light crosses the hair at a
+        // slant: over a half-space, 1.66 times as far on average (the diffusivity factor of a layer).
         let long = length(around.towards);
         let spread = (1.0 - clamp(long, LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
         direct = pow(p.arriving.visible, 1.0 + 0.66 * spread);
         if HANGS {
             direct *= p.arriving.past;
-            // From other sides it lies about as deep as hair does that is seen.
+            // From other sides, the depth is about that of visible hair.
             let facing = clamp(dot(p.spot.open, p.arriving.light_ts), 0.0, 1.0);
             direct = mix(direct, SEEN_HANGING, spread * (1.0 - facing));
         }
@@ -247,20 +256,20 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     return lit * around.whole * (direct / PI);
 }
 
-// On the mat of an undercoat of that colour.
+// Returns the environment light on the mat of an undercoat with that colour.
 fn environment_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
     let around = around_at(p.spot, color);
     let direct = visible_past_strands_around(p.baked, around.towards);
     return around.irradiance * reaches_mat(1.0, color, direct);
 }
 
-// On bare skin, by Lambert's law. side: -1 for the back of a double-sided part.
+// Returns the environment light on bare surface, by Lambert's law. side: -1 for the back of a double-sided part.
 fn environment_on_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
     if !ENVIRONMENT {
         return vec3(0.0);
     }
     if side < 0.0 {
-        // What a body leaves open is known of its outside alone.
+        // The openness of a body is known only for its outside.
         let normal = normalize_or(-spot.normal_ws, vec3(0.0, 1.0, 0.0));
         return color * instance.diffuse_constant * environment_texel(environment_place(normal), 2u);
     }

@@ -1,18 +1,18 @@
-// The optics of one hair: Kajiya-Kay, Yang 2006, eq. (1).
+// Optics of a single hair: Kajiya-Kay, Yang 2006, eq. (1).
 
-// pd is 2: the power of sin^2 is itself.
+// pd is 2, so sin^2 needs no power.
 override SQUARED_DIFFUSE: bool = false;
 // ks is not zero.
 override SPECULAR: bool = false;
 
-// The light's direction mirrored at H: the eye's. Between vertices that look different ways H is short, and taken for one of length 1 it would put
-// the eye opposite the light.
+// Returns the eye direction, which is the light's direction mirrored at H. Interpolated between vertices with different
+// directions, H is short; if treated as unit length, it would place the eye opposite the light.
 fn mirrored(light: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
     let eye = 2.0 * dot(half, light) / max(dot(half, half), 1e-12) * half - light;
     return eye * inverseSqrt(max(dot(eye, eye), 1e-30));
 }
 
-// Strength of the highlight over that of dry hair, and ps / 2.
+// Returns the strength of the highlight relative to dry hair, and ps / 2.
 fn highlight(wetness: f32) -> vec2<f32> {
     var lobe = vec2(1.0, instance.specular_half_exponent);
     if WET {
@@ -21,8 +21,9 @@ fn highlight(wetness: f32) -> vec2<f32> {
     return lobe;
 }
 
-// What a hair sends to the eye of light from one direction: `x` takes the hair's colour, sin^pd; `y` does not, sin^ps as strong as wet and
-// dry hair have it together. All in the tile frame; `half` is H of light and eye.
+// Returns the light that a hair sends to the eye from one direction. `x`: sin^pd, to be tinted by the hair's colour.
+// `y`: sin^ps, untinted, with the strength of the mixed wet and dry hair. All in the tile frame; `half` is H of light
+// and eye.
 fn fibre(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec2<f32> {
     var diffuse = sin_squared(direction, light);
     if !SQUARED_DIFFUSE {

@@ -1,18 +1,18 @@
-// Lights without shadow.
+// Fill lights, which cast no shadows.
 
 const MAX_FILL_LIGHTS: u32 = 32u;
 
 @group(0) @binding(2) var<uniform> fill_lights: array<FillLight, MAX_FILL_LIGHTS>;
 
-// There are some.
+// The frame has fill lights.
 override FILL_LIGHTS: bool = false;
 
-// The frame in which a point of hair sees lights.
+// Returns the tile frame of a point of hair, in which lights are evaluated.
 fn tile_of(spot: Spot) -> TileFrame {
     return tile_frame(normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)), spot.tangent.xyz, spot.tangent.w);
 }
 
-// The terms of eq. (1) and Attenu_Back of each.
+// Returns the terms of eq. (1) and Attenu_Back, summed over the fill lights.
 fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
     let spot = p.spot;
     let color = p.color * p.tint;
@@ -36,7 +36,7 @@ fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
     return sum;
 }
 
-// On the mat of an undercoat of that colour.
+// Returns the fill light on the mat of an undercoat with that colour.
 fn fill_lights_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
     let tile = tile_of(p.spot);
     var sum = vec3(0.0);
@@ -47,7 +47,7 @@ fn fill_lights_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
     return sum;
 }
 
-// On bare skin, by Lambert's law. side: -1 for the back of a double-sided part.
+// Returns the fill light on bare surface, by Lambert's law. side: -1 for the back of a double-sided part.
 fn fill_lights_on_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
     var sum = vec3(0.0);
     if !FILL_LIGHTS {

@@ -1,23 +1,23 @@
-// The light that throws shadows, and the ambient light, on hair: Yang 2006, eqs. (2) and (3).
+// Key light and ambient light on hair: Yang 2006, eqs. (2) and (3).
 
-// What reaches a point. Geometries that know some of it at their vertices hand it on from there.
+// Light that reaches a point. Geometries that compute some of it at vertices pass it on from there.
 struct Arriving {
-    // ka times the ambient light times its share at the point's height.
+    // ka times the ambient light, times its share at the point's height.
     ambient: vec3<f32>,
     // kd and ks times the key light.
     diffuse: vec3<f32>,
     specular: vec3<f32>,
-    // Towards the key light and H in the tile frame, lengths near 1; or what half_or_factors puts there.
+    // Direction towards the key light, and H, in the tile frame, with lengths near 1; or the values of half_or_factors.
     light_ts: vec3<f32>,
     half_ts: vec3<f32>,
-    // Attenu_Back.
+    // Attenuation Attenu_Back.
     facing: f32,
-    // Share of the key light that hair lets through, t, and that other things do, Attenu_Shadow.
+    // Shares of the key light that pass the hair, t, and other objects, Attenu_Shadow.
     visible: f32,
     past: f32,
 }
 
-// What reaches a point at that share of the fur's height.
+// Returns the light that reaches a point at that relative height of the fur.
 fn arriving_at(height: f32, light_ts: vec3<f32>, half_ts: vec3<f32>, visible: f32, past: f32) -> Arriving {
     return Arriving(
         instance.ambient * ambient_attenuation(height, instance.ambient_floor), instance.diffuse, instance.specular,
@@ -32,10 +32,10 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
         visible *= visible_past_strands(p.baked, a.light_ts);
     }
     if SCATTERING {
-        // The light's colour stands where that of the highlight does, and the diffuse constant is 1.
+        // With scattering, the specular colour holds the light's colour, and the diffuse constant is 1.
         let eye = eye_of(a.light_ts, a.half_ts, 1.0);
         if (!BAKED_SHADOW || DEEP_SHADOW) && !(HANGS && SOFT_SHADOW) {
-            // Maps do not say where the body hides the light from its own fur beside the outline.
+            // The maps do not store where the body hides the light from its own fur beside the outline.
             visible *= back_attenuation(a.light_ts.z, max(material.rim * p.baked.texel.w, 1e-3));
         }
         let color = p.color * a.diffuse / max(p.opacity, 1e-6);
@@ -47,7 +47,8 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
     return p.color * (a.ambient + a.diffuse * sent.x) + a.specular * (sent.y * p.opacity);
 }
 
-// The same on bare skin, by Lambert's law with the package's constants: bare parts are as bright as the fur beside them.
+// Returns the key light on bare surface, by Lambert's law with the package's constants. Bare parts are as bright as the
+// fur beside them.
 fn key_light_on_bare(color: vec3<f32>, n_dot_l: f32, visible: f32) -> vec3<f32> {
     let light = select(instance.diffuse, instance.specular, SCATTERING);
     return color * (instance.ambient + light * (max(n_dot_l, 0.0) * visible));

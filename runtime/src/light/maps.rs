@@ -1,4 +1,4 @@
-//! Shadows of the key light: what is asked for, what is drawn, and when it must be drawn again.
+//! Shadow maps of the key light: what is requested, what is drawn, and when maps must be redrawn.
 
 use super::deep::{self, DeepHair, DeepKey};
 use super::view::LightView;
@@ -14,30 +14,30 @@ use glam::{Mat4, Vec3};
 use pelage_formats::meaning::TOTAL_MAP_LAYERS;
 use std::sync::Arc;
 
-/// The key light's shadow maps of a frame: [`crate::Frame::shadows`]. They belong to the renderer and are kept while nothing in them
-/// changes.
+/// Shadow maps of the key light in a frame: [`crate::Frame::shadows`]. They belong to the renderer and are kept while
+/// nothing in them changes.
 ///
-/// All are square, of [`crate::ShadowParams::map_size`] texels a side, seen from the light as [`LightView`] says, and have the usages
-/// `TEXTURE_BINDING` and `COPY_SRC`. A shader that only wants to know how much light arrives needs none of this:
-/// [`crate::Frame::shadow_receiver`] and [`crate::shared::receiver`] do that.
+/// All are square, of [`crate::ShadowParams::map_size`] texels a side, seen from the light as in [`LightView`]. Their
+/// usages include `TEXTURE_BINDING` and `COPY_SRC`. A shader that only needs the amount of arriving light uses
+/// [`crate::Frame::shadow_receiver`] and [`crate::shared::receiver`] instead.
 #[derive(Debug)]
 pub struct ShadowMaps {
     pub(crate) key: ShadowKey,
     pub(crate) nearest: Map,
     pub(crate) layers: Option<LayerMaps>,
     pub(crate) width: Option<WidthMaps>,
-    /// The deep opacity map of strands.
+    /// Deep opacity map of strands.
     pub(crate) deep: Option<wgpu::Buffer>,
 }
 
-/// A texture and the view of all of it.
+/// Texture with a view of all of it.
 #[derive(Debug)]
 pub(crate) struct Map {
     pub(crate) texture: wgpu::Texture,
     pub(crate) view: wgpu::TextureView,
 }
 
-/// The layer-wise maps: an array, and each of its layers alone.
+/// Layer-wise maps: a texture array, and a view of each of its layers.
 #[derive(Debug)]
 pub(crate) struct LayerMaps {
     pub(crate) map: Map,
@@ -54,26 +54,28 @@ pub(crate) struct WidthMaps {
 }
 
 impl ShadowMaps {
-    /// Format of the depth maps that [`crate::Casters::draw`] records into.
+    /// Format of the depth maps into which [`crate::Casters::draw`] records.
     pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-    /// Format of the layer-wise maps. Not 8 bits: a product of many layers that are nearly clear stalls there at the same step.
+    /// Format of the layer-wise maps. 8 bits are too few: a product of many nearly clear layers would stall at the same
+    /// value.
     pub const LAYER_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
     /// Format of the shadow-width map.
     pub const WIDTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-    /// Where the maps lie.
+    /// Returns the projection of the maps.
     pub fn view(&self) -> &LightView {
         &self.key.view
     }
 
-    /// What the shadow-width map's numbers mean in metres, for [`crate::shared::soft_shadow`]; part of [`Self::receiver`].
+    /// Returns the scale of the shadow-width map in metres, for [`crate::shared::soft_shadow`]; part of
+    /// [`Self::receiver`].
     pub fn soft_shadow(&self) -> SoftShadow {
         let (view, params) = (&self.key.view, &self.key.params);
         let texel = view.extent / params.map_size as f32;
         SoftShadow { range_m: view.range_m, penumbra: params.penumbra, blur: blur_texels(params.shrink) * texel, texel }
     }
 
-    /// The uniform block for [`crate::shared::receiver`]; `None` without soft shadow, where there is no map to read.
+    /// Returns the uniform block for [`crate::shared::receiver`]; `None` without soft shadow, which has no map.
     pub fn receiver(&self) -> Option<ShadowReceiver> {
         self.width.is_some().then(|| ShadowReceiver {
             map_from_world: self.key.view.map_from_world,
@@ -83,36 +85,38 @@ impl ShadowMaps {
         })
     }
 
-    /// The layer-wise maps, [`Self::LAYER_FORMAT`]: array layer k holds the transmittance of the hair above map layer k; layer 0 is what
-    /// reaches the skin, the last is 1. `None` where hair is not shadowed by them.
+    /// Returns the layer-wise maps, [`Self::LAYER_FORMAT`]. Array layer k holds the transmittance of the hair above map
+    /// layer k. Layer 0 is the light that reaches the skin; the last is 1. `None` if hair is not shadowed by them.
     pub fn layers(&self) -> Option<&wgpu::Texture> {
         self.layers.as_ref().filter(|_| self.key.hair == HairMaps::LayerWise).map(|layers| &layers.map.texture)
     }
 
-    /// The shadow-width map, [`Self::WIDTH_FORMAT`], for a linear filter; `None` without soft shadow. Channels:
+    /// Returns the shadow-width map, [`Self::WIDTH_FORMAT`], for a linear filter; `None` without soft shadow. Channels:
     ///
-    /// * x - occlusion, blurred: 0 where nothing near is in shadow, 1 deep in it, 1/2 at the edge
-    /// * y - depth of what throws the shadow, blurred, times x
+    /// * x - occlusion, blurred: 0 if nothing nearby is in shadow, 1 deep in shadow, 1/2 at the edge
+    /// * y - depth of the shadow caster, blurred, times x
     /// * z - depth of the first surface
-    /// * w - transmittance of the hair above that surface, blurred but for places beside deeper ones; 1 where hair does not shadow hair
+    /// * w - transmittance of the hair above that surface, blurred except beside deeper surfaces; 1 if hair does not
+    ///   shadow hair
     ///
-    /// Depths are those of [`LightView::map_from_world`]; [`crate::shared::soft_shadow`] makes light of x, y and z.
+    /// Depths are those of [`LightView::map_from_world`]; [`crate::shared::soft_shadow`] computes light from x, y and
+    /// z.
     pub fn width(&self) -> Option<&wgpu::Texture> {
         self.width.as_ref().map(|w| &w.width.texture)
     }
 
-    /// The depth maps, nearest surface and farthest one that faces the light, [`Self::DEPTH_FORMAT`], depth of
-    /// [`LightView::clip_from_world`]. `None` without soft shadow.
+    /// Returns the depth maps, [`Self::DEPTH_FORMAT`]: nearest surface, and farthest one that faces the light. Depth is
+    /// that of [`LightView::clip_from_world`]. `None` without soft shadow.
     pub fn depths(&self) -> Option<[&wgpu::Texture; 2]> {
         self.width.as_ref().map(|w| [&self.nearest.texture, &w.farthest.texture])
     }
 
-    /// Size of a texel, metres; of a point light's maps in the middle of their range.
+    /// Returns the texel size in metres; for a point light, in the middle of its range.
     pub(crate) fn texel_m(&self) -> f32 {
         self.key.view.texel_m(self.key.params.map_size)
     }
 
-    /// Bytes on the GPU.
+    /// Returns the size on the GPU in bytes.
     pub fn gpu_bytes(&self) -> u64 {
         let of = |map: &Map| {
             let t = &map.texture;
@@ -125,13 +129,13 @@ impl ShadowMaps {
         textures + self.deep.as_ref().map_or(0, wgpu::Buffer::size)
     }
 
-    /// The map in which single strands shadow each other, with the usage `COPY_SRC`; [`crate::shared::deep_opacity`] says what it holds. `None` where no
-    /// strands are drawn with self-shadow.
+    /// Returns the deep opacity map, in which single strands shadow each other, with the usage `COPY_SRC`. Its contents
+    /// are described in [`crate::shared::deep_opacity`]. `None` if no strands are drawn with self-shadow.
     pub fn deep(&self) -> Option<&wgpu::Buffer> {
         self.deep.as_ref()
     }
 
-    /// What the numbers of [`Self::deep`] mean; zeros without it.
+    /// Returns the parameters for reading [`Self::deep`]; zeros without it.
     pub fn deep_opacity(&self) -> DeepOpacity {
         let (view, params) = (&self.key.view, &self.key.params);
         let Some(key) = self.key.deep else { return DeepOpacity::default() };
@@ -147,64 +151,69 @@ impl ShadowMaps {
     }
 }
 
-/// Half the width of the blur, in texels: what 2·occlusion − 1 is multiplied with to give a distance from the edge. A box of `shrink`
-/// texels stretched by a tent of twice that width has this slope at a straight edge.
+/// Returns half the width of the blur in texels: the factor from 2·occlusion − 1 to the distance from the edge. A box
+/// of `shrink` texels widened by a tent of twice that width has this slope at a straight edge.
 fn blur_texels(shrink: u32) -> f32 {
     2.0 / 3.0 * shrink as f32
 }
 
-/// What maps of hair there are.
+/// Kinds of hair shadow maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HairMaps {
-    /// None: hair throws no shadow.
+    /// No maps: hair casts no shadow.
     None,
-    /// What all hair together lets through, of a few layers: for the shadow of fur on other things. Hair is shadowed as its package knows it.
+    /// Transmittance of all hair together, from a few layers, for the shadow of fur on other objects. Hair self-shadow
+    /// comes from the package.
     Total,
-    /// What is above each layer.
+    /// Transmittance of the hair above each layer.
     LayerWise,
 }
 
-/// Everything that the maps depend on.
+/// Cache key: everything that the maps depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ShadowKey {
     pub(crate) light: Light,
     pub(crate) view: LightView,
     pub(crate) params: ShadowParams,
     pub(crate) hair: HairMaps,
-    /// Single strands shadow each other.
+    /// Deep opacity map, if single strands shadow each other.
     pub(crate) deep: Option<DeepKey>,
     pub(crate) soft_shadow: bool,
-    /// The light's way through a layer grows with its slant.
+    /// The light's path through a layer grows with its slant.
     pub(crate) slanted: bool,
     /// The penumbra lies on both sides of the hard edge.
     pub(crate) centred: bool,
-    /// Layers of the layer-wise maps, skin counted.
+    /// Number of layer-wise maps, skin included.
     pub(crate) map_layers: u32,
     pub(crate) instances: Vec<InstanceKey>,
-    /// [`crate::Casters::revision`].
+    /// Value of [`crate::Casters::revision`].
     pub(crate) casters: Option<u64>,
 }
 
-/// What the maps see of an instance.
+/// Properties of an instance that the maps depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct InstanceKey {
     pub(crate) transform: Mat4,
-    /// Of its shape: no two shapes of any owners ever have the same.
+    /// Revision of the posed shape; unique among all shapes of all owners.
     pub(crate) revision: u64,
     pub(crate) furry: bool,
-    /// Which of its sets of strands are drawn.
+    /// Strand sets that are drawn.
     pub(crate) sets: Vec<usize>,
-    /// Which index list is drawn of it.
+    /// Index list that is drawn.
     pub(crate) list: usize,
 }
 
-/// Most layers of the layer-wise maps.
+/// Maximum number of layer-wise maps.
 const MAX_MAP_LAYERS: u32 = 256;
 
 impl ShadowKey {
-    /// Of a frame; `None` where it needs no maps. `by_maps`: some instance is shadowed by the layer-wise maps; `deep`: strands are by a deep opacity
-    /// map, on a device of such limits. `layers`: of the finest instance, skin counted; what draws other layers reads between the maps. `hull`: of all that throws or receives a
-    /// shadow.
+    /// Returns the key of a frame; `None` if it needs no maps.
+    ///
+    /// * `by_maps`: some instance is shadowed by the layer-wise maps
+    /// * `deep`: hair properties and device limits, if strands are shadowed by a deep opacity map
+    /// * `layers`: layer count of the finest instance, skin included; instances with other counts interpolate between
+    ///   the maps
+    /// * `hull`: bounds of all objects that cast or receive a shadow
     pub(crate) fn new(
         params: &FrameParams,
         by_maps: bool,
@@ -214,7 +223,7 @@ impl ShadowKey {
         instances: Vec<InstanceKey>,
         casters: Option<u64>,
     ) -> Option<Self> {
-        // Beside an environment a black light says how deep hair lies, and throws no shadows.
+        // With an environment map, a black key light only measures the depth of hair and casts no shadows.
         let soft_shadow = params.soft_shadow && !params.is_key_dark();
         let guided = deep.as_ref().is_some_and(|(hair, _)| hair.guided);
         let hair = match params.self_shadow() && (layers > 1 || guided) {
@@ -222,7 +231,7 @@ impl ShadowKey {
             true if soft_shadow => HairMaps::Total,
             _ => HairMaps::None,
         };
-        // A light without light throws no shadow.
+        // A black light casts no shadow.
         let is_black = params.light.color() == Vec3::ZERO && !params.is_key_dark();
         if !(hair != HairMaps::None || soft_shadow || deep.is_some()) || is_black {
             return None;
@@ -250,7 +259,7 @@ impl ShadowKey {
 }
 
 impl ShadowKey {
-    /// Whether hair on guides throws a shadow.
+    /// Whether guided hair casts a shadow.
     pub(crate) fn guided(&self) -> bool {
         self.deep.is_some_and(|deep| deep.guided)
     }
@@ -281,7 +290,7 @@ impl ShadowMaps {
         let small = size.div_ceil(key.params.shrink);
         let layers = (key.hair != HairMaps::None).then(|| {
             let count = match key.hair {
-                // Hair on guides alone has one of its own.
+                // Guided hair has a separate map of its own.
                 HairMaps::Total => 1 + u32::from(key.guided()),
                 _ => key.map_layers,
             };
@@ -312,7 +321,7 @@ impl ShadowMaps {
         Self { key, nearest, layers, width, deep }
     }
 
-    /// Whether its textures fit another key.
+    /// Whether the textures fit another key.
     fn fits(&self, key: &ShadowKey) -> bool {
         let slabs = |k: &ShadowKey| k.deep.map(|deep| (deep.size, deep.slabs));
         let of = |k: &ShadowKey| {
@@ -322,7 +331,7 @@ impl ShadowMaps {
     }
 }
 
-/// The maps of `key`, and whether they must be drawn anew. Maps that another frame still reads stay as they are.
+/// Returns the maps of `key`, and whether they must be redrawn. Maps that another frame still reads are left unchanged.
 pub(crate) fn settle(shelf: &mut Shelf<ShadowMaps>, gpu: &Gpu, key: ShadowKey) -> (Arc<ShadowMaps>, bool) {
     if let Some(maps) = shelf.share(|maps| maps.key == key) {
         return (maps, false);

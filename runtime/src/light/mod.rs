@@ -1,5 +1,5 @@
-//! The key light: where it sees the scene from, its shadow maps, and what of the application's takes part in them. How hair is lit stands in the
-//! shaders of this folder: `point.wgsl` has the one function that does it.
+//! Key light: its projection, its shadow maps and the application's geometry in them. The shaders of this folder light
+//! hair; the single function that does so is in `point.wgsl`.
 
 mod casters;
 mod deep;

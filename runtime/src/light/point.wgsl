@@ -1,12 +1,12 @@
-// A point of hair as lights meet it, whatever geometry it is on, and the one function that lights it.
+// Point of hair as seen by lights, independent of its geometry, and the single function that lights it.
 
-// Where a point is, for lights that vertices know nothing of.
+// Location of a point, for lights that are not evaluated at vertices.
 struct Spot {
     position_ws: vec3<f32>,
     normal_ws: vec3<f32>,
-    // Along +u of the tile; handedness.
+    // Direction along +u of the tile; handedness.
     tangent: vec4<f32>,
-    // What the body leaves open, as open_to_hair has it.
+    // Openness of the body, as returned by open_to_hair.
     open: vec3<f32>,
 }
 
@@ -18,20 +18,21 @@ struct HairPoint {
     spot: Spot,
     // Unit vector along the hair, in the tile frame.
     direction: vec3<f32>,
-    // Of the hair, premultiplied with its opacity. `tint` colours it for those lights whose colour does not hold it already.
+    // Colour of the hair, premultiplied with its opacity. `tint` applies to lights whose colour does not already
+    // include it.
     color: vec3<f32>,
     opacity: f32,
     tint: vec3<f32>,
-    // Of the hair below it, neither premultiplied nor tinted.
+    // Colour of the hair below, neither premultiplied nor tinted.
     deeper: vec3<f32>,
-    // 0..=1.
+    // Wetness, 0..=1.
     wetness: f32,
-    // What reaches it of the ambient light and the key light.
+    // Ambient light and key light that reach the point.
     arriving: Arriving,
     baked: Baked,
 }
 
-// The undercoat: a mat of hair too short to be told apart, whose light all comes back.
+// Lights the undercoat: a mat of hair too short to resolve, which returns all light.
 fn light_undercoat(p: HairPoint) -> vec3<f32> {
     if !SCATTERING {
         return light_hair(p);
@@ -49,7 +50,7 @@ fn light_undercoat(p: HairPoint) -> vec3<f32> {
     return p.color * a.ambient + lit;
 }
 
-// Premultiplied light that a point of hair sends to the eye: the sum of what each of the lights makes of it.
+// Returns the premultiplied light that a point of hair sends to the eye, summed over all lights.
 fn light_hair(p: HairPoint) -> vec3<f32> {
     var lit = vec3(0.0);
     if !DARK_KEY {

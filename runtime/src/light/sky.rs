@@ -1,5 +1,5 @@
-//! What of an environment meets skin and hair that face a way: a small map over all directions, made when the environment changes; and tables of how fibres scatter
-//! light that is spread about a direction.
+//! Environment light for surfaces and hair by facing direction: a small map over all directions, rebuilt when the
+//! environment map changes. Also tables of how fibres scatter light that is spread about a direction.
 
 use crate::error::RuntimeError;
 use crate::gpu::Gpu;
@@ -14,30 +14,31 @@ use std::sync::Arc;
 
 /// Texels along each edge of the map.
 const MAP_SIZE: u32 = 24;
-/// Directions that light is taken from: 6 degrees apart.
+/// Number of sampled light directions, 6 degrees apart.
 const DIRECTIONS: usize = 1024;
-/// Sine of the height over which light rises above the lowest from which it comes ([`BELOW`]): half of the distance of directions.
+/// Half-width of the fade-in above the lowest light direction ([`BELOW`]), as sine of the height: half the spacing of
+/// directions.
 const RISE: f32 = 0.05;
-/// Most that a half float holds.
+/// Largest value of a half float.
 const MOST: f32 = 65_000.0;
 
-/// An environment as frames read it.
+/// Environment map as frames read it.
 #[derive(Debug)]
 pub(crate) struct Sky {
     of: Environment,
     pub(crate) map: wgpu::TextureView,
-    /// The strongest channel of the irradiance where it is most, over π.
+    /// Largest channel of the irradiance over all directions, divided by π.
     pub(crate) most: f32,
 }
 
-/// Tables of broad light, of the fibres of several models one after another.
+/// Broad-light tables for the fibres of several models, concatenated.
 #[derive(Debug)]
 pub(crate) struct Broad {
     of: Vec<Arc<FibreInfo>>,
     pub(crate) tables: wgpu::TextureView,
 }
 
-/// What a renderer keeps of both.
+/// Environment map and broad-light tables that a renderer keeps.
 #[derive(Debug, Default)]
 pub(crate) struct Skies {
     sky: Option<Arc<Sky>>,
@@ -45,7 +46,7 @@ pub(crate) struct Skies {
 }
 
 impl Skies {
-    /// The map of an environment.
+    /// Returns the map of an environment, built if it changed.
     pub(crate) fn sky(&mut self, gpu: &Gpu, environment: &Environment) -> Arc<Sky> {
         if let Some(sky) = self.sky.as_ref().filter(|sky| sky.of == *environment) {
             return sky.clone();
@@ -57,11 +58,12 @@ impl Skies {
         sky
     }
 
-    /// The tables of the fibres of models, `None` for one without, and for each model which of them is its first.
+    /// Returns the tables for the fibres of `models`, `None` for a model without fibres, and for each model the index
+    /// of its first table.
     ///
     /// # Errors
     ///
-    /// [`RuntimeError::DeviceLimit`] for more fibres than a texture has layers.
+    /// [`RuntimeError::DeviceLimit`] if there are more fibres than a texture has layers.
     pub(crate) fn broad<'m>(
         &mut self,
         gpu: &Gpu,
@@ -106,8 +108,8 @@ impl Skies {
     }
 }
 
-/// Three layers, over directions that skin faces: light that comes from above its horizon, and a little below it, in whole; the mean of the directions that it comes from; irradiance over π.
-/// Then what `Sky::most` says.
+/// Returns three layers over facing directions: total light from above the horizon and slightly below it; its mean
+/// direction; irradiance divided by π. The last value is `Sky::most`.
 fn map(environment: &Environment) -> (Vec<Vec4>, f32) {
     let lights: Vec<(Vec3, Vec3, f32)> = (0..DIRECTIONS)
         .map(|i| {
@@ -138,14 +140,14 @@ fn map(environment: &Environment) -> (Vec<Vec4>, f32) {
         most = most.max(irradiance.max_element());
         let texel = |v: Vec3| v.min(Vec3::splat(MOST)).extend(0.0);
         layers[0].push(texel(whole));
-        // Where it is dark any direction will do.
+        // Any direction will do where it is dark.
         layers[1].push(texel(if bright > 0.0 { middle / bright } else { 0.5 * normal }));
         layers[2].push(texel(irradiance));
     }
     (layers.concat(), most)
 }
 
-/// A texture of half floats with so many columns, rows and layers, to be filtered.
+/// Creates a filterable texture of half floats with the given columns, rows and layers.
 fn texture(gpu: &Gpu, label: &str, [width, height, layers]: [u32; 3], texels: &[Vec4]) -> wgpu::TextureView {
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
     let texture = gpu.texture(&wgpu::TextureDescriptor {
@@ -187,7 +189,7 @@ mod tests {
             assert!((whole / all - Vec3::new(1.0, 0.5, 0.25)).abs().max_element() < 0.01, "{whole}");
             assert!((at(&layers, 2, normal) - Vec3::new(1.0, 0.5, 0.25)).abs().max_element() < 0.01);
         }
-        // No texel lies upright: the nearest faces a little to the side, and so does its light.
+        // No texel faces straight up: the nearest faces slightly to the side, and so does its light.
         let texel = from_octahedral(Vec2::splat(1.0 / (MAP_SIZE - 1) as f32));
         let middle = at(&layers, 1, Vec3::Y);
         assert!(middle.distance(LEAST_MEAN as f32 * texel) < 0.01 && (most - 1.0).abs() < 0.01, "{middle} {most}");

@@ -1,54 +1,57 @@
-//! The scene as the key light sees it: where the shadow maps lie.
+//! Projection of the shadow maps: the scene as seen by the key light.
 
 use crate::bounds::{Hull, Sphere};
 use crate::camera::{Camera, Light, Projection};
 use glam::{Mat4, Vec3, Vec4};
 
-/// Share by which maps are larger than what they cover: the blur must find lit texels around everything.
+/// Ratio of the maps' size to what they cover: the blur needs lit texels around everything.
 const MARGIN: f32 = 1.03;
 
-/// A length rounded up to coarse steps: texels keep their size while an animation moves the bounds a little.
+/// Rounds a length up to coarse steps, so that texels keep their size while an animation changes the bounds slightly.
 fn rounded_up(length: f32) -> f32 {
     let step = 2f32.powf(1.0 / 16.0);
     step.powf((length.max(1e-6).ln() / step.ln()).ceil())
 }
 
-/// The widest view of a point light's maps, radians: beyond, their texels are more about the border than the middle.
+/// Maximum field of view of a point light's maps, radians. Beyond it, most texels would be near the border.
 const MAX_FOV_RAD: f32 = 2.4;
 
-/// A point light this many radii away is seen as a distant one: its rays differ by less than a texel, and distances from it would have
-/// no digits left for the scene.
+/// Distance in radii from which a point light is treated as a distant one. Its rays differ by less than a texel, and
+/// distances from it would leave too few digits for the scene.
 const DISTANT: f32 = 500.0;
 
-/// Where the shadow maps of a light lie. They cover the instances of the frame with their fur, and [`crate::Casters::bounds`]. A point light
-/// sees at most 137° at once: one inside the scene has maps of the side of its centre.
+/// Projection of a light's shadow maps. They cover the instances of the frame with their fur, and
+/// [`crate::Casters::bounds`]. A point light sees at most 137°; if it is inside the scene, its maps face the centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightView {
-    /// World to the clip space that the maps are drawn in: what a caster's vertex shader applies. Depth 0 is nearest to the light,
-    /// whatever [`crate::RendererOptions::reversed_depth`] says.
+    /// World to the clip space of the maps, for a caster's vertex shader. Depth 0 is nearest to the light, regardless
+    /// of [`crate::RendererOptions::reversed_depth`].
     pub clip_from_world: Mat4,
-    /// World to (u·w, v·w, z, w): what a receiver applies. u, v are coordinates in the maps, 0..=1 from the top left, after division by
-    /// w; z is the depth, 0..=1 and linear, and is not divided; w is the distance from a point light along its axis, metres, and
-    /// 1 for a distant light.
+    /// World to (u·w, v·w, z, w), for a receiver's shader:
+    ///
+    /// * u, v: coordinates in the maps after division by w, 0..=1 from the top left
+    /// * z: linear depth, 0..=1, not divided
+    /// * w: distance from a point light along its axis, metres; 1 for a distant light
     pub map_from_world: Mat4,
     /// Metres from depth 0 to depth 1.
     pub range_m: f32,
-    /// Width and height of what a map covers: metres for a distant light, metres at 1 m from a point light.
+    /// Width and height that a map covers: metres for a distant light, metres at 1 m from a point light.
     pub extent: f32,
     /// Distance of depth 0 from a point light, metres; `None` for a distant light.
     pub near_m: Option<f32>,
-    /// A sphere that holds all that the maps were asked to cover.
+    /// Sphere that contains everything the maps must cover.
     pub sphere: Sphere,
 }
 
 impl LightView {
-    /// Size of a texel of maps of so many a side, metres; of a point light's maps in the middle of their range.
+    /// Returns the texel size of maps with `map_size` texels along each edge, metres; for a point light, in the middle
+    /// of its range.
     pub(crate) fn texel_m(&self, map_size: u32) -> f32 {
         let distance = self.near_m.map_or(1.0, |near| near + 0.5 * self.range_m);
         self.extent / map_size as f32 * distance
     }
 
-    /// A view of `hull`, which holds `sphere`, from a light that passed [`Light::homogeneous`].
+    /// Creates the view of `hull`, whose bounding sphere is `sphere`, from a light checked by [`Light::homogeneous`].
     pub(crate) fn new(light: &Light, hull: &Hull, sphere: Sphere) -> Self {
         match *light {
             Light::Directional { towards_light, .. } => Self::distant(towards_light, hull, sphere),
@@ -67,7 +70,7 @@ impl LightView {
         let [x, y, z] = [view.row(0), view.row(1), view.row(2)].map(|row| hull.range(sphere.center, axis(row)));
         let extent = rounded_up(MARGIN * (x.1 - x.0).max(y.1 - y.0));
         let range_m = rounded_up(MARGIN * (z.1 - z.0));
-        // From where the hull's middle is in the middle of the maps.
+        // Centre the maps on the hull.
         let middle = |range: (f32, f32), row: Vec4| 0.5 * (range.0 + range.1) * axis(row);
         let center = sphere.center + middle(x, view.row(0)) + middle(y, view.row(1)) + middle(z, view.row(2));
         let projection = Projection::Orthographic { height_m: extent, aspect: 1.0, near_m: 0.0, far_m: range_m };
@@ -79,7 +82,7 @@ impl LightView {
     }
 
     fn near(position: Vec3, hull: &Hull, sphere: Sphere) -> Self {
-        // A light in the very centre may look anywhere.
+        // A light exactly in the centre may look anywhere.
         let apart = position.distance(sphere.center) > 1e-6 * sphere.radius;
         let target = if apart { sphere.center } else { position - Vec3::Y };
         let looking = Camera::look_at(position, target, Projection::Custom(Mat4::IDENTITY));
@@ -98,7 +101,7 @@ impl LightView {
         let camera = Camera { projection, ..looking };
         let clip_from_world = projection.clip_from_view(false) * camera.view_from_world;
         let mut map_from_world = map_from_clip() * clip_from_world;
-        // Depth of a perspective projection is not linear: the distance along the axis is, and it is in w.
+        // Depth of a perspective projection is not linear; the distance along the axis, stored in w, is.
         let range_m = far_m - near_m;
         let distance_row = clip_from_world.row(3);
         let depth_row = (distance_row - Vec4::W * near_m) / range_m;
@@ -110,7 +113,7 @@ impl LightView {
     }
 }
 
-/// Clip coordinates to texture coordinates from the top left, times w.
+/// Returns the matrix from clip coordinates to texture coordinates from the top left, times w.
 fn map_from_clip() -> Mat4 {
     Mat4::from_cols(
         Vec4::new(0.5, 0.0, 0.0, 0.0),
@@ -166,7 +169,7 @@ mod tests {
             }
         }
         assert!(widest > 0.3, "{light:?}: the outermost is {widest} from the middle");
-        // The light's side is nearer, by as much as it is.
+        // The side towards the light is nearer by this distance.
         let towards = direction.normalize() * 0.1;
         let center = hull.sphere().unwrap().center;
         let (front, back) = (project(view, center + towards), project(view, center - towards));

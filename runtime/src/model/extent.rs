@@ -1,29 +1,30 @@
-//! How far a posed model reaches, without looking at its vertices every frame.
+//! Bounds of a posed model, computed without reading its vertices every frame.
 
 use crate::bounds::Hull;
 use glam::{Mat4, Vec3};
 use pelage_formats::{MeshView, MorphDelta, Morphs, Pose};
 
-/// Extent of a model's skin before its joints move it.
+/// Bounds of a model's mesh surface before its joints move it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Extent {
-    /// Without skeleton: a box.
+    /// Bounding box of a model without skeleton.
     Rigid(Box),
-    /// With a skeleton: of each joint what follows it. A blended vertex lies between where its joints put it, so the boxes, moved by their joints,
-    /// hold it.
+    /// Bounds per joint of a model with a skeleton. A blended vertex is between the positions that its joints give, so
+    /// the boxes moved by their joints contain it.
     Jointed(Vec<Follows>),
 }
 
-/// What follows a joint, in mesh space.
+/// Bounds of the vertices of a joint, in mesh space.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Follows {
-    /// Its vertices, with morph targets at rest; empty where there are none.
+    /// Box of its vertices with morph targets at rest; empty if there are none.
     vertices: Box,
-    /// By target, rising, how far one of weight 1 moves any of them. It holds the origin: others stay.
+    /// Morph targets in ascending order, each with the offsets of its vertices at weight 1. The box contains the
+    /// origin, because other vertices do not move.
     moves: Vec<(u32, Box)>,
 }
 
-/// An axis-aligned box.
+/// Axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Box {
     min: Vec3,
@@ -59,7 +60,8 @@ impl Follows {
         }
     }
 
-    /// The box of its vertices, morph targets as far from their rest as `shifts` says; without any of those it is that at rest.
+    /// Returns the box of the vertices with morph targets moved by `shifts` from rest; without targets, the box at
+    /// rest.
     fn shifted(&self, shifts: &[f32]) -> Box {
         let shift_of = |target: u32| shifts.get(target as usize).copied().unwrap_or(0.0);
         self.moves.iter().fold(self.vertices, |all, (target, reach)| {
@@ -70,7 +72,7 @@ impl Follows {
 }
 
 impl Extent {
-    /// Of a mesh and its morph targets; `jointed` where it follows a skeleton.
+    /// Returns the bounds of a mesh and its morph targets; `jointed` if it follows a skeleton.
     pub(crate) fn of(mesh: &MeshView<'_>, morphs: Option<&Morphs>, jointed: bool) -> Self {
         let points = || mesh.geometry().map(|v| Vec3::from(v.position));
         if !jointed {
@@ -88,13 +90,13 @@ impl Extent {
         Self::Jointed(joints)
     }
 
-    /// Adds the posed skin in world space to `hull`, grown by `margin_m` of model space.
+    /// Adds the posed surface in world space to `hull`, widened by `margin_m` in model space.
     pub(crate) fn add_to(&self, hull: &mut Hull, pose: &Pose, world_from_model: Mat4, margin_m: f32) {
         let axes = [world_from_model.x_axis, world_from_model.y_axis, world_from_model.z_axis];
         let scale = axes.map(|axis| axis.truncate().length()).into_iter().fold(0.0, f32::max);
         let mut add = |matrix: Mat4, bounds: Box| {
             let corners = bounds.corners().map(|corner| (world_from_model * matrix).transform_point3(corner));
-            // An empty box has no corners; of a joint that is not finite nothing is drawn either.
+            // An empty box has no corners; a non-finite joint draws nothing either.
             hull.0.extend(corners.into_iter().filter(|c| c.is_finite()).map(|c| (c, margin_m * scale)));
         };
         match self {

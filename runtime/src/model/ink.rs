@@ -1,4 +1,4 @@
-//! The ink style of a package on the GPU.
+//! Ink style of a package on the GPU.
 
 use super::upload::Uploader;
 use crate::error::RuntimeError;
@@ -8,18 +8,18 @@ use pelage_formats::{InkInfo, InkTextures, MeshView, Package};
 #[derive(Debug)]
 pub(crate) struct ModelInk {
     pub(crate) info: InkInfo,
-    /// One [`pelage_formats::InkVertex`] for each vertex.
+    /// Buffer with one [`pelage_formats::InkVertex`] per vertex.
     pub(crate) vertices: wgpu::Buffer,
     pub(crate) stroke: wgpu::TextureView,
     pub(crate) wash: wgpu::TextureView,
     pub(crate) paper: wgpu::TextureView,
-    /// Two array layers: strokes from above and from the side.
+    /// Fur strokes in two array layers: from above and from the side.
     pub(crate) fur: Option<wgpu::TextureView>,
-    /// Periods of the wash's tile per unit of the stored mesh, which with a skeleton need not be metres.
+    /// Periods of the wash tile per unit of the stored mesh. With a skeleton, that unit need not be metres.
     pub(crate) periods: f32,
 }
 
-/// Uploads the ink style, with the bytes that it takes; `None` for a package without.
+/// Uploads the ink style and returns it with its size in bytes; `None` for a package without one.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
@@ -47,7 +47,7 @@ pub(super) fn load(
     Ok(Some((ModelInk { info: info.clone(), vertices, stroke, wash, paper, fur, periods }, bytes)))
 }
 
-/// Metres per unit of the stored mesh: how far it reaches at rest over how far as stored.
+/// Returns the metres per unit of the stored mesh: its extent at rest divided by its stored extent.
 fn metres_per_unit(package: &Package<'_>, mesh: &MeshView<'_>) -> f32 {
     use glam::Vec3;
     let mut least = Vec3::INFINITY;
@@ -59,6 +59,6 @@ fn metres_per_unit(package: &Package<'_>, mesh: &MeshView<'_>) -> f32 {
     let bounds = &package.manifest().bounds;
     let at_rest = Vec3::from(bounds.max).distance(Vec3::from(bounds.min));
     let ratio = at_rest / most.distance(least);
-    // Of a point there is no scale.
+    // A single point has no scale.
     if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
 }

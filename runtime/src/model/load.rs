@@ -1,4 +1,4 @@
-//! From a package to a model.
+//! Loading: from a package to a model.
 
 use super::extent::Extent;
 use super::ink;
@@ -19,7 +19,7 @@ use pelage_formats::{
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Uploads a package, straight from the slices that it borrows.
+/// Uploads a package directly from the slices that it borrows.
 pub(crate) fn load(
     gpu: &Gpu,
     options: &RendererOptions,
@@ -38,7 +38,7 @@ pub(crate) fn load(
     use wgpu::BufferUsages as Usage;
     let fins = package.fins()?.filter(|fins| fins.count > 0 && surfaces.fins.is_some());
     let single = surfaces.strands && (package.strands()?.is_some() || !package.hair_groups()?.is_empty());
-    // Compute shaders read both: where skin is posed, where fur leans, where hair roots.
+    // Compute shaders read both: to pose the surface, lean fur and root hair.
     let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | Usage::STORAGE)?;
     let opened = package.openness()?.map(|openness| with_openness(mesh.attributes, openness));
     let stream = opened.as_deref().unwrap_or(mesh.attributes);
@@ -73,7 +73,7 @@ pub(crate) fn load(
         (Some(view), Some(textures), Some(info)) => {
             let dry = uploader.hair(info.color_texture, info.direction_texture, &textures)?;
             let visibility = hair.map_or([None, None], |(views, _)| views.visibility);
-            // The skin's row must not show above the tips.
+            // The row of texels at the skin must not repeat above the tips.
             let clamp = sampler("pelage fins", wgpu::AddressMode::ClampToEdge, 1);
             let buffer = uploader.buffer("fins", view.fins, Usage::STORAGE)?;
             gpu_bytes += uploader.hair_bytes(&textures) + buffer.size();
@@ -144,7 +144,7 @@ pub(crate) fn load(
         if part.index_count == 0 && fins.is_empty() {
             continue;
         }
-        // Neighbours with one material are one draw.
+        // Adjacent parts with the same material become one draw.
         match parts.last_mut() {
             Some(last) if previous == Some(part.material) => {
                 last.indices.iter_mut().zip(indices).for_each(|(last, next)| last.end = next.end);
@@ -198,8 +198,9 @@ pub(crate) fn load(
     Ok(Model { manifest: Arc::new(manifest.clone()), resources: Arc::new(resources) })
 }
 
-/// Sine of how far behind its skin the tips of a body's fur are lit: hair of height h over a body of radius R sees beyond it by the angle whose sine is √(2 h / R), and the
-/// radius is taken for that of a body which fills its box as animals do.
+/// Returns the sine of the angle behind the outline of a body up to which tips of its fur are lit. Hair of height h on
+/// a body of radius R sees beyond it by the angle whose sine is √(2 h / R). The radius is derived from the bounding
+/// box, for a body that fills it as animals do.
 fn rim(manifest: &Manifest) -> f32 {
     const OF_SIZE: f32 = 2.53;
     let bounds = &manifest.bounds;
@@ -208,7 +209,8 @@ fn rim(manifest: &Manifest) -> f32 {
     (OF_SIZE * (manifest.fur.height_m / size_m.max(1e-6)).sqrt()).clamp(0.1, 0.6)
 }
 
-/// The attribute stream with what the body leaves open in the last two bytes of each vertex, which packages leave 0.
+/// Returns the attribute stream with the openness of the body in the last two bytes of each vertex, which are 0 in
+/// packages.
 fn with_openness(attributes: &[u8], openness: &[u8]) -> Vec<u8> {
     let mut out = attributes.to_vec();
     for (vertex, of) in out.chunks_exact_mut(size_of::<AttributeVertex>()).zip(openness.chunks_exact(4)) {
@@ -219,19 +221,19 @@ fn with_openness(attributes: &[u8], openness: &[u8]) -> Vec<u8> {
     out
 }
 
-/// As [`RootsInfo::uv_per_tile`] has it of a material; 0 in packages that say nothing.
+/// Returns [`RootsInfo::uv_per_tile`] of a material; 0 if the package does not specify it.
 fn uv_per_tile(roots: Option<&RootsInfo>, material: usize) -> f32 {
     roots.and_then(|roots| roots.uv_per_tile.get(material).copied()).unwrap_or(0.0)
 }
 
-/// How far hair of a material lies aside of its root, in its texture coordinates.
+/// Returns the offset of a material's hair from its root by height, in the material's texture coordinates.
 fn asides(roots: Option<&RootsInfo>, material: usize) -> [[f32; 4]; ROOT_HEIGHTS] {
     let scale = uv_per_tile(roots, material);
     let scaled = |aside: Aside| [aside.mean[0] * scale, aside.mean[1] * scale, aside.along * scale, 0.0];
     roots.map_or([[0.0; 4]; ROOT_HEIGHTS], |roots| roots.asides.map(scaled))
 }
 
-/// Of each part, where its indices lie in the buffer: of the mesh, and behind those of each simplified list.
+/// Returns the index ranges of each part: in the mesh, then in each simplified list, which follow it in the buffer.
 fn index_ranges(manifest: &Manifest, mesh: &MeshView<'_>, lists: Option<&SimplifiedView<'_>>) -> Vec<Vec<Range<u32>>> {
     let own = |part: &PackagePart| part.first_index..part.first_index + part.index_count;
     let mut ranges: Vec<_> = manifest.parts.iter().map(|part| vec![own(part)]).collect();
@@ -245,7 +247,7 @@ fn index_ranges(manifest: &Manifest, mesh: &MeshView<'_>, lists: Option<&Simplif
     ranges
 }
 
-/// Uploads the textures of the hair, and says whether directions have two components; `None` for a package without fur.
+/// Uploads the hair textures. Also returns whether directions have two components; `None` for a package without fur.
 fn hair(
     uploader: &Uploader<'_>,
     package: &Package<'_>,

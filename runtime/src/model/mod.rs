@@ -1,4 +1,4 @@
-//! A package on the GPU.
+//! Package on the GPU.
 
 mod extent;
 mod ink;

@@ -1,4 +1,4 @@
-//! A package on the GPU.
+//! Package on the GPU.
 
 use super::extent::Extent;
 use super::ink::ModelInk;
@@ -11,7 +11,7 @@ use pelage_formats::{Animation, BodyCollider, Clip, FibreInfo, Manifest, MeshVie
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A package on the GPU: vertices, textures, materials. Cheap to clone; the clones share everything.
+/// Package on the GPU: vertices, textures, materials. Cheap to clone; the clones share everything.
 #[derive(Clone, Debug)]
 pub struct Model {
     pub(super) manifest: Arc<Manifest>,
@@ -20,7 +20,7 @@ pub struct Model {
 
 #[derive(Debug)]
 pub(super) struct Resources {
-    /// As the package kept it.
+    /// Animation as stored in the package.
     pub(super) animation: Option<Arc<Animation>>,
     pub(super) geometry: wgpu::Buffer,
     pub(super) attributes: wgpu::Buffer,
@@ -30,11 +30,11 @@ pub(super) struct Resources {
     pub(super) fur: Option<wgpu::BindGroup>,
     pub(super) fins: Option<Fins>,
     pub(super) strands: Vec<Strands>,
-    /// What of the body hair does not go into.
+    /// Colliders of the body for hair.
     pub(super) colliders: Vec<BodyCollider>,
     pub(super) planar_directions: bool,
     pub(super) knows_visibility: bool,
-    /// How fibres scatter light, where the package says it.
+    /// Fibre scattering data, if the package has it.
     pub(super) fibres: Option<Arc<FibreInfo>>,
     pub(super) varies: Varies,
     pub(super) parts: Vec<Part>,
@@ -44,10 +44,10 @@ pub(super) struct Resources {
     pub(super) gpu_bytes: u64,
 }
 
-/// What morph targets do to the vertices of a model.
+/// Morph target deltas of a model's vertices.
 #[derive(Debug)]
 pub(crate) struct MorphBuffers {
-    /// For each vertex where its deltas begin, and the end.
+    /// Start of each vertex's deltas, followed by the end.
     pub(crate) first: wgpu::Buffer,
     pub(crate) deltas: wgpu::Buffer,
 }
@@ -55,24 +55,24 @@ pub(crate) struct MorphBuffers {
 /// Fins of a model.
 #[derive(Debug)]
 pub(crate) struct Fins {
-    /// All fins, part after part.
+    /// Buffer of all fins, part after part.
     pub(crate) buffer: wgpu::Buffer,
-    /// Their textures, in the layout of the shells'.
+    /// Fin textures, in the same layout as the shell textures.
     pub(crate) textures: wgpu::BindGroup,
     /// The direction texture has two components.
     pub(crate) planar_directions: bool,
 }
 
-/// What varies over the vertices of a model: the shaders do nothing for what does not.
+/// Attributes that vary over the vertices of a model. Shaders skip those that do not.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Varies {
-    /// Some vertex leans more than the tile's strands.
+    /// At least one vertex leans more than the tile's strands.
     pub(crate) lean: bool,
-    /// Some vertex has shorter or longer fur than the manifest says, which is how long the tile's is.
+    /// At least one vertex has shorter or longer fur than the manifest's height, which is that of the tile.
     pub(crate) length: bool,
-    /// Some vertex is bare or wet.
+    /// At least one vertex is bare or wet.
     pub(crate) groom: bool,
-    /// Some vertex has higher fur than the manifest says.
+    /// At least one vertex has higher fur than the manifest's height.
     pub(crate) beyond_height: bool,
 }
 
@@ -87,17 +87,17 @@ impl Varies {
     }
 }
 
-/// What of the index buffer has one material.
+/// Range of the index buffer with one material.
 #[derive(Debug)]
 pub(crate) struct Part {
-    /// Of the mesh, and of each of its simplified lists.
+    /// Index ranges in the mesh and in each of its simplified lists.
     pub(crate) indices: Vec<Range<u32>>,
     pub(crate) fins: Range<u32>,
-    /// Of each of the model's sets of strands.
+    /// Strand ranges in each of the model's strand sets.
     pub(crate) strands: Vec<Range<u32>>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
-    /// Its hair has the base colour of the skin where it roots.
+    /// Hair takes the base colour of the surface at its root.
     pub(crate) at_root: bool,
     pub(crate) has_groom_texture: bool,
     pub(crate) cutout: bool,
@@ -106,13 +106,13 @@ pub(crate) struct Part {
 }
 
 impl Model {
-    /// What the package says about itself.
+    /// Returns the manifest of the package.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// The same model with other constants of the lighting equation than its package has. It shares everything else, and what was made for one of
-    /// them (poses, shadow maps, pipelines) serves the other.
+    /// Returns the model with other constants of the lighting equation than its package has. It shares everything else
+    /// with the original, including poses, shadow maps and pipelines.
     ///
     /// # Errors
     ///
@@ -123,47 +123,47 @@ impl Model {
         Ok(Self { manifest: Arc::new(manifest), resources: self.resources.clone() })
     }
 
-    /// The model's motions.
+    /// Returns the animation clips of the model.
     pub fn clips(&self) -> &[Clip] {
         self.resources.animation.as_ref().map_or(&[], |a| &a.clips)
     }
 
-    /// Index of the first clip of that name, for [`crate::Motion::Clip`].
+    /// Returns the index of the first clip with that name, for [`crate::Motion::Clip`].
     pub fn clip_index(&self, name: &str) -> Option<usize> {
         self.clips().iter().position(|c| c.name == name)
     }
 
-    /// The shapes that it goes over to by weights, such as expressions of a face: for [`crate::Instance::morphs`].
+    /// Returns the morph targets, such as facial expressions: for [`crate::Instance::morphs`].
     pub fn morph_targets(&self) -> &[MorphTarget] {
         self.resources.animation.as_ref().map_or(&[], |a| &a.morphs.targets)
     }
 
-    /// Index of the first morph target of that name.
+    /// Returns the index of the first morph target with that name.
     pub fn morph_index(&self, name: &str) -> Option<usize> {
         self.morph_targets().iter().position(|target| target.name == name)
     }
 
-    /// Bytes of its buffers and textures, shared by all instances.
+    /// Returns the size of its buffers and textures in bytes, shared by all instances.
     pub fn gpu_bytes(&self) -> u64 {
         self.resources.gpu_bytes
     }
 
-    /// The skeleton, where the vertices follow one.
+    /// Returns the skeleton, if the vertices follow one.
     pub fn skeleton(&self) -> Option<&Animation> {
         self.resources.animation.as_deref().filter(|_| self.resources.skin.is_some())
     }
 
-    /// Whether any of its hair on guides swings where frames let it ([`crate::FrameParams::hair_motion`]).
+    /// Whether any of its guided hair moves in frames with hair motion ([`crate::FrameParams::hair_motion`]).
     pub fn has_moving_hair(&self) -> bool {
         self.hair_rest_s().is_some()
     }
 
-    /// Whether it has fur, which leans where frames let it.
+    /// Whether it has fur that leans in frames with hair motion.
     pub fn has_leaning_fur(&self) -> bool {
         self.manifest().fur.height_m > fur_motion::SHORTEST_M
     }
 
-    /// Seconds after which its hair on guides has come to rest where nothing moves it; `None` where none moves.
+    /// Returns the seconds after which its guided hair comes to rest if nothing moves it; `None` if none of it moves.
     pub(crate) fn hair_rest_s(&self) -> Option<f32> {
         let moves = self.resources.strands.iter().filter_map(|set| set.guided()?.motion);
         moves.map(|motion| rest_s(&motion)).reduce(f32::max)
@@ -201,17 +201,17 @@ impl Model {
         self.resources.fins.as_ref()
     }
 
-    /// Its strands: those of the coat first where it has some, then groups of hair.
+    /// Returns its strand sets: first the fur strands, if any, then the hair groups.
     pub(crate) fn strands(&self) -> &[Strands] {
         &self.resources.strands
     }
 
-    /// The strands of its coat.
+    /// Returns its fur strands.
     pub(crate) fn coat_strands(&self) -> Option<&Strands> {
         self.resources.strands.first().filter(|strands| strands.guided().is_none())
     }
 
-    /// How far groups of hair reach from the skin, metres.
+    /// Returns the greatest distance of hair groups from the surface, metres.
     pub(crate) fn hair_reach_m(&self) -> f32 {
         self.resources.strands.iter().filter_map(Strands::guided).map(|guided| guided.reach_m).fold(0.0, f32::max)
     }
@@ -220,12 +220,12 @@ impl Model {
         self.resources.planar_directions
     }
 
-    /// How its fibres scatter light, where the package says it.
+    /// Returns its fibre scattering data, if the package has it.
     pub(crate) fn fibres(&self) -> Option<&Arc<FibreInfo>> {
         self.resources.fibres.as_ref()
     }
 
-    /// Whether the package says how much light reaches its hair.
+    /// Whether the package has baked visibility for its hair.
     pub(crate) fn knows_visibility(&self) -> bool {
         self.resources.knows_visibility
     }
@@ -234,7 +234,7 @@ impl Model {
         self.resources.varies
     }
 
-    /// Fails for a model that has no ink style.
+    /// Returns an error if the model has no ink style.
     pub(crate) fn has_ink(&self) -> Result<(), RuntimeError> {
         if self.resources.ink.is_some() {
             return Ok(());
@@ -246,17 +246,17 @@ impl Model {
         })
     }
 
-    /// Its ink style, where the package has one.
+    /// Returns its ink style, if the package has one.
     pub(crate) fn ink(&self) -> Option<&ModelInk> {
         self.resources.ink.as_ref()
     }
 
-    /// How far the skin reaches.
+    /// Returns the bounds of the mesh surface.
     pub(crate) fn extent(&self) -> &Extent {
         &self.resources.extent
     }
 
-    /// Whether the other shares all buffers and textures with it.
+    /// Whether the other model shares all buffers and textures with this one.
     pub(crate) fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.resources, &other.resources)
     }
@@ -265,12 +265,12 @@ impl Model {
         &self.resources.parts
     }
 
-    /// How far the simplified lists deviate from the mesh, metres at rest, rising.
+    /// Returns the deviations of the simplified lists from the mesh, metres at rest, ascending.
     pub(crate) fn deviations_m(&self) -> &[f32] {
         &self.resources.deviations_m
     }
 
-    /// Triangles of the mesh, or of one of its simplified lists.
+    /// Returns the triangle count of the mesh or of one of its simplified lists.
     pub(crate) fn triangles(&self, list: usize) -> u32 {
         self.resources.parts.iter().filter_map(|part| part.indices.get(list)).map(|range| range.len() as u32 / 3).sum()
     }

@@ -1,10 +1,10 @@
-//! Buffers and textures of a package, checked against the device.
+//! Upload of buffers and textures of a package, checked against the device limits.
 
 use crate::error::RuntimeError;
 use crate::gpu::Gpu;
 use pelage_formats::{FurTextures, Package, TextureFormat, TextureView};
 
-/// Uploads what a package holds, straight from the slices that it borrows.
+/// Uploads the contents of a package directly from the slices that it borrows.
 pub(crate) struct Uploader<'a> {
     pub(super) gpu: &'a Gpu,
     pub(super) package: &'a Package<'a>,
@@ -49,9 +49,11 @@ impl Uploader<'_> {
         Ok(self.gpu.buffer_of(&label, contents, usage))
     }
 
-    /// The format that texels have on the device. Blocks are decoded once, here, where the device cannot sample them, or is a software rasteriser, which
-    /// would decode them for every texel that it reads. Texels of two bytes become four there: it fetches those eight at a time and these one by one,
-    /// which makes reading directions a quarter dearer.
+    /// Returns the texture format on the device. Compressed blocks are decoded once, here, if the device cannot sample
+    /// them or is a software rasteriser. The latter would decode them for every texel that it reads.
+    ///
+    /// On software rasterisers, two-byte texels become four-byte ones: those are fetched eight at a time, these one by
+    /// one, which makes reading directions a quarter slower.
     fn format_here(&self, format: TextureFormat) -> TextureFormat {
         let software = self.gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let samples_blocks = self.gpu.device.features().contains(wgpu::Features::TEXTURE_COMPRESSION_BC);
@@ -62,17 +64,17 @@ impl Uploader<'_> {
         if software || !(plain || samples_blocks) { format.decoded() } else { format }
     }
 
-    /// Bytes of a texture on the device.
+    /// Returns the size of a texture on the device in bytes.
     pub(super) fn bytes_here(&self, view: &TextureView<'_>) -> u64 {
         view.gpu_bytes_as(self.format_here(view.format))
     }
 
-    /// Bytes of colours and directions on the device.
+    /// Returns the size of colours and directions on the device in bytes.
     pub(super) fn hair_bytes(&self, textures: &FurTextures<'_>) -> u64 {
         self.bytes_here(&textures.color).saturating_add(self.bytes_here(&textures.direction))
     }
 
-    /// Colours and directions of hair, as array textures.
+    /// Uploads colours and directions of hair as array textures.
     pub(super) fn hair(
         &self,
         color: u32,
@@ -82,7 +84,7 @@ impl Uploader<'_> {
         Ok([self.array(color, &textures.color)?, self.array(direction, &textures.direction)?])
     }
 
-    /// A texture with all its array layers.
+    /// Uploads a texture with all its array layers.
     pub(super) fn array(&self, index: u32, view: &TextureView<'_>) -> Result<wgpu::TextureView, RuntimeError> {
         let dimension = Some(wgpu::TextureViewDimension::D2Array);
         let all = wgpu::TextureViewDescriptor { dimension, ..Default::default() };
@@ -148,7 +150,7 @@ impl Uploader<'_> {
                     bytes_per_row: Some(columns * format.block_bytes()),
                     rows_per_image: Some(rows),
                 },
-                // Whole blocks: small levels of compressed textures are stored so.
+                // Whole blocks, as small mip levels of compressed textures are stored in them.
                 wgpu::Extent3d { width: columns * block, height: rows * block, depth_or_array_layers: view.layers },
             );
         }

@@ -1,41 +1,41 @@
 //! Debug views of a frame.
 
-/// What a frame of fur shows.
+/// Contents of a fur frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FurShow {
-    /// Its light.
+    /// Lit picture.
     #[default]
     Picture,
-    /// Geometry of each fragment: skin grey, the far coat violet, shells green, fins yellow, single strands red.
+    /// Geometry kind of each fragment: skin grey, far fur layer violet, shells green, fins yellow, single strands red.
     Geometry,
-    /// How many fragments lie over each other: what blends adds up, what is opaque is one.
+    /// Number of overlapping fragments: blended ones add up, opaque ones count as one.
     Overdraw,
 }
 
-/// What an ink frame shows.
+/// Contents of an ink frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum InkShow {
-    /// The painting.
+    /// Finished painting.
     #[default]
     Painting,
-    /// Its lines, black on white.
+    /// Lines, black on white.
     Lines,
-    /// The pixels that lines run through, black on white.
+    /// Feature pixels that lines run through, black on white.
     Features,
-    /// The wash alone.
+    /// Wash only.
     Wash,
 }
 
-/// Debug view: what a frame shows instead of its picture (default: nothing). A frame without one pays nothing for it.
+/// Debug view shown instead of the picture (default: none). A frame without one has no extra cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct DebugView {
-    /// What a frame of fur shows.
+    /// Contents of a fur frame.
     pub fur: FurShow,
-    /// What of an ink painting is shown.
+    /// Contents of an ink frame.
     pub ink: InkShow,
     /// Draws the shells with one texture read and no lighting: the baseline of `pelage bench`.
     pub yardstick: bool,
-    /// Draws this layer of the shells alone, 1.. ; used to count fragments.
+    /// Draws only this shell layer, 1.. ; used to count fragments.
     pub only_layer: Option<u32>,
 }

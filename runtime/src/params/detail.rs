@@ -1,21 +1,23 @@
-//! How much of the fur is drawn where it is small.
+//! Level of detail of small fur.
 
 use crate::error::RuntimeError;
 
-/// How much of each model's fur is drawn. [`crate::FurParams::layers`] goes before it.
+/// Level of detail of each model's fur. [`crate::FurParams::layers`] overrides it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Detail {
-    /// All of it, whatever its size on screen.
+    /// Full detail at any size on screen.
     Full,
-    /// As much as its size on screen shows, by the package's levels of detail and the size that each instance has in
+    /// Detail by size on screen, from the package's levels of detail and the size of each instance in
     /// [`crate::FrameParams::viewport`] (default, with a bias of 1).
     Auto {
-        /// Factor on the size, above 0: 2 draws as much as if everything were twice as large, 0.5 saves more (1 as the package says).
+        /// Factor on the size, above 0: 2 draws as if everything were twice as large, 0.5 saves more (1 as specified by
+        /// the package).
         bias: f32,
     },
-    /// This level of every package, and between two levels by the fraction: 0 all layers; beyond the last, the last. For measuring.
+    /// Fixed level of every package; a fraction fades between two levels. 0 draws all layers; values beyond the last
+    /// level mean the last. For measuring.
     Level(
-        /// At least 0.
+        /// Level, at least 0.
         f32,
     ),
 }

@@ -1,4 +1,4 @@
-//! What is set per frame.
+//! Parameters of a frame.
 
 use super::debug::DebugView;
 use super::fur::{FurParams, SelfShadow};
@@ -14,46 +14,50 @@ use glam::Vec3;
 use pelage_formats::Shading;
 use pelage_formats::meaning::environment::Environment;
 
-/// Set per frame.
+/// Parameters of a frame.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FrameParams {
-    /// From where the scene is seen.
+    /// Camera of the frame.
     pub camera: Camera,
-    /// Width and height of the part of the target that the frame is drawn to, pixels, at least 1 each. The application's pass has a
-    /// viewport of that size; for [`Style::Ink`] it begins at the target's upper left corner.
+    /// Width and height in pixels of the part of the target that is drawn to, at least 1 each. The application's pass
+    /// has a viewport of that size. For [`Style::Ink`] it starts at the target's upper left corner.
     pub viewport: [u32; 2],
-    /// The moment by the application's clock, seconds (default 0). What moves of itself, which is hair, lives from the moment of one frame of an
-    /// owner to that of the next; frames of one moment, for two cameras say, have the same. Poses are set by [`crate::Instance::motion`].
+    /// Time of the application's clock, seconds (default 0). It drives hair motion, which advances from an owner's
+    /// frame to its next frame. Frames with the same time, such as those of two cameras, show the same state. Poses are
+    /// set by [`crate::Instance::motion`].
     pub time_s: f64,
-    /// What moves hair on guides (default `None`: it stays as it was groomed).
+    /// Motion of fur and guided hair (default `None`: all hair stays as groomed).
     pub hair_motion: Option<HairMotionParams>,
-    /// The key light: the one that throws shadows.
+    /// Key light, which casts shadows.
     pub light: Light,
-    /// Other lights, without shadows: at most [`MAX_FILL_LIGHTS`] (default none). Each costs about as much as the key light.
+    /// Fill lights, which cast no shadows: at most [`MAX_FILL_LIGHTS`] (default none). Each costs about as much as the
+    /// key light.
     pub fill_lights: Vec<Light>,
-    /// Light from everywhere, linear RGB, multiplies the package's ambient constant (default 1).
+    /// Uniform ambient light, linear RGB; multiplies the package's ambient constant (default 1).
     pub ambient: Vec3,
-    /// Light from all around, in place of ambient light (default `None`). Its sun is no light of the frame: give it as key light ([`Light::sun`]).
+    /// Environment map that replaces the ambient light (default `None`). Its sun is not included: pass it as key light
+    /// ([`Light::sun`]).
     pub environment: Option<Environment>,
-    /// Whether things throw soft shadows, Attenu_Shadow of Yang 2006, eq. (3), by a shadow-width map (default true): skins on fur, and
-    /// what [`crate::Casters`] brings. Without it [`crate::Frame::shadow_receiver`] lights everything.
+    /// Whether objects cast soft shadows, Attenu_Shadow of Yang 2006, eq. (3), by a shadow-width map (default true).
+    /// Casters are mesh surfaces, which shadow the fur, and the geometry of [`crate::Casters`]. If off,
+    /// [`crate::Frame::shadow_receiver`] lights everything.
     pub soft_shadow: bool,
-    /// How the key light's shadows are made (default [`ShadowParams::default`]).
+    /// Shadow settings of the key light (default [`ShadowParams::default`]).
     pub shadows: ShadowParams,
-    /// How models are drawn (default fur).
+    /// Rendering style (default fur).
     pub style: Style,
-    /// Constants of the lighting equation instead of the package's own (default `None`).
+    /// Constants of the lighting equation, replacing the package's own (default `None`).
     pub shading: Option<Shading>,
-    /// What is shown instead of the picture (default: nothing).
+    /// Debug view shown instead of the picture (default: none).
     pub debug: DebugView,
-    /// Forms as the papers print them (default: those that pelage draws with).
+    /// Forms of the papers to study (default: those that pelage draws with).
     #[cfg(feature = "study")]
     pub study: Study,
 }
 
 impl FrameParams {
-    /// A furry picture of that many pixels from `camera`, with everything else at its default.
+    /// Creates parameters for fur at that many pixels, seen from `camera`, with everything else at its default.
     pub fn new(camera: Camera, viewport: [u32; 2]) -> Self {
         Self {
             camera,
@@ -74,30 +78,31 @@ impl FrameParams {
         }
     }
 
-    /// The same with changes: `FrameParams::new(camera, viewport).with(|p| p.soft_shadow = false)`.
+    /// Returns the parameters with changes: `FrameParams::new(camera, viewport).with(|p| p.soft_shadow = false)`.
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self
     }
 
-    /// The same with changes to how fur is drawn; in another style as it is.
+    /// Returns the parameters with changes to the fur; unchanged in another style.
     pub fn with_fur(mut self, change: impl FnOnce(&mut FurParams)) -> Self {
         self.fur_mut().map(change);
         self
     }
 
-    /// How fur is drawn, to be changed; `None` in another style.
+    /// Returns the fur parameters for modification; `None` in another style.
     pub fn fur_mut(&mut self) -> Option<&mut FurParams> {
         if let Style::Fur(fur) = &mut self.style { Some(fur) } else { None }
     }
 
-    /// The same in ink.
+    /// Returns the parameters with the ink style.
     pub fn with_ink(mut self, ink: InkParams) -> Self {
         self.style = Style::Ink(ink);
         self
     }
 
-    /// Whether no light comes from the key light beside an environment: only where it would shine from is looked at then.
+    /// Whether the key light is black and an environment map lights the frame. Then only the key light's direction is
+    /// used.
     pub(crate) fn is_key_dark(&self) -> bool {
         self.environment.is_some() && self.light.color() == Vec3::ZERO
     }
@@ -107,7 +112,7 @@ impl FrameParams {
         self.form_of_self_shadow() != SelfShadow::Off
     }
 
-    /// How hair shadows hair.
+    /// Returns the form of hair self-shadow.
     pub(crate) fn form_of_self_shadow(&self) -> SelfShadow {
         self.style.fur().map_or(SelfShadow::Off, |fur| fur.self_shadow)
     }
@@ -146,11 +151,12 @@ impl FrameParams {
     }
 }
 
-/// Fails for constants of the lighting equation outside their ranges; `field` is where they stand.
+/// Returns an error if constants of the lighting equation are out of range. `field`: name of the parameter that holds
+/// them.
 pub(crate) fn check_shading(field: &'static str, s: &Shading) -> Result<(), RuntimeError> {
     let expected = "every number in its range".into();
     s.check().map_err(|found| RuntimeError::Params { field, found, expected })
 }
 
-/// Most lights without shadow that a frame may have.
+/// Maximum number of fill lights per frame.
 pub const MAX_FILL_LIGHTS: usize = 32;

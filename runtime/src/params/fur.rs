@@ -1,81 +1,82 @@
-//! How fur is drawn.
+//! Parameters of fur.
 
 use super::detail::Detail;
 use crate::error::RuntimeError;
 
-/// How hair shadows hair: t of Yang 2006, eq. (2).
+/// Form of hair self-shadow: t of Yang 2006, eq. (2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SelfShadow {
-    /// As the package knows it, and by layer-wise maps where it does not.
+    /// Baked visibility if the package has it, otherwise layer-wise maps.
     #[default]
     Auto,
-    /// As the package knows it ([`crate::shared::visibility`]), for all lights; not at all where it does not. No layer-wise map is drawn; with soft
-    /// shadows one of all hair is, for what it throws on other things.
+    /// Baked visibility ([`crate::shared::visibility`]), for all lights; none if the package has none. No layer-wise
+    /// maps are drawn. With soft shadows, one map of all hair is drawn, for its shadow on other objects.
     Baked,
-    /// By layer-wise shadow maps of the key light (Yang 2006, §3), drawn when light, pose or model change.
+    /// Layer-wise shadow maps of the key light (Yang 2006, §3), redrawn when light, pose or model change.
     Maps,
-    /// Not at all.
+    /// No self-shadow.
     Off,
 }
 
-/// How hair scatters light, where the package knows the fibres that it is made of (`shading.model = "marschner"` in its recipe). Hair of other packages is
-/// lit by Yang 2006, eq. (3), always.
+/// Scattering model, for packages with fibre data (`shading.model = "marschner"` in the recipe). Hair of other packages
+/// is always lit by Yang 2006, eq. (3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scattering {
-    /// By the tables of its fibres (Marschner 2003), with the light that goes on from hair to hair.
+    /// Fibre tables (Marschner 2003), with multiple scattering between hairs.
     #[default]
     Multiple,
-    /// By the tables of its fibres, without that light: right for black hair alone.
+    /// Fibre tables without multiple scattering; correct only for black hair.
     Single,
-    /// By Yang 2006, eq. (3), as hair of other packages.
+    /// Yang 2006, eq. (3), as for packages without fibre data.
     Off,
 }
 
-/// What hair is drawn as.
+/// Geometry of hair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hair {
-    /// As single strands where the package has them and they are wide enough on screen to be seen; else as layers.
+    /// Single strands if the package has them and they are wide enough on screen, otherwise layers.
     #[default]
     Auto,
-    /// As layers.
+    /// Layers only.
     Shells,
-    /// As single strands wherever the package has them and the device can draw them, short of the far coat.
+    /// Single strands wherever the package has them and the device can draw them, except where the far fur layer is
+    /// drawn.
     Strands,
 }
 
-/// How pixels are made of single strands, which are mostly thinner than they.
+/// Rendering of strand edges; most strands are thinner than a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StrandEdges {
-    /// Opaque ribbons, in the samples of the application's pass.
+    /// Opaque ribbons, antialiased by the samples of the application's pass.
     #[default]
     Samples,
-    /// Each pixel blends the eight nearest of its strands, by how much of it each covers: still and smooth with one sample a pixel, for 68 bytes a
-    /// pixel that hair may reach. Where the device's buffers do not hold those, as with [`Self::Samples`].
+    /// Each pixel blends its eight nearest strands by their coverage: stable and smooth with one sample per pixel. This
+    /// needs 68 bytes per pixel that hair may cover. If the device's buffers are too small, [`Self::Samples`] is used.
     Blended,
 }
 
-/// How a frame in [`crate::Style::Fur`] is drawn.
+/// Parameters of a frame in [`crate::Style::Fur`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FurParams {
-    /// Layers to draw, skin counted, 1..=1024; `None` (default) draws as many as were baked. The density of the fur stays the
-    /// same (see [`crate::shared::opacity`]); fewer layers cost less, and show their steps at the silhouette.
+    /// Number of layers, skin included, 1..=1024; `None` (default) draws the baked number. The density of the fur stays
+    /// the same (see [`crate::shared::opacity`]). Fewer layers cost less, but their steps show at the silhouette.
     pub layers: Option<u32>,
-    /// How much of the fur is drawn where it is small on screen (default [`Detail::Full`]). `layers` goes before it.
+    /// Level of detail of small fur (default [`Detail::Full`]). `layers` overrides it.
     pub detail: Detail,
-    /// Whether fins are drawn where the package has them (default true).
+    /// Whether fins are drawn, if the package has them (default true).
     pub fins: bool,
-    /// What hair is drawn as (default [`Hair::Auto`]).
+    /// Geometry of hair (default [`Hair::Auto`]).
     pub hair: Hair,
-    /// How pixels are made of single strands (default [`StrandEdges::Samples`]).
+    /// Rendering of strand edges (default [`StrandEdges::Samples`]).
     pub strand_edges: StrandEdges,
-    /// How hair shadows hair, t of Yang 2006, eq. (2) (default [`SelfShadow::Auto`]).
+    /// Form of hair self-shadow, t of Yang 2006, eq. (2) (default [`SelfShadow::Auto`]).
     pub self_shadow: SelfShadow,
-    /// How hair scatters light where the package knows its fibres (default [`Scattering::Multiple`]).
+    /// Scattering model, for packages with fibre data (default [`Scattering::Multiple`]).
     pub scattering: Scattering,
 }
 
-/// More layers than this are a mistake.
+/// Upper limit of the layer count; more are assumed to be a mistake.
 const MAX_LAYERS: u32 = 1024;
 
 impl Default for FurParams {
@@ -93,7 +94,7 @@ impl Default for FurParams {
 }
 
 impl FurParams {
-    /// The same with changes: `FurParams::default().with(|f| f.fins = false)`.
+    /// Returns the parameters with changes: `FurParams::default().with(|f| f.fins = false)`.
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self

@@ -1,22 +1,26 @@
-//! What moves hair on guides, and fur.
+//! Motion of guided hair and fur.
 
 use crate::error::RuntimeError;
 use glam::Vec3;
 pub use pelage_formats::meaning::hair_motion::Wind;
 
-/// What moves hair: fur leans, and hair on guides swings where packages say how, and all comes to rest.
+/// Parameters of hair motion: fur leans, and guided hair swings if the package enables it, until all comes to rest.
 ///
-/// Hair lives from the moment of an owner's last frame to that of this one ([`crate::FrameParams::time_s`]), through at most 2/15 s: a second that is missed
-/// is not made up for, and time that goes backwards is none. Without time it holds still, but goes with the skin. It begins as it was groomed in the first
-/// frame that has it, and where [`crate::Instance::cut`] is another number.
+/// Hair advances from the time of an owner's last frame to that of this one ([`crate::FrameParams::time_s`]), by at
+/// most 2/15 s. Longer gaps are not made up for; time that goes backwards counts as none. If no time passes, hair keeps
+/// its shape and follows the surface.
+///
+/// Hair is reset to its groomed state in the first frame with these parameters, and whenever [`crate::Instance::cut`]
+/// changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HairMotionParams {
-    /// Acceleration of everything, metres a second squared (default the earth's, downwards).
+    /// Acceleration by gravity, m/s² (default the earth's, downwards).
     pub gravity: Vec3,
-    /// The air, in world space (default still).
+    /// Wind in world space (default still).
     pub wind: Wind,
-    /// How far fur leans in wind and stride, 0..=4; 1 as it would, 0 not at all (default 1). Fur of less than a pixel's height does not.
+    /// Strength of the fur's lean in wind and movement, 0..=4; 1 is natural, 0 off (default 1). Fur less than a pixel
+    /// high does not lean.
     pub fur: f32,
 }
 
@@ -28,7 +32,7 @@ impl Default for HairMotionParams {
 }
 
 impl HairMotionParams {
-    /// The same with changes.
+    /// Returns the parameters with changes.
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self

@@ -1,77 +1,78 @@
-//! The ink-wash style (Fang 2006): what a frame can say about it.
+//! Parameters of the ink-wash style (Fang 2006).
 
 use crate::error::RuntimeError;
 use glam::Vec3;
 use pelage_formats::InkShading;
 
-/// How a frame in [`crate::Style::Ink`] is painted. Greys are 0 for black and 1 for white, as a display shows them.
+/// Parameters of a frame in [`crate::Style::Ink`]. Greys range from 0 for black to 1 for white, in display encoding.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct InkParams {
-    /// T1 of Fang 2006, §2, 0.15..=1 (default 0.64, the cosine of 50°): where the dot of the normals of neighbouring pixels is lower, there is a line. Higher
-    /// draws more lines.
+    /// Threshold T1 of Fang 2006, §2, 0.15..=1 (default 0.64, the cosine of 50°). A line is drawn where the dot product
+    /// of neighbouring normals is lower. Higher values draw more lines.
     pub threshold: f32,
-    /// T1 − T2, 0..=1 (default 0.15): lines between the two thresholds are weak, thinner and paler.
+    /// Difference T1 − T2, 0..=1 (default 0.15). Lines between the two thresholds are weak, thinner and paler.
     pub weak_difference: f32,
-    /// Relative step of depth between neighbours that is a line as well, at least 0 (default 0.01), weak up to four times as much; 0 looks at normals
-    /// alone, as printed.
+    /// Relative depth step between neighbours that also makes a line, at least 0 (default 0.01); weak up to four times
+    /// as much. 0 uses normals only, as printed.
     pub depth_step: f32,
-    /// Distance of the neighbours that are compared, pixels, 1..=8 (default 1).
+    /// Distance of the compared neighbours, pixels, 1..=8 (default 1).
     pub step_px: u32,
     /// Width of the widest line (default [`LineWidth::Auto`]).
     pub width: LineWidth,
-    /// Whether strokes of fur are drawn on fins where the package has them (default true).
+    /// Whether fur strokes are drawn on fins, if the package has them (default true).
     pub fins: bool,
-    /// Factor on the breadth of the sphere map's rim, 0..=4 (default 1.5).
+    /// Factor on the width of the sphere map's rim, 0..=4 (default 1.5).
     pub swell: f32,
-    /// k of D = k (0.5 cos + 0.5), 0..=1 (default 0.35): lightness of lines.
+    /// Factor k of D = k (0.5 cos + 0.5), 0..=1 (default 0.35): lightness of lines.
     pub tone: f32,
-    /// levelColor, 0..=1 (default 0.35): what weak lines are lifted by.
+    /// Lightness added to weak lines, levelColor, 0..=1 (default 0.35).
     pub weak_lightness: f32,
-    /// How unevenly the hand presses, 0..=1 (default 1).
+    /// Variation of the brush pressure, 0..=1 (default 1).
     pub pressure: f32,
-    /// How far lines run dry, 0..=1 (default 0.4).
+    /// Dryness of lines, 0..=1 (default 0.4).
     pub dryness: f32,
-    /// How far the relief of the paper moves the edge of lines, pixels, 0..=8 (default 1.2).
+    /// Displacement of line edges by the paper's relief, pixels, 0..=8 (default 1.2).
     pub roughness_px: f32,
     /// Colour of the ink, linear RGB, 0..=1 each.
     pub ink: Vec3,
     /// Colour of the paper, linear RGB, 0..=1 each.
     pub paper: Vec3,
-    /// How much of the paper's relief and flecks shows, 0..=1 (default 1).
+    /// Visibility of the paper's relief and flecks, 0..=1 (default 1).
     pub paper_grain: f32,
-    /// Period of the paper's tile, pixels, 1..=65536 (default 768).
+    /// Period of the paper tile, pixels, 1..=65536 (default 768).
     pub paper_period_px: f32,
-    /// What is there beside what is painted (default [`InkBackground::Paper`]).
+    /// Background beside the painting (default [`InkBackground::Paper`]).
     pub background: InkBackground,
-    /// Distances where mist begins and where only it is left, metres along the view, rising; `None` (default) for clear air.
+    /// Distances at which mist starts and at which only mist is visible, metres along the view, ascending; `None`
+    /// (default) for clear air.
     pub mist_m: Option<[f32; 2]>,
-    /// Constants of the models' wash, fur and lines instead of their packages' own (default `None`).
+    /// Constants of the models' wash, fur and lines, replacing their packages' own (default `None`).
     pub shading: Option<InkShading>,
 }
 
 /// Width of the widest line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LineWidth {
-    /// [`InkParams::default_width_px`] of the picture's height.
+    /// Value of [`InkParams::default_width_px`] for the picture's height.
     Auto,
-    /// Pixels, above 0 and at most 32: the same at any distance.
+    /// Width in pixels, above 0 and at most 32: the same at any distance.
     Pixels(f32),
-    /// Metres, above 0: thinner with distance, and at most 32 pixels.
+    /// Width in metres, above 0: thinner with distance, and at most 32 pixels.
     Metres(f32),
 }
 
-/// What is there beside what is painted.
+/// Background beside the painting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum InkBackground {
     /// Paper over the whole target, except where something nearer than the far plane was drawn before.
     #[default]
     Paper,
-    /// What the application drew before.
+    /// Contents that the application drew before.
     Picture,
 }
 
-/// Widest line that the passes can draw, pixels.
+/// Maximum line width that the passes can draw, pixels.
 const WIDEST_PX: f32 = 32.0;
 
 impl Default for InkParams {
@@ -101,13 +102,14 @@ impl Default for InkParams {
 }
 
 impl InkParams {
-    /// The same with changes: `InkParams::default().with(|i| i.background = InkBackground::Picture)`.
+    /// Returns the parameters with changes: `InkParams::default().with(|i| i.background = InkBackground::Picture)`.
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self
     }
 
-    /// Nine pixels in a picture of 424 rows, the size in Fang 2006, whose three dilations come to seven or eight; in proportion in others.
+    /// Returns the default line width: nine pixels in a picture of 424 rows, in proportion for others. That is the size
+    /// in Fang 2006, whose three dilations give seven or eight.
     pub fn default_width_px(height: u32) -> f32 {
         (9.0 * height as f32 / PRINTED_HEIGHT).clamp(1.5, WIDEST_PX)
     }
@@ -116,7 +118,7 @@ impl InkParams {
         let fail = |field, found: String, expected: &str| {
             Err(RuntimeError::Params { field, found, expected: expected.into() })
         };
-        // Not a number is in no range.
+        // NaN is in no range.
         for (field, value, range) in [
             ("InkParams::threshold", self.threshold, 0.15..=1.0),
             ("InkParams::weak_difference", self.weak_difference, 0.0..=1.0),
@@ -160,7 +162,8 @@ impl InkParams {
         Ok(())
     }
 
-    /// Halves of the widest line in a picture of `height` pixels: pixels, and metres that count besides.
+    /// Returns half of the greatest line width in a picture of `height` pixels, as two parts that add up: pixels and
+    /// metres.
     pub(crate) fn half_width(&self, height: u32) -> [f32; 2] {
         match self.width {
             LineWidth::Auto => [0.5 * Self::default_width_px(height), 0.0],
@@ -169,14 +172,14 @@ impl InkParams {
         }
     }
 
-    /// Farthest that a line reaches from its feature in a picture of `height` pixels, whole pixels.
+    /// Returns the greatest distance of a line from its feature in a picture of `height` pixels, in whole pixels.
     pub(crate) fn reach_px(&self, height: u32) -> u32 {
         let [px, metres] = self.half_width(height);
-        // How large metres get in the picture is not known.
+        // The size of a metre in pixels is unknown here.
         let half = if metres > 0.0 { WIDEST_PX } else { px };
         half.min(0.5 * WIDEST_PX).ceil() as u32 + 1
     }
 }
 
-/// Rows of the pictures in Fang 2006.
+/// Height in pixels of the pictures in Fang 2006.
 const PRINTED_HEIGHT: f32 = 424.0;

@@ -1,4 +1,4 @@
-//! What is set once and what is set per frame: plain data.
+//! Parameters set once and parameters set per frame, as plain data.
 
 mod debug;
 mod detail;

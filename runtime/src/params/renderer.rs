@@ -1,24 +1,29 @@
-//! What is set once.
+//! Options set once per renderer.
 
 use crate::error::RuntimeError;
 
-/// Set once: what the application's render pass looks like. It must match the pass that [`crate::Frame::draw`] records into.
+/// Options set once: a description of the application's render pass. It must match the pass that [`crate::Frame::draw`]
+/// records into.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RendererOptions {
-    /// Format of the one colour target (default `Rgba8UnormSrgb`). The shaders write linear light with premultiplied opacity;
-    /// an sRGB format encodes it.
+    /// Format of the single colour target (default `Rgba8UnormSrgb`). The shaders write linear light with premultiplied
+    /// opacity; an sRGB format encodes it.
     pub color_format: wgpu::TextureFormat,
     /// Format of the depth buffer (default `Depth32Float`).
     pub depth_format: wgpu::TextureFormat,
-    /// Samples per pixel of both (default 1).
+    /// Samples per pixel of both targets (default 1).
     pub sample_count: u32,
-    /// Near is 1 and far is 0 (default false): the pass clears depth to 0, nearer is greater.
+    /// Whether depth is 1 at the near plane and 0 at the far plane (default false). The pass then clears depth to 0.
     pub reversed_depth: bool,
-    /// Anisotropy of the base-colour texture's sampler, 1..=16 (default 1). Hair textures are always read with 1.
+    /// Anisotropy of the base-colour texture's sampler, 1..=16 (default 1). Hair textures are always sampled with 1.
     pub anisotropy: u16,
-    /// How many single strands of a coat a model may have (default 300 000). Of one that would have more, but not twice as many, a share stands for all,
-    /// each as much wider; others keep their layers near by. Each is planted when the model is loaded, in about a microsecond, and takes 176 bytes
-    /// on the GPU where it has nine points, while it is drawn 320 to 660 more. 0 plants none. It does not concern hair on guides.
+    /// Maximum number of single fur strands per model (default 300 000); 0 for none. Guided hair is not affected.
+    ///
+    /// A model that would have more, up to twice as many, gets a share of them, each correspondingly wider. Models with
+    /// still more strands are drawn in layers at any distance.
+    ///
+    /// Strands are placed at load time, in about a microsecond each. A strand of nine points takes 176 bytes on the
+    /// GPU, and 320 to 660 more while it is drawn.
     pub most_strands: u32,
 }
 

@@ -1,30 +1,33 @@
-//! How the key light's shadows are made.
+//! Shadow settings of the key light.
 
 use crate::error::RuntimeError;
 
-/// How the shadows of the key light are made; [`crate::FurParams::self_shadow`] and [`crate::FrameParams::soft_shadow`] say which are.
-/// Set per frame; a change draws the maps anew. [`crate::ShadowMaps::gpu_bytes`] tells what they take.
+/// Shadow settings of the key light. [`crate::FurParams::self_shadow`] and [`crate::FrameParams::soft_shadow`] select
+/// which shadows are drawn. Set per frame; a change redraws the maps. [`crate::ShadowMaps::gpu_bytes`] returns their
+/// size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowParams {
-    /// Width and height of every shadow map, texels, 16..=8192 (default 512, as in Yang 2006, §6). One map covers all that is drawn
-    /// and [`crate::Casters::bounds`]: its texels are [`crate::LightView::extent`] / `map_size` wide.
+    /// Width and height of every shadow map, texels, 16..=8192 (default 512, as in Yang 2006, §6). A map covers
+    /// everything that is drawn and [`crate::Casters::bounds`]; its texels are [`crate::LightView::extent`] /
+    /// `map_size` wide.
     pub map_size: u32,
-    /// Layers of the layer-wise maps, skin counted, 2..=256; `None` (default) for as many as are drawn. Fewer cost less, and
-    /// what lies between two is interpolated.
+    /// Number of layer-wise maps, skin included, 2..=256; `None` (default) for as many as are drawn. Fewer cost less;
+    /// values between two maps are interpolated.
     pub map_layers: Option<u32>,
-    /// Slabs of the map in which single strands shadow each other, 1..=64 (default 4): they divide twice the height of the highest fur, behind the
-    /// first hair of each texel. More cost memory and time, and know better where hair lies.
+    /// Slabs of the deep opacity map, in which single strands shadow each other, 1..=64 (default 4). They divide twice
+    /// the height of the highest fur, behind the first hair of each texel. More slabs are more accurate, but cost
+    /// memory and time.
     pub slabs: u32,
-    /// Share of the layers' optical depth that the light meets in the maps, 0..=4 (default 1, as they are drawn). What packages know of visibility does
-    /// not hang on it.
+    /// Factor on the layers' optical depth in the maps, 0..=4 (default 1, as drawn). Baked visibility is not affected.
     pub density: f32,
-    /// Width of the penumbra over the distance between what throws a shadow and where it falls, 0..=2 (default 0.15): 1 / C_scale of
-    /// Yang 2006, §5; 2 tan of the light's angular radius. The sun has 0.009; 0 is a hard shadow. `shrink` says how wide it can
-    /// get. The shadow of hair on other things is blurred by `shrink` texels at every distance.
+    /// Width of the penumbra relative to the distance between caster and receiver, 0..=2 (default 0.15): 1 / C_scale of
+    /// Yang 2006, §5; 2 tan of the light's angular radius. The sun has 0.009; 0 is a hard shadow.
+    ///
+    /// `shrink` limits the width. The shadow of hair on other objects is blurred by `shrink` texels at every distance.
     pub penumbra: f32,
-    /// How far the shadow-width map is shrunk before it is stretched again, 2..=32 (default 4, as in Yang 2006, §4): the widest
-    /// penumbra is 4/3 of as many texels, and things much thinner throw no shadow.
+    /// Factor by which the shadow-width map is shrunk before it is stretched again, 2..=32 (default 4, as in Yang 2006,
+    /// §4). The widest penumbra is 4/3 of that number of texels; objects much thinner than that cast no shadow.
     pub shrink: u32,
 }
 
@@ -35,7 +38,7 @@ impl Default for ShadowParams {
 }
 
 impl ShadowParams {
-    /// The same with changes: `ShadowParams::default().with(|s| s.map_size = 1024)`.
+    /// Returns the parameters with changes: `ShadowParams::default().with(|s| s.map_size = 1024)`.
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self

@@ -1,114 +1,124 @@
-//! Forms as the papers print them.
+//! Forms of the formulas as printed in the papers.
 
-/// What the slant of a ray does to the opacity of a layer.
+/// Effect of a ray's slant on the opacity of a layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SlantForm {
-    /// (1 − α)^(1/|N·L|), and half of the receiver's own layer: the way through hair grows with its slant, that of light and that of a look.
+    /// Corrected form (1 − α)^(1/|N·L|), and half of the receiver's own layer. The path through hair grows with the
+    /// slant, for light and view rays alike.
     #[default]
     Corrected,
-    /// 1 − α at every angle, as printed in Yang 2006, §3.1, and as all shells before.
+    /// Constant 1 − α at every angle, as printed in Yang 2006, §3.1, and in all earlier shells.
     Printed,
 }
 
-/// Where the penumbra lies.
+/// Position of the penumbra.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum PenumbraForm {
-    /// On both sides of the hard edge, where a round light has it.
+    /// Both sides of the hard edge, as with a round light.
     #[default]
     Centred,
     /// Inside the hard edge, as in Yang 2006, §5, after Kirsch and Döllner 2003.
     Inner,
 }
 
-/// Which slabs hold the hair that shadows single strands.
+/// Slabs that hold the hair for shadows of single strands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum OpacityForm {
-    /// [`crate::ShadowParams::slabs`] behind the first hair of each texel: a deep opacity map, Yuksel and Keyser 2008.
+    /// Deep opacity map, Yuksel and Keyser 2008: [`crate::ShadowParams::slabs`] slabs behind the first hair of each
+    /// texel.
     #[default]
     Deep,
-    /// As many planes at equal distances over the whole depth of the hair, the first where it begins and the last where it ends, and straight between
-    /// them: the opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering in the Nalu Demo") with its spacing mended.
+    /// Opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering in the Nalu Demo"), with corrected
+    /// spacing. As many planes at equal distances over the whole depth of the hair, the first at its start and the last
+    /// at its end, with linear interpolation.
     WholeDepth,
-    /// The same with the spacing as printed, (z_15 − z_0) / 16 for 16 planes: the last lies before the end, and what is behind it is lit.
+    /// Opacity shadow map with the spacing as printed, (z_15 − z_0) / 16 for 16 planes. The last plane is before the
+    /// end, and everything behind it is lit.
     Printed,
 }
 
-/// Where the key light's diffuse and specular factors, Yang 2006, eq. (1), are computed.
+/// Stage that computes the key light's diffuse and specular factors, Yang 2006, eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lighting {
-    /// At every pixel, with the direction of its hair.
+    /// Per pixel, with the direction of its hair.
     #[default]
     Pixel,
-    /// At the vertices, with the mean direction of a layer's hairs, and interpolated, as in Lengyel 2001: the baseline that light per
-    /// pixel is held against. Shadows, Attenu_Back and fill lights stay per pixel.
+    /// Per vertex, with the mean hair direction of a layer, and interpolated, as in Lengyel 2001: the baseline for
+    /// lighting per pixel. Shadows, Attenu_Back and fill lights stay per pixel.
     Vertex,
 }
 
-/// Which neighbours of a pixel must differ in their normal for a line to run through it.
+/// Neighbours of a pixel whose normals must differ for a line to run through it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FeatureRule {
-    /// Any of the four.
+    /// Any of the four neighbours.
     #[default]
     AnyBelow,
-    /// All four, as Fang 2006 is printed: a straight edge always has two neighbours on its own side, so that hardly a line is found.
+    /// All four neighbours, as printed in Fang 2006. A straight edge always has two neighbours on its own side, so
+    /// hardly any line is found.
     AllBelow,
 }
 
-/// How a normal finds its place in the stroke's texture.
+/// Mapping from a normal to coordinates in the stroke texture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SphereMapForm {
-    /// In the frame perpendicular to the view: the outline is the rim of the disc whatever the perspective.
+    /// Normal in the frame perpendicular to the view: the outline is the rim of the disc for any perspective.
     #[default]
     Perpendicular,
-    /// By reflection, R = 2 (N·E) N − E: what the printed equations mean, right at the middle of the picture alone.
+    /// Reflection R = 2 (N·E) N − E: the intended meaning of the printed equations, correct only at the centre of the
+    /// picture.
     Reflection,
-    /// As printed, R = (N·E)² E − E: one place for all normals.
+    /// Printed form R = (N·E)² E − E: the same coordinates for all normals.
     Printed,
 }
 
-/// What varies is tied to the surface or to the picture.
+/// Reference frame of noise along lines and in the wash.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Anchoring {
-    /// To the surface: strokes and wash move with the character.
+    /// Surface: strokes and wash move with the character.
     #[default]
     Surface,
-    /// To the picture, through which the character then seems to swim: for measuring what the other saves.
+    /// Screen: the character appears to swim through the texture. For comparison with [`Self::Surface`].
     Screen,
 }
 
-/// Forms that a frame is drawn with instead of those of pelage, for charts, tests and measurements.
+/// Forms used instead of pelage's own, for charts, tests and measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Study {
-    /// Where the key light is computed (default per pixel).
+    /// Stage that computes the key light (default per pixel).
     pub lighting: Lighting,
-    /// How opaque a layer is to a look that goes through it at a slant.
+    /// Opacity of a layer for slanted view rays.
     pub look_slant: SlantForm,
-    /// How much of the key light a layer takes.
+    /// Opacity of a layer for slanted light.
     pub light_slant: SlantForm,
-    /// Where the penumbra lies.
+    /// Position of the penumbra.
     pub penumbra: PenumbraForm,
-    /// Which slabs hold the hair that shadows single strands.
+    /// Slabs that hold the hair for shadows of single strands.
     pub opacity: OpacityForm,
-    /// Whether the light of single strands is looked up on their axis, and not on the side that the eye sees (default false).
+    /// Whether the light of single strands is looked up on their axis instead of the side facing the eye (default
+    /// false).
     pub light_on_axis: bool,
-    /// Whether maps of strands' shadows may have texels narrower than a strand (default false: such maps are halved).
+    /// Whether deep opacity maps may have texels narrower than a strand (default false: such maps are halved in size).
     pub thin_texels: bool,
-    /// Pieces that every strand is drawn in: the most that divide its points, up to so many; `None` (default) by its size on screen.
+    /// Maximum number of segments per strand; the greatest divisor of its segments up to this is used. `None`
+    /// (default): by size on screen.
     pub strand_pieces: Option<u32>,
-    /// Whether ambient light fades towards the skin, γ of Yang 2006, eq. (2) (default true).
+    /// Whether ambient light fades towards the surface, γ of Yang 2006, eq. (2) (default true).
     pub ambient_attenuation: bool,
-    /// Whether the light ends past the terminator, Attenu_Back of Yang 2006, eq. (3) (default true).
+    /// Whether light ends past the terminator, Attenu_Back of Yang 2006, eq. (3) (default true).
     pub back_attenuation: bool,
-    /// Which of the four neighbours must differ for a line of ink.
+    /// Neighbours that must differ for an ink line.
     pub features: FeatureRule,
-    /// Whether lines of ink keep to their width (default true). Without it the sphere map alone decides, which blackens what is seen edge on.
+    /// Whether ink lines keep their width (default true). Otherwise the sphere map alone determines it, which blackens
+    /// surfaces seen edge-on.
     pub template: bool,
-    /// How the sphere map is looked up.
+    /// Lookup of the sphere map.
     pub sphere_map: SphereMapForm,
-    /// Whether lines are the pixels that the printed algorithm draws, ink or not, with squares for the dilation (default false).
+    /// Whether lines are the pixels that the printed algorithm draws, inked or not, with square dilation (default
+    /// false).
     pub printed_lines: bool,
-    /// What varies along lines and in the wash is tied to this.
+    /// Reference frame of noise along lines and in the wash.
     pub anchoring: Anchoring,
 }
 
@@ -135,7 +145,7 @@ impl Default for Study {
 }
 
 impl Study {
-    /// The same with changes: `Study::default().with(|s| s.template = false)`.
+    /// Returns the study with changes: `Study::default().with(|s| s.template = false)`.
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self

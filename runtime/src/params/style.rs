@@ -1,42 +1,43 @@
-//! How a frame is drawn.
+//! Rendering style of a frame.
 
 use super::fur::FurParams;
 use super::ink::InkParams;
 
-/// How a frame is drawn.
+/// Rendering style of a frame.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Style {
-    /// With the models' fur.
+    /// Fur of the models.
     Fur(FurParams),
-    /// The skin alone, in its base colour. Its light is rolled off towards the sum of all lights, so that white skin shows its form.
+    /// Bare mesh surface in its base colour. Its light is rolled off towards the sum of all lights, so that white
+    /// surfaces keep visible shading.
     Bare,
-    /// As an ink-wash painting (Fang 2006), for packages that have the style. There is no light in it: lights, shadows and casters have no
-    /// effect. The paper is that of the first instance.
+    /// Ink-wash painting (Fang 2006), for packages with an ink style. The style is unlit: lights, shadows and casters
+    /// have no effect. The paper is that of the first instance.
     Ink(InkParams),
 }
 
-/// A style without its parameters.
+/// Style without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum StyleKind {
-    /// [`Style::Fur`].
+    /// Kind of [`Style::Fur`].
     Fur,
-    /// [`Style::Bare`].
+    /// Kind of [`Style::Bare`].
     Bare,
-    /// [`Style::Ink`].
+    /// Kind of [`Style::Ink`].
     Ink,
 }
 
 impl Default for Style {
-    /// Fur with everything at its default.
+    /// Returns fur with everything at its default.
     fn default() -> Self {
         Self::Fur(FurParams::default())
     }
 }
 
 impl Style {
-    /// Which style it is.
+    /// Returns the kind of the style.
     pub fn kind(&self) -> StyleKind {
         match self {
             Self::Fur(_) => StyleKind::Fur,
@@ -45,12 +46,12 @@ impl Style {
         }
     }
 
-    /// The parameters of fur, where it is that.
+    /// Returns the fur parameters, if this is [`Style::Fur`].
     pub fn fur(&self) -> Option<&FurParams> {
         if let Self::Fur(fur) = self { Some(fur) } else { None }
     }
 
-    /// The parameters of ink, where it is that.
+    /// Returns the ink parameters, if this is [`Style::Ink`].
     pub fn ink(&self) -> Option<&InkParams> {
         if let Self::Ink(ink) = self { Some(ink) } else { None }
     }

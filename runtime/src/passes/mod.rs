@@ -1,5 +1,5 @@
-//! One pass is one folder: its shader, what it draws to, its pipelines, when it runs, and its words in reports. Their order is the list in
-//! `frame.rs`.
+//! Render passes, one folder each: shader, targets, pipelines, run condition and report texts. `frame.rs` lists them in
+//! order.
 
 pub(crate) mod fins;
 pub(crate) mod fur_motion;
@@ -32,64 +32,65 @@ use crate::scene::Recording;
 use glam::Mat3;
 use std::fmt;
 
-/// When a pass is recorded.
+/// Stage of the frame at which a pass is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PassPlace {
-    /// By [`crate::Renderer::prepare`], before the application's render pass.
+    /// Recorded by [`crate::Renderer::prepare`], before the application's render pass.
     Before,
-    /// By [`crate::Frame::draw`], in the application's render pass.
+    /// Recorded by [`crate::Frame::draw`], in the application's render pass.
     Picture,
 }
 
-/// A pass: what it is, whatever the frame, and what it does in one. It keeps nothing: what lasts is the renderer's.
+/// Pass descriptor: properties that do not depend on the frame, and the function that runs it. Stateless; the renderer
+/// owns all persistent data.
 pub(crate) struct Pass {
     pub(crate) name: &'static str,
     pub(crate) place: PassPlace,
-    /// Styles of frames that have it.
+    /// Styles of the frames that include the pass.
     pub(crate) styles: &'static [StyleKind],
-    /// What it does, as documents say it.
+    /// Description for documentation.
     pub(crate) does: &'static str,
-    /// When it runs, as documents say it.
+    /// Run condition for documentation.
     pub(crate) runs_when: &'static str,
     #[cfg_attr(not(test), expect(dead_code, reason = "tests hold all shaders against the Rust that feeds them"))]
     pub(crate) shaders: &'static [Shader],
-    /// Textures of the picture's size that it draws to.
+    /// Targets of the picture's size.
     pub(crate) targets: &'static [Target],
-    /// Records it, or plans its draws in the application's pass, in a frame of one of its styles.
+    /// Records the pass, or plans its draws in the application's pass, in a frame of one of its styles.
     pub(crate) run: fn(&mut Recording<'_>) -> Outcome,
 }
 
-/// A matrix as uniforms have it.
+/// Returns a matrix in uniform layout.
 pub(crate) fn columns(m: Mat3) -> [[f32; 4]; 3] {
     [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.extend(0.0).to_array())
 }
 
-/// A pass of a frame.
+/// Identifier of a pass of a frame.
 #[derive(Clone, Copy)]
 pub struct PassId(pub(crate) &'static Pass);
 
 impl PassId {
-    /// Name in reports.
+    /// Returns the name used in reports.
     pub fn name(self) -> &'static str {
         self.0.name
     }
 
-    /// When it is recorded.
+    /// Returns when the pass is recorded.
     pub fn place(self) -> PassPlace {
         self.0.place
     }
 
-    /// Styles of frames that have it.
+    /// Returns the styles of the frames that include the pass.
     pub fn styles(self) -> &'static [StyleKind] {
         self.0.styles
     }
 
-    /// What it does, in a sentence.
+    /// Returns a one-sentence description.
     pub fn does(self) -> &'static str {
         self.0.does
     }
 
-    /// When it runs, in a sentence.
+    /// Returns the run condition, in one sentence.
     pub fn runs_when(self) -> &'static str {
         self.0.runs_when
     }
@@ -109,28 +110,28 @@ impl fmt::Debug for PassId {
     }
 }
 
-/// What a pass does in a frame.
+/// Result of a pass in a frame.
 #[derive(Debug)]
 pub(crate) enum Outcome {
-    /// Nothing, and why.
+    /// Skipped, with the reason.
     Skipped(&'static str),
-    /// What it did, or will do with these draws in the application's pass.
+    /// Report text, and draws to record in the application's pass.
     Ran(String, Vec<Draw>),
 }
 
 impl Outcome {
-    /// What a pass recorded before the picture.
+    /// Returns the outcome of a pass recorded before the application's pass.
     pub(crate) fn recorded(words: String) -> Self {
         Self::Ran(words, Vec::new())
     }
 }
 
-/// Whether some fur is left out because it is small on screen.
+/// Returns whether any fur is reduced because it is small on screen.
 pub(crate) fn any_reduced(frame: &Recording<'_>) -> bool {
     frame.instances.iter().any(|seen| seen.drawing.is_reduced())
 }
 
-/// Nothing, because the frame is of a style without the pass.
+/// Returns the outcome for frames whose style does not include the pass.
 pub(crate) fn not_of(style: StyleKind) -> Outcome {
     Outcome::Skipped(match style {
         StyleKind::Fur => "style is fur",

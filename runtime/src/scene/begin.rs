@@ -1,4 +1,4 @@
-//! From what the application gives to what passes plan with: checked, moved, culled, with shadow maps chosen and uniforms put.
+//! Preparation of a frame: checks the input, poses and culls instances, chooses shadow maps and writes uniforms.
 
 use super::blocks::{fill_lights, frame_block, instance_block, map_level};
 use super::ink::{InkScene, View};
@@ -36,7 +36,7 @@ fn check_instances(params: &FrameParams, instances: &[&Instance]) -> Result<(), 
     Ok(())
 }
 
-/// Begins a frame. Whatever can fail does so before anything is changed.
+/// Begins a frame. All fallible checks precede any change of state.
 pub(crate) fn begin<'f>(
     kept: &'f mut Kept,
     encoder: &'f mut wgpu::CommandEncoder,
@@ -209,21 +209,21 @@ pub(crate) fn begin<'f>(
     })
 }
 
-/// How thick hair on guides lies, over its reach.
+/// Thickness of hair on guides, as a share of its reach.
 const THICKNESS: f32 = 0.12;
 
-/// An instance in world space with all its hair.
+/// Returns the world-space hull of an instance, all hair included.
 fn with_hair(instance: &Instance, moved: &Moved) -> Hull {
     moved.hull.widened(instance.scale() * instance.model.hair_reach_m())
 }
 
-/// The same, and anywhere where its fur is longer than the manifest says.
+/// Returns the world-space hull of an instance, all hair included; unbounded if fur is longer than the manifest states.
 fn on_screen(instance: &Instance, moved: &Moved) -> Hull {
     let anywhere = if instance.model.varies().beyond_height { f32::INFINITY } else { 0.0 };
     with_hair(instance, moved).widened(anywhere)
 }
 
-/// What the shadow maps of a frame depend on; `None` where it needs none.
+/// Returns the key of a frame's shadow maps; `None` if it needs none.
 fn shadow_key(
     params: &FrameParams,
     limits: &wgpu::Limits,
@@ -233,21 +233,21 @@ fn shadow_key(
     drawn_sets: &[Vec<DrawnSet>],
     casters: Option<&Casters<'_>>,
 ) -> Option<ShadowKey> {
-    // The finest instance decides; without one that reads them there are no layer-wise maps.
+    // The finest instance decides the layer count. Layer-wise maps exist only if an instance reads them.
     let by_maps = match params.form_of_self_shadow() {
         SelfShadow::Maps => true,
         SelfShadow::Auto => instances.iter().any(|instance| !instance.model.knows_visibility()),
         SelfShadow::Baked | SelfShadow::Off => false,
     };
     let layers = drawings.iter().map(|d| d.map_layers).max()?;
-    // In ink there is no light.
+    // The ink style has no light.
     if params.style.ink().is_some() {
         return None;
     }
     let mut hull = Hull::default();
     instances.iter().zip(moved).for_each(|(instance, moved)| hull.0.extend(with_hair(instance, moved).0));
     hull.0.extend(casters.and_then(|c| c.bounds).map(|b| (b.center, b.radius)));
-    // A model that no joint holds is a point.
+    // A model bound to no joint has an empty hull; its origin is used.
     if hull.0.is_empty() {
         hull.0.extend(instances.iter().map(|i| (i.transform.w_axis.truncate(), 0.0)));
     }

@@ -1,4 +1,4 @@
-//! The uniform blocks of a frame and of its instances.
+//! Uniform blocks of a frame and of its instances.
 
 use crate::error::RuntimeError;
 use crate::hair::Drawing;
@@ -11,7 +11,8 @@ use crate::study;
 use glam::{Mat3, Mat4, Vec3, Vec4};
 use pelage_formats::{CoatInfo, Shading};
 
-/// As the eye sees the scene. `maps`: those that it reads; `sky_most`: irradiance of the environment where it is most, over π.
+/// Returns the frame block for the eye. `maps`: maps that it reads; `sky_most`: peak irradiance of the environment,
+/// over π.
 pub(super) fn frame_block(
     params: &FrameParams,
     clip_from_world: Mat4,
@@ -31,13 +32,13 @@ pub(super) fn frame_block(
         }),
         last_map_layer: maps.map_or(0.0, |maps| (maps.key.map_layers - 1) as f32),
         fill_lights: params.fill_lights.len() as u32,
-        // Also what the hair of a far coat meets, which has no maps.
+        // Also used by far fur layers, which have no maps.
         hair_density: if params.self_shadow() { params.shadows.density } else { 0.0 },
         environment_most: sky_most,
     }
 }
 
-/// Lights without shadow, as the shaders read them.
+/// Returns the lights without shadow, in shader layout.
 pub(super) fn fill_lights(params: &FrameParams) -> Result<[blocks::FillLight; MAX_FILL_LIGHTS], RuntimeError> {
     let mut lights = [blocks::FillLight::default(); MAX_FILL_LIGHTS];
     for (slot, light) in lights.iter_mut().zip(&params.fill_lights) {
@@ -49,17 +50,18 @@ pub(super) fn fill_lights(params: &FrameParams) -> Result<[blocks::FillLight; MA
     Ok(lights)
 }
 
-/// Mip level of an instance's hair whose texels are as large as those of the maps, whole: one level is read, not two.
+/// Returns the mip level at which an instance's hair texels match those of the maps. Rounded, so that one level is read
+/// instead of two.
 pub(super) fn map_level(instance: &Instance, maps: &ShadowMaps) -> f32 {
     let fur = &instance.model.manifest().fur;
     let scale = Mat3::from_mat4(instance.transform).determinant().abs().cbrt();
     let hair_m = scale * fur.tile_size_m / fur.tile_texels.max(1) as f32;
     let level = (maps.texel_m() / hair_m).log2().round();
-    // Of hair without a size there is no level.
+    // Hair of size zero has no level.
     if level.is_finite() { level.max(0.0) } else { 0.0 }
 }
 
-/// `drawn`: layers, skin counted; 1 where no fur shows.
+/// Returns the block of an instance. `drawn`: layer count, mesh surface included; 1 if no fur is visible.
 pub(super) fn instance_block(
     instance: &Instance,
     params: &FrameParams,
@@ -72,7 +74,8 @@ pub(super) fn instance_block(
     let handedness = skinning::handedness_of(linear);
     let cofactor = |a: Vec3, b: Vec3| -> [f32; 4] { (a.cross(b) * handedness).extend(0.0).to_array() };
     let constant = |k: [f32; 3], light: Vec3| (Vec3::from(k) * light).to_array();
-    // Fibres scatter light by tables, and need of all constants that of the ambient light; the key light's colour stands where its highlight's does.
+    // Fibre scattering uses tables; of the shading constants it needs only the ambient one. `specular` then holds the
+    // key light's colour.
     let scattered = instance.scattering(params).is_some();
     let shading = if scattered { Shading { diffuse: [1.0; 3], specular: [1.0; 3], ..shading } } else { shading };
     let unit = Shading { specular: [1.0; 3], ..shading };
@@ -84,7 +87,7 @@ pub(super) fn instance_block(
         normal_x: cofactor(linear.y_axis, linear.z_axis),
         normal_y: cofactor(linear.z_axis, linear.x_axis),
         normal_z: cofactor(linear.x_axis, linear.y_axis),
-        // An environment takes its place.
+        // An environment replaces ambient light.
         ambient: if params.environment.is_some() { [0.0; 3] } else { constant(shading.ambient, params.ambient) },
         diffuse_half_exponent: 0.5 * shading.diffuse_exponent,
         diffuse: constant(shading.diffuse, if scattered { Vec3::ONE } else { params.light.color() }),
@@ -96,7 +99,7 @@ pub(super) fn instance_block(
         handedness,
         layer_share: drawing.layer_share,
         baked_layers: baked,
-        // The shaders divide by one less.
+        // The shaders divide by this minus one.
         drawn_layers: drawn.max(2),
         wet_specular: unit.wet().specular[0],
         wet_specular_half_exponent: 0.5 * shading.wet().specular_exponent,
@@ -104,7 +107,7 @@ pub(super) fn instance_block(
         map_level: 0.0,
         specular_constant: shading.specular,
         detail_here: drawing.weights[0],
-        // The shaders divide by it; a level without layers draws none.
+        // The shaders divide by this; a level without layers draws none.
         layer_step: drawing.step.max(1),
         layers_gone: drawing.gone,
         detail_next: drawing.weights[1],
@@ -116,13 +119,14 @@ pub(super) fn instance_block(
     }
 }
 
-/// How the key light reaches the hair of a far coat: the numbers of `coat_light` in the shaders.
+/// Returns the arguments `base` and `slope` of `coat_light` in the shaders: attenuation of the key light in the far fur
+/// layer.
 fn coat_light(coat: &CoatInfo, params: &FrameParams) -> [f32; 2] {
     if !params.self_shadow() {
         return [1.0, 0.0];
     }
     let [base, slope] = detail::coat_light_numbers(coat);
     let slope = slope * params.shadows.density;
-    // Where slant changes nothing all light comes straight.
+    // If slant has no effect, all light is treated as perpendicular.
     if study::light_is_slanted(params) { [base, slope] } else { [base + slope, 0.0] }
 }

@@ -1,4 +1,4 @@
-//! The opaque skin as the key light sees it, and passes into the light's maps.
+//! Depth passes of the opaque mesh as seen from the key light, and render passes into the light's maps.
 
 use super::recording::Recording;
 use super::seen::Seen;
@@ -9,7 +9,7 @@ use crate::light::{CasterPass, ShadowMaps};
 use crate::model::Part;
 use crate::surface::STREAMS;
 
-/// The shader that draws depth.
+/// Shader of the depth passes.
 pub(crate) const DEPTH: Shader = Shader {
     name: "pelage casters",
     parts: &[
@@ -21,13 +21,13 @@ pub(crate) const DEPTH: Shader = Shader {
     ],
 };
 
-/// What a pass into the key light's maps draws to.
+/// Target of a render pass into the key light's maps.
 pub(crate) enum MapTarget<'a> {
-    /// Texels, cleared to full light.
+    /// Colour target, cleared to full light.
     Light(&'a wgpu::TextureView),
-    /// Texels as they are, where nothing in the depth map is nearer.
+    /// Colour target, loaded, with a read-only depth map: only fragments in front of it are drawn.
     LightBefore { light: &'a wgpu::TextureView, nearest: &'a wgpu::TextureView },
-    /// Depth, cleared to what the pass starts from.
+    /// Depth target, cleared to the initial value of the pass.
     Depth(&'a wgpu::TextureView, CasterPass),
 }
 
@@ -41,7 +41,7 @@ pub(crate) fn begin_maps<'e>(
         let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
         [Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })]
     };
-    // Without operations a depth buffer is only read.
+    // Without operations, a depth buffer is read-only.
     let depth = |view, depth_ops| wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None };
     let white = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
     let (colors, depth) = match target {
@@ -62,14 +62,14 @@ pub(crate) fn begin_maps<'e>(
     })
 }
 
-/// Draws of a skin into one of the depth maps.
+/// Returns the draws of an instance's mesh into one of the depth maps.
 fn depth_draws(frame: &mut Recording<'_>, seen: &Seen, kind: CasterPass) -> Vec<Draw> {
-    // Back faces throw shadows too.
+    // Back faces cast shadows too.
     let both = kind == CasterPass::Nearest;
     let spec = |frame: &Recording<'_>, part: &Part| RenderSpec {
         shader: DEPTH,
         vertex: "vs_caster",
-        // Depth alone needs no fragment shader, unless there are holes to cut.
+        // Depth alone needs no fragment shader, unless the material has cutouts.
         fragment: part.cutout.then_some("fs_caster"),
         groups: vec![frame.surfaces.frame.clone(), frame.surfaces.material.clone()],
         streams: STREAMS.to_vec(),
@@ -100,7 +100,7 @@ pub(crate) fn record_depth(frame: &mut Recording<'_>, maps: &ShadowMaps, kind: C
     }
 }
 
-/// Words for maps of a light inside what it lights, which has no view of all of it.
+/// Returns a report remark for maps of a light inside the scene, which cannot see all of it.
 pub(crate) fn light_inside(maps: &ShadowMaps) -> &'static str {
     let sphere = maps.view().sphere;
     match maps.key.light {

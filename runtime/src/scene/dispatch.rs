@@ -1,18 +1,18 @@
-//! Dispatches as plain data: passes say what is computed, and one function records it.
+//! Compute dispatches as plain data: passes describe them, and one function records them.
 
 use crate::gpu::{Group, WORKGROUP, workgroups};
 
-/// One dispatch and all it needs.
+/// Dispatch with its pipeline and bind groups.
 #[derive(Debug)]
 pub(crate) struct Dispatch {
     pub(crate) pipeline: wgpu::ComputePipeline,
-    /// By number.
+    /// Bind groups by index.
     pub(crate) groups: Vec<Option<Group>>,
-    /// Of workgroups of 64.
+    /// Total threads, in workgroups of 64.
     pub(crate) threads: u32,
 }
 
-/// Records dispatches, each of which sees what those before it wrote.
+/// Records dispatches in order; each sees the writes of those before it.
 pub(crate) fn record_dispatches(encoder: &mut wgpu::CommandEncoder, label: &str, dispatches: &[Dispatch]) {
     let descriptor = wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None };
     let mut pass = encoder.begin_compute_pass(&descriptor);

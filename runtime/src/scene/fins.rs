@@ -1,4 +1,4 @@
-//! Draws of fins, whose shaders find their vertices in storage buffers.
+//! Draws of fins, whose shaders read vertices from storage buffers.
 
 use super::recording::Recording;
 use super::seen::Seen;
@@ -6,8 +6,8 @@ use crate::gpu::{Bound, Draw, Group, RenderSpec};
 use crate::model::Part;
 use pelage_formats::meaning::{FIN_CORNERS, fin_rows};
 
-/// Draws of the parts of a model that have fins; none for a model without. `textures`: group 2; `spec`: the pipeline of a part, whose groups
-/// and streams are set here.
+/// Returns the draws of a model's parts with fins; none for a model without fins. `textures`: group 2; `spec`: pipeline
+/// of a part, whose groups and streams are set here.
 pub(crate) fn fin_draws(
     frame: &mut Recording<'_>,
     seen: &Seen,

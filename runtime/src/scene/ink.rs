@@ -1,4 +1,4 @@
-//! A frame in ink: its constants, and what the passes over surfaces share.
+//! Ink part of a frame: uniform blocks, and WGSL shared by the passes over surfaces.
 
 use super::seen::Seen;
 use crate::bounds::Hull;
@@ -8,7 +8,7 @@ use crate::model::ModelInk;
 use crate::params::InkParams;
 use glam::Mat4;
 
-/// Source of what the passes over a model's surface share, joined before each.
+/// Joins the WGSL shared by the ink passes over a model's surface, followed by the given files.
 macro_rules! ink_surface_wgsl {
     ($($file:expr),+ $(,)?) => {
         &[
@@ -25,7 +25,7 @@ macro_rules! ink_surface_wgsl {
 }
 pub(crate) use ink_surface_wgsl;
 
-/// From where a frame is seen.
+/// Viewpoint of a frame.
 pub(super) struct View {
     pub(super) viewport: [u32; 2],
     pub(super) view_from_world: Mat4,
@@ -33,14 +33,14 @@ pub(super) struct View {
     pub(super) reversed_depth: bool,
 }
 
-/// A frame in ink.
+/// Ink data of a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct InkScene {
-    /// Left, top, width and height of the part of the picture that there is something in.
+    /// Rectangle of the picture with content: left, top, width and height, pixels.
     pub(super) painted: [u32; 4],
-    /// [`InkFrame`].
+    /// Location of the [`InkFrame`] block.
     pub(super) frame: Place,
-    /// [`InkModel`] of each instance.
+    /// Location of the [`InkModel`] blocks, one per instance.
     pub(super) models: Place,
 }
 
@@ -62,7 +62,7 @@ impl InkScene {
     }
 }
 
-/// Whether a model has strokes of fur to draw.
+/// Returns whether a model has fur strokes to draw.
 pub(crate) fn has_strokes(seen: &Seen, params: &InkParams) -> bool {
     let fur = |ink: &ModelInk| params.shading.unwrap_or(ink.info.shading).fur;
     seen.model.ink().is_some_and(|ink| ink.fur.is_some() && fur(ink) > 0.0)

@@ -1,4 +1,4 @@
-//! A frame while it is prepared: all that passes plan with. No pass is known here.
+//! Frame during preparation: all data that passes plan with. Does not depend on any pass.
 
 mod begin;
 mod blocks;

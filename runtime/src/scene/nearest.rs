@@ -1,4 +1,4 @@
-//! The nearest pieces of hair in each pixel: buffers that a frame fills on the GPU.
+//! Nearest hair segments of each pixel: buffers filled on the GPU once per frame.
 
 use super::seen::Seen;
 use crate::bounds::Hull;
@@ -10,56 +10,57 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use wgpu::util::DrawIndirectArgs;
 
-/// Pieces of hair that a pixel keeps.
+/// Maximum number of hair segments stored per pixel.
 pub(crate) const NEAREST: u32 = 8;
 
-/// Bytes of a pixel's keys, and of how opaque what is behind those is.
+/// Bytes per pixel: the keys, and the opacity behind them.
 const KEY_BYTES: u64 = 4 * (NEAREST as u64 + 1);
 
-/// Pixels along a side of a tile.
+/// Width and height of a tile, pixels.
 pub(crate) const TILE: u32 = 8;
 
-/// What the shaders are told of them, as `hair/nearest.wgsl` declares it.
+/// Uniform block as declared in `hair/nearest.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct NearestHair {
-    /// Part of the picture: left, top, width and height in pixels, the last two multiples of [`TILE`].
+    /// Area of the picture: left, top, width and height in pixels, the last two multiples of [`TILE`].
     pub(crate) area: [u32; 4],
-    /// Of the whole picture, pixels.
+    /// Size of the whole picture, pixels.
     pub(crate) size: [f32; 2],
-    /// Of a strand.
+    /// Segments per strand.
     pub(crate) pieces: u32,
-    /// Of the gathering: 0 sorts keys, 1 leaves light.
+    /// Gathering round: 0 sorts keys, 1 stores light.
     pub(crate) round: u32,
 }
 
-/// Where the nearest pieces of a frame's hair are gathered, and which part of the picture that is.
+/// Buffers of the nearest hair segments in a frame, and the area of the picture that they cover.
 #[derive(Clone, Debug)]
 pub(crate) struct Nearest {
     pub(crate) lists: Arc<NearestLists>,
     pub(crate) block: NearestHair,
 }
 
-/// Buffers of the nearest pieces of hair.
+/// Buffers of the nearest hair segments.
 #[derive(Debug)]
 pub(crate) struct NearestLists {
-    /// Of each pixel what is in it, sorted, and how opaque the rest is.
+    /// Per pixel: sorted keys of its segments, and the opacity of the rest.
     pub(crate) keys: wgpu::Buffer,
-    /// Of each of those its light.
+    /// Light of each key.
     pub(crate) lights: wgpu::Buffer,
-    /// Arguments of the draw of all, then tile and layer of each of its instances.
+    /// Indirect draw arguments, then tile and layer of each instance.
     pub(crate) layers: wgpu::Buffer,
 }
 
 impl NearestLists {
-    /// Bytes on the GPU.
+    /// Returns the size in GPU memory, bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         self.keys.size() + self.lights.size() + self.layers.size()
     }
 
-    /// Lists of so many tiles, none that a living frame still draws from; of at most as many as `most` where there is a choice.
+    /// Takes buffers for `tiles` tiles that no live frame uses. `most`: upper limit of the reserve.
     fn take(shelf: &mut Shelf<Self>, gpu: &Gpu, tiles: u64, most: u64) -> Arc<Self> {
-        // With room to grow, or an animal that comes nearer would make buffers in each frame; but not those of one that was nearer long ago.
+        // Reserve: an approaching animal must not create buffers in every frame. Much larger buffers, left from an
+        // earlier close view, are not reused.
         let room = tiles.next_power_of_two().min(most).max(tiles);
         let bytes = |tiles: u64| tiles * u64::from(TILE * TILE) * KEY_BYTES;
         let fits = |lists: &Self| (bytes(tiles)..=bytes(2 * room)).contains(&lists.keys.size());
@@ -82,7 +83,7 @@ impl NearestLists {
     }
 }
 
-/// The part of the picture that a hull may reach, in whole tiles: left, top, width and height, pixels.
+/// Returns the area of the picture that a hull may cover, in whole tiles: left, top, width and height, pixels.
 pub(super) fn area(hull: &Hull, clip_from_world: Mat4, viewport: [u32; 2]) -> [u32; 4] {
     let [left, top, right, bottom] = hull.on_screen(clip_from_world, viewport, 1.0);
     [left, top, (right - left).next_multiple_of(TILE), (bottom - top).next_multiple_of(TILE)]
@@ -92,7 +93,8 @@ fn tiles(area: [u32; 4]) -> u32 {
     area[2] / TILE * (area[3] / TILE)
 }
 
-/// `params` as they can be drawn: strands in samples where the device's buffers do not hold the lists of all pixels of the `area` that they may reach.
+/// Returns `params` as the device can draw them. Strand edges fall back to samples if its buffers cannot hold the lists
+/// of all pixels in `area`.
 pub(super) fn drawable<'p>(
     params: &'p FrameParams,
     limits: &wgpu::Limits,
@@ -107,7 +109,8 @@ pub(super) fn drawable<'p>(
 }
 
 impl Nearest {
-    /// Of a frame that asks for them and draws strands, whose instances reach as far as `hull`.
+    /// Returns the buffers of a frame with blended strand edges and visible strands. `hull`: extent of the instances
+    /// with strands.
     pub(super) fn of(
         shelf: &mut Shelf<NearestLists>,
         gpu: &Gpu,
@@ -125,7 +128,7 @@ impl Nearest {
         Some(Self { lists: NearestLists::take(shelf, gpu, count.into(), most.min(picture)), block })
     }
 
-    /// Empties what this frame uses of the lists.
+    /// Clears the part of the buffers that this frame uses.
     pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         let pixels = u64::from(self.tiles() * TILE * TILE);
         encoder.clear_buffer(&self.lists.keys, 0, Some(pixels * KEY_BYTES));
@@ -133,13 +136,13 @@ impl Nearest {
         encoder.clear_buffer(&self.lists.layers, 0, Some(size_of::<DrawIndirectArgs>() as u64));
     }
 
-    /// Tiles of its part of the picture.
+    /// Returns the number of tiles in the area.
     pub(crate) fn tiles(&self) -> u32 {
         tiles(self.block.area)
     }
 }
 
-/// Whether single strands of it are to be in the picture.
+/// Returns whether single strands of the instance may be in the picture.
 pub(super) fn has_ribbons(seen: &Seen) -> bool {
     seen.sets.iter().any(|set| set.ribbons.is_some())
 }

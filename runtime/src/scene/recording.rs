@@ -1,4 +1,4 @@
-//! A frame while it is prepared: all that passes plan with.
+//! Frame during preparation: all data that passes plan with.
 
 use super::ink::InkScene;
 use super::nearest::{Nearest, NearestLists};
@@ -19,7 +19,7 @@ use crate::surface::{STREAMS, Surfaces};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What a renderer keeps from frame to frame.
+/// State that a renderer keeps from frame to frame.
 #[derive(Debug)]
 pub(crate) struct Kept {
     pub(crate) gpu: Gpu,
@@ -34,7 +34,7 @@ pub(crate) struct Kept {
     pub(crate) ring: Ring,
 }
 
-/// What passes plan with, and record into.
+/// Frame data that passes plan with, and the encoder that they record into.
 pub(crate) struct Recording<'f> {
     pub(crate) gpu: &'f Gpu,
     pub(crate) cache: &'f mut Cache,
@@ -42,25 +42,25 @@ pub(crate) struct Recording<'f> {
     pub(crate) options: &'f RendererOptions,
     pub(crate) params: &'f FrameParams,
     pub(crate) encoder: &'f mut wgpu::CommandEncoder,
-    /// In the order given.
+    /// Instances, in the order given.
     pub(crate) instances: Arc<[Seen]>,
-    /// The key light's maps, where the frame has any.
+    /// Shadow maps of the key light, if the frame has any.
     pub(crate) maps: Option<Arc<ShadowMaps>>,
     pub(crate) casters: Option<Casters<'f>>,
-    /// Where the nearest pieces of hair in each pixel are gathered, where strands are drawn so.
+    /// Buffers of the nearest hair segments, if strands are drawn with blended edges.
     pub(crate) nearest: Option<Nearest>,
-    /// What passes hand on to each other.
+    /// Intermediate targets shared by passes.
     pub(crate) targets: Arc<TargetSet>,
     pub(crate) ink: Option<InkScene>,
     pub(crate) uniforms: Uniforms,
     pub(super) ring: &'f mut Ring,
-    /// Group 0 as the eye sees the scene, and as the key light does where maps are drawn.
+    /// Group 0 for the eye; `light`: group 0 for the key light, if maps are redrawn.
     pub(super) view: wgpu::BindGroup,
     pub(super) light: Option<wgpu::BindGroup>,
 }
 
 impl Recording<'_> {
-    /// The pipeline that a pass asks for.
+    /// Returns the pipeline of a spec, adapted to study and debug view.
     pub(crate) fn pipeline(&mut self, mut spec: RenderSpec) -> wgpu::RenderPipeline {
         #[cfg(feature = "study")]
         study::amend(self.params, &mut spec);
@@ -68,14 +68,15 @@ impl Recording<'_> {
         self.cache.pipelines.render(self.gpu, spec)
     }
 
-    /// The pipeline that a pass computes with.
+    /// Returns the compute pipeline of a spec, adapted to the study.
     pub(crate) fn compute_pipeline(&mut self, spec: ComputeSpec) -> wgpu::ComputePipeline {
         #[cfg(feature = "study")]
         let spec = study::amend_compute(self.params, spec);
         self.cache.pipelines.compute(self.gpu, spec)
     }
 
-    /// Draws of the `wanted` parts of an instance, once for each of `layers`. `at`: group 0; `hair`: group 2; `spec`: the pipeline of a part.
+    /// Returns draws of the `wanted` parts of an instance, once for each of `layers`. `at`: group 0; `hair`: group 2;
+    /// `spec`: pipeline of a part.
     pub(crate) fn part_draws(
         &mut self,
         seen: &Seen,
@@ -86,7 +87,7 @@ impl Recording<'_> {
     ) -> Vec<Draw> {
         let mut draws = Vec::new();
         for part in seen.model.parts().iter().filter(|part| wanted(part)) {
-            // A part may be nothing where the model is small.
+            // Simplified index lists may leave a part empty.
             let Some(range) = part.indices.get(seen.drawing.list).filter(|range| !range.is_empty()) else { continue };
             let spec = spec(self, part);
             let pipeline = self.pipeline(spec);
@@ -103,7 +104,8 @@ impl Recording<'_> {
         draws
     }
 
-    /// A pipeline over surfaces into the application's pass: opaque, or `over` what is there. Passes to other targets say what differs.
+    /// Returns the spec of a surface pipeline for the application's pass: opaque, or blended if `over`. Passes to other
+    /// targets override its fields.
     pub(crate) fn picture_spec(
         &self,
         shader: Shader,
@@ -122,13 +124,13 @@ impl Recording<'_> {
             constants,
             primitive: faces(mirrored, double_sided),
             colors: vec![self.picture_color(over)],
-            // Layers that coincide with the skin (fur of height 0) stay hidden: strictly nearer only.
+            // Strict comparison hides layers that coincide with the mesh surface (fur of height 0).
             depth: Some(self.picture_depth(true, over)),
             samples: self.options.sample_count,
         }
     }
 
-    /// The application's colour target. Hair is premultiplied.
+    /// Returns the state of the application's colour target. Hair is premultiplied.
     pub(crate) fn picture_color(&self, over: bool) -> wgpu::ColorTargetState {
         wgpu::ColorTargetState {
             format: self.options.color_format,
@@ -137,33 +139,34 @@ impl Recording<'_> {
         }
     }
 
-    /// The application's depth: what is nearer, or with `strictly` not as far as well, is drawn.
+    /// Returns the state of the application's depth target: draws nearer fragments, and equally near ones unless
+    /// `strictly`.
     pub(crate) fn picture_depth(&self, write: bool, strictly: bool) -> wgpu::DepthStencilState {
         depth_state(self.options.depth_format, write, nearer(strictly, self.options.reversed_depth))
     }
 
-    /// Group 0 of an instance as the eye sees it.
+    /// Returns group 0 of an instance for the eye.
     pub(crate) fn seen_from_eye(&self, seen: &Seen) -> Option<Group> {
         Group::at(&self.view, seen.view_offset)
     }
 
-    /// Whether the maps are to be drawn anew.
+    /// Returns whether the shadow maps are redrawn.
     pub(crate) fn redraws_maps(&self) -> bool {
         self.light.is_some()
     }
 
-    /// Group 0 of an instance as the key light sees it; `None` where no maps are drawn.
+    /// Returns group 0 of an instance for the key light; `None` if no maps are drawn.
     pub(crate) fn seen_from_light(&self, seen: &Seen) -> Option<Group> {
         self.light.as_ref().and_then(|group| Group::at(group, seen.light_offset))
     }
 
-    /// Hands the slot of the uniforms, which are written, back to the ring; the frame keeps what this returns.
+    /// Returns the written uniform slot to the ring. The frame keeps the returned token.
     pub(crate) fn finish(self) -> Arc<()> {
         self.ring.give(self.uniforms, self.encoder)
     }
 }
 
-/// The comparison for what is nearer, or with `strictly` not as far as well.
+/// Returns the depth comparison for nearer fragments, and for equally near ones unless `strictly`.
 pub(crate) fn nearer(strictly: bool, reversed_depth: bool) -> wgpu::CompareFunction {
     match (strictly, reversed_depth) {
         (true, false) => wgpu::CompareFunction::Less,

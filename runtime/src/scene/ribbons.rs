@@ -1,31 +1,32 @@
-//! What strands are drawn from: buffers that a frame fills on the GPU, one set for each instance and frame in use at a time.
+//! Ribbon buffers of strands, filled on the GPU: one set for each instance and frame in flight.
 
 use crate::gpu::{Gpu, Shelf};
 use crate::model::Strands;
 use std::sync::Arc;
 use wgpu::util::DrawIndexedIndirectArgs;
 
-/// Ribbons of the strands of an instance that a frame sees.
+/// Ribbons of an instance's visible strands in a frame.
 #[derive(Debug)]
 pub(crate) struct Ribbons {
-    /// Of each strand a bit, 32 in a number: it is seen.
+    /// Visibility mask: one bit per strand, 32 per word.
     pub(crate) seen: wgpu::Buffer,
-    /// Arguments of the draw; then of each 32 strands how many are seen before them.
+    /// Indirect draw arguments; then, per 32 strands, the number of visible strands before them.
     pub(crate) counts: wgpu::Buffer,
-    /// Corners: three numbers of their place in world space, then light.
+    /// Corners: three words of world-space position, then light.
     pub(crate) corners: wgpu::Buffer,
-    /// Two triangles of each piece, where they are drawn as such.
+    /// Indices of two triangles per segment, if drawn as triangles.
     pub(crate) indices: Option<wgpu::Buffer>,
 }
 
-/// Strands in a number of `seen`.
+/// Strands per word of `seen`.
 const OF_A_NUMBER: u32 = 32;
 
-/// Corners of the two triangles of a piece, of which each end has two.
+/// Corners of a segment's two triangles; each end has two.
 const PIECE: [u32; 6] = [0, 1, 2, 2, 1, 3];
 
 impl Ribbons {
-    /// A set for strands of which every `step`th point is drawn, as triangles where they are `drawn` so, none that a living frame still draws from.
+    /// Takes buffers that no live frame uses, for strands of which every `step`th point is drawn. `drawn`: whether they
+    /// are drawn as triangles.
     pub(super) fn take(shelf: &mut Shelf<Self>, gpu: &Gpu, strands: &Strands, step: u32, drawn: bool) -> Arc<Self> {
         let pieces = strands.pieces(step);
         let numbers = u64::from(strands.count / OF_A_NUMBER);

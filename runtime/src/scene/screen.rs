@@ -1,4 +1,4 @@
-//! What ink passes are made of: a model's textures, and passes over the whole picture.
+//! Building blocks of the ink passes: textures of a model, and full-screen passes.
 
 use super::recording::Recording;
 use crate::gpu::{
@@ -7,7 +7,7 @@ use crate::gpu::{
 };
 use crate::ink::{InkFrame, InkModel};
 
-/// Source of what the passes over the picture share, joined before each.
+/// Joins the WGSL shared by the ink screen passes, followed by the given files.
 macro_rules! ink_screen_wgsl {
     ($($file:expr),+ $(,)?) => {
         &[
@@ -21,16 +21,16 @@ macro_rules! ink_screen_wgsl {
 }
 pub(crate) use ink_screen_wgsl;
 
-/// A pass over the whole picture: its pipeline and what it reads, each by the number of its binding.
+/// Full-screen pass: override constants, and inputs by binding number.
 #[derive(Default)]
 pub(crate) struct Screen<'a> {
     pub(crate) constants: Constants,
     pub(crate) reads: &'a [(u32, Target)],
-    /// A depth texture among them.
+    /// Depth texture to read.
     pub(crate) depth: Option<(u32, Target)>,
-    /// The paper's tile with its sampler.
+    /// Bindings of the paper tile and its sampler.
     pub(crate) paper: Option<[u32; 2]>,
-    /// A sampler that clamps.
+    /// Binding of a clamping sampler.
     pub(crate) clamped: Option<u32>,
 }
 
@@ -39,8 +39,8 @@ fn sampling(mode: wgpu::AddressMode) -> Sampling {
 }
 
 impl Recording<'_> {
-    /// Layout and group 2 of the passes over an instance's surface in ink; `None` for a model without the style. `behind`: a target that the pass reads, too,
-    /// at binding 7.
+    /// Returns layout and group 2 of the ink passes over an instance's surface; `None` for a model without ink data.
+    /// `behind`: additional target to read, at binding 7.
     pub(crate) fn ink_model(&mut self, index: usize, behind: Option<Target>) -> Option<(wgpu::BindGroupLayout, Group)> {
         use wgpu::TextureViewDimension::{D2, D2Array};
         let places = self.ink.as_ref()?.models.clone();
@@ -78,18 +78,18 @@ impl Recording<'_> {
         Some((layout, Group::at(&group, places.offset + index as u64 * places.stride)?))
     }
 
-    /// The paper of the sheet: that of the first who is on it.
+    /// Returns the paper texture of the first instance with ink data.
     fn paper(&self) -> wgpu::TextureView {
         let ink = self.instances.iter().find_map(|seen| seen.model.ink());
         ink.map_or(&self.surfaces.white, |ink| &ink.paper).clone()
     }
 
-    /// Farthest that a line of ink reaches from its feature, whole pixels.
+    /// Returns the largest distance of a line from its feature, whole pixels.
     pub(crate) fn ink_reach_px(&self) -> u32 {
         self.params.style.ink().map_or(0, |ink| ink.reach_px(self.params.viewport[1]))
     }
 
-    /// The pipeline of a pass over the whole picture, and its group. Colour and depth are those of a target of `format`.
+    /// Returns pipeline spec and bind group of a full-screen pass to a target of `format`.
     pub(crate) fn screen(
         &mut self,
         shader: Shader,
@@ -122,7 +122,7 @@ impl Recording<'_> {
         Some((spec, group))
     }
 
-    /// Fills the painted part of a target.
+    /// Runs a full-screen pass over the painted part of a target.
     pub(crate) fn fill(&mut self, shader: Shader, fragment: &'static str, screen: &Screen<'_>, target: &Target) {
         let made = self.screen(shader, fragment, screen, target.format);
         let targets = self.targets.clone();

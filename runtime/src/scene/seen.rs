@@ -1,4 +1,4 @@
-//! An instance in a frame.
+//! Instances of a frame.
 
 use super::ribbons::Ribbons;
 use crate::gpu::Group;
@@ -9,32 +9,32 @@ use crate::report::InstanceDetail;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// An instance in a frame.
+/// Instance in a frame.
 #[derive(Debug)]
 pub(crate) struct Seen {
     pub(crate) model: Model,
     pub(crate) moved: Moved,
-    /// How much of its fur is drawn.
+    /// Level of detail of its fur.
     pub(crate) drawing: Drawing,
     pub(crate) look: Look,
-    /// Its sets of strands that are drawn.
+    /// Sets of strands that are drawn.
     pub(crate) sets: Vec<SeenSet>,
-    /// Where its blocks lie: as the eye sees it, and as the key light does.
+    /// Offset of its uniform block for the eye; `light_offset`: for the key light.
     pub(super) view_offset: u64,
     pub(super) light_offset: u64,
 }
 
-/// A set of strands in a frame.
+/// Set of strands in a frame.
 #[derive(Debug)]
 pub(crate) struct SeenSet {
     pub(crate) drawn: DrawnSet,
-    /// Where its points are.
+    /// Posed points.
     pub(crate) posed: PosedStrands,
-    /// What it is drawn from, where it may be in the picture.
+    /// Ribbons of its strands, if the instance may be in the picture.
     pub(crate) ribbons: Option<Arc<Ribbons>>,
 }
 
-/// A set with all that passes read of it.
+/// Set of strands with all data that passes read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StrandSet<'a> {
     pub(crate) drawn: &'a DrawnSet,
@@ -44,7 +44,7 @@ pub(crate) struct StrandSet<'a> {
 }
 
 impl StrandSet<'_> {
-    /// The parts that it grows on, and which of its strands each has of that share of them.
+    /// Returns the parts on which the set grows, each with the range of its strands that `share` selects.
     pub(crate) fn parts<'p>(&self, parts: &'p [Part], share: f32) -> impl Iterator<Item = (&'p Part, Range<u32>)> {
         let (set, strands) = (self.drawn.set, self.strands);
         let of_part = move |part: &'p Part| (part, strands.in_front(&part.strands[set], share));
@@ -53,7 +53,7 @@ impl StrandSet<'_> {
 }
 
 impl Seen {
-    /// Its sets of strands that are drawn.
+    /// Returns the sets of strands that are drawn.
     pub(crate) fn strands(&self) -> impl Iterator<Item = StrandSet<'_>> {
         self.sets.iter().map(|set| StrandSet {
             drawn: &set.drawn,
@@ -63,7 +63,7 @@ impl Seen {
         })
     }
 
-    /// How much of it is drawn, as reports say it.
+    /// Returns the level of detail for reports.
     pub(crate) fn reported(&self) -> InstanceDetail {
         let detail = self.drawing.reported();
         match self.sets.first() {
@@ -75,7 +75,7 @@ impl Seen {
         }
     }
 
-    /// Whether the next moment has another picture of it although nobody moves anything.
+    /// Returns whether hair or fur is still moving, so that the next frame differs without any input.
     pub(crate) fn moves_by_itself(&self) -> bool {
         let swings = self.moved.swing.as_ref().is_some_and(|swing| !swing.is_at_rest);
         swings
@@ -83,12 +83,12 @@ impl Seen {
             && (self.moved.lean.is_some() || self.sets.iter().any(|set| set.posed.pearls.is_some()))
     }
 
-    /// Whether any of it may be in the picture.
+    /// Returns whether any part of the instance may be in the picture.
     pub(crate) fn in_picture(&self) -> bool {
         self.drawing.detail.in_picture
     }
 
-    /// Group 2 of its shells; `None` for a model without fur.
+    /// Returns group 2 of its shells; `None` for a model without fur.
     pub(crate) fn fur(&self) -> Option<Group> {
         self.model.fur().and_then(Group::of)
     }

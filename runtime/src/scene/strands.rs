@@ -1,4 +1,4 @@
-//! What passes over strands have in common: which strands they run over, and what they bind of them.
+//! Helpers of the strand passes: iteration over strand sets, and their bindings.
 
 use super::recording::Recording;
 use super::seen::{Seen, StrandSet};
@@ -7,12 +7,12 @@ use crate::hair::DrawnSet;
 use crate::model::{Strand, StrandConstants};
 use std::ops::Range;
 
-/// The sets of strands that are drawn, of all instances.
+/// Returns the drawn strand sets of all instances.
 pub(crate) fn strand_sets(instances: &[Seen]) -> impl Iterator<Item = (&Seen, StrandSet<'_>)> {
     instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set)))
 }
 
-/// What passes read posed strands from, as `hair/posed.wgsl` declares it.
+/// Returns the layout of posed strands, as declared in `hair/posed.wgsl`.
 pub(crate) fn posed_layout() -> [wgpu::BindGroupLayoutEntry; 4] {
     [
         storage_in::<[f32; 4]>(0),
@@ -23,7 +23,7 @@ pub(crate) fn posed_layout() -> [wgpu::BindGroupLayoutEntry; 4] {
 }
 
 impl Recording<'_> {
-    /// What [`posed_layout`] binds of the strands of a part, of which so much is looked at.
+    /// Returns the bindings of [`posed_layout`] for a part's strands. `drawn`: share, width and point step.
     pub(crate) fn posed_strands(
         &mut self,
         set: &StrandSet<'_>,
@@ -38,7 +38,7 @@ impl Recording<'_> {
         ]
     }
 
-    /// A block of what the strands of a part have in common.
+    /// Returns the uniform block with the constants of a part's strands.
     pub(crate) fn strand_constants(&mut self, set: &StrandSet<'_>, of_part: &Range<u32>, drawn: &DrawnSet) -> Bound {
         let place =
             self.uniforms.put(self.gpu, &[set.strands.constants(of_part, [drawn.share, drawn.widened], drawn.step)]);

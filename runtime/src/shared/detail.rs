@@ -1,32 +1,33 @@
 pub use pelage_formats::meaning::{coat_light, coat_light_numbers};
 pub use pelage_formats::meaning::{detail_count, detail_fade, detail_layer, detail_pairs, layers_stood_for};
 
-/// The shader source.
+/// WGSL source of this topic.
 pub const WGSL: &str = include_str!("detail.wgsl");
 
-/// Exponent of a layer's transmittance in a level of that step of which `gone` layers have gone over to the next, for
-/// [`super::opacity::resampled_opacity`]. `here` and `there`: density of the level and of the next. At a density of 1 the exponents of all layers
-/// add up to their number.
+/// Returns the exponent of a layer's transmittance for [`super::opacity::resampled_opacity`], in a level of that step.
+/// `gone`: layers that have changed to the next level; `here` and `there`: density of the level and of the next. At a
+/// density of 1, the exponents of all layers add up to their number.
 pub fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, there: f32) -> f32 {
     let fade = detail_fade(layer, baked, step, gone);
     let stood_for = |step| layers_stood_for(layer, baked, step) as f32;
     (1.0 - fade) * here * stood_for(step) + fade * there * stood_for(2 * step)
 }
 
-/// Share of the fur's height at which the hair is lit that is seen in a layer which stands for so many of `layers`, skin counted: what
-/// shows of those below lies a quarter of their number lower on average, the denser they are the less.
+/// Returns the height at which the hair visible in a layer is lit, as a share of the fur height. The layer stands for
+/// `stood_for` of `layers` layers, mesh surface included. Visible hair of the layers below is lower by a quarter of
+/// their number on average, less if they are denser.
 ///
 /// Measured on hare, knot and torus: with it the mean luminance of half the layers stays within 3 %.
 pub fn seen_height(height: f32, stood_for: f32, layers: u32) -> f32 {
     height - 0.25 * (stood_for - 1.0).max(0.0) / (layers - 1) as f32
 }
 
-/// Light on the hair that is seen in a layer of opacity `alpha` which stands for `stood_for` layers, over the light on the layer itself: 0..=1, and 1
-/// where it stands for itself alone.
+/// Returns the light on the hair visible in a layer of opacity `alpha` that stands for `stood_for` layers, relative to
+/// the light on the layer itself. The result is 0..=1, and 1 if the layer stands for itself alone.
 ///
-/// Below the layer lie others like it, each of which hides α of what is behind it from the eye, and 1 − √(1 − α) from the light. What is seen of all
-/// of them is α Σ qⁱ with q = (1 − α)^1.5, where without shadow it would be α Σ (1 − α)ⁱ. Without it six of the hare's fifteen layers are 8 % too
-/// bright.
+/// Below the layer are others like it. Each hides α of what is behind it from the eye, and 1 − √(1 − α) from the light.
+/// The visible sum is α Σ qⁱ with q = (1 − α)^1.5; without shadow it would be α Σ (1 − α)ⁱ. Without this factor, the
+/// hare drawn with six of its fifteen layers is 8 % too bright.
 pub fn light_within(alpha: f32, stood_for: f32) -> f32 {
     if stood_for <= 1.0 {
         return 1.0;

@@ -1,7 +1,7 @@
 // Levels of detail: which layers of hair a level draws, and how many layers each stands for.
 
-// How many of the baked layers a layer stands for in a level of that step: itself and those below it, down to the next that is drawn. 0
-// where the level does not draw it, and in a level of step 0, which draws none. layer: 1..baked.
+// Returns how many baked layers a layer stands for in a level of that step: itself and those below it, down to the next
+// drawn one. The result is 0 if the level does not draw the layer, and for step 0, which draws none. layer: 1..baked.
 fn layers_stood_for(layer: u32, baked: u32, step: u32) -> u32 {
     if step == 0u || (baked - 1u - layer) % step != 0u {
         return 0u;
@@ -9,40 +9,40 @@ fn layers_stood_for(layer: u32, baked: u32, step: u32) -> u32 {
     return min(step, layer);
 }
 
-// The lowest layer that is drawn where every `step`-th is. baked: 2 or more.
+// Returns the lowest drawn layer if every `step`-th is drawn. baked: 2 or more.
 fn lowest_layer(baked: u32, step: u32) -> u32 {
     return (baked - 2u) % step + 1u;
 }
 
-// 1 where the lowest layer that the next level keeps stands for none below it, else 0.
+// Returns 1 if the lowest layer kept by the next level stands for none below it, else 0.
 fn lone_layers(baked: u32, step: u32) -> u32 {
     return select(0u, 1u, lowest_layer(baked, 2u * step) <= step);
 }
 
-// Share in which a layer has gone over from a level of that step to the next: one after another they give their opacity to the next above, and
-// so many have. layer: 1..baked; step: 1 or more.
+// Returns how far a layer has changed from a level of that step to the next, 0 to 1. One after another, layers give
+// their opacity to the next above; gone: number that have done so. layer: 1..baked; step: 1 or more.
 fn detail_fade(layer: u32, baked: u32, step: u32, gone: f32) -> f32 {
     let kept = lowest_layer(baked, 2u * step);
     let pair = (max(layer + step, kept) - kept) / (2u * step);
     return clamp(gone - f32(pair - min(pair, lone_layers(baked, step))), 0.0, 1.0);
 }
 
-// Exponent of a layer's transmittance in a level of that step of which so many layers have gone over to the next, for resampled_opacity. here
-// and there: density of the level and of the next.
+// Returns the exponent of a layer's transmittance for resampled_opacity, in a level of that step. gone: layers that
+// have changed to the next level; here and there: density of the level and of the next.
 fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, there: f32) -> f32 {
     let fade = detail_fade(layer, baked, step, gone);
     let stood_for = f32(layers_stood_for(layer, baked, step));
     return (1.0 - fade) * here * stood_for + fade * there * f32(layers_stood_for(layer, baked, 2u * step));
 }
 
-// Share of the fur's height at which the hair is lit that is seen in a layer which stands for so many: what shows of those below lies a
-// quarter of their number lower on average, the denser they are the less.
+// Returns the height at which the hair visible in a layer that stands for several is lit, as a share of the fur height.
+// Visible hair of the layers below is lower by a quarter of their number on average, less if they are denser.
 fn seen_height(height: f32, stood_for: f32, layers: u32) -> f32 {
     return height - 0.25 * max(stood_for - 1.0, 0.0) / f32(layers - 1u);
 }
 
-// The index-th layer that is drawn, from the skin outwards, where every step-th is and so many have gone over to the next level. step: 1 or
-// more; baked: 2 or more.
+// Returns the index-th drawn layer, from the mesh surface outwards, if every step-th is drawn. gone: layers that have
+// changed to the next level; step: 1 or more; baked: 2 or more.
 fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
     let whole = u32(gone);
     if whole > 0u && index < whole + lone_layers(baked, step) {
@@ -51,13 +51,15 @@ fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
     return lowest_layer(baked, step) + step * (index + whole);
 }
 
-// Share of the key light that reaches the hair seen in the far coat, where the way through a layer is that long over its thickness.
+// Returns the share of the key light that reaches the hair visible in the far fur layer. path: length of the light's
+// path through a layer relative to its thickness.
 fn coat_light(path: f32, base: f32, slope: f32) -> f32 {
     return 1.0 / (base + slope * path);
 }
 
-// Light on the hair seen in a layer of that opacity which stands for so many, over the light on the layer itself: below it lie others like it, each
-// of which hides alpha of what is behind it from the eye, and 1 - sqrt(1 - alpha) from the light.
+// Returns the light on the hair visible in a layer of that opacity that stands for several, relative to the light on
+// the layer itself. Below it are others like it: each hides alpha of what is behind it from the eye, and 1 - sqrt(1 -
+// alpha) from the light.
 fn light_within(alpha: f32, stood_for: f32) -> f32 {
     let a = clamp(alpha, 1.0 / 255.0, 1.0 - 1.0 / 2048.0);
     let one = 1.0 - a;

@@ -1,4 +1,4 @@
 pub use pelage_formats::meaning::fin_opacity;
 
-/// The shader source.
+/// WGSL source of this topic.
 pub const WGSL: &str = include_str!("fins.wgsl");

@@ -1,41 +1,46 @@
 use glam::Vec3;
 
-/// The shader source.
+/// WGSL source of this topic.
 pub const WGSL: &str = include_str!("opacity.wgsl");
 
-/// Opacity of one of `n` drawn layers where `n0` were baked: 1 − (1 − `alpha`)^`exponent`, `exponent` = n0 / n > 0.
+/// Returns the opacity of one of `n` drawn layers if `n0` were baked: 1 − (1 − `alpha`)^`exponent`, `exponent` = n0 / n
+/// > 0.
 ///
-/// It keeps the transmittance of the whole stack. Precise for small opacities, where the plain form loses its digits (4.6 % off
-/// at 1e-6 in f32, 0 at 1e-7); an opacity above 1 − 2⁻¹¹ counts as that.
+/// Preserves the transmittance of the whole stack. Precise for small opacities, where the plain form loses its digits
+/// (4.6 % off at 1e-6 in f32, 0 at 1e-7). Opacities above 1 − 2⁻¹¹ are treated as that value.
 pub fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
     let a = alpha.clamp(0.0, 1.0 - 1.0 / 2048.0);
     -(exponent * (-a).ln_1p()).exp_m1()
 }
 
-/// How many times its thickness a look goes through a layer: `n_dot_e` is the cosine between the skin's normal and the direction to the eye, the
-/// result 1..=10.
+/// Returns the path length of a view ray through a layer, relative to its thickness, 1..=10. `n_dot_e`: cosine between
+/// the surface normal and the direction to the eye.
 ///
-/// A shell is a sheet, and what a sheet blocks does not depend on the angle; the slab of hair that it stands for blocks more the longer the way
-/// through it. Without this, a look along the skin falls between the tips onto the dark roots, and the outline is too transparent: on the hare mean
-/// FLIP against the true strands is 1.5 times as large.
+/// A shell is a sheet, and the opacity of a sheet does not depend on the angle. The slab of hair that it stands for
+/// blocks more, the longer the path through it. Without this, grazing view rays fall between the tips onto the dark
+/// roots, and the outline is too transparent. On the hare, mean FLIP against the true strands is then 1.5 times as
+/// large.
 pub fn view_path(n_dot_e: f32) -> f32 {
     1.0 / n_dot_e.abs().clamp(0.1, 1.0)
 }
 
-/// What of a strand's end a look along it meets.
+/// Smallest cross-section of a strand, seen along its axis.
 const LEAST_ACROSS: f32 = 0.1;
 
-/// How many times the optical depth that a layer stores a look meets in it. [`resampled_opacity`] with it is what the layer blocks of such a look.
+/// Returns the optical depth along a view ray relative to the one that a layer stores. With it as exponent,
+/// [`resampled_opacity`] is the layer's opacity along that ray.
 ///
 /// * `tangent` - [`crate::shared::tile_frame::grown_tangent`] of the layer's hair
-/// * `agreed` - length of the tile's direction, 0..=1: hair that does not agree lies in all directions
+/// * `agreed` - length of the tile's direction, 0..=1; the remainder is hair in all directions
 /// * `eye` - unit vector to the eye in the tile's frame
 /// * `n_dot_e` - as for [`view_path`]
 ///
-/// A piece of strand of length l and radius r, along T, hides 2 r l |E × T| / |N·E| of the skin from a look along E. What layers store of it is
-/// 2 r l where strands are finer than texels, and 2 r l |T_xy|, what is seen from above, where a strand fills its texels and is opaque there: the
-/// divisor is the middle of both. On a sheet of the default hair, looked at from 0 to 75 degrees, the mean brightness is off from that of the traced
-/// strands by 30 % (rms) with [`view_path`] alone, by 20 % without the divisor, and by 8 % so (formulas 4.5).
+/// A strand segment of length l and radius r, along T, hides 2 r l |E × T| / |N·E| of the surface along E. Layers store
+/// 2 r l of it where strands are finer than texels. They store 2 r l |T_xy|, the view from above, where a strand fills
+/// its texels and is opaque there. The divisor is the mean of both.
+///
+/// Measured on a sheet of the default hair, at view angles from 0 to 75 degrees, against traced strands (formulas 4.5).
+/// The rms error of the mean brightness is 30 % with [`view_path`] alone, 20 % without the divisor, and 8 % with it.
 pub fn look_path(tangent: Vec3, agreed: f32, eye: Vec3, n_dot_e: f32) -> f32 {
     let rest = 2.0 / 3.0 * (1.0 - agreed * agreed).max(0.0);
     let across = (eye.cross(tangent).length_squared() + rest).sqrt().max(LEAST_ACROSS);
@@ -43,26 +48,28 @@ pub fn look_path(tangent: Vec3, agreed: f32, eye: Vec3, n_dot_e: f32) -> f32 {
     across * view_path(n_dot_e) / (0.5 + 0.5 * from_above)
 }
 
-/// A way through layers over their thickness, 1 or more, where hair is `share` as long as the tile's: 1 straight down, and sideways as far as the
-/// tile's hair is crossed.
+/// Returns the relative path length through layers, 1 or more, for hair that is `share` as long as the tile's. `path`:
+/// path length over thickness in the tile; 1 is perpendicular.
 ///
-/// Shorter hair is the tile's, pressed flat: strands stand as densely side by side, and layers lie closer. In the tile a look that goes its thickness
-/// d down and d tan θ sideways is as long as one that goes d down and s d tan θ sideways: √(1 + s² tan² θ) d, with s the share. Without it a slanted
-/// look at short fur meets too much hair, by 1 / s at most.
+/// Shorter hair is the tile's hair, pressed flat: strands are equally dense sideways, and layers are closer. A path
+/// that goes d down and s d tan θ sideways has the length √(1 + s² tan² θ) d, with s the share. Without it, a slanted
+/// view ray through short fur meets too much hair, by 1 / s at most.
 pub fn shortened_path(path: f32, share: f32) -> f32 {
     (1.0 + share * share * (path * path - 1.0)).sqrt()
 }
 
-/// Which baked layer, 1..`baked`, serves as drawn layer `layer`, 1..`drawn` (layer 0 is the skin in both).
+/// Returns the baked layer, 1..`baked`, that serves as drawn layer `layer`, 1..`drawn` (layer 0 is the mesh surface in
+/// both).
 ///
-/// Each baked layer gets an equal share of the drawn ones, so that together with [`resampled_opacity`] at the exponent
-/// ([`baked` − 1) / (`drawn` − 1) the transmittance of the stack is kept, exactly so where `drawn` − 1 is a multiple of
-/// `baked` − 1.
+/// Each baked layer gets an equal share of the drawn ones. Together with [`resampled_opacity`] at the exponent (`baked`
+/// − 1) / (`drawn` − 1), this preserves the transmittance of the stack. The result is exact if `drawn` − 1 is a
+/// multiple of `baked` − 1.
 pub fn baked_layer(layer: u32, baked: u32, drawn: u32) -> u32 {
     if layer == 0 || baked < 2 || drawn < 2 {
         return 0;
     }
-    // The middle of the drawn layer's slab, (layer − 1/2) / (drawn − 1) of the height, in baked slabs. In halves, to stay exact.
+    // Middle of the drawn layer's slab, (layer − 1/2) / (drawn − 1) of the height, in baked slabs. Computed in halves,
+    // to stay exact.
     let slab = (2 * u64::from(layer) - 1) * u64::from(baked - 1) / (2 * u64::from(drawn - 1));
     1 + (slab as u32).min(baked - 2)
 }

@@ -2,10 +2,11 @@ use super::{layer_shadow, soft_shadow};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
-/// The shader source. Unlike the other topics' it brings what it needs with it, [`layer_shadow::WGSL`] and [`soft_shadow::WGSL`]: do
-/// not join those as well.
+/// WGSL source. Unlike that of other topics, it includes its dependencies, [`layer_shadow::WGSL`] and
+/// [`soft_shadow::WGSL`]: do not join those as well.
 ///
-/// Besides the twins of this module it has what an application's fragment shader calls, 0 for dark and 1 for lit:
+/// Besides the twins of this module it declares the function for an application's fragment shader, which returns 0 for
+/// dark and 1 for lit:
 ///
 /// ```wgsl
 /// fn light_received(
@@ -19,20 +20,20 @@ use glam::{Mat4, Vec3, Vec4};
 pub const WGSL: &str =
     concat!(include_str!("layer_shadow.wgsl"), include_str!("soft_shadow.wgsl"), include_str!("receiver.wgsl"));
 
-/// The uniform block that `light_received` takes: where the shadow maps lie, and what their numbers mean. 96 bytes, as the WGSL
-/// structure of the same name.
+/// Uniform block for `light_received`: transform to the shadow maps, and meaning of their values. 96 bytes, laid out as
+/// the WGSL structure of the same name.
 ///
-/// [`crate::Frame::shadow_receiver`] fills it. All zero, which is the default, it lights everything.
+/// [`crate::Frame::shadow_receiver`] fills it. The default, all zero, lights everything.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShadowReceiver {
-    /// [`crate::LightView::map_from_world`].
+    /// Transform from world space to the shadow maps, [`crate::LightView::map_from_world`].
     pub map_from_world: Mat4,
-    /// What the shadow-width map's numbers mean.
+    /// Scales of the shadow-width map.
     pub soft_shadow: soft_shadow::SoftShadow,
-    /// 1 where the penumbra lies on both sides of the hard edge, 0 where inside it alone.
+    /// 1 if the penumbra extends to both sides of the hard edge, 0 if only inwards.
     pub centred: u32,
-    /// Zero.
+    /// Padding, zero.
     pub reserved: [u32; 3],
 }
 
@@ -43,14 +44,14 @@ impl Default for ShadowReceiver {
 }
 
 impl ShadowReceiver {
-    /// Place of a point in world space in the maps, as [`light_at_place`] takes it: (u·w, v·w, depth, w).
+    /// Returns the map coordinates of a world-space point, as [`light_at_place`] takes them: (u·w, v·w, depth, w).
     pub fn place(&self, position_ws: Vec3) -> Vec4 {
         self.map_from_world * position_ws.extend(1.0)
     }
 }
 
-/// Share of the key light that arrives at a point, 0..=1: past things, and through the hair above. Beyond the maps, to their sides and in
-/// depth, 1.
+/// Returns the share of the key light that arrives at a point, 0..=1: past occluders, and through the hair above. 1
+/// outside the maps, sideways and in depth.
 ///
 /// * `texel` - of the shadow-width map at `place.xy / place.w`
 /// * `place` - [`ShadowReceiver::place`] of the point

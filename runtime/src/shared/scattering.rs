@@ -5,36 +5,37 @@ use pelage_formats::meaning::scattering::colour;
 use pelage_formats::meaning::scattering::means::Means;
 use std::f32::consts::PI;
 
-/// The shader source; needs nothing else.
+/// WGSL source; depends on no other topic.
 pub const WGSL: &str = include_str!("scattering.wgsl");
 
-/// Two directions about a fibre.
+/// Table coordinates and cosines of a pair of light and eye directions, relative to a fibre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FibreAngles {
-    /// Place in the table of what happens along the fibre, 0..=1 (`FORMAT.md`, "FIBR", layer 0).
+    /// Coordinates in the table of longitudinal scattering, 0..=1 (`FORMAT.md`, "FIBR", layer 0).
     pub along: Vec2,
-    /// Place in the table of what happens around it, 0..=1 (layer 1).
+    /// Coordinates in the table of azimuthal scattering, 0..=1 (`FORMAT.md`, "FIBR", layer 1).
     pub around: Vec2,
-    /// Cosine of the light's angle from the plane across the fibre, 0..=1.
+    /// Cosine of the angle between the light and the plane across the fibre, 0..=1.
     pub cos_i: f32,
     /// Cosine of the difference angle, 0..=1.
     pub cos_d: f32,
 }
 
-/// What of a fibre needs no table, as shaders have it.
+/// Table-free properties of a fibre, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Fibre {
-    /// 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `Means::aside` of the package; variance of the reflected lobe along the fibre, of whole angles.
+    /// 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `Means::aside` of the package; longitudinal variance of the reflected
+    /// lobe, in full angles.
     pub optics: [f32; 4],
     /// `Means::on` of the package.
     pub on: [[f32; 4]; 3],
-    /// `Means::back`.
+    /// `Means::back` of the package.
     pub back: [[f32; 4]; 3],
 }
 
 impl Fibre {
-    /// A package's.
+    /// Creates the shader constants of a package's fibre.
     pub fn new(optics: &FibreOptics, means: &Means) -> Self {
         let per_depth = colour::depth(optics.around.into()).recip() as f32;
         Self {
@@ -53,12 +54,13 @@ impl Fibre {
 const DRAWN_OUT: f32 = 0.3;
 const LEAST_COS_D: f32 = 0.1;
 
-/// Row of a table for a cosine of the difference angle, 0..=1.
+/// Returns the table row of a cosine of the difference angle, 0..=1.
 pub fn fibre_row(cos_d: f32) -> f32 {
     ((cos_d - LEAST_COS_D) / (1.0 - LEAST_COS_D)).clamp(0.0, 1.0)
 }
 
-/// Of unit vectors: the fibre towards its tip, towards the light, towards the eye. A direction along the fibre has no azimuth: any is taken. Finite for all.
+/// Returns the angles of unit vectors: the fibre towards its tip, towards the light, towards the eye. A direction along
+/// the fibre has no azimuth; an arbitrary one is used. Finite for all inputs.
 pub fn fibre_angles(tip: Vec3, light: Vec3, eye: Vec3) -> FibreAngles {
     let sin_i = tip.dot(light).clamp(-1.0, 1.0);
     let sin_o = tip.dot(eye).clamp(-1.0, 1.0);
@@ -78,32 +80,35 @@ pub fn fibre_angles(tip: Vec3, light: Vec3, eye: Vec3) -> FibreAngles {
     }
 }
 
-/// What fibres absorb a radius of which a deep coat has that colour, each channel by itself (Chiang 2016, section 4.2); `per_depth` is 1 / d of
-/// `FORMAT.md`, "FIBR".
+/// Returns the absorption per fibre radius at which deep fur has that colour, each channel independently (Chiang 2016,
+/// section 4.2). `per_depth`: 1 / d of `FORMAT.md`, "FIBR".
 pub fn fibre_absorption(color: Vec3, per_depth: f32) -> Vec3 {
     let root = color.clamp(Vec3::splat(1e-3), Vec3::ONE).map(f32::ln) * per_depth;
     root * root
 }
 
-/// What a fibre that absorbs so much a radius leaves of light that crosses it once, at a difference angle of that cosine. `optics` as [`Fibre`] has it.
+/// Returns the transmittance of one crossing of a fibre with that absorption per radius. `cos_d`: cosine of the
+/// difference angle; `optics`: as in [`Fibre`].
 pub fn fibre_left(cos_d: f32, optics: Vec4, absorbed: Vec3) -> Vec3 {
     let c = cos_d.max(LEAST_COS_D);
-    // Squares of 1 / cos θt, and of the sine of the angle in the section that light is bent to, where it falls in so far aside.
+    // Squares of 1 / cos θt, and of the sine of the refraction angle in the cross-section, at the mean square offset of
+    // incidence.
     let slant = 1.0 / (1.0 - (1.0 - c * c) * optics.x);
     let bent = optics.z * c * c * optics.x * slant;
     (-2.0 * (slant * (1.0 - bent)).sqrt() * absorbed).map(f32::exp)
 }
 
-/// What the tables' texels along and around a fibre come to, times the cosine of the light's angle: light a steradian, over its irradiance. `left` as
-/// [`fibre_left`] has it: TRT crosses the fibre twice, and all other light three times.
+/// Combines the tables' texels along and around a fibre: scattered light per steradian over its irradiance, times the
+/// cosine of the light's angle. `left`: from [`fibre_left`]. TRT crosses the fibre twice, and the remaining orders
+/// three times.
 pub fn fibre_scatters(along: Vec4, around: Vec4, absorbed: Vec3, left: Vec3) -> Vec3 {
     let ways = along * around;
     let through = (-absorbed * around.w).map(f32::exp);
     Vec3::splat(ways.x) + ways.y * through + left * left * (Vec3::splat(ways.z) + along.w * left)
 }
 
-/// Of light at an angle of that cosine to the plane across a fibre that absorbs nothing: the share that goes on, to its far side, and the share that comes back,
-/// by R, TT, TRT and the rest.
+/// Returns the shares of light that a fibre without absorption scatters forward, to its far side, and backward; each by
+/// R, TT, TRT and the rest. `cos_theta`: cosine of the angle between the light and the plane across the fibre.
 pub fn fibre_shares(fibre: &Fibre, cos_theta: f32) -> [Vec4; 2] {
     let u = 1.0 - cos_theta.max(LEAST_COS_D);
     let square = u * u;
@@ -113,7 +118,7 @@ pub fn fibre_shares(fibre: &Fibre, cos_theta: f32) -> [Vec4; 2] {
     })
 }
 
-/// The same of a fibre that absorbs: the share that goes on, and the share that comes back.
+/// Returns the shares of light that an absorbing fibre scatters forward and backward.
 pub fn fibre_sides(fibre: &Fibre, cos_theta: f32, left: Vec3) -> [Vec3; 2] {
     fibre_shares(fibre, cos_theta).map(|share| {
         let share = share.to_array().map(Vec3::splat);
@@ -121,21 +126,22 @@ pub fn fibre_sides(fibre: &Fibre, cos_theta: f32, left: Vec3) -> [Vec3; 2] {
     })
 }
 
-/// Light in a coat of fibres, over what falls on it.
+/// Light in deep fur, relative to the incident light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Diffused {
-    /// What other fibres have sent on, and never back: it goes nearly as the light does.
+    /// Light that other fibres have only scattered forward; its direction is close to that of the light.
     pub sent_on: Vec3,
-    /// What comes from the light's side besides.
+    /// Other light from the light's side.
     pub from_light: Vec3,
-    /// What comes back from below.
+    /// Light that comes back from below.
     pub from_below: Vec3,
-    /// Root of what a fibre absorbs of the light that it gets.
+    /// Square root of the share that a fibre absorbs of its light.
     pub root_lost: Vec3,
 }
 
-/// Where the share `direct` of the light, 0..=1, comes past all fibres of a deep coat, of which each sends the shares `on` and `back` to either side
-/// (Kubelka and Munk 1931). Nothing is negative or infinite, also of fibres that absorb nothing.
+/// Returns the light in deep fur at a point where the share `direct`, 0..=1, passes all fibres. `on` and `back`: shares
+/// that each fibre scatters forward and backward (Kubelka and Munk 1931). Never negative or infinite, even without
+/// absorption.
 pub fn diffused(on: Vec3, back: Vec3, direct: f32) -> Diffused {
     let lost = (Vec3::ONE - on - back).max(Vec3::splat(1e-4));
     let root_lost = lost.map(f32::sqrt);
@@ -152,28 +158,30 @@ pub fn diffused(on: Vec3, back: Vec3, direct: f32) -> Diffused {
     }
 }
 
-/// How much of the light that goes on from fibre to fibre there is under a light at the height of that sine, 0..=1, over that under one straight above
-/// (after Hapke 1981, whose H function's share beyond 1 it is).
+/// Returns the multiply scattered light under a light at a height of that sine, 0..=1, relative to one at the zenith.
+/// Proportional to the excess of Hapke's H function over 1 (after Hapke 1981).
 pub fn falls_in(root_lost: Vec3, sine: f32) -> Vec3 {
     let root = 2.0 * root_lost;
     sine * (1.0 + root) / (1.0 + sine * root)
 }
 
-/// What of the light that a fibre sends on, or back, turns back in a sheet of hair that hangs free.
+/// Share of forward scattered light that turns back in a sheet of free hanging hair; `TURNED_BACK`: of backward
+/// scattered light.
 const TURNED_ON: f32 = 0.15;
 const TURNED_BACK: f32 = 0.8;
-/// What leaves such a sheet at its edges, of light that a fibre has scattered.
+/// Share of scattered light that leaves a sheet of hanging hair at its edges.
 const LEAKS: f32 = 0.12;
 
-/// What goes on, and what comes back, in a sheet of fibres of which each sends `sides` on and back: for [`diffused`]. A fibre's sides are not those of the
-/// sheet: light that is turned aside by many goes back in the end, and some of it leaves the sheet at its edges.
+/// Returns the forward and backward shares of a sheet of hanging fibres for [`diffused`], given those of one fibre. The
+/// two differ: light turned aside by many fibres goes back in the end, and some of it leaves the sheet at its edges.
 pub fn hanging_sides(sides: [Vec3; 2]) -> [Vec3; 2] {
     let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
     [(1.0 - LEAKS) * (sides[0] + sides[1]) - back, back]
 }
 
-/// How much more light goes from one angle to another, of those sines to the plane across the fibre, than if it went to all heights alike: of a lobe of that
-/// `variance` (d'Eon 2011), of which I0 is taken to 2 %.
+/// Returns the light scattered from one inclination to another, relative to an even distribution over all inclinations.
+/// Arguments: their sines to the plane across the fibre, and the lobe's `variance` (d'Eon 2011). I0 is approximated
+/// within 2 %.
 pub fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
     let k = variance.clamp(1e-3, 1e3).recip();
     let a = k * ((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o)).max(0.0).sqrt();
@@ -181,22 +189,24 @@ pub fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
     2.0 * k * i0e * (a - k * (1.0 + sin_i * sin_o)).exp() / (1.0 - (-2.0 * k).exp())
 }
 
-/// [`along_cone`] of light in hair that hangs side by side: of what was sent on and never back, and of other light. Fibres side by side keep light near the cone
-/// on which it came, and each that scatters it makes the cone wider (after Zinke 2008). `left`: as [`fibre_left`] has it, of grey; `direct`: share of the light that comes past all fibres.
+/// Returns [`along_cone`] in hair that hangs side by side: of light that was only scattered forward, and of other
+/// light. Parallel fibres keep light near its cone of incidence, and each scattering widens the cone (after Zinke
+/// 2008). `left`: from [`fibre_left`], for grey; `direct`: share of the light that passes all fibres.
 pub fn hanging_cones(fibre: &Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> [f32; 2] {
     let [shares_on, shares_back] = fibre_shares(fibre, cos_i);
     let light = Vec4::new(1.0, left, left * left, left * left * left);
-    // TT's lobe is half as wide, and TRT's twice.
+    // The lobe of TT is half as wide, and that of TRT twice as wide.
     let wide = fibre.optics[3] * Vec4::new(1.0, 0.25, 4.0, 4.0);
-    // Fits of fibres that let nothing through may be nothing, or less.
+    // Fits may be zero or negative for opaque fibres.
     let on = shares_on.dot(light).max(1e-4);
     let all = on + shares_back.dot(light).max(0.0);
     let width = (shares_on + shares_back).dot(light * wide) / all;
     let depth = -direct.clamp(1e-30, 1.0).ln();
-    // Of what was sent on at all.
+    // Conditional on at least one forward scattering.
     let sent = (on * depth).max(1e-3);
     let sent_on = shares_on.dot(light * wide) / on * sent / (1.0 - (-sent).exp());
-    // How often light has been scattered that comes back from such a sheet: by how much less there is, the more each fibre absorbs.
+    // Mean number of scatterings of light that comes back from the sheet, from the decrease of that light with growing
+    // absorption.
     let back = TURNED_ON * on + TURNED_BACK * (all - on);
     let lost = (1.0 - (1.0 - LEAKS) * all).max(1e-4);
     let met = back / (lost * (lost + 2.0 * back)).sqrt();

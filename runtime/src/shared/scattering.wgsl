@@ -1,35 +1,36 @@
-// How a fibre scatters light (Marschner 2003; d'Eon 2011; Chiang 2016): where a package's tables are looked up, and what is made of their texels; and
-// what becomes of light that goes from fibre to fibre.
+// Light scattering by fibres (Marschner 2003; d'Eon 2011; Chiang 2016): coordinates in a package's tables, evaluation
+// of their texels, and scattering from fibre to fibre.
 
-// Two directions about a fibre.
+// Table coordinates and cosines of a pair of light and eye directions, relative to a fibre.
 struct FibreAngles {
-    // Places in the tables, 0..=1: of what happens along the fibre, and around it.
+    // Coordinates in the tables, 0..=1: of longitudinal and of azimuthal scattering.
     along: vec2<f32>,
     around: vec2<f32>,
-    // Cosine of the light's angle from the plane across the fibre, and of the difference angle.
+    // Cosine of the angle between the light and the plane across the fibre, and of the difference angle.
     cos_i: f32,
     cos_d: f32,
 }
 
-// What of a fibre needs no table (FORMAT.md, "FIBR").
+// Table-free properties of a fibre (FORMAT.md, "FIBR").
 struct Fibre {
-    // 1 / eta^2, 1 / d, mean square of how far aside light falls on it, variance of the reflected lobe along the fibre.
+    // 1 / eta^2, 1 / d, mean square offset of incidence, longitudinal variance of the reflected lobe.
     optics: vec4<f32>,
     on: array<vec4<f32>, 3>,
     back: array<vec4<f32>, 3>,
 }
 
-// Share of the axis of sin theta_h that is as it was, and the least cosine of the difference angle.
+// Undistorted share of the axis of sin theta_h. LEAST_COS_D: smallest cosine of the difference angle.
 const DRAWN_OUT: f32 = 0.3;
 const LEAST_COS_D: f32 = 0.1;
 const PI: f32 = 3.14159265;
 
-// Row of a table for a cosine of the difference angle, 0..=1.
+// Returns the table row of a cosine of the difference angle, 0..=1.
 fn fibre_row(cos_d: f32) -> f32 {
     return clamp((cos_d - LEAST_COS_D) / (1.0 - LEAST_COS_D), 0.0, 1.0);
 }
 
-// Of unit vectors: the fibre towards its tip, towards the light, towards the eye. A direction along the fibre has no azimuth: any is taken.
+// Returns the angles of unit vectors: the fibre towards its tip, towards the light, towards the eye. A direction along
+// the fibre has no azimuth; an arbitrary one is used.
 fn fibre_angles(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>) -> FibreAngles {
     let sin_i = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
@@ -46,29 +47,33 @@ fn fibre_angles(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>) -> FibreAngles
     );
 }
 
-// What fibres absorb a radius of which a deep coat has that colour. per_depth: 1 / d of FORMAT.md, "FIBR".
+// Returns the absorption per fibre radius at which deep fur has that colour. per_depth: 1 / d of FORMAT.md, "FIBR".
 fn fibre_absorption(color: vec3<f32>, per_depth: f32) -> vec3<f32> {
     let root = log(clamp(color, vec3(1e-3), vec3(1.0))) * per_depth;
     return root * root;
 }
 
-// What a fibre that absorbs so much a radius leaves of light that crosses it once, at a difference angle of that cosine.
+// Returns the transmittance of one crossing of a fibre with that absorption per radius. cos_d: cosine of the difference
+// angle.
 fn fibre_left(cos_d: f32, optics: vec4<f32>, absorbed: vec3<f32>) -> vec3<f32> {
     let c = max(cos_d, LEAST_COS_D);
-    // Squares of 1 / cos theta_t, and of the sine of the angle in the section that light is bent to, where it falls in so far aside.
+    // Squares of 1 / cos theta_t, and of the sine of the refraction angle in the cross-section, at the mean square
+    // offset of incidence.
     let slant = 1.0 / (1.0 - (1.0 - c * c) * optics.x);
     let bent = optics.z * c * c * optics.x * slant;
     return exp(-2.0 * sqrt(slant * (1.0 - bent)) * absorbed);
 }
 
-// What the tables' texels along and around a fibre come to, times the cosine of the light's angle: light a steradian, over its irradiance.
-// left: as fibre_left has it. TRT crosses the fibre twice, and all other light three times.
+// Combines the tables' texels along and around a fibre: scattered light per steradian over its irradiance, times the
+// cosine of the light's angle. left: from fibre_left. TRT crosses the fibre twice, and the remaining orders three
+// times.
 fn fibre_scatters(along: vec4<f32>, around: vec4<f32>, absorbed: vec3<f32>, left: vec3<f32>) -> vec3<f32> {
     let ways = along.xyz * around.xyz;
     return vec3(ways.x) + ways.y * exp(-absorbed * around.w) + left * left * (vec3(ways.z) + along.w * left);
 }
 
-// Of light at an angle of that cosine to the plane across a fibre that absorbs nothing: what goes on, and what comes back, by R, TT, TRT and the rest.
+// Returns the shares of light that a fibre without absorption scatters forward and backward, each by R, TT, TRT and the
+// rest. cos_theta: cosine of the angle between the light and the plane across the fibre.
 fn fibre_shares(fibre: Fibre, cos_theta: f32) -> array<vec4<f32>, 2> {
     let u = 1.0 - max(cos_theta, LEAST_COS_D);
     let square = u * u;
@@ -78,7 +83,7 @@ fn fibre_shares(fibre: Fibre, cos_theta: f32) -> array<vec4<f32>, 2> {
     );
 }
 
-// The same of a fibre that absorbs: what goes on, and what comes back.
+// Returns the shares of light that an absorbing fibre scatters forward and backward.
 fn fibre_sides(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
     let shares = fibre_shares(fibre, cos_theta);
     let on = shares[0];
@@ -89,17 +94,18 @@ fn fibre_sides(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> array<vec3<f32>
     );
 }
 
-// Light in a coat of fibres of which each sends the shares `on` and `back` of it to either side (Kubelka and Munk 1931).
+// Light in deep fur, whose fibres scatter the shares `on` and `back` forward and backward (Kubelka and Munk 1931).
 struct Diffused {
-    // Over what falls on the coat: what other fibres have sent on, and never back; what comes from the light's side besides; what comes from below.
+    // Relative to the incident light: light that other fibres have only scattered forward; other light from the light's
+    // side; light from below.
     sent_on: vec3<f32>,
     from_light: vec3<f32>,
     from_below: vec3<f32>,
-    // Root of what a fibre absorbs.
+    // Square root of the share that a fibre absorbs.
     root_lost: vec3<f32>,
 }
 
-// Where the share `direct` of the light comes past all fibres.
+// Returns the light at a point where the share `direct` passes all fibres.
 fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> Diffused {
     let lost = max(vec3(1.0) - on - back, vec3(1e-4));
     let root_lost = sqrt(lost);
@@ -111,26 +117,29 @@ fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> Diffused {
     return Diffused(max(sent_on - direct, vec3(0.0)), max(arrives - sent_on, vec3(0.0)), given_back * arrives, root_lost);
 }
 
-// How much of the light that goes on from fibre to fibre there is under a light so high, over that under one straight above: of fibres that absorb the square
-// of root_lost (after Hapke 1981, whose H function's share beyond 1 it is).
+// Returns the multiply scattered light under a light at a height of that sine, relative to one at the zenith.
+// Proportional to the excess of Hapke's H function over 1 (after Hapke 1981). root_lost: square root of the absorbed
+// share.
 fn falls_in(root_lost: vec3<f32>, sine: f32) -> vec3<f32> {
     let root = 2.0 * root_lost;
     return sine * (1.0 + root) / (1.0 + sine * root);
 }
 
-// Hair that hangs free: what of the light that a fibre sends on or back turns back in a sheet of it, and what leaves it at its edges.
+// Free hanging hair: shares of forward and backward scattered light that turn back in a sheet of it, and share that
+// leaves it at its edges.
 const TURNED_ON: f32 = 0.15;
 const TURNED_BACK: f32 = 0.8;
 const LEAKS: f32 = 0.12;
 
-// What goes on, and what comes back, in a sheet of fibres of which each sends that on and back.
+// Returns the forward and backward shares of a sheet of hanging fibres, given those of one fibre.
 fn hanging_sides(sides: array<vec3<f32>, 2>) -> array<vec3<f32>, 2> {
     let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
     return array((1.0 - LEAKS) * (sides[0] + sides[1]) - back, back);
 }
 
-// How much more light goes that way than if it went to all heights alike, of sines of the light's and the eye's angle to the plane across the fibre: of a
-// lobe of that variance (d'Eon 2011, around which I0 is taken to 2 %).
+// Returns the light scattered from one inclination to another, relative to an even distribution over all inclinations.
+// sin_i, sin_o: sines of the angles of light and eye to the plane across the fibre; variance: of the lobe (d'Eon 2011).
+// I0 is approximated within 2 %.
 fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
     let k = 1.0 / clamp(variance, 1e-3, 1e3);
     let a = k * sqrt(max((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o), 0.0));
@@ -138,22 +147,24 @@ fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
     return 2.0 * k * i0e * exp(a - k * (1.0 + sin_i * sin_o)) / (1.0 - exp(-2.0 * k));
 }
 
-// Fibres side by side keep light near the cone on which it came, and each that scatters it makes the cone wider: along_cone of what was sent on and never back
-// (x), and of other light (y). Of light of which the share `direct` comes past all fibres. left: as fibre_left has it, of grey.
+// Returns along_cone in hair that hangs side by side: of light that was only scattered forward (x), and of other light
+// (y). Parallel fibres keep light near its cone of incidence, and each scattering widens the cone. direct: share of the
+// light that passes all fibres; left: from fibre_left, for grey.
 fn hanging_cones(fibre: Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> vec2<f32> {
     let shares = fibre_shares(fibre, cos_i);
     let light = vec4(1.0, left, left * left, left * left * left);
-    // TT's lobe is half as wide, and TRT's twice.
+    // The lobe of TT is half as wide, and that of TRT twice as wide.
     let wide = fibre.optics.w * vec4(1.0, 0.25, 4.0, 4.0);
-    // Fits of fibres that let nothing through may be nothing, or less.
+    // Fits may be zero or negative for opaque fibres.
     let on = max(dot(shares[0], light), 1e-4);
     let all = on + max(dot(shares[1], light), 0.0);
     let width = dot(shares[0] + shares[1], light * wide) / all;
     let depth = -log(clamp(direct, 1e-30, 1.0));
-    // Of what was sent on at all.
+    // Conditional on at least one forward scattering.
     let sent = max(on * depth, 1e-3);
     let sent_on = dot(shares[0], light * wide) / on * sent / (1.0 - exp(-sent));
-    // How often light has been scattered that comes back from such a sheet: by how much less there is, the more each fibre absorbs.
+    // Mean number of scatterings of light that comes back from the sheet, from the decrease of that light with growing
+    // absorption.
     let back = TURNED_ON * on + TURNED_BACK * (all - on);
     let lost = max(1.0 - (1.0 - LEAKS) * all, 1e-4);
     let met = back * inverseSqrt(lost * (lost + 2.0 * back));

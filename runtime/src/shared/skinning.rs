@@ -1,4 +1,4 @@
 pub use pelage_formats::meaning::{blend, handedness_of, normalize_or, transform_normal, weighted};
 
-/// The shader source.
+/// WGSL source of this topic.
 pub const WGSL: &str = include_str!("skinning.wgsl");

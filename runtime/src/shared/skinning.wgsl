@@ -1,6 +1,7 @@
 // Linear blend skinning of positions, normals and tangents.
 
-// One joint's share of a vertex's matrix. A joint of weight 0 counts for nothing, even where its matrix is not finite.
+// Returns one joint's contribution to a vertex's matrix. A joint of weight 0 is ignored, even if its matrix is not
+// finite.
 fn weighted(m: mat4x4<f32>, weight: f32) -> mat4x4<f32> {
     if weight > 0.0 {
         return m * weight;
@@ -8,7 +9,7 @@ fn weighted(m: mat4x4<f32>, weight: f32) -> mat4x4<f32> {
     return mat4x4<f32>();
 }
 
-// The weighted sum of four joint matrices; the identity where no weight is positive.
+// Returns the weighted sum of four joint matrices; the identity if no weight is positive.
 fn blend(m0: mat4x4<f32>, m1: mat4x4<f32>, m2: mat4x4<f32>, m3: mat4x4<f32>, weights: vec4<f32>) -> mat4x4<f32> {
     if !any(weights > vec4(0.0)) {
         return mat4x4(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
@@ -16,26 +17,27 @@ fn blend(m0: mat4x4<f32>, m1: mat4x4<f32>, m2: mat4x4<f32>, m3: mat4x4<f32>, wei
     return weighted(m0, weights.x) + weighted(m1, weights.y) + weighted(m2, weights.z) + weighted(m3, weights.w);
 }
 
-// v / |v|, or fallback where v has no usable length. Scaled first: a squared length may leave the range of f32.
+// Returns v / |v|, or fallback if v has no usable length. Scales first, because a squared length may exceed the range
+// of f32.
 fn normalize_or(v: vec3<f32>, fallback: vec3<f32>) -> vec3<f32> {
     let largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
-    // Written so that NaN and infinity fall back too.
+    // Written so that NaN and infinity also take the fallback.
     if !(largest > 1e-30 && largest < 1e30) {
         return fallback;
     }
     return normalize(v / largest);
 }
 
-// A unit normal under a matrix that may scale unevenly, mirror or collapse: unit length always, and outward stays outward.
-// The cofactor matrix is the inverse transpose times the determinant; it needs no division. Its sign is the determinant's,
-// which is taken out again.
+// Transforms a unit normal by a matrix that may scale unevenly, mirror or collapse. The result always has unit length,
+// and outward stays outward. The cofactor matrix is the inverse transpose times the determinant; it needs no division.
+// The sign of the determinant is removed again.
 fn transform_normal(m: mat3x3<f32>, normal: vec3<f32>) -> vec3<f32> {
     let c0 = cross(m[1], m[2]);
     let n = c0 * normal.x + cross(m[2], m[0]) * normal.y + cross(m[0], m[1]) * normal.z;
     return normalize_or(select(n, -n, dot(m[0], c0) < 0.0), normal);
 }
 
-// -1 where m mirrors, else 1.
+// Returns -1 if m mirrors, else 1.
 fn handedness_of(m: mat3x3<f32>) -> f32 {
     return select(1.0, -1.0, dot(m[0], cross(m[1], m[2])) < 0.0);
 }

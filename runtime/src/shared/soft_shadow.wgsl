@@ -1,46 +1,45 @@
 // Soft shadows from a shadow-width map (Kirsch and Doellner 2003; Yang 2006, sec. 4).
 //
-// The map is seen from the light. Its texels, read with a linear filter, are
-// x  occlusion, blurred: 0 where nothing near is in shadow, 1 deep in it, 1/2 at the edge
-// y  depth of what throws the shadow, blurred, times x
-// z  depth of the first surface
-// w  transmittance of the hair above it, blurred but for places beside deeper ones
-// Depths are 0..=1 over the map's range.
+// The map is seen from the light. Depths are 0..=1 over its range. Its texels, read with a linear filter, are:
+// * x: occlusion, blurred: 0 if nothing near is in shadow, 1 deep in it, 1/2 at the edge
+// * y: depth of the occluder, blurred, times x
+// * z: depth of the first surface
+// * w: transmittance of the hair above it, blurred except beside deeper surfaces
 
 struct SoftShadow {
     // Metres from depth 0 to depth 1.
     range_m: f32,
-    // Width of the penumbra over the distance from what throws the shadow: 1 / C_scale of the paper.
+    // Width of the penumbra over the distance from the occluder: 1 / C_scale of the paper.
     penumbra: f32,
-    // Half the width of the map's blur, metres at distance 1 from a point light, metres everywhere for a distant one.
+    // Half the width of the map's blur, metres; at 1 m from a point light, anywhere for a distant one.
     blur: f32,
-    // Size of a texel, in the same unit.
+    // Size of a texel, in the unit of blur.
     texel: f32,
 }
 
-// Attenu_Shadow in the paper's form, made safe: the penumbra lies inside the hard edge. sd: metres behind what throws the shadow;
-// sw: metres from the edge into the shadow; blur: the width that sw can measure.
+// Returns Attenu_Shadow in the paper's form, made safe: the penumbra is inside the hard edge. sd: metres behind the
+// occluder; sw: metres from the edge into the shadow; blur: largest measurable sw.
 fn inner_attenuation(sd: f32, sw: f32, penumbra: f32, blur: f32) -> f32 {
-    // No penumbra is wider than what can be measured, or its middle would stay lit.
+    // Limits the penumbra to the measurable width; otherwise its middle would stay lit.
     let width = clamp(sd * penumbra, 1e-6, blur);
     return select(clamp(1.0 - sw / width, 0.0, 1.0), 1.0, sd <= 0.0);
 }
 
-// Attenu_Shadow with the penumbra on both sides of the hard edge, where a round light has it. edge: metres from the edge, positive in
-// the shadow.
+// Returns Attenu_Shadow with the penumbra on both sides of the hard edge, as for a round light. edge: metres from the
+// edge, positive in the shadow.
 fn centred_attenuation(sd: f32, edge: f32, penumbra: f32, blur: f32) -> f32 {
     let width = clamp(sd * penumbra, 1e-6, 2.0 * blur);
     return select(clamp(0.5 - edge / width, 0.0, 1.0), 1.0, sd <= 0.0);
 }
 
-// Metres that a surface may lie behind the first one and still be it: within a texel the surface itself covers a range of depths, the
-// wider the more it is slanted.
+// Returns the depth bias: metres that a surface may be behind the first one and still count as the same. Within a
+// texel, a surface covers a range of depths, wider if it is more slanted.
 fn depth_bias(distance: f32, path: f32, s: SoftShadow) -> f32 {
     return s.texel * distance * (0.5 + path);
 }
 
-// Attenu_Shadow of eq. (3) at a receiver: 1 lit, 0 dark. z: its depth, 0..=1; distance: from a point light, metres, 1 for a distant
-// one; path: slanted_path there.
+// Returns Attenu_Shadow of eq. (3) at a receiver: 1 lit, 0 dark. z: its depth, 0..=1; distance: from a point light,
+// metres, 1 for a distant one; path: slanted_path there.
 fn soft_shadow(texel: vec4<f32>, z: f32, distance: f32, path: f32, s: SoftShadow, centred: bool) -> f32 {
     let blur = s.blur * distance;
     let bias = depth_bias(distance, path, s);
@@ -50,8 +49,8 @@ fn soft_shadow(texel: vec4<f32>, z: f32, distance: f32, path: f32, s: SoftShadow
         return inner_attenuation(behind_first, max(edge, 0.0), s.penumbra, blur);
     }
     let sd = max((z - texel.y / max(texel.x, 1e-3)) * s.range_m, behind_first);
-    // A first surface beside a shadow is in its outer penumbra only if it lies clearly below what throws it: nearer ones may be the
-    // thrower itself, whose blurred depth is of slanted neighbours.
+    // A first surface beside a shadow is in its outer penumbra only if it is clearly below the occluder. Nearer ones
+    // may be the occluder itself, whose blurred depth includes slanted neighbours.
     let slack = bias + blur * path;
     let outside = clamp(sd / slack - 1.0, 0.0, 1.0);
     let share = select(outside, 1.0, behind_first > 0.0);

@@ -1,17 +1,17 @@
-//! Pipelines of the study, by the names of their shaders.
+//! Modification of pipelines for studies, by shader name.
 
 use super::{light_is_slanted, opacity_spans_all, penumbra_is_centred, spacing_is_printed};
 use crate::gpu::{ComputeSpec, RenderSpec, on};
 use crate::params::{Anchoring, FeatureRule, FrameParams, Lighting, SlantForm};
 
-/// Turns a pipeline that a pass asks for into the one that is studied.
+/// Replaces a requested pipeline by its study variant.
 pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
     let study = &params.study;
     let lit = [
         on("LOOK_SLANTED", study.look_slant == SlantForm::Corrected),
         on("LIGHT_SLANTED", light_is_slanted(params)),
         on("CENTRED", penumbra_is_centred(params)),
-        // Tables are looked up where hair is seen.
+        // Scattering tables are read per fragment.
         on("VERTEX_LIGHTING", study.lighting == Lighting::Vertex && !spec.constants.contains(&on("SCATTERING", true))),
     ];
     match spec.shader.name {
@@ -36,7 +36,7 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
     }
 }
 
-/// Turns a compute pipeline into the one that is studied.
+/// Replaces a compute pipeline by its study variant.
 pub(crate) fn amend_compute(params: &FrameParams, mut spec: ComputeSpec) -> ComputeSpec {
     let of_slabs = [
         on("WHOLE_DEPTH", opacity_spans_all(params)),

@@ -1,8 +1,8 @@
-//! Forms as the papers print them, beside those that pelage draws with: compiled with the feature `study`.
+//! Forms as the papers print them, in addition to those that pelage draws with; compiled with the feature `study`.
 //!
-//! Shaders keep what has another form in files of their own (`light/forms.wgsl`, `light/deep_forms.wgsl`,
-//! `ink/line_forms.wgsl`, `ink/surface_forms.wgsl`); with the feature, files of the same names in this folder take their
-//! place. `amend` then turns a pipeline that a pass asks for into the one that is studied.
+//! Shader functions that have another form are in files of their own (`light/forms.wgsl`, `light/deep_forms.wgsl`,
+//! `ink/line_forms.wgsl`, `ink/surface_forms.wgsl`). With the feature, files of the same names in this folder replace
+//! them. `amend` then replaces a requested pipeline by its study variant.
 
 use crate::params::FrameParams;
 #[cfg(feature = "study")]
@@ -14,7 +14,7 @@ mod amend;
 #[cfg(feature = "study")]
 pub(crate) use amend::{amend, amend_compute};
 
-/// Source of a file of forms, as this build draws with them; for files in a folder of `passes`.
+/// Includes a file of forms in the variant of this build; for files in a folder of `passes`.
 macro_rules! form_wgsl {
     ($file:literal) => {
         if cfg!(feature = "study") {
@@ -26,7 +26,7 @@ macro_rules! form_wgsl {
 }
 pub(crate) use form_wgsl;
 
-/// Declares what code outside shaders asks of the forms: ours, and what a study says.
+/// Declares functions by which Rust code queries the forms: the default value, and the value in a study.
 macro_rules! forms {
     ($($(#[$doc:meta])+ $name:ident: $ty:ty = $ours:expr, studied $study:ident: $studied:expr;)+) => {
         $($(#[$doc])+
@@ -55,20 +55,20 @@ macro_rules! forms {
 }
 
 forms! {
-    /// Whether the slabs of strands' shadows divide the whole depth of the hair.
+    /// Returns whether the slabs of strand shadows divide the whole depth of the hair.
     opacity_spans_all: bool = false, studied study: study.opacity != OpacityForm::Deep;
-    /// Whether they do with the printed spacing.
+    /// Returns whether the slabs of strand shadows use the printed spacing.
     spacing_is_printed: bool = false, studied study: study.opacity == OpacityForm::Printed;
-    /// Whether the texels of strands' shadows may be narrower than a strand.
+    /// Returns whether texels of strand shadows may be narrower than a strand.
     texels_may_be_thin: bool = false, studied study: study.thin_texels;
-    /// Pieces that strands are drawn in, where the size on screen does not say.
+    /// Returns the fixed number of segments per strand; `None` if the size on screen decides.
     strand_pieces: Option<u32> = None, studied study: study.strand_pieces;
-    /// Whether the light's way through a layer grows with its slant.
+    /// Returns whether the light's path through a layer grows with its slant.
     light_is_slanted: bool = true, studied study: study.light_slant == SlantForm::Corrected;
-    /// Whether the penumbra lies on both sides of the hard edge.
+    /// Returns whether the penumbra extends to both sides of the hard edge.
     penumbra_is_centred: bool = true, studied study: study.penumbra == PenumbraForm::Centred;
-    /// Whether the light ends past the terminator.
+    /// Returns whether the light ends past the terminator.
     back_attenuation: bool = true, studied study: study.back_attenuation;
-    /// Whether ambient light fades towards the skin.
+    /// Returns whether ambient light fades towards the mesh surface.
     ambient_attenuation: bool = true, studied study: study.ambient_attenuation;
 }

@@ -1,4 +1,4 @@
-// A vertex as the mesh stores it, and as it is posed, for shaders that find vertices in storage buffers.
+// Vertex layout, stored or posed, for shaders that read vertices from storage buffers.
 
 // 48 bytes.
 struct GeometryVertex {

@@ -1,4 +1,4 @@
-//! What all passes over a model's surface share: bindings, vertex streams, materials.
+//! Bindings, vertex streams and materials shared by all passes over a model's surface.
 
 use crate::gpu::{Bound, Gpu, Sampling, Stream, attribute, sampler, storage, texture, uniform};
 use crate::params::MAX_FILL_LIGHTS;
@@ -9,30 +9,30 @@ use pelage_formats::{AttributeVertex, FibreInfo, Fin, GeometryVertex, ROOT_HEIGH
 use std::mem::offset_of;
 use wgpu::util::DeviceExt;
 
-/// A material's constants.
+/// Uniform block of a material.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct MaterialUniform {
     pub(crate) base_color: [f32; 4],
     pub(crate) alpha_cutoff: f32,
-    /// 1 over the height of the tile's hair, metres; 0 where there is none.
+    /// 1 / height of the tile's hair, metres; 0 if there is none.
     pub(crate) share_per_m: f32,
-    /// `VisibilityInfo::horizon`; 1 where the package does not know.
+    /// `VisibilityInfo::horizon`; 1 if the package has none.
     pub(crate) horizon: f32,
-    /// Which of the package's fibres its coat is.
+    /// Index of the fur's fibre in the package.
     pub(crate) fibre: u32,
-    /// Sine of how far behind the skin the tips of its hair are lit.
+    /// Sine of the angle behind the terminator up to which hair tips are lit.
     pub(crate) rim: f32,
     pub(crate) reserved: [f32; 3],
-    /// At each of the heights: mean and along of `RootsInfo::asides`, in coordinates of the base colour, and 0.
+    /// Per height: mean and along of `RootsInfo::asides`, in coordinates of the base colour, and 0.
     pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
 }
 
-/// The streams that all passes over surfaces read, except fins, which find their vertices in storage buffers.
+/// Vertex streams of all passes over surfaces, except fins, which read vertices from storage buffers.
 pub(crate) const STREAMS: [Stream; 2] =
     [Stream::of::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), Stream::of::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)];
 
-/// The first stream, [`GeometryVertex`].
+/// First vertex stream, [`GeometryVertex`].
 pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 5] = [
     attribute(0, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
     attribute(1, wgpu::VertexFormat::Float32, offset_of!(GeometryVertex, fur_height)),
@@ -40,7 +40,7 @@ pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 5] = [
     attribute(3, wgpu::VertexFormat::Float32x4, offset_of!(GeometryVertex, tangent)),
     attribute(7, wgpu::VertexFormat::Float32, offset_of!(GeometryVertex, lean)),
 ];
-/// The second stream, [`AttributeVertex`].
+/// Second vertex stream, [`AttributeVertex`].
 pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
     attribute(4, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, tile_uv)),
     attribute(5, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, base_uv)),
@@ -48,28 +48,29 @@ pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
     attribute(8, wgpu::VertexFormat::Unorm8x4, offset_of!(AttributeVertex, groom)),
 ];
 
-/// Storage buffers that passes over strands bind at once.
+/// Storage buffers bound at once by passes over strands.
 const STRAND_BUFFERS: u32 = 7;
 
-/// Threads of the workgroup that counts strands: more than all others have.
+/// Threads of the workgroup that counts strands, the largest workgroup.
 pub(crate) const SCAN_WORKGROUP: u32 = 256;
 
-/// Layouts of the bind groups, and what stands in for a texture that there is not.
+/// Bind group layouts, and placeholders for missing textures.
 #[derive(Debug)]
 pub(crate) struct Surfaces {
-    /// Group 0: frame, and the instance at a dynamic offset.
+    /// Layout of group 0: frame, and the instance at a dynamic offset.
     pub(crate) frame: wgpu::BindGroupLayout,
-    /// Group 1.
+    /// Layout of group 1: material.
     pub(crate) material: wgpu::BindGroupLayout,
-    /// Group 2.
+    /// Layout of group 2: hair textures.
     pub(crate) fur: wgpu::BindGroupLayout,
-    /// Group 3, of the fins alone: posed vertices, attributes, fins. `None` where vertex shaders have no storage buffers.
+    /// Layout of group 3, only for fins: posed vertices, attributes, fins. `None` if vertex shaders have no storage
+    /// buffers.
     pub(crate) fins: Option<wgpu::BindGroupLayout>,
-    /// Single strands can be drawn: compute shaders have as many storage buffers as that takes.
+    /// Whether single strands can be drawn: compute shaders have enough storage buffers.
     pub(crate) strands: bool,
     pub(crate) white: wgpu::TextureView,
     pub(crate) white_array: wgpu::TextureView,
-    /// Those of packages that say nothing of fibres.
+    /// Resources for packages without fibres.
     pub(crate) no_fibres: FibreResources,
     pub(crate) map_sampler: wgpu::Sampler,
 }
@@ -78,7 +79,7 @@ fn layout(device: &wgpu::Device, label: &str, entries: &[wgpu::BindGroupLayoutEn
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
 }
 
-/// Directions of hair: vertices may look at them too.
+/// Returns the layout entry of a hair direction texture, which vertex shaders may read too.
 fn directions(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
     wgpu::BindGroupLayoutEntry { visibility, ..texture(binding, wgpu::TextureViewDimension::D2Array) }
@@ -106,7 +107,7 @@ impl Surfaces {
         let limits = device.limits();
         let strands = limits.max_storage_buffers_per_shader_stage >= STRAND_BUFFERS
             && limits.max_compute_invocations_per_workgroup >= SCAN_WORKGROUP;
-        // What is made of strands by compute shaders is lit there.
+        // Compute shaders light the strands.
         let stages = match strands {
             true => wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
             false => wgpu::ShaderStages::VERTEX_FRAGMENT,
@@ -157,7 +158,7 @@ impl Surfaces {
         }
     }
 
-    /// Group 1.
+    /// Creates group 1: material.
     pub(crate) fn material_group(
         &self,
         gpu: &Gpu,
@@ -179,7 +180,7 @@ impl Surfaces {
         gpu.bind_group("pelage material", &self.material, &entries)
     }
 
-    /// Group 2 of the hair's textures.
+    /// Creates group 2: hair textures.
     pub(crate) fn fur_group(&self, gpu: &Gpu, hair: &HairViews, sampler: &wgpu::Sampler) -> wgpu::BindGroup {
         let [wet_colors, wet_directions] = hair.wet.as_ref().map_or([&self.white_array; 2], <[_; 2]>::each_ref);
         let [seen, wet_seen] = hair.visibility.each_ref().map(|view| view.as_ref().unwrap_or(&self.white_array));
@@ -197,19 +198,19 @@ impl Surfaces {
     }
 }
 
-/// As many fibres as a package may have.
+/// Constants of all fibres that a package may have.
 pub(crate) type FibreBlock = [Fibre; FibreInfo::MOST];
 
-/// How the fibres of a package scatter light.
+/// Scattering data of a package's fibres.
 #[derive(Clone, Debug)]
 pub(crate) struct FibreResources {
     tables: wgpu::TextureView,
-    /// A [`FibreBlock`].
+    /// Buffer of a [`FibreBlock`].
     constants: wgpu::Buffer,
 }
 
 impl FibreResources {
-    /// * `fibres`: at most [`FibreInfo::MOST`]
+    /// Creates the resources. `fibres`: at most [`FibreInfo::MOST`].
     pub(crate) fn new(gpu: &Gpu, tables: wgpu::TextureView, fibres: &[Fibre]) -> Self {
         let mut block: FibreBlock = [Fibre::default(); FibreInfo::MOST];
         block.iter_mut().zip(fibres).for_each(|(to, from)| *to = *from);
@@ -218,13 +219,13 @@ impl FibreResources {
     }
 }
 
-/// Textures of the hair of a model, or of its fins.
+/// Textures of a model's hair, or of its fins.
 #[derive(Clone, Debug)]
 pub(crate) struct HairViews {
-    /// Colours and directions.
+    /// Colours and directions of dry hair.
     pub(crate) dry: [wgpu::TextureView; 2],
-    /// The same of wet hair, where there is any.
+    /// Colours and directions of wet hair, if any.
     pub(crate) wet: Option<[wgpu::TextureView; 2]>,
-    /// How much light reaches dry and wet hair, where the package says it.
+    /// Visibility of light in dry and wet hair, if the package has it.
     pub(crate) visibility: [Option<wgpu::TextureView>; 2],
 }

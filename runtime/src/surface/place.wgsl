@@ -1,4 +1,4 @@
-// What every pass over a model's surface shares: vertices, placing them and their hair, and base colours.
+// Vertices, placement of vertices and hair, and base colours, shared by all passes over a model's surface.
 
 struct Vertex {
     @location(0) position: vec3<f32>,
@@ -9,24 +9,25 @@ struct Vertex {
     @location(5) base_uv: vec2<f32>,
     @location(6) color: vec4<f32>,
     @location(7) lean: f32,
-    // Bareness, wetness; what the body leaves open, packed.
+    // Bareness, wetness; openness of the body, packed.
     @location(8) groom: vec4<f32>,
 }
 
 struct Material {
     base_color: vec4<f32>,
-    // 0 cuts nothing.
+    // Smallest opacity that is kept; 0 cuts nothing.
     alpha_cutoff: f32,
-    // 1 over the height of the tile's hair, metres; 0 where there is none.
+    // 1 / height of the tile's hair, metres; 0 if there is none.
     share_per_m: f32,
-    // How low a light begins to fade in the hair.
+    // Coefficient k of the fade of lights near the horizon, 1 - exp(-k z).
     horizon: f32,
-    // Which of the package's fibres its coat is.
+    // Index of the fur's fibre in the package.
     fibre: u32,
-    // How far behind its skin a body's fur is lit, as the sine for tips: near the outline hair stands above what hides the light.
+    // Sine of the angle behind the terminator up to which hair tips are lit. Near the outline, hair extends beyond the
+    // surface that hides the light.
     rim: f32,
-    // At heights spread evenly from the skin to the outermost layer: how far hair lies aside of its root, in coordinates of the base colour, as
-    // root_aside takes it.
+    // Sideways offset of hair from its root, in coordinates of the base colour, as root_aside takes it. Sampled at
+    // heights spread evenly from the mesh surface to the outermost layer.
     asides: array<vec4<f32>, 8>,
 }
 
@@ -36,16 +37,16 @@ struct Material {
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(1) @binding(2) var base_color_sampler: sampler;
 
-// What a package or a frame does not need is compiled away: a branch on a uniform costs its body on rasterisers that mask
-// instead of jump.
+// Overrides compile away features that a package or frame does not need. A branch on a uniform costs its body on
+// rasterisers that mask instead of jump.
 
 // The material has a base-colour texture.
 override BASE_COLOR_TEXTURE: bool = false;
-// The material cuts away what is less opaque than its alpha_cutoff.
+// The material discards fragments less opaque than its alpha_cutoff.
 override CUTOUT: bool = false;
-// Some vertex leans more than the tile's strands.
+// At least one vertex leans more than the tile's strands.
 override LEAN: bool = false;
-// Some vertex has other than the tile's length of hair.
+// At least one vertex has a hair length other than the tile's.
 override SHORT: bool = false;
 
 fn normal_ws(v: Vertex) -> vec3<f32> {
@@ -62,8 +63,8 @@ fn tile_frame_of(v: Vertex, normal: vec3<f32>) -> TileFrame {
     return tile_frame(normal, tangent, v.tangent.w * instance.handedness);
 }
 
-// Place of a vertex at a share of the fur's height, on the hair that grows from it: along the normal, and bent towards the comb
-// direction with the square of the height.
+// Returns the world-space position of a point of the hair that grows from a vertex. height: share of the fur height.
+// The offset is along the normal, and bent towards the comb direction by the square of the height.
 fn hair_position(v: Vertex, tile: TileFrame, height: f32) -> vec3<f32> {
     var offset = tile.normal_ws * height;
     if LEAN {
@@ -72,7 +73,7 @@ fn hair_position(v: Vertex, tile: TileFrame, height: f32) -> vec3<f32> {
     return position_ws(v) + offset * (v.fur_height * instance.scale);
 }
 
-// Base colour of the material at a point: factor and vertex colour come interpolated as `tint`.
+// Returns the base colour of the material at a point. tint: factor times vertex colour, interpolated.
 fn base_color(tint: vec4<f32>, uv: vec2<f32>) -> vec4<f32> {
     if BASE_COLOR_TEXTURE {
         return tint * textureSample(base_color_texture, base_color_sampler, uv);
@@ -80,7 +81,7 @@ fn base_color(tint: vec4<f32>, uv: vec2<f32>) -> vec4<f32> {
     return tint;
 }
 
-// Whether a texel of that base opacity is cut away.
+// Returns whether a texel of that base opacity is discarded.
 fn is_cut(alpha: f32) -> bool {
     return CUTOUT && alpha < material.alpha_cutoff;
 }

@@ -1,5 +1,6 @@
-//! Loads a scene file, changes it, and draws it: `cargo run --release -p pelage-stage --features draw --example change_a_scene`
-//! `SCENE.toml PICTURE.png [SECONDS]`. The first model comes twice, the copy beside it and facing the other way, in the light of a lamp.
+//! Loads a scene file, changes it, and draws it: `cargo run --release -p pelage-stage --features draw --example
+//! change_a_scene` `SCENE.toml PICTURE.png [SECONDS]`. The first model appears twice: the copy is beside it, faces the
+//! other way, and a lamp lights both.
 
 use pelage_stage::{Framing, Gpu, NamedPackage, Number, Point, SceneFile, Stage};
 use std::error::Error;
@@ -12,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let time_s: f32 = rest.first().map_or(Ok(0.0), |seconds| seconds.parse())?;
 
-    // Read: what is wrong with it is said with line and key. How it looks may stand in a file of its own.
+    // Read: errors include line and key. The look may be in a separate file.
     let folder = Path::new(scene).parent().unwrap_or(Path::new(""));
     let read = |path: &str| std::fs::read(folder.join(path)).map_err(|error| format!("{path}: {error}"));
     let mut file = SceneFile::parse(scene, std::fs::read(scene)?)?;
@@ -29,10 +30,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     copy.position = Some(Point(glam::Vec3::new(1.5, 0.0, 0.0)));
     file.scene.models.push(copy);
 
-    // Load: the packages come from wherever this program has them.
+    // Load: this program provides the packages.
     let loaded = file.load(&|path: &str| Ok(NamedPackage::new(path, read(path)?)))?;
 
-    // Draw: the scene's camera, or one that frames everybody; four samples a pixel, and the light is a lamp.
+    // Draw: with the scene's camera, or one that frames all models; four samples per pixel, lit by a lamp.
     look.set("picture.samples=4")?;
     look.set("light.position_m=[2, 4, 3]")?;
     let cast = loaded.cast(None, look.aspect(), &Framing::default())?;

@@ -1,32 +1,32 @@
-//! Who plays which clip when, of a character that an application moves.
+//! Clip playback of a character that an application moves.
 
 use crate::cast::Playing;
 use crate::stage::motion;
 use pelage_formats::ClipLayer;
 use pelage_runtime::Motion;
 
-/// Plays a clip, and goes over to others. It knows no model: keep one for each character, tell it what to play and how time passes, and give its
-/// [`Animator::motion`] to the character's instance.
+/// Plays a clip and cross-fades to others. It is independent of models: keep one per character, call it for clips and
+/// for passing time, and set its [`Animator::motion`] on the character's instance.
 ///
-/// What is asked for while a change is still on its way begins from the pose of that moment, so that nothing jumps.
+/// A clip requested during a fade starts from the current blended pose, so nothing jumps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Animator {
-    /// The last is what was asked for last. Those before count as long as it has not wholly come.
+    /// Layers in order; the last is the latest request. Earlier ones count until it has faded in completely.
     layers: Vec<Layer>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 struct Layer {
-    /// `None` is rest.
+    /// Clip; `None` is rest.
     playing: Option<Playing>,
-    /// Seconds since it was asked for.
+    /// Seconds since the request.
     time_s: f32,
-    /// Seconds until it is all that there is.
+    /// Duration of the fade-in, seconds.
     fade_s: f32,
 }
 
 impl Layer {
-    /// How much of it there is, 0..=1: slow at both ends, so that limbs neither start nor stop at once.
+    /// Returns the weight of the layer, 0..=1, eased at both ends so that limbs neither start nor stop abruptly.
     fn share(&self) -> f32 {
         if self.time_s >= self.fade_s {
             return 1.0;
@@ -37,19 +37,20 @@ impl Layer {
 }
 
 impl Animator {
-    /// At rest.
+    /// Creates an animator at rest.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Goes over to that clip, or to rest, within `fade_s` seconds; 0, what is less and NaN change at once. The clip begins at its `start_s`.
+    /// Fades to that clip, or to rest, within `fade_s` seconds. 0, negative values and NaN switch immediately. The clip
+    /// begins at its `start_s`.
     pub fn play(&mut self, playing: Option<Playing>, fade_s: f32) {
         let fade_s = if fade_s.is_nan() { 0.0 } else { fade_s.max(0.0) };
         self.layers.push(Layer { playing, time_s: 0.0, fade_s });
         self.tidy();
     }
 
-    /// Lets time pass, seconds; what is no time (less than 0, NaN, infinite) does nothing.
+    /// Advances time by `seconds`; negative, NaN and infinite values do nothing.
     pub fn advance(&mut self, seconds: f32) {
         if seconds > 0.0 && seconds.is_finite() {
             self.layers.iter_mut().for_each(|layer| layer.time_s += seconds);
@@ -57,24 +58,24 @@ impl Animator {
         }
     }
 
-    /// What was asked for last; `None` is rest.
+    /// Returns the latest request; `None` is rest.
     pub fn playing(&self) -> Option<&Playing> {
         self.layers.last().and_then(|layer| layer.playing.as_ref())
     }
 
-    /// Whether it is on its way to another clip.
+    /// Whether a fade to another clip is in progress.
     pub fn is_fading(&self) -> bool {
         self.layers.last().is_some_and(|layer| layer.share() < 1.0)
     }
 
-    /// Whether a clip that does not loop has come to its end, and has wholly come.
+    /// Whether a clip that does not loop has faded in completely and reached its end.
     pub fn is_over(&self) -> bool {
         let Some(layer) = self.layers.last() else { return false };
         let at_end = |playing: &Playing| !playing.looped && playing.moment(layer.time_s) >= playing.duration_s;
         !self.is_fading() && layer.playing.as_ref().is_some_and(at_end)
     }
 
-    /// The pose of this moment.
+    /// Returns the current pose.
     pub fn motion(&self) -> Motion {
         let layer = |layer: &Layer| match &layer.playing {
             Some(playing) => playing.layer(layer.time_s, layer.share()),
@@ -83,7 +84,7 @@ impl Animator {
         motion(self.layers.iter().map(layer).collect())
     }
 
-    /// Forgets what nothing is left of, and of more than a pose may have the oldest.
+    /// Drops layers without weight, and the oldest ones beyond the maximum of a pose.
     fn tidy(&mut self) {
         let whole = self.layers.iter().rposition(|layer| layer.share() >= 1.0).unwrap_or(0);
         let most = self.layers.len().saturating_sub(Motion::MOST_LAYERS);

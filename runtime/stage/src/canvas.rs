@@ -1,30 +1,30 @@
-//! Targets to draw on without a window, and to read back.
+//! Offscreen render targets that can be read back.
 
 use crate::{Gpu, StageError};
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_runtime::{RendererOptions, wgpu};
 
-/// Colour of the canvas: linear values in, sRGB bytes out.
+/// Colour format of the canvas: linear values in, sRGB bytes out.
 pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-/// Depth of the canvas.
+/// Depth format of the canvas.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// What a canvas is made of; it matches the [`RendererOptions`] of what is drawn on it.
+/// Options of a canvas; they match the [`RendererOptions`] of what is drawn on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CanvasOptions {
-    /// Of the picture: uncompressed.
+    /// Colour format: uncompressed.
     pub color_format: wgpu::TextureFormat,
-    /// Of the depth.
+    /// Depth format.
     pub depth_format: wgpu::TextureFormat,
     /// Samples per pixel, 1 or 4.
     pub sample_count: u32,
-    /// Whether near is 1 and far is 0.
+    /// Whether depth is 1 at the near plane and 0 at the far plane.
     pub reversed_depth: bool,
 }
 
 impl Default for CanvasOptions {
-    /// [`COLOR_FORMAT`] and [`DEPTH_FORMAT`] with one sample and reversed depth: precision is spread evenly over distance, so near shells of a
-    /// far camera do not fight.
+    /// Returns [`COLOR_FORMAT`] and [`DEPTH_FORMAT`] with one sample and reversed depth. Reversed depth spreads
+    /// precision evenly over distance, which avoids depth fighting of shells near a far camera.
     fn default() -> Self {
         Self { color_format: COLOR_FORMAT, depth_format: DEPTH_FORMAT, sample_count: 1, reversed_depth: true }
     }
@@ -42,7 +42,7 @@ impl From<&RendererOptions> for CanvasOptions {
 }
 
 impl CanvasOptions {
-    /// A renderer that draws on such a canvas.
+    /// Returns renderer options for such a canvas.
     pub fn renderer(&self) -> RendererOptions {
         RendererOptions {
             color_format: self.color_format,
@@ -66,7 +66,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// Targets of `size` pixels, width and height.
+    /// Creates targets of `size` pixels, width and height.
     pub fn new(gpu: &Gpu, size: (u32, u32), options: &CanvasOptions) -> Self {
         let ((width, height), samples) = (size, options.sample_count);
         let plain = [options.color_format.remove_srgb_suffix()];
@@ -79,7 +79,7 @@ impl Canvas {
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
-                // A window shows the picture's bytes as they are, without decoding.
+                // A window shows the picture's bytes unchanged, without decoding.
                 view_formats: if usage.contains(wgpu::TextureUsages::TEXTURE_BINDING) { &plain } else { &[] },
             })
         };
@@ -93,8 +93,8 @@ impl Canvas {
         Self { size, color_view: view(&color), color, multisampled, depth_view, reversed_depth: options.reversed_depth }
     }
 
-    /// Begins a pass on the canvas. With `clear`, colour starts at that premultiplied linear colour and depth at its far end; without, both go on
-    /// from the pass before.
+    /// Begins a pass on the canvas. With `clear`, colour starts at that premultiplied linear colour and depth at its
+    /// far end. Otherwise both continue from the pass before.
     pub fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -129,8 +129,8 @@ impl Canvas {
         })
     }
 
-    /// Begins another pass behind the depth of the pass before, which it goes on with: colour cleared to transparent, and the samples that pass the
-    /// depth test counted by `queries` between `begin_occlusion_query` and its end. One sample per pixel only.
+    /// Begins a pass that keeps the depth of the previous one and clears colour to transparent. `queries` counts the
+    /// samples that pass the depth test between `begin_occlusion_query` and its end. Only for one sample per pixel.
     pub fn count_behind<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -157,31 +157,33 @@ impl Canvas {
         })
     }
 
-    /// Reads the canvas back as it is: `width * height` texels of its format, rows from the top.
+    /// Reads the canvas back unchanged: `width * height` texels of its format, rows from the top.
     pub fn texels(&self, gpu: &Gpu) -> Result<Vec<u8>, StageError> {
         gpu.read_texture(&self.color, 0)
     }
 
-    /// Reads back a canvas in [`COLOR_FORMAT`]: `width * height` RGBA8, sRGB-encoded, straight alpha, rows from the top; as PNG wants it.
+    /// Reads back a canvas in [`COLOR_FORMAT`]: `width * height` RGBA8 pixels, sRGB-encoded, straight alpha, rows from
+    /// the top, as PNG requires.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, StageError> {
         let mut pixels = self.texels(gpu)?;
         pixels.chunks_exact_mut(4).for_each(unpremultiply);
         Ok(pixels)
     }
 
-    /// The picture as a texture of its encoded bytes, for who shows it on a screen.
+    /// Returns the picture as a texture of its encoded bytes, for display on a screen.
     pub fn encoded(&self) -> wgpu::TextureView {
         let format = Some(self.color.format().remove_srgb_suffix());
         self.color.create_view(&wgpu::TextureViewDescriptor { format, ..Default::default() })
     }
 
-    /// Width and height, pixels.
+    /// Returns width and height in pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
 }
 
-/// Premultiplied, sRGB-encoded bytes to straight ones. The product with alpha was taken on linear light, so it is undone there.
+/// Converts premultiplied, sRGB-encoded bytes to straight alpha. Alpha was multiplied in linear light, so it is divided
+/// there.
 fn unpremultiply(pixel: &mut [u8]) {
     let alpha = pixel[3];
     if alpha == 0 || alpha == 255 {

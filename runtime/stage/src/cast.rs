@@ -1,4 +1,4 @@
-//! Who is in the picture, and where each of them and the camera are at what time, without a device.
+//! Models in the picture, and the position of each of them and of the camera over time; independent of a device.
 
 use crate::extent::{nothing_named, outline};
 use crate::framing::{Framing, outermost};
@@ -8,79 +8,80 @@ use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::{Animation, ClipLayer, Manifest, Package, Pose};
 use std::sync::Arc;
 
-/// Moments between two keys of a path. Its curve may swing past them.
+/// Samples between two keys of a path. Its curve may overshoot them.
 const MOMENTS_PER_KEY: usize = 8;
 
-/// Everything that a picture shows, over time.
+/// Contents of a picture over time.
 #[derive(Clone, Debug)]
 pub struct Cast<'a> {
-    /// The packages, each once, and opened once: what a section was found to be is kept for all who look at it.
+    /// Packages, each once and opened once; the results of parsing a section are shared by all users.
     pub packages: Vec<(&'a NamedPackage<'a>, Arc<Package<'a>>)>,
-    /// The copies of their models; at least one.
+    /// Copies of their models; at least one.
     pub actors: Vec<Actor>,
-    /// From where they are seen.
+    /// Camera over time.
     pub camera: Shot,
 }
 
-/// A copy of a package's model.
+/// Copy of a package's model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actor {
-    /// Whose: index into [`Cast::packages`].
+    /// Index into [`Cast::packages`].
     pub package: usize,
-    /// Where it stands.
+    /// Position and heading over time.
     pub place: Place,
-    /// What it does; `None` at rest.
+    /// Clip that plays; `None` at rest.
     pub clip: Option<Playing>,
-    /// What it goes over to from that, and how far it has, 0..=1.
+    /// Clip that it fades to, and progress of the fade, 0..=1.
     pub over: Option<(Playing, f32)>,
-    /// How far its clip carries it, round after round: where a clip begins anew, the model goes on from there. In model space, as [`carried_by`] finds it;
-    /// zero lets it begin where it stands.
+    /// Displacement per cycle of its clip: when the clip restarts, the model continues from there. In model space, as
+    /// returned by [`carried_by`]; zero keeps it at the same position.
     pub carried: Vec3,
-    /// Morph targets that are at weights of their own, whatever the clips do: index and weight.
+    /// Morph targets with their own weights, regardless of the clips: index and weight.
     pub morphs: Vec<(usize, f32)>,
 }
 
 impl Actor {
-    /// Whether it is elsewhere, or posed otherwise, at another time.
+    /// Whether position or pose change over time.
     pub fn moves(&self) -> bool {
         let Place { position, heading_deg, scale: _ } = &self.place;
         self.clip.is_some() || self.over.is_some() || position.moves() || heading_deg.as_ref().is_some_and(Track::moves)
     }
 }
 
-/// A place over time.
+/// Position, heading and size over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// Metres.
+    /// Position in metres.
     pub position: Track<Vec3>,
-    /// Degrees about the vertical axis, from +z towards +x; `None` along the way, as [`Track::direction`] has it.
+    /// Heading in degrees about the vertical axis, from +z towards +x; `None` follows the path, as [`Track::direction`]
+    /// does.
     pub heading_deg: Option<Track<f32>>,
-    /// Size, 1 as baked.
+    /// Scale, 1 as baked.
     pub scale: f32,
 }
 
-/// A clip that plays.
+/// Playback of a clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playing {
     /// Index of the clip in its package.
     pub clip: usize,
-    /// Its length, seconds.
+    /// Length of the clip, seconds.
     pub duration_s: f32,
-    /// The moment of the clip at time 0, seconds.
+    /// Time within the clip at time 0 of the scene, seconds.
     pub start_s: f32,
-    /// Seconds of the clip in a second.
+    /// Playback speed: seconds of the clip per second.
     pub speed: f32,
-    /// Whether it begins anew at its end; else it holds there.
+    /// Whether the clip restarts at its end; otherwise it holds its last pose.
     pub looped: bool,
 }
 
 impl Place {
-    /// At one place at all times, looking along +z.
+    /// Returns a fixed position, facing +z.
     pub fn fixed(position: Vec3) -> Self {
         Self { position: Track::fixed(position), heading_deg: Some(Track::fixed(0.0)), scale: 1.0 }
     }
 
-    /// Model to world space at `time_s`.
+    /// Returns the model to world transform at `time_s`.
     pub fn transform(&self, time_s: f32) -> Mat4 {
         let heading_rad = match &self.heading_deg {
             Some(track) => track.at(time_s).to_radians(),
@@ -92,13 +93,13 @@ impl Place {
 }
 
 impl Actor {
-    /// Model to world space at `time_s`.
+    /// Returns the model to world transform at `time_s`.
     pub fn transform(&self, time_s: f32) -> Mat4 {
         let rounds = self.clip.map_or(0.0, |playing| playing.rounds(time_s));
         self.place.transform(time_s) * Mat4::from_translation(rounds * self.carried)
     }
 
-    /// What its skeleton does at `time_s`: nothing at rest.
+    /// Returns the clip layers of its pose at `time_s`; empty at rest.
     pub fn layers(&self, time_s: f32) -> Vec<ClipLayer> {
         let wholly = self.clip.map(|playing| playing.layer(time_s, 1.0));
         wholly.into_iter().chain(self.over.map(|(playing, share)| playing.layer(time_s, share))).collect()
@@ -106,7 +107,8 @@ impl Actor {
 }
 
 impl Playing {
-    /// The clip of that name from its beginning, over and over, as fast as it was made; `None` without a name. `package` is `file` opened.
+    /// Returns looped playback of the clip with that name, from its beginning and at its own speed; `None` without a
+    /// name. `package` is `file` opened.
     ///
     /// # Errors
     ///
@@ -120,18 +122,19 @@ impl Playing {
         Ok(found.map(|(clip, duration_s)| Self { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true }))
     }
 
-    /// As a layer of a pose, by a share.
+    /// Returns the clip as a layer of a pose, with weight `share`.
     pub fn layer(&self, time_s: f32, share: f32) -> ClipLayer {
         ClipLayer { clip: Some(self.clip), time_s: self.moment(time_s), share }
     }
 
-    /// The moment of the clip, seconds, at `time_s` of the scene.
+    /// Returns the time within the clip, seconds, at `time_s` of the scene.
     pub fn moment(&self, time_s: f32) -> f32 {
         let time_s = self.start_s + self.speed * time_s;
         if self.looped { within(time_s, self.duration_s) } else { time_s.min(self.duration_s).max(0.0) }
     }
 
-    /// How often it has begun anew at `time_s` of the scene; below 0 before its beginning, 0 for one that does not loop.
+    /// Returns how often the clip has restarted at `time_s` of the scene; negative before its beginning, 0 if it does
+    /// not loop.
     pub fn rounds(&self, time_s: f32) -> f32 {
         if !self.looped || self.duration_s <= 0.0 {
             return 0.0;
@@ -141,13 +144,14 @@ impl Playing {
 }
 
 impl<'a> Cast<'a> {
-    /// Copies of one package's model, side by side on a grid, all at the same moment of the clip of that name (`None`: at rest), seen from
-    /// `camera`, else from where all of them are in a picture of that width over height, [`framed`] so. `package` is `file` opened.
+    /// Creates copies of one package's model, side by side on a grid, all at the same moment of the named clip (`None`:
+    /// at rest). Without `camera`, one is [`framed`] to show all of them at that aspect ratio, width over height.
+    /// `package` is `file` opened.
     ///
     /// # Errors
     ///
-    /// [`StageError::Asked`] for a clip that is not there or nothing of the name that is to be looked at, [`StageError::Package`] for a damaged
-    /// package.
+    /// [`StageError::Asked`] if the clip or the named part to look at does not exist, [`StageError::Package`] for a
+    /// damaged package.
     pub fn crowd(
         file: &'a NamedPackage<'a>,
         package: Package<'a>,
@@ -174,11 +178,11 @@ impl<'a> Cast<'a> {
         Ok(Self { packages, actors, camera: Shot::fixed(camera) })
     }
 
-    /// The same with every actor on the way from what it does to the clip of that name, a share of 0..=1 of it done.
+    /// Returns the cast with every actor fading from its clip to the named one; `share`: progress, 0..=1.
     ///
     /// # Errors
     ///
-    /// [`StageError::Asked`] where a package has no such clip, [`StageError::Package`] for a damaged one.
+    /// [`StageError::Asked`] if a package has no such clip, [`StageError::Package`] for a damaged one.
     pub fn over(mut self, name: &str, share: f32) -> Result<Self, StageError> {
         for actor in &mut self.actors {
             let Some((file, package)) = self.packages.get(actor.package) else { continue };
@@ -187,7 +191,7 @@ impl<'a> Cast<'a> {
         Ok(self)
     }
 
-    /// The same with every actor's morph target of that name at a weight.
+    /// Returns the cast with the named morph target of every actor at a weight.
     ///
     /// # Errors
     ///
@@ -201,17 +205,17 @@ impl<'a> Cast<'a> {
     }
 }
 
-/// A time in a clip that loops.
+/// Wraps a time into a looped clip.
 pub fn within(time_s: f32, duration_s: f32) -> f32 {
     let inside = (0.0..=duration_s).contains(&time_s) || duration_s <= 0.0;
     if inside { time_s } else { time_s.rem_euclid(duration_s) }
 }
 
-/// How far a clip carries the root of its skeleton from its first moment to its last, in model space; zero for one in its place. How the root is turned at the
-/// end is not carried on.
+/// Returns the displacement of the skeleton's root from a clip's first to its last moment, in model space; zero for a
+/// clip in place. The root's rotation at the end is not carried over.
 pub fn carried_by(animation: &Animation, clip: usize) -> Vec3 {
     let Some(duration_s) = animation.clips.get(clip).map(|clip| clip.duration_s) else { return Vec3::ZERO };
-    // Nodes come after their parents.
+    // Nodes follow their parents.
     let Some(root) = (0..animation.joints.len()).min_by_key(|joint| animation.joints[*joint].node) else {
         return Vec3::ZERO;
     };
@@ -224,7 +228,7 @@ pub fn carried_by(animation: &Animation, clip: usize) -> Vec3 {
     Some(end - begin).filter(|way| way.is_finite()).unwrap_or_default()
 }
 
-/// Index and length of the named clip.
+/// Returns index and length of the named clip.
 pub fn find_clip(
     file: &NamedPackage<'_>,
     package: &Package<'_>,
@@ -238,11 +242,11 @@ pub fn find_clip(
     })
 }
 
-/// Index of the first morph target of that name.
+/// Returns the index of the first morph target with that name.
 ///
 /// # Errors
 ///
-/// [`StageError::Asked`] where a package has none of that name, [`StageError::Package`] for a damaged one.
+/// [`StageError::Asked`] if the package has none of that name, [`StageError::Package`] for a damaged one.
 pub fn find_morph(file: &NamedPackage<'_>, package: &Package<'_>, name: &str) -> Result<usize, StageError> {
     let animation = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default();
     morph_named(&animation, name).map_err(|has| {
@@ -251,7 +255,7 @@ pub fn find_morph(file: &NamedPackage<'_>, package: &Package<'_>, name: &str) ->
     })
 }
 
-/// Index of the first morph target of that name, or what targets there are, in words.
+/// Returns the index of the first morph target with that name, or a text that lists the targets.
 pub(crate) fn morph_named(animation: &Animation, name: &str) -> Result<usize, String> {
     let targets = &animation.morphs.targets;
     targets.iter().position(|target| target.name == name).ok_or_else(|| {
@@ -260,8 +264,8 @@ pub(crate) fn morph_named(animation: &Animation, name: &str) -> Result<usize, St
     })
 }
 
-/// Index and length in seconds of the named clip, or what clips there are, in words. Exporters put the skeleton's name before the clip's, as in
-/// `AnimalArmature|Walk`: `Walk` finds it where no other clip ends so.
+/// Returns index and length in seconds of the named clip, or a text that lists the clips. Exporters put the skeleton's
+/// name before the clip's, as in `AnimalArmature|Walk`: `Walk` finds it if no other clip ends that way.
 pub fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), String> {
     let clips = &animation.clips;
     let last = |clip: &str| clip.rsplit(['|', ':']).next().unwrap_or_default().to_owned();
@@ -271,7 +275,7 @@ pub fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), Str
         let mut found = (0..clips.len()).filter(|i| is_meant(&clips[*i].name));
         match (found.next(), found.next()) {
             (Some(index), None) => return Ok((index, clips[index].duration_s)),
-            // Of several of the same whole name the first is as good as any.
+            // If several have exactly this name, use the first.
             (Some(index), Some(_)) if clips[index].name == name => return Ok((index, clips[index].duration_s)),
             (Some(_), Some(_)) => break,
             (None, _) => {}
@@ -281,7 +285,7 @@ pub fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), Str
     Err(if names.is_empty() { "has no animation".into() } else { format!("has the clips {}", names.join(", ")) })
 }
 
-/// Where the copies of a crowd stand: the first where the model is, the others in rows beside and behind it, metres.
+/// Returns the positions of a crowd's copies, metres: the first at the origin, the others in rows beside and behind it.
 fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
     let b = &manifest.bounds;
     let fur_m = 2.0 * manifest.fur.height_m;
@@ -291,14 +295,16 @@ fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
     (0..crowd).map(place).collect()
 }
 
-/// The camera that shows all actors wherever they get to, with their fur: [`outline`] of each, at rest or over its clip, along its whole path.
+/// Returns the camera that shows all actors with their fur, along their whole paths: the [`outline`] of each, at rest
+/// or over its clip.
 ///
-/// * `packages`: whose models the actors are copies of, with what they are opened
+/// * `packages`: packages of the actors' models, with their files
 /// * `aspect`: width of the picture over its height
 ///
 /// # Errors
 ///
-/// [`StageError::Asked`] where nothing of that name is to be looked at, with the names there are; [`StageError::Package`] for a damaged package.
+/// [`StageError::Asked`] if nothing matches the name to look at, listing the names there are; [`StageError::Package`]
+/// for a damaged package.
 pub fn framed(
     packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],
     actors: &[Actor],
@@ -307,7 +313,7 @@ pub fn framed(
 ) -> Result<Viewpoint, StageError> {
     let (mut points, mut margin_m) = (Vec::new(), 0.0_f32);
     let mut known: Vec<(usize, Option<usize>, Vec<Vec3>)> = Vec::new();
-    // Of a model that stands so: copies of a crowd differ in where they stand alone.
+    // Outermost points of a model with this orientation and scale: copies of a crowd differ only in position.
     let mut edge: Option<(usize, Mat3, Vec<Vec3>)> = None;
     for actor in actors {
         let Some((file, package)) = packages.get(actor.package) else { continue };
@@ -346,7 +352,7 @@ pub fn framed(
     Ok(framing.view(&points, margin_m, aspect))
 }
 
-/// Where a model stands along its way.
+/// Returns the transforms of a model along its path.
 fn transforms(place: &Place) -> Vec<Mat4> {
     let mut times: Vec<f32> = place.position.times().collect();
     times.extend(place.heading_deg.iter().flat_map(Track::times));

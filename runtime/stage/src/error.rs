@@ -1,47 +1,48 @@
-//! The one error type of this crate.
+//! Error type of this crate.
 
 use pelage_formats::FormatError;
 
-/// What stopped a stage, by who is at fault. Each variant says which file, where in it, what was found and what was expected.
+/// Errors of the stage, grouped by the faulty input. Each variant includes the file, the location in it, and the found
+/// and expected values.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StageError {
-    /// A scene file, or a package that does not fit it, is not what it should be.
+    /// A scene file, or a package that it uses, is invalid.
     #[error("{file}: {place}: {reason}")]
     Input {
-        /// The file as the user named it.
+        /// File name as given by the user.
         file: String,
         /// Line and key of a scene file (`line 3, camera.eye`), or section of a package.
         place: String,
-        /// What was found and what was expected.
+        /// Found and expected values.
         reason: String,
     },
     /// A package is damaged, too new, or not a package.
     #[error("{file}: {source}")]
     Package {
-        /// The file as the user named it.
+        /// File name as given by the user.
         file: String,
-        /// Section, offset, found and expected.
+        /// Section, offset, and the found and expected values.
         source: FormatError,
     },
-    /// What was asked for is not there, or more than the device can do.
+    /// The requested thing does not exist, or exceeds the device's limits.
     #[error("{what}: {reason}")]
     Asked {
-        /// What was asked for: `clip Walk`, `size 9000x9000`.
+        /// Requested thing: `clip Walk`, `size 9000x9000`.
         what: String,
-        /// What was found, and what there is instead.
+        /// Found value, and the alternatives that exist.
         reason: String,
     },
-    /// A parameter of the frame is out of its range, or more than the device can do.
+    /// A parameter of the frame is out of range, or exceeds the device's limits.
     #[error("{0}")]
     Params(String),
-    /// No graphics adapter can be used, or it lacks what the package needs; the text says what was tried.
+    /// No graphics adapter is usable, or it lacks a feature that the package needs; the text lists what was tried.
     #[error("no usable graphics adapter: {0}")]
     NoAdapter(String),
-    /// The device stopped answering: a fault of driver or machine that no input explains.
+    /// The device stopped responding: a fault of driver or machine, independent of the input.
     #[error("the graphics device failed: {0}")]
     Device(String),
-    /// Something that should not happen, whatever the input.
+    /// Internal error that no input should cause.
     #[error("internal error, please report it: {0}")]
     Internal(String),
 }

@@ -1,4 +1,4 @@
-//! What a model fills, as points: what a camera without a place of its own has to frame.
+//! Extent of a model as points, for a camera that must frame it.
 
 use crate::framing::outermost;
 use crate::{NamedPackage, StageError};
@@ -8,22 +8,22 @@ use pelage_formats::meaning::{morphed, posed, skin_matrix};
 use pelage_formats::{Animation, GeometryVertex, HairGroup, MeshView, OnTriangle, Package, Pose, SkinVertex};
 use pelage_params::glob;
 
-/// Moments of a clip that are looked at in a second of it. A trot takes half a second, so that each swing of a leg is seen five times.
+/// Sampled moments per second of a clip. A trot takes half a second, so each swing of a leg is sampled five times.
 const MOMENTS_PER_S: f32 = 20.0;
-/// The fewest moments of a clip, and the most: half a minute of a clip is looked at as closely as a second of it.
+/// Minimum and maximum number of sampled moments per clip. Up to half a minute is sampled at the full rate.
 const MOMENTS: [f32; 2] = [16.0, 600.0];
-/// A joint has a vertex where it has this share of the vertex's weights.
+/// Minimum share of a vertex's weights for it to belong to the matching joints.
 const OWNED: f32 = 0.5;
 
-/// Points that hold one model: its vertices at rest, or those of a clip's whole length.
+/// Returns points that enclose one model: its vertices at rest, or those over the whole length of a clip.
 ///
-/// Of a clip, the outermost vertices of each joint are posed at twenty moments a second of it; those between them lie between their
-/// poses, too, but for the bend of the skin at a joint.
+/// For a clip, the outermost vertices of each joint are posed at twenty moments per second. Vertices between them stay
+/// between their poses, except where the surface bends at a joint.
 ///
 /// * `package`: `file` opened
-/// * `clip`: index and length in seconds, as [`crate::find_clip`] gives them
-/// * `look_at`: keeps only what belongs to a material or a joint of such a name; empty where none does. `*` stands for any run of characters
-///   and `?` for one, case does not matter. What hangs on a joint belongs to it.
+/// * `clip`: index and length in seconds, as returned by [`crate::find_clip`]
+/// * `look_at`: keeps only vertices of materials or joints with a matching name; empty if there are none. `*` matches
+///   any run of characters and `?` a single one; case is ignored. Children of a joint belong to it.
 ///
 /// # Errors
 ///
@@ -68,18 +68,18 @@ pub fn outline(
     Ok(points)
 }
 
-/// A vertex with its number, and what it follows.
+/// Vertex with its index and its joint weights.
 type Outlined = (usize, GeometryVertex, Option<SkinVertex>);
 
-/// Guides of a group that are looked at, at most.
+/// Maximum number of guides sampled per group.
 const TIPS: usize = 64;
 
-/// The tip of a guide.
+/// Tip of a guide.
 struct GuideTip {
-    /// Of the triangle that it roots in.
+    /// Corners of its root triangle.
     corners: [u32; 3],
     root: OnTriangle,
-    /// From the root, in the frame of that triangle.
+    /// Offset from the root, in the frame of the root triangle.
     offset: Vec3,
 }
 
@@ -90,7 +90,7 @@ impl GuideTip {
     }
 }
 
-/// Tips of some guides of each group.
+/// Returns the tips of some guides of each group.
 fn guide_tips(groups: &[HairGroup], mesh: &MeshView<'_>) -> Vec<GuideTip> {
     let indices: Vec<u32> = if groups.is_empty() { Vec::new() } else { mesh.indices().collect() };
     let of = |group: &HairGroup| {
@@ -106,7 +106,7 @@ fn guide_tips(groups: &[HairGroup], mesh: &MeshView<'_>) -> Vec<GuideTip> {
     groups.iter().flat_map(of).collect()
 }
 
-/// Of the vertices that each joint moves most, those that lie outermost as the mesh is stored, in 26 directions.
+/// Returns, for the vertices that each joint influences most, the outermost ones in 26 directions, in the stored pose.
 fn outer_of_joints(vertices: &[Outlined], joints: usize) -> Vec<usize> {
     let mut of_joint = vec![Vec::new(); joints + 1];
     for (i, (_, _, skin)) in vertices.iter().enumerate() {
@@ -124,12 +124,12 @@ fn outer_of_joints(vertices: &[Outlined], joints: usize) -> Vec<usize> {
     outer
 }
 
-/// Of each vertex, whether it belongs to a material or a joint whose name the pattern matches.
+/// Returns for each vertex whether it belongs to a material or joint whose name matches the pattern.
 fn belonging(package: &Package<'_>, mesh: &MeshView<'_>, animation: &Animation, pattern: &str) -> Vec<bool> {
     let manifest = package.manifest();
     let mut nodes: Vec<bool> = Vec::with_capacity(animation.nodes.len());
     for node in &animation.nodes {
-        // Parents stand before their children.
+        // Parents precede their children.
         let hangs = node.parent.and_then(|parent| nodes.get(parent as usize).copied()).unwrap_or(false);
         nodes.push(hangs || glob(pattern, &node.name));
     }
@@ -152,7 +152,7 @@ fn belonging(package: &Package<'_>, mesh: &MeshView<'_>, animation: &Animation, 
     kept
 }
 
-/// What there is to look at, where nothing has the name that was asked for.
+/// Returns the error for a name that matches nothing, listing the names that exist.
 pub fn nothing_named<'a>(
     packages: impl Iterator<Item = (&'a NamedPackage<'a>, &'a Package<'a>)>,
     part: &str,

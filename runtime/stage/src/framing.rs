@@ -1,4 +1,4 @@
-//! The camera and light a picture gets when the command line names none.
+//! Default camera and light of a picture.
 
 use crate::Viewpoint;
 use crate::viewpoint::numbers;
@@ -6,36 +6,38 @@ use glam::{Quat, Vec3};
 use pelage_formats::meaning::view_from_world;
 use std::str::FromStr;
 
-/// Vertical field of view of the default camera, degrees: a portrait lens.
+/// Vertical field of view of the default camera, degrees: that of a portrait lens.
 pub const FOV_DEG: f32 = 30.0;
-/// From the model to the default camera: its front left, a little above. glTF models face +z, so their left is +x.
+/// Direction from the model to the default camera: front left, slightly above. glTF models face +z, so their left is
+/// +x.
 pub const TOWARDS_CAMERA: Vec3 = Vec3::new(0.62, 0.28, 0.73);
-/// From the model to a second camera, which sees what the default one does not: its back right, higher.
+/// Direction from the model to a second camera, which shows the opposite side: back right, higher.
 pub const BEHIND: Vec3 = Vec3::new(-0.62, 0.5, -0.6);
-/// From the model to the default light: high, on the camera's right, so that the fur's relief shows.
+/// Direction from the model to the default light: high, on the camera's right, so that the fur's relief is visible.
 pub const TOWARDS_LIGHT: Vec3 = Vec3::new(-0.25, 0.75, 0.6);
-/// Share of the picture that the model fills at most.
+/// Maximum share of the picture that the model fills.
 const FILL: f32 = 0.9;
 
-/// Sides from which a thing is framed that the camera goes around. Between two of them it reaches 0.5 % further out, 1 / cos(180° / 32).
+/// Number of directions framed for a camera that orbits. Between two of them the model extends up to 0.5 % further, 1 /
+/// cos(180° / 32).
 const SIDES: u16 = 32;
 
-/// From where a thing is framed. As a word: `AZ,EL` or `AZ,EL,ZOOM`.
+/// Camera direction for framing. As text: `AZ,EL` or `AZ,EL,ZOOM`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
-    /// Degrees about the vertical axis: 0 in front (+z), 90 at the model's left (+x).
+    /// Azimuth in degrees about the vertical axis: 0 in front (+z), 90 at the model's left (+x).
     pub azimuth_deg: f32,
-    /// Degrees above the horizon, -90..=90.
+    /// Elevation in degrees above the horizon, -90..=90.
     pub elevation_deg: f32,
-    /// How many times as large the side that is nearest stands in the picture, [`Self::ZOOM`]: above 1 the camera goes nearer, below 1 away.
+    /// Magnification of the nearest side, in the range [`Self::ZOOM`]: above 1 the camera moves closer, below 1 away.
     pub zoom: f32,
 }
 
 impl Orbit {
-    /// Least and greatest zoom.
+    /// Minimum and maximum zoom.
     pub const ZOOM: [f32; 2] = [0.01, 100.0];
 
-    /// Unit vector from the thing to the camera.
+    /// Returns the unit vector from the model to the camera.
     pub fn towards(&self) -> Vec3 {
         let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
         let (up, along) = self.elevation_deg.to_radians().sin_cos();
@@ -63,14 +65,14 @@ impl FromStr for Orbit {
     }
 }
 
-/// How a camera without a place of its own finds one.
+/// Settings for positioning a camera automatically.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Framing {
-    /// From where; `None` from [`TOWARDS_CAMERA`].
+    /// Camera direction; `None` for [`TOWARDS_CAMERA`].
     pub orbit: Option<Orbit>,
-    /// Name of a material or a joint; frames what belongs to it ([`crate::outline`]). `None` frames all there is.
+    /// Name of a material or joint whose vertices are framed ([`crate::outline`]). `None` frames everything.
     pub look_at: Option<String>,
-    /// The camera goes around: what is framed stays in the picture from all sides, and the target lies on the axis.
+    /// Whether the camera orbits: the framed points stay in the picture from all sides, and the target is on the axis.
     pub all_around: bool,
 }
 
@@ -79,7 +81,8 @@ impl Framing {
         self.orbit.map_or(TOWARDS_CAMERA, |orbit| orbit.towards())
     }
 
-    /// The camera that frames `points` so, with `margin_m` of fur about them, in a picture of the given width over height.
+    /// Returns the camera that frames `points`, with `margin_m` of fur around them, in a picture of the given width
+    /// over height.
     pub fn view(&self, points: &[Vec3], margin_m: f32, aspect: f32) -> Viewpoint {
         let zoom = self.orbit.map_or(1.0, |orbit| orbit.zoom);
         if !self.all_around {
@@ -91,7 +94,7 @@ impl Framing {
         let around = |turn: Quat| outer.iter().map(move |i| axis + turn * (points[*i] - axis));
         let all: Vec<Vec3> = turns().flat_map(around).collect();
         let view = frame_nearer(&all, margin_m, aspect, self.towards(), zoom);
-        // By symmetry the middle of the picture passes the axis; the target is put there.
+        // By symmetry the centre of the picture crosses the axis; the target is placed there.
         let way = (view.target - view.eye).normalize_or(-self.towards());
         let (flat, off) = (way.with_y(0.0), (axis - view.eye).with_y(0.0));
         let flat_length = flat.length();
@@ -99,7 +102,7 @@ impl Framing {
         Viewpoint { target: if target == view.eye { view.target } else { target }, ..view }
     }
 
-    /// Directions in world space: what lies outermost along them decides about [`Self::view`].
+    /// Returns the directions in world space whose outermost points determine [`Self::view`].
     pub(crate) fn edges(&self, aspect: f32) -> Vec<Vec3> {
         let world = view_from_world(Vec3::ZERO, -self.towards().normalize()).inverse();
         let [tan_x, tan_y] = slopes(aspect);
@@ -108,17 +111,19 @@ impl Framing {
         if !self.all_around {
             return edges.to_vec();
         }
-        // To turn the points is to turn the edges the other way; all of them are turned all the way around.
+        // Rotating the points is equivalent to rotating the edges the other way; all rotations of a full turn are
+        // included.
         turns().flat_map(|turn| edges.map(|edge| turn * edge)).collect()
     }
 }
 
-/// All the way around the vertical axis.
+/// Returns the rotations of a full turn about the vertical axis.
 fn turns() -> impl Iterator<Item = Quat> {
     (0..SIDES).map(|i| Quat::from_rotation_y(std::f32::consts::TAU * f32::from(i) / f32::from(SIDES)))
 }
 
-/// Indices of the points that lie outermost in the given directions, of any length; each once, in rising order.
+/// Returns the indices of the outermost points in the given directions, which may have any length; each once, in
+/// ascending order.
 pub(crate) fn outermost(points: &[Vec3], directions: impl Iterator<Item = Vec3>) -> Vec<usize> {
     let farthest = |direction: Vec3| {
         let along = points.iter().map(|point| direction.dot(*point)).enumerate();
@@ -130,16 +135,17 @@ pub(crate) fn outermost(points: &[Vec3], directions: impl Iterator<Item = Vec3>)
     outer
 }
 
-/// How far the picture's filled part reaches to the right and up, a metre in front of the eye.
+/// Returns the extent of the filled part of the picture to the right and up, one metre in front of the eye.
 fn slopes(aspect: f32) -> [f32; 2] {
     let tan_y = (FOV_DEG.to_radians() / 2.0).tan() * FILL;
     [tan_y * aspect, tan_y]
 }
 
-/// The view that shows all `points`, with `margin_m` of fur about them, in a picture of the given width over height, from the direction
-/// `towards` of any length.
+/// Returns the view from direction `towards` that shows all `points`, with `margin_m` of fur around them, in a picture
+/// of the given width over height. `towards` may have any length.
 ///
-/// The model stands as large in the picture as it can; where there is no point, the origin is looked at from a metre away.
+/// The model is as large in the picture as possible. Without points, the view looks at the origin from a distance of
+/// one metre.
 pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3) -> Viewpoint {
     frame_nearer(points, margin_m, aspect, towards, 1.0)
 }
@@ -153,12 +159,13 @@ fn eye_and_target(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3, zo
     let towards = towards.normalize();
     let view = view_from_world(Vec3::ZERO, -towards);
     let [tan_x, tan_y] = slopes(aspect);
-    // A point is inside the right edge of a camera at (x0, y0, z0) where x − x0 <= tan_x (z0 − z). So each edge of the picture
-    // asks for tan_x z0 ± x0 to be at least some value, which only the outermost point along that edge's plane decides.
+    // A point is inside the right edge of a camera at (x0, y0, z0) where x − x0 <= tan_x (z0 − z). So each edge of the
+    // picture requires tan_x z0 ± x0 to reach some value, which depends only on the outermost point along that edge's
+    // plane.
     let mut need = [f32::NEG_INFINITY; 4];
     let in_view: Vec<Vec3> = points.iter().map(|p| view.transform_point3(*p)).collect();
     for p in &in_view {
-        // A ball of fur about the point touches a slanted plane 1/cos of its angle early.
+        // A sphere of fur around the point touches a slanted plane earlier, by 1/cos of its angle.
         let (mx, my) = (margin_m * (1.0 + tan_x * tan_x).sqrt(), margin_m * (1.0 + tan_y * tan_y).sqrt());
         let edges = [p.z * tan_x + p.x + mx, p.z * tan_x - p.x + mx, p.z * tan_y + p.y + my, p.z * tan_y - p.y + my];
         need = std::array::from_fn(|i| need[i].max(edges[i]));
@@ -167,18 +174,18 @@ fn eye_and_target(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3, zo
     let [right, left, top, bottom] = need;
     let mut z0 = ((right + left) / (2.0 * tan_x)).max((top + bottom) / (2.0 * tan_y));
     if z0 - nearest <= 1e-6 * (1.0 + z0.abs()) {
-        // All points are one, and no fur about it: any distance is as good.
+        // All points coincide and have no fur: use any distance.
         z0 = nearest + 1.0;
     }
     if zoom != 1.0 {
-        // Towards the nearest hair, and never into it.
+        // Move towards the nearest hair, but never into it.
         let front = (nearest + margin_m).min(z0);
         let front = if z0 - front > 1e-6 * (1.0 + z0.abs()) { front } else { nearest };
         z0 = front + (z0 - front) / zoom;
     }
     let eye = Vec3::new((right - left) / 2.0, (top - bottom) / 2.0, z0);
     let middle = in_view.iter().map(|p| p.z).sum::<f32>() / in_view.len() as f32;
-    // The mean of many equal numbers may round above them.
+    // The mean of many equal numbers may be rounded above them.
     let target = Vec3::new(eye.x, eye.y, middle.min(nearest));
     let world = view.inverse();
     (world.transform_point3(eye), world.transform_point3(target))
@@ -205,7 +212,7 @@ mod tests {
                     let p = view.transform_point3(p);
                     (p.x / (tan_y * aspect)).abs().max((p.y / tan_y).abs()) / -p.z
                 };
-                // The surface of the fur's ball about each point, sampled.
+                // Samples of the surface of the fur sphere around each point.
                 let directions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
                 let ball = points.iter().flat_map(|p| directions.map(|d| *p + d * margin));
                 let widest = ball.map(on_picture).fold(0.0, f32::max);

@@ -1,31 +1,32 @@
-//! A device without a window.
+//! Device without a window.
 
 use crate::StageError;
 use pelage_runtime::wgpu;
 
-/// Device, queue, and what the adapter can measure. A clone is another handle of the same device.
+/// Device, queue, and adapter information. A clone is another handle of the same device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
-    /// The device.
+    /// Device handle.
     pub device: wgpu::Device,
-    /// Its queue.
+    /// Queue of the device.
     pub queue: wgpu::Queue,
     /// Name, driver and kind of the adapter.
     pub info: wgpu::AdapterInfo,
 }
 
 impl Gpu {
-    /// Opens the adapter that wgpu prefers, with all that it can do and measure; `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` choose another one.
+    /// Opens wgpu's preferred adapter with all supported features and timing queries. `WGPU_ADAPTER_NAME` and
+    /// `WGPU_BACKEND` select another one.
     ///
     /// # Errors
     ///
-    /// [`StageError::NoAdapter`] with what was tried.
+    /// [`StageError::NoAdapter`] with a list of what was tried.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn open() -> Result<Self, StageError> {
         Self::with(Self::wished(), None)
     }
 
-    /// All that a picture and its measures can use of an adapter.
+    /// Returns all adapter features that drawing and measuring can use.
     #[cfg(not(target_arch = "wasm32"))]
     fn wished() -> wgpu::Features {
         wgpu::Features::TEXTURE_COMPRESSION_BC
@@ -34,17 +35,17 @@ impl Gpu {
             | wgpu::Features::PIPELINE_STATISTICS_QUERY
     }
 
-    /// Opens an adapter that somebody chose, such as one that can draw into a window, with all that it can do and measure.
+    /// Opens the given adapter, such as one that can draw to a window, with all supported features and timing queries.
     ///
     /// # Errors
     ///
-    /// [`StageError::NoAdapter`] where it gives no device.
+    /// [`StageError::NoAdapter`] if the adapter returns no device.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, StageError> {
         pollster::block_on(Self::device(adapter, Self::wished(), None))
     }
 
-    /// A device of an adapter, with those features of `wanted` that it has, and those limits, `None` for its own.
+    /// Requests a device with the supported subset of `wanted`; `limits: None` uses the adapter's own.
     async fn device(
         adapter: &wgpu::Adapter,
         wanted: wgpu::Features,
@@ -62,19 +63,20 @@ impl Gpu {
         Ok(Self { device, queue, info: adapter.get_info() })
     }
 
-    /// Opens the same adapter with those features of `wanted` that it has, and those limits, `None` for its own: an application that runs
-    /// everywhere asks for [`wgpu::Limits::default`].
+    /// Opens the same adapter with the supported subset of `wanted`; `limits: None` uses the adapter's own. An
+    /// application that must run everywhere passes [`wgpu::Limits::default`].
     ///
     /// # Errors
     ///
-    /// [`StageError::NoAdapter`] with what was tried.
+    /// [`StageError::NoAdapter`] with a list of what was tried.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn with(wanted: wgpu::Features, limits: Option<wgpu::Limits>) -> Result<Self, StageError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         pollster::block_on(Self::request(&instance, None, wanted, limits))
     }
 
-    /// The adapter that [`Self::open`] would take, with its driver, as pictures depend on them; no device is made.
+    /// Returns a description of the adapter that [`Self::open`] would use, with its driver, on which pictures depend.
+    /// No device is created.
     ///
     /// # Errors
     ///
@@ -86,12 +88,13 @@ impl Gpu {
         adapter.map(|adapter| in_words(&adapter.get_info())).map_err(|error| StageError::NoAdapter(error.to_string()))
     }
 
-    /// This adapter, as [`Self::adapter_in_words`] has it.
+    /// Returns a description of this adapter, in the format of [`Self::adapter_in_words`].
     pub fn in_words(&self) -> String {
         in_words(&self.info)
     }
 
-    /// As [`Self::with`], for who must not wait: a browser answers between two turns of its event loop. The adapter can draw on `surface`.
+    /// Opens an adapter as [`Self::with`] does, without blocking, as required in a browser, where a request completes
+    /// between two turns of the event loop. The adapter can draw on `surface`.
     ///
     /// # Errors
     ///
@@ -108,12 +111,12 @@ impl Gpu {
         Self::device(&adapter, wanted, limits).await
     }
 
-    /// Blocks until everything submitted so far is done. In a browser nothing can block, and it returns at once.
+    /// Blocks until all submitted work is done. In a browser, where blocking is impossible, it returns immediately.
     pub fn wait(&self) -> Result<(), StageError> {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map(drop).map_err(lost)
     }
 
-    /// Maps a buffer with `MAP_READ` that the device has finished writing, and copies it out.
+    /// Maps a buffer with `MAP_READ` that the device has finished writing, and returns a copy of its contents.
     pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, StageError> {
         let (sender, receiver) = std::sync::mpsc::channel();
         buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result)));
@@ -124,7 +127,7 @@ impl Gpu {
         Ok(bytes)
     }
 
-    /// The texels of one array layer of an uncompressed texture with `COPY_SRC`, row-major, without padding.
+    /// Returns the texels of one array layer of an uncompressed texture with `COPY_SRC`, row-major, without padding.
     pub fn read_texture(&self, texture: &wgpu::Texture, layer: u32) -> Result<Vec<u8>, StageError> {
         let (width, height) = (texture.width(), texture.height());
         let texel_bytes =
@@ -158,7 +161,7 @@ fn in_words(info: &wgpu::AdapterInfo) -> String {
     format!("{:?} {} {} {}", info.backend, info.name, info.driver, info.driver_info)
 }
 
-/// What went wrong with a device that stopped answering.
+/// Returns the error of a device that stopped responding.
 pub(crate) fn lost(error: impl std::fmt::Display) -> StageError {
     StageError::Device(error.to_string())
 }

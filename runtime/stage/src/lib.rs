@@ -1,12 +1,16 @@
-//! The stage: what an application, a tool or a test needs to put animals into a picture, beside the animals.
+//! Stage: everything besides the models that an application, tool or test needs for a picture.
 //!
-//! Without features it is plain data: packages with their names ([`NamedPackage`]), models that stand, walk and play clips ([`Cast`], [`Place`],
-//! [`Playing`]), values over time ([`Track`]), cameras ([`Viewpoint`], [`Shot`], [`framing`]; [`Navigator`] for those that people move), scene files that say all of it ([`SceneFile`]), and skies as light
-//! ([`sky`]).
-//! Nothing of it knows a GPU, a window or the file system.
+//! Without features it is plain data, independent of GPU, windows and file system:
 //!
-//! With the feature `draw` there is a device without a window ([`Gpu`]), targets to draw on and read back ([`Canvas`]), a cast on a canvas
-//! ([`Stage`]), what measures it ([`Meter`]), and who goes from one clip to another ([`Animator`]).
+//! * packages with their names ([`NamedPackage`])
+//! * models that stand, move and play clips ([`Cast`], [`Place`], [`Playing`])
+//! * values over time ([`Track`])
+//! * cameras ([`Viewpoint`], [`Shot`], [`framing`]), and interactive ones ([`Navigator`])
+//! * scene files that describe all of this ([`SceneFile`])
+//! * skies as light ([`sky`])
+//!
+//! The feature `draw` adds a device without a window ([`Gpu`]), offscreen targets ([`Canvas`]), a cast on a canvas
+//! ([`Stage`]), measurements ([`Meter`]), and cross-fades between clips ([`Animator`]).
 
 #[cfg(feature = "draw")]
 mod animator;
@@ -53,7 +57,7 @@ pub use look::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, L
 pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};
 pub use navigator::Navigator;
 pub use package::NamedPackage;
-/// What is wrong with a look.
+/// Error in a look.
 pub use pelage_params::ParamError;
 pub use scene_file::{
     CameraKey, FieldOfView, LoadedScene, Number, PackageSource, PlaceKey, Point, Scale, Scene, SceneCamera, SceneFile,

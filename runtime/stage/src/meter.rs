@@ -5,19 +5,19 @@ use crate::{Gpu, Stage, StageError};
 use pelage_runtime::{Frame, PassId, PassPlace, SelfShadow, Style, StyleKind, wgpu};
 use web_time::Instant;
 
-/// Where times come from.
+/// Source of the times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Clock {
-    /// Timestamps that the device writes between the passes.
+    /// Timestamps that the device writes between passes.
     TimestampQuery,
-    /// The wall clock around submitting a pass alone and waiting for it: contains the cost of doing so.
+    /// Wall clock around submitting a single pass and waiting for it, including that overhead.
     SubmitAndWait,
 }
 
 impl Clock {
-    /// The word in tables and JSON.
+    /// Returns the word used in tables and JSON.
     pub fn word(self) -> &'static str {
         match self {
             Self::TimestampQuery => "timestamp-query",
@@ -29,34 +29,35 @@ impl Clock {
 /// Timed sections of a frame, in milliseconds.
 #[derive(Clone, Debug, Default)]
 pub struct FrameTimes {
-    /// Everything in one render pass, as an application draws it. The light stands still: shadow maps are those of the frame before.
+    /// Whole frame in one render pass, as an application draws it. The light does not move: shadow maps of the previous
+    /// frame are reused.
     pub frame: f64,
-    /// The same without self-shadow and soft shadow; the same as `frame` where there are none anyway.
+    /// Whole frame without self-shadow and soft shadow; equal to `frame` if there are none.
     pub unshadowed: f64,
-    /// Each pass in a pass of its own, the shadow maps drawn anew.
+    /// Each pass timed separately, with the shadow maps redrawn.
     pub passes: Vec<(PassId, f64)>,
-    /// The shells with one texture read and no lighting.
+    /// Shells with one texture read and no lighting.
     pub yardstick: f64,
 }
 
 impl FrameTimes {
-    /// Milliseconds of a pass.
+    /// Returns the milliseconds of a pass.
     pub fn of(&self, pass: PassId) -> f64 {
         of_pass(&self.passes, pass)
     }
 }
 
-/// Milliseconds of a pass among those that were measured; 0 for another.
+/// Returns the milliseconds of a pass among those that were measured; 0 for others.
 fn of_pass(times: &[(PassId, f64)], pass: PassId) -> f64 {
     times.iter().find(|(id, _)| *id == pass).map_or(0.0, |(_, ms)| *ms)
 }
 
-/// The passes that draw the picture, in their order.
+/// Returns the passes that draw the picture, in order.
 fn in_picture() -> impl Iterator<Item = PassId> {
     PassId::all().filter(|id| id.place() == PassPlace::Picture)
 }
 
-/// Whether a pass is of a style; bare frames are measured as furry ones that lack their fur.
+/// Whether a pass belongs to a style; bare frames are measured as fur frames without fur.
 pub fn belongs(pass: PassId, style: StyleKind) -> bool {
     let furry = pass.styles().iter().any(|of| *of != StyleKind::Ink);
     if style == StyleKind::Ink { pass.styles().contains(&style) } else { furry }
@@ -71,15 +72,15 @@ pub struct Meter {
     readback: wgpu::Buffer,
 }
 
-/// More sections than a frame has passes.
+/// Upper limit of timed sections, more than a frame has passes.
 const MARKS: u32 = 64;
 
-/// Timed frames, of which the fastest counts: what else the machine does only adds. And those before, in which pipelines are compiled and
-/// shadow maps drawn.
+/// Number of timed frames, of which the fastest counts, as other load only adds time; and of warm-up frames, in which
+/// pipelines are compiled and shadow maps drawn.
 const FRAMES: usize = 9;
 const WARM_UP: usize = 2;
 
-/// Milliseconds of the fastest of some frames, each as a whole.
+/// Returns the milliseconds of the fastest of several whole frames.
 pub fn fastest(meter: &Meter, stage: &mut Stage) -> Result<f64, StageError> {
     let mut fastest = f64::INFINITY;
     for frame in 0..WARM_UP + FRAMES {
@@ -92,7 +93,7 @@ pub fn fastest(meter: &Meter, stage: &mut Stage) -> Result<f64, StageError> {
 }
 
 impl Meter {
-    /// Takes timestamps where the device has them.
+    /// Creates a meter that uses timestamps if the device has them.
     pub fn new(gpu: &Gpu) -> Self {
         let needed = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
         let queries = gpu.device.features().contains(needed).then(|| query_set(gpu, wgpu::QueryType::Timestamp, MARKS));
@@ -101,18 +102,18 @@ impl Meter {
         Self { clock, queries, resolve, readback }
     }
 
-    /// Where its times come from.
+    /// Returns the source of its times.
     pub fn clock(&self) -> Clock {
         self.clock
     }
 
-    /// Seconds from one frame to the next, by the stage's clock.
+    /// Time step between frames, seconds of the stage's clock.
     pub const FRAME_S: f64 = 1.0 / 60.0;
 
     /// Draws the stage four times (as a whole, without shadows, pass by pass, and as the yardstick) and times each.
     ///
-    /// All in one go, so that what else the machine does falls on all of them alike. The clock goes on by [`Self::FRAME_S`] from each to the next, so that
-    /// hair that moves does so in all of them.
+    /// They run consecutively, so that other load on the machine affects all alike. The clock advances by
+    /// [`Self::FRAME_S`] between them, so that hair moves in each.
     pub fn measure(&self, stage: &mut Stage) -> Result<FrameTimes, StageError> {
         let mut times = FrameTimes { frame: self.frame(stage)?, ..FrameTimes::default() };
         stage.params.time_s += Self::FRAME_S;
@@ -138,7 +139,7 @@ impl Meter {
         Ok(times)
     }
 
-    /// Milliseconds of one frame as a whole; the light stands still, as in [`FrameTimes::frame`].
+    /// Returns the milliseconds of one whole frame; the light does not move, as in [`FrameTimes::frame`].
     pub fn frame(&self, stage: &mut Stage) -> Result<f64, StageError> {
         let times = self.sections(stage, |stage, encoder, mark| {
             let frame = stage.prepare(encoder)?;
@@ -149,12 +150,12 @@ impl Meter {
         Ok(times.into_iter().sum())
     }
 
-    /// Milliseconds of one frame whose pose and shadow maps are made anew: the sum of its passes.
+    /// Returns the milliseconds of one frame whose pose and shadow maps are recomputed: the sum of its passes.
     pub fn frame_anew(&self, stage: &mut Stage) -> Result<f64, StageError> {
         Ok(self.passes(stage)?.iter().map(|(_, ms)| ms).sum())
     }
 
-    /// Milliseconds of each pass, in their order.
+    /// Returns the milliseconds of each pass, in order.
     fn passes(&self, stage: &mut Stage) -> Result<Vec<(PassId, f64)>, StageError> {
         let mut marked = Vec::new();
         let times = self.sections(stage, |stage, encoder, mark| {
@@ -172,8 +173,8 @@ impl Meter {
         Ok(marked.into_iter().zip(times).collect())
     }
 
-    /// Prepares a frame whose shadow maps are drawn anew, and has the device do that; with it the milliseconds of `pass`, which is one of those
-    /// before the picture.
+    /// Prepares a frame whose shadow maps are redrawn and waits for the device. Also returns the milliseconds of
+    /// `pass`, one of those before the picture.
     pub fn prepared(&self, stage: &mut Stage, pass: PassId) -> Result<(Frame, f64), StageError> {
         let (mut prepared, mut marked) = (None, Vec::new());
         let times = self.sections(stage, |stage, encoder, mark| {
@@ -187,7 +188,7 @@ impl Meter {
         Ok((prepared.ok_or_else(|| lost("no frame was prepared"))?, of_pass(&times, pass)))
     }
 
-    /// Records sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds that each took.
+    /// Records sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds of each.
     fn sections(
         &self,
         stage: &mut Stage,
@@ -224,7 +225,7 @@ impl Meter {
         let ticks = read_u64(&stage.gpu, &self.readback)?;
         let ms_per_tick = f64::from(stage.gpu.queue.get_timestamp_period()) * 1e-6;
         let pairs = ticks.windows(2).take(section as usize);
-        // Timestamps of one queue rise, but a driver may reset its clock: then no time is better than a huge one.
+        // Timestamps of one queue are ascending, but a driver may reset its clock; then 0 is better than a huge number.
         Ok(pairs.map(|pair| pair[1].saturating_sub(pair[0]) as f64 * ms_per_tick).collect())
     }
 }
@@ -238,7 +239,7 @@ pub fn is_shadowed(stage: &Stage) -> bool {
     }
 }
 
-/// Passes that draw the picture with their fragment shader runs; `None` where the device does not count them.
+/// Counts the fragment shader runs of the passes that draw the picture; `None` if the device does not count them.
 pub fn count_fragments(stage: &mut Stage) -> Result<Option<Vec<(PassId, u64)>>, StageError> {
     if !stage.gpu.device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY) {
         return Ok(None);
@@ -265,7 +266,7 @@ fn query_set(gpu: &Gpu, ty: wgpu::QueryType, count: u32) -> wgpu::QuerySet {
     gpu.device.create_query_set(&wgpu::QuerySetDescriptor { label: Some("pelage bench"), ty, count })
 }
 
-/// Where queries are resolved to, and where they are read from: 8 bytes each.
+/// Creates the buffers that queries are resolved to and read from: 8 bytes each.
 fn query_buffers(gpu: &Gpu, count: u32) -> (wgpu::Buffer, wgpu::Buffer) {
     let buffer = |usage| {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -283,7 +284,7 @@ fn read_u64(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u64>, StageError> {
     Ok(gpu.read_buffer(buffer)?.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect())
 }
 
-/// Minimum, median and maximum of some times; zeros for none.
+/// Minimum, median and maximum of several times; zeros for none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
@@ -296,7 +297,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of some values, in any order.
+    /// Computes the spread of some values, in any order.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);

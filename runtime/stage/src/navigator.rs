@@ -1,18 +1,20 @@
-//! A camera that somebody moves by hand.
+//! Interactive camera.
 
 use crate::Viewpoint;
 use glam::{Quat, Vec2, Vec3};
 use pelage_formats::meaning::view_from_world;
 
-/// How far above and below its target the camera goes, degrees: at the pole itself a turn about the vertical axis would have no direction.
+/// Maximum elevation of the camera above and below its target, degrees. At the pole itself, a rotation about the
+/// vertical axis would have no direction.
 const HIGHEST_DEG: f32 = 89.0;
-/// Nearest and farthest from the target, in distances of the view that [`Navigator::frame`] gave.
+/// Minimum and maximum distance to the target, relative to that of the view passed to [`Navigator::frame`].
 const REACH: [f32; 2] = [1e-3, 1e3];
 
-/// A camera that goes around what it looks at, sideways, nearer, or through the scene; plain data, whatever moves it.
+/// Camera that orbits its target, pans, zooms, or flies through the scene; plain data, independent of input devices.
 ///
-/// Movements in the picture are in heights of the picture, right and up, so that they do not depend on its size. What is grabbed stays below the hand:
-/// a pan moves what lies as far away as the target by just the movement, and a zoom keeps what lies below the cursor at that distance.
+/// Movements on screen are in picture heights, right and up, so they do not depend on the picture's size. A grabbed
+/// point stays under the cursor: a pan moves points at the target's distance by exactly the movement. A zoom keeps the
+/// point under the cursor at that distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Navigator {
     view: Viewpoint,
@@ -20,66 +22,68 @@ pub struct Navigator {
 }
 
 impl Navigator {
-    /// A camera at `view`, which [`Self::reset`] comes back to.
+    /// Creates a camera at `view`, to which [`Self::reset`] returns.
     pub fn new(view: Viewpoint) -> Self {
         Self { view, home: view }
     }
 
-    /// From where the scene is seen now.
+    /// Returns the current view.
     pub fn view(&self) -> Viewpoint {
         self.view
     }
 
-    /// Goes to `view`, such as one of [`crate::Framing::view`], and is at home there.
+    /// Moves to `view`, such as one of [`crate::Framing::view`], and makes it the home view.
     pub fn frame(&mut self, view: Viewpoint) {
         *self = Self::new(view);
     }
 
-    /// Goes to `view`, and still comes home to where it began.
+    /// Moves to `view` without changing the home view.
     pub fn go_to(&mut self, view: Viewpoint) {
         self.view = view;
     }
 
-    /// Goes back to where it began.
+    /// Returns to the home view.
     pub fn reset(&mut self) {
         self.view = self.home;
     }
 
-    /// Whether it stands where it began.
+    /// Whether it is at the home view.
     pub fn is_home(&self) -> bool {
         self.view == self.home
     }
 
-    /// From the target to the camera: about the vertical axis from +z towards +x, and above the horizon, degrees; metres between them.
+    /// Returns the direction from the target to the camera, as degrees about the vertical axis from +z towards +x and
+    /// above the horizon, and the distance in metres.
     pub fn around(&self) -> (f32, f32, f32) {
         polar(self.view.eye - self.view.target)
     }
 
-    /// Goes to where [`Self::around`] would say so; elevation and distance are brought into their ranges.
+    /// Moves to the values that [`Self::around`] would return; elevation and distance are clamped to their ranges.
     pub fn go_around(&mut self, azimuth_deg: f32, elevation_deg: f32, distance_m: f32) {
         let towards = towards(azimuth_deg, elevation_deg);
         self.view.eye = self.view.target + towards * self.reachable(distance_m);
     }
 
-    /// Looks at another place from the same side and distance, metres.
+    /// Looks at another target from the same direction and distance, metres.
     pub fn look_at(&mut self, target: Vec3) {
         self.view = Viewpoint { eye: self.view.eye + target - self.view.target, target, ..self.view };
     }
 
-    /// Goes around the target: the thing turns with the hand, half a turn for the height of the picture.
+    /// Orbits the target: the model turns with the cursor, half a turn per picture height.
     pub fn orbit(&mut self, moved: Vec2) {
         let (azimuth_deg, elevation_deg, distance_m) = self.around();
         self.go_around(azimuth_deg - 180.0 * moved.x, elevation_deg - 180.0 * moved.y, distance_m);
     }
 
-    /// Goes sideways: what is as far as the target moves with the hand.
+    /// Pans: points at the target's distance move with the cursor.
     pub fn pan(&mut self, moved: Vec2) {
         let [right, up] = self.axes();
         let way = -(right * moved.x + up * moved.y) * self.height_m();
         self.shift(way);
     }
 
-    /// Goes `factor` times as near, or away below 1, keeping what is at the cursor. `at`: heights of the picture right and up from its middle.
+    /// Moves closer by `factor`, or away if below 1, keeping the point under the cursor. `at`: cursor position in
+    /// picture heights right and up from the centre.
     pub fn zoom(&mut self, factor: f32, at: Vec2) {
         if !factor.is_finite() || factor <= 0.0 {
             return;
@@ -92,14 +96,14 @@ impl Navigator {
         self.view.target = below + (self.view.target - below) * kept;
     }
 
-    /// Flies through the scene, metres to the right, up and ahead as the camera looks.
+    /// Flies through the scene, in metres to the right, up and along the view direction.
     pub fn fly(&mut self, right_m: f32, up_m: f32, ahead_m: f32) {
         let [right, _] = self.axes();
         let ahead = (self.view.target - self.view.eye).normalize_or(Vec3::NEG_Z);
         self.shift(right * right_m + Vec3::Y * up_m + ahead * ahead_m);
     }
 
-    /// Turns the head: the eye stays, and what it sees moves with the hand.
+    /// Turns the view: the eye stays, and visible points move with the cursor.
     pub fn turn(&mut self, moved: Vec2) {
         let (azimuth_deg, elevation_deg, distance_m) = self.around();
         let degrees = self.view.fov_deg;
@@ -107,12 +111,12 @@ impl Navigator {
         self.view.target = self.view.eye - towards * distance_m;
     }
 
-    /// The camera carried on about the vertical axis through its target.
+    /// Rotates the camera about the vertical axis through its target.
     pub fn carry(&mut self, angle_rad: f32) {
         self.view = self.view.turned(angle_rad);
     }
 
-    /// Height of the picture where the target is, metres.
+    /// Returns the height of the picture at the target's distance, metres.
     pub fn height_m(&self) -> f32 {
         2.0 * self.view.eye.distance(self.view.target) * (self.view.fov_deg.to_radians() / 2.0).tan()
     }
@@ -123,28 +127,28 @@ impl Navigator {
     }
 
     fn shift(&mut self, way: Vec3) {
-        // Where numbers are too coarse to keep eye and target apart, it stays where it is.
+        // If eye and target would coincide in floating point, nothing changes.
         let (eye, target) = (self.view.eye + way, self.view.target + way);
         if eye.is_finite() && target.is_finite() && eye != target {
             self.view = Viewpoint { eye, target, ..self.view };
         }
     }
 
-    /// Right and up in the picture.
+    /// Returns the right and up directions of the picture.
     fn axes(&self) -> [Vec3; 2] {
         let world = view_from_world(self.view.eye, self.view.target).inverse();
         [world.transform_vector3(Vec3::X), world.transform_vector3(Vec3::Y)]
     }
 }
 
-/// Angles about the vertical axis and above the horizon, degrees, and length.
+/// Returns the angles about the vertical axis and above the horizon, degrees, and the length.
 fn polar(way: Vec3) -> (f32, f32, f32) {
     let length = way.length();
     let elevation = (way.y / length.max(f32::MIN_POSITIVE)).clamp(-1.0, 1.0).asin();
     (way.x.atan2(way.z).to_degrees(), elevation.to_degrees(), length)
 }
 
-/// The unit vector with those angles, degrees.
+/// Returns the unit vector with those angles, degrees.
 fn towards(azimuth_deg: f32, elevation_deg: f32) -> Vec3 {
     let elevation = elevation_deg.clamp(-HIGHEST_DEG, HIGHEST_DEG).to_radians();
     let turn = Quat::from_rotation_y(azimuth_deg.to_radians()) * Quat::from_rotation_x(-elevation);
@@ -158,7 +162,7 @@ mod tests {
     const VIEW: Viewpoint =
         Viewpoint { eye: Vec3::new(1.0, 2.0, 5.0), target: Vec3::new(1.0, 1.0, 0.0), fov_deg: 30.0 };
 
-    /// Where a point is in the picture, heights of it right and up from the middle.
+    /// Returns the position of a point on screen, in picture heights right and up from the centre.
     fn seen(navigator: &Navigator, point: Vec3) -> Vec2 {
         let Viewpoint { eye, target, fov_deg } = navigator.view();
         let p = view_from_world(eye, target).transform_point3(point);

@@ -1,20 +1,20 @@
-//! Packages and what messages call them.
+//! Packages and their names in messages.
 
 use crate::StageError;
 use pelage_formats::{FormatError, Limits, Package};
 use std::borrow::Cow;
 
-/// A package's bytes and the name that messages use. The bytes may be borrowed.
+/// Bytes of a package and its name for messages. The bytes may be borrowed.
 #[derive(Clone)]
 pub struct NamedPackage<'a> {
-    /// As the user named it.
+    /// File name as given by the user.
     pub name: String,
-    /// All of it.
+    /// Contents of the package.
     pub bytes: Cow<'a, [u8]>,
 }
 
 impl<'a> NamedPackage<'a> {
-    /// Names some bytes; opens nothing yet.
+    /// Names the bytes of a package without opening it.
     pub fn new(name: impl Into<String>, bytes: impl Into<Cow<'a, [u8]>>) -> Self {
         Self { name: name.into(), bytes: bytes.into() }
     }
@@ -28,14 +28,14 @@ impl<'a> NamedPackage<'a> {
         Package::open(&self.bytes, &Limits::default()).map_err(|e| self.fault(e))
     }
 
-    /// `source` with the package's name.
+    /// Adds the package's name to `source`.
     pub fn fault(&self, source: FormatError) -> StageError {
         StageError::Package { file: self.name.clone(), source }
     }
 }
 
 impl std::fmt::Debug for NamedPackage<'_> {
-    /// Says how large the package is, not its megabytes.
+    /// Prints the size of the package instead of its bytes.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("NamedPackage").field("name", &self.name).field("bytes", &self.bytes.len()).finish()
     }

@@ -1,4 +1,4 @@
-//! A cast on a canvas.
+//! Stage: a cast on a canvas.
 
 use crate::cast::Actor;
 use crate::{Canvas, CanvasOptions, Cast, Gpu, NamedPackage, Shot, StageError, Viewpoint};
@@ -12,59 +12,61 @@ use pelage_runtime::{
 use std::time::Duration;
 use web_time::Instant;
 
-/// What a cast is drawn on.
+/// Settings of the render target for a cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Width and height, pixels.
     pub size: (u32, u32),
     /// Samples per pixel, 1 or 4.
     pub samples: u32,
-    /// What is behind everything: sRGB-encoded, or `None` for transparent.
+    /// Background: sRGB-encoded, or `None` for transparent.
     pub background: Option<[u8; 3]>,
 }
 
 impl Picture {
-    /// Width over height.
+    /// Returns width over height.
     pub fn aspect(&self) -> f32 {
         self.size.0 as f32 / self.size.1 as f32
     }
 }
 
-/// Everything that is made once for a view of a cast.
+/// GPU state for viewing a cast.
 #[derive(Debug)]
 pub struct Stage {
-    /// The device.
+    /// Device for drawing.
     pub gpu: Gpu,
-    /// What is drawn on.
+    /// Render targets.
     pub canvas: Canvas,
-    /// Camera, light and style. The camera is that of the time that was set last.
+    /// Camera, light and style. The camera is that of the time set last.
     pub params: FrameParams,
-    /// The models, and other copies of them: at least one.
+    /// Models and their other copies: at least one.
     pub instances: Vec<Instance>,
-    /// Time from the opened packages to their textures and buffers on the device.
+    /// Time to upload the opened packages to the device.
     pub upload: Duration,
     /// Time to compile the pipelines of the style.
     pub compile: Duration,
     renderer: Renderer,
     shadow_bytes: u64,
     clear: wgpu::Color,
-    /// Of `instances`, in order.
+    /// Actors of `instances`, in order.
     actors: Vec<Actor>,
     shot: Shot,
     aspect: f32,
 }
 
 impl Stage {
-    /// Loads the packages of `cast` and sets them up as `params` say, at `time_s`, on the device that `open_gpu` gives. Camera and viewport of
-    /// `params` are replaced by those of `cast` and `picture`.
+    /// Loads the packages of `cast` and sets them up with `params`, at `time_s`, on the device returned by `open_gpu`.
+    /// Camera and viewport of `params` are replaced by those of `cast` and `picture`.
     ///
-    /// The device comes last, so that what is wrong with a package is said on machines without one, too.
+    /// The device is opened last, so that faults in a package are reported on machines without one, too.
     ///
     /// # Errors
     ///
-    /// [`StageError::Package`] and [`StageError::Input`] for a package that is damaged or cannot be drawn so, [`StageError::Asked`] for a cast
-    /// without a model or with one of a package that it has not, [`StageError::Asked`] and [`StageError::Params`] for what the device cannot
-    /// do, [`StageError::NoAdapter`] without one.
+    /// * [`StageError::Package`] and [`StageError::Input`] for a package that is damaged or cannot be drawn in this
+    ///   style
+    /// * [`StageError::Asked`] for a cast without a model, or with a model of a package that it lacks
+    /// * [`StageError::Asked`] and [`StageError::Params`] for settings that exceed the device's limits
+    /// * [`StageError::NoAdapter`] without a device
     pub fn new(
         cast: &Cast<'_>,
         picture: &Picture,
@@ -96,8 +98,8 @@ impl Stage {
         Ok(stage)
     }
 
-    /// Shows another cast, from its own camera, and keeps device, look and whatever pipelines it can use. Where it fails, what was shown
-    /// before still is.
+    /// Shows another cast, from its own camera. Device, look and usable pipelines are kept. On failure, the previous
+    /// cast stays.
     ///
     /// # Errors
     ///
@@ -107,11 +109,12 @@ impl Stage {
         self.load(cast, time_s)
     }
 
-    /// Draws another picture with another look, at `time_s` from the camera that there is. Where it fails, the look before stays.
+    /// Changes picture and look, at `time_s`, with the current camera. On failure, the previous look stays.
     ///
     /// # Errors
     ///
-    /// [`StageError::Asked`] for a picture that the device cannot draw, and for one of other samples per pixel, which takes a new stage.
+    /// [`StageError::Asked`] for a picture that exceeds the device's limits, and for another number of samples per
+    /// pixel, which needs a new stage.
     pub fn relook(&mut self, picture: &Picture, params: FrameParams, time_s: f32) -> Result<(), StageError> {
         fits(&self.gpu, picture.size)?;
         let options = self.renderer.options();
@@ -135,11 +138,12 @@ impl Stage {
         Ok(())
     }
 
-    /// Gives all models other constants of the lighting equation than their packages have; everything else stays as it is on the device.
+    /// Gives all models other constants of the lighting equation than their packages have; everything else stays
+    /// unchanged on the device.
     ///
     /// # Errors
     ///
-    /// [`StageError::Params`] for constants out of their ranges; the models stay as they were.
+    /// [`StageError::Params`] for constants out of their ranges; the models are unchanged then.
     pub fn reshade(&mut self, shading: Shading) -> Result<(), StageError> {
         let reshaded = self.instances.iter().map(|instance| instance.model.with_shading(shading));
         let models: Vec<Model> =
@@ -148,7 +152,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Loads the models of a cast that was checked, and shows it.
+    /// Loads the models of a checked cast and shows them.
     fn load(&mut self, cast: &Cast<'_>, time_s: f32) -> Result<(), StageError> {
         let start = Instant::now();
         let loaded = cast.packages.iter().map(|(file, package)| {
@@ -183,33 +187,33 @@ impl Stage {
         Ok(())
     }
 
-    /// Places and poses the models and the camera as they are at that time.
+    /// Places and poses models and camera for that time.
     pub fn set_time(&mut self, time_s: f32) {
         self.params.hair_motion = None;
         self.play(time_s);
         self.params.camera = camera(&self.shot.at(time_s), self.aspect);
     }
 
-    /// Goes on to that time: as [`Stage::set_time`], and hair lives as `motion` says, from the moment that the clock had to the one that it has. With
-    /// [`Stage::set_time`], and where `motion` is `None`, hair is as it was groomed.
+    /// Advances to that time as [`Stage::set_time`] does, with hair motion from the previous to the current clock time
+    /// as set by `motion`. With [`Stage::set_time`], and if `motion` is `None`, hair is as groomed.
     ///
-    /// * `clock_s`: seconds; it goes on where a clip begins anew
+    /// * `clock_s`: seconds; it continues when a clip restarts
     pub fn advance(&mut self, time_s: f32, clock_s: f64, motion: Option<HairMotionParams>) {
         self.set_time(time_s);
         self.live(clock_s, motion);
     }
 
-    /// Has hair live until that moment of the clock, as `motion` says: as [`Stage::advance`] does.
+    /// Advances hair motion to that clock time as set by `motion`, as [`Stage::advance`] does.
     pub fn live(&mut self, clock_s: f64, motion: Option<HairMotionParams>) {
         (self.params.time_s, self.params.hair_motion) = (clock_s, motion);
     }
 
-    /// Hair begins as it was groomed in the next frame: models are put where they did not go to.
+    /// Resets hair to its groomed state in the next frame, for models that are teleported.
     pub fn cut(&mut self) {
         self.instances.iter_mut().for_each(|instance| instance.cut = instance.cut.wrapping_add(1));
     }
 
-    /// Prepares and submits a frame that nobody looks at: poses and hair are then those of it. It has no shadows, which nobody sees.
+    /// Prepares and submits a frame that is not shown, so that poses and hair advance to it. It has no shadows.
     ///
     /// # Errors
     ///
@@ -229,7 +233,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Plays the clips of the models at that time, and leaves the camera where it is.
+    /// Poses the models by their clips at that time, without moving the camera.
     pub fn play(&mut self, time_s: f32) {
         for (instance, actor) in self.instances.iter_mut().zip(&self.actors) {
             instance.transform = actor.transform(time_s);
@@ -237,7 +241,7 @@ impl Stage {
         }
     }
 
-    /// Looks from there at all times.
+    /// Sets a camera for all times.
     pub fn look_from(&mut self, view: Viewpoint) {
         self.shot = Shot::fixed(view);
         self.params.camera = camera(&view, self.aspect);
@@ -248,7 +252,8 @@ impl Stage {
         self.record(encoder, &mut |_, _| ())
     }
 
-    /// Prepares a frame whose pose and shadow maps are made anew, and calls `mark` after each of the passes that do it.
+    /// Prepares a frame whose pose and shadow maps are recomputed, and calls `mark` after each of the passes that do
+    /// it.
     pub fn prepare_marked(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -264,7 +269,7 @@ impl Stage {
         mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
     ) -> Result<Frame, StageError> {
         let hooks = Hooks::default().mark(mark);
-        // The package was loaded in full before, so what fails now is an argument.
+        // The package was loaded completely before, so a failure now is caused by an argument.
         let frame = self
             .renderer
             .prepare_with(encoder, &self.params, &self.instances, hooks)
@@ -273,12 +278,12 @@ impl Stage {
         Ok(frame)
     }
 
-    /// The model; of several the first.
+    /// Returns the model; the first one if there are several.
     pub fn model(&self) -> &Model {
         &self.instances[0].model
     }
 
-    /// Whether any hair may move while time passes: hair on guides, and fur where its skin or the air moves.
+    /// Whether any hair may move as time passes: guided hair, and fur if its surface or the air moves.
     pub fn may_move_hair(&self, motion: &HairMotionParams) -> bool {
         let is_windy = motion.fur > 0.0 && motion.wind.velocity != Vec3::ZERO;
         let moves = |(instance, actor): (&Instance, &Actor)| {
@@ -288,22 +293,22 @@ impl Stage {
         self.instances.iter().zip(&self.actors).any(moves)
     }
 
-    /// Bytes on the device of what belongs to the models' copies.
+    /// Returns the bytes on the device that belong to the models' copies.
     pub fn copies_bytes(&self) -> u64 {
         self.renderer.owners_gpu_bytes()
     }
 
-    /// Bytes of the shadow maps on the device; 0 where no frame had any.
+    /// Returns the bytes of the shadow maps on the device; 0 if no frame had any.
     pub fn shadow_bytes(&self) -> u64 {
         self.shadow_bytes
     }
 
-    /// Begins a pass on the canvas, cleared to the background or going on from the pass before.
+    /// Begins a pass on the canvas, cleared to the background or continuing the previous pass.
     pub fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, label: &str, clear: bool) -> wgpu::RenderPass<'e> {
         self.canvas.pass(encoder, label, clear.then_some(self.clear))
     }
 
-    /// Draws one frame and waits for it; returns what was drawn.
+    /// Draws one frame, waits for it, and returns it.
     pub fn draw(&mut self) -> Result<Frame, StageError> {
         let mut encoder = self.encoder();
         let frame = self.prepare(&mut encoder)?;
@@ -313,13 +318,13 @@ impl Stage {
         Ok(frame)
     }
 
-    /// An empty encoder.
+    /// Creates an empty encoder.
     pub fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pelage") })
     }
 }
 
-/// Layers of a pose as the runtime takes them.
+/// Converts layers of a pose to the runtime's motion.
 pub(crate) fn motion(layers: Vec<ClipLayer>) -> Motion {
     match layers[..] {
         [] => Motion::Rest,
@@ -330,7 +335,7 @@ pub(crate) fn motion(layers: Vec<ClipLayer>) -> Motion {
     }
 }
 
-/// What is behind everything, linear.
+/// Returns the background colour, linear.
 fn clear_color(picture: &Picture) -> wgpu::Color {
     match picture.background {
         Some(rgb) => {
@@ -341,7 +346,7 @@ fn clear_color(picture: &Picture) -> wgpu::Color {
     }
 }
 
-/// Fails for a picture that is larger than the device can draw.
+/// Returns an error for a picture larger than the device can draw.
 fn fits(gpu: &Gpu, (width, height): (u32, u32)) -> Result<(), StageError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
     if width <= limit && height <= limit {
@@ -351,7 +356,7 @@ fn fits(gpu: &Gpu, (width, height): (u32, u32)) -> Result<(), StageError> {
     Err(StageError::Asked { what: format!("size {width}x{height}"), reason })
 }
 
-/// Fails for a cast that cannot be drawn in that style, as far as its packages say so.
+/// Returns an error for a cast that cannot be drawn in that style, as far as its packages tell.
 fn check(cast: &Cast<'_>, style: StyleKind) -> Result<(), StageError> {
     check_actors(cast)?;
     for (file, package) in &cast.packages {
@@ -364,7 +369,7 @@ fn check(cast: &Cast<'_>, style: StyleKind) -> Result<(), StageError> {
     Ok(())
 }
 
-/// Fails for a cast that shows nothing, and for an actor without a model.
+/// Returns an error for a cast without actors, and for an actor without a model.
 fn check_actors(cast: &Cast<'_>) -> Result<(), StageError> {
     if cast.actors.is_empty() {
         let reason = "found no copy of a model, expected at least one".into();
@@ -383,7 +388,7 @@ fn check_actors(cast: &Cast<'_>) -> Result<(), StageError> {
     }
 }
 
-/// Fails for a package that cannot be drawn in ink.
+/// Returns an error for a package that cannot be drawn in ink.
 fn has_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), StageError> {
     if package.ink().map_err(|error| file.fault(error))?.is_some() {
         return Ok(());
@@ -392,11 +397,11 @@ fn has_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), StageEr
     Err(StageError::Input { file: file.name.clone(), place: "section INKW, the ink style".into(), reason })
 }
 
-/// Who is at fault when the runtime refuses a package.
+/// Converts an error of the runtime for a package into an error of the stage.
 fn refused(file: &NamedPackage<'_>, error: RuntimeError) -> StageError {
     match error {
         RuntimeError::Package(source) => file.fault(source),
-        // Another adapter would do.
+        // Another adapter might work.
         RuntimeError::DeviceLimit { .. } => StageError::NoAdapter(format!("{}: {error}", file.name)),
         RuntimeError::Content { what, reason, .. } => {
             StageError::Input { file: file.name.clone(), place: what, reason }
@@ -405,9 +410,10 @@ fn refused(file: &NamedPackage<'_>, error: RuntimeError) -> StageError {
     }
 }
 
-/// The runtime's camera at a viewpoint, for a picture of that width over height and reversed depth without a far plane.
+/// Returns the runtime's camera for a viewpoint and an aspect ratio, width over height, with reversed depth and no far
+/// plane.
 pub fn camera(view: &Viewpoint, aspect: f32) -> Camera {
-    // With reversed depth only the near plane costs precision; a thousandth of the distance keeps close-ups whole.
+    // With reversed depth only the near plane costs precision; a thousandth of the distance keeps close-ups unclipped.
     let near_m = (view.eye.distance(view.target) * 1e-3).max(1e-6);
     let fov_y_rad = view.fov_deg.to_radians();
     let projection = Projection::Perspective { fov_y_rad, aspect, near_m, far_m: f32::INFINITY };

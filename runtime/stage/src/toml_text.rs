@@ -1,4 +1,4 @@
-//! TOML that people write, and where in it something is wrong.
+//! TOML written by hand, and the locations of faults in it.
 
 use crate::StageError;
 use crate::track::{LEAST_STEP_S, Track, Value};
@@ -6,26 +6,26 @@ use pelage_params::Raw;
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
-/// The text of a file, for messages that name the line.
+/// Text of a file, for messages that include the line.
 #[derive(Clone, Copy, Debug)]
 pub struct TomlText<'a> {
-    /// As the user named it.
+    /// File name as given by the user.
     pub name: &'a str,
-    /// All of it.
+    /// Text of the file.
     pub text: &'a str,
 }
 
 impl<'a> TomlText<'a> {
-    /// The text of a file, without the mark that some editors put before it.
+    /// Wraps the text of a file, without the byte order mark that some editors put before it.
     pub fn new(name: &'a str, text: &'a str) -> Self {
         Self { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) }
     }
 
-    /// Reads the words.
+    /// Parses the text.
     ///
     /// # Errors
     ///
-    /// [`StageError::Input`] with line and key for broken TOML, a key that there is none of, and a value that is not what it should be.
+    /// [`StageError::Input`] with line and key for invalid TOML, an unknown key and an invalid value.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, StageError> {
         let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
         let document = toml::Deserializer::parse(self.text).map_err(broken)?;
@@ -38,11 +38,11 @@ impl<'a> TomlText<'a> {
         })
     }
 
-    /// The keys and values at its top, in their order.
+    /// Returns the top-level keys and values, in order.
     ///
     /// # Errors
     ///
-    /// [`StageError::Input`] with the line of broken TOML.
+    /// [`StageError::Input`] with the line of invalid TOML.
     pub(crate) fn table(&self) -> Result<Vec<(String, Raw)>, StageError> {
         let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
         let document = DeTable::parse(self.text).map_err(broken)?;
@@ -50,7 +50,7 @@ impl<'a> TomlText<'a> {
         Ok(entries.map(|(key, value)| (key.get_ref().to_string(), Raw::from_de(value.get_ref()))).collect())
     }
 
-    /// An error at a key such as `model[1].path[0].time_s`.
+    /// Returns an error at a key such as `model[1].path[0].time_s`.
     pub fn fault(&self, key: &str, reason: impl Into<String>) -> StageError {
         self.fault_at(self.find(key), key, reason.into())
     }
@@ -66,7 +66,7 @@ impl<'a> TomlText<'a> {
         StageError::Input { file: self.name.to_owned(), place, reason }
     }
 
-    /// The byte where a key's value stands, or that of the nearest thing around it that is there.
+    /// Returns the byte offset of a key's value, or of the nearest enclosing item that exists.
     fn find(&self, key: &str) -> Option<usize> {
         let document = DeTable::parse(self.text).ok()?;
         let (first, mut rest) = key.split_once(['.', '[']).unwrap_or((key, ""));
@@ -74,7 +74,7 @@ impl<'a> TomlText<'a> {
         while !rest.is_empty() {
             let (step, behind) = rest.split_once(['.', '[']).unwrap_or((rest, ""));
             let inner = match here.get_ref() {
-                // A key with dots may stand in quotes.
+                // A key that contains dots may be quoted.
                 DeValue::Table(table) => match table.get(rest) {
                     Some(inner) => Some((inner, "")),
                     None => table.get(step).map(|inner| (inner, behind)),
@@ -91,7 +91,7 @@ impl<'a> TomlText<'a> {
         Some(here.span().start)
     }
 
-    /// A path of keys at `key`, times and values, which must rise.
+    /// Returns the track of the keys at `key`, pairs of time and value, whose times must ascend.
     pub(crate) fn track<T>(&self, key: &str, keys: Vec<(f32, T)>) -> Result<Track<T>, StageError>
     where
         T: Value,

@@ -1,61 +1,63 @@
-//! Values over time that pass through keys: paths of cameras and models.
+//! Values over time, interpolated between keys: paths of cameras and models.
 //!
-//! Between two keys runs a cubic (Catmull and Rom 1974, with the tangents of a parabola through three keys, so that keys need not be evenly spaced): position and
-//! speed have no jumps. Where a key repeats the one before it, both are a stop: nothing moves between them, and nothing swings past them.
+//! Between two keys the curve is a cubic (Catmull and Rom 1974), with the tangents of a parabola through three keys, so
+//! that keys need not be evenly spaced. Position and speed are continuous. A key that repeats the one before it is a
+//! stop: nothing moves between the two, and nothing overshoots them.
 
 use glam::Vec3;
 use std::ops::{Add, Mul, Sub};
 
-/// Least time between two keys, seconds: closer ones would be a jump.
+/// Minimum time between two keys, seconds: closer ones would be a jump.
 pub const LEAST_STEP_S: f32 = 1e-3;
 
-/// What a track can hold; its default is nothing.
+/// Type that a track can hold; its default is zero.
 pub trait Value:
     Copy + Default + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self>
 {
 }
 impl<T: Copy + Default + PartialEq + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>> Value for T {}
 
-/// A value over time. Before its first and after its last key it holds.
+/// Value over time. It is constant before the first and after the last key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
-    /// Seconds and value, at least one, [`LEAST_STEP_S`] apart.
+    /// Time in seconds and value; at least one key, [`LEAST_STEP_S`] apart.
     keys: Vec<(f32, T)>,
 }
 
 impl<T: Value> Track<T> {
-    /// The same at all times.
+    /// Creates a track with a constant value.
     pub fn fixed(value: T) -> Self {
         Self { keys: vec![(0.0, value)] }
     }
 
-    /// Whether it has other values at other times.
+    /// Whether the track has more than one key.
     pub fn moves(&self) -> bool {
         self.keys.len() > 1
     }
 
-    /// Through some keys.
+    /// Creates a track through some keys.
     ///
     /// # Errors
     ///
-    /// The number of the first key, from 0, that is not at least [`LEAST_STEP_S`] after the one before it; 0 where there is none at all.
+    /// Index of the first key, from 0, that is not at least [`LEAST_STEP_S`] after the one before it; 0 if there are no
+    /// keys.
     pub fn new(keys: Vec<(f32, T)>) -> Result<Self, usize> {
         if keys.is_empty() {
             return Err(0);
         }
-        // Also where a time is no number.
+        // Also rejects times that are NaN.
         match keys.windows(2).position(|pair| !matches!(pair[1].0 - pair[0].0, LEAST_STEP_S..)) {
             Some(before) => Err(before + 1),
             None => Ok(Self { keys }),
         }
     }
 
-    /// Seconds at which the keys are, in rising order; at least one.
+    /// Returns the times of the keys in seconds, ascending; at least one.
     pub fn times(&self) -> impl Iterator<Item = f32> {
         self.keys.iter().map(|key| key.0)
     }
 
-    /// The value at `time_s`.
+    /// Returns the value at `time_s`.
     pub fn at(&self, time_s: f32) -> T {
         let after = self.keys.partition_point(|key| key.0 <= time_s);
         if after == 0 {
@@ -67,14 +69,14 @@ impl<T: Value> Track<T> {
         let u = (time_s - start_s) / h;
         let (u2, u3) = (u * u, u * u * u);
         let way = end - start;
-        // Written from the first key on, so that what stands still does so to the last bit.
+        // Written relative to the first key, so that a stationary value is exactly constant.
         start
             + way * (3.0 * u2 - 2.0 * u3)
             + self.tangent(after - 1) * (h * (u3 - 2.0 * u2 + u))
             + self.tangent(after) * (h * (u3 - u2))
     }
 
-    /// Change per second at key `i`.
+    /// Returns the change per second at key `i`.
     fn tangent(&self, i: usize) -> T {
         let slope = |k: usize| {
             let ((start_s, start), (end_s, end)) = (self.keys[k], self.keys[k + 1]);
@@ -90,7 +92,7 @@ impl<T: Value> Track<T> {
         }
     }
 
-    /// Change per second at share `u`, 0..=1, of the way from key `i` to the next.
+    /// Returns the change per second at `u`, 0..=1, between key `i` and the next.
     fn rate(&self, i: usize, u: f32) -> T {
         let ((start_s, start), (end_s, end)) = (self.keys[i], self.keys[i + 1]);
         let way = (end - start) * (6.0 * (u - u * u) / (end_s - start_s));
@@ -99,12 +101,12 @@ impl<T: Value> Track<T> {
 }
 
 impl Track<Vec3> {
-    /// The level direction in which a model on this track walks at `time_s`, of length 1. Where it stands, that in which it came, else that in which it will leave;
-    /// `None` for a track that goes nowhere but up and down.
+    /// Returns the horizontal unit direction of movement at `time_s`. At a stop, it is the direction before, else the
+    /// direction after. `None` for a track that only moves vertically or not at all.
     pub fn direction(&self, time_s: f32) -> Option<Vec3> {
         let segments = self.keys.len() - 1;
         let level = |(i, u)| (self.rate(i, u) * Vec3::new(1.0, 0.0, 1.0)).try_normalize();
-        // Just inside a segment the direction is known even where the speed at its end is 0.
+        // Just inside a segment the direction is known even if the speed at its end is 0.
         let (in_, out) = (1e-3, 1.0 - 1e-3);
         let here = self.keys.partition_point(|key| key.0 <= time_s).saturating_sub(1);
         let now = (here < segments).then(|| {
@@ -142,7 +144,7 @@ mod tests {
 
     #[test]
     fn evenly_spaced_keys_give_catmull_roms_curve() {
-        // The basis matrix of Catmull and Rom, between the two keys in the middle.
+        // Basis matrix of Catmull and Rom, between the two middle keys.
         let [a, b, c, d] = [1.0_f32, 4.0, -2.0, 0.5];
         let track = track(&[(0.0, a), (2.0, b), (4.0, c), (6.0, d)]);
         for u in [0.1_f32, 0.25, 0.5, 0.9] {
@@ -159,7 +161,7 @@ mod tests {
     fn unevenly_spaced_keys_of_a_parabola_give_it_back() {
         let parabola = |t: f32| 1.0 - 2.0 * t + 0.75 * t * t;
         let track = track(&[-1.0, 0.0, 0.5, 2.0, 3.0].map(|t| (t, parabola(t))));
-        // Not in the outermost segments, whose outer speed no third key tells.
+        // Except in the outermost segments, whose outer speed lacks a third key.
         for t in [0.1, 0.4, 0.7, 1.2, 1.9] {
             assert!((track.at(t) - parabola(t)).abs() < 1e-5, "{t}: {}", track.at(t));
         }
@@ -209,7 +211,7 @@ mod tests {
         near(2.9, Vec3::X);
         near(50.0, Vec3::X);
         let stops = walk(&[(0.0, [0.0; 3]), (1.0, [0.0; 3]), (2.0, [1.0, 0.0, 0.0]), (3.0, [1.0, 0.0, 0.0])]);
-        // It will leave along x; it came along x.
+        // The track leaves and arrives along x.
         for t in [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 9.0] {
             assert!(stops.direction(t).unwrap().distance(Vec3::X) < 1e-6, "{t}");
         }

@@ -1,4 +1,4 @@
-//! From where a picture is seen, at one moment and over time.
+//! Viewpoint of a picture, at one moment and over time.
 
 use crate::track::Track;
 use glam::{Quat, Vec3};
@@ -6,31 +6,31 @@ use pelage_params::{Item, Raw};
 use std::fmt;
 use std::str::FromStr;
 
-/// From where a picture is seen. As a word: `ex,ey,ez/tx,ty,tz/fov_deg`.
+/// Viewpoint of a picture. As text: `ex,ey,ez/tx,ty,tz/fov_deg`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
-    /// Metres.
+    /// Position in metres.
     pub eye: Vec3,
-    /// Metres; apart from `eye`.
+    /// Target in metres; different from `eye`.
     pub target: Vec3,
-    /// Height of the view, degrees, 1..=170.
+    /// Vertical field of view, degrees, 1..=170.
     pub fov_deg: f32,
 }
 
 impl Viewpoint {
-    /// The camera, gone about the vertical axis through its target.
+    /// Returns the camera rotated about the vertical axis through its target.
     #[must_use]
     pub fn turned(self, angle_rad: f32) -> Self {
         Self { eye: self.target + Quat::from_rotation_y(angle_rad) * (self.eye - self.target), ..self }
     }
 }
 
-/// Finite numbers with commas between them.
+/// Parses finite numbers separated by commas.
 pub(crate) fn numbers(text: &str) -> Option<Vec<f32>> {
     text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect()
 }
 
-/// Three finite numbers, `x,y,z`, or what was expected, in words.
+/// Parses three finite numbers, `x,y,z`; the error describes what was expected.
 fn parse_vec3(text: &str) -> Result<Vec3, String> {
     match numbers(text).as_deref() {
         Some([x, y, z]) => Ok(Vec3::new(*x, *y, *z)),
@@ -98,26 +98,26 @@ impl Item for Viewpoint {
     }
 }
 
-/// A camera over time.
+/// Camera over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
-    /// Metres.
+    /// Position in metres.
     pub eye: Track<Vec3>,
-    /// Metres.
+    /// Target in metres.
     pub target: Track<Vec3>,
-    /// Height of the view, degrees.
+    /// Vertical field of view, degrees.
     pub fov_deg: Track<f32>,
 }
 
 impl Shot {
-    /// The same at all times.
+    /// Creates a constant view.
     pub fn fixed(view: Viewpoint) -> Self {
         Self { eye: Track::fixed(view.eye), target: Track::fixed(view.target), fov_deg: Track::fixed(view.fov_deg) }
     }
 
-    /// The view at `time_s`.
+    /// Returns the view at `time_s`.
     pub fn at(&self, time_s: f32) -> Viewpoint {
-        // A cubic may swing past its keys.
+        // A cubic may overshoot its keys.
         let fov_deg = self.fov_deg.at(time_s).clamp(1.0, 170.0);
         Viewpoint { eye: self.eye.at(time_s), target: self.target.at(time_s), fov_deg }
     }

@@ -1,27 +1,27 @@
-//! Knobs as a window shows them: whatever set they belong to, with what was changed by hand and can be undone.
+//! Knobs as shown in a window, for any set of knobs, with the user's edits and undo.
 
 use pelage_params::{Knob, TableInfo, Tables as _};
 use pelage_stage::Look;
 
-/// A set of knobs of which a window knows the declarations alone: a look, a recipe.
+/// Set of knobs known to the window only by their declarations: a look, a recipe.
 pub trait Knobs: Send {
-    /// The tables, in order.
+    /// Returns the tables, in order.
     fn tables(&self) -> &'static [TableInfo];
 
-    /// The value of a knob as TOML, or `None` where it is left out.
+    /// Returns the value of a knob as TOML, or `None` if it is unset.
     fn value(&self, knob: &Knob) -> Option<String>;
 
-    /// The value that it has where nobody says one.
+    /// Returns the value that an unset knob has.
     fn default_value(&self, knob: &Knob) -> Option<String>;
 
-    /// Sets one: `fur.layers=8`.
+    /// Sets a knob: `fur.layers=8`.
     ///
     /// # Errors
     ///
-    /// What was found and what was expected; nothing is changed then.
+    /// Value found and values expected; nothing is changed.
     fn set(&mut self, assignment: &str) -> Result<(), String>;
 
-    /// The same set again.
+    /// Clones the set.
     fn boxed(&self) -> Box<dyn Knobs>;
 }
 
@@ -47,49 +47,49 @@ impl Knobs for Look {
     }
 }
 
-/// A change by hand: a knob and the value that it was given, as TOML.
+/// User edit: a knob and its new value, as TOML.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
-    /// `table.key`.
+    /// Key, `table.key`.
     pub key: &'static str,
-    /// As TOML.
+    /// Value as TOML.
     pub value: String,
 }
 
 impl Edit {
-    /// As [`Knobs::set`] takes it.
+    /// Returns the edit in the form of [`Knobs::set`].
     pub fn assignment(&self) -> String {
         format!("{}={}", self.key, self.value)
     }
 }
 
-/// What was changed by hand over what files say. Of each key there is one edit, the last.
+/// User edits over the values of files; one per key, the last.
 #[derive(Clone, Debug, Default)]
 pub struct Edits {
     now: Vec<Edit>,
     past: Vec<Vec<Edit>>,
     future: Vec<Vec<Edit>>,
-    /// The key that is being dragged: all of the drag is one step to undo.
+    /// Key being dragged; a whole drag is one undo step.
     dragged: Option<&'static str>,
 }
 
 impl Edits {
-    /// The edits, in the order in which their keys were first touched.
+    /// Returns the edits, in the order in which their keys were first changed.
     pub fn all(&self) -> &[Edit] {
         &self.now
     }
 
-    /// As [`Knobs::set`] takes them.
+    /// Returns the edits in the form of [`Knobs::set`].
     pub fn assignments(&self) -> Vec<String> {
         self.now.iter().map(Edit::assignment).collect()
     }
 
-    /// Whether a key was changed.
+    /// Returns true if a key has an edit.
     pub fn has(&self, key: &str) -> bool {
         self.now.iter().any(|edit| edit.key == key)
     }
 
-    /// Gives a key another value. `dragging` says that more of the same change will follow, until [`Self::released`].
+    /// Sets a key to a value. `dragging` means that more changes of the same drag follow, until [`Self::released`].
     pub fn set(&mut self, key: &'static str, value: String, dragging: bool) {
         if self.dragged != Some(key) {
             self.remember();
@@ -101,12 +101,12 @@ impl Edits {
         }
     }
 
-    /// The hand let go of what it dragged.
+    /// Ends a drag.
     pub fn released(&mut self) {
         self.dragged = None;
     }
 
-    /// Gives a key the value back that files say.
+    /// Resets a key to the value of the files.
     pub fn reset(&mut self, key: &str) {
         if self.has(key) {
             self.remember();
@@ -114,7 +114,7 @@ impl Edits {
         }
     }
 
-    /// Drops all edits, as one step to undo.
+    /// Drops all edits, as one undo step.
     pub fn reset_all(&mut self) {
         if !self.now.is_empty() {
             self.remember();
@@ -122,17 +122,17 @@ impl Edits {
         }
     }
 
-    /// Takes the last step back; says whether there was one.
+    /// Undoes the last step; returns whether there was one.
     pub fn undo(&mut self) -> bool {
         Self::step(&mut self.past, &mut self.now, &mut self.future)
     }
 
-    /// Takes the last step that was taken back again.
+    /// Redoes the last undone step; returns whether there was one.
     pub fn redo(&mut self) -> bool {
         Self::step(&mut self.future, &mut self.now, &mut self.past)
     }
 
-    /// Begins anew over other files.
+    /// Clears edits and history, for other files.
     pub fn forget(&mut self) {
         *self = Self::default();
     }
@@ -150,16 +150,16 @@ impl Edits {
     }
 }
 
-/// What is sought among knobs.
+/// Search among knobs.
 #[derive(Clone, Debug, Default)]
 pub struct Search {
-    /// Part of a name or of what it means.
+    /// Part of a name or meaning.
     pub text: String,
-    /// Whether knobs that have their default are left out.
+    /// Whether to hide knobs that have their default.
     pub only_changed: bool,
 }
 
-/// The word of a string in TOML, as a text field shows it; anything else as it stands.
+/// Returns a TOML string without its quotes, for a text field; other values unchanged.
 pub fn shown(toml: &str) -> String {
     match toml.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
         Some(word) if !word.contains(['"', '\\']) => word.to_owned(),

@@ -1,8 +1,10 @@
-//! The window of `pelage view`: an animal in fur or ink that people turn, light, play and change, and that bakes again as its files change.
+//! The window of `pelage view`: shows an animal in fur or ink with controls for camera, light, animation and knobs, and
+//! rebakes it when its files change.
 //!
-//! The window knows packages, looks and how to draw them. Who opens it brings a [`Workshop`], which makes packages of models and recipes and knows
-//! which files they came from, and a [`Judge`], which traces true pictures. Both work on threads of their own; the window goes on
-//! meanwhile, and shows what was there before until the new is ready.
+//! The window knows packages, looks and how to draw them. The application provides a [`Workshop`], which makes packages
+//! from models and recipes and lists the files they came from. It also provides a [`Judge`], which traces reference
+//! pictures. Both run on their own threads; the window stays responsive and shows the previous content until the new is
+//! ready.
 //!
 //! Every control follows from the declaration of its knob ([`pelage_params::Knob`]): the window has no list of them.
 

@@ -1,16 +1,17 @@
-//! Files of light from all around, read when a look names another one.
+//! Environment map files, read when a look names another one.
 
 use pelage_stage::{LightsRead, Look};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// Reads a file of light from all around: told its path, how many lobes a panorama is taken for, and what a ground under it sends back.
+/// Function that loads an environment map. Arguments: path, number of lobes to fit to a panorama, colour of a ground
+/// below it.
 pub type LightsOf = fn(&Path, u32, Option<[f32; 3]>) -> LightsRead;
 
-/// What a file was read as: all that [`LightsOf`] was told.
+/// Arguments of [`LightsOf`] for a file.
 type Asked = (PathBuf, u32, Option<[f32; 3]>);
 
-/// The last that was read.
+/// Cache of the last environment map.
 #[derive(Default)]
 pub(crate) struct Lights {
     read: Option<LightsOf>,
@@ -22,7 +23,7 @@ impl Lights {
         Self { read: Some(read), last: RefCell::default() }
     }
 
-    /// Gives a look the lights of the file that it names, if it names one.
+    /// Sets the lights of a look from the file that it names, if any.
     pub(crate) fn give(&self, look: &mut Look) -> Result<(), String> {
         look.take_lights(&mut |path, lobes, ground| {
             let mut last = self.last.borrow_mut();

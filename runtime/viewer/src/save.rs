@@ -1,28 +1,28 @@
-//! Files that a window writes: none that is there is written over, and none is left half-written.
+//! Files written by a window: existing files are never overwritten, and none is left half-written.
 
 use image::{ImageFormat, RgbaImage};
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
-/// Numbers that are tried for a name.
+/// Largest number tried for a file name.
 const MOST: u32 = 10_000;
 
-/// The first free name of `stem-0001.ext` in a folder.
+/// Returns the first unused name `stem-0001.ext` in a folder.
 ///
 /// # Errors
 ///
-/// Where all of them are taken.
+/// All names are in use.
 pub fn free(folder: &Path, stem: &str, ext: &str) -> Result<PathBuf, String> {
     let name = |number| folder.join(format!("{stem}-{number:04}.{ext}"));
     let found = (1..MOST).map(name).find(|path| !path.exists());
     found.ok_or_else(|| format!("{}: all names up to {stem}-{MOST}.{ext} are taken", folder.display()))
 }
 
-/// Writes a file whole: first beside its place, then into it.
+/// Writes a file atomically: to a temporary file beside it, which is then renamed.
 ///
 /// # Errors
 ///
-/// The file, and what the system says.
+/// File name, and the system's message.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let fail = |error: std::io::Error| format!("{}: cannot write: {error}", path.display());
     let mut name = path.file_name().unwrap_or_default().to_owned();
@@ -31,7 +31,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let written =
         std::fs::File::create(&part).and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()));
     written.and_then(|()| std::fs::rename(&part, path)).map_err(|error| {
-        // What is left of it is of use to nobody.
+        // The incomplete file is useless.
         let _ = std::fs::remove_file(&part);
         fail(error)
     })
@@ -41,14 +41,14 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
 ///
 /// # Errors
 ///
-/// As [`write`].
+/// Same as [`write`].
 pub fn write_png(path: &Path, picture: &RgbaImage) -> Result<(), String> {
     let mut png = Cursor::new(Vec::new());
     picture.write_to(&mut png, ImageFormat::Png).map_err(|error| format!("{}: {error}", path.display()))?;
     write(path, png.get_ref())
 }
 
-/// The stem of what is shown, for the names of what is saved of it.
+/// Returns the stem of a file name, for the names of saved files.
 pub fn stem(name: &str) -> String {
     let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
     stem.filter(|stem| !stem.is_empty()).unwrap_or_else(|| "picture".into())

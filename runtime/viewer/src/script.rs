@@ -1,22 +1,22 @@
-//! What scripts and tests are told while a window is open, as lines of JSON.
+//! Event log of an open window for scripts and tests, as lines of JSON.
 
 use serde_json::Value;
 use std::io::Write;
 use std::time::Instant;
 
-/// Where what happens is written, a line of JSON each: `{"ms": 812.5, "event": "made", …}`.
+/// Event log, one line of JSON per event: `{"ms": 812.5, "event": "made", …}`.
 pub struct Events {
     began: Instant,
     to: Option<Box<dyn Write + Send>>,
 }
 
 impl Events {
-    /// To a writer, or to nobody. `began` is when the program did.
+    /// Creates a log to a writer, or one that is discarded. `began` is the start of the program.
     pub fn new(began: Instant, to: Option<Box<dyn Write + Send>>) -> Self {
         Self { began, to }
     }
 
-    /// Tells of something, with what there is to say of it: an object.
+    /// Logs an event with its data, an object.
     pub fn tell(&mut self, event: &str, mut with: Value) {
         let Some(to) = &mut self.to else { return };
         if let Some(with) = with.as_object_mut() {
@@ -24,7 +24,7 @@ impl Events {
             with.insert("ms".into(), (1e3 * self.began.elapsed().as_secs_f64()).into());
         }
         if writeln!(to, "{with}").and_then(|()| to.flush()).is_err() {
-            // Whoever listened is gone; the window stays.
+            // The reader has gone; the window continues.
             self.to = None;
         }
     }

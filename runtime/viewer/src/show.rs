@@ -1,4 +1,4 @@
-//! What is shown: a subject on a stage, from where somebody looks, at some moment of time.
+//! Content of the window: a subject on a stage, with camera and time.
 
 use crate::subject::{ClipInfo, Subject};
 use image::RgbaImage;
@@ -7,10 +7,10 @@ use pelage_stage::{Framing, Gpu, Look, Navigator, Orbit, Shot, Size, Stage, Stag
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-/// Seconds between two moments that are no movement but a leap: hair begins anew there.
+/// Time difference above which a change of time is a jump, seconds; hair motion then restarts.
 const LEAP_S: f32 = 0.25;
 
-/// A subject on a stage.
+/// Subject on a stage.
 pub struct Show {
     gpu: Gpu,
     stage: Option<Stage>,
@@ -18,18 +18,18 @@ pub struct Show {
     clips: Vec<ClipInfo>,
     /// Index into `clips`; `None` shows the pose at rest.
     clip: Option<usize>,
-    /// How it looks; the size of its picture is the window's matter.
+    /// Look; the window determines the size of the picture.
     look: Look,
-    /// The subject's own camera over time, where it has one.
+    /// The subject's own camera over time, if any.
     shot: Option<Shot>,
     navigator: Option<Navigator>,
-    /// The view that frames all of it in a picture of that size: to find it the whole model is gone through.
+    /// Cached camera that frames everything in a picture of that size; computing it traverses the whole model.
     framed: Cell<Option<((u32, u32), Viewpoint)>>,
-    /// Seconds.
+    /// Time, seconds.
     time_s: f32,
-    /// Seconds that hair lived through; it goes on where a clip stands still, and where it begins anew.
+    /// Simulation time of hair, seconds; continues while a clip is paused or restarts.
     clock_s: f64,
-    /// What the canvas shows: nothing is drawn again while it is this.
+    /// State that the canvas shows; nothing is redrawn while it is unchanged.
     drawn: Option<Drawn>,
     last: Option<LastFrame>,
 }
@@ -43,19 +43,19 @@ struct Drawn {
     time_s: f32,
 }
 
-/// The frame that was drawn last.
+/// Statistics of the last frame.
 #[derive(Clone, Debug, Default)]
 pub struct LastFrame {
-    /// From its beginning until the device had drawn it.
+    /// Time from its start until the device finished drawing.
     pub took: Duration,
-    /// Pixels.
+    /// Size, pixels.
     pub size: (u32, u32),
-    /// What became of its passes, and what is drawn of the fur.
+    /// Report of its passes, and the fur drawn.
     pub report: FrameReport,
 }
 
 impl Show {
-    /// Nothing yet, on that device.
+    /// Creates an empty stage on a device.
     pub fn new(gpu: Gpu) -> Self {
         Self {
             gpu,
@@ -74,46 +74,46 @@ impl Show {
         }
     }
 
-    /// Whether the device is software: its pictures are small while they move.
+    /// Returns true if the device is a software renderer; its pictures are smaller during movement.
     pub fn is_software(&self) -> bool {
         self.gpu.info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// What is shown.
+    /// Returns the subject.
     pub fn subject(&self) -> Option<&Subject> {
         self.subject.as_ref()
     }
 
-    /// Its clips.
+    /// Returns the subject's clips.
     pub fn clips(&self) -> &[ClipInfo] {
         &self.clips
     }
 
-    /// The clip that plays.
+    /// Returns the current clip.
     pub fn clip(&self) -> Option<&ClipInfo> {
         self.clip.and_then(|clip| self.clips.get(clip))
     }
 
-    /// The frame that was drawn last.
+    /// Returns the last frame.
     pub fn last(&self) -> Option<&LastFrame> {
         self.last.as_ref()
     }
 
-    /// The moment, seconds.
+    /// Returns the time, seconds.
     pub fn time_s(&self) -> f32 {
         self.time_s
     }
 
-    /// Bytes on the device: the models, and what belongs to their copies.
+    /// Returns the bytes on the device: models, their copies and shadow maps.
     pub fn gpu_bytes(&self) -> u64 {
         self.stage.as_ref().map_or(0, |stage| stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes())
     }
 
-    /// Shows another subject: one of the same name, baked again, is seen from where the one before was.
+    /// Shows another subject. A subject of the same name, baked again, keeps the camera.
     ///
     /// # Errors
     ///
-    /// As [`Stage::new`]; what was shown before still is.
+    /// Same as [`Stage::new`]; the previous subject stays.
     pub fn show(&mut self, subject: Subject, size: (u32, u32)) -> Result<(), StageError> {
         if let (Some(stage), Some(before)) = (&mut self.stage, &self.subject)
             && let Some(shading) = before.other_shading(&subject)
@@ -140,15 +140,15 @@ impl Show {
         Ok(())
     }
 
-    /// Plays another clip; `None` is the pose at rest.
+    /// Plays another clip; `None` is the rest pose.
     ///
     /// # Errors
     ///
-    /// As [`Stage::recast`].
+    /// Same as [`Stage::recast`].
     pub fn play(&mut self, clip: Option<usize>, size: (u32, u32)) -> Result<(), StageError> {
         let Some(subject) = self.subject.clone() else { return Ok(()) };
         let info = clip.and_then(|clip| self.clips.get(clip)).cloned();
-        // The camera stays, although another clip fills another box.
+        // The camera stays, although another clip has other bounds.
         let view = self.view(size)?;
         self.load(&subject, info.as_ref(), size)?;
         if self.navigator.is_none() && self.shot.is_none() {
@@ -176,11 +176,11 @@ impl Show {
         }
     }
 
-    /// Gives it another look.
+    /// Sets the look.
     ///
     /// # Errors
     ///
-    /// As [`Stage::new`], where it takes a new stage; the look before stays.
+    /// Same as [`Stage::new`], if a new stage is needed; the previous look stays.
     pub fn set_look(&mut self, look: Look, size: (u32, u32)) -> Result<(), StageError> {
         if look == self.look {
             return Ok(());
@@ -197,7 +197,7 @@ impl Show {
         loaded
     }
 
-    /// Goes to a moment, seconds.
+    /// Seeks to a time, seconds.
     pub fn set_time(&mut self, time_s: f32) {
         if (time_s - self.time_s).abs() > LEAP_S
             && let Some(stage) = &mut self.stage
@@ -207,13 +207,13 @@ impl Show {
         self.time_s = time_s;
     }
 
-    /// Lets so many seconds go by, in which what plays goes on by `speed` times as many: 0 where it stands still. Hair lives through them.
+    /// Advances by `seconds`, and the clip by `speed` times as much: 0 if it is paused. Hair is simulated meanwhile.
     pub fn go_on(&mut self, seconds: f32, speed: f32) {
         self.time_s += speed * seconds;
         self.clock_s += f64::from(seconds);
     }
 
-    /// Whether hair moves by itself in what was drawn last: it is drawn again at another moment.
+    /// Returns true if hair moves by itself in the last picture, so that it must be redrawn.
     pub fn hair_moves(&self) -> bool {
         self.drawn.is_some() && self.last.as_ref().is_some_and(|last| last.report.hair_moves)
     }
@@ -224,7 +224,7 @@ impl Show {
         look
     }
 
-    /// From where it is seen.
+    /// Returns the current camera.
     ///
     /// # Errors
     ///
@@ -240,7 +240,7 @@ impl Show {
         }
     }
 
-    /// A view of all that there is, from a direction.
+    /// Returns a camera that frames everything, from a direction.
     fn framed(&self, orbit: Option<Orbit>, size: (u32, u32)) -> Result<Viewpoint, StageError> {
         let Some(subject) = &self.subject else {
             return Ok(Framing::default().view(&[], 0.0, 1.0));
@@ -250,24 +250,24 @@ impl Show {
         framed(&cast.packages, &cast.actors, aspect, &Framing { orbit, ..Framing::default() })
     }
 
-    /// The camera, to be moved by hand from where it is.
+    /// Returns the camera for user control, starting at its current position.
     ///
     /// # Errors
     ///
-    /// As [`Self::view`].
+    /// Same as [`Self::view`].
     pub fn navigator(&mut self, size: (u32, u32)) -> Result<&mut Navigator, StageError> {
         if self.navigator.is_none() {
             self.navigator = Some(Navigator::new(self.view(size)?));
         }
-        // It was just put there.
+        // Inserted above.
         Ok(self.navigator.get_or_insert_with(|| Navigator::new(Framing::default().view(&[], 0.0, 1.0))))
     }
 
-    /// Looks at all that there is, from the same side as before.
+    /// Frames everything, from the same side as before.
     ///
     /// # Errors
     ///
-    /// As [`Self::view`].
+    /// Same as [`Self::view`].
     pub fn frame(&mut self, size: (u32, u32)) -> Result<(), StageError> {
         let (azimuth_deg, elevation_deg, _) = self.navigator(size)?.around();
         let view = self.framed(Some(Orbit { azimuth_deg, elevation_deg, zoom: 1.0 }), size)?;
@@ -275,16 +275,17 @@ impl Show {
         Ok(())
     }
 
-    /// Goes back to the subject's own camera, or the one that a picture has of which nothing is said.
+    /// Resets the camera to the subject's own, or the default one.
     pub fn reset(&mut self) {
         self.navigator = None;
     }
 
-    /// Draws into the canvas what is not there yet; says whether anything was drawn.
+    /// Draws into the canvas if anything changed; returns whether it did.
     ///
     /// # Errors
     ///
-    /// [`StageError::Params`] for a look that the device or the package cannot have, [`StageError::Device`] for a device that is gone.
+    /// [`StageError::Params`] for a look that the device or the package does not support, [`StageError::Device`] if the
+    /// device is lost.
     pub fn draw(&mut self, size: (u32, u32)) -> Result<bool, StageError> {
         let wanted = Drawn { size, look: self.look.clone(), view: self.view(size)?, time_s: self.time_s };
         if self.drawn.as_ref() == Some(&wanted) && !self.hair_moves() {
@@ -306,16 +307,16 @@ impl Show {
         Ok(true)
     }
 
-    /// The picture as it was drawn last, to be shown on a screen.
+    /// Returns the last picture, for display.
     pub fn picture_view(&self) -> Option<wgpu::TextureView> {
         Some(self.stage.as_ref()?.canvas.encoded())
     }
 
-    /// The picture in that size, as `pelage render` draws it: sRGB-encoded, straight alpha.
+    /// Draws the picture in a size, as `pelage render` does: sRGB-encoded, straight alpha.
     ///
     /// # Errors
     ///
-    /// As [`Self::draw`].
+    /// Same as [`Self::draw`].
     pub fn picture(&mut self, size: (u32, u32)) -> Result<Option<RgbaImage>, StageError> {
         self.draw(size)?;
         let Some(stage) = &self.stage else { return Ok(None) };
@@ -323,7 +324,7 @@ impl Show {
         Ok(RgbaImage::from_raw(size.0, size.1, pixels))
     }
 
-    /// The stage, to measure on; what it shows is drawn again afterwards.
+    /// Returns the stage for measurements; the picture is redrawn afterwards.
     pub fn stage(&mut self) -> Option<&mut Stage> {
         self.drawn = None;
         self.stage.as_mut()

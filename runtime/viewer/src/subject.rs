@@ -1,33 +1,34 @@
-//! What a window shows: the model of a package, or a scene of several.
+//! Subject of a window: the model of a package, or a scene of several.
 
 use pelage_formats::{Manifest, Package, Shading, Tag};
 use pelage_stage::{Cast, Framing, LoadedScene, NamedPackage, StageError, Viewpoint};
 use std::sync::Arc;
 
-/// What is drawn.
+/// Subject to draw.
 #[derive(Clone, Debug)]
 pub enum Subject {
-    /// One model.
+    /// Single model.
     Package(Arc<NamedPackage<'static>>),
-    /// Several, who move and are seen as a file says.
+    /// Several models, with motion and cameras from a scene file.
     Scene(Arc<LoadedScene>),
 }
 
-/// A clip of a package.
+/// Clip of a package.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipInfo {
-    /// As the package calls it.
+    /// Name in the package.
     pub name: String,
-    /// Seconds.
+    /// Duration, seconds.
     pub duration_s: f32,
 }
 
 impl Subject {
-    /// Who stands where; `camera` goes before the subject's own, or one that frames all of it.
+    /// Returns the positions and poses of all instances. `camera` overrides the subject's own camera, or one that
+    /// frames everything.
     ///
     /// # Errors
     ///
-    /// As [`Cast::crowd`] and [`LoadedScene::cast`].
+    /// Same as [`Cast::crowd`] and [`LoadedScene::cast`].
     pub fn cast(&self, clip: Option<&str>, camera: Option<Viewpoint>, aspect: f32) -> Result<Cast<'_>, StageError> {
         let framing = Framing::default();
         match self {
@@ -36,7 +37,7 @@ impl Subject {
         }
     }
 
-    /// Its packages.
+    /// Returns its packages.
     pub fn packages(&self) -> &[NamedPackage<'static>] {
         match self {
             Self::Package(file) => std::slice::from_ref(file),
@@ -44,7 +45,7 @@ impl Subject {
         }
     }
 
-    /// The clips that can be played; of a scene none, because it says what plays.
+    /// Returns the clips that can be played; none for a scene, which defines what plays.
     pub fn clips(&self) -> Vec<ClipInfo> {
         let Self::Package(file) = self else { return Vec::new() };
         let animation = file.open().ok().and_then(|package| package.animation().ok().flatten());
@@ -52,12 +53,13 @@ impl Subject {
         clips.into_iter().map(|clip| ClipInfo { name: clip.name, duration_s: clip.duration_s }).collect()
     }
 
-    /// The file that it was named by.
+    /// Returns the name of its file.
     pub fn name(&self) -> &str {
         self.packages().first().map_or("", |file| &file.name)
     }
 
-    /// The constants of the lighting equation of `other`, where it is this package again and nothing else that is drawn changed.
+    /// Returns the constants of the lighting equation of `other` if it is the same package and nothing else that is
+    /// drawn differs.
     pub fn other_shading(&self, other: &Self) -> Option<Shading> {
         let (Self::Package(before), Self::Package(after)) = (self, other) else { return None };
         let (before, after) = (before.open().ok()?, after.open().ok()?);
@@ -73,13 +75,13 @@ impl Subject {
         is_same.then_some(after.manifest().shading)
     }
 
-    /// Bytes of all its packages.
+    /// Returns the size of all its packages, bytes.
     pub fn bytes(&self) -> u64 {
         self.packages().iter().map(|file| file.bytes.len() as u64).sum()
     }
 }
 
-/// All sections of a package but its manifest; `None` for a damaged one.
+/// Returns all sections of a package except its manifest; `None` for a damaged one.
 fn drawn<'a>(package: &Package<'a>) -> Option<Vec<(Tag, &'a [u8])>> {
     let others = (0..).zip(package.sections()).filter(|(_, section)| section.tag != Tag::MANIFEST);
     others.map(|(i, section)| Some((section.tag, package.section_bytes(i).ok()?))).collect()

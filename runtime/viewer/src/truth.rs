@@ -1,19 +1,19 @@
-//! The true picture beside the drawn one: when it is asked for anew, and what there is of it.
+//! Reference picture beside the drawn one: when to trace it, and its state.
 
 use crate::workshop::{Progress, Truth};
 use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use std::time::{Duration, Instant};
 
-/// So long a view stands still before its truth is traced.
+/// Time that a view must be still before its reference picture is traced.
 const STILL: Duration = Duration::from_millis(300);
 
-/// What there is of the truth.
+/// State of the reference picture.
 #[derive(Default)]
 pub struct TruthBeside {
     asked: bool,
-    /// Since when nothing moves.
+    /// Time of the last change of the view.
     still_since: Option<Instant>,
-    /// The truth of what is drawn is being traced, or is there.
+    /// Whether the reference picture of the current view is finished or being traced.
     is_traced: bool,
     latest: Option<Truth>,
     progress: Option<Progress>,
@@ -23,24 +23,25 @@ pub struct TruthBeside {
 }
 
 impl TruthBeside {
-    /// Whether it is to be seen.
+    /// Returns true if the reference picture is shown.
     pub fn is_asked(&self) -> bool {
         self.asked
     }
 
-    /// Shows it, or not any more.
+    /// Shows or hides the reference picture.
     pub fn toggle(&mut self) {
         *self = Self { asked: !self.asked, ..Self::default() };
     }
 
-    /// What is drawn changed: its truth is another one. Says whether one was being traced.
+    /// Marks the reference picture as outdated, because the view changed. Returns true if it was finished or being
+    /// traced.
     pub fn outdated(&mut self) -> bool {
         self.still_since = Some(Instant::now());
         self.progress = None;
         std::mem::take(&mut self.is_traced)
     }
 
-    /// Whether it is time to trace; with that it counts as being traced.
+    /// Returns true if tracing should start, and marks it as started.
     pub fn is_due(&mut self) -> bool {
         let still = self.still_since.get_or_insert_with(Instant::now).elapsed() >= STILL;
         let due = self.asked && !self.is_traced && still;
@@ -48,12 +49,12 @@ impl TruthBeside {
         due
     }
 
-    /// Whether it waits for the view to stand still.
+    /// Returns true if it is waiting for the view to become still.
     pub fn waits(&self) -> bool {
         self.asked && !self.is_traced
     }
 
-    /// Takes a truth in more samples.
+    /// Stores a reference picture with more samples.
     pub fn take(&mut self, ctx: &Context, truth: Truth) {
         let (width, height) = truth.picture.dimensions();
         let size = [width as usize, height as usize];
@@ -67,22 +68,22 @@ impl TruthBeside {
         self.latest = Some(truth);
     }
 
-    /// Notes how far it is.
+    /// Stores the progress.
     pub fn progressed(&mut self, progress: Progress) {
         self.progress = Some(progress);
     }
 
-    /// There is none, and why.
+    /// Stores the reason for a missing reference picture.
     pub fn failed(&mut self, reason: String) {
         (self.failure, self.progress) = (Some(reason), None);
     }
 
-    /// Its picture, and that of FLIP.
+    /// Returns its texture, and that of the FLIP map.
     pub fn textures(&self) -> Option<(TextureId, Option<TextureId>)> {
         Some((self.picture.as_ref()?.id(), self.map.as_ref().map(TextureHandle::id)))
     }
 
-    /// What it is, in words.
+    /// Returns a description of its state.
     pub fn said(&self) -> String {
         if let Some(reason) = &self.failure {
             return format!("no truth: {reason}");
@@ -101,7 +102,7 @@ impl TruthBeside {
         self.latest.as_ref().is_some_and(|truth| truth.samples >= truth.of_samples)
     }
 
-    /// What FLIP says.
+    /// Returns a description of the FLIP result.
     pub fn said_of_flip(&self) -> String {
         let flip = self.latest.as_ref().and_then(|truth| truth.flip.as_ref());
         flip.map_or_else(|| "FLIP".into(), |(mean, _)| format!("FLIP, mean {mean:.4}"))

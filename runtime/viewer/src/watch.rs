@@ -1,7 +1,7 @@
-//! Files that are watched for changes.
+//! File watcher.
 //!
-//! A thread looks at length and time of change of each file, ten times a second. That works on shared folders too, where the system reports no
-//! changes, and for editors that write another file and give it the old one's name.
+//! A thread compares length and modification time of each file, ten times a second. This also works on shared folders,
+//! where the system reports no changes, and for editors that write a new file and rename it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,35 +9,35 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-/// Time between two looks. A change counts once a file is the same at two of them.
+/// Polling interval. A change is reported once a file is the same in two consecutive polls.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// A file as it is: length and time of change, or that it is not there.
+/// State of a file: length and modification time; `None` if it does not exist.
 pub type Stamp = Option<(u64, SystemTime)>;
 
-/// That of a file now.
+/// Returns the current state of a file.
 pub fn stamp(file: &Path) -> Stamp {
     let data = file.metadata().ok()?;
     Some((data.len(), data.modified().unwrap_or(SystemTime::UNIX_EPOCH)))
 }
 
-/// Watches files and calls back when any of them changes.
+/// File watcher that calls back when a file changes.
 pub struct Watch {
     files: Arc<Mutex<BTreeMap<PathBuf, Watched>>>,
-    /// The thread ends when this is dropped.
+    /// Ends the thread when dropped.
     _open: Sender<()>,
 }
 
-/// One file.
+/// Watched file.
 struct Watched {
-    /// As it was when its last change was reported.
+    /// State when its last change was reported.
     reported: Stamp,
-    /// As it was at the last look.
+    /// State at the last poll.
     seen: Stamp,
 }
 
 impl Watch {
-    /// Watches nothing yet. `changed` is called on a thread of its own.
+    /// Creates a watcher without files. `changed` is called on a separate thread.
     pub fn new(changed: impl Fn() + Send + 'static) -> Self {
         let files = Arc::new(Mutex::new(BTreeMap::new()));
         let (open, closed) = channel();
@@ -52,11 +52,11 @@ impl Watch {
         Self { files, _open: open }
     }
 
-    /// Watches these files and no others; one that does not exist yet changes when it appears.
+    /// Replaces the watched files; one that does not exist yet counts as changed when it appears.
     pub fn set(&mut self, files: &[PathBuf]) {
         let mut watched = self.files.lock().unwrap_or_else(PoisonError::into_inner);
         let mut before = std::mem::take(&mut *watched);
-        // A file that is watched already keeps its stamp: it may have changed since it was read.
+        // A file that is already watched keeps its stamp, because it may have changed since it was read.
         watched.extend(files.iter().map(|file| {
             let now = stamp(file);
             (file.clone(), before.remove(file).unwrap_or(Watched { reported: now, seen: now }))
@@ -64,7 +64,7 @@ impl Watch {
     }
 }
 
-/// Returns whether any file has changed and is no longer being written.
+/// Returns whether any file has changed and is not being written any more.
 fn look(files: &mut BTreeMap<PathBuf, Watched>) -> bool {
     let mut any = false;
     for (file, watched) in files {

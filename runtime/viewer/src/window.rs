@@ -1,4 +1,4 @@
-//! The window itself: winit's events in, a surface out, egui between.
+//! The window itself: winit events as input, a surface as output, egui between.
 
 use crate::app::App;
 use crate::lights::{Lights, LightsOf};
@@ -25,46 +25,47 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
-/// How a window begins.
+/// Initial options of a window.
 pub struct ViewOptions {
-    /// What is opened first; `None` waits for a file to be dropped.
+    /// File to open first; `None` waits for a file to be dropped.
     pub open: Option<PathBuf>,
-    /// How it looks until the panels say otherwise.
+    /// Initial look, before changes in the panels.
     pub look: Look,
     /// Width and height of the window, physical pixels.
     pub size: (u32, u32),
-    /// Where pictures are saved.
+    /// Folder for saved pictures.
     pub folder: PathBuf,
-    /// Whether panels are to be seen at first.
+    /// Whether panels are initially visible.
     pub panels: bool,
-    /// Reads a file of light from all around: told its path and how many lobes a panorama is taken for.
+    /// Function that loads an environment map.
     pub lights_of: LightsOf,
-    /// Where what happens is told to scripts, a line of JSON each.
+    /// Event log for scripts, one line of JSON per event.
     pub events: Option<Box<dyn Write + Send>>,
-    /// When the program began, for the times in those lines.
+    /// Start of the program, for the times in the event log.
     pub began: Instant,
 }
 
-/// Why there is no window, or not any more.
+/// Reason that a window cannot be opened, or was closed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
-    /// The system has no screen to show a window on.
+    /// No display available.
     #[error(
         "no window can be opened: {0}\nA window needs a desktop: on Linux an X server (DISPLAY; Wayland desktops bring one, Xwayland) and \
              libxkbcommon-x11. Without one, `pelage render` draws into files."
     )]
     NoDisplay(String),
-    /// Nothing can draw into it.
+    /// No device can draw into it.
     #[error(transparent)]
     Stage(#[from] StageError),
 }
 
-/// Opens a window and stays in it until it is closed. What `workshop` makes is shown.
+/// Opens a window that shows what `workshop` makes; returns when it is closed.
 ///
 /// # Errors
 ///
-/// [`ViewError::NoDisplay`] without a screen, [`ViewError::Stage`] without a device, and for a device that is gone and does not come back.
+/// [`ViewError::NoDisplay`] without a display; [`ViewError::Stage`] without a device, or if the device is lost and
+/// cannot be restored.
 pub fn view(options: ViewOptions, workshop: Box<dyn Workshop>) -> Result<(), ViewError> {
     let event_loop = event_loop()?;
     let proxy = event_loop.create_proxy();
@@ -73,7 +74,7 @@ pub fn view(options: ViewOptions, workshop: Box<dyn Workshop>) -> Result<(), Vie
     host.failure.map_or(ran, Err)
 }
 
-/// winit's loop. Where a library of the system is missing it panics, which is an answer like another.
+/// Creates winit's event loop. A panic, caused by a missing system library, is converted to an error.
 fn event_loop() -> Result<EventLoop<Told>, ViewError> {
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| ()));
@@ -86,7 +87,7 @@ fn event_loop() -> Result<EventLoop<Told>, ViewError> {
     }
 }
 
-/// winit's application: nothing until the system says that windows can be.
+/// winit application; has no window until the system allows it.
 struct Host {
     begins: Option<(ViewOptions, Box<dyn Workshop>)>,
     proxy: EventLoopProxy<Told>,
@@ -94,7 +95,7 @@ struct Host {
     failure: Option<ViewError>,
 }
 
-/// A window that is open.
+/// Open window.
 struct Open {
     window: Arc<Window>,
     instance: wgpu::Instance,
@@ -106,7 +107,7 @@ struct Open {
     painter: egui_wgpu::Renderer,
     picture: Option<TextureId>,
     app: App,
-    /// When the next frame is due, if nobody does anything.
+    /// Time of the next frame without user input.
     due: Option<Instant>,
 }
 
@@ -196,7 +197,7 @@ impl Open {
         let mut config = surface
             .get_default_config(&adapter, size.width.max(1), size.height.max(1))
             .ok_or_else(|| none(&"its surface cannot be drawn on"))?;
-        // egui paints encoded values, and the picture is encoded when it comes here.
+        // egui paints encoded values, and the picture is already encoded.
         config.format = config.format.remove_srgb_suffix();
         config.desired_maximum_frame_latency = 1;
         surface.configure(&gpu.device, &config);
@@ -209,7 +210,7 @@ impl Open {
         let painter = egui_wgpu::Renderer::new(&gpu.device, config.format, egui_wgpu::RendererOptions::default());
 
         let proxy = proxy.clone();
-        // A window that is closed hears nothing.
+        // Messages to a closed window are dropped.
         let workers = Workers::start(workshop, &(Arc::new(move |told| drop(proxy.send_event(told))) as _));
         let mut events = Events::new(options.began, options.events);
         let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
@@ -234,7 +235,7 @@ impl Open {
         }
     }
 
-    /// One frame: hands and knobs, the picture, everything onto the screen.
+    /// Runs one frame: input, picture, presentation.
     fn frame(&mut self) -> Result<(), StageError> {
         let taken = self.input.take_egui_input(&self.window);
         let (app, drawn) = (&mut self.app, self.picture);
@@ -266,7 +267,7 @@ impl Open {
 
         let delay = viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |output| output.repaint_delay);
         let delay = step.wait.map_or(delay, |wait| wait.min(delay));
-        // The first picture was not there yet when the window was laid out.
+        // The first picture did not exist yet when the window was laid out.
         let delay = if step.drew && drawn.is_none() { Duration::ZERO } else { delay };
         self.due = if delay.is_zero() { None } else { Instant::now().checked_add(delay) };
         if delay.is_zero() {
@@ -275,7 +276,7 @@ impl Open {
         Ok(())
     }
 
-    /// Hands the picture that was drawn to who paints the window.
+    /// Passes the drawn picture to the window's painter.
     fn take_picture(&mut self) {
         let Some(view) = self.app.show.picture_view() else { return };
         let (device, filter) = (&self.gpu.device, wgpu::FilterMode::Linear);
@@ -285,7 +286,7 @@ impl Open {
         }
     }
 
-    /// The surface's next texture; `None` where there is nothing to paint on, now or in this frame.
+    /// Returns the surface's next texture; `None` if it is unavailable, permanently or in this frame.
     fn acquire(&mut self) -> Option<wgpu::SurfaceTexture> {
         use wgpu::CurrentSurfaceTexture as Current;
         for _ in 0..2 {
@@ -327,7 +328,7 @@ impl Open {
         queue.submit(more.into_iter().chain([encoder.finish()]));
     }
 
-    /// The window as it stands, painted once more and read back.
+    /// Saves the current window, by painting it again and reading it back.
     fn save_window(
         &mut self,
         painted: &[egui::ClippedPrimitive],

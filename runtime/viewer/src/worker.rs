@@ -1,4 +1,5 @@
-//! Two threads beside the window: one makes what is shown, anew when its files change, and one traces its truth.
+//! Two background threads of the window: one makes the content, again whenever its files change; the other traces the
+//! reference picture.
 
 use crate::watch::Watch;
 use crate::workshop::{Judge, Made, Outcome, Progress, Truth, TruthAsked, Workshop};
@@ -10,47 +11,47 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What the threads tell the window.
+/// Message from a thread to the window.
 pub enum Told {
-    /// Something is being made.
+    /// Content is being made.
     Working(Progress),
-    /// It is there, after so long.
+    /// Content is ready, with the time it took.
     Made(Box<Made>, Duration),
-    /// It cannot be made, and why.
+    /// Content cannot be made, with the reason.
     Failed(String),
-    /// A recipe was written, or why not.
+    /// Result of writing a recipe.
     Saved(Outcome<PathBuf>),
-    /// So far a truth is traced.
+    /// Progress of the reference picture.
     Tracing(Progress),
-    /// A truth, in more samples than the one before.
+    /// Reference picture, with more samples than the previous one.
     Truth(Box<Truth>),
-    /// There is no truth, and why.
+    /// No reference picture, with the reason.
     NoTruth(String),
 }
 
-/// What the window asks of the thread that makes things.
+/// Request of the window to the thread that makes content.
 enum Asked {
     Open(PathBuf),
-    /// With these edits of the recipe.
+    /// Make the content with these edits of the recipe.
     Make(Vec<String>),
-    /// A file changed.
+    /// A file has changed.
     Changed,
     Save(Vec<String>),
 }
 
-/// Tells the window, and wakes it.
+/// Callback that sends a message to the window and wakes it.
 pub type Tell = Arc<dyn Fn(Told) + Send + Sync>;
 
-/// The threads, as the window has them. They end with it.
+/// Handles of the threads, which end when this is dropped.
 pub struct Workers {
     make: Sender<Asked>,
     trace: Sender<(u64, TruthAsked)>,
-    /// Number of the truth that is wanted; a trace of another one breaks off.
+    /// Number of the requested reference picture; traces with other numbers are cancelled.
     wanted: Arc<AtomicU64>,
 }
 
 impl Workers {
-    /// Starts both. Where files cannot be watched, `tell` says so, and the rest works.
+    /// Starts both threads. If files cannot be watched, `tell` reports it, and the rest works.
     pub fn start(workshop: Box<dyn Workshop>, tell: &Tell) -> Self {
         let (make, asked) = channel();
         let (trace, truths) = channel();
@@ -63,12 +64,12 @@ impl Workers {
         Self { make, trace, wanted }
     }
 
-    /// Opens a file, and makes what is in it.
+    /// Opens a file and makes its content.
     pub fn open(&self, path: PathBuf) {
         self.ask(Asked::Open(path));
     }
 
-    /// Makes what is open with these edits of its recipe. Of several that wait only the last is made.
+    /// Makes the open content with these edits of its recipe. Of several pending requests only the last is processed.
     pub fn make(&self, edits: Vec<String>) {
         self.ask(Asked::Make(edits));
     }
@@ -78,20 +79,20 @@ impl Workers {
         self.ask(Asked::Save(edits));
     }
 
-    /// Traces a truth, and breaks off the one before.
+    /// Traces a reference picture, and cancels the previous one.
     pub fn trace(&self, asked: TruthAsked) {
         let number = self.wanted.fetch_add(1, Ordering::Relaxed) + 1;
-        // A thread that is gone has told why.
+        // A thread that has ended has reported why.
         let _ = self.trace.send((number, asked));
     }
 
-    /// Breaks off the truth that is traced.
+    /// Cancels tracing.
     pub fn stop_tracing(&self) {
         self.wanted.fetch_add(1, Ordering::Relaxed);
     }
 
     fn ask(&self, asked: Asked) {
-        // A thread that is gone has told why.
+        // A thread that has ended has reported why.
         let _ = self.make.send(asked);
     }
 }
@@ -109,7 +110,7 @@ fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: S
     let mut edits = Vec::new();
     while let Ok(first) = asked.recv() {
         let mut make = false;
-        // What came in the meantime, too: a slider that is dragged asks more often than anything can be made.
+        // Includes all pending requests, because a dragged slider sends them faster than content can be made.
         for asked in std::iter::once(first).chain(asked.try_iter().collect::<Vec<_>>()) {
             match asked {
                 Asked::Open(path) => match workshop.open(&path) {
@@ -121,7 +122,7 @@ fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: S
                 Asked::Save(changed) => {
                     let saved = workshop.save_recipe(&changed);
                     if saved.is_ok() {
-                        // The file says now what they said.
+                        // The file now contains the edits.
                         (edits, make) = (Vec::new(), true);
                     }
                     tell(Told::Saved(saved));
@@ -141,7 +142,7 @@ fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: S
     }
 }
 
-/// What some work came to; a panic in it is a fault of the program that the window outlives.
+/// Returns the result of `work`; a panic is converted to an error, so that the window continues.
 fn caught<T>(work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
     let failed = |_| Err("a fault of pelage; what it says of it stands on the terminal".into());
     std::panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)

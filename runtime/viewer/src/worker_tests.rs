@@ -7,7 +7,8 @@ use std::sync::mpsc::RecvTimeoutError;
 
 const SECOND: Duration = Duration::from_secs(10);
 
-/// Makes packages whose bytes are the edits that they were made with, of one file; tells each when it begins, and waits to be let go on.
+/// Workshop whose packages contain the edits that they were made with, of one file. Reports the start of each, and
+/// waits for permission to continue.
 struct Shop {
     file: PathBuf,
     begins: Sender<Vec<String>>,
@@ -40,7 +41,7 @@ impl Workshop for Shop {
     }
 }
 
-/// Traces until it is broken off.
+/// Judge that traces until it is cancelled.
 struct Patient;
 
 impl Judge for Patient {
@@ -82,7 +83,7 @@ fn bench() -> Bench {
 }
 
 impl Bench {
-    /// What was made, or why not.
+    /// Returns the next content made, or the error.
     fn made(&self) -> Result<String, String> {
         loop {
             match self.told.recv_timeout(SECOND).unwrap() {

@@ -1,4 +1,5 @@
-//! What makes the things that a window shows. The window knows no models, recipes or tracers: who opens it brings them.
+//! Interfaces that provide the content of a window. The window knows no models, recipes or tracers; the application
+//! provides them.
 
 use crate::knobs::Knobs;
 use crate::subject::Subject;
@@ -8,100 +9,101 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What something came to, or what is wrong with it: which file, where in it, what was found and what was expected.
+/// Result, or an error message: which file, where in it, what was found and what was expected.
 pub type Outcome<T> = Result<T, String>;
 
-/// How far some work is.
+/// Progress of some work.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// What is being done.
+    /// Current activity.
     pub doing: String,
-    /// How much of it is done, 0..=1, where that is known.
+    /// Finished fraction, 0..=1, if known.
     pub share: Option<f32>,
 }
 
-/// Something to look at, made of files.
+/// Content made from files.
 pub struct Made {
-    /// What is drawn.
+    /// Subject to draw.
     pub subject: Subject,
-    /// How it says that it wants to be seen; of a scene.
+    /// Look of a scene.
     pub look: Option<Look>,
-    /// The recipe of what was baked, as its file says it: what edits go over.
+    /// Recipe of a baked model as in its file, the base of edits.
     pub recipe: Option<Box<dyn Knobs>>,
-    /// What was repaired, chosen or left out.
+    /// Notes on repairs, choices and omissions.
     pub notes: Vec<String>,
-    /// What was made anew, with seconds: stages of a bake.
+    /// Stages of the bake that ran again, with seconds.
     pub stages: Vec<(String, f64)>,
 }
 
-/// Makes what is shown. All of it is called on a thread of its own.
+/// Source of a window's content. All methods are called on a separate thread.
 pub trait Workshop: Send {
-    /// Opens what the user named: a package, a model, a recipe for the model that is open, a scene.
+    /// Opens a file: a package, a model, a recipe for the open model, or a scene.
     ///
     /// # Errors
     ///
-    /// For a file that is none of these; what was open stays open.
+    /// Unsupported file; what was open stays open.
     fn open(&mut self, path: &Path) -> Outcome<()>;
 
-    /// Makes what is open, as its files stand now and with these edits (`key=value`) of its recipe.
+    /// Makes the open content from the current files, with edits (`key=value`) of its recipe.
     ///
     /// # Errors
     ///
-    /// What is wrong with a file, or with an edit.
+    /// Error in a file, or in an edit.
     fn make(&mut self, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Outcome<Made>;
 
-    /// Files whose change makes another thing of it: the model, its images and buffers, the recipe, its images, the scene and its packages. Those
-    /// that are missing, too.
+    /// Returns the files that affect the content, including missing ones: the model, its images and buffers, the
+    /// recipe, its images, the scene and its packages.
     fn files(&self) -> Vec<PathBuf>;
 
-    /// Writes the recipe with these edits to where it came from, or beside the model; says where.
+    /// Writes the recipe with edits to its file, or beside the model; returns the path.
     ///
     /// # Errors
     ///
-    /// Where there is no recipe, or the file system refuses.
+    /// No recipe, or an error of the file system.
     fn save_recipe(&mut self, edits: &[String]) -> Outcome<PathBuf>;
 
-    /// What traces true pictures and compares; it goes to a thread of its own.
+    /// Creates a tracer of reference pictures; it is moved to another thread.
     fn judge(&self) -> Box<dyn Judge>;
 }
 
-/// A view of a package, of which the true picture is asked.
+/// View of a package for which a reference picture is requested.
 #[derive(Clone, Debug)]
 pub struct TruthAsked {
-    /// The package.
+    /// Package.
     pub file: Arc<NamedPackage<'static>>,
     /// Picture, light and style.
     pub look: Look,
-    /// From where.
+    /// Camera.
     pub camera: Viewpoint,
-    /// The clip that plays, and the moment of the scene, seconds.
+    /// Current clip; `None` is the rest pose.
     pub clip: Option<String>,
-    /// Seconds.
+    /// Time, seconds.
     pub time_s: f32,
-    /// What was drawn of the same view: sRGB-encoded, straight alpha.
+    /// Drawn picture of the same view: sRGB-encoded, straight alpha.
     pub drawn: RgbaImage,
 }
 
-/// A true picture, as far as it is traced.
+/// Reference picture, as far as it is traced.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// sRGB-encoded, straight alpha.
+    /// Picture: sRGB-encoded, straight alpha.
     pub picture: RgbaImage,
     /// Samples per pixel so far.
     pub samples: u32,
-    /// All that there will be.
+    /// Final number of samples per pixel.
     pub of_samples: u32,
-    /// Mean FLIP of what was drawn against it, and its picture.
+    /// Mean FLIP of the drawn picture against this one, and its map.
     pub flip: Option<(f64, RgbImage)>,
 }
 
-/// Traces and compares.
+/// Tracer of reference pictures.
 pub trait Judge: Send {
-    /// Traces a true picture in ever more samples; `show` gets each, `progress` says whether to go on.
+    /// Traces a reference picture with increasing numbers of samples; `show` receives each, `progress` returns whether
+    /// to continue.
     ///
     /// # Errors
     ///
-    /// What is wrong with the package, or why there is no truth of it.
+    /// Error in the package, or the reason that it has no reference picture.
     fn trace(
         &mut self,
         asked: &TruthAsked,

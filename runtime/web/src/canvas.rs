@@ -1,4 +1,4 @@
-//! A device, and the `<canvas>` that it draws on.
+//! GPU device, and the `<canvas>` that it draws on.
 
 use crate::thrown::{fault, thrown};
 use pelage_runtime::shared::srgb;
@@ -7,24 +7,24 @@ use pelage_stage::{Canvas, Gpu};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
-/// A device and the canvas that it shows its pictures on.
+/// GPU device and the canvas that it presents to.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Opened {
     pub(crate) gpu: Gpu,
-    /// `None` where another renderer shows the picture.
+    /// Canvas; `None` if another renderer presents the picture.
     pub(crate) screen: Option<Screen>,
 }
 
 #[wasm_bindgen]
 impl Opened {
-    /// The `GPUDevice`: its `lost`, and for who shares it.
+    /// The `GPUDevice`, for its `lost` and for sharing it.
     #[wasm_bindgen(getter)]
     pub fn device(&self) -> JsValue {
         self.gpu.device.as_webgpu().map_or(JsValue::UNDEFINED, |device| device.clone().into())
     }
 
-    /// What the browser says of the adapter; may be empty.
+    /// Name of the adapter as given by the browser; may be empty.
     #[wasm_bindgen(getter)]
     pub fn adapter(&self) -> String {
         self.gpu.info.name.clone()
@@ -35,7 +35,8 @@ impl Opened {
 ///
 /// # Errors
 ///
-/// Of the kind `no-adapter` where the browser gives none, `device` where the canvas cannot be drawn on by WebGPU, such as one that has a 2d context.
+/// Error of kind `no-adapter` if the browser provides none; `device` if WebGPU cannot draw on the canvas, for example
+/// because it has a 2d context.
 #[wasm_bindgen]
 pub async fn open(canvas: HtmlCanvasElement) -> Result<Opened, JsValue> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
@@ -45,11 +46,11 @@ pub async fn open(canvas: HtmlCanvasElement) -> Result<Opened, JsValue> {
     Ok(Opened { screen: Some(Screen::new(&gpu, surface)), gpu })
 }
 
-/// Opens a device for who shows pictures by other means.
+/// Opens a device for use with another renderer.
 ///
 /// # Errors
 ///
-/// Of the kind `no-adapter` where the browser gives none.
+/// Error of kind `no-adapter` if the browser provides none.
 #[wasm_bindgen]
 pub async fn open_shared() -> Result<Opened, JsValue> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
@@ -57,24 +58,25 @@ pub async fn open_shared() -> Result<Opened, JsValue> {
     Ok(Opened { screen: None, gpu })
 }
 
-/// Blocks where the adapter has them: four times the texels in the same memory.
+/// Returns the wanted features: block compression if available, for four times the texels in the same memory.
 fn wanted() -> wgpu::Features {
     wgpu::Features::TEXTURE_COMPRESSION_BC
 }
 
-/// The canvas of the page, which shows what a stage drew on its own.
+/// Canvas of the page, which presents the stage's own canvas.
 ///
-/// A canvas has no sRGB format, and a stage draws linear light into one. So the stage's bytes are put there by a pass of one triangle, which also makes of
-/// colours that were multiplied by their coverage in linear light what a page blends: products of encoded colours.
+/// A page's canvas has no sRGB format, but a stage draws linear light. So a pass of one triangle copies the stage's
+/// encoded bytes. It also converts colours premultiplied with coverage in linear light to what a page blends:
+/// premultiplied encoded colours.
 #[derive(Debug)]
 pub(crate) struct Screen {
     surface: wgpu::Surface<'static>,
     pipeline: wgpu::RenderPipeline,
-    /// The stage's picture; `None` until one is shown since the size changed.
+    /// Picture of the stage; `None` until one is shown after a change of size.
     picture: Option<wgpu::BindGroup>,
 }
 
-/// The one format that a browser must have and whose bytes lie as a stage's do.
+/// Format that every browser must support and whose bytes are laid out like a stage's.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 impl Screen {
@@ -107,7 +109,7 @@ impl Screen {
         Self { surface, pipeline, picture: None }
     }
 
-    /// Has so many pixels from now on, width and height. What the canvas showed is gone.
+    /// Sets the size in pixels, width and height. The canvas's content is lost.
     pub fn resize(&mut self, gpu: &Gpu, (width, height): (u32, u32)) {
         self.picture = None;
         self.surface.configure(
@@ -126,13 +128,13 @@ impl Screen {
         );
     }
 
-    /// The stage has another canvas.
+    /// Forgets the stage's picture, because the stage has a new canvas.
     pub fn forget_picture(&mut self) {
         self.picture = None;
     }
 
-    /// Records what shows `canvas`, of the size that [`Self::resize`] was told last. `None` where the page has no texture to draw on now: then the
-    /// canvas keeps what it showed.
+    /// Records the commands that present `canvas`, of the size last given to [`Self::resize`]. `None` if the page
+    /// currently has no texture to draw on: the canvas then keeps its content.
     pub fn show(
         &mut self,
         gpu: &Gpu,

@@ -1,6 +1,6 @@
-// A stage's picture onto the page's canvas. `linear_of` stands in the runtime's shared/srgb.wgsl.
+// Copies a stage's picture to the page's canvas. `linear_of` is in the runtime's shared/srgb.wgsl.
 
-// Encoded bytes; colour times coverage, multiplied in linear light.
+// Encoded bytes; colour premultiplied with coverage in linear light.
 @group(0) @binding(0) var picture: texture_2d<f32>;
 
 @vertex

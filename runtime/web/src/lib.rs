@@ -1,7 +1,8 @@
-//! `pelage-web`: a `.pelage` package on a `<canvas>`, drawn by WebGPU.
+//! `pelage-web`: draws a `.pelage` package on a `<canvas>` with WebGPU.
 //!
-//! This is the WebAssembly half of the npm package in `runtime/web/npm`, whose `index.js` is what pages call: it owns the event loop, and this crate owns
-//! device, stage and camera. A method here never waits; what a browser answers later, such as `open`, is a promise.
+//! This is the WebAssembly half of the npm package in `runtime/web/npm`, whose `index.js` pages call. That script owns
+//! the event loop; this crate owns device, stage and camera. No method blocks: operations that need the browser, such
+//! as `open`, return promises.
 
 #[cfg(target_arch = "wasm32")]
 mod canvas;

@@ -1,4 +1,4 @@
-//! A package in the frame of another renderer, such as three.js's, which draws on the same device.
+//! Drawing of a package into the frame of another renderer, such as three.js, on the same device.
 
 use crate::canvas::Opened;
 use crate::report;
@@ -10,10 +10,10 @@ use pelage_runtime::{Camera, Instance, Model, Motion, Projection, Renderer, Rend
 use pelage_stage::{Gpu, Look, LookStyle, NamedPackage};
 use wasm_bindgen::prelude::*;
 
-/// The one animal.
+/// Owner id of the single instance.
 const OWNER: u64 = 0;
 
-/// A package that is drawn over what another renderer drew, into the same colour and against the same depth.
+/// Package drawn over the output of another renderer, into the same colour and depth targets.
 #[wasm_bindgen]
 pub struct Pass {
     gpu: Gpu,
@@ -25,11 +25,12 @@ pub struct Pass {
 
 #[wasm_bindgen]
 impl Pass {
-    /// For targets of those formats, as WebGPU names them, of one sample per pixel. `reversed_depth`: near is 1.
+    /// Creates a pass for targets of those formats, named as in WebGPU, with one sample per pixel. `reversed_depth`:
+    /// near is 1.
     ///
     /// # Errors
     ///
-    /// `asked` for a format that cannot be drawn to.
+    /// Error of kind `asked` for a format that cannot be drawn to.
     #[wasm_bindgen(constructor)]
     pub fn new(opened: &Opened, color: &str, depth: &str, reversed_depth: bool) -> Result<Self, JsValue> {
         let options = RendererOptions {
@@ -43,11 +44,11 @@ impl Pass {
         Ok(Self { gpu, renderer, shown: None, look: Look::default(), light_color: Vec3::ONE })
     }
 
-    /// Draws this package from now on; `name` is what messages call it.
+    /// Loads the package to draw; `name` is its name in messages.
     ///
     /// # Errors
     ///
-    /// As [`crate::Viewer::load`].
+    /// Same as for [`crate::Viewer::load`].
     pub fn load(&mut self, name: &str, bytes: Vec<u8>) -> Result<JsValue, JsValue> {
         let file = NamedPackage::new(name, bytes);
         let package = file.open().map_err(fault)?;
@@ -60,11 +61,11 @@ impl Pass {
         Ok(info)
     }
 
-    /// Sets one key of the look, of its tables `light`, `shadow` and `fur`: the picture is the other renderer's.
+    /// Sets one key of the look, in its tables `light`, `shadow` and `fur`; the other renderer controls the picture.
     ///
     /// # Errors
     ///
-    /// `asked` with what was found and expected.
+    /// Error of kind `asked` with what was found and expected.
     pub fn set_look(&mut self, assignment: &str) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         look.set(assignment).map_err(asked)?;
@@ -75,28 +76,31 @@ impl Pass {
         Ok(())
     }
 
-    /// Takes light from all around from TOML, as [`crate::viewer::Viewer::set_environment`] does.
+    /// Sets an environment map from TOML, like [`crate::viewer::Viewer::set_environment`].
     ///
     /// # Errors
     ///
-    /// `asked` with line, key, what was found and expected.
+    /// Error of kind `asked` with line, key, what was found and expected.
     pub fn set_environment(&mut self, text: &str) -> Result<(), JsValue> {
         self.look = under(&self.look, text)?;
         Ok(())
     }
 
-    /// Colour of the key light, linear; 1 is full light.
+    /// Sets the colour of the key light, linear; 1 is full light.
     pub fn set_light_color(&mut self, red: f32, green: f32, blue: f32) {
         self.light_color = Vec3::new(red, green, blue).max(Vec3::ZERO);
     }
 
-    /// Draws a frame over `color` and `depth`, two `GPUTexture`s of this device of one size, and submits it. `matrices`: `view_from_world`,
-    /// `clip_from_view` and `world_from_model`, 16 numbers each, by columns. `clip`: its index, below 0 at rest.
-    /// `clock_s`: the moment that hair lives to, seconds; without it hair is as it was groomed.
+    /// Draws a frame over `color` and `depth`, two `GPUTexture`s of this device of equal size, and submits it.
+    ///
+    /// * `matrices`: `view_from_world`, `clip_from_view` and `world_from_model`, 16 numbers each, by columns
+    /// * `clip`: its index, below 0 at rest
+    /// * `time_s`: time in the clip, seconds
+    /// * `clock_s`: time of the hair simulation, seconds; without it hair is as groomed
     ///
     /// # Errors
     ///
-    /// `asked` for what cannot be drawn so.
+    /// Error of kind `asked` for arguments that cannot be drawn.
     pub fn draw(
         &mut self,
         color: &JsValue,
@@ -153,7 +157,7 @@ impl Pass {
 }
 
 impl Pass {
-    /// A view of somebody else's texture, and its width and height; nothing is copied.
+    /// Returns a view of another renderer's texture, without copying, and its width and height.
     fn lent(
         &self,
         texture: &JsValue,
@@ -207,7 +211,7 @@ fn depth_format(name: &str) -> Result<wgpu::TextureFormat, JsValue> {
     })
 }
 
-/// Who is at fault when the runtime refuses a package.
+/// Converts an error of the runtime when it loads a package; the kind depends on the cause.
 fn refused(file: &NamedPackage<'_>, error: RuntimeError) -> JsValue {
     let kind = match &error {
         RuntimeError::Package(_) | RuntimeError::Content { .. } => "package",

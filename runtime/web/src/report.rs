@@ -1,14 +1,14 @@
-//! What JavaScript is told: plain objects.
+//! Reports to JavaScript, as plain objects.
 
 use js_sys::{Array, Object, Reflect};
 use pelage_runtime::{Frame, Model};
 use wasm_bindgen::JsValue;
 
-/// An object with these properties.
+/// Creates an object with these properties.
 pub(crate) fn object<const N: usize>(properties: [(&str, JsValue); N]) -> JsValue {
     let object = Object::new();
     for (name, value) in properties {
-        // A new object takes any property.
+        // Setting a property of a new object cannot fail.
         let _ = Reflect::set(&object, &name.into(), &value);
     }
     object.into()
@@ -18,7 +18,7 @@ fn numbers(values: [f32; 3]) -> JsValue {
     values.into_iter().map(JsValue::from).collect::<Array>().into()
 }
 
-/// `PackageInfo` of `npm/index.d.ts`.
+/// Returns `PackageInfo` of `npm/index.d.ts`.
 pub(crate) fn package(name: &str, bytes: usize, model: &Model, has_ink: bool) -> JsValue {
     let manifest = model.manifest();
     let clip = |clip: &pelage_runtime::formats::Clip| {
@@ -41,7 +41,7 @@ pub(crate) fn package(name: &str, bytes: usize, model: &Model, has_ink: bool) ->
     ])
 }
 
-/// What a frame drew: the names of the passes that ran, and what it had to make.
+/// Returns the report of a frame: names of the passes that ran, memory, resources created, and bytes uploaded.
 pub(crate) fn frame(frame: &Frame, gpu_bytes: u64) -> JsValue {
     let report = frame.report();
     let ran = report.passes.iter().filter(|pass| pass.ran).map(|pass| JsValue::from(pass.name));

@@ -1,18 +1,18 @@
-//! Errors as JavaScript catches them: an `Error` with a `kind` by who is at fault.
+//! Errors for JavaScript: an `Error` with a `kind` that tells the cause.
 
 use pelage_stage::StageError;
 use wasm_bindgen::JsValue;
 
-/// An `Error` of that kind; `npm/index.d.ts` lists the kinds.
+/// Creates an `Error` of that kind; `npm/index.d.ts` lists the kinds.
 pub(crate) fn thrown(kind: &str, message: &str) -> JsValue {
     let error = js_sys::Error::new(message);
     error.set_name("PelageError");
-    // A new object takes any property.
+    // Setting a property of a new object cannot fail.
     let _ = js_sys::Reflect::set(&error, &"kind".into(), &kind.into());
     error.into()
 }
 
-/// What stopped the stage.
+/// Converts an error of the stage.
 pub(crate) fn fault(error: StageError) -> JsValue {
     let kind = match &error {
         StageError::Package { .. } | StageError::Input { .. } => "package",
@@ -24,7 +24,7 @@ pub(crate) fn fault(error: StageError) -> JsValue {
     thrown(kind, &error.to_string())
 }
 
-/// A value that was asked for and is out of its range, in words.
+/// Creates the error for an invalid argument, from its description.
 pub(crate) fn asked(error: impl std::fmt::Display) -> JsValue {
     thrown("asked", &error.to_string())
 }

@@ -1,4 +1,4 @@
-//! A package on a canvas, with camera, light, clip and look.
+//! Viewer of a package on a canvas, with camera, light, clip and look.
 
 use crate::canvas::{Opened, Screen};
 use crate::player::Player;
@@ -14,45 +14,46 @@ use pelage_stage::{
 use std::sync::Arc;
 use wasm_bindgen::prelude::*;
 
-/// Seconds between two moments that are no movement but a leap: hair begins anew there.
+/// Change of the clip time, in seconds, beyond which it is a jump: hair motion then restarts.
 const LEAP_S: f32 = 0.25;
 
-/// Any view: there is nothing to see until a package is loaded.
+/// Arbitrary view: there is nothing to see until a package is loaded.
 const NOWHERE: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
 
-/// A package that is shown; its bytes are kept, because a new device or other samples per pixel take another stage.
+/// Loaded package. Its bytes are kept, because a new device or a different number of samples per pixel requires a new
+/// stage.
 struct Shown {
     file: NamedPackage<'static>,
     has_ink: bool,
     stage: Stage,
 }
 
-/// A package on a canvas.
+/// Viewer of a package on a canvas.
 ///
-/// Where a method fails, everything is as it was before the call.
+/// If a method fails, the state is as before the call.
 #[wasm_bindgen]
 pub struct Viewer {
     gpu: Gpu,
     screen: Screen,
     shown: Option<Shown>,
     look: Look,
-    /// Of the key light; 1 is full light.
+    /// Colour of the key light; 1 is full light.
     light_color: Vec3,
     navigator: Navigator,
     player: Player,
-    /// Seconds that hair lived through.
+    /// Time of the hair simulation, seconds.
     lived_s: f64,
-    /// Whether it moves by itself in the frame that was drawn last.
+    /// Whether hair moved by itself in the last frame drawn.
     hair_moves: bool,
 }
 
 #[wasm_bindgen]
 impl Viewer {
-    /// An empty canvas of so many pixels.
+    /// Creates a viewer with an empty canvas of that size in pixels.
     ///
     /// # Errors
     ///
-    /// `asked` for a size that no picture can have.
+    /// Error of kind `asked` for a size out of range.
     #[wasm_bindgen(constructor)]
     pub fn new(opened: Opened, width: u32, height: u32) -> Result<Self, JsValue> {
         let (gpu, screen) = parts(opened)?;
@@ -71,11 +72,12 @@ impl Viewer {
         Ok(viewer)
     }
 
-    /// Shows a package, framed and at rest; `name` is what messages call it.
+    /// Loads a package and shows it, framed and at rest; `name` is its name in messages.
     ///
     /// # Errors
     ///
-    /// `package` with section and offset, `asked` where the look cannot be had of it, `no-adapter` where the device cannot hold it.
+    /// Error of kind `package` with section and offset; `asked` if the package does not support the look; `no-adapter`
+    /// if the device cannot hold the package.
     pub fn load(&mut self, name: &str, bytes: Vec<u8>) -> Result<JsValue, JsValue> {
         let file = NamedPackage::new(name, bytes);
         let package = file.open().map_err(fault)?;
@@ -92,22 +94,23 @@ impl Viewer {
         Ok(info)
     }
 
-    /// Goes on with another device, after the one before was lost: the package is loaded again, all else is as it was.
+    /// Continues with another device after the loss of the previous one. The package is loaded again; everything else
+    /// is unchanged.
     ///
     /// # Errors
     ///
-    /// As [`Self::load`].
+    /// Same as for [`Self::load`].
     pub fn reopen(&mut self, opened: Opened) -> Result<(), JsValue> {
         (self.gpu, self.screen) = parts(opened)?;
         self.screen.resize(&self.gpu, self.look.picture().size);
         self.rebuild()
     }
 
-    /// Draws so many pixels from now on. Where nobody moved the camera, it frames the model anew.
+    /// Sets the size in pixels. If the camera has not been moved, it frames the model again.
     ///
     /// # Errors
     ///
-    /// `asked` for a size that no picture can have.
+    /// Error of kind `asked` for a size out of range.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         look.picture.size = Size { width, height };
@@ -117,11 +120,11 @@ impl Viewer {
         if self.navigator.is_home() { self.frame_all() } else { Ok(()) }
     }
 
-    /// Draws a frame; `undefined` where nothing is loaded, or the page has no texture to draw on now.
+    /// Draws a frame. Returns `undefined` if no package is loaded, or if the page currently has no texture to draw on.
     ///
     /// # Errors
     ///
-    /// `asked` for what the device cannot draw.
+    /// Error of kind `asked` for what the device cannot draw.
     pub fn draw(&mut self) -> Result<JsValue, JsValue> {
         let Some(Shown { stage, .. }) = &mut self.shown else { return Ok(JsValue::UNDEFINED) };
         stage.look_from(self.navigator.view());
@@ -139,22 +142,23 @@ impl Viewer {
         Ok(report::frame(&frame, stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes()))
     }
 
-    /// Sets one key of the look: `shadow.penumbra=0.3`.
+    /// Sets one key of the look, such as `shadow.penumbra=0.3`.
     ///
     /// # Errors
     ///
-    /// `asked` with what was found and expected.
+    /// Error of kind `asked` with what was found and expected.
     pub fn set_look(&mut self, assignment: &str) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         look.set(assignment).map_err(asked)?;
         self.take(without_files(look)?)
     }
 
-    /// Takes a whole look from TOML; what it leaves out has its default. The size stays that of the canvas.
+    /// Replaces the look by one from TOML; keys that it leaves out get their defaults. The size of the canvas is
+    /// unchanged.
     ///
     /// # Errors
     ///
-    /// `asked` with line, key, what was found and expected.
+    /// Error of kind `asked` with line, key, what was found and expected.
     pub fn read_look(&mut self, text: &str) -> Result<(), JsValue> {
         let mut look = Look::of_picture();
         look.read(text).map_err(asked)?;
@@ -162,26 +166,27 @@ impl Viewer {
         self.take(without_files(look)?)
     }
 
-    /// Takes light from all around from TOML, lights that were fitted to a sky; it takes the place of ambient light. `environment.sky = "none"` ends it.
+    /// Sets an environment map from TOML, as lights fitted to a sky. It replaces the ambient light until removed by
+    /// `environment.sky = "none"`.
     ///
     /// # Errors
     ///
-    /// `asked` with line, key, what was found and expected.
+    /// Error of kind `asked` with line, key, what was found and expected.
     pub fn set_environment(&mut self, text: &str) -> Result<(), JsValue> {
         let look = under(&self.look, text)?;
         self.take(look)
     }
 
-    /// The look as TOML, with every key that has a value.
+    /// Returns the look as TOML, with every key that has a value.
     pub fn look(&self) -> String {
         self.look.to_toml()
     }
 
-    /// Colour of the key light, linear red, green and blue; 1 is full light.
+    /// Sets the colour of the key light, linear red, green and blue; 1 is full light.
     ///
     /// # Errors
     ///
-    /// `asked` for a channel that is not finite or below 0.
+    /// Error of kind `asked` for a channel that is not finite or below 0.
     pub fn set_light_color(&mut self, red: f32, green: f32, blue: f32) -> Result<(), JsValue> {
         let color = Vec3::new(red, green, blue);
         if !(color.is_finite() && color.min_element() >= 0.0) {
@@ -193,11 +198,11 @@ impl Viewer {
         self.take(self.look.clone())
     }
 
-    /// The clip of that name from its start, paused, or `undefined` for the model at rest.
+    /// Selects the clip of that name, at its start and paused; `undefined` puts the model at rest.
     ///
     /// # Errors
     ///
-    /// `asked` for a clip that is not there, with the names there are.
+    /// Error of kind `asked` for a clip that does not exist, with the available names.
     pub fn set_clip(&mut self, name: Option<String>) -> Result<(), JsValue> {
         let clip = match &self.shown {
             None if name.is_some() => return Err(asked("clip: found no package, expected one to be loaded first")),
@@ -211,11 +216,12 @@ impl Viewer {
         Ok(())
     }
 
-    /// Holds the morph target of that name at a weight whatever the clip does, or, at `undefined`, leaves it to the clip again.
+    /// Fixes the morph target of that name at a weight, whatever the clip does; `undefined` returns it to the clip.
     ///
     /// # Errors
     ///
-    /// `asked` for a target that is not there, with the names there are, and for a weight that is no finite number.
+    /// Error of kind `asked` for a target that does not exist, with the available names, and for a weight that is not
+    /// finite.
     pub fn set_morph(&mut self, name: &str, weight: Option<f32>) -> Result<(), JsValue> {
         let Some(shown) = &mut self.shown else {
             return Err(asked("morph: found no package, expected one to be loaded first"));
@@ -231,19 +237,19 @@ impl Viewer {
         Ok(())
     }
 
-    /// Lets the clip run, or holds it.
+    /// Plays or pauses the clip.
     pub fn set_playing(&mut self, playing: bool) {
         self.player.playing = playing && self.player.clip.is_some();
     }
 
-    /// Seconds of the clip in a second; below 0 it runs backwards.
+    /// Sets the playback speed, clip seconds per second; below 0 the clip runs backwards.
     pub fn set_speed(&mut self, speed: f32) {
         if speed.is_finite() {
             self.player.speed = speed;
         }
     }
 
-    /// Shows that moment of the clip, seconds; clips loop.
+    /// Moves to that time of the clip, seconds; clips loop.
     pub fn seek(&mut self, time_s: f32) {
         if !time_s.is_finite() {
             return;
@@ -257,18 +263,18 @@ impl Viewer {
         }
     }
 
-    /// Lets so many seconds go by; whether the picture is another one then.
+    /// Advances time by `elapsed_s` seconds; returns whether the picture has changed.
     pub fn advance(&mut self, elapsed_s: f32) -> bool {
         self.lived_s += f64::from(elapsed_s);
         self.player.advance(elapsed_s) || self.hair_moves && elapsed_s > 0.0
     }
 
-    /// Whether hair moves by itself in the frame that was drawn last: time is to go on although nothing plays.
+    /// Whether hair moved by itself in the last frame drawn; time must then advance even if no clip plays.
     pub fn hair_moves(&self) -> bool {
         self.hair_moves
     }
 
-    /// Clip, moment, speed, and whether it plays.
+    /// Returns the clip's name and duration, the time in it, the speed, and whether it plays.
     pub fn playing(&self) -> JsValue {
         let name = self.player.clip.and_then(|(clip, _)| {
             let clips = self.shown.as_ref()?.stage.model().clips();
@@ -283,17 +289,17 @@ impl Viewer {
         ])
     }
 
-    /// Eye and target in metres, and the height of the view in degrees: seven numbers.
+    /// Returns eye and target in metres, and the vertical field of view in degrees: seven numbers.
     pub fn view(&self) -> Vec<f32> {
         let Viewpoint { eye, target, fov_deg } = self.navigator.view();
         [eye.to_array(), target.to_array()].concat().into_iter().chain([fov_deg]).collect()
     }
 
-    /// Looks from elsewhere: as [`Self::view`] says it. [`Self::reset_view`] comes back to where the camera was framed.
+    /// Sets the camera to a view as returned by [`Self::view`]. [`Self::reset_view`] returns to the framed view.
     ///
     /// # Errors
     ///
-    /// `asked` for a view that there is none of.
+    /// Error of kind `asked` for an invalid view.
     pub fn set_view(&mut self, view: &[f32]) -> Result<(), JsValue> {
         let word = match view {
             [ex, ey, ez, tx, ty, tz, fov_deg] => format!("{ex},{ey},{ez}/{tx},{ty},{tz}/{fov_deg}"),
@@ -304,11 +310,11 @@ impl Viewer {
         Ok(())
     }
 
-    /// Frames the model as it is when it is loaded.
+    /// Frames the model as on loading.
     ///
     /// # Errors
     ///
-    /// `package` for a damaged package.
+    /// Error of kind `package` for a damaged package.
     pub fn frame_all(&mut self) -> Result<(), JsValue> {
         if let Some(shown) = &self.shown {
             let package = shown.file.open().map_err(fault)?;
@@ -319,40 +325,43 @@ impl Viewer {
         Ok(())
     }
 
-    /// Goes back to where the camera was framed.
+    /// Returns the camera to the framed view.
     pub fn reset_view(&mut self) {
         self.navigator.reset();
     }
 
-    /// Where the camera is about its target: azimuth from +z towards +x and elevation in degrees, distance in metres.
+    /// Returns the camera's position about its target: azimuth from +z towards +x and elevation in degrees, distance in
+    /// metres.
     pub fn around(&self) -> Vec<f32> {
         let (azimuth_deg, elevation_deg, distance_m) = self.navigator.around();
         vec![azimuth_deg, elevation_deg, distance_m]
     }
 
-    /// Goes to where [`Self::around`] would say so.
+    /// Moves the camera to a position as returned by [`Self::around`].
     pub fn go_around(&mut self, azimuth_deg: f32, elevation_deg: f32, distance_m: f32) {
         self.navigator.go_around(azimuth_deg, elevation_deg, distance_m);
     }
 
-    /// Turns the model with a hand that moved so many heights of the picture, right and up.
+    /// Orbits the target for a drag to the right and up, in heights of the picture; the model turns with the pointer.
     pub fn orbit(&mut self, right: f32, up: f32) {
         self.navigator.orbit(Vec2::new(right, up));
     }
 
-    /// Moves the model with the hand.
+    /// Moves the camera sideways for a drag to the right and up, in heights of the picture; the model moves with the
+    /// pointer.
     pub fn pan(&mut self, right: f32, up: f32) {
         self.navigator.pan(Vec2::new(right, up));
     }
 
-    /// Goes `factor` times as near, keeping what is so many heights of the picture right of and above its middle.
+    /// Moves the camera `factor` times as near, keeping the point under the pointer in place. `right`, `up`: pointer
+    /// position from the centre, in heights of the picture.
     pub fn zoom(&mut self, factor: f32, right: f32, up: f32) {
         self.navigator.zoom(factor, Vec2::new(right, up));
     }
 }
 
 impl Viewer {
-    /// A stage with that package, and the camera that frames it.
+    /// Creates a stage with that package, and the camera that frames it.
     fn stage(&self, file: &NamedPackage<'static>) -> Result<(Stage, Viewpoint), JsValue> {
         let picture = self.look.picture();
         let package = file.open().map_err(fault)?;
@@ -363,7 +372,7 @@ impl Viewer {
         Ok((stage, cast.camera.at(0.0)))
     }
 
-    /// Loads the package that is shown again.
+    /// Loads the shown package again.
     fn rebuild(&mut self) -> Result<(), JsValue> {
         if let Some(shown) = &self.shown {
             let (stage, _) = self.stage(&shown.file)?;
@@ -375,7 +384,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Draws with another look from now on.
+    /// Applies another look.
     fn take(&mut self, look: Look) -> Result<(), JsValue> {
         let (before, picture) = (self.look.picture(), look.picture());
         let params = lit(&look, self.light_color);
@@ -389,7 +398,7 @@ impl Viewer {
         }
         let look_before = std::mem::replace(&mut self.look, look);
         if picture.samples != before.samples {
-            // Another number of samples takes another stage.
+            // A different number of samples requires a new stage.
             if let Err(error) = self.rebuild() {
                 self.look = look_before;
                 return Err(error);
@@ -401,14 +410,14 @@ impl Viewer {
     }
 }
 
-/// A device, and the canvas that it was opened for.
+/// Returns a device and the canvas that it was opened for.
 fn parts(opened: Opened) -> Result<(Gpu, Screen), JsValue> {
     let screen =
         opened.screen.ok_or_else(|| asked("opened: found a device without a canvas, expected that of open()"))?;
     Ok((opened.gpu, screen))
 }
 
-/// The look under lights in TOML.
+/// Returns the look with the environment lights from TOML.
 pub(crate) fn under(look: &Look, text: &str) -> Result<Look, JsValue> {
     let lights = environment_from_toml("environment", text).map_err(asked)?;
     let mut look = look.clone();
@@ -417,7 +426,7 @@ pub(crate) fn under(look: &Look, text: &str) -> Result<Look, JsValue> {
     Ok(look)
 }
 
-/// Refuses a look that names a file of light: a page has none to read.
+/// Rejects a look that refers to an environment map file, which a page cannot read.
 pub(crate) fn without_files(look: Look) -> Result<Look, JsValue> {
     let unread =
         look.environment.sky.as_ref().is_some_and(|sky| matches!(sky.of, SkyOf::File(_)) && sky.lights.is_none());
@@ -429,7 +438,7 @@ pub(crate) fn without_files(look: Look) -> Result<Look, JsValue> {
     Ok(look)
 }
 
-/// What a frame is told of a look whose key light has that colour, linear.
+/// Returns the frame parameters for a look, with the key light multiplied by that colour, linear.
 pub(crate) fn lit(look: &Look, light_color: Vec3) -> FrameParams {
     look.frame_params().with(|params| {
         let (Light::Directional { color, .. } | Light::Point { color, .. }) = &mut params.light;

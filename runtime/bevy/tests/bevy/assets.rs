@@ -1,4 +1,4 @@
-//! Packages as assets: what loads, what is refused, and files that change.
+//! Tests of packages as assets: loading, rejection, and files that change.
 
 use crate::support::{Stand, ball, gpu};
 use bevy_asset::{AssetServer, Assets, Handle, LoadState};
@@ -10,14 +10,14 @@ use bevy_transform::components::Transform;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A folder of this test's own.
+/// Creates a folder for this test.
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::create_dir_all(&folder).unwrap();
     folder
 }
 
-/// Loads a file as a user does, and waits: the handle, and what went wrong.
+/// Loads a file as a user does, and waits; returns the handle, and the error if any.
 fn load(stand: &mut Stand, file: &Path) -> (Handle<PelageModel>, Option<String>) {
     let server = stand.world().resource::<AssetServer>().clone();
     let handle: Handle<PelageModel> = server.load(file.to_str().unwrap().to_owned());
@@ -81,7 +81,7 @@ fn a_file_that_changes_is_drawn_anew() {
     let plain = stand.picture(&camera);
     let other = crate::sphere::package(&crate::sphere::SphereParams { stripes: true, ..Default::default() });
     fs::write(&file, other).unwrap();
-    // What Bevy's watcher does when the file changes.
+    // Same reload as by Bevy's watcher when the file changes.
     let server = stand.world().resource::<AssetServer>().clone();
     server.reload(file.to_str().unwrap().to_owned());
     let before = stand.world().resource::<Assets<PelageModel>>().get(&handle).unwrap().clips().len();
@@ -95,7 +95,7 @@ fn a_file_that_changes_is_drawn_anew() {
     }
     let striped = stand.picture(&camera);
     assert!(striped.differences(&plain).0 > 3.0, "{:?}", striped.differences(&plain));
-    // A damaged one leaves the model that there is.
+    // A damaged file keeps the loaded model.
     fs::write(&file, b"half a file").unwrap();
     server.reload(file.to_str().unwrap().to_owned());
     (0..200).for_each(|_| {
@@ -105,7 +105,7 @@ fn a_file_that_changes_is_drawn_anew() {
     assert_eq!(stand.picture(&camera), striped);
 }
 
-/// Every file of a folder.
+/// Collects every file of a folder, recursively.
 fn walk(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

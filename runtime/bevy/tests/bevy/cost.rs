@@ -1,4 +1,4 @@
-//! What a frame costs in Bevy beside the runtime alone.
+//! Measurement of a frame's cost in Bevy against the runtime alone.
 
 use crate::support::{Stand, ball};
 use bevy_camera::visibility::Visibility;
@@ -15,12 +15,12 @@ use std::time::Instant;
 const SIZE: [u32; 2] = [640, 480];
 const EYE: Vec3 = Vec3::new(0.0, 0.05, 0.5);
 const FRAMES: u32 = 30;
-/// Frames in which pipelines are compiled.
+/// Number of warm-up frames, in which pipelines are compiled.
 const WARM: u32 = 4;
-/// Of the clip in a frame.
+/// Clip time per frame, seconds.
 const STEP_S: f32 = 0.01;
 
-/// The milliseconds of a frame to its end on the device.
+/// Returns the time of a frame until the GPU is finished, milliseconds.
 fn ms(device: &wgpu::Device, frame: impl FnOnce()) -> f64 {
     let begun = Instant::now();
     frame();
@@ -28,12 +28,12 @@ fn ms(device: &wgpu::Device, frame: impl FnOnce()) -> f64 {
     begun.elapsed().as_secs_f64() * 1e3
 }
 
-/// The package to measure: `PELAGE_PACKAGE`, or the ball.
+/// Returns the package to measure: `PELAGE_PACKAGE`, or the ball.
 fn package() -> Vec<u8> {
     std::env::var_os("PELAGE_PACKAGE").map_or_else(ball, |path| std::fs::read(path).unwrap())
 }
 
-/// The animal before a camera of Bevy's.
+/// Spawns the animal in front of a Bevy camera.
 fn in_bevy(stand: &mut Stand) -> Entity {
     let model = stand.model("animal", &package());
     let clip = PelageClip::new(first_clip(stand, &model));
@@ -47,7 +47,8 @@ fn first_clip(stand: &mut Stand, model: &bevy_asset::Handle<bevy_pelage::PelageM
     models.get(model).unwrap().clips().next().map_or_else(String::new, |(name, _)| name.to_owned())
 }
 
-/// What draws a frame of the runtime alone on the same device, at that moment of the clip, with the animal or without.
+/// Returns a function that draws a frame with the runtime alone on the same device. Its arguments are the time of the
+/// clip, and whether to draw the animal.
 fn alone(gpu: &Gpu) -> impl FnMut(f32, bool) {
     let options = RendererOptions {
         color_format: wgpu::TextureFormat::Rgba16Float,
@@ -84,7 +85,7 @@ fn what_a_frame_costs_beside_the_runtime_alone() {
     let gpu = Gpu { device: device.clone(), queue, info };
     let animal = in_bevy(&mut stand);
     let mut alone = alone(&gpu);
-    // In turns, so that what else the machine does meets all alike; the fastest of each was disturbed least.
+    // Interleaved, so that other load affects all variants alike; the fastest of each was disturbed least.
     let mut fastest = [f64::INFINITY; 4];
     for number in 0..WARM + FRAMES {
         let moment = STEP_S * number as f32;
@@ -106,7 +107,7 @@ fn what_a_frame_costs_beside_the_runtime_alone() {
     println!("overhead of Bevy for the animal {:+.1} %", 100.0 * (bevy / runtime - 1.0));
 }
 
-/// A frame of Bevy's with the animal so.
+/// Returns the time of a Bevy frame with that visibility of the animal, milliseconds.
 fn in_one_frame(stand: &mut Stand, device: &wgpu::Device, animal: Entity, visibility: Visibility) -> f64 {
     *stand.world().get_mut::<Visibility>(animal).unwrap() = visibility;
     ms(device, || stand.wait(STEP_S))

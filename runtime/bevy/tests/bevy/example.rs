@@ -1,4 +1,4 @@
-//! The scene of the example, which `./run bevy` shows in a window.
+//! Scene of the example, which `./run bevy` shows in a window.
 
 use crate::scene::{self, Animals, Stage};
 use crate::support::{Stand, ball, gpu};

@@ -1,4 +1,4 @@
-//! Shadows in both directions, exposure, and the clips that move what throws them.
+//! Tests of shadows in both directions, exposure, and clips that move the casters.
 
 use crate::support::{Picture, Stand, TestCamera, ball, gpu};
 use bevy_camera::{Exposure, Hdr};
@@ -16,7 +16,7 @@ fn above() -> Transform {
     Transform::from_xyz(0.0, 0.9, 0.5).looking_at(Vec3::ZERO, Vec3::Y)
 }
 
-/// Sum of the green of all pixels.
+/// Returns the sum of the green channel over all pixels.
 fn green(picture: &Picture) -> u64 {
     picture.pixels().map(|p| u64::from(p[1])).sum()
 }
@@ -40,11 +40,11 @@ fn an_animal_throws_its_shadow_on_a_ground_of_bevys() {
     let (a, b): (Vec<_>, Vec<_>) = (with.pixels().collect(), without.pixels().collect());
     let shadow: Vec<usize> = a.iter().zip(&b).enumerate().filter(|(_, pair)| darker(*pair)).map(|(i, _)| i).collect();
     assert!(shadow.len() > 60, "{} pixels of shadow", shadow.len());
-    // The sun stands on the left.
+    // The sun is on the left.
     let mean_x = shadow.iter().map(|i| (i % SIZE[0] as usize) as f64).sum::<f64>() / shadow.len() as f64;
     assert!(mean_x > f64::from(SIZE[0]) * 0.55, "the shadow's middle is at {mean_x}");
 
-    // Out of the camera's sight, towards the sun and past the first plane of the cascades, it throws one as well.
+    // Outside the camera's view, towards the sun and in front of the cascades' first plane, it casts a shadow as well.
     stand.world().entity_mut(ball).remove::<NotShadowCaster>().insert(Transform::from_xyz(-6.0, 6.0, 0.0));
     let far = stand.picture(&camera);
     stand.world().despawn(ball);
@@ -64,7 +64,7 @@ fn a_cube_of_bevys_throws_its_shadow_on_fur() {
     stand.world().entity_mut(cube).insert(ShadesPelage);
     let shaded = stand.picture(&camera);
     assert!(green(&shaded) * 3 < green(&lit) * 2, "{} is not darker than {}", green(&shaded), green(&lit));
-    // It moves aside, and the maps follow.
+    // The cube moves aside, and the maps follow.
     *stand.world().get_mut::<Transform>(cube).unwrap() = Transform::from_xyz(-0.5, 0.5, 0.8);
     let aside = stand.picture(&camera);
     assert!(green(&aside) * 10 > green(&lit) * 9, "{} is not as bright as {}", green(&aside), green(&lit));
@@ -95,7 +95,7 @@ fn exposure_suns_and_ambient_light_are_bevys() {
     assert!(matches!(said[..], [words] if words.contains("has no Hdr")), "{said:?}");
 }
 
-/// The green of the picture's left half and of its right half.
+/// Returns the sums of the green channel over the left and right halves of the picture.
 fn halves(picture: &Picture) -> [u64; 2] {
     let mut sums = [0; 2];
     for (i, pixel) in picture.pixels().enumerate() {
@@ -119,7 +119,7 @@ fn a_sky_lights_from_where_it_shines_and_may_turn() {
     };
     let lit = shine(&mut stand, lights.clone(), 60.0);
     let [left, right] = halves(&lit);
-    // Most of what is seen from above faces up, and has light from either side.
+    // Most of what is visible from above faces up and is lit from both sides.
     assert!(100 * left > 108 * right && left > 3_000, "{left} {right}");
     let turned = halves(&shine(&mut stand, lights.turned(180.0), 60.0));
     assert!(100 * turned[1] > 108 * turned[0], "{turned:?}");
@@ -162,7 +162,7 @@ fn clips_move_it_and_faults_are_told_once() {
     let model = stand.model("ball", &ball());
     let camera = camera(&mut stand);
     stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
-    // Fur that lives goes on when a clip stands.
+    // Hair motion would continue while a clip is paused.
     stand.world().insert_resource(PelageHair(None));
     let ball = stand.world().spawn((Pelage::fur(model), PelageClip::new("bend"))).id();
     let first = stand.picture(&camera);
@@ -181,7 +181,7 @@ fn clips_move_it_and_faults_are_told_once() {
     stand.world().entity_mut(ball).remove::<PelageClip>();
     assert_eq!(stand.picture(&camera), rest, "an unknown clip is rest");
 
-    // One that is shrunk to nothing, and one with another skeleton's pose, take nobody with them.
+    // An animal scaled to zero, and one with another skeleton's pose, do not affect the others.
     let model = stand.world().get::<Pelage>(ball).unwrap().model.clone();
     let nothing = stand.world().spawn((Pelage::fur(model.clone()), Transform::from_scale(Vec3::ZERO))).id();
     let strange = stand.world().spawn((Pelage::fur(model), PelageJoints(vec![Mat4::IDENTITY; 5]))).id();

@@ -1,4 +1,4 @@
-//! Animals in a Bevy app without a window.
+//! Tests of animals in a Bevy app without a window.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 mod assets;

@@ -1,4 +1,4 @@
-//! What cameras show: the ball among Bevy's meshes, as the runtime alone draws it, in several cameras.
+//! Tests of pictures: the ball among Bevy's meshes, compared with the runtime alone, and in several cameras.
 
 use crate::support::{Picture, Stand, TestCamera, ball, gpu};
 use bevy_asset::Handle;
@@ -21,7 +21,7 @@ fn front() -> Transform {
     Transform::from_translation(EYE).looking_at(Vec3::ZERO, Vec3::Y)
 }
 
-/// What stands in the middle of the picture.
+/// Returns the pixel in the middle of the picture.
 fn middle(picture: &Picture) -> [u8; 4] {
     picture.pixel(SIZE[0] / 2, SIZE[1] / 2)
 }
@@ -30,12 +30,12 @@ fn is_red([r, g, b, _]: [u8; 4]) -> bool {
     r > 60 && g < r / 3 && b < r / 3
 }
 
-/// How many pixels are red.
+/// Returns the number of red pixels.
 fn red(picture: &Picture) -> usize {
     picture.pixels().filter(|p| is_red(*p)).count()
 }
 
-/// The ball before and behind a red cube, with and without multisampling.
+/// Checks the ball in front of and behind a red cube, with and without multisampling.
 fn stands_before_and_behind(stand: &mut Stand, pelage: &Pelage) {
     for msaa in [Msaa::Off, Msaa::Sample4] {
         let camera = stand.camera(SIZE, msaa, front());
@@ -65,7 +65,7 @@ fn an_animal_stands_before_and_behind_a_cube() {
     assert_eq!(stand.renderers().said().count(), 0, "{:?}", stand.renderers().said().collect::<Vec<_>>());
 }
 
-/// The picture that the runtime makes by itself.
+/// Draws the picture with the runtime alone.
 fn drawn_by_the_runtime(pelage: &Pelage) -> Picture {
     let gpu = Gpu::with(runtime::wgpu::Features::TEXTURE_COMPRESSION_BC, None).unwrap();
     let options = CanvasOptions::default();
@@ -93,17 +93,17 @@ fn drawn_by_the_runtime(pelage: &Pelage) -> Picture {
 fn a_frame_is_as_the_runtime_alone_draws_it() {
     let Some(mut stand) = gpu("a_frame_is_as_the_runtime_alone_draws_it") else { return };
     let model = stand.model("ball", &ball());
-    // Its shadow on itself is the runtime's: `soft_shadow` is what a sun with shadow maps turns on.
+    // The ball's shadow on itself is drawn by the runtime: a sun with shadow maps turns on `soft_shadow`.
     stand.sun(SUN, true);
     let camera = stand.camera(SIZE, Msaa::Off, front());
     for pelage in [Pelage::fur(model.clone()), Pelage::ink(model)] {
         let alone = drawn_by_the_runtime(&pelage);
         let ball = stand.world().spawn(pelage.clone()).id();
         let picture = stand.picture(&camera);
-        // Bevy blends in half floats and encodes at the end, the canvas blends in bytes.
+        // Bevy blends in half floats and encodes at the end; the canvas blends in bytes.
         let (mean, most) = picture.differences(&alone);
         assert!(mean < 0.4 && most <= 12, "{:?}: {mean} in the mean, {most} at most", pelage.style.kind());
-        // Another frame is another picture: the comparison can fail.
+        // A moved ball gives a different picture: the comparison can fail.
         *stand.world().get_mut::<Transform>(ball).unwrap() = Transform::from_xyz(0.01, 0.0, 0.0);
         let (mean, _) = stand.picture(&camera).differences(&alone);
         assert!(mean > 1.0, "{:?}: moved by a centimetre, it differs by {mean}", pelage.style.kind());
@@ -111,7 +111,7 @@ fn a_frame_is_as_the_runtime_alone_draws_it() {
     }
 }
 
-/// In ink on paper without relief, which would lie on the picture and not on the view.
+/// Returns an animal in ink without paper relief, which would be fixed to the whole picture instead of the view.
 fn on_even_paper(model: Handle<PelageModel>) -> Pelage {
     let mut pelage = Pelage::ink(model);
     if let Style::Ink(ink) = &mut pelage.style {
@@ -120,7 +120,7 @@ fn on_even_paper(model: Handle<PelageModel>) -> Pelage {
     pelage
 }
 
-/// A camera that draws to the part of another's picture.
+/// Spawns a camera that draws to a part of another camera's picture.
 fn in_part_of(stand: &mut Stand, whole: &TestCamera, part: (UVec2, UVec2)) -> TestCamera {
     let camera = stand.camera([part.1.x, part.1.y], Msaa::Off, front());
     let viewport = Viewport { physical_position: part.0, physical_size: part.1, ..Default::default() };
@@ -140,7 +140,7 @@ fn several_cameras_show_it_each_in_its_part() {
         let ball = stand.world().spawn(pelage.clone()).id();
         let whole = stand.camera(SIZE, Msaa::Off, front());
         let alone = stand.picture(&whole);
-        // The same view twice: the whole picture of one camera, and the right half of one that is twice as wide.
+        // The same view twice: the whole picture of one camera, and the right half of one twice as wide.
         let wide = stand.camera([2 * SIZE[0], SIZE[1]], Msaa::Off, Transform::from_xyz(0.0, 9.0, 0.0));
         let half = in_part_of(&mut stand, &wide, (UVec2::new(SIZE[0], 0), UVec2::from(SIZE)));
         let picture = stand.picture(&half);
@@ -152,7 +152,7 @@ fn several_cameras_show_it_each_in_its_part() {
         assert!(left.pixels().all(|p| p[..3] == [0; 3]), "{kind:?}: nothing of it falls beside its part");
         assert_eq!(stand.picture(&whole), alone, "{kind:?}: other cameras change nothing");
 
-        // A camera of other layers does not see it.
+        // A camera with other layers does not see it.
         stand.world().entity_mut(whole.entity).insert(RenderLayers::layer(3));
         assert!(stand.picture(&whole).pixels().all(|p| p[..3] == [0; 3]), "{kind:?}: not in its layers");
         stand.remove([ball, whole.entity, wide.entity, half.entity]);
@@ -177,7 +177,7 @@ fn what_is_despawned_is_freed() {
     assert_eq!(stand.renderers().models_gpu_bytes(), models, "the other keeps the model");
     stand.world().despawn(balls[1]);
     drop(model);
-    // The asset goes a frame after its last handle.
+    // The asset is dropped a frame after its last handle.
     (0..3).for_each(|_| stand.app.update());
     assert_eq!(stand.renderers().animals_gpu_bytes(), 0);
     assert_eq!(stand.renderers().models_gpu_bytes(), 0);

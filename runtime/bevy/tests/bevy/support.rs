@@ -1,4 +1,4 @@
-//! A Bevy app without a window, whose cameras draw into images that are read back.
+//! Test harness: a Bevy app without a window, whose cameras draw into images that are read back.
 
 use crate::sphere::{self, SphereParams};
 use bevy_app::{App, TaskPoolPlugin};
@@ -27,7 +27,7 @@ use bevy_window::WindowPlugin;
 use pelage_needs::{Need, gpu_is_wanted, had};
 use std::time::Duration;
 
-/// Pixels of a picture, RGBA bytes, row by row.
+/// A picture's pixels, RGBA bytes, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     pub size: [u32; 2],
@@ -44,7 +44,7 @@ impl Picture {
         self.rgba.chunks_exact(4).map(|p| p.try_into().unwrap())
     }
 
-    /// Mean and greatest difference of the colours, in 255ths.
+    /// Returns the mean and maximum difference of the colours, in 255ths.
     pub fn differences(&self, other: &Self) -> (f64, u8) {
         assert_eq!(self.size, other.size);
         let pairs = self.pixels().zip(other.pixels());
@@ -53,23 +53,23 @@ impl Picture {
         (sum as f64 / f64::from(3 * self.size[0] * self.size[1]), most)
     }
 
-    /// The part of that size at that place.
+    /// Returns the part of the picture with that corner and size.
     pub fn part(&self, [left, top]: [u32; 2], size: [u32; 2]) -> Self {
         let rows = (0..size[1]).flat_map(|y| (0..size[0]).flat_map(move |x| self.pixel(left + x, top + y)));
         Self { size, rgba: rows.collect() }
     }
 }
 
-/// An app, and what it is told to draw.
+/// Test app without a window.
 pub struct Stand {
     pub app: App,
 }
 
-/// What was read back.
+/// Pictures read back, by the entity of their reader.
 #[derive(Resource, Default)]
 struct Read(std::collections::HashMap<Entity, Vec<u8>>);
 
-/// A camera of the stand: its entity, its picture and who reads that back.
+/// A test camera: its entity and its image with size.
 #[derive(Clone)]
 pub struct TestCamera {
     pub entity: Entity,
@@ -77,7 +77,7 @@ pub struct TestCamera {
     pub size: [u32; 2],
 }
 
-/// A stand for the GPU test of that name; `None`, with a loud word, where GPU tests are left out.
+/// Returns a test app for the GPU test of that name; `None`, with a message, if GPU tests are disabled.
 pub fn gpu(test: &str) -> Option<Stand> {
     if !gpu_is_wanted(test) {
         return None;
@@ -88,7 +88,7 @@ pub fn gpu(test: &str) -> Option<Stand> {
 }
 
 impl Stand {
-    /// An app with everything that Bevy draws meshes with. Time stands still until a test lets it pass.
+    /// Creates an app with all plugins that Bevy needs to draw meshes. Time advances only when a test says so.
     pub fn new() -> Self {
         let mut app = App::new();
         app.add_plugins((
@@ -132,7 +132,7 @@ impl Stand {
         self.app.world_mut()
     }
 
-    /// What pelage keeps in the render world.
+    /// Returns pelage's state in the render world.
     pub fn renderers(&self) -> &PelageRenderers {
         self.render_world().resource()
     }
@@ -141,27 +141,27 @@ impl Stand {
         self.app.sub_app(RenderApp).world()
     }
 
-    /// Takes them away.
+    /// Despawns the entities.
     pub fn remove<const N: usize>(&mut self, entities: [Entity; N]) {
         for entity in entities {
             assert!(self.world().despawn(entity), "{entity} is there");
         }
     }
 
-    /// Lets so much time pass, in one frame.
+    /// Advances time by `seconds` in one frame.
     pub fn wait(&mut self, seconds: f32) {
         *self.world().resource_mut() = TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(seconds));
         self.app.update();
         *self.world().resource_mut() = TimeUpdateStrategy::ManualDuration(Duration::ZERO);
     }
 
-    /// A model of the bytes of a package.
+    /// Adds the model of a package's bytes to the assets.
     pub fn model(&mut self, name: &str, bytes: &[u8]) -> Handle<PelageModel> {
         let model = PelageModel::from_bytes(name, bytes.to_vec()).unwrap();
         self.world().resource_mut::<Assets<PelageModel>>().add(model)
     }
 
-    /// A camera that draws into a picture of its own, as bright as numbers in the shaders are.
+    /// Spawns a camera that draws into its own image, without tone mapping.
     pub fn camera(&mut self, size: [u32; 2], msaa: Msaa, place: Transform) -> TestCamera {
         let mut image = Image::new_target_texture(size[0], size[1], TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= bevy_render::render_resource::TextureUsages::COPY_SRC;
@@ -185,14 +185,14 @@ impl Stand {
         TestCamera { entity, image, size }
     }
 
-    /// A sun of full light from there.
+    /// Spawns a sun of full light from that direction.
     pub fn sun(&mut self, from: Vec3, shadows: bool) -> Entity {
         let full = std::f32::consts::PI / bevy_camera::Exposure::default().exposure();
         let light = DirectionalLight { illuminance: full, shadow_maps_enabled: shadows, ..Default::default() };
         self.world().spawn((light, Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y))).id()
     }
 
-    /// A cuboid of Bevy's.
+    /// Spawns a Bevy cuboid.
     pub fn cuboid(&mut self, size: Vec3, at: Vec3, color: Color) -> Entity {
         let mesh = Mesh::from(bevy_shape::Cuboid::from_size(size));
         let mesh = self.world().resource_mut::<Assets<Mesh>>().add(mesh);
@@ -202,9 +202,9 @@ impl Stand {
         self.world().spawn((Mesh3d(mesh), MeshMaterial3d(material), Transform::from_translation(at))).id()
     }
 
-    /// The picture of a camera, once all that was asked for is loaded, compiled and drawn.
+    /// Returns the picture of a camera after everything requested is loaded, compiled and drawn.
     pub fn picture(&mut self, camera: &TestCamera) -> Picture {
-        // Meshes, pipelines and light clusters are there a few frames after they are asked for.
+        // Meshes, pipelines and light clusters are ready a few frames after they are requested.
         (0..4).for_each(|_| self.app.update());
         let reader = self.world().spawn(Readback::texture(camera.image.clone())).id();
         let entity = reader;
@@ -221,7 +221,7 @@ impl Stand {
     }
 }
 
-/// Rows as they are, without what aligns them.
+/// Removes the alignment padding of rows.
 fn unpadded(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
     let row = 4 * width as usize;
     if bytes.len() == row * height as usize {
@@ -230,7 +230,7 @@ fn unpadded(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
     bytes.chunks(row.next_multiple_of(256)).take(height as usize).flat_map(|padded| &padded[..row]).copied().collect()
 }
 
-/// A furry ball of 12.5 cm with a skeleton, a clip that bends it and the style ink.
+/// Returns the package of a furry ball of 12.5 cm with a skeleton, a clip that bends it, and the ink style.
 pub fn ball() -> Vec<u8> {
     sphere::package(&SphereParams { skeleton: true, ink: true, quads: 12, ..SphereParams::default() })
 }

@@ -1,11 +1,11 @@
-//! Animals that walk on a ground among Bevy's meshes.
+//! Example: animals that walk on a ground among Bevy's meshes.
 //!
 //! ```text
 //! bevy-pelage-walk PACKAGE.pelage...                                   in a window
 //! bevy-pelage-walk PACKAGE.pelage... --picture fur-and-ink.png         without one
 //! ```
 //!
-//! In the window: I fur or ink, Space stands still, arrows go about and nearer or farther, Escape leaves.
+//! Keys in the window: I toggles fur and ink, Space pauses, arrows orbit and zoom, Escape quits.
 
 mod picture;
 mod scene;
@@ -37,11 +37,11 @@ use scene::{Animals, Stage};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Where the camera of the window is.
+/// Orbit of the window's camera.
 #[derive(Resource, Default)]
 struct Orbit {
     turn_rad: f32,
-    /// Natural logarithm of the distance beside that of the whole scene.
+    /// Natural logarithm of the distance over the default distance.
     farther: f32,
 }
 
@@ -62,7 +62,7 @@ fn main() -> ExitCode {
     let (mut app, drawn) = (app(picture.is_none()), picture.map(picture::Wanted::new));
     let server = app.world().resource::<AssetServer>().clone();
     let absolute = |package: &String| std::path::absolute(package).unwrap_or_else(|_| package.into());
-    // By whole paths, because packages lie anywhere.
+    // Absolute paths, because packages may be anywhere.
     let load = |package: &String| server.load(absolute(package).to_string_lossy().into_owned());
     app.insert_resource(Animals(packages.iter().map(load).collect()));
     scene::add(&mut app);
@@ -84,7 +84,7 @@ fn usage(fault: &str) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// What of Bevy this needs: `DefaultPlugins` of the crate `bevy` have the same and more.
+/// Creates an app with the parts of Bevy that this needs; `DefaultPlugins` of the crate `bevy` include them.
 fn app(window: bool) -> App {
     let mut app = App::new();
     let title = "pelage in Bevy: I ink, Space stands still, arrows move".to_owned();
@@ -119,12 +119,12 @@ fn app(window: bool) -> App {
     app
 }
 
-/// The camera of both: HDR, so that fur and meshes are exposed and tone-mapped alike.
+/// Returns the camera of both modes: HDR, so that fur and meshes get the same exposure and tone mapping.
 fn camera(place: Transform) -> impl Bundle {
     (Camera3d::default(), Hdr, Tonemapping::AcesFitted, place)
 }
 
-/// Says which package cannot be loaded, and why, and leaves.
+/// Reports packages that cannot be loaded, with the reason, and quits.
 fn leave_without_animals(animals: Res<Animals>, server: Res<AssetServer>, mut exit: MessageWriter<AppExit>) {
     let failed = |handle: &Handle<PelageModel>| match server.load_state(handle) {
         LoadState::Failed(fault) => Some(fault),

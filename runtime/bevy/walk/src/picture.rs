@@ -1,4 +1,4 @@
-//! The scene in fur and in ink, one above the other, in a PNG file: without a window.
+//! Picture mode: the scene in fur and in ink, one above the other, written to a PNG file without a window.
 
 use crate::camera;
 use crate::scene::{self, Stage};
@@ -15,34 +15,34 @@ use bevy_time::TimeUpdateStrategy;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Pixels of each half.
+/// Size of each half, pixels.
 const SIZE: [u32; 2] = [832, 424];
 
-/// Frames between what is asked for and what is kept: models and pipelines are there by then.
+/// Number of frames from a request to its capture: models and pipelines are ready by then.
 const FRAMES: u32 = 8;
 
-/// What is drawn, and what is drawn of it already.
+/// Requested picture and its progress.
 #[derive(Resource)]
 pub struct Wanted {
     file: PathBuf,
     target: Option<Handle<Image>>,
     reader: Option<Entity>,
-    /// Since the camera is there, or the style another.
+    /// Number of frames since the camera was added or the style changed.
     frames: u32,
-    /// RGBA bytes of the halves, row by row.
+    /// Pixels of the finished halves, RGBA bytes, row by row.
     halves: Vec<Vec<u8>>,
 }
 
 impl Wanted {
-    /// That file.
+    /// Requests a picture in that file.
     pub fn new(file: PathBuf) -> Self {
         Self { file, target: None, reader: None, frames: 0, halves: Vec::new() }
     }
 }
 
-/// Draws the picture and leaves.
+/// Adds the system that draws the picture and quits.
 pub fn add(app: &mut App, wanted: Wanted) {
-    // Every frame is a moment later, however long it takes.
+    // Each frame advances time by the same amount, however long it takes.
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(20)))
         .insert_resource(wanted)
         .add_systems(Update, draw);
@@ -84,7 +84,7 @@ fn keep(
     let Some(reader) = wanted.reader.take() else { return };
     commands.entity(reader).despawn();
     let row = 4 * SIZE[0] as usize;
-    // Rows of a texture are aligned where they are copied to.
+    // Rows of a copied texture are aligned.
     let rows = read.data.chunks_exact(read.data.len() / SIZE[1] as usize).flat_map(|aligned| &aligned[..row]);
     wanted.halves.push(rows.copied().collect());
     wanted.frames = 0;
@@ -99,7 +99,7 @@ fn keep(
     }
 }
 
-/// Writes the halves of an opaque picture, one above the other.
+/// Writes the halves as an opaque picture, one above the other.
 fn write(file: &Path, rgba: &[u8]) -> Result<(), png::EncodingError> {
     let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
     let mut encoder = png::Encoder::new(std::io::BufWriter::new(std::fs::File::create(file)?), SIZE[0], 2 * SIZE[1]);

@@ -1,4 +1,4 @@
-//! The scene: animals that walk in circles on a ground, between posts that shade them.
+//! Scene: animals that walk in circles on a ground, between posts that shade them.
 
 use bevy_app::{App, Update};
 use bevy_asset::{Assets, Handle};
@@ -15,11 +15,11 @@ use bevy_time::Time;
 use bevy_transform::components::Transform;
 use std::f32::consts::TAU;
 
-/// The animals, in the order of their circles, the innermost first.
+/// Models of the animals, ordered by their circles, innermost first.
 #[derive(Resource)]
 pub struct Animals(pub Vec<Handle<PelageModel>>);
 
-/// How large the scene is, once its animals are loaded.
+/// Size of the scene, present once its animals are loaded.
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct Stage {
     /// Radius of the outermost circle, metres.
@@ -28,20 +28,20 @@ pub struct Stage {
     pub height_m: f32,
 }
 
-/// Who walks.
+/// Component of a walking animal.
 #[derive(Component, Clone, Copy, Debug)]
 struct Walker {
-    /// Of its circle, metres.
+    /// Radius of its circle, metres.
     radius_m: f32,
-    /// Where on the circle it begins, radians.
+    /// Starting angle on the circle, radians.
     start_rad: f32,
     speed_m_s: f32,
-    /// What lifts its feet to the ground, metres.
+    /// Offset that puts its feet on the ground, metres.
     lift_m: f32,
 }
 
 impl Walker {
-    /// Where it is, looking where it goes: models look along +z.
+    /// Returns the transform at a time, facing the direction of walking: models face +z.
     fn at(&self, time_s: f32) -> Transform {
         let angle = self.start_rad + time_s * self.speed_m_s / self.radius_m;
         let place = Vec3::new(self.radius_m * angle.sin(), self.lift_m, self.radius_m * angle.cos());
@@ -49,7 +49,7 @@ impl Walker {
     }
 }
 
-/// Adds the scene to an app: it is set up when all of [`Animals`] are loaded.
+/// Adds the scene to an app; it is set up when all of [`Animals`] are loaded.
 pub fn add(app: &mut App) {
     app.insert_resource(GlobalAmbientLight { brightness: 1_500.0, ..Default::default() })
         .add_systems(Update, (set_up.run_if(not_yet), walk));
@@ -68,18 +68,18 @@ fn set_up(
 ) {
     let Some(loaded) = animals.0.iter().map(|handle| models.get(handle)).collect::<Option<Vec<_>>>() else { return };
     let height_m = loaded.iter().map(|model| 2.0 * model.bounds().half_extents.y).fold(0.0, f32::max);
-    // Round the block in the middle.
+    // Around the block in the middle.
     let mut stage = Stage { radius_m: 0.4 * height_m, height_m };
     for (number, (handle, model)) in (0u8..).zip(animals.0.iter().zip(loaded)) {
         let (bounds, fur) = (model.bounds(), model.fur_height_m());
         let length = bounds.half_extents.z;
         stage.radius_m += 1.5 * length + bounds.half_extents.x;
-        // The clips of the built-in animals go about so far in a second.
+        // Approximate walking speed of the built-in animals' clips.
         let speed_m_s = 0.5 * length.max(bounds.half_extents.y);
         let lift_m = bounds.half_extents.y - bounds.center.y - fur;
         let walker = Walker { radius_m: stage.radius_m, start_rad: -0.5 + 0.8 * f32::from(number), speed_m_s, lift_m };
         let mut animal = commands.spawn((Pelage::fur(handle.clone()), walker, walker.at(0.0)));
-        // Without a clip of that name an animal stands.
+        // Without a clip of that name an animal does not move its legs.
         if model.clip("Walk").is_ok() {
             animal.insert(PelageClip::new("Walk"));
         }
@@ -102,7 +102,7 @@ fn set_up(
     let (r, h) = (stage.radius_m, stage.height_m);
     let ground = meshes.add(Plane3d::new(Vec3::Y, 12.0 * r * bevy_math::Vec2::ONE));
     commands.spawn((Mesh3d(ground), MeshMaterial3d(grass)));
-    // Posts about the circles, a block in their middle, and a low wall behind.
+    // Posts around the circles, a block in their middle, and a low wall behind.
     let mut block = |size: Vec3, at: Vec3, turn: f32, material: &Handle<StandardMaterial>| {
         let place = Transform::from_translation(at + 0.5 * size.y * Vec3::Y).with_rotation(Quat::from_rotation_y(turn));
         let mesh = meshes.add(Cuboid::from_size(size));
@@ -128,26 +128,26 @@ fn walk(mut walkers: Query<(&Walker, &mut Transform)>, time: Res<Time>) {
     }
 }
 
-/// From where all of it is seen: the circles and who walks there.
+/// Returns a camera position from which all circles and animals are visible.
 ///
-/// * `turn_rad` - about the middle; 0 looks from +z
+/// * `turn_rad` - angle about the middle; 0 looks from +z
 pub fn seen_from(stage: &Stage, turn_rad: f32) -> Transform {
     let distance = 2.1 * stage.radius_m;
     let eye = Quat::from_rotation_y(turn_rad) * Vec3::new(0.0, 0.5 * stage.height_m + 0.18 * distance, distance);
     Transform::from_translation(eye).looking_at(Vec3::Y * 0.35 * stage.height_m, Vec3::Y)
 }
 
-/// In fur as it is by default.
+/// Returns the default fur style.
 pub fn fur() -> Style {
     Style::Fur(FurParams::default())
 }
 
-/// In ink over Bevy's picture.
+/// Returns the ink style that paints over Bevy's picture.
 pub fn ink() -> Style {
     Style::Ink(InkParams::default().with(|ink| ink.background = InkBackground::Picture))
 }
 
-/// Draws all animals in that style.
+/// Sets the style of all animals.
 pub fn restyle(animals: &mut Query<&mut Pelage>, style: &Style) {
     for mut animal in animals {
         animal.style = style.clone();

@@ -1,4 +1,4 @@
-//! The strands of a package's coat where they stand on its mesh: planted when it is loaded, because they are many times as many as the tile's.
+//! Fur strands of a package, placed on its mesh at load time, because there are many times more than the tile has.
 
 use super::set::{Growth, Stand, Strand, Strands, mean_bent, steps};
 use crate::error::RuntimeError;
@@ -12,8 +12,10 @@ use pelage_formats::meaning::planting::{Crossed, Footing, Ground, Roots, Surface
 use pelage_formats::{AttributeVertex, GeometryVertex, MeshView, Package, StrandsView};
 use std::ops::Range;
 
-/// Plants them; `None` for a package without, and where a buffer of the device cannot hold them. Where there would be over `most`, a share of them
-/// stands for all, each as much wider; where that would be too few, there are none.
+/// Places the strands. Returns `None` for a package without strands, or if a buffer of the device cannot hold them.
+///
+/// If there were more than `most`, a share of them is placed, each correspondingly wider. If that share would be too
+/// small, there are none.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
@@ -26,7 +28,8 @@ pub(super) fn load(
         let [a, b, c] = ground.corners(triangle, &ground.tile_uv);
         0.5 * (b - a).perp_dot(c - a).abs()
     };
-    // As many as the tile's cover: what is too much is not planted to be counted.
+    // Estimates the count from the area that the tile covers, so that too many strands are not placed just to be
+    // counted.
     let tiles: f64 = (0..ground.triangles.len()).filter(|t| ground.furred[*t]).map(area).sum();
     let Some(share) = share_of(f64::from(view.strand_count()) * tiles, most) else { return Ok(None) };
     let planted = Planted::of(package, mesh, &ground, &view, share);
@@ -59,22 +62,24 @@ pub(super) fn load(
     Ok(fits.then_some(strands))
 }
 
-/// Least share of strands that is planted. Fewer, each as much wider, leave holes in dense short fur, which layers do not.
+/// Smallest share of strands that is placed. Fewer and wider strands leave holes in dense short fur, which layers do
+/// not.
 const FEWEST_PLANTED: f32 = 0.5;
 
-/// Which share of so many strands is planted where there may be no more than `most`.
+/// Returns the share of `strands` to place if at most `most` are allowed; `None` if it is too small.
 fn share_of(strands: f64, most: u32) -> Option<f32> {
     let share = (f64::from(most) / strands.max(1.0)).min(1.0) as f32;
     (share >= FEWEST_PLANTED).then_some(share)
 }
 
-/// The least chance in each workgroup of strands.
+/// Returns the smallest selection number (`chance`) in each workgroup of strands.
 fn least_chances(strands: &[Strand]) -> Vec<f32> {
     let least = |group: &[Strand]| group.iter().map(|strand| strand.chance).fold(1.0, f32::min);
     strands.chunks(WORKGROUP as usize).map(least).collect()
 }
 
-/// How far the mean dry strand of the tile is, at most, from the straight pieces between every `step`th of its points, metres.
+/// Returns the greatest distance of the tile's mean dry strand from the straight segments between every `step`th point,
+/// metres.
 fn bent(view: &StrandsView<'_>, step: usize, tile_m: f32, height_m: f32) -> f32 {
     let points: Vec<Vec3> =
         view.points().map(|p| Vec3::new(p.aside[0] * tile_m, p.aside[1] * tile_m, p.height * height_m)).collect();
@@ -82,7 +87,7 @@ fn bent(view: &StrandsView<'_>, step: usize, tile_m: f32, height_m: f32) -> f32 
     mean_bent(points.chunks_exact(view.points_per_strand() as usize).take(count), step)
 }
 
-/// Of the tile's dry strands over all their points, widths of the tile.
+/// Returns the mean radius of the tile's dry strands over all their points, in widths of the tile.
 fn mean_radius(view: &StrandsView<'_>) -> f32 {
     let count = (view.strand_count() * view.points_per_strand()) as usize;
     view.points().take(count).map(|point| f64::from(point.radius)).sum::<f64>() as f32 / count.max(1) as f32
@@ -91,20 +96,20 @@ fn mean_radius(view: &StrandsView<'_>) -> f32 {
 struct Planted {
     strands: Vec<Strand>,
     stands: Vec<Stand>,
-    /// Of the same strands when they are wet, where they can be.
+    /// Points of the same strands when wet, if the package has wet hair.
     wet_stands: Vec<Stand>,
     of_parts: Vec<Range<u32>>,
 }
 
-/// A strand whose points have not been walked to yet.
+/// Strand whose points have not been placed on the surface yet.
 struct Rooted {
     strand: Strand,
     root: Footing,
 }
 
 impl Planted {
-    /// Plants those whose chance is below `share`. On neighbouring parts of one material, which are drawn as one, strands stand in the
-    /// order of their chances: whatever looks at a share of them looks at those in front.
+    /// Places the strands whose chance is below `share`. Neighbouring parts of one material are drawn as one; their
+    /// strands are sorted by chance, so that any share of them is a prefix.
     fn of(package: &Package<'_>, mesh: &MeshView<'_>, ground: &Ground, view: &StrandsView<'_>, share: f32) -> Self {
         let parts = &package.manifest().parts;
         let walk = SurfaceWalk::new(ground);
@@ -126,14 +131,14 @@ impl Planted {
             run.sort_by(|a, b| a.strand.chance.total_cmp(&b.strand.chance));
             for Rooted { strand, root } in run {
                 let number = strand.of_tile as usize;
-                // Of those that are left, all draw again: each share of them is one of the same kind.
+                // Rescaled chances: any share of the remaining strands is again a uniform sample.
                 out.strands.push(Strand { chance: strand.chance / share, ..strand });
                 for (asides, stands) in [(dry, &mut out.stands), (wet, &mut out.wet_stands)] {
                     let of_strand = asides.get(number * per_strand..(number + 1) * per_strand).unwrap_or_default();
                     stands.extend(stands_along(ground, &walk, root, of_strand));
                 }
             }
-            // What fills up the last workgroup never grows.
+            // Strands that pad the last workgroup never grow.
             let fill = out.strands.len().next_multiple_of(WORKGROUP as usize);
             out.strands.resize(fill, Strand { chance: 1.0, ..Strand::default() });
             out.stands.resize(fill * per_strand, Stand::default());
@@ -147,7 +152,7 @@ impl Planted {
 }
 
 impl Rooted {
-    /// The strands of every part of the manifest, in the order of its triangles.
+    /// Returns the strands of every part of the manifest, in the order of its triangles.
     fn on_parts(
         package: &Package<'_>,
         mesh: &MeshView<'_>,
@@ -157,7 +162,7 @@ impl Rooted {
     ) -> Vec<Vec<Self>> {
         let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
         let attributes: Vec<AttributeVertex> = mesh.attributes().collect();
-        // Whoever loads the model has found it sound.
+        // The package was validated when the model was loaded.
         let openness = package.openness().ok().flatten();
         let opened = |vertex: usize| {
             let of = openness.and_then(|all| all.get(4 * vertex..4 * vertex + 4));
@@ -202,7 +207,8 @@ impl Rooted {
     }
 }
 
-/// A groom with what the body leaves open, whose vector lies between those of the corners; none where nothing is known.
+/// Returns a groom with the openness of the body, whose vector is interpolated between the corners; unchanged if the
+/// openness is unknown.
 fn with_openness(groom: u32, open: Vec3) -> u32 {
     let share = open.length();
     if share <= 0.0 {
@@ -212,7 +218,7 @@ fn with_openness(groom: u32, open: Vec3) -> u32 {
     groom & 0xffff | u32::from(u16::from_le_bytes(packed)) << 16
 }
 
-/// Where the points of a strand stand that lie so far aside of its root.
+/// Returns the surface positions of a strand's points, given their offsets from its root.
 fn stands_along(ground: &Ground, walk: &SurfaceWalk<'_>, root: Footing, asides: &[DVec2]) -> Vec<Stand> {
     let (mut at, mut from) = (root, DVec2::ZERO);
     let stand = |aside: &DVec2| {

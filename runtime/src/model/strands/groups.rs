@@ -1,4 +1,4 @@
-//! Groups of hair of a package: their hairs grow when it is loaded.
+//! Hair groups of a package; their hairs are generated at load time.
 
 use super::set::{Growth, Guided, HairRoot, Strand, Strands, mean_bent, steps};
 use crate::error::RuntimeError;
@@ -12,18 +12,19 @@ use pelage_formats::{GroupMotion, HairGroup, MeshView, Package, Pose};
 use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
-/// Hairs that say how far all bend.
+/// Number of hairs sampled to measure the deviation of simplified hairs.
 const MEASURED: usize = 256;
 
-/// The mesh as groups need it: at rest.
+/// Mesh at rest, as hair groups need it.
 struct Rest {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    /// Of each part, which triangles it has.
+    /// Triangle range of each part.
     parts: Vec<Range<u32>>,
 }
 
-/// Lets them grow. Of one that the device's buffers do not hold as many as they do, wider.
+/// Generates the hair groups. If the device's buffers cannot hold all hairs of a group, fewer and wider ones are
+/// generated.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
@@ -67,7 +68,7 @@ fn grown(
     let points = group.points;
     let (motion, freedom) = motion.unzip();
     let of_buffer = largest_buffer(&uploader.gpu.device.limits()) / (u64::from(points + 2) * 16);
-    // What fills up the workgroups of parts has room too.
+    // Room for the padding of each part's workgroups.
     let filled = u64::from(WORKGROUP) * rest.parts.len() as u64;
     let most = u32::try_from(of_buffer.saturating_sub(filled)).unwrap_or(u32::MAX);
     let planted = Planted::new(group, &rest.positions, &rest.triangles, most);
@@ -77,12 +78,12 @@ fn grown(
         let first = strands.len() as u32;
         let here = planted.hairs.iter().enumerate().filter(|(_, hair)| part.contains(&hair.root.triangle));
         for (number, hair) in here {
-            // Any beginning is an even sample.
+            // Any prefix is an even sample.
             let chance = (number as f32 + 0.5) / planted.hairs.len() as f32;
             strands.push(Strand { color: u32::MAX, of_tile: hair.color, chance, ..Strand::default() });
             roots.push(root(hair, rest));
         }
-        // What fills up the last workgroup never grows.
+        // Strands that pad the last workgroup never grow.
         let fill = strands.len().next_multiple_of(WORKGROUP as usize);
         strands.resize(fill, Strand { chance: 1.0, ..Strand::default() });
         roots.resize(fill, HairRoot::default());
@@ -103,7 +104,8 @@ fn grown(
         .collect();
     let length = |points: &Vec<Vec3>| points.windows(2).map(|ends| ends[0].distance(ends[1])).sum::<f32>();
     let as_groomed = |step: u32| mean_bent(measured.iter().map(Vec::as_slice), step as usize);
-    // Straight hair that swings does not stay straight: a piece is as far from an arc of a quarter turn as its share of it, squared.
+    // Straight hair that moves does not stay straight. The deviation of a segment from an arc of a quarter turn is
+    // proportional to the square of its share of the hair.
     let longest = planted.guides.iter().map(length).fold(0.0, f32::max);
     let swinging = |step: u32| longest * FRAC_PI_2 / 8.0 * (step as f32 / (points - 1) as f32).powi(2);
     let bent = |step: u32| as_groomed(step).max(if motion.is_some() { swinging(step) } else { 0.0 });
@@ -113,7 +115,7 @@ fn grown(
     };
     let triangles: Vec<[u32; 4]> = planted.guide_triangles.iter().zip(&group.guide_roots).map(triangle).collect();
     let held_up = |(triangle, points): (&u32, &Vec<Vec3>)| ballast(points, triangle_frame(corners(*triangle)));
-    // With how freely the guide moves, which is of no use where none does.
+    // Also stores how freely the guide moves; unused if no guide moves.
     let freedom = freedom.unwrap_or_default();
     let of_guide = |(number, guide)| {
         let free = freedom.get(number).copied().unwrap_or_default();
@@ -121,7 +123,7 @@ fn grown(
     };
     let in_rest = planted.guide_triangles.iter().zip(&planted.guides).enumerate().flat_map(of_guide);
     let in_rest: Vec<[f32; 4]> = in_rest.collect();
-    // Hair that swings may be stretched out.
+    // Moving hair may be fully stretched.
     let reach_m = if motion.is_some() { group.reach().max(longest * (1.0 + group.stray)) } else { group.reach() };
     let guides: Vec<[f32; 4]> = planted.guides.iter().flatten().map(|p| p.extend(0.0).to_array()).collect();
     let profiles = profiles(group);
@@ -168,14 +170,14 @@ fn share(k: u32, points: u32) -> f32 {
     k as f32 / (points - 1) as f32
 }
 
-/// Radius and colour along the hairs of each colour, as points of a tile's strands are stored.
+/// Returns radius and colour along the hairs of each colour, in the format of tile strand points.
 fn profiles(group: &HairGroup) -> Vec<[u32; 4]> {
     let point = |color: u32, k: u32| {
         let share = share(k, group.points);
         let unorm = |x: f32| (x.clamp(0.0, 1.0) * 65535.0).round() as u32;
         let radius = unorm(hair_radius(group, share) / group.root_radius_m);
         let [r, g, b] = hair_color(group, color, share).to_array().map(linear_to_srgb);
-        // Nothing is known of the light that reaches it.
+        // The light that reaches it is unknown.
         let visible = u32::from_le_bytes(encode_visibility(Vec4::X));
         [0, unorm(share) | radius << 16, u32::from_le_bytes([r, g, b, 0]), visible]
     };

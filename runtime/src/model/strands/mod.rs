@@ -1,4 +1,4 @@
-//! The strands of a package: those of its coat, and groups of hair.
+//! Strands of a package: fur strands and hair groups.
 
 mod coat;
 mod groups;
@@ -10,8 +10,8 @@ use super::upload::Uploader;
 use crate::error::RuntimeError;
 use pelage_formats::{MeshView, Package};
 
-/// Plants the coat's and lets groups of hair grow; without the coat's where there would be over `most_of_coat`, or a buffer of the device cannot
-/// hold them.
+/// Places the fur strands and generates the hair groups. The fur strands are omitted if there would be more than
+/// `most_of_coat`, or if a buffer of the device cannot hold them.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,

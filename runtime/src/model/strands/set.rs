@@ -1,4 +1,4 @@
-//! Strands on the GPU, wherever they grow.
+//! Strands on the GPU, of fur and of hair groups.
 
 use crate::gpu::WORKGROUP;
 use bytemuck::{Pod, Zeroable};
@@ -6,90 +6,90 @@ use glam::Vec3;
 use pelage_formats::GroupMotion;
 use std::ops::Range;
 
-/// Most strands of a coat that are drawn into the shadow map of strands.
+/// Maximum number of fur strands drawn into the deep opacity map.
 const MOST_SHADOWING: f32 = 100_000.0;
 
-/// Strands of a model that have as many points each: those of its coat, or a group of hair.
+/// Strands of a model with the same number of points each: its fur strands, or a hair group.
 #[derive(Debug)]
 pub(crate) struct Strands {
-    /// What each is, [`Strand`].
+    /// Buffer of [`Strand`], one per strand.
     pub(crate) strands: wgpu::Buffer,
-    /// How they grow.
+    /// Source data from which points are posed.
     pub(crate) growth: Growth,
-    /// Points of the tile's strands as the package stores them, dry, and wet behind those; of a group, radius and colour of its hairs in the same form.
+    /// Points of the tile's strands as stored in the package, dry, then wet. For a hair group: radius and colour of its
+    /// hairs in the same format.
     pub(crate) tile: wgpu::Buffer,
-    /// Of how many points each is.
+    /// Points per strand.
     pub(crate) points: u32,
-    /// How many there are.
+    /// Number of strands.
     pub(crate) count: u32,
-    /// Which of them each part of the manifest has: whole workgroups.
+    /// Strand range of each part of the manifest, in whole workgroups.
     pub(crate) of_parts: Vec<Range<u32>>,
-    /// Of the tile's strands: points of all that are dry, and the largest radius in metres.
+    /// Number of points of all dry strands of the tile, and the largest radius in metres.
     pub(super) dry_points: u32,
     pub(super) radius: f32,
-    /// Width of the tile's dry strands over all their points, metres.
+    /// Mean width of the tile's dry strands over all their points, metres.
     pub(crate) mean_width_m: f32,
-    /// How far the mean dry strand of the tile bends away from what is left of it when every so many points is drawn, metres, for each of
-    /// [`Self::steps`].
+    /// Deviation of the mean dry strand from its simplified form, metres, for each of [`Self::steps`].
     pub(crate) bent_m: Vec<f32>,
-    /// The least chance in each workgroup of them; none where they stand in no order of chances.
+    /// Smallest chance in each workgroup; empty if the strands are not sorted by chance.
     pub(super) least_chances: Vec<f32>,
 }
 
-/// How strands grow: what their points are posed from.
+/// Kinds of strands: the data from which their points are posed.
 #[derive(Debug)]
 pub(crate) enum Growth {
-    /// A coat: where each point of each stands on the skin, [`Stand`].
+    /// Fur: the surface position of each point, [`Stand`].
     Coat {
-        /// All of them, dry; behind those of wet hair.
+        /// Points of all dry strands, followed by those of wet hair.
         stands: wgpu::Buffer,
     },
-    /// A group of hair that follows guides.
+    /// Hair group that follows guides.
     Guided(Guided),
 }
 
-/// Hair on guides.
+/// Guided hair.
 #[derive(Debug)]
 pub(crate) struct Guided {
-    /// Of each guide the corners of its triangle, and the weights of the second and the third of its root, unorm.
+    /// Triangle corners of each guide, and the weights of the second and third corner at its root, unorm.
     pub(crate) triangles: wgpu::Buffer,
-    /// Points of the guides at rest, relative to their roots in the frames of those triangles.
+    /// Guide points at rest, relative to their roots, in the frames of their triangles.
     pub(crate) guides: wgpu::Buffer,
-    /// What holds them up at rest, in those frames.
+    /// Accelerations that hold the guides in shape against gravity at rest, in the frames of their triangles.
     pub(crate) ballast: wgpu::Buffer,
-    /// How they move; `None` where they do not.
+    /// Motion parameters; `None` if the guides do not move.
     pub(crate) motion: Option<GroupMotion>,
-    /// How many guides there are.
+    /// Number of guides.
     pub(crate) guide_count: u32,
-    /// What each hair follows, [`HairRoot`].
+    /// Buffer of [`HairRoot`], one per hair.
     pub(crate) hairs: wgpu::Buffer,
-    /// How far it reaches from the skin, metres.
+    /// Greatest distance from the surface, metres.
     pub(crate) reach_m: f32,
-    /// Which of the package's fibres it is.
+    /// Index of the package's fibre.
     pub(crate) fibre: u32,
 }
 
-/// Where a hair of a group roots, and what it follows.
+/// Root of a hair in a group, and the guides that it follows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct HairRoot {
-    /// Corners.
+    /// Triangle corners.
     pub(crate) vertices: [u32; 3],
-    /// Weights of the second and the third, unorm.
+    /// Weights of the second and third corner, unorm.
     pub(crate) weights: [u16; 2],
-    /// Guides.
+    /// Indices of the guides.
     pub(crate) guides: [u16; 4],
-    /// Weights of those, unorm.
+    /// Weights of the guides, unorm.
     pub(crate) shares: [u8; 4],
-    /// Of the guides' length.
+    /// Length relative to the guides.
     pub(crate) length: f32,
-    /// How far its tip is aside of what it follows, in the frame of its triangle, metres.
+    /// Offset of the tip from the interpolated guides, in the frame of the root triangle, metres.
     pub(crate) aside: [f32; 3],
     pub(crate) reserved: u32,
 }
 
 impl Strands {
-    /// Where it follows guides, those.
+    /// Returns the guided hair, if the strands follow guides.
     pub(crate) fn guided(&self) -> Option<&Guided> {
         match &self.growth {
             Growth::Coat { .. } => None,
@@ -97,7 +97,8 @@ impl Strands {
         }
     }
 
-    /// What the strands of a part have in common: that `share` of them is looked at, every `step`th point, so much wider than they grow.
+    /// Returns the constants shared by the strands of a part: `share` of them is used, every `step`th point, at
+    /// `widened` times their natural width.
     pub(crate) fn constants(&self, part: &Range<u32>, [share, widened]: [f32; 2], step: u32) -> StrandConstants {
         StrandConstants {
             points: self.points,
@@ -111,7 +112,8 @@ impl Strands {
         }
     }
 
-    /// Share of them that throws shadows on each other, each as much wider: all that guides lead, and of a coat as many as a map can tell apart.
+    /// Returns the share of strands drawn into the deep opacity map, each correspondingly wider: all guided hairs, and
+    /// as many fur strands as a map can resolve.
     pub(crate) fn shadow_share(&self) -> f32 {
         match self.growth {
             Growth::Coat { .. } => (MOST_SHADOWING / self.count.max(1) as f32).min(1.0),
@@ -119,47 +121,47 @@ impl Strands {
         }
     }
 
-    /// Those of a part among which all are whose chance is below `share`: whole workgroups.
+    /// Returns the range of a part that contains all strands whose chance is below `share`, in whole workgroups.
     pub(crate) fn in_front(&self, part: &Range<u32>, share: f32) -> Range<u32> {
         let groups = (part.start / WORKGROUP) as usize..part.end.div_ceil(WORKGROUP) as usize;
         let Some(chances) = self.least_chances.get(groups) else { return part.clone() };
-        // Where parts were joined that do not follow each other they are in order piece by piece.
+        // Where non-adjacent parts were joined, the order holds only within each piece.
         let count = chances.iter().rposition(|least| *least < share).map_or(0, |last| last as u32 + 1);
         part.start..(part.start + count * WORKGROUP).min(part.end)
     }
 
-    /// Bytes of the pearls of guides that may move: two vectors for each of their points, and four for their frames.
+    /// Returns the size in bytes of the particles of movable guides: two vectors per point, and four for their frames.
     pub(crate) fn pearl_bytes(&self) -> Option<u64> {
         let guided = self.guided().filter(|guided| guided.motion.is_some())?;
         Some(u64::from(guided.guide_count) * u64::from(2 * self.points + 4) * 16)
     }
 
-    /// Bytes of their posed points: two vectors of the skin's frame, then the points.
+    /// Returns the size in bytes of the posed points: two vectors of the surface frame per strand, then its points.
     pub(crate) fn posed_bytes(&self) -> u64 {
         u64::from(self.count) * u64::from(self.points + 2) * 16
     }
 
-    /// Corners of the ribbon of a strand of which every `step`th point is drawn: two a point.
+    /// Returns the corners of a ribbon that uses every `step`th point: two per point.
     fn corners(&self, step: u32) -> u32 {
         2 * (self.pieces(step) + 1)
     }
 
-    /// Pieces of such a ribbon, each of two triangles.
+    /// Returns the segments of such a ribbon, each of two triangles.
     pub(crate) fn pieces(&self, step: u32) -> u32 {
         (self.points - 1) / step
     }
 
-    /// Every how many points may be drawn: what a strand's pieces can be divided by.
+    /// Returns the possible strides between drawn points: divisors of a strand's number of segments.
     pub(crate) fn steps(&self) -> impl DoubleEndedIterator<Item = u32> {
         steps(self.points)
     }
 
-    /// Bytes of the ribbons of all.
+    /// Returns the size in bytes of all ribbons.
     pub(crate) fn ribbon_bytes(&self, step: u32) -> u64 {
         u64::from(self.count) * u64::from(self.corners(step)) * CORNER_BYTES
     }
 
-    /// Bytes on the GPU.
+    /// Returns the size on the GPU in bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let growth = match &self.growth {
             Growth::Coat { stands } => stands.size(),
@@ -171,53 +173,53 @@ impl Strands {
     }
 }
 
-/// Bytes of a corner of a ribbon: where it is, and its light.
+/// Bytes per corner of a ribbon: its position and its light.
 pub(crate) const CORNER_BYTES: u64 = 16;
 
-/// What a strand is, whatever the pose.
+/// Pose-independent data of a strand.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Strand {
     pub(crate) base_uv: [f32; 2],
-    /// Of the vertices, unorm.
+    /// Vertex colour, unorm.
     pub(crate) color: u32,
-    /// Bareness, wetness, unorm; what the body leaves open to it, packed.
+    /// Bareness and wetness, unorm; openness of the body at the strand, packed.
     pub(crate) groom: u32,
-    /// Which of the tile's it is.
+    /// Index of the tile's strand.
     pub(crate) of_tile: u32,
-    /// 0..1, for what is true of a share of all strands.
+    /// Random number in 0..1 that selects a share of all strands.
     pub(crate) chance: f32,
     pub(crate) lean: f32,
     pub(crate) fur_height: f32,
 }
 
-/// Where a point of a strand stands: on a triangle of the mesh, or beside it on its plane.
+/// Surface position of a strand point: on a triangle of the mesh, or beside it in its plane.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Stand {
-    /// Corners.
+    /// Triangle corners.
     pub(crate) vertices: [u32; 3],
-    /// Weights of the second and the third, snorm of a quarter.
+    /// Weights of the second and third corner, as snorm of a quarter of the value.
     pub(crate) weights: [i16; 2],
 }
 
-/// What the strands of a part have in common.
+/// Constants shared by the strands of a part.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct StrandConstants {
     pub(crate) points: u32,
-    /// Of the model.
+    /// Number of strands of the model.
     pub(crate) count: u32,
     /// Points of the tile's dry strands.
     pub(crate) dry_points: u32,
-    /// Metres.
+    /// Radius in metres of the largest stored number.
     pub(crate) radius: f32,
-    /// Of the part.
+    /// Range of strands of the part.
     pub(crate) first: u32,
     pub(crate) end: u32,
-    /// Of them that is drawn.
+    /// Share of the strands that is drawn.
     pub(crate) share: f32,
-    /// Every how many points is looked at.
+    /// Stride between the points that are used.
     pub(crate) step: u32,
 }
 
@@ -226,7 +228,8 @@ pub(super) fn steps(points: u32) -> impl DoubleEndedIterator<Item = u32> {
     (1..=pieces).filter(move |step| pieces.is_multiple_of(*step))
 }
 
-/// How far the mean of some strands is, at most, from the straight pieces between every `step`th of its points.
+/// Returns the greatest mean distance of some strands from the straight segments between every `step`th of their
+/// points.
 pub(super) fn mean_bent<'a>(strands: impl Iterator<Item = &'a [Vec3]>, step: usize) -> f32 {
     let off_piece = |piece: &[Vec3]| {
         let (from, along) = (piece[0], piece[piece.len() - 1] - piece[0]);

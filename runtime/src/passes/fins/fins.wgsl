@@ -1,9 +1,9 @@
-// The fins: a quad on every edge of the skin, shown where it is seen face on, which is along the outline (Lengyel 2001).
-// Fins that are faded out collapse into a point and have no fragments.
+// Fins: a quad on every mesh edge, visible when seen face on, which is along the outline (Lengyel 2001). Faded fins
+// collapse into a point and produce no fragments.
 
 struct FinVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Along the slab, and height: 0 on the skin, 1 at the outermost layer.
+    // Coordinate along the slab; height: 0 on the mesh surface, 1 at the outermost layer.
     @location(0) slab_uv: vec2<f32>,
     @location(1) light_ts: vec3<f32>,
     @location(2) half_ts: vec3<f32>,
@@ -12,7 +12,7 @@ struct FinVarying {
     @location(5) @interpolate(flat, either) slab: u32,
     @location(6) @interpolate(flat, either) opacity: f32,
     @location(7) groom: vec2<f32>,
-    // Length of the hair over the tile's; slope that the lean of the vertex adds to hair at this height.
+    // Length of the hair relative to the tile's; slope that the vertex lean adds at this height.
     @location(8) length_slope: vec2<f32>,
     @location(9) place: vec4<f32>,
     @location(10) position_ws: vec3<f32>,
@@ -21,7 +21,8 @@ struct FinVarying {
     @location(13) open: vec3<f32>,
 }
 
-// What the package knows of the light at a height, on average: which strands of the tile a slab shows, it does not say.
+// Returns the mean baked visibility at a height. The mean is used because the package does not record which strands of
+// the tile a slab shows.
 fn baked_at_height(height: f32, kept: f32, length: f32, slope: f32) -> Baked {
     var texel = vec4(1.0);
     if BAKED_SHADOW {
@@ -56,7 +57,7 @@ fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
     );
 }
 
-// Premultiplied colour and opacity.
+// Returns premultiplied colour and opacity.
 @fragment
 fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
     let hair = dry_hair_at(in.slab_uv, in.slab);
@@ -66,7 +67,7 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
     }
     let groom = groom_at_root(in.groom, in.base_uv, root);
     let base = base_color_at_root(in.tint, in.base_uv, root);
-    // Hair that grows, and that does not lie in the wet locks of which there are no fins.
+    // Hair that grows and is not in wet locks; fins have no wet locks.
     let texel = hair.color * (in.opacity * groom.x * select(1.0, 1.0 - groom.y, WET));
     if texel.a < LEAST_ALPHA || is_cut(base.a) {
         discard;

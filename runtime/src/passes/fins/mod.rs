@@ -1,5 +1,5 @@
-//! `fins`: quads of hair on the edges of the skin, faded by the angle they are seen at (Lengyel 2001), blended into the
-//! application's colour target with depth tested and not written. Between `skin` and `shells`.
+//! `fins`: hair quads on mesh edges, faded by viewing angle (Lengyel 2001). Blended into the application's colour
+//! target, with depth test and without depth write. Runs between `skin` and `shells`.
 
 use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
 use crate::gpu::{Group, RenderSpec, Shader, on};
@@ -8,7 +8,7 @@ use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{Recording, Seen, fin_draws};
 
-/// The shader.
+/// Shader of the `fins` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage fins",
     parts: hair_wgsl!(
@@ -19,11 +19,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Quads of hair on the edges of the skin, where they are seen face on.
+    /// Hair quads on mesh edges, visible when seen face on.
     pub const FINS: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `fins` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "fins",
     place: PassPlace::Picture,
@@ -43,7 +43,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
         on("LEAN", seen.model.varies().lean),
         on("PLANAR_DIRECTIONS", seen.model.fins().is_some_and(|fins| fins.planar_directions)),
     ]);
-    // They are seen from both sides, and hide nothing.
+    // Fins are visible from both sides and occlude nothing.
     let spec = frame.picture_spec(SHADER, ["vs_fins", "fs_fins"], constants, [false, true], true);
     RenderSpec { depth: Some(frame.picture_depth(false, true)), ..spec }
 }

@@ -1,34 +1,36 @@
-// How fur leans: a particle at the tip of the hair on each vertex. The twin of formats/src/meaning/fur_motion.rs, which says why it is as it is.
+// Motion of fur: one particle at the hair tip of each vertex. Twin of formats/src/meaning/fur_motion.rs, which explains
+// the method.
 
-// What all vertices of a model have in common in a frame.
+// Constants of a model in a frame.
 struct FurMotion {
-    // Directions.
+    // Transform of directions.
     world_from_model: mat3x3<f32>,
-    // Where the model's origin is in the world.
+    // Model origin in world space.
     origin: vec3<f32>,
     vertices: u32,
-    // How far it went in this frame.
+    // Displacement of the model origin in this frame.
     went: vec3<f32>,
     seconds: f32,
     wind: Wind,
-    // Of the frame before.
+    // Duration of the previous frame, s.
     before_s: f32,
-    // Of the character.
+    // Scale of the character.
     scale: f32,
-    // How far fur leans.
+    // Strength of the lean.
     strength: f32,
-    // 1: hair begins. 2: it began in the frame before, and nothing is known of how fast the skin was.
+    // 1: first frame of motion. 2: second frame; the previous velocity of the surface is unknown. 0 otherwise.
     begins: u32,
 }
 
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
-// Six words a vertex; the first two bytes of the last are bareness and wetness.
+// Six words per vertex; the first two bytes of the last word are bareness and wetness.
 @group(0) @binding(1) var<storage, read> attributes: array<u32>;
-// Of each vertex three: where its tip is from where it was groomed, how fast that goes, and where the skin is from the model's origin. The fourth numbers
-// are how fast the skin went.
+// Three vectors per vertex: offset of the tip from its groomed position, velocity of that offset, and surface position
+// relative to the model origin. Their w components hold the surface velocity.
 @group(0) @binding(2) var<storage, read_write> tips: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> leaned: array<GeometryVertex>;
-// No uniform: Mesa's lavapipe compiles a shader anew for each value of a uniform that it branches on.
+// Storage buffer instead of uniform: Mesa's lavapipe recompiles a shader for each value of a uniform that it branches
+// on.
 @group(0) @binding(4) var<storage, read> motion: FurMotion;
 
 const STIFFNESS: f32 = 60.0;
@@ -63,7 +65,7 @@ fn lean_fur(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         if wanted > 1e-4 {
             let angle = wanted / sqrt(1.0 + (wanted / MOST_LEAN_RAD) * (wanted / MOST_LEAN_RAD));
             let axis = normal * cos(angle) + along * (sin(angle) / far);
-            // Back from the world, as normals go.
+            // World to model space; normals transform by the transpose.
             out.normal = normalize_or(transpose(motion.world_from_model) * axis, v.normal);
             out.tangent = vec4(orthonormal_tangent(v.tangent.xyz, out.normal), v.tangent.w);
         }
@@ -71,7 +73,7 @@ fn lean_fur(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     leaned[index] = out;
 }
 
-// Moves the tip on the vertex, and says where it is.
+// Advances the tip particle of a vertex and returns its offset.
 fn advance(index: u32, v: GeometryVertex, size: f32) -> vec3<f32> {
     let root = motion.world_from_model * v.position;
     let air = wind_at(motion.wind, motion.origin + root, motion.wind.time_s);

@@ -1,7 +1,8 @@
 //! `fur_motion`: leans fur in wind and stride, once per instance and frame.
 //!
-//! Reads the posed skin and how its tips moved; writes the tips, and a copy of the posed vertices whose normals and tangents lean as the fur does. All passes
-//! after it draw that copy, so that shells, fins, strands of the coat, strokes of ink and shadow maps lean without knowing of it.
+//! Reads the posed vertices and the state of the tip particles. Writes that state, and a copy of the posed vertices
+//! with leaned normals and tangents. All later passes draw the copy. Shells, fins, fur strands, ink strokes and shadow
+//! maps therefore lean without code of their own.
 
 use super::{Outcome, Pass, PassId, PassPlace, columns};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, storage_in, storage_out};
@@ -11,7 +12,7 @@ use crate::swing::WindBlock;
 use bytemuck::{Pod, Zeroable};
 use pelage_formats::{AttributeVertex, GeometryVertex};
 
-/// The shader.
+/// Shader of the `fur_motion` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage fur motion",
     parts: &[
@@ -24,11 +25,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: leans fur.
+    /// Compute: leans fur in wind and stride.
     pub const FUR_MOTION: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `fur_motion` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "fur_motion",
     place: PassPlace::Before,
@@ -40,7 +41,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// What all vertices of a model have in common in a frame.
+/// Constants of a model in a frame, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct FurMotion {

@@ -1,21 +1,21 @@
-// How hair on guides moves: each guide a string of pearls whose root goes with the skin. The twin of formats/src/meaning/hair_motion/mod.rs, which
-// says why it is as it is.
+// Motion of hair on guides: each guide is a chain of particles whose root moves with the mesh surface. Twin of
+// formats/src/meaning/hair_motion/mod.rs, which explains the method.
 
-// What the guides of a group have in common in a frame.
+// Constants of a group's guides in a frame.
 struct HairMotion {
-    // Directions.
+    // Transform of directions.
     world_from_model: mat3x3<f32>,
     model_from_world: mat3x3<f32>,
-    // Where the model's origin is in the world.
+    // Model origin in world space.
     origin: vec3<f32>,
     points: u32,
-    // How far it went in this frame.
+    // Displacement of the model origin in this frame.
     went: vec3<f32>,
     steps: u32,
     gravity: vec3<f32>,
     step_s: f32,
     wind: Wind,
-    // Of the frame before.
+    // Step duration of the previous frame, s.
     before_s: f32,
     held: f32,
     free: f32,
@@ -25,23 +25,26 @@ struct HairMotion {
     friction: f32,
     colliders: u32,
     guides: u32,
-    // Hair begins as it was groomed.
+    // 1 if hair starts from its groomed shape.
     fresh: u32,
     reserved: vec2<u32>,
 }
 
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
-// Corners of the triangle of each guide; weights of the second and the third of its root, unorm.
+// Per guide: corners of its triangle; root weights of the second and third corner, unorm.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
-// Points of each guide, in the frame of its triangle, and what holds them there at rest, with how freely the guide moves.
+// Per guide: points in the frame of its triangle. `ballast`: acceleration that holds them there at rest; w: freedom of
+// the guide.
 @group(0) @binding(2) var<storage, read> groomed: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> ballast: array<vec4<f32>>;
-// Of each guide: place and velocity of each pearl, then frame and root as they were.
+// Per guide: position and velocity of each particle, then previous frame (three vectors) and root.
 @group(0) @binding(4) var<storage, read_write> pearls: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read_write> posed_guides: array<vec4<f32>>;
-// Of each both ends before and both ends now, relative to the model's origin now; radii are the fourth numbers of first ends.
+// Per collider: both ends in the previous frame, then both ends now, relative to the current model origin. Each first
+// end has the radius in w.
 @group(0) @binding(6) var<storage, read> colliders: array<vec4<f32>>;
-// No uniform: Mesa's lavapipe compiles a shader anew for each value of a uniform that it branches on.
+// Storage buffer instead of uniform: Mesa's lavapipe recompiles a shader for each value of a uniform that it branches
+// on.
 @group(0) @binding(7) var<storage, read> motion: HairMotion;
 
 const MOST_POINTS: u32 = 65u;
@@ -55,16 +58,17 @@ const FASTEST: f32 = 25.0;
 const GRAVITY: f32 = 9.81;
 const TAU: f32 = 6.2831853;
 
-// What a guide's thread works on.
+// Working state of the thread of a guide.
 var<private> first_pearl: u32;
 var<private> first_point: u32;
 var<private> left: array<f32, MOST_POINTS>;
 var<private> right: array<f32, MOST_POINTS>;
 var<private> lengths: array<f32, MOST_POINTS>;
-// A bit for each collider that the guide may reach in this frame.
+// Bit mask of the colliders that the guide may reach in this frame.
 var<private> near: array<u32, 4>;
 
-// Finds those. What is left out is farther than its radius, the guide's length, and what both move.
+// Finds the colliders near a guide. Skips those farther away than the sum of their radius, the guide's length, and the
+// motion of both.
 fn find_near(root: vec3<f32>, old_root: vec3<f32>) {
     var reach = distance(root, old_root);
     for (var k = 1u; k < motion.points; k++) {
@@ -100,7 +104,8 @@ fn set_velocity(k: u32, value: vec3<f32>) {
     pearls[first_pearl + 2u * k + 1u] = vec4(value, 0.0);
 }
 
-// Within a step the place at its beginning stands where the velocity does between steps.
+// Returns the position of a particle at the start of the step. Within a step, it occupies the slot that holds the
+// velocity between steps.
 fn started(k: u32) -> vec3<f32> {
     return velocity(k);
 }
@@ -128,7 +133,7 @@ fn piece(frame: mat3x3<f32>, k: u32) -> vec3<f32> {
 
 const UP: vec3<f32> = vec3(0.0, 1.0, 0.0);
 
-// The least turn from one direction to another, a quaternion.
+// Returns the smallest rotation from one direction to another, as a quaternion.
 fn turned(from_way: vec3<f32>, to_way: vec3<f32>) -> vec4<f32> {
     let a = direction(from_way, UP);
     let b = direction(to_way, UP);
@@ -161,7 +166,7 @@ fn along(k: u32) -> vec3<f32> {
     return select(then, now, dot(now, then) < LEAST_TURN);
 }
 
-// The most that a piece is longer or shorter than it should be, over its length.
+// Returns the largest relative length error of a segment.
 fn off_lengths(held: u32) -> f32 {
     var off = 0.0;
     for (var k = held + 1u; k < motion.points; k++) {
@@ -170,7 +175,7 @@ fn off_lengths(held: u32) -> f32 {
     return off;
 }
 
-// One step of Newton's method for the tensions that give all pieces their lengths.
+// Performs one step of Newton's method for the tensions that restore the lengths of all segments.
 fn hold_lengths(held: u32) {
     var before = vec3(0.0);
     left[held] = 0.0;
@@ -200,7 +205,8 @@ fn hold_lengths(held: u32) {
     }
 }
 
-// The place nearest to `at` that is `size` from `parent` and `radius` from `center`; where there is none, straight away from `center`.
+// Returns the position nearest to `at` that is `size` from `parent` and `radius` from `center`. If there is none,
+// returns the point straight away from `center`.
 fn outside(parent: vec3<f32>, size: f32, at: vec3<f32>, center: vec3<f32>, radius: f32) -> vec3<f32> {
     let to_center = center - parent;
     let apart = length(to_center);
@@ -277,7 +283,7 @@ fn advance(old_frame: mat3x3<f32>, old_root: vec3<f32>, frame: mat3x3<f32>, root
     settle(frame, root, share, held);
 }
 
-// What is left, from root to tip, and around what is in the way.
+// Resolves remaining length errors and collisions, from root to tip.
 fn settle(frame: mat3x3<f32>, root: vec3<f32>, share: f32, held: u32) {
     let h = motion.step_s;
     for (var k = 0u; k < motion.points; k++) {
@@ -320,7 +326,7 @@ fn between(a: mat3x3<f32>, b: mat3x3<f32>, share: f32) -> mat3x3<f32> {
     return mat3x3(a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share, a[2] + (b[2] - a[2]) * share);
 }
 
-// Thread for thread a guide.
+// One thread per guide.
 @compute @workgroup_size(64)
 fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let guide = id.y * groups.x * 64u + id.x;
@@ -345,7 +351,7 @@ fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
         }
     } else {
         let old_frame = mat3x3(pearls[last].xyz, pearls[last + 1u].xyz, pearls[last + 2u].xyz);
-        // From where the model's origin is now.
+        // Relative to the current model origin.
         let old_root = pearls[last + 3u].xyz - motion.went;
         lengths[0] = 0.0;
         for (var k = 1u; k < points; k++) {

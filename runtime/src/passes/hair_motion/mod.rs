@@ -1,7 +1,7 @@
-//! `hair_motion`: lets hair on guides swing, once per instance and frame.
+//! `hair_motion`: simulates hair on guides, once per instance and frame.
 //!
-//! Reads the posed skin, the guides as they were groomed and the pearls of the frame before; writes the pearls and, in place of what `hair_pose` makes of guides
-//! that do not move, where guides are.
+//! Reads the posed vertices, the groomed guides and the previous state of the particles. Writes the particles and the
+//! posed guides; `hair_pose` writes the latter for guides that do not move.
 
 use super::{Outcome, Pass, PassId, PassPlace, columns};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, storage_in, storage_out};
@@ -12,7 +12,7 @@ use crate::swing::WindBlock;
 use bytemuck::{Pod, Zeroable};
 use pelage_formats::GeometryVertex;
 
-/// The shader.
+/// Shader of the `hair_motion` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage hair motion",
     parts: &[
@@ -25,11 +25,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: lets hair on guides swing.
+    /// Compute: simulates hair on guides.
     pub const HAIR_MOTION: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `hair_motion` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "hair_motion",
     place: PassPlace::Before,
@@ -41,7 +41,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// What the guides of a group have in common in a frame.
+/// Constants of a group's guides in a frame, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct HairMotion {
@@ -69,7 +69,7 @@ pub(crate) struct HairMotion {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let nothing = Outcome::Skipped("no hair on guides moves, or all is at rest");
-    // A device that cannot draw hair cannot make this layout.
+    // A device that cannot draw single hairs cannot create this layout.
     if !frame.instances.iter().any(|seen| seen.look.strands && seen.moved.swing.is_some()) {
         return nothing;
     }
@@ -123,7 +123,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         };
         let mut colliders: Vec<[f32; 4]> = swing.colliders.iter().flatten().flat_map(end).collect();
         if colliders.is_empty() {
-            // A binding cannot be empty.
+            // Bindings must not be empty.
             colliders.push([0.0; 4]);
         }
         let size = size_of_val(&colliders[..]) as u64;

@@ -1,5 +1,5 @@
-// Hair on guides: turns the guides with the triangles that they root in, then places the points of the hairs of a part.
-// `pelage_formats::meaning::hair_groups` says the same.
+// Pose of hair on guides: rotates guides with the triangles of their roots, then places the points of a part's hairs.
+// Twin of `pelage_formats::meaning::hair_groups`.
 
 // 48 bytes.
 struct HairRoot {
@@ -8,20 +8,20 @@ struct HairRoot {
     c: u32,
     // Weights of b and c, unorm.
     weights: u32,
-    // 16 bits each.
+    // Guide indices, 16 bits each.
     guides_01: u32,
     guides_23: u32,
     // Weights of the guides, unorm.
     shares: u32,
-    // Of the guides' length.
+    // Length relative to the guides', above 0 and at most 1.
     length: f32,
-    // In the frame of its triangle.
+    // Offset in the frame of the hair's triangle.
     aside: vec3<f32>,
     reserved: u32,
 }
 
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
-// Corners of the triangle of each guide.
+// Corners of each guide's triangle.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
 // Points of each guide, in the frame of its triangle.
 @group(0) @binding(2) var<storage, read> guides: array<vec4<f32>>;
@@ -30,7 +30,7 @@ struct HairRoot {
 @group(0) @binding(5) var<storage, read_write> posed: array<vec4<f32>>;
 @group(0) @binding(6) var<uniform> constants: StrandConstants;
 
-// Thread for thread a point of a guide.
+// One thread per guide point.
 @compute @workgroup_size(64)
 fn pose_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let index = id.y * groups.x * 64u + id.x;
@@ -42,13 +42,13 @@ fn pose_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
     posed_guides[index] = vec4(frame * guides[index].xyz, 0.0);
 }
 
-// Where a guide is between its points, relative to its root.
+// Returns a position between two points of a guide, relative to its root.
 fn guide_at(guide: u32, low: u32, high: u32, share: f32) -> vec3<f32> {
     let first = guide * constants.points;
     return mix(posed_guides[first + low].xyz, posed_guides[first + high].xyz, share);
 }
 
-// Thread for thread a point of a hair.
+// One thread per hair point.
 @compute @workgroup_size(64)
 fn pose_hairs(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let points = constants.points;
@@ -75,7 +75,7 @@ fn pose_hairs(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
         + guide_at(hair.guides_01 >> 16u, low, high, between) * shares.y
         + guide_at(hair.guides_23 & 0xffffu, low, high, between) * shares.z
         + guide_at(hair.guides_23 >> 16u, low, high, between) * shares.w;
-    // Bytes do not always add up to 1.
+    // Weights stored as bytes do not always add up to 1.
     let sum = max(dot(shares, vec4(1.0)), 1.0 / 255.0);
     let aside = triangle_frame(a.position, b.position, c.position) * hair.aside;
     let root = a.position * at.x + b.position * at.y + c.position * at.z;

@@ -1,4 +1,4 @@
-//! `hair_pose`: places hair on guides where the posed skin has their roots, once per changed pose.
+//! `hair_pose`: places hair on guides at its roots on the posed mesh, once per changed pose.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, in_compute, storage_in, storage_out, uniform};
@@ -7,7 +7,7 @@ use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
 
-/// The shader.
+/// Shader of the `hair_pose` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage hair pose",
     parts: &[
@@ -21,11 +21,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: places hair on guides on the posed skin.
+    /// Compute: places hair on guides on the posed mesh.
     pub const HAIR_POSE: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `hair_pose` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "hair_pose",
     place: PassPlace::Before,
@@ -39,7 +39,7 @@ pub(crate) const PASS: Pass = Pass {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let nothing = Outcome::Skipped("no hair on guides is drawn, or no pose changed");
-    // A device that cannot draw it cannot make this layout.
+    // A device that cannot draw single hairs cannot create this layout.
     if !frame.instances.iter().any(|seen| seen.look.strands) {
         return nothing;
     }
@@ -78,9 +78,9 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
                 let spec = ComputeSpec { shader: SHADER, entry, groups, constants: Vec::new() };
                 Dispatch { pipeline: frame.compute_pipeline(spec), groups: vec![Group::of(&group)], threads }
             };
-            // Guides that move are where `hair_motion` has them.
+            // `hair_motion` writes the guides that move.
             if number == 0 && !set.posed.swings(&seen.moved, guided) {
-                // All of them at once, whatever part they root in.
+                // All guides in one dispatch, regardless of their part.
                 guides.push(dispatch("pose_guides", set.strands.points * guided.guide_count));
             }
             hairs.push(dispatch("pose_hairs", set.strands.points * of_part.len() as u32));
@@ -90,7 +90,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if hairs.is_empty() {
         return nothing;
     }
-    // Hairs follow guides that are posed.
+    // Hairs read the posed guides, so they come after them.
     guides.append(&mut hairs);
     record_dispatches(frame.encoder, SHADER.name, &guides);
     Outcome::recorded(format!("{count} hairs"))

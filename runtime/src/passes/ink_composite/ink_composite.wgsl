@@ -1,4 +1,4 @@
-// Everything on one sheet: paper, wash and lines, into the application's picture with the depth of what is drawn.
+// Composition of paper, wash and lines into the application's picture, with the depth of the painted surface.
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var surfaces: texture_2d<f32>;
@@ -8,7 +8,7 @@
 @group(0) @binding(6) var paper_sampler: sampler;
 @group(0) @binding(7) var clamped: sampler;
 
-// The application's own picture stays where nothing is painted.
+// Keeps the application's picture where nothing is painted.
 override PICTURE: bool = false;
 
 struct Painted {
@@ -16,28 +16,29 @@ struct Painted {
     @builtin(frag_depth) depth: f32,
 }
 
-// How far ink runs into the paper, pixels: wash, and lines less.
+// Bleed of ink into the paper, pixels: wash, then lines, which bleed less.
 const WASH_RUNS: vec2<f32> = vec2(1.1, 0.6);
 const LINES_RUN: vec2<f32> = vec2(0.44, 0.24);
 
-// What runs a little: each look between texels is the mean of four.
+// Samples a bleeding texture: the mean of two reads, each of which filters four texels.
 fn softly(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f32> {
     let px = runs / ink.size;
     return 0.5 * (textureSampleLevel(map, clamped, uv + px, 0.0).rg + textureSampleLevel(map, clamped, uv - px, 0.0).rg);
 }
 
-// Beside the body the line stands a little behind its feature at `q`, so that hair from there covers it. Its faint edge hides nothing.
+// Returns the depth of a pixel. Outside the body, a line is slightly behind its feature at `q`, so that hair in front
+// of it covers it. A faint edge of a line keeps the depth of its own pixel and so hides nothing.
 fn depth_at(p: vec2<i32>, q: vec2<i32>, on_body: bool, opacity: f32) -> f32 {
     let beside = mix(textureLoad(depths, q, 0), ink.far_depth, 0.05);
     return select(beside, textureLoad(depths, p, 0), on_body || opacity <= 0.5);
 }
 
-// The feature that reaches a pixel.
+// Returns the position of the feature whose line reaches a pixel.
 fn feature_of(p: vec2<i32>, stroke: vec4<f32>) -> vec2<i32> {
     return inside(p + vec2<i32>(round(stroke.zw * 255.0)) - 128);
 }
 
-// Opacity and ink of the line.
+// Returns opacity and ink of the line.
 fn line_at(uv: vec2<f32>, stroke: vec4<f32>) -> vec2<f32> {
     if SOFT {
         return softly(strokes, uv, LINES_RUN);
@@ -45,8 +46,8 @@ fn line_at(uv: vec2<f32>, stroke: vec4<f32>) -> vec2<f32> {
     return stroke.xy;
 }
 
-// Grey of the wash, which gathers between the fibres. Where there is ink for all of the paper, raised fibres take theirs, too: they would be white
-// scratches otherwise.
+// Returns the grey of the wash, which gathers between the paper's fibres. Where the ink suffices for all of the paper,
+// raised fibres take ink too; otherwise they would show as white scratches.
 fn wash_at(uv: vec2<f32>, sheet: vec4<f32>) -> f32 {
     let dens = 1.0 - softly(surfaces, uv, WASH_RUNS).r;
     let thirst = min(2.0 * (1.0 - dens), 1.0);
@@ -77,7 +78,7 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     if !PICTURE {
         return Painted(vec4(color, 1.0), depth);
     }
-    // Beside the body only its lines are there, and the wash that ran out.
+    // Outside the body there are only its lines and the wash that bled out.
     let opacity = select(max(line.x, 1.0 - wash), 1.0, here.w > 0.0);
     if opacity <= 0.0 {
         discard;

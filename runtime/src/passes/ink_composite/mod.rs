@@ -1,11 +1,11 @@
-//! `ink_composite`: paper, wash and lines into the application's pass, with the depth of what is painted.
+//! `ink_composite`: paper, wash and lines into the application's pass, with the depth of the painted surface.
 
 use super::{Outcome, Pass, PassId, PassPlace, ink_normals, ink_stroke, ink_trace};
 use crate::gpu::{Draw, Shader, on};
 use crate::params::{InkBackground, InkShow, StyleKind};
 use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
-/// The shader.
+/// Shader of the `ink_composite` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink composite",
     parts: ink_screen_wgsl!(include_str!("ink_composite.wgsl"), include_str!("../../debug/ink_show.wgsl")),
@@ -16,7 +16,7 @@ impl PassId {
     pub const INK_COMPOSITE: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `ink_composite` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_composite",
     place: PassPlace::Picture,

@@ -1,11 +1,12 @@
-// Along rows: the feature whose line reaches a pixel farthest. With the search along columns that `ink_stroke` does this is exact: a line is the union of
-// discs about its features, and whether a disc of radius w holds a point at (x, y) from its centre, x² + y² <= w², parts into rows and columns.
-// (Three dilations by 3 x 3 pixels are the same with squares of half width 3 for discs.)
+// Row search of the dilation: finds the feature whose line reaches farthest over a pixel. Together with the column
+// search of `ink_stroke` the result is exact. A line is the union of discs around its features, and the disc test x² +
+// y² <= w² separates into rows and columns. Three dilations by 3 x 3 pixels give the same with squares of half width 3
+// instead of discs.
 
 @group(0) @binding(1) var features: texture_2d<f32>;
 
-// Offset along the row, (x + 128) / 255, and how far its line reaches over WIDEST_HALF, 0 for none; how much of the row within reach is features, the
-// near ones more.
+// Returns: offset along the row, (x + 128) / 255; reach of the line over WIDEST_HALF, 0 for none; share of features in
+// the row within reach, weighted by nearness.
 @fragment
 fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);

@@ -1,24 +1,24 @@
-//! `ink_dilate`: half of the dilation, along rows; `ink_stroke` does that along columns. Together they are one dilation by discs of each feature's
-//! own size instead of three by 3 x 3 pixels.
+//! `ink_dilate`: the row half of the dilation; `ink_stroke` does the columns. Together they are one dilation by a disc
+//! of each feature's own size, instead of three dilations by 3 x 3 pixels.
 
 use super::{Outcome, Pass, PassId, PassPlace, ink_trace};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
-/// The shader.
+/// Shader of the `ink_dilate` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink dilate", parts: ink_screen_wgsl!(include_str!("ink_dilate.wgsl")) };
 
-/// What the search along rows found.
+/// Result of the row search.
 pub(crate) const ROWS: Target = Target { label: "pelage ink rows", format: wgpu::TextureFormat::Rgba8Unorm };
 
 impl PassId {
-    /// Ink: how far lines reach along rows.
+    /// Ink: reach of lines along rows.
     pub const INK_DILATE: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `ink_dilate` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_dilate",
     place: PassPlace::Before,

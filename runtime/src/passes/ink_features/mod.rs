@@ -1,24 +1,24 @@
-//! `ink_features`: the pixels that lines run through, with half the width and the strength of their line, from the normals of neighbours at two
-//! thresholds (Fang 2006, §2).
+//! `ink_features`: the pixels that lines run through, with half width and strength of the line, from neighbouring
+//! normals at two thresholds (Fang 2006, §2).
 
 use super::{Outcome, Pass, PassId, PassPlace, ink_normals};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
-/// The shader.
+/// Shader of the `ink_features` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink features", parts: ink_screen_wgsl!(include_str!("ink_features.wgsl")) };
 
-/// Half width and strength of the line through each pixel, and how much of it is the outline's.
+/// Half width and strength of the line through each pixel, and its strength as an outline.
 pub(crate) const FEATURES: Target = Target { label: "pelage ink features", format: wgpu::TextureFormat::Rgba8Unorm };
 
 impl PassId {
-    /// Ink: the pixels that lines run through.
+    /// Ink: pixels that lines run through.
     pub const INK_FEATURES: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `ink_features` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_features",
     place: PassPlace::Before,

@@ -1,31 +1,33 @@
-// Fur in ink: fins along the outline and the outer shells as dry strokes of a brush, over what `ink_composite` painted.
+// Fur strokes in ink: fins along the outline and the outer shells as dry brush strokes, drawn over the result of
+// `ink_composite`.
 
 struct StrokeVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Along and up the slab, or tile coordinates.
+    // Coordinates along and up the slab, or tile coordinates.
     @location(0) uv: vec2<f32>,
     @location(1) tint: vec4<f32>,
     @location(2) base_uv: vec2<f32>,
-    // Share of the strokes, and of height: 0 on the skin, 1 at the outermost; height of the fur, metres; along a fin's edge, 0 to 1.
+    // Weight of the strokes; height: 0 on the mesh surface, 1 at the outermost layer; fur height, metres; position
+    // along the fin's edge, 0 to 1.
     @location(3) share_height: vec4<f32>,
     @location(4) position_ws: vec3<f32>,
     @location(5) normal_ws: vec3<f32>,
 }
 
-// What ink_normals drew.
+// Normals target of the ink_normals pass.
 @group(2) @binding(7) var bodies: texture_2d<f32>;
 
-// Shells that strokes are drawn on, from the outermost inwards.
+// Number of shells with strokes, from the outermost inwards.
 const STROKE_SHELLS: u32 = 2u;
-// Strokes of shells are lifted off the skin by this many of their widths at most: higher ones hang in the air.
+// Largest height of shell strokes above the mesh surface, in stroke widths; higher strokes would appear detached.
 const LIFT: f32 = 3.0;
-// How far strokes on fins lie over towards the comb, heights of the fur, as the default coat does.
+// Lean of fin strokes towards the comb direction, in fur heights, as in the default coat.
 const STROKE_LEAN: f32 = 0.4;
-// How far a fin's root reaches onto the skin, pixels along each axis.
+// Extent of a fin's root onto the body, pixels along each axis.
 const ROOT: i32 = 2;
-// Fins stand where the skin turns away from the eye by this or more.
+// Smallest turn of the surface away from the eye at which fins are drawn.
 const TURNED: f32 = 0.6;
-// Below this there is nothing to see.
+// Smallest visible opacity.
 const LEAST_INK: f32 = 1.0 / 255.0;
 
 @vertex
@@ -36,13 +38,13 @@ fn vs_ink_fins(@builtin(vertex_index) index: u32) -> StrokeVarying {
     let position = hair_position(v, corner.tile, corner.height)
         + corner.tile.bitangent_ws * (STROKE_LEAN * corner.height * reach);
     var out: StrokeVarying;
-    // The share of the fin's opacity is how wide a strip of skin it stands for: strokes need all of it.
+    // Fin opacity reflects the width of the surface strip that the fin represents; strokes need the full opacity.
     let eye = direction_to(frame.eye_ws, position_ws(v));
-    // On the outline alone: inside it fins of coarse meshes show as flags.
+    // Only on the outline: inside it, fins of coarse meshes look like flags.
     let turned = smoothstep(TURNED, 0.9, 1.0 - abs(dot(corner.tile.normal_ws, eye)));
     let share = min(corner.opacity * 1.5, 1.0) * turned * (1.0 - v.groom.x);
     out.position = frame.clip_from_world * vec4(position, 1.0);
-    // The same at all corners, or the fin would reach to the middle of the picture.
+    // The condition is equal at all corners; otherwise the fin would stretch to the centre of the picture.
     if corner.opacity < LEAST_INK || corner.turned < TURNED {
         out.position = vec4(0.0, 0.0, 0.0, 1.0);
     }
@@ -59,7 +61,7 @@ fn vs_ink_fins(@builtin(vertex_index) index: u32) -> StrokeVarying {
 fn vs_ink_shells(v: Vertex, @builtin(instance_index) shell: u32) -> StrokeVarying {
     let height = f32(shell + 1u) / f32(STROKE_SHELLS);
     let tile = tile_frame_of(v, normal_ws(v));
-    // Where the coat faces the eye nothing is drawn: there shells sink below the skin, and the depth test leaves them out.
+    // Where the fur faces the eye nothing is drawn: shells sink below the mesh surface there and fail the depth test.
     let turned = 1.0 - abs(dot(tile.normal_ws, direction_to(frame.eye_ws, position_ws(v))));
     let reach = v.fur_height * instance.scale;
     let skin_w = (frame.clip_from_world * vec4(position_ws(v), 1.0)).w;
@@ -77,7 +79,7 @@ fn vs_ink_shells(v: Vertex, @builtin(instance_index) shell: u32) -> StrokeVaryin
     return out;
 }
 
-// Ink on paper: what stands out takes it, the drier the brush the less.
+// Returns ink on paper: raised fibres take ink, less with a drier brush.
 fn painted(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
     let sheet = textureSampleLevel(paper_tile, tile_sampler, position / model.paper_period, 0.0);
     let opacity = amount * smoothstep(-0.15, 0.15, 1.0 - dry - 0.85 * sheet.a);
@@ -87,14 +89,16 @@ fn painted(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
     return vec4(linear_of(model.ink) * opacity, opacity);
 }
 
-// How free a fin stands of the skin that is seen at a pixel: 1 over paper and over what is farther than its hair is long.
+// Returns the separation of a fin from the body visible at a pixel. 1 over paper, and over surfaces farther behind than
+// the hair is long.
 fn free_at(p: vec2<i32>, nearness: f32, reach: f32) -> f32 {
     let skin = textureLoad(bodies, p, 0).w;
     let gap = 1.0 / max(skin, 1e-9) - 1.0 / nearness;
     return select(smoothstep(1.0, 2.0, gap / max(reach, 1e-9)), 1.0, skin <= 0.0);
 }
 
-// How free a fin stands: 0 right before the skin, where it would lie on it as a blot. Its root reaches onto the outline, or paper would show between them.
+// Returns the separation of a fin from the body: 0 directly before the surface, where the fin would look like a blot.
+// The root extends onto the outline; otherwise paper would show between them.
 fn free_of_skin(position: vec4<f32>, reach: f32) -> f32 {
     let p = vec2<i32>(position.xy);
     let near = vec4(
@@ -104,14 +108,15 @@ fn free_of_skin(position: vec4<f32>, reach: f32) -> f32 {
     return max(free_at(p, position.w, reach), min(dot(near, vec4(0.5)), 1.0));
 }
 
-// A fin is a tuft: as wide as its edge at the skin, pointed at the tips. Its sides would cut strokes off.
+// Returns the shape of a fin as a tuft: as wide as its edge at the mesh surface, pointed at the tips. Straight sides
+// would cut strokes off.
 fn tuft(across: f32, height: f32) -> f32 {
     return 1.0 - smoothstep(0.9, 1.3, abs(2.0 * across - 1.0) + 0.75 * height);
 }
 
 @fragment
 fn fs_ink_fins(in: StrokeVarying) -> @location(0) vec4<f32> {
-    // The tile repeats upwards too: away from where the roots would fade into the tips.
+    // The tile also repeats vertically; the range avoids the seam where roots would fade into tips.
     let strokes = fur_strokes_at(vec2(in.uv.x, mix(0.1, 0.96, in.uv.y)), vec2(1.0, 0.0), 1u);
     let base = base_color(in.tint, in.base_uv);
     if is_cut(base.a) {
@@ -131,11 +136,11 @@ fn fs_ink_shells(in: StrokeVarying) -> @location(0) vec4<f32> {
         discard;
     }
     let eye = direction_to(frame.eye_ws, in.position_ws);
-    // Seen from above a stroke's shells would cover each other; they are there for where the coat turns away.
+    // Seen from above, the shells of a stroke would cover each other; they are only for surfaces that turn away.
     let turned = 1.0 - abs(dot(normalize_or(in.normal_ws, eye), eye));
     let amount = in.share_height.x * model.fur * smoothstep(0.45, 0.95, turned);
     let ink = ink_nested(strokes, amount * 0.5);
-    // A stroke is thinner the higher the shell: what is left of it is its middle.
+    // Strokes taper with the height of the shell, down to their middle.
     let tapered = smoothstep(0.25 + 0.5 * in.share_height.y, 0.6 + 0.4 * in.share_height.y, ink);
     return painted(tapered * amount * (0.75 - 0.3 * in.share_height.y), 0.3 + 0.3 * in.share_height.y, in.position.xy);
 }

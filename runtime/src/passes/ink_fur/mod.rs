@@ -1,4 +1,5 @@
-//! `ink_fur`: fins and outer shells as dry strokes of a brush, blended over the sheet in the application's pass, with depth tested and not written.
+//! `ink_fur`: fins and outer shells as dry brush strokes, blended over the sheet in the application's pass, with depth
+//! test and without depth write.
 
 use super::{Outcome, Pass, PassId, PassPlace, ink_normals};
 use crate::gpu::{Draw, RenderSpec, Shader, faces, on};
@@ -7,7 +8,7 @@ use crate::model::Part;
 use crate::params::{InkShow, StyleKind};
 use crate::scene::{Recording, Seen, fin_draws, has_strokes, ink_surface_wgsl};
 
-/// The shader.
+/// Shader of the `ink_fur` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink fur",
     parts: ink_surface_wgsl!(
@@ -18,15 +19,15 @@ pub(crate) const SHADER: Shader = Shader {
     ),
 };
 
-/// Shells that strokes are drawn on, as in the shader.
+/// Number of shells with strokes; equal to `STROKE_SHELLS` in the shader.
 pub(crate) const SHELLS: u32 = 2;
 
 impl PassId {
-    /// Ink: strokes of fur over them.
+    /// Ink: fur strokes over paper, wash and lines.
     pub const INK_FUR: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `ink_fur` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_fur",
     place: PassPlace::Picture,
@@ -62,7 +63,7 @@ fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen, with_fins: bool) 
     if with_fins {
         let fins = |frame: &Recording<'_>, part: &Part| {
             let spec = spec(frame, seen, part, ["vs_ink_fins", "fs_ink_fins"], &layout);
-            // They are seen from both sides.
+            // Fins are visible from both sides.
             RenderSpec { primitive: faces(false, true), ..spec }
         };
         draws.extend(fin_draws(frame, seen, Some(group), fins));

@@ -1,5 +1,6 @@
-//! `ink_normals`: the model's surface into three textures of the picture's size: normals perpendicular to the view with 1 / clip w, what the surface
-//! says of wash and lines, and depth. All that the ink style knows of geometry is in them, so that the passes behind it cost the same for any mesh.
+//! `ink_normals`: draws the model's surface into three textures of the picture's size. They hold: normals in the frame
+//! perpendicular to the view, with 1 / clip w; wash and line parameters; depth. The ink style takes all geometry from
+//! them, so that later passes cost the same for any mesh.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Draw, RenderSpec, Shader, Stream, Target, attribute, depth_state, on, record};
@@ -10,35 +11,36 @@ use crate::scene::{Recording, Seen, has_strokes, ink_surface_wgsl, nearer};
 use pelage_formats::{GeometryVertex, InkVertex};
 use std::mem::offset_of;
 
-/// The shader.
+/// Shader of the `ink_normals` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink normals",
     parts: ink_surface_wgsl!(crate::study::form_wgsl!("ink/surface_forms.wgsl"), include_str!("ink_normals.wgsl")),
 };
 
-/// Normals and 1 / clip w. Dots of normals are compared with thresholds up to 1: eight bits would be too few.
+/// Normals and 1 / clip w. Eight bits are too few, because dot products of normals are compared with thresholds up to
+/// 1.
 pub(crate) const NORMALS: Target = Target { label: "pelage ink normals", format: wgpu::TextureFormat::Rgba16Float };
-/// Wash, stroke, width, dryness.
+/// Wash, stroke, line width, dryness.
 pub(crate) const SURFACES: Target = Target { label: "pelage ink surfaces", format: wgpu::TextureFormat::Rgba8Unorm };
 pub(crate) const DEPTH: Target = Target { label: "pelage ink depth", format: wgpu::TextureFormat::Depth32Float };
 
-/// The third stream: [`GeometryVertex`] as stored.
+/// Third vertex stream: the stored [`GeometryVertex`].
 pub(crate) const REST_ATTRIBUTES: [wgpu::VertexAttribute; 2] = [
     attribute(9, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
     attribute(10, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, normal)),
 ];
-/// The fourth stream, [`InkVertex`].
+/// Fourth vertex stream: [`InkVertex`].
 pub(crate) const INK_ATTRIBUTES: [wgpu::VertexAttribute; 2] = [
     attribute(11, wgpu::VertexFormat::Snorm16x2, offset_of!(InkVertex, wash)),
     attribute(12, wgpu::VertexFormat::Unorm8x4, offset_of!(InkVertex, amount)),
 ];
 
 impl PassId {
-    /// Ink: the surfaces' normals, wash and stroke.
+    /// Ink: normals, wash and stroke of surfaces.
     pub const INK_NORMALS: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `ink_normals` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_normals",
     place: PassPlace::Before,
@@ -50,7 +52,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// White, without stroke and without lines.
+/// Clear value: white, without stroke and lines.
 const NOTHING: wgpu::Color = wgpu::Color { r: 1.0, g: 1.0, b: 0.0, a: 0.0 };
 
 fn spec(

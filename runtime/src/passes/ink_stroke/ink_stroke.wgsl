@@ -1,4 +1,4 @@
-// The lines: the feature that reaches a pixel, and how the brush and the sphere map fill the line about it, Fang 2006, §2.
+// Ink lines: the feature whose line reaches a pixel, and how brush and sphere map fill that line (Fang 2006, §2).
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var surfaces: texture_2d<f32>;
@@ -7,11 +7,12 @@
 @group(0) @binding(5) var paper: texture_2d<f32>;
 @group(0) @binding(6) var paper_sampler: sampler;
 
-// Features near one of them, weighed by their nearness: 2/3 to 1 along a line, half of that at its end. What has fewer is a speck.
+// Thresholds of the feature count near a feature, weighted by nearness: 2/3 to 1 along a line, half of that at its end.
+// Below SPECK, the feature is a speck.
 const SPECK: f32 = 0.22;
 const LINE: f32 = 0.45;
 
-// Opacity of the line, that times the darkness of its ink, and (offset to the feature + 128) / 255.
+// Returns: opacity of the line, opacity times darkness of its ink, and (offset to the feature + 128) / 255.
 @fragment
 fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);
@@ -49,7 +50,7 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 
     let far = vec2<f32>(offset);
     let distance = line_distance(far);
-    // How hard the hand presses.
+    // Brush pressure.
     let most = ink.half_width + ink.half_width_scaled * source.w;
     let press = clamp(half_width / max(most, 1e-6), 0.0, 1.0);
     // The brush is thinner where the line is weak, and its edge follows the paper.
@@ -57,21 +58,21 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let thin = max(half_width * mix(0.2, 0.55, strength), 0.6);
     var core = select(0.0, clamp(thin - distance + 0.5 + moved, 0.0, 1.0), in_reach);
     var band = select(0.0, clamp(half_width * sqrt(strength) - distance + 0.5 + moved, 0.0, 1.0), in_reach);
-    // Where the pen lifts, lines fade before they end.
+    // Lines fade before they end, where the pen lifts.
     core *= smoothstep(0.0, 0.35, strength);
-    // A line goes on; what does not is a speck.
+    // Removes specks: features that do not continue as a line.
     core *= smoothstep(SPECK, LINE, features_near / (nearness(far.x) * nearness(far.y)));
-    // Outlines swell with the sphere map, folds do not.
+    // Outlines swell with the sphere map; folds do not.
     let dark = select(0.0, 1.0 - stroke, here.w > 0.0) * smoothstep(0.5, 0.75, strength);
     if !TEMPLATE {
         band = 1.0;
     }
     var opacity = max(core, band * dark);
-    // A dry brush leaves ink on what stands out of the paper alone.
+    // A dry brush leaves ink only on the raised parts of the paper.
     let dry = surface.a * ink.dryness * (1.0 - 0.7 * press);
     opacity *= smoothstep(-0.12, 0.12, 1.0 - dry - 0.88 * sheet.a);
     let even = ink_line_grey(select(here.z, source.z, in_reach), ink.tone, ink.lightness, strength);
-    // A light hand leaves less ink.
+    // Low pressure leaves less ink.
     let line = form_of_line(
         vec2(opacity, mix(even, 1.0, 0.3 * (1.0 - press))), even, in_reach, distance, half_width, here.w > 0.0, stroke,
     );

@@ -1,23 +1,24 @@
-//! `ink_stroke`: opacity and grey of the lines: the dilated features, filled by the brush and by the sphere map (Fang 2006, §2), roughened by the paper.
+//! `ink_stroke`: opacity and grey of lines: the dilated features, filled by brush and sphere map (Fang 2006, §2),
+//! roughened by the paper.
 
 use super::{Outcome, Pass, PassId, PassPlace, ink_dilate, ink_normals, ink_trace};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
-/// The shader.
+/// Shader of the `ink_stroke` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink stroke", parts: ink_screen_wgsl!(include_str!("ink_stroke.wgsl")) };
 
-/// Lines.
+/// Opacity and darkness of the lines, and offset to their features.
 pub(crate) const STROKES: Target = Target { label: "pelage ink strokes", format: wgpu::TextureFormat::Rgba8Unorm };
 
 impl PassId {
-    /// Ink: the lines.
+    /// Ink: lines.
     pub const INK_STROKE: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `ink_stroke` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_stroke",
     place: PassPlace::Before,

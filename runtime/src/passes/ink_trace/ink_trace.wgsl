@@ -1,23 +1,25 @@
-// Which features are lines. Each is followed to both sides: what ends soon, or lies among others without an order, is a speck of a dense mesh's faces, and
-// a line is as strong and wide as it is on average along the way, or it would be a row of beads. Outlines are never specks.
+// Selection of the features that form lines. Each feature is followed to both sides. A line that ends soon, or features
+// without order around it, are specks caused by the faces of a dense mesh. Strength and width are averaged along the
+// line, which would look like a row of beads otherwise. Outlines are never specks.
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var features: texture_2d<f32>;
 
-// Looks along the line to each side; together they reach over two and a half of the widest lines.
+// Samples along the line to each side; together they span more than two and a half widths of the widest line.
 const LOOKS: i32 = 12;
-// Looks without a feature that a line may jump.
+// Consecutive samples without a feature that a line may skip.
 const HOLE: i32 = 2;
-// Weaker features are none to who follows a line.
+// Strength at or below which tracing ignores a feature.
 const FAINT: f32 = 0.02;
-// Shares of the looks that find the line: with fewer than the first it is a speck, with more than the second it is a line.
+// Shares of the samples that find the line: below the first it is a speck, above the second a line.
 const ENDS: vec2<f32> = vec2(0.2, 0.55);
-// The same of how much longer than broad the features about it are, and of looks that find others beside the line, which make it a speck.
+// Thresholds of two more speck tests. ORDER: elongation of the features around the pixel, low for specks. CROWD: share
+// of samples that find other features beside the line, high for specks.
 const ORDER: vec2<f32> = vec2(0.1, 0.3);
 const CROWD: vec2<f32> = vec2(0.25, 0.5);
-// How far a line turns to a place beside it, of the angle that this is seen at.
+// Turn of the line towards a neighbouring sample, as a fraction of the angle to it.
 const TURN: f32 = 0.35;
-// Half the side of the square that a line's direction is taken from, pixels.
+// Half the side of the square from which a line's direction is estimated, pixels.
 const ABOUT: i32 = 3;
 
 fn strength_at(p: vec2<i32>) -> f32 {
@@ -28,7 +30,8 @@ fn feature_at(p: vec2<f32>) -> vec2<f32> {
     return textureLoad(features, inside(vec2<i32>(round(p))), 0).rg;
 }
 
-// Where a line through p runs to, the longer axis of what features lie about it, and how much longer than the shorter that is: 0 no more than it, 1 alone.
+// Returns the direction of the line through p, and the elongation of the features around it. The direction is their
+// major axis; the elongation is 0 for equal axes, 1 for a single axis.
 fn direction_at(p: vec2<i32>) -> vec3<f32> {
     var moments = vec3(0.0);
     for (var y = -ABOUT; y <= ABOUT; y++) {
@@ -42,7 +45,8 @@ fn direction_at(p: vec2<i32>) -> vec3<f32> {
     return select(vec3(cos(turn), sin(turn), along), vec3(1.0, 0.0, 0.0), along <= 0.0);
 }
 
-// Looks that find the line from p that way, the sums of their strengths and half widths, and how many find something beside the line, too.
+// Follows the line from p in a direction. Returns the number of samples that find it, the sums of their strengths and
+// half widths, and the number that also find a feature beside it.
 fn follow(p: vec2<i32>, towards: vec2<f32>, stride: f32, beside: f32) -> vec4<f32> {
     var at = vec2<f32>(p);
     var way = towards;
@@ -51,7 +55,8 @@ fn follow(p: vec2<i32>, towards: vec2<f32>, stride: f32, beside: f32) -> vec4<f3
     for (var i = 0; i < LOOKS && holes <= HOLE; i++) {
         let side = vec2(-way.y, way.x);
         at += way * stride;
-        // A line bends: of three places beside each other the one with the strongest feature, the middle one where they are alike.
+        // Lines bend: of three adjacent samples, the one with the strongest feature is followed, the middle one if they
+        // are equal.
         let ahead = feature_at(at);
         let left = feature_at(at + side);
         let right = feature_at(at - side);
@@ -73,7 +78,7 @@ fn follow(p: vec2<i32>, towards: vec2<f32>, stride: f32, beside: f32) -> vec4<f3
     return found;
 }
 
-// As ink_features has it, without what is no line.
+// Returns the feature in the format of ink_features, or zero if it is not on a line.
 @fragment
 fn fs_trace(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);
@@ -92,10 +97,10 @@ fn fs_trace(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         return vec4(half_width, feature.gba);
     }
     let goes_on = smoothstep(ENDS.x, ENDS.y, found.x / f32(2 * LOOKS)) * smoothstep(ORDER.x, ORDER.y, towards.z);
-    // Steps of depth stand for themselves, whatever folds lie about them.
+    // Depth steps are lines by themselves, whatever folds surround them.
     let crowded = smoothstep(CROWD.x, CROWD.y, found.w / max(found.x, 1.0));
     let alone = 1.0 - crowded * clamp((1.0 - feature.g) / (1.0 - FOLD), 0.0, 1.0);
-    // Where a fold ends at an outline it does not become one.
+    // Where a fold ends at an outline, it must not gain the outline's strength.
     let even = min(found.y / (found.x + 1.0), max(feature.g, FOLD));
     let strength = max(feature.b, even * goes_on * alone);
     if strength <= 0.5 / 255.0 {

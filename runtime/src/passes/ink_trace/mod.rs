@@ -1,24 +1,25 @@
-//! `ink_trace`: the features that are lines, followed to both sides. A feature is found pixel by pixel, and a dense mesh turns its normals at every face:
-//! whether its line goes on says whether there is one, and how strong and wide it is.
+//! `ink_trace`: the features that form lines, followed to both sides. Features are detected per pixel, and the normals
+//! of a dense mesh turn at every face. Whether a line continues decides whether it exists, and how strong and wide it
+//! is.
 
 use super::{Outcome, Pass, PassId, PassPlace, ink_features, ink_normals};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
-/// The shader.
+/// Shader of the `ink_trace` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink trace", parts: ink_screen_wgsl!(include_str!("ink_trace.wgsl")) };
 
-/// What is left of the features.
+/// Features that form lines.
 pub(crate) const TRACED: Target = Target { label: "pelage ink traced", format: ink_features::FEATURES.format };
 
 impl PassId {
-    /// Ink: the features that are lines.
+    /// Ink: the features that form lines.
     pub const INK_TRACE: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `ink_trace` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_trace",
     place: PassPlace::Before,

@@ -1,12 +1,12 @@
-// What hair on guides lets through of the key light, wherever it lies before the skin.
+// Map of the key light's transmittance through all hair on guides in front of the mesh surface.
 
 @group(0) @binding(0) var<storage, read> deep: array<u32>;
 @group(0) @binding(1) var<uniform> deep_opacity: DeepOpacity;
 
-// Texels of a side of the map that is drawn.
+// Width and height of the target map, texels.
 override MAP_SIZE: u32 = 1u;
 
-// A triangle over the whole target.
+// Full-screen triangle.
 @vertex
 fn vs_guided(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
     return vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);

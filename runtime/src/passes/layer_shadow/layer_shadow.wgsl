@@ -1,15 +1,15 @@
-// A layer of hair as the key light sees it: what it leaves of the light (Yang 2006, sec. 3.1). Blending multiplies it with what the layers
-// above left: along the light a ray is one texel.
+// Transmittance of one hair layer, seen from the key light (Yang 2006, sec. 3.1). Blending multiplies it with the
+// transmittance of the layers above; a light ray is one texel.
 
-// As in shells/varying.wgsl: no more slots between vertex and fragment than a coat needs.
+// As in shells/varying.wgsl: no more interpolants than the fur needs.
 struct LayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Tile coordinates; N.L; length of the hair over the tile's.
+    // Tile coordinates; N.L; length of the hair relative to the tile's.
     @location(0) uv_light: vec4<f32>,
     @location(1) @interpolate(flat, either) layer: u32,
 }
 
-// With what textures and maps of the material need besides.
+// LayerVarying with the inputs of material textures and maps.
 struct MappedLayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) uv_light: vec4<f32>,
@@ -43,10 +43,11 @@ fn vs_layer_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedLaye
     );
 }
 
-// What is left of the light. kept: share of the layer's hair that is there; wetness: of it.
+// Returns the transmittance. kept: share of the layer's hair that grows; wetness: of that hair.
 fn light_left(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     let uv = in.uv_light.xy;
-    // One level for all: levels by slant and triangle cost twice the reads, and blur what the maps could hold.
+    // One mip level for all: levels by slant and triangle would cost twice the reads and blur detail that the maps can
+    // hold.
     var alpha = textureSampleLevel(shell_colors, shell_sampler, uv, in.layer, instance.map_level).a;
     if WET {
         alpha = mix(alpha, textureSampleLevel(wet_colors, shell_sampler, uv, in.layer, instance.map_level).a, wetness);

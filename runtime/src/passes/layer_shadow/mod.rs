@@ -1,12 +1,13 @@
-//! `layer_shadow`: the transmittance of the hair above each layer, seen from the key light, into an array texture (Yang 2006, §3.1).
+//! `layer_shadow`: transmittance of the hair above each layer, seen from the key light, in an array texture (Yang 2006,
+//! §3.1).
 //!
-//! From the outermost layer inwards; each map is made from the one above, straight into its slice, in format R16Float. When it runs
-//! and how many maps there are stands in [`crate::ShadowParams`].
+//! Layers are drawn from the outermost inwards. Each map is made from the one above, directly in its slice, in format
+//! R16Float. [`crate::ShadowParams`] describes when the pass runs, and the number of maps.
 //!
-//! The paper clears each map to white, draws the nearest surface of a layer and reads the map above. Here a map starts as a copy of the
-//! one above, and is multiplied with every surface of the layer that lies before the nearest skin: so the fringe of fur beside a
-//! thing's skin shades what is behind it, and no layer needs a depth buffer of its own, which was a fifth of the cost on a software
-//! rasteriser.
+//! The paper clears each map to white, draws the nearest surface of a layer and reads the map above. Here, a map starts
+//! as a copy of the one above. Each surface of the layer in front of the nearest opaque surface is multiplied into it.
+//! The fringe of fur beside a body therefore shades objects behind it, and no layer needs a depth buffer of its own.
+//! Such buffers took a fifth of the time on a software rasteriser.
 
 use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
 use crate::gpu::{Bound, Draw, RenderSpec, Shader, depth_state, on, record, storage, uniform};
@@ -18,11 +19,11 @@ use crate::scene::{DEPTH, MapTarget, Recording, Seen, begin_maps, light_inside, 
 use crate::shared::deep_opacity::DeepOpacity;
 use glam::Vec3;
 
-/// The shader.
+/// Shader of the `layer_shadow` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage layer shadow", parts: hair_wgsl!(include_str!("layer_shadow.wgsl")) };
 
-/// The shader of what hair on guides lets through.
+/// Shader for the transmittance of hair on guides.
 pub(crate) const GUIDED: Shader = Shader {
     name: "pelage hair light",
     parts: &[include_str!("../../shared/deep_opacity.wgsl"), include_str!("guided.wgsl")],
@@ -33,7 +34,7 @@ impl PassId {
     pub const LAYER_SHADOW: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `layer_shadow` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "layer_shadow",
     place: PassPlace::Before,
@@ -45,7 +46,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// What is there times what is drawn.
+/// Blend state that multiplies the target by the source.
 const MULTIPLIED: wgpu::BlendState = {
     let times = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::Zero,
@@ -68,14 +69,14 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
             blend: Some(MULTIPLIED),
             write_mask: wgpu::ColorWrites::ALL,
         }],
-        // Layers that coincide with the skin take no light.
+        // Layers that coincide with the mesh surface absorb no light.
         depth: Some(depth_state(ShadowMaps::DEPTH_FORMAT, false, wgpu::CompareFunction::Less)),
         samples: 1,
         ..frame.picture_spec(SHADER, entries, constants, [seen.look.mirrored, part.double_sided], true)
     }
 }
 
-/// What the maps show of all furred parts, but for the layer.
+/// Returns the draws of all furred parts, without the layer range.
 fn draws(frame: &mut Recording<'_>) -> Vec<Draw> {
     let mut draws = Vec::new();
     for seen in frame.instances.clone().iter().filter(|seen| seen.drawing.has_shells()) {
@@ -85,7 +86,7 @@ fn draws(frame: &mut Recording<'_>) -> Vec<Draw> {
     draws
 }
 
-/// Records what hair on guides lets through, from the deep opacity map; full light where there is none.
+/// Records the transmittance of hair on guides, from the deep opacity map; full light if there is none.
 fn record_guided(frame: &mut Recording<'_>, maps: &ShadowMaps, target: &wgpu::TextureView) {
     let Some(deep) = maps.deep.as_ref().filter(|_| maps.key.guided()) else {
         drop(begin_maps(frame.encoder, SHADER.name, MapTarget::Light(target)));
@@ -103,7 +104,7 @@ fn record_guided(frame: &mut Recording<'_>, maps: &ShadowMaps, target: &wgpu::Te
     record(&mut begin_maps(frame.encoder, GUIDED.name, MapTarget::Light(target)), [&draw]);
 }
 
-/// Records all maps over the nearest skin.
+/// Records all maps over the nearest opaque surface.
 fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     let Some(layers) = &maps.layers else { return };
     let mut draws = draws(frame);
@@ -114,7 +115,7 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     };
     let texels = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
     let Some((outermost, below)) = layers.slices.split_last() else { return };
-    // Nothing is above the outermost layer but hair on guides, wherever that is.
+    // Only hair on guides can be above the outermost layer, at any height.
     record_guided(frame, maps, outermost);
     if maps.key.hair == HairMaps::Total {
         let all = below.first().unwrap_or(outermost);
@@ -127,7 +128,8 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
         return;
     }
     for (layer, target) in (1..below.len() as u32 + 1).zip(below).rev() {
-        // What the layers above left, also where this one is not: its neighbours may be seen through there.
+        // Starts from the layers above, also where this layer is absent, because adjacent texels may be visible through
+        // the gap.
         frame.encoder.copy_texture_to_texture(place(layer), place(layer - 1), texels);
         let target = MapTarget::LightBefore { light: target, nearest: &maps.nearest.view };
         draws.iter_mut().for_each(|draw| draw.instances = layer..layer + 1);
@@ -138,7 +140,7 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
     if let Some(maps) = maps.as_deref().filter(|maps| frame.redraws_maps() && maps.key.hair != HairMaps::None) {
-        // Single strands needed it before.
+        // With single strands, this map was recorded earlier.
         if maps.deep.is_none() {
             record_depth(frame, maps, CasterPass::Nearest);
         }

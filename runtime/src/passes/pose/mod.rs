@@ -1,7 +1,7 @@
 //! `pose`: skins the base mesh, once per changed pose; later passes read the posed vertices.
 //!
-//! Reads the rest vertices, what morph targets add to them, the joint weights and the joint matrices; writes a vertex buffer of the same layout and size as the
-//! rest vertices. Packages without a skeleton skip it and draw their rest vertices.
+//! Reads rest vertices, morph target deltas, joint weights and joint matrices. Writes a vertex buffer of the same
+//! layout and size as the rest vertices. Packages without a skeleton skip the pass and draw their rest vertices.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Place, Shader, storage_in};
@@ -10,7 +10,7 @@ use crate::scene::{Dispatch, Recording, Seen, record_dispatches};
 use bytemuck::Pod;
 use pelage_formats::{GeometryVertex, MorphDelta, SkinVertex};
 
-/// The shader, for models whose morph targets rest.
+/// Shader for models whose morph targets are at rest.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage pose",
     parts: &[
@@ -22,7 +22,7 @@ pub(crate) const SHADER: Shader = Shader {
     ],
 };
 
-/// The same for those whose targets do not.
+/// Shader for models whose morph targets are active.
 pub(crate) const MORPHED: Shader = Shader {
     name: "pelage pose with morph targets",
     parts: &[
@@ -39,7 +39,7 @@ impl PassId {
     pub const POSE: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `pose` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "pose",
     place: PassPlace::Before,
@@ -57,7 +57,7 @@ fn storage_entry(binding: u32, ty: wgpu::BufferBindingType, dynamic: bool) -> wg
     wgpu::BindGroupLayoutEntry { ty, ..storage_in::<GeometryVertex>(binding) }
 }
 
-/// Layouts of what the shaders read and write.
+/// Bind group layouts of the shaders.
 struct Layouts {
     joints: wgpu::BindGroupLayout,
     vertices: wgpu::BindGroupLayout,
@@ -81,7 +81,7 @@ impl Layouts {
     }
 }
 
-/// Numbers of this frame for one instance, with where they begin.
+/// Uploads per-frame values of an instance; returns their bind group and offset.
 fn numbers<T: Pod>(
     frame: &mut Recording<'_>,
     label: &'static str,

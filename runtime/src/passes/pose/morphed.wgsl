@@ -1,6 +1,7 @@
-// Morph targets: what each adds to a vertex, by how far its weight is from where it rests. The twin of `morphed` in formats/src/meaning/skinning.rs.
+// Application of morph targets: adds each target's deltas to a vertex, scaled by the offset of its weight from rest.
+// Twin of `morphed` in formats/src/meaning/skinning.rs.
 
-// Ten words without gaps.
+// Ten words without padding.
 struct MorphDelta {
     morph: u32,
     position_x: f32,
@@ -14,7 +15,7 @@ struct MorphDelta {
     tangent_z: f32,
 }
 
-// One per vertex, and one more: where its deltas begin, and where they end.
+// Index of each vertex's first delta; one more entry marks the end.
 @group(2) @binding(0) var<storage, read> first_delta: array<u32>;
 @group(2) @binding(1) var<storage, read> deltas: array<MorphDelta>;
 @group(3) @binding(0) var<storage, read> shifts: array<f32>;

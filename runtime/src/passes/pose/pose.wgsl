@@ -1,4 +1,4 @@
-// Skins the base mesh once per frame; every later pass reads the posed vertices.
+// Skinning of the base mesh, once per frame; every later pass reads the posed vertices.
 
 // Four u16 joint indices in two words, low half first.
 struct SkinVertex {

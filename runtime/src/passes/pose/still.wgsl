@@ -1,4 +1,4 @@
-// Models without morph targets, and such whose targets are where they rest: vertices are as they were stored.
+// Stand-in for morphed.wgsl, for models without morph targets or with all targets at rest: returns vertices as stored.
 
 fn morphed(index: u32, v: GeometryVertex) -> GeometryVertex {
     return v;

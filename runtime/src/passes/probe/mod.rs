@@ -1,4 +1,4 @@
-//! `probe`: a pass that exists in tests alone. It shows what it takes to add one: this folder, and its line in `frame.rs`.
+//! `probe`: pass that exists only in tests. Shows what adding a pass requires: this folder, and its line in `frame.rs`.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, Draw, RenderSpec, Shader, uniform};
@@ -11,7 +11,7 @@ impl PassId {
     pub(crate) const PROBE: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `probe` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "probe",
     place: PassPlace::Picture,
@@ -23,7 +23,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Linear RGB and opacity.
+/// Fill colour: linear RGB and opacity.
 pub(crate) const COLOR: [f32; 4] = [0.0, 1.0, 0.0, 1.0];
 
 fn run(frame: &mut Recording<'_>) -> Outcome {

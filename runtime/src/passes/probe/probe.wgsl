@@ -1,4 +1,4 @@
-// The whole picture in one colour.
+// Single-colour fill of the whole picture.
 
 @group(0) @binding(0) var<uniform> color: vec4<f32>;
 

@@ -1,13 +1,14 @@
-// From depth maps to the shadow-width map (Yang 2006, sec. 4): occlusion, shrunk and stretched again, so that its grey tells how far an
-// edge is. Texels as in shared/soft_shadow.wgsl.
+// Filter from depth maps to the shadow-width map (Yang 2006, sec. 4). Occlusion is shrunk and stretched, so that its
+// grey measures the distance to a shadow edge. Texel layout as in shared/soft_shadow.wgsl.
 
 struct Filter {
-    // Of the light's projection; near is 0 for a distant light, whose depth is linear.
+    // Clip distances of the light's projection; near is 0 for a distant light, whose depth is linear.
     near: f32,
     far: f32,
-    // Texels of a side of the block that becomes one.
+    // Width and height of the block that becomes one texel, texels.
     shrink: i32,
-    // What the depths of two surfaces in one texel must differ by, 0..=1, and of a texel and its surroundings.
+    // Smallest depth difference, 0..=1, of two surfaces in one texel (least_gap), and of a texel and its surroundings
+    // (clear_gap).
     least_gap: f32,
     clear_gap: f32,
     reserved0: f32,
@@ -24,13 +25,13 @@ struct Filter {
 @group(0) @binding(5) var linear_sampler: sampler;
 @group(0) @binding(6) var blocks: texture_2d<f32>;
 
-// A triangle over the whole target.
+// Full-screen triangle.
 @vertex
 fn vs_filter(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
     return vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
-// Depth 0..=1 that grows evenly with distance.
+// Returns depth 0..=1, linear in distance.
 fn even_depth(z: f32) -> f32 {
     if params.near == 0.0 {
         return z;
@@ -39,7 +40,8 @@ fn even_depth(z: f32) -> f32 {
     return (distance - params.near) / (params.far - params.near);
 }
 
-// In each block, depth of the farthest surface that faces the light, 0 where there is none, and that of the deepest first surface.
+// Returns for each block the depth of its farthest light-facing surface, 0 if there is none, and that of its deepest
+// first surface.
 @fragment
 fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = vec2<i32>(textureDimensions(farthest)) - 1;
@@ -51,18 +53,19 @@ fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
             let at = min(corner + vec2(x, y), last);
             deepest = max(deepest, textureLoad(farthest, at, 0));
             let z = textureLoad(nearest, at, 0);
-            // Where there is nothing, nothing is hidden.
+            // An empty texel hides nothing.
             first = max(first, select(0.0, z, z < 1.0));
         }
     }
     return vec4(even_depth(deepest), even_depth(first), 0.0, 0.0);
 }
 
-// Blocks to each side where something may lie in the shadow of a texel.
+// Blocks to each side that are searched for surfaces in the shadow of a texel.
 const REACH: i32 = 1;
 
-// A texel throws a shadow where the farthest surface that faces the light is not the nearest one; and where such a surface lies near by,
-// clearly deeper than a slanted one would get there: a thing reaches beyond the outline of what it shades.
+// Returns blurred occlusion. A texel casts a shadow if the farthest light-facing surface is not the nearest one. It
+// also does if such a surface nearby is clearly deeper than a slanted one would be. The reason: an occluder extends
+// beyond the outline of what it shades.
 @fragment
 fn fs_shrink(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = vec2<i32>(textureDimensions(nearest)) - 1;
@@ -84,7 +87,7 @@ fn fs_shrink(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
             let shades = even_depth(textureLoad(farthest, at, 0)) - near > params.least_gap
                 || around - near > params.clear_gap;
             let light = textureLoad(hair, min(at, vec2<i32>(textureDimensions(hair)) - 1), 0).r;
-            // Where there is nothing, nothing is known.
+            // Empty texels have no weight.
             sum += vec4(select(vec2(0.0), vec2(1.0, near), shades), select(0.0, 1.0, z < 1.0), light);
         }
     }
@@ -97,9 +100,9 @@ fn fs_stretch(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
     let uv = position.xy / vec2<f32>(textureDimensions(nearest));
     let blurred = textureSampleLevel(shrunk, linear_sampler, uv, 0.0);
     let first = even_depth(textureLoad(nearest, at, 0));
-    // What of the hair near by lies over deeper surfaces may be behind this one: there only hair over the texel itself is known to
-    // be above it. A slanted surface is no step: clear_gap is what the steepest one gains over two blocks, and these four reach
-    // one and a half.
+    // Hair beside the texel that covers deeper surfaces may be behind this one. There, only hair over the texel itself
+    // is certain to be above it. A slanted surface is not a step: clear_gap is the depth that the steepest one gains
+    // over two blocks. The four gathered blocks span one and a half.
     let firsts = textureGather(1, blocks, linear_sampler, uv);
     let deeper = max(max(firsts.x, firsts.y), max(firsts.z, firsts.w)) - first;
     let own = textureLoad(hair, min(at, vec2<i32>(textureDimensions(hair)) - 1), 0).r;

@@ -1,16 +1,18 @@
-//! `shadow_width`: two depth maps from the key light, then the occlusion between them shrunk and stretched, so that its grey tells how
-//! far the edge of a shadow is (Yang 2006, §4; Kirsch and Döllner 2003).
+//! `shadow_width`: two depth maps from the key light, and a filter that makes the shadow-width map of them (Yang 2006,
+//! §4; Kirsch and Döllner 2003). The filter shrinks and stretches the occlusion between them, so that its grey measures
+//! the distance to a shadow edge.
 //!
-//! The paper draws the model a second time to compare it with the depth map. Here the second drawing is of depth alone, too: the
-//! farthest surface that faces the light. Where it lies behind the nearest, something there is in shadow; the comparison then is one
-//! pass over texels, and the application can add geometry of its own without any shader of ours.
+//! The paper draws the model a second time to compare it with the depth map. Here, the second drawing is also depth
+//! only: the farthest light-facing surface. Where that is behind the nearest surface, something is in shadow. The
+//! comparison is then one pass over texels, and the application can add geometry without a shader from pelage.
 //!
-//! A shadow that reaches the outline of what it falls on would end there in that comparison, and fade towards it. So a texel also counts
-//! where the surface in the shadow lies beside it, and texels with nothing in them count for nothing: half of the error
-//! (`pelage chart soft-shadow`: RMSE on the hare 0.147 before, 0.092 after).
+//! With that comparison alone, a shadow that reaches the outline of its receiver would end there and fade towards it.
+//! Therefore a texel also counts if the shadowed surface is beside it, and empty texels have no weight. That halves the
+//! error (`pelage chart soft-shadow`: RMSE on the hare 0.147 without, 0.092 with).
 //!
-//! The fourth channel, the hair above the first surface, is for the application's own geometry and blurred likewise. Over a step to a deeper
-//! surface it is not: the hair there may lie behind the nearer thing, which would lose light at its edges.
+//! The fourth channel, the hair above the first surface, is for the application's own geometry and is blurred likewise.
+//! It is not blurred across a step to a deeper surface. Hair there may be behind the nearer object, which would lose
+//! light at its edges.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, Draw, RenderSpec, Shader, depth_texture, record, sampler, texture, uniform};
@@ -19,15 +21,15 @@ use crate::params::StyleKind;
 use crate::scene::{DEPTH, MapTarget, Recording, begin_maps, light_inside, record_depth};
 use bytemuck::{Pod, Zeroable};
 
-/// The shader that goes over texels.
+/// Shader of the filter passes.
 pub(crate) const FILTER: Shader = Shader { name: "pelage shadow width", parts: &[include_str!("filter.wgsl")] };
 
 impl PassId {
-    /// Depth maps from the key light and the shadow-width map.
+    /// Depth maps from the key light, and the shadow-width map.
     pub const SHADOW_WIDTH: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `shadow_width` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "shadow_width",
     place: PassPlace::Before,
@@ -39,7 +41,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Constants of the filter.
+/// Uniform block of the filter.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Filter {
@@ -53,10 +55,10 @@ pub(crate) struct Filter {
     pub(crate) reserved2: f32,
 }
 
-/// Slope of a surface, against the plane across the light, that may still be one surface and no step.
+/// Steepest slope, relative to the plane across the light, that is treated as one surface and not a step.
 const STEEPEST: f32 = 2.5;
 
-/// A step of the filter: fragment entry point, what it reads besides its constants, and what it draws to.
+/// Step of the filter: fragment entry point, inputs besides the constants, and target.
 struct Step<'a> {
     fragment: &'static str,
     layout: &'static str,
@@ -84,7 +86,7 @@ fn record_step(frame: &mut Recording<'_>, step: &Step<'_>, constants: &Bound) {
     record(&mut begin_maps(frame.encoder, FILTER.name, MapTarget::Light(step.target)), [&draw]);
 }
 
-/// Records the shadow-width map from depth maps and layer-wise maps that are drawn.
+/// Records the shadow-width map from the recorded depth maps and layer-wise maps.
 fn record_filter(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     let Some(textures) = &maps.width else { return };
     let light = maps.view();
@@ -93,9 +95,9 @@ fn record_filter(frame: &mut Recording<'_>, maps: &ShadowMaps) {
         near,
         far: near + light.range_m,
         shrink: maps.key.params.shrink as i32,
-        // Surfaces that touch are not parted by rounding.
+        // Tolerates rounding between surfaces that touch.
         least_gap: 1e-3,
-        // From a texel to the far side of the next block.
+        // Distance from a texel to the far side of the next block.
         clear_gap: STEEPEST * 2.0 * maps.key.params.shrink as f32 * maps.texel_m() / light.range_m,
         reserved0: 0.0,
         reserved1: 0.0,
@@ -140,7 +142,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
     match maps.as_deref().filter(|maps| maps.key.soft_shadow) {
         Some(maps) if frame.redraws_maps() => {
-            // Where hair shadows hair it is there already.
+            // If hair shadows hair, this map was recorded earlier.
             if maps.key.hair == HairMaps::None && maps.deep.is_none() {
                 record_depth(frame, maps, CasterPass::Nearest);
             }

@@ -1,5 +1,5 @@
-//! `shells`: layers 1.. of the hair, inside to outside, blended into the application's colour target with depth tested and
-//! written (Lengyel 2001; Yang 2006, §2).
+//! `shells`: layers 1.. of the hair, inside to outside, blended into the application's colour target, with depth test
+//! and depth write (Lengyel 2001; Yang 2006, §2).
 
 use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
 use crate::gpu::{Draw, RenderSpec, Shader, on};
@@ -9,7 +9,7 @@ use crate::params::StyleKind;
 use crate::scene::{Recording, Seen};
 use std::ops::Range;
 
-/// The shader.
+/// Shader of the `shells` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage shells",
     parts: hair_wgsl!(
@@ -20,11 +20,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// The layers of hair, inside to outside.
+    /// Hair layers, inside to outside.
     pub const SHELLS: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `shells` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "shells",
     place: PassPlace::Picture,
@@ -41,7 +41,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
     let varies = model.varies();
     let of_material = part.has_texture || part.cutout || part.has_groom_texture;
     let of_coat = varies.lean || varies.groom || model.manifest().fur.wet.is_some();
-    // No more slots between vertices and fragments than are needed.
+    // Uses the variant with the fewest interpolants.
     let entries = if look.fill_lights || look.environment.is_some() {
         ["vs_shells_filled", "fs_shells_filled"]
     } else if of_material || of_coat || look.resampled || look.maps_between {
@@ -62,7 +62,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
     frame.picture_spec(SHADER, entries, constants, [look.mirrored, part.double_sided], true)
 }
 
-/// Instances of the draw, layer by layer.
+/// Returns the range of draw instances, one per layer.
 fn layers(frame: &Recording<'_>, seen: &Seen) -> Range<u32> {
     frame.params.debug.only_layer.map_or_else(
         || seen.drawing.shell_instances(),
@@ -70,16 +70,17 @@ fn layers(frame: &Recording<'_>, seen: &Seen) -> Range<u32> {
     )
 }
 
-/// Draws of one instance's furred parts.
+/// Returns the draws of an instance's furred parts.
 fn draws(frame: &mut Recording<'_>, seen: &Seen) -> Vec<Draw> {
     let (layers, groups) = (layers(frame, seen), [frame.seen_from_eye(seen), seen.fur()]);
     let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part);
     let draws = frame.part_draws(seen, |part| part.furred, groups, layers.clone(), spec);
     if draws.len() < 2 {
-        // Instances of one draw are drawn in order: all layers at once.
+        // Instances of one draw are rasterised in order: one draw for all layers.
         return draws;
     }
-    // Several parts may overlap where they meet: layer by layer, so that an outer layer of one never hides an inner of another.
+    // Adjacent parts may overlap: draws layer by layer, so that an outer layer of one part never hides an inner layer
+    // of another.
     let layer = |k: u32| draws.iter().map(move |draw| Draw { instances: k..k + 1, ..draw.clone() });
     layers.flat_map(layer).collect()
 }

@@ -1,6 +1,6 @@
-// The shells: layers 1.. of the hair volume, inside to outside, one per instance index.
+// Shells: layers 1.. of the hair volume, inside to outside, one per instance index.
 
-// The layer-wise maps are of other layers than are drawn.
+// The layer-wise maps have other layers than are drawn.
 override MAPS_BETWEEN: bool = false;
 
 fn shell_of(v: Vertex, index: u32) -> Shell {
@@ -42,14 +42,14 @@ fn vs_shells_filled(v: Vertex, @builtin(instance_index) index: u32) -> FilledVar
     return filled_varying(shell_of(v, index));
 }
 
-// Premultiplied colour and opacity.
+// Returns premultiplied colour and opacity.
 fn shell_color(in: ShellFragment) -> vec4<f32> {
     var groom = groom_at(in.groom, in.base_uv);
     let hair = hair_at(in.tile_uv, in.layer, groom.y);
     var texel = hair.color;
     var root = in.base_uv;
     if AT_ROOT {
-        // The vertex has taken away what all hair of this layer lies aside.
+        // The vertex shader already subtracted the offset that all hair of this layer shares.
         root -= root_aside(vec3(0.0, 0.0, in.along), hair.direction);
         groom = groom_at_root(in.groom, in.base_uv, root);
     }
@@ -68,7 +68,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
             let eye = eye_of(arriving.light_ts, arriving.half_ts, in.n_dot_e);
             times *= look_path(tangent, length(hair.direction), eye, in.n_dot_e);
         }
-        // Colour is premultiplied: it follows its opacity.
+        // Premultiplied colour scales with its opacity.
         texel *= resampled_opacity(texel.a, times) / texel.a;
     }
     texel *= groom.x * select(1.0, instance.layer_share, DETAIL);
@@ -77,7 +77,8 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     arriving.visible = visible_through_hair(receiver);
     arriving.past = visible_past_things(receiver);
     if SELF_SHADOW && LIGHT_SLANTED {
-        // The layer is as thick as the hair between it and the next: on average half of it is above its hair.
+        // Shadow within the layer: it stands for the hair up to the next layer, half of which is above its hair on
+        // average.
         let path = path_through(slanted_path(n_dot_l), in.length);
         arriving.visible *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * path);
     }

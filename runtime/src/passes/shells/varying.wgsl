@@ -1,41 +1,42 @@
-// The packed path between vertices and fragments of shells. They meet in three forms, each with no more slots than its coats need: a software
-// rasteriser pays for a slot at every vertex, triangle and block of pixels, and for each uniform value at every block. So light times base
-// colour comes from the vertices, and uniforms as flat values.
+// Packed interpolants between vertex and fragment shaders of shells. There are three variants, each with no more slots
+// than its fur needs. Software rasterisers pay for a slot at every vertex, triangle and block of pixels, and for each
+// uniform value at every block. Therefore light times base colour is computed at vertices, and uniforms are passed as
+// flat values.
 
-// What is computed per vertex.
+// Values computed per vertex.
 struct Shell {
     tile_uv: vec2<f32>,
-    // What arrives of the ambient light, and the diffuse light, both times the base colour.
+    // Ambient light that arrives, and diffuse light, both times the base colour.
     ambient: vec3<f32>,
     diffuse: vec3<f32>,
-    // Length of the hair over the tile's.
+    // Length of the hair relative to the tile's.
     length: f32,
-    // Layer of the layer-wise maps.
+    // Layer in the layer-wise maps.
     map_layer: f32,
-    // Slope that the lean of the vertex adds to hair at this height.
+    // Slope that the vertex lean adds to hair at this height.
     slope: f32,
-    // Among the baked layers.
+    // Index of the baked layer.
     layer: u32,
-    // How far hair lies aside of its root.
+    // Sideways offset of hair from its root.
     aside: vec3<f32>,
     at: HairVertex,
 }
 
-// Coats coloured at vertices.
+// Variant for fur coloured at vertices.
 struct PlainVarying {
     @invariant @builtin(position) position: vec4<f32>,
     // Tile coordinates, n_dot_e, length.
     @location(0) uv_cosine_length: vec4<f32>,
-    // Directions with the diffuse colour.
+    // Directions, then ambient light; w: red, green and blue of the diffuse colour.
     @location(1) light_red: vec4<f32>,
     @location(2) half_green: vec4<f32>,
     @location(3) ambient_blue: vec4<f32>,
     @location(4) place: vec4<f32>,
-    // Highlight; baked layer. The bits of three numbers f32 and one u32.
+    // Highlight and baked layer, as the bits of three f32 and one u32.
     @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
 }
 
-// With all that textures and maps of the material, or another number of layers, need besides.
+// Variant with material textures and maps, or with a different number of layers.
 struct MappedVarying {
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) uv_cosine_length: vec4<f32>,
@@ -49,7 +50,7 @@ struct MappedVarying {
     @location(7) slope_alpha_map: vec4<f32>,
 }
 
-// With what lights need that are not known per vertex.
+// Variant with the inputs of lights that are evaluated per fragment.
 struct FilledVarying {
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) uv_cosine_length: vec4<f32>,
@@ -63,7 +64,7 @@ struct FilledVarying {
     @location(8) position_ws_red: vec4<f32>,
     @location(9) normal_ws_green: vec4<f32>,
     @location(10) tangent: vec4<f32>,
-    // And what the body leaves open.
+    // Blue of the tint; openness of the body.
     @location(11) blue_open: vec4<f32>,
 }
 
@@ -92,7 +93,7 @@ fn filled_varying(s: Shell) -> FilledVarying {
     );
 }
 
-// What a fragment gets of them.
+// Inputs of a fragment.
 struct ShellFragment {
     tile_uv: vec2<f32>,
     layer: u32,
@@ -104,12 +105,12 @@ struct ShellFragment {
     base_alpha: f32,
     place: vec4<f32>,
     map_layer: f32,
-    // How much farther aside of its root hair lies for each unit that it points aside.
+    // Additional sideways offset of hair from its root, per unit of its sideways direction.
     along: f32,
-    // For the fill lights.
+    // Tint for lights evaluated per fragment.
     tint: vec3<f32>,
     spot: Spot,
-    // But for what is visible of the key light.
+    // Light that arrives, without the visibility of the key light.
     arriving: Arriving,
 }
 
@@ -119,7 +120,7 @@ fn plain_fragment(in: PlainVarying) -> ShellFragment {
         bitcast<vec3<f32>>(in.specular_layer.xyz), in.light_red.xyz, in.half_green.xyz,
         back_attenuation(in.light_red.z, instance.back_light_range), 1.0, 1.0,
     );
-    // Drawn, baked and map layers are the same, or of them.
+    // In this variant, drawn, baked and map layers are equal; other variants override the map layer.
     let layer = in.specular_layer.w;
     return ShellFragment(
         in.uv_cosine_length.xy, layer, in.uv_cosine_length.z, in.uv_cosine_length.w, vec2(0.0), vec2(0.0), 0.0, 1.0, in.place, f32(layer), 0.0,

@@ -1,4 +1,4 @@
-//! `skin`: the opaque base mesh, bare parts included, into the application's colour target with depth written.
+//! `skin`: the opaque base mesh, bare parts included, into the application's colour target, with depth write.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{RenderSpec, Shader, on};
@@ -7,16 +7,16 @@ use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{Recording, Seen};
 
-/// The shader.
+/// Shader of the `skin` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage skin", parts: hair_wgsl!(include_str!("../../hair/coat.wgsl"), include_str!("skin.wgsl")) };
 
 impl PassId {
-    /// The opaque base mesh and bare parts.
+    /// Opaque base mesh and bare parts.
     pub const SKIN: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `skin` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "skin",
     place: PassPlace::Picture,
@@ -36,13 +36,13 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part, furred: bool) -> Render
     if !furred {
         constants.push(on("ROLL_OFF", frame.params.style.kind() == StyleKind::Bare));
         let mut spec = frame.picture_spec(SHADER, ["vs_bare", "fs_bare"], constants, sides, false);
-        // A bare skin has no hair textures to bind.
+        // Bare parts bind no hair textures.
         spec.groups.truncate(2);
         return spec;
     }
     constants.extend(groom(model, part));
     constants.extend([
-        // Skin leans nowhere, unless it is raised.
+        // The surface has no lean unless it is raised to the far fur layer.
         on("LEAN", model.varies().lean && look.coat),
         on("PLANAR_DIRECTIONS", model.planar_directions()),
         on("COAT", look.coat),

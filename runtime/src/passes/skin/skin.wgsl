@@ -1,6 +1,6 @@
-// The skin: the opaque base mesh. Furred parts carry the innermost layer of hair, bare parts (eyes, hooves) plain diffuse light.
+// Opaque base mesh. Furred parts carry the innermost hair layer; bare parts (eyes, hooves) have plain diffuse light.
 
-// The style shows nothing but bare skin: its light is rolled off, so that white is no more than white.
+// Bare style: compresses light, so that no channel exceeds white.
 override ROLL_OFF: bool = false;
 
 struct SkinVarying {
@@ -8,11 +8,12 @@ struct SkinVarying {
     @location(0) tint: vec4<f32>,
     @location(1) base_uv: vec2<f32>,
     @location(2) tile_uv: vec2<f32>,
-    // Towards the light, in the tile frame.
+    // Direction towards the light, in the tile frame.
     @location(3) light_ts: vec3<f32>,
-    // H, in the tile frame, or as half_or_factors says.
+    // H in the tile frame, or the factors of half_or_factors.
     @location(4) half_ts: vec3<f32>,
-    // 1 where fur grows, 0 where its height is 0; length of the hair over the tile's; slope that the lean of the vertex adds to the hair of the coat.
+    // 1 where fur grows, 0 where its height is 0; length of the hair relative to the tile's; slope that the vertex lean
+    // adds to the far fur layer.
     @location(5) grows_length_slope: vec3<f32>,
     @location(6) groom: vec2<f32>,
     @location(7) place: vec4<f32>,
@@ -41,7 +42,7 @@ fn skin_varying(v: Vertex, height: f32) -> SkinVarying {
     );
 }
 
-// Bare skin has no hair textures to look at.
+// Bare parts read no hair textures.
 @vertex
 fn vs_bare(v: Vertex) -> SkinVarying {
     return skin_varying(v, 0.0);
@@ -49,7 +50,7 @@ fn vs_bare(v: Vertex) -> SkinVarying {
 
 @vertex
 fn vs_furred(v: Vertex) -> SkinVarying {
-    // The coat rises to its place while the layers above it fade.
+    // The far fur layer rises to its height while the layers above it fade.
     let height = instance.detail_next * instance.coat_height;
     var out = skin_varying(v, height);
     let layer = select(0u, instance.baked_layers, COAT);
@@ -57,7 +58,7 @@ fn vs_furred(v: Vertex) -> SkinVarying {
     return out;
 }
 
-// The surface seen in front or from behind: the back of a double-sided part is lit by what shines on the back.
+// Returns -1 for back faces, else 1: the back of a double-sided part is lit by light on its back.
 fn side_of(front: bool) -> f32 {
     return select(-1.0, 1.0, front);
 }
@@ -83,7 +84,7 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     return shown(vec4(bare_color(base.rgb, n_dot_l, visible, spot, side), 1.0), 0u, 0.0);
 }
 
-// The most light that bare skin can get: all lights from straight above.
+// Returns the brightest possible light on a bare surface: all lights along its normal.
 fn full_light() -> vec3<f32> {
     var full = instance.ambient + instance.diffuse;
     if FILL_LIGHTS {
@@ -95,8 +96,8 @@ fn full_light() -> vec3<f32> {
     return full;
 }
 
-// Light in 0..=full as what is at most 1 in its strongest channel: L / (1 + L (F - 1) / F) with L and F of that channel, where F
-// is more than 1. Dim light stays, full light becomes 1, and the hue stays.
+// Compresses light in 0..=full so that its strongest channel is at most 1. The result is L / (1 + L (F - 1) / F), with
+// L and F of that channel, if F is above 1. Dim light and hue are kept, and full light becomes 1.
 fn rolled_off(light: vec3<f32>, full: vec3<f32>) -> vec3<f32> {
     let most = max(full.r, max(full.g, full.b));
     let here = max(light.r, max(light.g, light.b));
@@ -121,7 +122,7 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     let past = visible_past_things(receiver);
     var through = visible_through_hair(receiver);
     if COAT && !BAKED_SHADOW {
-        // No map knows what the coat stands for.
+        // The far fur layer is in no shadow map.
         through = mix(through, visible_below_coat(far, groom.x, light.z, in.grows_length_slope.y), instance.detail_next);
     }
     let visible = through * past;
@@ -134,7 +135,8 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
         arriving_at(0.0, light, in.half_ts, through, past), baked,
     );
     let bare = bare_color(base.rgb, light.z, visible * visible_past_strands(baked, light), spot, side);
-    // The innermost layer is opaque in a package as bake writes it; where it is not, the bare skin shows between the hairs.
+    // The bake writes an opaque innermost layer. Where a package's layer is not opaque, the bare surface shows between
+    // the hairs.
     let ambient = ambient_attenuation(0.0, instance.ambient_floor);
     let undercoat = light_undercoat(point) + (1.0 - color.a) * ambient * bare;
     let skin = mix(bare, undercoat, in.grows_length_slope.x * groom.x);

@@ -1,11 +1,11 @@
-//! `strand_blend`: blends the nearest pieces of hair in each pixel into the application's pass, each at its own depth.
+//! `strand_blend`: blends the nearest hair segments of each pixel into the application's pass, each at its own depth.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, Draw, Group, RenderSpec, Shader, on, storage, uniform};
 use crate::params::StyleKind;
 use crate::scene::{NearestHair, Recording};
 
-/// The shader.
+/// Shader of the `strand_blend` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand blend",
     parts: &[
@@ -17,11 +17,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// The nearest strands of each pixel, blended.
+    /// Nearest strands of each pixel, blended.
     pub const STRAND_BLEND: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `strand_blend` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_blend",
     place: PassPlace::Picture,

@@ -1,8 +1,8 @@
-// Blends what was found of hair in each pixel over the picture: layer after layer of each tile, the farthest first.
+// Blending of the gathered hair segments over the picture: layer by layer of each tile, the farthest first.
 
 @group(0) @binding(0) var<storage, read> keys: array<u32>;
 @group(0) @binding(1) var<storage, read> lights: array<u32>;
-// Arguments of this draw, then tile and layer of each instance.
+// Indirect draw arguments, then tile and layer of each instance.
 @group(0) @binding(2) var<storage, read> layers: array<u32>;
 @group(0) @binding(3) var<uniform> nearest: NearestHair;
 
@@ -50,7 +50,7 @@ fn fs_blend(in: TileVarying) -> Blended {
     }
     var through = 1.0 - covered_by(key);
     if in.layer == NEAREST - 1u {
-        // It stands for all behind it.
+        // The last layer also stands for all segments behind it.
         through *= exp(-f32(keys[OF_A_PIXEL * pixel + NEAREST]) / OPTICAL_DEPTH);
     }
     let covered = 1.0 - through;
@@ -68,7 +68,7 @@ struct Depth {
     @builtin(frag_depth) depth: f32,
 }
 
-// Depth of the piece with which hair covers more than half of the pixel.
+// Returns the depth of the segment at which hair covers more than half of the pixel.
 @fragment
 fn fs_depth(in: TileVarying) -> Depth {
     let place = OF_A_PIXEL * pixel_number(vec2<u32>(in.at));

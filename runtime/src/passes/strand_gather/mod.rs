@@ -1,11 +1,11 @@
-//! `strand_gather`: finds the nearest pieces of hair in each pixel, by its own rasteriser, once a frame.
+//! `strand_gather`: finds the nearest hair segments in each pixel by a compute rasteriser, once per frame.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, WORKGROUP, in_compute, on, storage_in, storage_out, uniform};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, NearestHair, Recording, record_dispatches, strand_sets};
 
-/// The shader.
+/// Shader of the `strand_gather` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand gather",
     parts: &[
@@ -16,11 +16,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: the nearest pieces of hair in each pixel.
+    /// Compute: nearest hair segments in each pixel.
     pub const STRAND_GATHER: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `strand_gather` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_gather",
     place: PassPlace::Before,
@@ -53,7 +53,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let Some(ribbons) = set.ribbons else { continue };
         let pieces = set.strands.pieces(set.drawn.step);
         let lists = &nearest.lists;
-        // The rounds are of one pipeline: keys that differ in a bit would not be found again.
+        // Both rounds use one pipeline: the second must reproduce the keys of the first bit by bit.
         let mut dispatch = |entry, round, threads| {
             let block = frame.uniforms.put(frame.gpu, &[NearestHair { pieces, round, ..nearest.block }]);
             let buffers = [&ribbons.counts, &ribbons.corners, &lists.keys, &lists.lights, &lists.layers];
@@ -77,7 +77,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         count += of_all;
     }
     nearest.clear(frame.encoder);
-    // Each sees what those before it wrote.
+    // Each dispatch sees the writes of those before it.
     gather.append(&mut leave);
     gather.append(&mut list);
     record_dispatches(frame.encoder, SHADER.name, &gather);

@@ -1,33 +1,33 @@
-// Finds the nearest pieces of hair in each pixel, in two rounds over all pieces: the first sorts keys, the second leaves the light of those that
-// are among the nearest. Whatever the order of the threads, both end with the same numbers.
+// Gathering of the nearest hair segments in each pixel, in two rounds over all segments. The first sorts keys, the
+// second stores the light of the nearest segments. The result does not depend on the order of threads.
 
 struct Frame {
     clip_from_world: mat4x4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-// The draw's arguments; corners: place in world space, and light.
+// Indirect draw arguments. `ribbons`: corners, with world-space position and light.
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
 @group(1) @binding(1) var<storage, read> ribbons: array<vec4<u32>>;
 @group(1) @binding(2) var<storage, read_write> keys: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> lights: array<atomic<u32>>;
-// Arguments of the draw of what was found, then what it draws.
+// Indirect draw arguments of the gathered layers, then the tile and layer of each instance.
 @group(1) @binding(4) var<storage, read_write> layers: array<atomic<u32>>;
 @group(1) @binding(5) var<uniform> nearest: NearestHair;
 
-// An end of a piece on screen.
+// Screen-space end of a segment.
 struct End {
-    // Pixels; depth.
+    // Position, pixels; depth.
     at: vec2<f32>,
     depth: f32,
-    // Half a width, pixels.
+    // Half of the width, pixels.
     half: f32,
-    // Unit vector along the strand, across the line on which this piece ends and the next begins.
+    // Unit vector along the strand, perpendicular to the line on which this segment ends and the next begins.
     along: vec2<f32>,
     light: vec3<f32>,
 }
 
-// Corners of an end in clip space, and its light.
+// Clip-space corners of an end, and its light.
 struct Corners {
     left: vec4<f32>,
     right: vec4<f32>,
@@ -41,7 +41,7 @@ fn corners_at(first: u32) -> Corners {
     return Corners(a, b, unpacked_light(left.w));
 }
 
-// How far behind the near plane it is, in clip space.
+// Returns the distance behind the near plane, in clip space.
 fn behind_near(corners: Corners) -> f32 {
     let middle = 0.5 * (corners.left + corners.right);
     return select(middle.z, middle.w - middle.z, REVERSED_DEPTH);
@@ -68,7 +68,8 @@ fn cross_2(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return a.x * b.y - a.y * b.x;
 }
 
-// A pixel's key among its nearest: whoever is nearer moves the others on. What does not fit is not forgotten.
+// Inserts a key into the sorted list of a pixel; nearer keys move others back. A key that no longer fits adds to the
+// optical depth behind the list.
 fn insert(pixel: u32, found: u32) {
     let first = OF_A_PIXEL * pixel;
     var key = found;
@@ -82,7 +83,8 @@ fn insert(pixel: u32, found: u32) {
     atomicAdd(&keys[first + NEAREST], u32(-OPTICAL_DEPTH * log(max(1.0 - covered_by(key), 1e-3)) + 0.5));
 }
 
-// Leaves light where the key is. Two pieces of one key share it, so that the order of threads is not to be seen.
+// Stores the light of a key. Two segments with equal keys keep the larger value, so that the order of threads has no
+// effect.
 fn leave(pixel: u32, key: u32, light: u32) {
     for (var k = 0u; k < NEAREST; k++) {
         let there = atomicLoad(&keys[OF_A_PIXEL * pixel + k]);
@@ -94,21 +96,21 @@ fn leave(pixel: u32, key: u32, light: u32) {
     }
 }
 
-// A strand that is larger than this fills the picture, or is not a number.
+// Largest size of a segment on screen, pixels; larger ones fill the picture or are NaN.
 const MOST_PX: f32 = 1e6;
 
-// Thread for thread a piece.
+// One thread per segment.
 @compute @workgroup_size(64)
 fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let piece = id.y * groups.x * 64u + id.x;
-    // Six indices each.
+    // Six indices per segment.
     if piece >= counts[0] / 6u {
         return;
     }
     let first = 2u * (piece + piece / nearest.pieces);
     var root = corners_at(first);
     var tip = corners_at(first + 2u);
-    // Only what is behind the near plane is to be seen.
+    // Clips to the near plane; only what is behind it is visible.
     let root_behind = behind_near(root);
     let tip_behind = behind_near(tip);
     if root_behind <= 0.0 && tip_behind <= 0.0 {
@@ -123,18 +125,18 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     var b = end(tip);
     let way = b.at - a.at;
     let long = length(way);
-    // Nothing is seen of what is nowhere.
+    // Rejects sizes that are too large or NaN.
     if !(long + a.half + b.half < MOST_PX) {
         return;
     }
     let axis = way / max(long, 1e-6);
-    // Tips have no width of their own to turn by.
+    // Tips have no width from which to derive a direction.
     a.along = select(axis, a.along, a.half > 1e-4);
     b.along = select(axis, b.along, b.half > 1e-4);
     a.along *= select(1.0, -1.0, dot(a.along, axis) < 0.0);
     b.along *= select(1.0, -1.0, dot(b.along, axis) < 0.0);
 
-    // Row after row of the direction in which it is the longer, as many pixels as it is wide with half a pixel on either side.
+    // Iterates over rows along the longer axis; each row covers the width plus half a pixel on either side.
     let by_columns = abs(way.x) > abs(way.y);
     let from_1 = select(a.at.y, a.at.x, by_columns);
     let to_1 = select(b.at.y, b.at.x, by_columns);
@@ -157,7 +159,7 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
         let end_2 = min(middle + reach_2, high_2);
         for (var column = begin_2 + 0.5; column < end_2; column += 1.0) {
             let pixel = select(vec2(column, row), vec2(row, column), by_columns);
-            // Every pixel is of one of the pieces that meet in a point.
+            // Assigns every pixel to exactly one of the segments that meet at a point.
             let since = dot(pixel - a.at, a.along);
             let until = dot(b.at - pixel, b.along);
             if since < 0.0 || until <= 0.0 {
@@ -186,7 +188,7 @@ const DRAW_ARGUMENTS: u32 = 4u;
 
 var<workgroup> most: atomic<u32>;
 
-// Workgroup for workgroup a tile: as many layers as its fullest pixel has pieces, the farthest first.
+// One workgroup per tile: lists as many layers as its fullest pixel has segments, the farthest first.
 @compute @workgroup_size(64)
 fn list_layers(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -208,7 +210,7 @@ fn list_layers(
     workgroupBarrier();
     if tile < tiles && local == 0u {
         let count = atomicLoad(&most);
-        // Corners of two triangles; an instance for each layer of a tile.
+        // Six vertices for two triangles; one instance per layer of a tile.
         atomicMax(&layers[0], 6u);
         let next = DRAW_ARGUMENTS + atomicAdd(&layers[1], count);
         for (var k = 0u; k < count; k++) {

@@ -1,4 +1,4 @@
-//! `strand_light`: makes ribbons of the strands that can be seen, with the light of each point, once a frame. What is drawn of them reads vertices alone.
+//! `strand_light`: builds lit ribbons of the visible strands, once per frame. Later passes read only their vertices.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, WORKGROUP, in_compute, on, storage_in, storage_out, uniform};
@@ -9,7 +9,7 @@ use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, Seen, StrandSet, posed_layout, record_dispatches, strand_sets};
 use crate::shared::deep_opacity::DeepOpacity;
 
-/// The shader.
+/// Shader of the `strand_light` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand light",
     parts: hair_wgsl!(
@@ -24,11 +24,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: ribbons of the strands that can be seen, with their light.
+    /// Compute: lit ribbons of the visible strands.
     pub const STRAND_LIGHT: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `strand_light` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_light",
     place: PassPlace::Before,
@@ -43,7 +43,7 @@ pub(crate) const PASS: Pass = Pass {
 fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str, u32)> {
     let mut constants = seen.look.strand_lights();
     constants.push(on("DEEP_SHADOW", seen.look.deep_shadow));
-    // The skin and its groom say nothing of hair on guides.
+    // Mesh surface and groom do not apply to hair on guides.
     if let Some(guided) = set.strands.guided() {
         constants.push(on("HANGS", true));
         constants.push(("FIBRE", guided.fibre));
@@ -56,7 +56,7 @@ fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    // A device that cannot draw them cannot make these layouts.
+    // A device that cannot draw single hairs cannot create these layouts.
     if !frame.instances.iter().any(|seen| seen.look.strands) {
         return Outcome::Skipped("no single hairs are to be seen");
     }
@@ -80,7 +80,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     for (seen, set) in strand_sets(&instances) {
         let (strands, Some(ribbons)) = (set.strands, set.ribbons) else { continue };
         for (number, (part, of_part)) in set.parts(seen.model.parts(), set.drawn.share).enumerate() {
-            // Without a map nothing is read of what stands in for it.
+            // Without a map, the placeholder buffer is never read.
             let deep = maps.and_then(|maps| maps.deep.as_ref()).unwrap_or(&strands.tile);
             let mut entries = frame.posed_strands(&set, &of_part, set.drawn).to_vec();
             let buffers = [&ribbons.seen, &ribbons.counts, &ribbons.corners, deep];
@@ -113,7 +113,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     for ribbons in instances.iter().flat_map(Seen::strands).filter_map(|set| set.ribbons) {
         frame.encoder.clear_buffer(&ribbons.seen, 0, None);
     }
-    // Each sees what those before it wrote.
+    // Each dispatch sees the writes of those before it.
     select.append(&mut scan);
     select.append(&mut light);
     record_dispatches(frame.encoder, SHADER.name, &select);

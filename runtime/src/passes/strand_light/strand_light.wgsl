@@ -1,23 +1,23 @@
-// Makes ribbons of the strands that can be seen: which those are, where each begins among the vertices, and its corners with their light.
-// Strands keep their order, so that a picture is the same every time.
+// Construction of ribbons: selects visible strands, assigns each its place among the vertices, and writes its lit
+// corners. Strands keep their order, so that pictures are reproducible.
 
-// Of each strand a bit, 32 in a number: it is seen.
+// Visibility mask: one bit per strand, 32 per word.
 @group(2) @binding(4) var<storage, read_write> seen: array<atomic<u32>>;
-// The draw's arguments; then of each 32 strands how many are seen before them.
+// Indirect draw arguments; then, per 32 strands, the number of visible strands before them.
 @group(2) @binding(5) var<storage, read_write> counts: array<u32>;
-// Corners: place in world space, and light.
+// Corners: world-space position, and light.
 @group(2) @binding(6) var<storage, read_write> ribbons: array<vec4<u32>>;
 @group(2) @binding(7) var<storage, read> deep: array<u32>;
 @group(2) @binding(8) var<uniform> deep_opacity: DeepOpacity;
 
 const DRAW_ARGUMENTS: u32 = 5u;
-// Roots whose skin faces farther away than this grow fur that the skin hides.
+// Smallest cosine between surface normal and eye direction at a root; below it, the surface hides the fur.
 const FARTHEST_TURNED: f32 = -0.5;
-// How much wider than the picture a strand's first, middle and last point are looked for.
+// Extent of the frustum test of a strand's first, middle and last point, relative to the picture.
 const MARGIN: f32 = 1.1;
 
 fn strand_tint(strand: Strand) -> vec4<f32> {
-    // The colour of hair on guides is its own.
+    // Hair on guides has a colour of its own.
     if HANGS {
         return vec4(1.0);
     }
@@ -50,7 +50,7 @@ fn may_be_seen(number: u32) -> bool {
     return !(aside || all(w <= vec3(0.0)));
 }
 
-// Thread for thread a strand of the part.
+// One thread per strand of the part.
 @compute @workgroup_size(64)
 fn select_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let number = number_of(id, groups);
@@ -67,12 +67,12 @@ fn pieces() -> u32 {
     return (constants.points - 1u) / constants.step;
 }
 
-// Two corners a point.
+// Returns the number of corners of a strand, two per point.
 fn corners() -> u32 {
     return 2u * (pieces() + 1u);
 }
 
-// One workgroup: how many are seen before each 32, and the draw's arguments.
+// Counts the visible strands before each 32, and writes the draw arguments. One workgroup.
 @compute @workgroup_size(256)
 fn scan_strands(@builtin(local_invocation_index) local: u32) {
     let of_all = constants.count / 32u;
@@ -94,7 +94,7 @@ fn scan_strands(@builtin(local_invocation_index) local: u32) {
         before += countOneBits(atomicLoad(&seen[i]));
     }
     if local == SCANNERS - 1u {
-        // Of two triangles a piece; one instance; from the first index, vertex and instance.
+        // Index count: two triangles per segment. One instance; first index, base vertex and first instance are 0.
         counts[0] = before * pieces() * 6u;
         counts[1] = 1u;
         counts[2] = 0u;
@@ -103,7 +103,7 @@ fn scan_strands(@builtin(local_invocation_index) local: u32) {
     }
 }
 
-// Share of the key light that the hair before a place in the maps lets through.
+// Returns the share of the key light that passes through the hair in front of a position in the maps.
 fn visible_through_strands(place: vec4<f32>) -> f32 {
     if !DEEP_SHADOW {
         return 1.0;
@@ -130,8 +130,8 @@ fn deep_texel(at: vec2<i32>, depth: f32) -> f32 {
     return exp(-deep_opacity.density * OPACITY_STEP * sum * shadowing(behind, deep_opacity.slabs));
 }
 
-// The way out of hair that hangs so far from its root: across it, to where it hangs and where the skin faces that it grows from. One side of it is open there, and the
-// body lies on the other.
+// Returns the direction out of hanging hair, perpendicular to the hair: towards the offset from its root, and the
+// surface normal at the root. That side is open; the body is on the other.
 fn outwards(from_root: vec3<f32>, normal: vec3<f32>, tangent: vec3<f32>) -> vec3<f32> {
     let out = from_root + normal * (0.5 * length(from_root) + 1e-6);
     return normalize_or(out - tangent * dot(out, tangent), normal);

@@ -1,4 +1,4 @@
-//! `strand_pose`: places the points of all strands on the posed skin, once per changed pose.
+//! `strand_pose`: places the points of all strands on the posed mesh, once per changed pose.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, in_compute, storage_in, storage_out, uniform};
@@ -8,7 +8,7 @@ use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
 
-/// The shader.
+/// Shader of the `strand_pose` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand pose",
     parts: &[
@@ -22,11 +22,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: places strands on the posed skin.
+    /// Compute: places strands on the posed mesh.
     pub const STRAND_POSE: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `strand_pose` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_pose",
     place: PassPlace::Before,
@@ -39,7 +39,7 @@ pub(crate) const PASS: Pass = Pass {
 };
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    // A device that cannot draw them cannot make these layouts.
+    // A device that cannot draw single hairs cannot create these layouts.
     if !frame.instances.iter().any(|seen| seen.look.strands) {
         return Outcome::Skipped("no strands of a coat are drawn, or no pose changed");
     }

@@ -1,10 +1,10 @@
-// Places the points of all strands of a part on the posed skin, and the skin's frame at their roots.
+// Placement of a part's strand points on the posed mesh, with the surface frame at their roots.
 
 struct Stand {
     a: u32,
     b: u32,
     c: u32,
-    // Weights of b and c, snorm of a quarter.
+    // Weights of b and c, snorm, a quarter of their value.
     weights: u32,
 }
 
@@ -18,12 +18,12 @@ struct Stand {
 @group(1) @binding(2) var base_color_sampler: sampler;
 @group(1) @binding(3) var groom_texture: texture_2d<f32>;
 
-// As in hair.wgsl.
+// Overrides as in hair.wgsl.
 override GROOM_VERTICES: bool = false;
 override GROOM_TEXTURE: bool = false;
 override WET: bool = false;
 
-// Thread for thread a point.
+// One thread per point.
 @compute @workgroup_size(64)
 fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let points = constants.points;
@@ -38,7 +38,7 @@ fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
     var at = stand_place(stands[index], height_of_point(of_tile));
     let wetness = strand_groom(strand).y;
     if WET {
-        // Those of wet hair stand behind all others.
+        // Wet hair is stored after all dry hair.
         let wet = stand_place(stands[constants.count * points + index], height_of_point(constants.dry_points + of_tile));
         at = mix(at, wet, wetness);
     }
@@ -64,13 +64,13 @@ fn weights_of(stand: Stand) -> vec3<f32> {
     return vec3(1.0 - weights.x - weights.y, weights);
 }
 
-// Beside the skin hair stands as at the skin's end.
+// Returns barycentric weights clamped to the triangle; hair beside the surface is oriented as at its edge.
 fn weights_inside(stand: Stand) -> vec3<f32> {
     let inside = clamp(weights_of(stand), vec3(0.0), vec3(1.0));
     return inside / (inside.x + inside.y + inside.z);
 }
 
-// Where a point at that share of the fur's height is, in the model's space, and the share.
+// Returns the model-space position of a point at a share of the fur height, and that share.
 fn stand_place(stand: Stand, share: f32) -> vec4<f32> {
     let a = vertices[stand.a];
     let b = vertices[stand.b];
@@ -82,7 +82,7 @@ fn stand_place(stand: Stand, share: f32) -> vec4<f32> {
     return vec4(place + offset, share);
 }
 
-// The way from the skin to the hair that grows at a vertex, at a share of its height.
+// Returns the offset from the surface to the hair of a vertex, at a share of its height.
 fn hair_offset_of(v: GeometryVertex, share: f32) -> vec3<f32> {
     let tile = tile_frame(normalize_or(v.normal, vec3(0.0, 1.0, 0.0)), v.tangent.xyz, v.tangent.w);
     return (tile.normal_ws * share + tile.bitangent_ws * lean_offset(v.lean, share)) * v.fur_height;

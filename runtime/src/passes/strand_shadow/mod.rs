@@ -1,4 +1,4 @@
-//! `strand_shadow`: the deep opacity map of single strands, seen from the key light.
+//! `strand_shadow`: deep opacity map of single strands, seen from the key light.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, depth_texture, in_compute, on, storage_out, uniform};
@@ -8,7 +8,7 @@ use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, posed_layout, record_depth, record_dispatches, strand_sets};
 use crate::shared::deep_opacity::DeepOpacity;
 
-/// The shader.
+/// Shader of the `strand_shadow` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand shadow",
     parts: &[
@@ -26,11 +26,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: the deep opacity map of strands.
+    /// Compute: deep opacity map of strands.
     pub const STRAND_SHADOW: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `strand_shadow` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_shadow",
     place: PassPlace::Before,
@@ -42,9 +42,10 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Strands are walked in so many pieces at least.
+/// Minimum number of segments of a strand in the map.
 const FEWEST_PIECES: u32 = 4;
-/// Those on guides, which go around bodies: what a piece cuts off of a bend lies in the skin, and throws no shadow.
+/// Minimum number of segments of hair on guides, which bends around bodies. A segment that cuts a bend short would be
+/// inside the body and cast no shadow.
 const FEWEST_GUIDED: u32 = 16;
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
@@ -55,7 +56,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if !frame.redraws_maps() {
         return Outcome::Skipped("light, poses and models as in the map");
     }
-    // Those that come after it need the same.
+    // Later passes need the same map.
     record_depth(frame, maps, CasterPass::Nearest);
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
         let mut entries = posed_layout().to_vec();
@@ -74,7 +75,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let pieces = strands.points - 1;
         let fewest = if strands.guided().is_some() { FEWEST_GUIDED } else { FEWEST_PIECES };
         let step = strands.steps().rfind(|step| pieces / step >= fewest).unwrap_or(1);
-        // Always of the same share, so that the map does not depend on what the eye was near to when it was drawn.
+        // The share is fixed, so that the map does not depend on the distance of the eye when it was drawn.
         let share = strands.shadow_share();
         let thrown = DrawnSet { share, widened: share.recip(), step, ..*set.drawn };
         for (part, of_part) in set.parts(seen.model.parts(), share) {
@@ -102,7 +103,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         }
     }
     frame.encoder.clear_buffer(deep, 0, None);
-    // All find what is first before any adds to what is behind it.
+    // All strands find the first depth before any adds opacity behind it.
     first.append(&mut opacity);
     record_dispatches(frame.encoder, SHADER.name, &first);
     let DeepOpacity { size, slabs, .. } = maps.deep_opacity();

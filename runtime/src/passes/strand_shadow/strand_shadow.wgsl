@@ -1,5 +1,6 @@
-// Draws a share of the strands of a part, which stand for all of them, into the deep opacity map: first how near the first hair of each texel is, then how much of each texel hair
-// covers in each slab behind that. A strand is walked in steps of at most a texel; each adds the area that it covers.
+// Rasterisation of a share of a part's strands, which represent all of them, into the deep opacity map. The first round
+// finds the nearest hair of each texel. The second adds the area that hair covers in each slab behind it. Strands are
+// walked in steps of at most one texel.
 
 @group(2) @binding(4) var<storage, read_write> deep: array<atomic<u32>>;
 @group(2) @binding(5) var nearest_skin: texture_depth_2d;
@@ -9,10 +10,10 @@
 override GROOM_VERTICES: bool = false;
 override GROOM_TEXTURE: bool = false;
 
-// It is hair on guides.
+// The strands are hair on guides.
 override GUIDED: bool = false;
 
-// Most steps of a piece: one that fills the map is drawn with gaps.
+// Maximum number of steps per segment; a segment that fills the map is drawn with gaps.
 const MOST_STEPS: f32 = 256.0;
 
 fn walk(number: u32, deposits: bool) {
@@ -23,7 +24,7 @@ fn walk(number: u32, deposits: bool) {
     let points = constants.points;
     let first = number * (points + POSED_BEFORE);
     var a = world_place(first + POSED_BEFORE);
-    // Behind the skin no fur is lit; other hair reaches beyond it.
+    // Fur on surfaces that face away from the light is unlit; other hair extends beyond the surface.
     if !GUIDED && dot(world_normal(first), direction_to(frame.light_ws, a)) < -0.5 {
         return;
     }
@@ -71,13 +72,13 @@ fn walk(number: u32, deposits: bool) {
     }
 }
 
-// Place in the map in texels, depth, and distance of a point light.
+// Returns texel coordinates in the map, depth, and distance from a point light.
 fn map_texel(position: vec3<f32>, side: f32) -> vec4<f32> {
     let place = frame.map_from_world * vec4(position, 1.0);
     return vec4(place.xy / place.w * side, place.zw);
 }
 
-// A number that is the greater the nearer; 0 where there is no hair.
+// Returns a number that increases with nearness; 0 means no hair.
 fn nearness(depth: f32) -> u32 {
     return bitcast<u32>(clamp(1.0 - depth, 0.0, 1.0));
 }

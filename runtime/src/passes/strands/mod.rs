@@ -1,4 +1,5 @@
-//! `strands`: hair as ribbons that face the eye, opaque and of true width, into the application's pass with depth tested and written.
+//! `strands`: hair as ribbons that face the eye, opaque and of true width, into the application's pass, with depth test
+//! and depth write.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Draw, RenderSpec, Shader, Stream, attribute};
@@ -6,7 +7,7 @@ use crate::model::CORNER_BYTES;
 use crate::params::StyleKind;
 use crate::scene::{Recording, strand_sets};
 
-/// The shader.
+/// Shader of the `strands` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strands",
     parts: &[
@@ -17,11 +18,11 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Strands one by one.
+    /// Single strands.
     pub const STRANDS: Self = Self(&PASS);
 }
 
-/// The pass.
+/// Descriptor of the `strands` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strands",
     place: PassPlace::Picture,
@@ -33,7 +34,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// A corner: place in world space, and light.
+/// Vertex stream of ribbon corners: world-space position, and light.
 const CORNER: Stream = Stream {
     stride: CORNER_BYTES,
     attributes: &[attribute(0, wgpu::VertexFormat::Float32x3, 0), attribute(1, wgpu::VertexFormat::Uint32, 12)],

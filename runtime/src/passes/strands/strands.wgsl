@@ -1,4 +1,4 @@
-// Strands one by one: ribbons that face the eye, as wide as the hair, with the light of their points.
+// Single strands: ribbons that face the eye, as wide as the hair, with the light of their points.
 
 struct Frame {
     clip_from_world: mat4x4<f32>,
@@ -8,8 +8,9 @@ struct Frame {
 
 struct StrandVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // A ribbon is too thin for perspective within it to be seen. Where it covers samples and not the pixel's middle, light is taken within it:
-    // beyond its edge it runs on to less than nothing, and to more than a floating-point target should hold.
+    // Linear: ribbons are too thin for visible perspective. Centroid: where a ribbon covers samples but not the pixel
+    // centre, light is evaluated inside it. Extrapolation beyond its edge would give negative values, or values too
+    // large for a floating-point target.
     @location(0) @interpolate(linear, centroid) light: vec3<f32>,
 }
 

@@ -1,27 +1,28 @@
-// Beside the forms that pelage draws lines with those that Fang 2006 prints; in the place of ink/line_forms.wgsl.
+// Line functions as pelage draws them and as Fang 2006 prints them, chosen by overrides; replaces ink/line_forms.wgsl
+// in studies.
 
-// All four dots must be low, and nothing is between yes and no.
+// All four dot products must be low, without a gradual transition.
 override ALL_BELOW: bool = false;
 // Squares instead of discs.
 override SQUARES: bool = false;
-// A pixel is ink or not.
+// Pixels are either ink or not.
 override HARD: bool = false;
-// Without the template the sphere map alone decides how wide lines are.
+// Without the template, the sphere map alone determines line width.
 override TEMPLATE: bool = true;
-// Lines that are ink or not do not run into the paper.
+// Hard lines do not bleed into the paper.
 override SOFT: bool = true;
 
 // Every feature is a line.
 override FOLLOWED: bool = true;
 
-// Below this grey the sphere map is ink, where it is one or the other.
+// Grey of the sphere map below which a pixel is ink, for hard lines.
 const DARK: f32 = 0.5;
 
 fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
     if !ALL_BELOW {
         return strength;
     }
-    // Between the thresholds lines are weak, which here is little more than nothing.
+    // Lines between the thresholds are weak: just above zero here.
     return select(0.0, 1.0, all(dots <= vec4(ink.t1))) * select(0.004, 1.0, all(dots <= vec4(ink.t2)));
 }
 

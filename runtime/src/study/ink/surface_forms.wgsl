@@ -1,8 +1,9 @@
-// Beside the forms that pelage paints surfaces with those that Fang 2006 prints; in the place of ink/surface_forms.wgsl.
+// Surface functions as pelage paints them and as Fang 2006 prints them, chosen by overrides; replaces
+// ink/surface_forms.wgsl in studies.
 
-// How the sphere map is looked up: 0 perpendicular to the view, 1 by reflection, 2 as printed.
+// Sphere map lookup: 0 perpendicular to the view, 1 by reflection, 2 as printed.
 override SPHERE_MAP: u32 = 0u;
-// What varies holds on to the picture instead of the surface: what is bad about doing so is measured.
+// Attaches grain to the picture instead of the surface, to measure the drawbacks of doing so.
 override ON_SCREEN: bool = false;
 
 fn form_of_grain(on_surface: vec4<f32>, position: vec2<f32>) -> vec4<f32> {
@@ -13,7 +14,7 @@ fn form_of_grain(on_surface: vec4<f32>, position: vec2<f32>) -> vec4<f32> {
 }
 
 fn form_of_sphere_uv(perpendicular: vec2<f32>, normal: vec3<f32>, eye: vec3<f32>) -> vec2<f32> {
-    // View space: the eye's frame at the middle of the picture.
+    // View space: the eye's frame at the centre of the picture.
     let view = mat3x3(model.right_ws, model.up_ws, cross(model.right_ws, model.up_ws));
     if SPHERE_MAP == 1u {
         return ink_sphere_uv_reflected(normal * view, eye * view);

@@ -1,8 +1,10 @@
-// Beside a deep opacity map the opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering in the Nalu Demo"), whose slabs
-// divide the whole depth of the hair; chosen by overrides; in the place of light/deep_forms.wgsl.
+// Slabs of a deep opacity map, or of the opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering
+// in the Nalu Demo"). The latter divide the whole depth of the hair. Chosen by overrides; replaces
+// light/deep_forms.wgsl in studies.
 
 override WHOLE_DEPTH: bool = false;
-// The last plane lies where the printed spacing puts it, a sixteenth before the end: what is behind it is in no plane, and no plane shadows it.
+// Puts the last plane at the printed spacing, a sixteenth before the end. Hair behind it is in no plane, and no plane
+// shadows it.
 override PRINTED_SPACING: bool = false;
 override ON_AXIS: bool = false;
 

@@ -1,13 +1,14 @@
-// Beside the forms that pelage draws with those that the papers print, chosen by overrides; in the place of light/forms.wgsl.
+// Lighting functions as pelage draws with them and as the papers print them, chosen by overrides; replaces
+// light/forms.wgsl in studies.
 
 override LOOK_SLANTED: bool = true;
 override LIGHT_SLANTED: bool = true;
 override CENTRED: bool = true;
-// The key light's factors of eq. (1) are computed at vertices.
+// Computes the key light's factors of eq. (1) at vertices.
 override VERTEX_LIGHTING: bool = false;
 
-// H, or the factors themselves. At a vertex all that is known of the hair is the mean direction of its layer, which is the last level of
-// the direction texture, how long the vertex's hair is and how it leans.
+// Returns H, or the factors themselves. At a vertex, only three properties of the hair are known: its length, its lean,
+// and the mean direction of its layer. The latter is the last level of the direction texture.
 fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {
     if !VERTEX_LIGHTING {
         return half;
@@ -19,7 +20,8 @@ fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: v
         let wet = decode_direction(textureLoad(wet_directions, vec2(0), layer, last), PLANAR_DIRECTIONS);
         direction = mix(direction, wet, wetness);
     }
-    // Between vertices that look different ways H is short. Taken for one of length 1 it would put the eye opposite the light.
+    // H is short between vertices with different view directions. Treating it as unit length would put the eye opposite
+    // the light.
     let eye = 2.0 * dot(half, light) / max(dot(half, half), 1e-12) * half - light;
     return vec3(fibre(grown(direction, share, slope), light, half, wetness), atan2(eye.y, eye.x));
 }
@@ -31,7 +33,8 @@ fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half_or_factors: vec3<f32>,
     return fibre(direction, light, half_or_factors, wetness);
 }
 
-// Towards the eye. Where the factors are computed at vertices, its angle about the normal stands beside them.
+// Returns the direction towards the eye. If the factors are computed at vertices, `half.z` is its angle about the
+// normal.
 fn eye_of(light: vec3<f32>, half: vec3<f32>, n_dot_e: f32) -> vec3<f32> {
     if VERTEX_LIGHTING {
         let across = sqrt(max(1.0 - n_dot_e * n_dot_e, 0.0));

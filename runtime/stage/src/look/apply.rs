@@ -1,19 +1,19 @@
-//! The short forms applied to a look.
+//! Short forms applied to a look.
 
 use super::short::ShortForm;
 use super::tables::Look;
 use pelage_params::{Knob, ParamError, knobs};
 
 impl ShortForm {
-    /// The knob that it sets; `None` for a printed form in a build without the feature `study`.
+    /// Returns the knob that it sets; `None` for a printed form in a build without the feature `study`.
     pub fn knob(&self) -> Option<&'static Knob> {
         knobs::<Look>().find(|knob| knob.name == self.key)
     }
 
-    /// Sets its knob in `look`, or adds to it where it repeats.
+    /// Sets its knob in `look`, or appends to it if the flag repeats.
     ///
     /// # Errors
-    /// What was found and what was expected; nothing is changed then.
+    /// Found and expected values; the look is unchanged then.
     pub fn apply(&self, look: &mut Look, word: &str) -> Result<(), ParamError> {
         if !self.repeats {
             return pelage_params::set_word(look, self.key, word);

@@ -1,4 +1,4 @@
-//! What a look comes to for the runtime.
+//! Conversion of a look into parameters of the runtime.
 
 use super::kinds::{
     Background, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow, LookStrandEdges,
@@ -13,19 +13,22 @@ use pelage_runtime::{
     Light, LineWidth, Scattering, SelfShadow, ShadowParams, StrandEdges, Style,
 };
 
-/// Any view: a stage sets its own.
+/// Placeholder view: a stage sets its own.
 const ANY_VIEW: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
 
 impl Look {
-    /// What is drawn on.
+    /// Returns the render target settings.
     pub fn picture(&self) -> Picture {
         let size = self.picture.size;
         Picture { size: (size.width, size.height), samples: self.picture.samples.0, background: self.background() }
     }
 
-    /// What a frame is told of the look; its camera is any, until a [`crate::Stage`] or the application sets it. Under light from all around its sun is the key light, where
-    /// the look says no strength of one; without a sun there is none, but where it would shine from says how deep hair lies. A file of such light has to be read before
-    /// ([`Look::take_lights`]).
+    /// Returns the frame parameters of the look. The camera is a placeholder until a [`crate::Stage`] or the
+    /// application sets it.
+    ///
+    /// With an environment map, its sun is the key light, unless the look sets the key light's strength. Without a sun,
+    /// the key light is black, and its direction only measures the depth of hair. An environment file must be read
+    /// before ([`Look::take_lights`]).
     pub fn frame_params(&self) -> FrameParams {
         let size = self.picture.size;
         let style = match self.picture.style {
@@ -54,7 +57,7 @@ impl Look {
         })
     }
 
-    /// What moves hair while time passes; `None` where it stays as it was groomed.
+    /// Returns the parameters of hair motion; `None` if hair stays as groomed.
     pub fn hair_motion(&self) -> Option<HairMotionParams> {
         let motion = &self.motion;
         motion.hair.then(|| {
@@ -68,7 +71,7 @@ impl Look {
         })
     }
 
-    /// How fur is drawn.
+    /// Returns the fur parameters.
     pub(crate) fn fur_params(&self) -> FurParams {
         FurParams::default().with(|fur| {
             fur.layers = self.fur.layers;
@@ -85,7 +88,7 @@ impl Look {
         })
     }
 
-    /// How the key light's shadows are made.
+    /// Returns the shadow parameters of the key light.
     pub(crate) fn shadow_params(&self) -> ShadowParams {
         ShadowParams::default().with(|shadows| {
             shadows.map_size = self.shadow.map_texels;
@@ -96,7 +99,7 @@ impl Look {
         })
     }
 
-    /// How the style `ink` is drawn.
+    /// Returns the parameters of the style `ink`.
     pub(crate) fn ink_params(&self) -> InkParams {
         let linear = |rgb: [u8; 3]| Vec3::from(rgb.map(srgb_to_linear));
         let look = &self.ink;
@@ -127,7 +130,7 @@ impl Look {
         })
     }
 
-    /// What is shown instead of the picture.
+    /// Returns the debug view.
     pub(crate) fn debug_view(&self) -> DebugView {
         let mut view = DebugView::default();
         view.fur = same!(self.fur.show, LookFurShow => FurShow: Picture, Geometry, Overdraw);
@@ -136,7 +139,7 @@ impl Look {
     }
 }
 
-/// A white light from far away.
+/// Returns a distant white light.
 fn distant(towards_light: Vec3, strength: f32) -> Light {
     Light::Directional { towards_light, color: Vec3::splat(strength) }
 }

@@ -6,99 +6,100 @@ use pelage_params::{Control, Field, Item, Range, Raw, hex, words};
 use std::sync::Arc;
 
 words! {
-    /// How models are drawn.
+    /// Rendering style.
     LookStyle {
-        /// With their fur.
+        /// Fur of the models.
         #[default]
         Fur = "fur",
-        /// As an ink-wash painting.
+        /// Ink-wash painting.
         Ink = "ink",
-        /// The skin alone.
+        /// Bare mesh surface.
         Bare = "bare",
     }
 }
 
 words! {
-    /// What hair is drawn as.
+    /// Geometry of hair.
     LookHair {
-        /// As single strands where the package has them and they are wide enough to be seen; else as layers.
+        /// Single strands if the package has them and they are wide enough to be visible, otherwise layers.
         #[default]
         Auto = "auto",
-        /// As layers.
+        /// Layers only.
         Shells = "shells",
-        /// As single strands wherever the package has them, short of the far coat.
+        /// Single strands wherever the package has them, except where the far fur layer is drawn.
         Strands = "strands",
     }
 }
 
 words! {
-    /// How pixels are made of single strands.
+    /// Rendering of strand edges.
     LookStrandEdges {
-        /// Opaque ribbons, in the samples of the picture.
+        /// Opaque ribbons, antialiased by the samples of the picture.
         #[default]
         Samples = "samples",
-        /// Each pixel blends the eight nearest of its strands, by how much of it each covers.
+        /// Each pixel blends its eight nearest strands by their coverage.
         Blended = "blended",
     }
 }
 
 words! {
-    /// How hair shadows hair.
+    /// Form of hair self-shadow.
     LookSelfShadow {
-        /// As the package knows it, and by layer-wise shadow maps where it does not.
+        /// Baked visibility if the package has it, otherwise layer-wise shadow maps.
         #[default]
         Auto = "auto" was "on" or true,
-        /// As the package knows it, under all lights; not at all where it does not.
+        /// Baked visibility, for all lights; none if the package has none.
         Baked = "baked",
-        /// By layer-wise shadow maps of the key light (Yang 2006).
+        /// Layer-wise shadow maps of the key light (Yang 2006).
         Maps = "maps",
-        /// Not at all.
+        /// No self-shadow.
         Off = "off" or false,
     }
 }
 
 words! {
-    /// How hair scatters light, where packages know its fibres.
+    /// Scattering model of hair, for packages with fibre data.
     LookScattering {
-        /// By tables of its fibres, with the light that goes on from hair to hair.
+        /// Fibre tables, with multiple scattering between hairs.
         #[default]
         Multiple = "multiple",
-        /// By tables of its fibres, without that light.
+        /// Fibre tables, without multiple scattering.
         Single = "single",
-        /// By Kajiya-Kay's lobes, as hair of other packages.
+        /// Kajiya-Kay lobes, as for packages without fibre data.
         Off = "off" or false,
     }
 }
 
 words! {
-    /// What a frame of fur shows.
+    /// Contents of a fur frame.
     LookFurShow {
-        /// Its light.
+        /// Lit picture.
         #[default]
         Picture = "picture",
-        /// Of which geometry it is: skin grey, the far coat violet, shells green, fins yellow, single strands red.
+        /// Geometry kind: skin grey, far fur layer violet, shells green, fins yellow, single strands red.
         Geometry = "geometry",
-        /// How many layers of hair lie over each other: brighter with each.
+        /// Number of overlapping hair layers: brighter with each.
         Overdraw = "overdraw",
     }
 }
 
 words! {
-    /// What of an ink painting is shown.
+    /// Contents of an ink frame.
     LookShow {
-        /// All of it.
+        /// Finished painting.
         #[default]
         Painting = "painting",
-        /// Its lines, black on white.
+        /// Lines, black on white.
         Lines = "lines",
-        /// The pixels that lines run through, black on white.
+        /// Feature pixels that lines run through, black on white.
         Features = "features",
-        /// The wash.
+        /// Wash only.
         Wash = "wash",
     }
 }
 
-/// Gives a type whose values are text, or nearly so, its place among knobs: `expected` in words, `read` from TOML, `write` to it.
+/// Implements a knob type whose values are text, or nearly so: `expected` as a description, `read` from TOML, `write`
+/// to TOML.
 macro_rules! text_field {
     ($ty:ty, expected $expected:expr, control $control:expr, read $read:expr, write $write:expr) => {
         impl Field for $ty {
@@ -118,7 +119,7 @@ macro_rules! text_field {
             }
 
             fn in_range(&self, (): &()) -> bool {
-                // A value that the text could not say is none.
+                // A value that cannot be written as text is invalid.
                 self.to_toml().is_some_and(|text| Self::from_raw(&Raw::from_word(&text)).is_some())
             }
 
@@ -137,15 +138,15 @@ fn string(raw: &Raw) -> Option<&str> {
     }
 }
 
-/// Largest width and height; every adapter of WebGPU's default limits can draw it.
+/// Maximum width and height; every adapter with WebGPU's default limits supports it.
 const MAX_SIZE: u32 = 8192;
 
 /// Width and height of a picture, pixels, 1..=8192 each. As text `834x424`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
 }
 
@@ -185,7 +186,7 @@ text_field!(
     write |samples| samples.0.to_string()
 );
 
-/// A colour in sRGB, a byte a channel. As text `10,20,255` or `#0a14ff`.
+/// Colour in sRGB, one byte per channel. As text `10,20,255` or `#0a14ff`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rgb(pub [u8; 3]);
 
@@ -212,19 +213,20 @@ text_field!(
     write |rgb| format!("{:?}", rgb.text())
 );
 
-/// What is behind everything. As text `transparent`, `sky` or a colour.
+/// Background of the picture. As text `transparent`, `sky` or a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Background {
-    /// Opacity 0.
+    /// Transparent background.
     Transparent,
-    /// The environment, in what is written to files.
+    /// Environment map, in pictures and videos written to files.
     Sky,
-    /// sRGB; in ink that of the paper.
+    /// Colour in sRGB; with the style `ink`, the colour of the paper.
     Color(Rgb),
 }
 
 impl Background {
-    /// sRGB-encoded; `None` for transparent, and for the environment, which is no one colour.
+    /// Returns the colour, sRGB-encoded; `None` for transparent, and for the environment map, which is not a single
+    /// colour.
     pub fn color(self) -> Option<[u8; 3]> {
         match self {
             Self::Transparent | Self::Sky => None,
@@ -249,14 +251,14 @@ text_field!(
     }
 );
 
-/// How much of the fur is drawn where it is small. As text `full`, `auto` or a level.
+/// Level of detail of small fur. As text `full`, `auto` or a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LookDetail {
-    /// All of it, whatever its size.
+    /// Full detail at any size.
     Full,
-    /// By its size on screen.
+    /// Detail by size on screen.
     Auto,
-    /// A level, 0..=32, and how far it has faded to the next.
+    /// Level, 0..=32; the fraction is the fade to the next.
     Level(f32),
 }
 
@@ -276,14 +278,14 @@ text_field!(
     }
 );
 
-/// Width of the widest line of ink. As text `auto`, `7px` or `0.01m`.
+/// Width of the widest ink line. As text `auto`, `7px` or `0.01m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LookWidth {
-    /// Nine pixels in a picture of 424 rows, in proportion in others.
+    /// Nine pixels in a picture of 424 rows, in proportion for others.
     Auto,
-    /// Pixels, above 0 and at most 32.
+    /// Width in pixels, above 0 and at most 32.
     Pixels(f32),
-    /// Metres, above 0: thinner with distance.
+    /// Width in metres, above 0: thinner with distance.
     Metres(f32),
 }
 
@@ -308,25 +310,26 @@ text_field!(
     }
 );
 
-/// Where light from all around comes from, and how far it is turned about the vertical. As text `sky.hdr:90`, `0.2,0.3,0.5` or `0.9,1,1.2/0.1,0.1,0.1`.
+/// Source of the environment map, and its rotation about the vertical axis. As text `sky.hdr:90`, `0.2,0.3,0.5` or
+/// `0.9,1,1.2/0.1,0.1,0.1`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkySource {
-    /// What it is.
+    /// Kind of source.
     pub of: SkyOf,
-    /// Degrees, from +x towards −z, as a model turns.
+    /// Rotation in degrees, from +x towards −z, in the direction that models turn.
     pub yaw_deg: f32,
-    /// What a file came to, once it was read ([`crate::Look::take_lights`]); no part of the text.
+    /// Lights read from the file ([`crate::Look::take_lights`]); not part of the text.
     pub lights: Option<Arc<Environment>>,
 }
 
-/// What light from all around is.
+/// Kinds of environment map sources.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SkyOf {
-    /// A file: a panorama, `.hdr` or `.exr`, or lights, `.toml`.
+    /// File: a panorama, `.hdr` or `.exr`, or lights, `.toml`.
     File(String),
-    /// The same from everywhere, linear RGB, 0 or more.
+    /// Uniform light from all directions, linear RGB, 0 or more.
     Even([f32; 3]),
-    /// From above and from below, linear RGB, 0 or more.
+    /// Light from above and from below, linear RGB, 0 or more.
     Gradient([f32; 3], [f32; 3]),
 }
 
@@ -395,7 +398,7 @@ text_field!(
     write |Interval([from, to])| format!("[{from:?}, {to:?}]")
 );
 
-/// A direction of any length but 0: the checking of a knob that is one.
+/// Direction of any length but 0: the validation of a knob that is a direction.
 #[derive(Clone, Copy)]
 pub(super) struct Towards(pub [f32; 3]);
 
@@ -411,7 +414,7 @@ impl Field for Towards {
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
-        // A scene file's [view] and the short form of a fill light have it as text.
+        // A scene file's [view] and the short form of a fill light write it as text.
         match raw {
             Raw::String(text) => <[f32; 3]>::from_raw(&<[f32; 3]>::raw_of_word(text)),
             raw => <[f32; 3]>::from_raw(raw),
@@ -432,12 +435,12 @@ impl Field for Towards {
     }
 }
 
-/// A light without shadow, from far away. As text `x,y,z` or `x,y,z/strength`.
+/// Distant fill light, which casts no shadow. As text `x,y,z` or `x,y,z/strength`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FillLight {
-    /// Towards it, any length but 0.
+    /// Direction towards the light, any length but 0.
     pub direction: [f32; 3],
-    /// 1 is as strong as the key light; 0..=1000.
+    /// Strength, 0..=1000; 1 is as strong as the key light.
     pub strength: f32,
 }
 

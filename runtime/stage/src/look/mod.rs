@@ -1,7 +1,8 @@
-//! The look of a picture: everything about it but who stands in it, where the camera is and what time it is.
+//! Look of a picture: everything except the models, the camera and the time.
 //!
-//! Each knob is declared here once, with its meaning, default and range. Look files (`look.toml`), `--look key=value`, the flags of
-//! the command line ([`SHORT_FORMS`]), scene files, sliders and the reference page follow from the declarations.
+//! Each knob is declared here once, with its meaning, default and range. Look files (`look.toml`), `--look key=value`,
+//! the flags of the command line ([`SHORT_FORMS`]), scene files, sliders and the reference page are derived from the
+//! declarations.
 //!
 //! ```
 //! use pelage_stage::{Look, LookStyle};
@@ -12,7 +13,7 @@
 //! # Ok::<(), pelage_stage::ParamError>(())
 //! ```
 
-/// The runtime's value of the same name.
+/// Converts to the runtime's value of the same name.
 #[cfg(feature = "draw")]
 macro_rules! same {
     ($value:expr, $from:ident => $to:ident: $($name:ident),+) => {

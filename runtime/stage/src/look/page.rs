@@ -1,4 +1,4 @@
-//! The reference page of looks.
+//! Reference page of looks.
 
 use super::short::{SAMPLES, SHORT_FORMS};
 use super::tables::Look;
@@ -13,7 +13,7 @@ const INTRODUCTION: [&str; 3] = [
 ];
 
 impl Look {
-    /// Every key of a look as a page of Markdown.
+    /// Returns a Markdown page that documents every key of a look.
     pub fn reference_page() -> String {
         let mut page = pelage_params::reference_page::<Self>("Look reference", &INTRODUCTION, |_| None);
         page += "\n## Flags\n\n";

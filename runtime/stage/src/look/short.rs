@@ -1,15 +1,15 @@
-//! Short forms of the look's knobs: flags of the command line, which the table `[view]` of scene files has as well.
+//! Short forms of the look's knobs: flags of the command line, also usable in the table `[view]` of scene files.
 
-/// A flag that sets a knob of the look.
+/// Flag that sets a knob of the look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShortForm {
-    /// Without its dashes: `shadow-map`.
+    /// Flag without its dashes: `shadow-map`.
     pub flag: &'static str,
-    /// What its value is called in a help text.
+    /// Name of its value in the help text.
     pub value_name: &'static str,
-    /// The knob: `shadow.map_texels`.
+    /// Key of the knob: `shadow.map_texels`.
     pub key: &'static str,
-    /// Whether it may be given again and adds to a list.
+    /// Whether the flag may be repeated and appends to a list.
     pub repeats: bool,
 }
 
@@ -17,7 +17,7 @@ const fn short(flag: &'static str, value_name: &'static str, key: &'static str) 
     ShortForm { flag, value_name, key, repeats: false }
 }
 
-/// The flags that commands which draw have in common.
+/// Flags shared by all commands that draw.
 pub const SHORT_FORMS: &[ShortForm] = &[
     short("size", "WxH", "picture.size"),
     short("style", "STYLE", "picture.style"),
@@ -78,10 +78,10 @@ pub const SHORT_FORMS: &[ShortForm] = &[
     short("ink-show", "WHAT", "ink.show"),
 ];
 
-/// The flag that `render` has besides.
+/// Additional flag of `render`.
 pub const SAMPLES: ShortForm = short("samples", "N", "picture.samples");
 
-/// Reason why a key of the papers' printed forms, by its name of today or of earlier files, is unknown to this build.
+/// Returns the reason why a key of the papers' printed forms, by its current or former name, is unknown to this build.
 pub(super) fn in_laboratory(name: &str) -> Option<String> {
     let (table, key) = name.split_once('.').unwrap_or((name, ""));
     let now = format!("study.{}{key}", if table == "ink" { "ink_" } else { "" });

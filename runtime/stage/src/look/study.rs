@@ -1,12 +1,12 @@
-//! Looks of the laboratory: the forms that the papers print, in place of those that pelage draws with.
+//! Look keys of the laboratory: the papers' printed forms instead of those that pelage draws with.
 
 use pelage_params::{params, words};
 use pelage_runtime::{Anchoring, FeatureRule, Lighting, PenumbraForm, SlantForm, SphereMapForm, Study};
 
 words! {
-    /// Where a soft shadow's edge lies.
+    /// Position of a soft shadow's penumbra.
     LookPenumbra {
-        /// On both sides of the hard edge.
+        /// Both sides of the hard edge.
         #[default]
         Centred = "centred",
         /// Inside the hard edge.
@@ -15,93 +15,93 @@ words! {
 }
 
 words! {
-    /// What the slant of a ray does to the opacity of a layer.
+    /// Effect of a ray's slant on the opacity of a layer.
     LookSlant {
-        /// The way through a layer grows with the slant.
+        /// The path through a layer grows with the slant.
         #[default]
         Corrected = "corrected",
-        /// A layer takes the same at every angle, as printed in Yang 2006.
+        /// The opacity of a layer is the same at every angle, as printed in Yang 2006.
         Printed = "printed",
     }
 }
 
 words! {
-    /// Where hair is lit.
+    /// Stage that lights hair.
     LookLighting {
-        /// At every pixel, with the direction texture.
+        /// Per pixel, with the direction texture.
         #[default]
         Pixel = "pixel",
-        /// At the vertices.
+        /// Per vertex.
         Vertex = "vertex",
     }
 }
 
 words! {
-    /// Which neighbours of a pixel must differ for a line of ink.
+    /// Neighbours of a pixel that must differ for an ink line.
     LookRule {
-        /// Any of the four.
+        /// Any of the four neighbours.
         #[default]
         AnyBelow = "any",
-        /// All four, as printed in Fang 2006.
+        /// All four neighbours, as printed in Fang 2006.
         AllBelow = "all",
     }
 }
 
 words! {
-    /// How the sphere map is looked up.
+    /// Lookup of the sphere map.
     LookSphereMap {
-        /// In the frame perpendicular to the view.
+        /// Normal in the frame perpendicular to the view.
         #[default]
         Perpendicular = "perpendicular",
-        /// By reflection of the eye.
+        /// Reflection of the view direction.
         Reflection = "reflection",
-        /// As printed in Fang 2006: one place for all normals.
+        /// Form printed in Fang 2006: the same coordinates for all normals.
         Printed = "printed",
     }
 }
 
 words! {
-    /// What varies is tied to the surface or to the picture.
+    /// Reference frame of noise along lines and in the wash.
     LookAnchoring {
         /// Strokes and wash move with the surface.
         #[default]
         Surface = "surface",
-        /// They stay where they are in the picture.
+        /// Strokes and wash stay fixed on the screen.
         Screen = "screen",
     }
 }
 
 params! {
-    /// `[study]`: forms as the papers print them, for charts and measurements.
-    /// Only the laboratory's build, `pelage-lab`, has these keys.
+    /// `[study]`: forms as the papers print them, for charts and measurements. Only the laboratory's build,
+    /// `pelage-lab`, has these keys.
     LookStudy in study {
-        /// What the light's slant does to the opacity of a layer.
+        /// Opacity of a layer for slanted light.
         slant: LookSlant = LookSlant::Corrected, was "shadow.slant";
-        /// What the slant of the look does to the opacity of a layer.
+        /// Opacity of a layer for slanted view rays.
         view_slant: LookSlant = LookSlant::Corrected, was "fur.view_slant";
-        /// Where a soft shadow's edge lies.
+        /// Position of a soft shadow's penumbra.
         penumbra_form: LookPenumbra = LookPenumbra::Centred, was "shadow.penumbra_form";
-        /// Where hair is lit.
+        /// Stage that lights hair.
         lighting: LookLighting = LookLighting::Pixel, was "fur.lighting";
-        /// Whether ambient light fades towards the skin, as γ of Yang 2006, eq. (2).
+        /// Whether ambient light fades towards the surface, γ of Yang 2006, eq. (2).
         ambient_attenuation: bool = true, was "fur.ambient_attenuation";
-        /// Whether the light ends behind the body, as Attenu_Back of Yang 2006, eq. (3).
+        /// Whether the key light ends behind the body, Attenu_Back of Yang 2006, eq. (3).
         back_attenuation: bool = true, was "fur.back_attenuation";
-        /// Which neighbours of a pixel must differ for a line of ink.
+        /// Neighbours of a pixel that must differ for an ink line.
         ink_rule: LookRule = LookRule::AnyBelow, was "ink.rule";
-        /// How the sphere map of ink is looked up.
+        /// Lookup of the ink style's sphere map.
         ink_sphere_map: LookSphereMap = LookSphereMap::Perpendicular, was "ink.sphere_map";
-        /// Whether lines of ink keep to their width; without, the sphere map alone decides.
+        /// Whether ink lines keep their width; otherwise the sphere map alone determines it.
         ink_template: bool = true, was "ink.template";
-        /// Whether lines of ink are as the printed algorithm draws them, pixels that are ink or not.
+        /// Whether ink lines are drawn as by the printed algorithm, pixels that are inked or not.
         ink_printed_lines: bool = false, was "ink.printed_lines";
-        /// What varies in ink is tied to the surface, or to the picture.
+        /// Reference frame of noise in ink: the surface or the screen.
         ink_anchoring: LookAnchoring = LookAnchoring::Surface, was "ink.anchoring";
     }
 }
 
 impl LookStudy {
-    /// Forms that a frame is drawn with.
+    /// Returns the forms of a frame.
     pub(super) fn params(&self) -> Study {
         let slant = |slant| same!(slant, LookSlant => SlantForm: Corrected, Printed);
         Study::default().with(|study| {

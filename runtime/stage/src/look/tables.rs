@@ -1,4 +1,4 @@
-//! The knobs of a look.
+//! Tables of the look's knobs.
 
 use super::kinds::{
     Background, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow,
@@ -16,55 +16,60 @@ use std::path::Path;
 use std::sync::Arc;
 
 params! {
-    /// `[picture]`: the picture itself.
+    /// `[picture]`: size, style and background of the picture.
     LookPicture in picture {
         /// Size of the picture, pixels. The default is the size in Fang 2006.
         size: Size = Size { width: 834, height: 424 };
-        /// How models are drawn.
+        /// Rendering style.
         style: LookStyle = LookStyle::Fur;
         /// Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much.
         samples: Samples = Samples(1);
-        /// What is behind the models, sRGB. `auto` is transparent, and paper in ink; `sky` is the environment, in pictures and videos that are written.
+        /// Background behind the models, sRGB. `auto` is transparent, or paper in ink. `sky` is the environment map, in
+        /// pictures and videos written to files.
         background: Option<Background> = None, or "auto";
     }
 }
 
 params! {
-    /// `[light]`: the lights. The key light throws shadows, fill lights do not.
+    /// `[light]`: the lights. The key light casts shadows, fill lights do not.
     LookLight in light {
-        /// Direction towards a distant key light, x,y,z of any length; takes the place of `position_m`.
+        /// Direction towards a distant key light, x,y,z of any length; replaces `position_m`.
         direction: [f32; 3] = TOWARDS_LIGHT.to_array(), in PLACE, as Towards, clears position_m;
-        /// Place of a key light nearby, x,y,z in metres; takes the place of `direction`.
+        /// Position of a nearby key light, x,y,z in metres; replaces `direction`.
         position_m: Option<[f32; 3]> = None, in PLACE, or "none";
-        /// Strength of the key light. `auto` is 1, and 0 where an environment lights the scene: its sun then is the key light, where it has one.
+        /// Strength of the key light. `auto` is 1, or 0 with an environment map, whose sun then is the key light, if it
+        /// has one.
         strength: Option<f32> = None, in 0.0..=1000.0, or "auto";
-        /// Lights without shadow, each with the direction towards it, x,y,z, and a strength of 0 to 1000 (default 1).
+        /// Fill lights, which cast no shadows, each with the direction towards it, x,y,z, and a strength of 0 to 1000
+        /// (default 1).
         fill: Vec<FillLight> = Vec::new();
     }
 }
 
 params! {
-    /// `[environment]`: light from all around, a sky or a room. It takes the place of ambient light.
+    /// `[environment]`: environment map, such as a sky or a room. It replaces the ambient light.
     LookEnvironment in environment {
-        /// Where it comes from: a panorama (.hdr, .exr: equirectangular, linear radiance), lights in TOML that were fitted to one (.toml), a colour r,g,b, or
-        /// two, above/below; with `:` and degrees behind it turned about the vertical.
+        /// Source of the environment map: a panorama (.hdr, .exr: equirectangular, linear radiance), a TOML file of
+        /// lights fitted to one (.toml), a colour r,g,b, or two, above/below. A suffix `:` and degrees rotates it about
+        /// the vertical axis.
         sky: Option<SkySource> = None, or "none";
-        /// How many times as bright it is.
+        /// Factor on its brightness.
         strength: f32 = 1.0, in 0.0..=1000.0;
-        /// Colour of a level ground, sRGB, that sends back what comes from above: it takes the place of all that comes from below.
+        /// Colour of a level ground, sRGB, which reflects the light from above and replaces all light from below.
         ground: Option<Rgb> = None, or "none";
-        /// How many lights spread about a direction a panorama is taken for; a sun, and what is even, come on top.
+        /// Number of lobes to fit to a panorama; its sun and uniform light are added.
         lobes: u32 = 16, in 1..=32;
     }
 }
 
 impl LookEnvironment {
-    /// Share of light that the ground sends back, linear RGB; `None` without one.
+    /// Returns the share of light that the ground reflects, linear RGB; `None` without a ground.
     pub fn ground_color(&self) -> Option<[f32; 3]> {
         self.ground.map(|color| color.0.map(srgb_to_linear))
     }
 
-    /// Light that is said in colours, neither turned nor brightened: what comes from below is what the ground sends back, where there is one. `None` for a file.
+    /// Returns the environment map given by colours, neither rotated nor scaled. A ground, if set, replaces the light
+    /// from below by reflected light. `None` for a file.
     pub fn said(&self) -> Option<Environment> {
         let (above, lights) = match &self.sky.as_ref()?.of {
             SkyOf::File(_) => return None,
@@ -80,116 +85,120 @@ impl LookEnvironment {
 params! {
     /// `[shadow]`: the shadows of the key light.
     LookShadow in shadow {
-        /// How hair shadows hair.
+        /// Form of hair self-shadow.
         self_shadow: LookSelfShadow = LookSelfShadow::Auto;
-        /// Whether things throw soft shadows, by a shadow-width map.
+        /// Whether objects cast soft shadows, by a shadow-width map.
         soft_shadow: bool = true;
-        /// Width of a soft shadow's edge over the distance from what throws it; 0 is a hard shadow.
+        /// Width of a soft shadow's edge relative to the distance from its caster; 0 is a hard shadow.
         penumbra: f32 = 0.15, in 0.0..=2.0;
-        /// How far the shadow-width map is shrunk before it is stretched again: more allows wider edges and loses thin things.
+        /// Factor by which the shadow-width map is shrunk before it is stretched again. Larger factors allow wider
+        /// edges, but lose thin objects.
         shrink: u32 = 4, in 2..=32;
         /// Width and height of the shadow maps, texels.
         map_texels: u32 = 512, in 16..=8192;
-        /// Layers of the layer-wise shadow maps, skin counted; by default as many as are drawn.
+        /// Number of layer-wise shadow maps, skin included; by default as many as are drawn.
         map_layers: Option<u32> = None, in 2..=256, or "drawn";
-        /// Share of the layers' optical depth that the key light meets.
+        /// Factor on the layers' optical depth for the key light.
         density: f32 = 1.0, in 0.0..=4.0;
     }
 }
 
 params! {
-    /// `[fur]`: how fur is drawn.
+    /// `[fur]`: the rendering of fur.
     LookFur in fur {
-        /// Shell layers to draw, by default the package's own count. Fewer cost less, and show their steps at the outline.
+        /// Number of shell layers, by default that of the package. Fewer cost less, but their steps show at the
+        /// outline.
         layers: Option<u32> = None, in 1..=1024, or "all";
-        /// How much of the fur is drawn: `full`, `auto` (the package's levels of detail, by the fur's height on screen), or a level, from 0,
-        /// with a fraction for the cross-fade to the next; `layers` goes before it.
+        /// Level of detail: `full`, `auto` (the package's levels, by the fur's height on screen), or a level, from 0,
+        /// with a fraction for the cross-fade to the next. `layers` overrides it.
         detail: LookDetail = LookDetail::Auto;
-        /// Whether fins along the silhouette are drawn, where the package has them.
+        /// Whether fins along the silhouette are drawn, if the package has them.
         fins: bool = true;
-        /// What hair is drawn as.
+        /// Geometry of hair.
         hair: LookHair = LookHair::Auto;
-        /// How pixels are made of single strands.
+        /// Rendering of strand edges.
         strand_edges: LookStrandEdges = LookStrandEdges::Samples;
-        /// How hair scatters light, where packages know the fibres that it is made of; other hair is lit as `off`.
+        /// Scattering model of hair, for packages with fibre data; other hair is lit as with `off`.
         scattering: LookScattering = LookScattering::Multiple;
-        /// What is shown: the picture, or false colours for what it is drawn with and how much of it.
+        /// Contents: the picture, or false colours for its geometry or overdraw.
         show: LookFurShow = LookFurShow::Picture;
     }
 }
 
 params! {
-    /// `[motion]`: what moves of itself while time passes: fur, and hair on guides, where packages say how.
+    /// `[motion]`: the motion of fur and guided hair as time passes, if the package enables it.
     LookMotion in motion {
         /// Whether hair moves in sequences, and wherever else time passes.
         hair: bool = true;
-        /// How far fur leans in wind and stride; 0 not at all.
+        /// Strength of the fur's lean in wind and movement; 0 is off.
         fur: f32 = 1.0, in 0.0..=4.0;
-        /// The wind, x,y,z in metres a second.
+        /// Wind velocity, x,y,z in metres per second.
         wind: [f32; 3] = [0.0; 3], in -100.0..=100.0;
-        /// By how much of that the wind swells and falls.
+        /// Relative strength of gusts.
         gust: f32 = 0.4, in 0.0..=10.0;
         /// Seconds between gusts.
         gust_s: f32 = 3.0, in 0.01..=1000.0;
-        /// By how much of it the air at one place differs from that at another.
+        /// Relative difference of the wind between positions.
         turbulence: f32 = 0.3, in 0.0..=10.0;
-        /// How large eddies are, metres.
+        /// Size of eddies, metres.
         eddy_m: f32 = 0.5, in 0.001..=1000.0;
-        /// Share of the earth's gravity.
+        /// Factor on the earth's gravity.
         gravity: f32 = 1.0, in 0.0..=100.0;
     }
 }
 
 params! {
-    /// `[ink]`: how the style `ink` is drawn, after Fang 2006.
+    /// `[ink]`: the style `ink`, after Fang 2006.
     LookInk in ink {
-        /// T1 of Fang 2006, §2: where neighbouring normals' dot is lower, there is a line. The default is the cosine of 50°.
+        /// Threshold T1 of Fang 2006, §2: a line is drawn where the dot product of neighbouring normals is lower. The
+        /// default is the cosine of 50°.
         threshold: f32 = 0.64, in 0.15..=1.0;
-        /// T1 − T2: lines between the two are thinner and paler.
+        /// Difference T1 − T2: lines between the two thresholds are thinner and paler.
         weak_difference: f32 = 0.15, in 0.0..=1.0;
-        /// Width of the widest line: `auto` is 9 px at 424 rows, pixels are the same at any distance, metres are thinner with distance.
+        /// Width of the widest line: `auto` is 9 px at 424 rows, pixels are the same at any distance, metres are
+        /// thinner with distance.
         width: LookWidth = LookWidth::Auto;
-        /// Relative step of depth that is a line as well; 0 looks at normals alone.
+        /// Relative depth step that also makes a line; 0 uses normals only.
         depth_step: f32 = 0.01, in 0.0..=1e6;
-        /// k of the lines' tone k (0.5 cos + 0.5): lighter with k.
+        /// Factor k of the lines' tone k (0.5 cos + 0.5): lighter with k.
         tone: f32 = 0.35, in 0.0..=1.0;
-        /// How far weak lines are lightened.
+        /// Lightness added to weak lines.
         weak_lightness: f32 = 0.35, in 0.0..=1.0;
-        /// How much the sphere map swells lines.
+        /// Strength by which the sphere map widens lines.
         swell: f32 = 1.5, in 0.0..=4.0;
-        /// How unevenly the hand presses.
+        /// Variation of the brush pressure.
         pressure: f32 = 1.0, in 0.0..=1.0;
-        /// How far lines run dry.
+        /// Dryness of lines.
         dryness: f32 = 0.4, in 0.0..=1.0;
-        /// How far the paper moves the edge of lines, pixels.
+        /// Displacement of line edges by the paper, pixels.
         roughness_px: f32 = 1.2, in 0.0..=8.0;
         /// Colour of the ink, sRGB. `auto` is nearly black.
         color: Option<Rgb> = None, or "auto";
-        /// How much of the paper's relief shows.
+        /// Visibility of the paper's relief.
         paper_grain: f32 = 1.0, in 0.0..=1.0;
-        /// Distances in metres where mist begins and where only it is left.
+        /// Distances in metres at which mist starts and at which only mist is visible.
         mist_m: Option<Interval> = None, or "none";
-        /// What is shown: the painting, its lines or features black on white, or the wash.
+        /// Contents: the painting, its lines or features black on white, or the wash.
         show: LookShow = LookShow::Painting;
     }
 }
 
 tables! {
-    /// The look of a picture. `Look::default()` is fur in soft daylight, 834 × 424 pixels.
+    /// Look of a picture. `Look::default()` is fur in soft daylight, 834 × 424 pixels.
     pub struct Look, such as "shadow.penumbra=0.3", elsewhere in_laboratory {
-        /// The picture itself.
+        /// Size, style and background of the picture.
         picture: LookPicture,
-        /// The lights.
+        /// Key light and fill lights.
         light: LookLight,
-        /// Light from all around.
+        /// Environment map.
         environment: LookEnvironment,
-        /// The shadows of the key light.
+        /// Shadows of the key light.
         shadow: LookShadow,
-        /// How fur is drawn.
+        /// Rendering of fur.
         fur: LookFur,
-        /// What moves of itself.
+        /// Motion of fur and guided hair.
         motion: LookMotion,
-        /// How the style `ink` is drawn.
+        /// Style `ink`.
         ink: LookInk,
         /// Forms as the papers print them.
         #[cfg(feature = "study")]
@@ -197,24 +206,26 @@ tables! {
     }
 }
 
-/// Lights that a file came to, or what is wrong with it.
+/// Lights read from a file, or an error message.
 pub type LightsRead = Result<Arc<Environment>, String>;
 
-/// Reads one: told its path, how many lobes a panorama is taken for, and what a ground under it sends back ([`LookEnvironment::ground_color`]).
+/// Loads an environment map. Arguments: path, number of lobes to fit, and the light that a ground below it reflects
+/// ([`LookEnvironment::ground_color`]).
 pub type ReadLights<'a> = dyn FnMut(&Path, u32, Option<[f32; 3]>) -> LightsRead + 'a;
 
 impl Look {
-    /// The look of a picture of which nothing is said: as the default, but in four samples a pixel, because it is looked at for longer than a frame.
+    /// Returns the default look of a still picture: four samples per pixel, because it is viewed for longer than a
+    /// frame.
     pub fn of_picture() -> Self {
         let mut look = Self::default();
         look.picture.samples = Samples(4);
         look
     }
 
-    /// Reads a look file over this look: what it leaves out stays as it is.
+    /// Reads a look file over this look: keys that it leaves out are unchanged.
     ///
     /// # Errors
-    /// Line and key of broken TOML, an unknown table or key, a wrong type or a value outside its range.
+    /// Line and key of invalid TOML, an unknown table or key, a wrong type or a value out of range.
     pub fn read(&mut self, text: &str) -> Result<(), ParamError> {
         pelage_params::read(self, text)
     }
@@ -222,12 +233,12 @@ impl Look {
     /// Sets one key: `shadow.penumbra=0.3`. Strings need no quotes.
     ///
     /// # Errors
-    /// As [`Look::read`], without a line; nothing is changed then.
+    /// As [`Look::read`], without a line; the look is unchanged then.
     pub fn set(&mut self, assignment: &str) -> Result<(), ParamError> {
         pelage_params::set(self, assignment)
     }
 
-    /// The look as TOML with every key that has a value. Reading it gives an equal look.
+    /// Returns the look as TOML with every key that has a value. Reading it gives an equal look.
     pub fn to_toml(&self) -> String {
         pelage_params::to_toml(self)
     }
@@ -235,33 +246,34 @@ impl Look {
     /// Checks every value against its range.
     ///
     /// # Errors
-    /// The first key that is outside.
+    /// The first key that is out of range.
     pub fn validate(&self) -> Result<(), pelage_params::OutOfRange> {
         pelage_params::validate(self)
     }
 
-    /// Width of the picture over its height.
+    /// Returns the width of the picture over its height.
     pub fn aspect(&self) -> f32 {
         self.picture.size.width as f32 / self.picture.size.height as f32
     }
 
-    /// What is behind everything, sRGB-encoded; `None` for transparent. Paper is the style's own matter.
+    /// Returns the background colour, sRGB-encoded; `None` for transparent. The style `ink` draws its paper itself.
     pub fn background(&self) -> Option<[u8; 3]> {
         self.picture.background.and_then(Background::color)
     }
 
-    /// The key light.
+    /// Returns the key light.
     pub fn key_light(&self) -> KeyLight {
         match self.light.position_m {
             Some(position) => KeyLight::Nearby(position.into()),
-            // Directions that are written down were always normalised here and again by the runtime, the default one by the runtime
-            // alone: both stay as they are, because to normalise twice moves the last bits of some, and pictures with them.
+            // Explicit directions have always been normalised here and again by the runtime, the default one by the
+            // runtime alone. Both are kept: normalising twice changes the last bits of some directions, and thus
+            // pictures.
             None if self.light.direction == LookLight::default().direction => KeyLight::Distant(TOWARDS_LIGHT),
             None => KeyLight::Distant(unit(self.light.direction)),
         }
     }
 
-    /// The light from all around, turned and as bright as it is said; `None` where there is none, and for a file that was not read yet.
+    /// Returns the environment map, rotated and scaled; `None` without one, and for a file that has not been read.
     pub fn light_around(&self) -> Option<Environment> {
         let source = self.environment.sky.as_ref()?;
         let lights = match &source.of {
@@ -271,10 +283,10 @@ impl Look {
         Some(lights.turned(source.yaw_deg).times(self.environment.strength))
     }
 
-    /// Has the file of the environment read, where there is one and it was not yet: `read` is told of it.
+    /// Reads the environment file with `read`, if there is one that has not been read yet.
     ///
     /// # Errors
-    /// What `read` says.
+    /// The error of `read`.
     pub fn take_lights(&mut self, read: &mut ReadLights<'_>) -> Result<(), String> {
         let (lobes, ground) = (self.environment.lobes, self.environment.ground_color());
         if let Some(SkySource { of: SkyOf::File(path), lights: lights @ None, .. }) = &mut self.environment.sky {
@@ -283,19 +295,19 @@ impl Look {
         Ok(())
     }
 
-    /// Strength of the key light: none beside an environment, but where it is said.
+    /// Returns the strength of the key light; 0 with an environment map unless the look sets it.
     pub fn key_strength(&self) -> f32 {
         self.light.strength.unwrap_or(if self.environment.sky.is_some() { 0.0 } else { 1.0 })
     }
 
-    /// Lets the file of the environment be looked for in that folder, where its path is not a whole one.
+    /// Resolves a relative path of the environment file against that folder.
     pub fn files_in(&mut self, folder: &Path) {
         if let Some(SkySource { of: SkyOf::File(path), .. }) = &mut self.environment.sky {
             *path = folder.join(&*path).display().to_string();
         }
     }
 
-    /// As [`Look::read`], of a look file in that folder: files that it names are looked for there.
+    /// Reads a look file as [`Look::read`] does; relative paths in it are resolved against `folder`.
     ///
     /// # Errors
     /// As [`Look::read`].
@@ -309,8 +321,8 @@ impl Look {
         read
     }
 
-    /// Whether ambient light fades towards the skin, and whether the key light ends behind the body: false in a printed
-    /// form alone.
+    /// Returns whether ambient light fades towards the surface, and whether the key light ends behind the body; false
+    /// only in printed forms.
     pub fn attenuations(&self) -> [bool; 2] {
         #[cfg(feature = "study")]
         return [self.study.ambient_attenuation, self.study.back_attenuation];
@@ -318,7 +330,7 @@ impl Look {
         [true; 2]
     }
 
-    /// The lights without shadow: towards each, length 1, and its strength.
+    /// Returns the fill lights: unit direction towards each, and its strength.
     pub fn fill_lights(&self) -> impl Iterator<Item = (Vec3, f32)> {
         self.light.fill.iter().map(|fill| (unit(fill.direction), fill.strength))
     }
@@ -330,12 +342,12 @@ impl Look {
     }
 }
 
-/// Where the key light is.
+/// Position of the key light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeyLight {
-    /// Far away, in this direction.
+    /// Distant light in this direction.
     Distant(Vec3),
-    /// At this place, metres.
+    /// Nearby light at this position, metres.
     Nearby(Vec3),
 }
 

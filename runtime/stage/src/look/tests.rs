@@ -25,7 +25,8 @@ fn every_short_form_sets_a_knob_of_its_own() {
         assert!(short.knob().is_some() != elsewhere, "--{} sets {}, which is no key", short.flag, short.key);
         assert!(all[..i].iter().all(|other| other.flag != short.flag && other.key != short.key), "{short:?}");
     }
-    // A knob without one would be forgotten by those who type flags. False colours are for whoever looks into a picture, and are asked for by their key.
+    // A knob without a short form would be overlooked by users of flags. False colours are for debugging and are set by
+    // their key.
     for knob in knobs::<Look>().filter(|knob| knob.name != "fur.show") {
         assert!(all.iter().any(|short| short.key == knob.name), "{} has no short form", knob.name);
     }
@@ -65,7 +66,7 @@ fn flags_read_the_words_that_they_always_read() {
     assert_eq!((look.shadow.map_texels, look.shadow.map_layers, look.shadow.shrink), (256, Some(4), 16));
     assert_eq!((look.ink.width, look.ink.mist_m), (LookWidth::Metres(0.02), Some(Interval([5.0, 60.0]))));
     assert_eq!(look.ink.color, Some(Rgb([0, 0, 255])));
-    // A distant light takes the place of the lamp.
+    // A distant light replaces the lamp.
     short("light").apply(&mut look, "0,3,4").unwrap();
     assert_eq!((look.light.position_m, look.light.direction), (None, [0.0, 3.0, 4.0]));
     for (flag, word, message) in [
@@ -117,7 +118,7 @@ fn what_is_written_reads_back() {
     for look in looks {
         look.validate().unwrap();
         let text = look.to_toml();
-        // Over another look: what is written is all of it.
+        // Read over another look: the written file is complete.
         let mut again = set(&["light.position_m=9,9,9", "fur.layers=3", "ink.color=1,2,3", "light.fill=1,0,0"]);
         again.read(&text).unwrap();
         assert_eq!(again, look, "{text}");
@@ -148,7 +149,8 @@ fn mistakes_name_line_key_found_and_expected() {
     assert_eq!(wrong.validate().unwrap_err().name, "light.direction");
 }
 
-/// Printed forms by their flags, by their keys, and by those of earlier files; another build says where they are.
+/// Checks printed forms by their flags, their keys, and the keys of earlier files; another build says where to find
+/// them.
 #[test]
 fn printed_forms_are_in_the_laboratory() {
     let mut look = Look::default();
@@ -182,7 +184,7 @@ fn printed_forms_are_in_the_laboratory() {
             assert!(error.starts_with(place) && error.contains("laboratory's build"), "{error}");
         }
     }
-    // A mistake stays one.
+    // A misspelt key is still an error.
     assert!(look.set("fur.lightning=vertex").unwrap_err().to_string().contains("unknown key"));
 }
 

@@ -1,4 +1,4 @@
-//! How a scene's picture looks: `[look]`, and `[view]`, which says it in words of the command line.
+//! Look of a scene's picture: `[look]`, and `[view]`, which sets it by flags of the command line.
 
 use super::SceneFile;
 use super::text::SceneLook;
@@ -6,7 +6,7 @@ use crate::{Look, SAMPLES, SHORT_FORMS, ShortForm, StageError};
 use pelage_params::{ParamError, unknown_key};
 use std::path::Path;
 
-/// What has another place in a scene than `[view]`, or none.
+/// Keys that belong to another table than `[view]`, or to none.
 const ELSEWHERE: [(&str, &str); 9] = [
     ("camera", "in [camera]"),
     ("light", "in [light]"),
@@ -20,12 +20,15 @@ const ELSEWHERE: [(&str, &str); 9] = [
 ];
 
 impl SceneFile {
-    /// The look of the scene: of two places that say something, `[view]` counts least, then `look`, and `[light]` most. `file` is told the path
-    /// of a look file from the scene file's folder, from where the paths of its own files are, too ([`Look::files_in`]); it gives the name that messages use and the text, or says why the file cannot be had.
+    /// Returns the look of the scene. `[view]` has the lowest precedence, then `look`, then `[light]`.
+    ///
+    /// `file` is called with the path of a look file, relative to the scene file's folder. Relative file paths in the
+    /// returned look are relative to the same folder ([`Look::files_in`]). `file` returns the name for messages and the
+    /// text, or an error message.
     ///
     /// # Errors
     ///
-    /// [`StageError::Input`] with line and key of what is wrong.
+    /// [`StageError::Input`] with line and key of the fault.
     pub fn look(&self, file: impl FnOnce(&str) -> Result<(String, String), String>) -> Result<Look, StageError> {
         let mut look = Look::of_picture();
         for (name, value) in &self.scene.view {
@@ -54,7 +57,7 @@ impl SceneFile {
         Ok(look)
     }
 
-    /// One key of `[view]`.
+    /// Applies one key of `[view]`.
     fn view(&self, look: &mut Look, name: &str, value: &toml::Value) -> Result<(), String> {
         if let Some((_, place)) = ELSEWHERE.iter().find(|(key, _)| *key == name) {
             return Err(format!("expected it {place}"));
@@ -77,7 +80,7 @@ impl SceneFile {
     }
 }
 
-/// The flag of that name, which has `_` for `-`.
+/// Returns the flag of that name, with `_` for `-`.
 fn short_form(name: &str) -> Result<&'static ShortForm, String> {
     let all = || SHORT_FORMS.iter().chain([&SAMPLES]);
     all().find(|short| short.flag.replace('-', "_") == name).ok_or_else(|| {

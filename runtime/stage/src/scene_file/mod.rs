@@ -1,28 +1,39 @@
-//! Scene files: several models, their paths and clips, a camera and a light, as TOML. `assets/scenes` has one with comments.
+//! Scene files: several models, their paths and clips, a camera and a light, as TOML. `assets/scenes` has one with
+//! comments.
 //!
 //! Lengths are metres, times seconds, angles degrees; +y is up. A key that does not exist is an error.
 //!
-//! | key | default | meaning |
-//! |---|---|---|
-//! | `[look]` or `look` | the default look | how the picture looks: tables of a [`crate::Look`] such as `[look.shadow]`, or the path of a look file from the scene file's folder |
-//! | `[view]` | | the same in words of the command line, with `_` for `-`: `size = "834x424"`, `style = "ink"`, `ink_mist = "5,60"`; `look` goes before it |
-//! | `camera.eye`, `.target`, `.fov_deg` | frames all models along their paths and over their clips; 30 | from where, to where, and the height of the view |
-//! | `camera.path` | | instead of them: a list of `{ time_s, eye, target, fov_deg }`, see [`crate::Track`] |
-//! | `light.direction` or `.position` | the default light | towards a distant light, or the place of a near one |
-//! | `sequence.frames`, `.fps` | , 24 | how many pictures where they are numbered or a video, and how many a second |
-//! | `[[model]]` | | once for every model: |
-//! | `name` | the package's, without `.pelage` | its name in results |
-//! | `package` | must be said | path of its package from the scene file's folder; models may share one, which is loaded once |
-//! | `position`, `heading_deg` | the origin, 0 | where it stands, and where to it looks: 0 along +z, 90 along +x |
-//! | `path` | | instead of them: a list of `{ time_s, position, heading_deg }`; without any heading the model looks where it goes |
-//! | `scale` | 1 | its size beside the baked one |
-//! | `clip` | at rest | what it plays, by name |
-//! | `speed`, `start_s` | 1, 0 | seconds of the clip in a second, and its moment at time 0 |
-//! | `loop` | true | whether the clip begins anew at its end, or holds there |
-//! | `root_motion` | false | whether the model, when its clip begins anew, goes on from where that has carried it; without a camera the first round is framed |
-//! | `morphs` | | morph targets at weights of their own whatever the clip does: `morphs = { smile = 0.7 }` |
+//! Keys, with defaults in parentheses:
 //!
-//! [`SceneFile::parse`] reads one, [`SceneFile::load`] its packages; between them its words can be changed.
+//! * `[look]` or `look` (the default look): look of the picture; tables of a [`crate::Look`] such as `[look.shadow]`,
+//!   or the path of a look file from the scene file's folder
+//! * `[view]`: look set by flags of the command line, with `_` for `-`: `ink_mist = "5,60"`, `size = "834x424"`, `style
+//!   = "ink"`; `look` overrides it
+//! * `camera.eye`, `.target`, `.fov_deg` (frames all models along their paths and over their clips; 30): position,
+//!   target, and vertical field of view
+//! * `camera.path`: replaces these; a list of `{ time_s, eye, target, fov_deg }`, see [`crate::Track`]
+//! * `light.direction` or `.position` (the default light): direction towards a distant light, or position of a nearby
+//!   one
+//! * `sequence.frames`, `.fps` (none, 24): number of pictures of a numbered sequence or a video, and pictures per
+//!   second
+//! * `[[model]]`: once per model
+//!
+//! Keys of a model:
+//!
+//! * `name` (the package's, without `.pelage`): its name in results
+//! * `package` (required): path of its package from the scene file's folder; models may share one, which is loaded once
+//! * `position`, `heading_deg` (the origin, 0): position and heading; 0 faces +z, 90 faces +x
+//! * `path`: replaces these; a list of `{ time_s, position, heading_deg }`; without any heading the model faces its
+//!   direction of movement
+//! * `scale` (1): scale relative to the baked size
+//! * `clip` (at rest): name of the clip to play
+//! * `speed`, `start_s` (1, 0): playback speed, and time within the clip at time 0
+//! * `loop` (true): whether the clip restarts at its end, or holds there
+//! * `root_motion` (false): whether the model continues from where its clip has carried it when the clip restarts;
+//!   without a camera the first cycle is framed
+//! * `morphs`: morph targets with their own weights, regardless of the clip: `morphs = { smile = 0.7 }`
+//!
+//! [`SceneFile::parse`] reads one, [`SceneFile::load`] its packages; the scene can be changed in between.
 
 mod look;
 mod text;
@@ -41,30 +52,31 @@ pub use text::{
     SceneSequence, Whole,
 };
 
-/// How far a clip carries its root that is said to, in metres at least.
+/// Minimum displacement of a clip used with root motion, metres.
 const LEAST_WAY_M: f32 = 1e-4;
 
-/// A scene file: what it says, and where in it each thing stands, for messages.
+/// Scene file: its contents, and the location of each item for messages.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// As the user named it.
+    /// File name as given by the user.
     pub name: String,
-    /// All of it.
+    /// Text of the file.
     pub text: String,
-    /// What it says. It may be changed before it is loaded; messages about what is new name the key alone.
+    /// Contents of the file. They may be changed before loading; messages about new items name only the key.
     pub scene: Scene,
 }
 
-/// Where the packages of a scene come from: a folder, an archive, a server. A function from the path in the file to the package is one.
+/// Source of a scene's packages: a folder, an archive, a server. A function from the path in the file to the package
+/// implements it.
 pub trait PackageSource {
-    /// The package of that path, or why it cannot be had, in words.
+    /// Returns the package at that path, or an error message.
     ///
     /// # Errors
     ///
-    /// What the source says.
+    /// Reported by the source.
     fn read(&self, path: &str) -> Result<NamedPackage<'static>, String>;
 
-    /// What two paths to one package have in common: it is read once.
+    /// Returns a value that is equal for all paths to the same package, so that it is read once.
     fn identity(&self, path: &str) -> PathBuf {
         path.into()
     }
@@ -76,32 +88,32 @@ impl<F: Fn(&str) -> Result<NamedPackage<'static>, String>> PackageSource for F {
     }
 }
 
-/// A scene with its packages.
+/// Scene with its packages.
 #[derive(Debug)]
 pub struct LoadedScene {
-    /// The packages, each once, in the order in which models name them.
+    /// Packages, each once, in the order in which models name them.
     pub packages: Vec<NamedPackage<'static>>,
-    /// The copies of their models.
+    /// Copies of their models.
     pub actors: Vec<Actor>,
-    /// Of [`Self::actors`], in order.
+    /// Names of [`Self::actors`], in order.
     pub names: Vec<String>,
-    /// From where it is seen; `None` frames all models.
+    /// Camera; `None` frames all models.
     pub camera: Option<Shot>,
 }
 
 impl SceneFile {
-    /// Reads the bytes of a scene file of that name.
+    /// Parses the bytes of a scene file with that name.
     ///
     /// # Errors
     ///
-    /// [`StageError::Input`] with line and key of what is wrong.
+    /// [`StageError::Input`] with line and key of the fault.
     pub fn parse(name: &str, bytes: Vec<u8>) -> Result<Self, StageError> {
         let text = String::from_utf8(bytes).map_err(|error| StageError::Input {
             file: name.to_owned(),
             place: format!("byte {}", error.utf8_error().valid_up_to()),
             reason: "is no UTF-8, expected a scene file in TOML".into(),
         })?;
-        // Some editors begin a text file with a byte order mark.
+        // Some editors start text files with a byte order mark.
         let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
         let source = TomlText { name, text: &text };
         let scene: Scene = source.parse()?;
@@ -111,7 +123,7 @@ impl SceneFile {
         Ok(Self { name: name.to_owned(), text, scene })
     }
 
-    /// An error at a key such as `view.size`.
+    /// Returns an error at a key such as `view.size`.
     pub(crate) fn fault(&self, key: &str, reason: impl Into<String>) -> StageError {
         self.source().fault(key, reason)
     }
@@ -120,12 +132,12 @@ impl SceneFile {
         TomlText { name: &self.name, text: &self.text }
     }
 
-    /// Pictures, where the scene says how many.
+    /// Returns the number of pictures, if the scene specifies it.
     pub fn frames(&self) -> Option<u32> {
         Some(self.scene.sequence?.frames?.0)
     }
 
-    /// Pictures a second, where the scene says it.
+    /// Returns the pictures per second, if the scene specifies it.
     pub fn fps(&self) -> Option<u32> {
         Some(self.scene.sequence?.fps?.0)
     }
@@ -134,8 +146,8 @@ impl SceneFile {
     ///
     /// # Errors
     ///
-    /// [`StageError::Input`] with line and key of what is wrong, also for a package that cannot be had and a clip that is not in it;
-    /// [`StageError::Package`] for a damaged one.
+    /// [`StageError::Input`] with line and key of the fault, also for a package that cannot be read and a clip that it
+    /// lacks; [`StageError::Package`] for a damaged package.
     pub fn load(&self, packages: &dyn PackageSource) -> Result<LoadedScene, StageError> {
         let (source, scene) = (self.source(), &self.scene);
         if scene.models.is_empty() {
@@ -164,12 +176,12 @@ impl SceneFile {
 }
 
 impl LoadedScene {
-    /// Who plays, seen from `camera`, else as `framing` says if it says so, else by the scene's camera, else from where all of them are in a
-    /// picture of that width over height ([`framed`]).
+    /// Returns the cast of the scene. The camera is `camera`, else the one from `framing` if it is set, else the
+    /// scene's camera. Otherwise it frames all models at that aspect ratio, width over height ([`framed`]).
     ///
     /// # Errors
     ///
-    /// [`StageError::Package`] for a damaged package, [`StageError::Asked`] where nothing has the name that is to be looked at.
+    /// [`StageError::Package`] for a damaged package, [`StageError::Asked`] if nothing has the name to look at.
     pub fn cast(&self, camera: Option<Viewpoint>, aspect: f32, framing: &Framing) -> Result<Cast<'_>, StageError> {
         let open = |file| Ok((file, Arc::new(NamedPackage::open(file)?)));
         let packages = self.packages.iter().map(open).collect::<Result<Vec<_>, StageError>>()?;
@@ -224,7 +236,7 @@ fn shot(source: &TomlText<'_>, camera: &SceneCamera) -> Result<Shot, StageError>
     })
 }
 
-/// What the models are called in results.
+/// Returns the names of the models in results.
 fn names(source: &TomlText<'_>, models: &[SceneModel]) -> Result<Vec<String>, StageError> {
     for (i, model) in models.iter().enumerate() {
         let same = |other: &SceneModel| other.name.is_some() && other.name == model.name;
@@ -238,7 +250,7 @@ fn names(source: &TomlText<'_>, models: &[SceneModel]) -> Result<Vec<String>, St
     Ok(models.iter().map(name).collect())
 }
 
-/// How a clip plays means nothing where none does.
+/// Rejects playback settings of a model without a clip.
 fn check_clip(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<(), StageError> {
     let given = [
         ("speed", model.speed.is_some()),
@@ -282,7 +294,7 @@ fn place(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<Place, S
     Ok(Place { position, heading_deg, scale })
 }
 
-/// Reads every package that the models name, once; with it which one each model has.
+/// Reads every package that the models name, once. Also returns the package index of each model.
 fn read_packages(
     source: &TomlText<'_>,
     packages: &dyn PackageSource,
@@ -323,7 +335,7 @@ fn playing(
     }))
 }
 
-/// How far a model's clip carries it in a round, where it is to.
+/// Returns the displacement of a model per cycle of its clip, if it uses root motion.
 fn carried(
     source: &TomlText<'_>,
     i: usize,
@@ -343,7 +355,7 @@ fn carried(
     Ok(way)
 }
 
-/// Index and weight of the morph targets that a model holds.
+/// Returns index and weight of the morph targets that a model sets.
 fn weights(
     source: &TomlText<'_>,
     i: usize,

@@ -2,13 +2,13 @@
 use super::*;
 use crate::Look;
 
-/// Reads a scene file of that text; it names packages that are not there.
+/// Reads a scene file with that text; its packages do not exist.
 fn read(text: &str) -> Result<LoadedScene, StageError> {
     let nothing = |path: &str| Err(format!("{path}: cannot read: it is not there"));
     SceneFile::parse("nowhere/a.toml", text.into())?.load(&nothing)
 }
 
-/// A scene with this before its one model, and this in it.
+/// Returns a scene with `before` ahead of its single model, and `model` in it.
 fn scene(before: &str, model: &str) -> String {
     format!("{before}\n[[model]]\npackage = \"no.pelage\"\n{model}\n")
 }
@@ -100,12 +100,12 @@ fn places_and_cameras_are_those_of_the_file() {
     let place = place(&source, 0, &words.models[0]).unwrap();
     let moved = place.transform(2.0);
     assert!(moved.transform_point3(Vec3::ZERO).distance(Vec3::X) < 1e-6);
-    // Its nose, baked along +z, goes first.
+    // Its nose, baked along +z, leads.
     assert!(moved.transform_vector3(Vec3::Z).distance(2.0 * Vec3::X) < 1e-6);
     assert_eq!(names(&source, &words.models).unwrap(), ["no"]);
 }
 
-/// A package of one joint, which its clips move by 2 m along +z in a second, and not at all.
+/// Returns a package with one joint. Its clips move the joint by 2 m along +z in a second, or not at all.
 fn sliding() -> Vec<u8> {
     let node = pelage_formats::Node {
         name: "root".into(),
@@ -143,7 +143,7 @@ fn a_clip_carries_its_model_on() {
     };
     let model = "heading_deg = 90\nscale = 2\nroot_motion = true\n";
     let actor = load(&format!("clip = \"Slide\"\n{model}")).unwrap().actors.remove(0);
-    // Where its root is, which the clip moves within a round, and the model from round to round.
+    // Position of its root, moved by the clip within a cycle and by the model between cycles.
     for time_s in [0.0, 0.25, 0.999, 1.5, 7.75, -0.5] {
         let within = 2.0 * actor.clip.unwrap().moment(time_s);
         let root = actor.transform(time_s).transform_point3(Vec3::Z * within);

@@ -1,37 +1,38 @@
-//! What a scene file may say.
+//! Contents of a scene file.
 
 use glam::Vec3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// Largest coordinate, metres, and largest time, seconds.
+/// Maximum coordinate, metres, and maximum time, seconds.
 const FARTHEST: f64 = 1e6;
 
-/// A scene as its file says it, word for word: plain data to look at and to change before it is loaded.
+/// Scene as written in its file: plain data that can be inspected and changed before loading.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// How the picture looks.
+    /// Look of the picture.
     pub look: Option<SceneLook>,
-    /// How the picture looks in words of the command line, with `_` for `-`: `self_shadow = "off"`. What `look` says goes before it.
+    /// Look of the picture, set by flags of the command line, with `_` for `-`: `self_shadow = "off"`. `look` overrides
+    /// it.
     #[serde(default)]
     pub view: toml::Table,
-    /// From where it is seen; left out, all models are framed, along their paths and over their clips.
+    /// Camera; if omitted, all models are framed, along their paths and over their clips.
     pub camera: Option<SceneCamera>,
-    /// The key light; left out, the default one.
+    /// Key light; if omitted, the default one.
     pub light: Option<SceneLight>,
-    /// Pictures over time.
+    /// Sequence of pictures.
     pub sequence: Option<SceneSequence>,
-    /// What stands in it; at least one.
+    /// Models of the scene; at least one.
     #[serde(default, rename = "model")]
     pub models: Vec<SceneModel>,
 }
 
-/// `[look]`, or the file that it stands in.
+/// Tables of `[look]`, or the file that contains them.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "toml::Value")]
 pub enum SceneLook {
-    /// Path of a look file from the scene file's folder.
+    /// Path of a look file, relative to the scene file's folder.
     File(String),
     /// Tables of a [`crate::Look`].
     Tables(toml::Table),
@@ -56,96 +57,97 @@ impl TryFrom<toml::Value> for SceneLook {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneCamera {
-    /// Metres; with `target`, or neither.
+    /// Position in metres; requires `target`, and vice versa.
     pub eye: Option<Point>,
-    /// Metres; apart from `eye`.
+    /// Target in metres; different from `eye`.
     pub target: Option<Point>,
-    /// Height of the view, degrees.
+    /// Vertical field of view, degrees.
     pub fov_deg: Option<FieldOfView>,
-    /// Instead of all of them: keys over time.
+    /// Keys over time, replacing the fields above.
     pub path: Option<Vec<CameraKey>>,
 }
 
-/// A moment of a camera's path.
+/// Key of a camera's path.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraKey {
-    /// Seconds.
+    /// Time in seconds.
     pub time_s: Number,
-    /// Metres.
+    /// Position in metres.
     pub eye: Point,
-    /// Metres; apart from `eye`.
+    /// Target in metres; different from `eye`.
     pub target: Point,
-    /// Height of the view, degrees.
+    /// Vertical field of view, degrees.
     pub fov_deg: Option<FieldOfView>,
 }
 
-/// `[light]`: one of the two.
+/// `[light]`: either a direction or a position.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneLight {
-    /// Towards a distant light, any length but 0.
+    /// Direction towards a distant light, any length but 0.
     pub direction: Option<Point>,
-    /// Place of a near light, metres.
+    /// Position of a nearby light, metres.
     pub position: Option<Point>,
 }
 
-/// `[sequence]`.
+/// `[sequence]`: pictures over time.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneSequence {
-    /// Pictures.
+    /// Number of pictures.
     pub frames: Option<Whole<100_000>>,
-    /// Pictures a second.
+    /// Pictures per second.
     pub fps: Option<Whole<1000>>,
 }
 
-/// `[[model]]`.
+/// `[[model]]`: one copy of a package's model.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneModel {
-    /// Its name in results; left out, the package's.
+    /// Name in results; if omitted, that of the package.
     pub name: Option<String>,
-    /// Its package's path from the scene file's folder.
+    /// Path of its package, relative to the scene file's folder.
     pub package: String,
-    /// Where it stands, metres.
+    /// Position in metres.
     pub position: Option<Point>,
-    /// Where to it looks: 0 along +z, 90 along +x.
+    /// Heading in degrees: 0 faces +z, 90 faces +x.
     pub heading_deg: Option<Number>,
-    /// Its size beside the baked one.
+    /// Scale relative to the baked size.
     pub scale: Option<Scale>,
-    /// Instead of `position` and `heading_deg`: keys over time.
+    /// Keys over time, replacing `position` and `heading_deg`.
     pub path: Option<Vec<PlaceKey>>,
-    /// What it plays, by name; left out, it stands at rest.
+    /// Name of the clip to play; if omitted, the model is at rest.
     pub clip: Option<String>,
-    /// Seconds of the clip in a second.
+    /// Playback speed: seconds of the clip per second.
     pub speed: Option<Number>,
-    /// The clip's moment at time 0, seconds.
+    /// Time within the clip at time 0, seconds.
     pub start_s: Option<Number>,
-    /// Whether the clip begins anew at its end, or holds there.
+    /// Whether the clip restarts at its end, or holds there.
     #[serde(rename = "loop")]
     pub looped: Option<bool>,
-    /// Whether the model goes on from where the clip has carried it when that begins anew; else it begins where it stands.
+    /// Whether the model continues from where the clip has carried it when the clip restarts; otherwise it restarts at
+    /// the same position.
     #[serde(default)]
     pub root_motion: bool,
-    /// Morph targets by name, at weights of their own whatever the clip does.
+    /// Morph targets by name, with their own weights, regardless of the clip.
     #[serde(default)]
     pub morphs: BTreeMap<String, Number>,
 }
 
-/// A moment of a model's path.
+/// Key of a model's path.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceKey {
-    /// Seconds.
+    /// Time in seconds.
     pub time_s: Number,
-    /// Metres.
+    /// Position in metres.
     pub position: Point,
-    /// Degrees; in all keys of a path or in none.
+    /// Heading in degrees; in all keys of a path or in none.
     pub heading_deg: Option<Number>,
 }
 
-/// A number that is neither infinite nor absurd.
+/// Finite number of limited magnitude.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "f64")]
 pub struct Number(pub f32);
@@ -158,7 +160,7 @@ impl TryFrom<f64> for Number {
     }
 }
 
-/// Three of them.
+/// Three such numbers.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "[f64; 3]")]
 pub struct Point(pub Vec3);
@@ -172,7 +174,7 @@ impl TryFrom<[f64; 3]> for Point {
     }
 }
 
-/// Height of a view, degrees.
+/// Vertical field of view, degrees.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "f64")]
 pub struct FieldOfView(pub f32);
@@ -185,7 +187,7 @@ impl TryFrom<f64> for FieldOfView {
     }
 }
 
-/// A size beside the one that was baked.
+/// Scale relative to the baked size.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "f64")]
 pub struct Scale(pub f32);
@@ -198,7 +200,7 @@ impl TryFrom<f64> for Scale {
     }
 }
 
-/// A whole number from 1 to `MOST`.
+/// Whole number from 1 to `MOST`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "i64")]
 pub struct Whole<const MOST: u32>(pub u32);

@@ -1,27 +1,27 @@
-//! Which lobes are like a sky: chosen one by one, each the one that most is missing, and then moved.
+//! Selection of lobes that approximate a sky: chosen one by one, each with the greatest gain, and then moved.
 
 use super::panorama::Panorama;
 use super::squares::least_squares;
 use glam::DVec3;
 use pelage_formats::meaning::scattering::gaussian_light::GaussianLight;
 
-/// Directions that lobes are first looked for in.
+/// Number of candidate directions for lobes.
 const DIRECTIONS: usize = 256;
-/// Standard deviations of lobes, degrees: narrower ones are no broad light.
+/// Candidate standard deviations of lobes, degrees; narrower ones are not broad light.
 const WIDTHS_DEG: [f64; 6] = [8.0, 12.0, 18.0, 27.0, 40.0, 60.0];
 const LEAST_DEG: f64 = 8.0;
 const MOST_DEG: f64 = 75.0;
-/// A lobe that would explain less of what there is than that is none.
+/// Minimum share of the total light that a lobe must explain to be added.
 const WORTH: f64 = 1e-7;
 
-/// A sky in cells.
+/// Sky divided into cells.
 pub(super) struct Cells {
     towards: Vec<DVec3>,
-    /// Roots of solid angles: what squares are weighed by.
+    /// Square roots of solid angles: the weights of the least squares.
     weights: Vec<f64>,
-    /// Radiance times weight, of each colour.
+    /// Radiance times weight, per colour.
     light: [Vec<f64>; 3],
-    /// Σ light², of all colours.
+    /// Sum of squares of `light`, Σ light², over all colours.
     size: f64,
 }
 
@@ -41,7 +41,7 @@ impl Cells {
         cells
     }
 
-    /// A lobe's radiance in each cell, times its weight.
+    /// Returns a lobe's radiance in each cell, times the cell's weight.
     fn column(&self, shape: &Shape) -> Vec<f64> {
         let light = shape.light();
         self.towards.iter().zip(&self.weights).map(|(way, weight)| light.radiance(*way) * weight).collect()
@@ -61,23 +61,23 @@ impl Shape {
     }
 }
 
-/// Lobes that were chosen.
+/// Lobes chosen so far.
 pub(super) struct Chosen<'a> {
     cells: &'a Cells,
     candidates: Vec<(Shape, Vec<f64>)>,
     shapes: Vec<Shape>,
-    /// How far each shape is moved next, of a third of its width.
+    /// Step size of each shape's next move, relative to a third of its width.
     steps: Vec<f64>,
-    /// Of what is even first, then of each shape: its light in the cells.
+    /// Light in the cells: first of the uniform light, then of each shape.
     columns: Vec<Vec<f64>>,
-    /// What each is multiplied by, of each colour.
+    /// Brightness of each column, per colour.
     amounts: [Vec<f64>; 3],
-    /// Light of the cells that none of them explains, of each colour.
+    /// Light of the cells that no column explains, per colour.
     rest: [Vec<f64>; 3],
 }
 
 impl<'a> Chosen<'a> {
-    /// None but what is even.
+    /// Creates a selection that contains only uniform light.
     pub(super) fn new(cells: &'a Cells) -> Self {
         let candidates = spread_evenly(DIRECTIONS).flat_map(|towards| {
             WIDTHS_DEG.map(|width_deg| {
@@ -99,7 +99,7 @@ impl<'a> Chosen<'a> {
         out
     }
 
-    /// Adds the candidate that explains most of what is left; false where none does.
+    /// Adds the candidate that explains most of the residual; returns false if none explains enough.
     pub(super) fn add_best(&mut self) -> bool {
         let worth = |column: &Vec<f64>| {
             let size = dot(column, column);
@@ -118,14 +118,15 @@ impl<'a> Chosen<'a> {
         true
     }
 
-    /// Moves each lobe to where less is left, and finds anew how bright all are. A lobe's steps grow while they help and halve where none does.
+    /// Moves each lobe to reduce the residual, then solves for all brightnesses. The step size of a lobe grows while
+    /// moves help, and halves when none does.
     pub(super) fn move_all(&mut self) {
         for i in 0..self.shapes.len() {
             let amounts = [0, 1, 2].map(|c: usize| self.amounts[c][i + 1]);
             let alone: [Vec<f64>; 3] = std::array::from_fn(|c| {
                 self.rest[c].iter().zip(&self.columns[i + 1]).map(|(rest, lit)| rest + amounts[c] * lit).collect()
             });
-            // What the best brightness of a shape explains of it.
+            // Part of the light explained by a shape of optimal brightness.
             let worth = |column: &Vec<f64>| {
                 let size = dot(column, column).max(1e-300);
                 alone.iter().map(|rest| dot(column, rest).max(0.0)).map(|met| met * met / size).sum::<f64>()
@@ -152,7 +153,7 @@ impl<'a> Chosen<'a> {
         self.solve();
     }
 
-    /// Radiance of what is even, and direction, width in degrees and radiance of each lobe.
+    /// Returns the radiance of the uniform light, and direction, width in degrees and radiance of each lobe.
     pub(super) fn lights(&self) -> (DVec3, impl Iterator<Item = ((DVec3, f32), DVec3)>) {
         let of = |i: usize| DVec3::from([0, 1, 2].map(|c: usize| self.amounts[c][i]));
         let lobes =
@@ -160,13 +161,13 @@ impl<'a> Chosen<'a> {
         (of(0), lobes)
     }
 
-    /// Root of what is left over what there is, of squares.
+    /// Returns the square root of the residual's sum of squares over that of the light.
     pub(super) fn error(&self) -> f64 {
         let left: f64 = self.rest.iter().flatten().map(|x| x * x).sum();
         (left / self.cells.size.max(1e-300)).sqrt()
     }
 
-    /// Finds how bright all are.
+    /// Solves for all brightnesses.
     fn solve(&mut self) {
         let count = self.columns.len();
         let mut products = vec![0.0; count * count];
@@ -193,7 +194,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The shape moved aside by a third of its width, and wider and narrower by a quarter; all times `step`.
+/// Returns the shape moved sideways by a third of its width, and widened and narrowed by a quarter; all scaled by
+/// `step`.
 fn neighbours(shape: &Shape, step: f64) -> impl Iterator<Item = Shape> {
     let Shape { towards, width_deg } = *shape;
     let (side, up) = towards.any_orthonormal_pair();
@@ -205,7 +207,7 @@ fn neighbours(shape: &Shape, step: f64) -> impl Iterator<Item = Shape> {
     moved.into_iter().chain(resized)
 }
 
-/// Unit vectors evenly over the sphere (a Fibonacci spiral).
+/// Returns unit vectors distributed evenly over the sphere (a Fibonacci spiral).
 fn spread_evenly(count: usize) -> impl Iterator<Item = DVec3> {
     const GOLDEN: f64 = 2.399_963_229_728_653;
     (0..count).map(move |i| {

@@ -1,7 +1,8 @@
-//! Skies and rooms as light: panoramas, what they are taken for ([`Environment`]), and that as TOML.
+//! Environment maps: panoramas, the lights fitted to them ([`Environment`]), and those as TOML.
 //!
-//! [`Panorama`] holds an equirectangular picture in linear radiance, [`Panorama::fit`] finds the even light, the spherical Gaussians and the sun that come nearest to
-//! it. An application may as well ship the fit alone: [`environment_to_toml`] and [`environment_from_toml`].
+//! [`Panorama`] holds an equirectangular picture in linear radiance. [`Panorama::fit`] finds the uniform light, the
+//! spherical Gaussians and the sun that approximate it best. An application may ship only the fit:
+//! [`environment_to_toml`] and [`environment_from_toml`].
 
 mod fit;
 mod lobes;

@@ -1,37 +1,38 @@
-//! An equirectangular picture of all that shines.
+//! Equirectangular picture of radiance.
 
 use crate::StageError;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Radiance from all directions: rows from straight above to straight below, columns once around. The middle of the picture is +x, a quarter of its width to the right is +z,
-/// as most programs have it.
+/// Radiance from all directions: rows from straight up to straight down, columns once around. The centre of the picture
+/// is +x, and a quarter of its width to the right is +z, as in most programs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panorama {
     width: u32,
     height: u32,
-    /// Linear RGB, finite, 0 or more; row-major.
+    /// Pixels in linear RGB, finite, 0 or more; row-major.
     pixels: Vec<[f32; 3]>,
     mended: u32,
 }
 
 impl Default for Panorama {
-    /// One black pixel.
+    /// Returns one black pixel.
     fn default() -> Self {
         Self { width: 1, height: 1, pixels: vec![[0.0; 3]], mended: 0 }
     }
 }
 
 impl Panorama {
-    /// Most pixels: those of 16k × 8k.
+    /// Maximum number of pixels: those of 16k × 8k.
     pub const MOST_PIXELS: u64 = 1 << 27;
 
-    /// Of that many pixels, linear RGB. What is no light is mended: what is negative or not a number becomes 0, and what is infinite as bright as the brightest pixel that is not,
-    /// at least 1.
+    /// Creates a panorama of the given pixels, linear RGB. Invalid values are repaired: negative values and NaN become
+    /// 0; infinite values become the brightest finite one, at least 1.
     ///
     /// # Errors
     ///
-    /// [`StageError::Asked`] for a picture without pixels, with too many, or of another size than it says.
+    /// [`StageError::Asked`] for a picture without pixels, with too many, or with a number that does not match its
+    /// size.
     pub fn new(width: u32, height: u32, mut pixels: Vec<[f32; 3]>) -> Result<Self, StageError> {
         let count = u64::from(width) * u64::from(height);
         if count == 0 || count > Self::MOST_PIXELS || count != pixels.len() as u64 {
@@ -55,7 +56,7 @@ impl Panorama {
         Ok(Self { width, height, pixels, mended })
     }
 
-    /// Of that many pixels, each of the radiance that `radiance` says for its middle.
+    /// Creates a panorama of the given size; `radiance` returns the radiance at the centre of each pixel.
     ///
     /// # Errors
     ///
@@ -63,41 +64,42 @@ impl Panorama {
     pub fn painted((width, height): (u32, u32), radiance: impl Fn(DVec3) -> DVec3) -> Result<Self, StageError> {
         let blank = Self { width, height, pixels: Vec::new(), mended: 0 };
         let count = u64::from(width) * u64::from(height);
-        // What is too large is refused before it is painted.
+        // Rejects too large a picture before painting it.
         let rows = if count <= Self::MOST_PIXELS { height } else { 0 };
         let places = (0..rows).flat_map(|y| (0..width).map(move |x| (x, y)));
         let pixels = places.map(|(x, y)| radiance(blank.towards(x, y)).as_vec3().into()).collect();
         Self::new(width, height, pixels)
     }
 
-    /// Pixels.
+    /// Returns width and height in pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// How many pixels were no light.
+    /// Returns the number of repaired pixels.
     pub fn mended(&self) -> u32 {
         self.mended
     }
 
-    /// Rows from above, linear RGB.
+    /// Returns the pixels, rows from the top, linear RGB.
     pub fn pixels(&self) -> &[[f32; 3]] {
         &self.pixels
     }
 
-    /// Radiance of a pixel.
+    /// Returns the radiance of a pixel.
     pub fn at(&self, column: u32, row: u32) -> DVec3 {
         let index = row as usize * self.width as usize + column as usize;
         DVec3::from(self.pixels[index].map(f64::from))
     }
 
-    /// Unit vector towards the middle of a pixel.
+    /// Returns the unit vector towards the centre of a pixel.
     pub fn towards(&self, column: u32, row: u32) -> DVec3 {
         let up = libm::cos(PI * (f64::from(row) + 0.5) / f64::from(self.height));
         self.around(f64::from(column) + 0.5, up)
     }
 
-    /// Unit vector towards a place in a pixel, each share 0..=1: equal areas of shares are equal solid angles.
+    /// Returns the unit vector towards a point within a pixel, by coordinates 0..=1. Equal areas in these coordinates
+    /// are equal solid angles.
     pub fn towards_within(&self, column: u32, row: u32, [across, down]: [f64; 2]) -> DVec3 {
         let [above, below] = [row, row + 1].map(|row| libm::cos(PI * f64::from(row) / f64::from(self.height)));
         self.around(f64::from(column) + across, above + (below - above) * down)
@@ -109,7 +111,7 @@ impl Panorama {
         DVec3::new(out * cos, up, out * sin)
     }
 
-    /// Radiance from a direction of length 1, between the four pixels around it.
+    /// Returns the radiance from a unit direction, interpolated between the four nearest pixels.
     pub fn seen(&self, towards: DVec3) -> DVec3 {
         let (across, down) = self.place(towards);
         let (x, y) = (across - 0.5, (down - 0.5).clamp(0.0, f64::from(self.height - 1)));
@@ -120,7 +122,8 @@ impl Panorama {
         row(above).lerp(row(below), y.fract())
     }
 
-    /// The same over a level ground of that albedo, linear RGB, in place of all that lies below the horizon. `more`: what comes down on it beside the picture, irradiance over π.
+    /// Returns the panorama with a level ground of that albedo, linear RGB, replacing everything below the horizon.
+    /// `more`: additional light on the ground besides the picture, irradiance over π.
     #[must_use]
     pub fn over_ground(&self, albedo: [f32; 3], more: DVec3) -> Self {
         let up = |y: u32| self.towards(0, y).y;
@@ -139,37 +142,37 @@ impl Panorama {
         self.with_pixels(pixels)
     }
 
-    /// The pixel in which a direction of length 1 lies.
+    /// Returns the pixel that contains a unit direction.
     pub fn pixel(&self, towards: DVec3) -> (u32, u32) {
         let (across, down) = self.place(towards);
         ((across as u32).min(self.width - 1), (down as u32).min(self.height - 1))
     }
 
-    /// Where a direction of length 1 lies, pixels from the upper left corner.
+    /// Returns the position of a unit direction, in pixels from the upper left corner.
     fn place(&self, towards: DVec3) -> (f64, f64) {
         let around = 0.5 + libm::atan2(towards.z, towards.x) / TAU;
         let down = libm::acos(towards.y.clamp(-1.0, 1.0)) / PI;
         (around * f64::from(self.width), down * f64::from(self.height))
     }
 
-    /// Solid angle of each pixel of a row, steradians.
+    /// Returns the solid angle of each pixel of a row, steradians.
     pub fn solid_angle(&self, row: u32) -> f64 {
         let edge = |row: u32| libm::cos(PI * f64::from(row) / f64::from(self.height));
         TAU / f64::from(self.width) * (edge(row) - edge(row + 1))
     }
 
-    /// ∫ of it over all directions.
+    /// Returns the integral of the radiance over all directions.
     pub fn whole(&self) -> DVec3 {
         let row = |row: u32| (0..self.width).map(|x| self.at(x, row)).sum::<DVec3>() * self.solid_angle(row);
         (0..self.height).map(row).sum()
     }
 
-    /// Its means over the cells of a picture of at most that size; each is the mean over its solid angle.
+    /// Returns a reduced picture of at most that size; each cell is the mean over its solid angle.
     pub fn reduced(&self, most: (u32, u32)) -> Self {
         let (width, height) = (most.0.clamp(1, self.width), most.1.clamp(1, self.height));
         let mut sums = vec![DVec3::ZERO; width as usize * height as usize];
         let mut angles = vec![0.0; sums.len()];
-        // Pixels go to the cells that they lie in by parts.
+        // Pixels are split between the cells that they overlap.
         for (row, row_share) in overlaps(self.height, height) {
             let angle = self.solid_angle(row.0) * row_share;
             for (column, share) in overlaps(self.width, width) {
@@ -183,13 +186,13 @@ impl Panorama {
         Self { width, height, pixels, mended: self.mended }
     }
 
-    /// The same with other pixels.
+    /// Returns the panorama with other pixels.
     pub(super) fn with_pixels(&self, pixels: Vec<[f32; 3]>) -> Self {
         Self { pixels, ..*self }
     }
 }
 
-/// Which of `from` parts of a line overlap which of `to`, and by which share of the former.
+/// Returns which of `from` parts of a line overlap which of `to` parts, each with the overlapping share of the former.
 fn overlaps(from: u32, to: u32) -> impl Iterator<Item = ((u32, u32), f64)> {
     let scale = f64::from(to) / f64::from(from);
     (0..from).flat_map(move |i| {

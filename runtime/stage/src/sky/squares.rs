@@ -1,9 +1,10 @@
-//! Least squares without negative numbers, of few unknowns.
+//! Non-negative least squares with few unknowns.
 
-/// Sweeps over all unknowns.
+/// Maximum number of sweeps over all unknowns.
 const SWEEPS: usize = 400;
 
-/// The x of which none is below 0 that makes xᵀGx − 2 bᵀx least (coordinate descent): `products` is G, symmetric with a positive diagonal, row by row. `x` is where to start.
+/// Minimises xᵀGx − 2 bᵀx with all x at least 0, by coordinate descent. `products`: G, symmetric with a positive
+/// diagonal, row by row. `x`: initial value, and result.
 pub(super) fn least_squares(products: &[f64], b: &[f64], x: &mut [f64]) {
     let count = b.len();
     for _ in 0..SWEEPS {

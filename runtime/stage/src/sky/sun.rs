@@ -1,18 +1,18 @@
-//! What of a sky is a light of its own.
+//! Separation of the sun from the rest of a sky.
 
 use super::panorama::Panorama;
 use glam::DVec3;
 use pelage_formats::meaning::environment::{Sun, brightness};
 use std::f64::consts::PI;
 
-/// How far a sun reaches, degrees: it itself, and what a lens made of it; or a lamp. What is wider is a lobe.
+/// Candidate angular radii of a sun, degrees, including lens glare; or of a lamp. Wider sources are lobes.
 const REACHES_DEG: [f64; 4] = [3.0, 4.5, 6.0, 8.0];
-/// Width of the ring about it that says what the sky is without it, degrees.
+/// Width of the ring around it, degrees, whose light stands for the sky without the sun.
 const RING_DEG: f64 = 3.0;
-/// Share of its mean light that a sun has left behind where it ends.
+/// Light in the ring, relative to the mean light of the sun, below which the sun ends.
 const ENDS_AT: f64 = 0.1;
 
-/// The sun of a sky, where one has at least `least` of all its light, and the sky without it.
+/// Returns the sun of a sky, if it has at least the share `least` of all light, and the sky without it.
 pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
     let (width, height) = sky.size();
     let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -20,7 +20,7 @@ pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
     let none = || (None, sky.clone());
     let Some(peak) = places().max_by(|a, b| bright(*a).total_cmp(&bright(*b))) else { return none() };
     let towards = sky.towards(peak.0, peak.1);
-    // A pixel that is wider than the sun lies within it by its middle alone.
+    // A pixel wider than the sun contains only its centre.
     let cosine = |(x, y): (u32, u32)| if (x, y) == peak { 1.0 } else { towards.dot(sky.towards(x, y)) };
     let mean = |of: &[((u32, u32), f64)]| {
         let angle = |(_, y): (u32, u32)| sky.solid_angle(y);
@@ -54,7 +54,7 @@ pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
     }
     let sun = Sun {
         towards: middle.normalize_or(towards).as_vec3().into(),
-        // A light of colour 1 brings an irradiance of π.
+        // Light of colour 1 gives an irradiance of π.
         color: (light / PI).as_vec3().into(),
     };
     (Some(sun), sky.with_pixels(pixels))

@@ -1,15 +1,15 @@
-//! Skies as TOML.
+//! Environment maps as TOML.
 
 use crate::StageError;
 use crate::toml_text::TomlText;
 use pelage_formats::meaning::environment::{Environment, LightLobe, Sun};
 use pelage_params::Raw;
 
-/// Reads an environment that [`environment_to_toml`] or a person wrote; `name` is the file's, for messages.
+/// Parses an environment map written by [`environment_to_toml`] or by hand. `name`: file name for messages.
 ///
 /// # Errors
 ///
-/// [`StageError::Input`] with line and key of what is wrong.
+/// [`StageError::Input`] with line and key of the fault.
 pub fn environment_from_toml(name: &str, text: &str) -> Result<Environment, StageError> {
     let source = TomlText::new(name, text);
     let mut environment = Environment::default();
@@ -38,7 +38,7 @@ pub fn environment_from_toml(name: &str, text: &str) -> Result<Environment, Stag
     }
 }
 
-// Read by hand: a page loads this code, and what serde makes of three tables is a twentieth of all that it loads.
+// Parsed by hand: web pages load this code, and serde's code for three tables would be a twentieth of their download.
 
 fn lobe(source: &TomlText<'_>, number: usize, value: &Raw) -> Result<LightLobe, StageError> {
     let at = format!("lobe[{number}]");
@@ -52,7 +52,7 @@ fn lobe(source: &TomlText<'_>, number: usize, value: &Raw) -> Result<LightLobe, 
     })
 }
 
-/// The values of the fields of a table, all of which must be there, and no others.
+/// Returns the values of a table's fields. All of them are required, and no others are allowed.
 fn fields<'r, const N: usize>(
     source: &TomlText<'_>,
     at: &str,
@@ -92,7 +92,7 @@ fn three(source: &TomlText<'_>, key: &str, value: &Raw) -> Result<[f32; 3], Stag
     }
 }
 
-/// An environment as TOML. Reading it gives an equal one.
+/// Writes an environment map as TOML. Reading it gives an equal one.
 pub fn environment_to_toml(environment: &Environment) -> String {
     let list = |numbers: [f32; 3]| {
         let [x, y, z] = numbers.map(|x| format!("{x:?}"));

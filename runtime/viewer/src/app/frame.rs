@@ -1,4 +1,4 @@
-//! One frame after another.
+//! Frame loop of the window.
 
 use super::state::App;
 use crate::subject::Subject;
@@ -7,28 +7,28 @@ use pelage_stage::StageError;
 use serde_json::json;
 use std::time::{Duration, Instant};
 
-/// So long after the last movement pictures of a software device stay small.
+/// Time after the last movement during which pictures of a software device stay small.
 const SETTLES: Duration = Duration::from_millis(220);
 
-/// What a frame came to.
+/// Result of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// Whether the picture is another one.
+    /// Whether the picture was redrawn.
     pub drew: bool,
-    /// How long nothing will change by itself; `None` for until somebody does something.
+    /// Time until the next change; `None` if nothing changes without user input.
     pub wait: Option<Duration>,
 }
 
 impl App {
-    /// Goes on with time, and draws what is to be seen.
+    /// Advances time and draws what is visible.
     ///
     /// # Errors
     ///
-    /// [`StageError::Device`] for a device that is gone. A look that cannot be drawn is a failure that stands in the window.
+    /// [`StageError::Device`] if the device is lost. A look that cannot be drawn is shown as a failure in the window.
     pub fn go_on(&mut self) -> Result<Step, StageError> {
         let now = Instant::now();
         let since = self.played_at.replace(now).map_or(Duration::ZERO, |before| now - before);
-        // Whoever looks away for a minute finds the clip where it was.
+        // After a long pause between frames, the clip continues where it was.
         let seconds = since.as_secs_f32().min(0.25);
         if self.playing {
             self.show.go_on(seconds, self.speed);

@@ -1,4 +1,4 @@
-//! What hands do to camera, light and time.
+//! User control of camera, light and time.
 
 use super::state::App;
 use crate::subject::Subject;
@@ -7,7 +7,7 @@ use pelage_stage::{KeyLight, Meter, Navigator, within};
 use serde_json::json;
 
 impl App {
-    /// Turns the key light about the target as a hand moves, heights of the picture right and up.
+    /// Turns the key light about the target; `moved` is the pointer's movement right and up, in picture heights.
     pub fn turn_light(&mut self, moved: Vec2) {
         let KeyLight::Distant(towards) = self.look_now().key_light() else {
             return self.say("the light stands at a place: light.position_m".into());
@@ -35,7 +35,7 @@ impl App {
         self.moved();
     }
 
-    /// Looks at all there is.
+    /// Frames everything.
     pub fn frame(&mut self) {
         if let Err(error) = self.show.frame(self.area) {
             self.fail(error.to_string());
@@ -43,13 +43,13 @@ impl App {
         self.changed();
     }
 
-    /// The camera as it was.
+    /// Resets the camera.
     pub fn reset_camera(&mut self) {
         self.show.reset();
         self.changed();
     }
 
-    /// Plays another clip, from its beginning.
+    /// Plays another clip from its beginning.
     pub fn play_clip(&mut self, clip: Option<usize>) {
         self.show.set_time(0.0);
         if let Err(error) = self.show.play(clip, self.area) {
@@ -59,7 +59,7 @@ impl App {
         self.changed();
     }
 
-    /// Plays, or stops. With nothing chosen, the first clip.
+    /// Toggles playback; without a chosen clip, plays the first.
     pub fn toggle_playing(&mut self) {
         let has_clips = !self.show.clips().is_empty();
         if self.show.clip().is_none() && has_clips && !self.playing {
@@ -68,35 +68,35 @@ impl App {
         self.playing = !self.playing && self.length_s().is_some();
     }
 
-    /// Length of what plays, seconds; `None` where nothing moves.
+    /// Returns the length of what plays, seconds; `None` if nothing moves.
     pub fn length_s(&self) -> Option<f32> {
         match self.show.subject()? {
             Subject::Package(_) => self.show.clip().map(|clip| clip.duration_s),
-            // As long as somebody looks.
+            // A scene has no end.
             Subject::Scene(_) => Some(self.show.time_s().max(10.0)),
         }
     }
 
-    /// The moment of what plays, seconds.
+    /// Returns the current time of what plays, seconds.
     pub fn moment_s(&self) -> f32 {
         let time_s = self.show.time_s();
         self.show.clip().map_or(time_s, |clip| within(time_s, clip.duration_s))
     }
 
-    /// Goes to a moment, and stays there.
+    /// Seeks to a time, and pauses.
     pub fn go_to(&mut self, time_s: f32) {
         self.playing = false;
         self.show.set_time(time_s);
         self.moved();
     }
 
-    /// The truth beside, or not.
+    /// Shows or hides the reference picture.
     pub fn toggle_truth(&mut self) {
         self.truth.toggle();
         self.workers.stop_tracing();
     }
 
-    /// Measures the passes of the view as it stands.
+    /// Measures the passes of the current view.
     pub fn measure(&mut self) {
         self.times = None;
         let Some(stage) = self.show.stage() else { return };

@@ -1,4 +1,4 @@
-//! What the threads beside the window tell.
+//! Messages from the window's threads.
 
 use super::state::App;
 use crate::worker::Told;
@@ -8,7 +8,7 @@ use serde_json::json;
 use std::time::Duration;
 
 impl App {
-    /// Takes what a thread tells.
+    /// Handles a message from a thread.
     pub fn hear(&mut self, told: Told, ctx: &Context) {
         match told {
             Told::Working(progress) => self.working = Some(progress),
@@ -18,7 +18,7 @@ impl App {
                 self.fail(reason);
             }
             Told::Saved(saved) => {
-                // The file has them now, and is watched.
+                // The file now contains the edits, and is watched.
                 let saved = saved.inspect(|_| self.recipe_edits.forget());
                 self.tell_saved("recipe", saved);
             }
@@ -51,7 +51,7 @@ impl App {
         }
         self.mended();
         (self.recipe_base, self.notes, self.stages) = (recipe, notes, stages);
-        // On a software device the first sight of it is a small one, so that it comes soon.
+        // On a software device the first picture is small, so that it appears soon.
         self.moved();
         let stages: Vec<_> = self.stages.iter().map(|(name, s)| json!({ "name": name, "seconds": s })).collect();
         self.events.tell("made", json!({ "name": name, "seconds": took.as_secs_f64(), "stages": stages }));

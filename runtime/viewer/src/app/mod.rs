@@ -1,4 +1,4 @@
-//! What a window is about: what is shown, how, and what hands changed. It draws nothing of its own.
+//! State of a window: what is shown, its look, and the user's changes. Draws nothing itself.
 
 mod frame;
 mod go;

@@ -1,9 +1,9 @@
-//! Files that are opened: named, dropped, or the next of a folder.
+//! Opening files: named, dropped, or the next in a folder.
 
 use super::state::App;
 use std::path::{Path, PathBuf};
 
-/// Files that a step to the next one stops at.
+/// File name extensions considered for the next file.
 const OPENED: [&str; 4] = ["pelage", "glb", "gltf", "obj"];
 
 fn is_named(path: &Path, extensions: &[&str]) -> bool {
@@ -11,7 +11,7 @@ fn is_named(path: &Path, extensions: &[&str]) -> bool {
     extensions.iter().any(|extension| own.eq_ignore_ascii_case(extension))
 }
 
-/// The text of a file that speaks of a look: a table of its own that recipes have not.
+/// Returns the text of a look file, identified by a table that recipes do not have.
 fn look_in(path: &Path) -> Option<String> {
     let text = std::fs::read_to_string(path).ok().filter(|_| is_named(path, &["toml"]))?;
     let speaks = ["[picture]", "[light]", "[shadow]", "[fur]"]
@@ -21,7 +21,7 @@ fn look_in(path: &Path) -> Option<String> {
 }
 
 impl App {
-    /// Opens what was named or dropped: a look is read here, everything else is somebody's work.
+    /// Opens a named or dropped file: a look is read here, everything else by the workshop.
     pub fn open(&mut self, path: &Path) {
         let mut look = self.look_base.clone();
         if look_in(path).is_some_and(|text| look.read(&text).is_ok()) {
@@ -37,7 +37,7 @@ impl App {
         self.workers.open(path.to_owned());
     }
 
-    /// Opens the next file of the same folder that can be opened, or the one before, round and round.
+    /// Opens the next or previous file of the same folder that can be opened, cyclically.
     pub fn open_next(&mut self, back: bool) {
         let Some(opened) = &self.opened else { return };
         let folder = opened.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

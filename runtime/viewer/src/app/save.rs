@@ -1,4 +1,4 @@
-//! What is saved: recipe, look, pictures, the window.
+//! Saving of recipe, look, pictures and window.
 
 use super::state::{App, Sequence};
 use crate::save;
@@ -7,7 +7,7 @@ use crate::workshop::Progress;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Pictures a second of a sequence that is saved.
+/// Pictures per second of a saved sequence.
 const FPS: f32 = 24.0;
 
 impl App {
@@ -43,7 +43,7 @@ impl App {
         self.tell_saved("look", saved);
     }
 
-    /// Saves the picture as it stands in the window.
+    /// Saves the current picture.
     pub fn save_picture(&mut self) {
         let path = save::free(&self.folder, &self.stem(), "png");
         let saved = path.and_then(|path| self.write_picture(&path).map(|()| path));
@@ -62,7 +62,7 @@ impl App {
         save::write_png(path, &picture.ok_or("nothing is shown yet")?)
     }
 
-    /// The title of the window.
+    /// Returns the title of the window.
     pub fn title(&self) -> String {
         self.show.subject().map_or("pelage".into(), |subject| format!("{} - pelage", save::stem(subject.name())))
     }
@@ -71,7 +71,7 @@ impl App {
         save::stem(self.show.subject().map_or("", Subject::name))
     }
 
-    /// Saves the clip once, picture by picture.
+    /// Saves one cycle of the clip, picture by picture.
     pub fn save_sequence(&mut self) {
         let Some(length_s) = self.length_s() else { return self.say("nothing moves here".into()) };
         let count = (length_s * FPS).round().max(1.0) as u32;
@@ -109,7 +109,7 @@ impl App {
         self.wants_window = true;
     }
 
-    /// Where the window is to be saved now, if it is.
+    /// Returns the path to save the window to, if that was requested.
     pub fn take_window(&mut self) -> Option<PathBuf> {
         if !std::mem::take(&mut self.wants_window) {
             return None;
@@ -123,7 +123,7 @@ impl App {
         }
     }
 
-    /// The window was saved, or not.
+    /// Reports the result of saving the window.
     pub fn window_saved(&mut self, saved: Result<PathBuf, String>) {
         self.tell_saved("window", saved);
     }

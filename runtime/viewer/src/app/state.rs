@@ -1,4 +1,4 @@
-//! What a window is about, and what all that is done to it has in common.
+//! State of a window, and operations common to all changes.
 
 use crate::knobs::{Edits, Knobs, Search};
 use crate::lights::Lights;
@@ -13,19 +13,19 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// So long something that was said stands there.
+/// Display time of a message.
 const SAID: Duration = Duration::from_secs(6);
 
-/// Everything but the window itself.
+/// State of the application, without the window itself.
 pub struct App {
-    /// What is shown.
+    /// Stage and camera.
     pub show: Show,
     pub(super) workers: Workers,
-    /// Of scripts and tests.
+    /// Event log for scripts and tests.
     pub events: Events,
-    /// Where pictures are saved.
+    /// Folder for saved pictures.
     pub(super) folder: PathBuf,
-    /// The file that was opened last.
+    /// File opened last.
     pub(super) opened: Option<PathBuf>,
     pub(super) look_base: Look,
     /// Changes of the look.
@@ -35,51 +35,51 @@ pub struct App {
     /// Changes of the recipe.
     pub recipe_edits: Edits,
     pub recipe_search: Search,
-    /// Whether the recipe's edits were the last to be changed: what an undo is about.
+    /// Whether the last change was in the recipe; selects what undo applies to.
     pub(super) recipe_last: bool,
-    /// What is being made.
+    /// Progress of the content being made.
     pub working: Option<Progress>,
-    /// What is wrong; it stands there until it is mended.
+    /// Current error, shown until it is fixed.
     pub failure: Option<String>,
-    /// What the bake had to say.
+    /// Notes of the bake.
     pub notes: Vec<String>,
     /// Stages of the last bake with their seconds.
     pub stages: Vec<(String, f64)>,
-    /// Passes of the view as it was measured, until it changes.
+    /// Measured pass times of the view; cleared when it changes.
     pub times: Option<FrameTimes>,
-    /// The device, in words.
+    /// Description of the device.
     pub adapter: String,
     pub(super) said: Option<(String, Instant)>,
     pub playing: bool,
-    /// Seconds of the clip in a second.
+    /// Playback speed, seconds of the clip per second.
     pub speed: f32,
     pub(super) played_at: Option<Instant>,
     pub(super) moved_at: Option<Instant>,
     pub truth: TruthBeside,
     pub panels: bool,
-    /// Files of light from all around.
+    /// Cache of environment maps.
     pub(crate) lights: Lights,
     pub help: bool,
-    /// The picture in the window, physical pixels.
+    /// Size of the picture in the window, physical pixels.
     pub(super) area: (u32, u32),
-    /// The area was another one a frame ago: a picture of it may be of no use in the next.
+    /// Whether the size changed in this frame; drawing is then skipped once, as it may change again.
     pub(super) settles: bool,
     pub(super) sequence: Option<Sequence>,
-    /// The window is to be saved with the next frame.
+    /// Whether to save the window with the next frame.
     pub(super) wants_window: bool,
 }
 
-/// Pictures that are being saved, one with each frame of the window.
+/// Sequence being saved, one picture per frame of the window.
 pub(super) struct Sequence {
     pub(super) stem: String,
     pub(super) next: u32,
     pub(super) count: u32,
-    /// Where the time was before.
+    /// Time before saving started, seconds.
     pub(super) time_s: f32,
 }
 
 impl App {
-    /// Nothing is shown yet.
+    /// Creates the state with nothing shown.
     pub fn new(show: Show, workers: Workers, events: Events, folder: PathBuf, look: Look) -> Self {
         Self {
             adapter: String::new(),
@@ -116,7 +116,7 @@ impl App {
         }
     }
 
-    /// What is shown is another thing, or seen otherwise.
+    /// Invalidates results that depend on content or view.
     pub(super) fn changed(&mut self) {
         self.times = None;
         if self.truth.outdated() {
@@ -139,7 +139,7 @@ impl App {
         self.said = Some((text, Instant::now()));
     }
 
-    /// What was said last, for a while.
+    /// Returns the last message while it is displayed.
     pub fn said(&self) -> Option<&str> {
         self.said.as_ref().filter(|(_, when)| when.elapsed() < SAID).map(|(text, _)| text.as_str())
     }
@@ -149,7 +149,7 @@ impl App {
         self.changed();
     }
 
-    /// Where the picture stands in the window, points, with pixels in a point.
+    /// Sets the rectangle of the picture in the window, points; `pixels` is the number of pixels per point.
     pub fn set_area(&mut self, rect: Rect, pixels: f32) {
         let side = |points: f32| (points * pixels).round().clamp(1.0, 8192.0) as u32;
         let area = (side(rect.width()), side(rect.height()));
@@ -160,7 +160,7 @@ impl App {
         }
     }
 
-    /// Mebibytes on the device.
+    /// Returns the memory used on the device, mebibytes.
     pub fn gpu_mib(&self) -> f64 {
         self.show.gpu_bytes() as f64 / f64::from(1 << 20)
     }

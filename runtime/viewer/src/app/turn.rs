@@ -1,23 +1,23 @@
-//! Knobs that are turned, of the look and of the recipe, and taken back.
+//! Edits of the knobs of look and recipe, and undo.
 
 use super::state::App;
 use crate::knobs::{Edits, Knobs};
 use pelage_stage::{Look, LookStyle};
 
 impl App {
-    /// The look with all changes.
+    /// Returns the look with all edits.
     pub fn look_now(&self) -> Look {
         let mut look = self.look_base.clone();
         for assignment in self.look_edits.assignments() {
-            // Each was taken before.
+            // Each was accepted before.
             let _ = look.set(&assignment);
         }
-        // What is wrong with a file is told of when it is named.
+        // An error in the file is reported when the file is named.
         let _ = self.lights.give(&mut look);
         look
     }
 
-    /// A change of the look counts.
+    /// Applies a change of the look.
     pub fn look_changed(&mut self) {
         self.recipe_last = false;
         let look = self.look_now();
@@ -41,33 +41,33 @@ impl App {
         self.look_edits.assignments().into_iter().find_map(refuse)
     }
 
-    /// Whether what is shown is baked by a recipe here.
+    /// Returns true if what is shown is baked with a recipe.
     pub fn has_recipe(&self) -> bool {
         self.recipe_base.is_some()
     }
 
-    /// The recipe with all changes.
+    /// Returns the recipe with all edits.
     pub fn recipe_now(&self) -> Option<Box<dyn Knobs>> {
         let mut recipe = self.recipe_base.as_ref()?.boxed();
         for assignment in self.recipe_edits.assignments() {
-            // One that is refused is told of by the bake.
+            // A refused edit is reported by the bake.
             let _ = recipe.set(&assignment);
         }
         Some(recipe)
     }
 
-    /// A change of the recipe counts: the model is baked anew.
+    /// Applies a change of the recipe by rebaking the model.
     pub fn recipe_changed(&mut self) {
         self.recipe_last = true;
         self.workers.make(self.recipe_edits.assignments());
     }
 
-    /// Takes the last change back.
+    /// Undoes the last change.
     pub fn undo(&mut self) {
         self.step(Edits::undo);
     }
 
-    /// Makes it again.
+    /// Redoes the last undone change.
     pub fn redo(&mut self) {
         self.step(Edits::redo);
     }
@@ -82,7 +82,7 @@ impl App {
         }
     }
 
-    /// Draws in another style.
+    /// Changes the style.
     pub fn set_style(&mut self, style: LookStyle) {
         self.look_edits.set("picture.style", format!("{:?}", style.word()), false);
         self.look_edits.released();

@@ -1,11 +1,11 @@
-//! Below the picture: clips and their time, the style, and figures of the last frame.
+//! Panel below the picture: clips and their time, style, and statistics of the last frame.
 
 use crate::app::App;
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 use pelage_stage::LookStyle;
 use std::path::Path;
 
-/// The panel.
+/// Draws the panel.
 pub fn show(ui: &mut Ui, app: &mut App) {
     ui.add_space(3.0);
     ui.horizontal(|ui| {

@@ -1,17 +1,17 @@
-//! The keys, as the window acts on them and lists them.
+//! Keys of the window, for input handling and for the help.
 
 use crate::app::App;
 use egui::{Grid, Key, RichText, Ui, Window};
 use pelage_stage::LookStyle;
 
-/// What a key does.
+/// Action of a key.
 pub type Act = fn(&mut App);
 
-/// A line of the list.
+/// Line of the help.
 pub struct Line {
     keys: &'static str,
     does: &'static str,
-    /// The key by itself, and what it does; of hands and keys with others the picture and the layout take care.
+    /// Key and its action; `None` for mouse input and key combinations, which picture and layout handle.
     pub act: Option<(Key, Act)>,
 }
 
@@ -23,7 +23,7 @@ const fn told(keys: &'static str, does: &'static str) -> Line {
     Line { keys, does, act: None }
 }
 
-/// All of them.
+/// Help lines, in order.
 pub const KEYS: &[Line] = &[
     told("drag", "goes around"),
     told("right drag, Shift drag", "goes sideways"),
@@ -51,7 +51,7 @@ pub const KEYS: &[Line] = &[
     Line { keys: "", does: "", act: Some((Key::F1, |app| app.help = !app.help)) },
 ];
 
-/// The list in a window of its own.
+/// Shows the help in its own window.
 pub fn show(ui: &mut Ui, app: &mut App) {
     let mut open = app.help;
     Window::new("Keys").open(&mut open).resizable(false).collapsible(false).show(ui, |ui| {

@@ -1,23 +1,23 @@
-//! One knob in a row: its name, what it can be set to, and whether it was changed. All of it follows from the knob's declaration.
+//! Row of one knob: name, control, and whether it was changed. Everything follows from the knob's declaration.
 
 use crate::knobs::{Edits, Knobs, shown};
 use egui::{Color32, ComboBox, DragValue, Response, RichText, Slider, TextEdit, Ui};
 use pelage_params::{Control, Knob, hex};
 
-/// A slider is of use up to here; beyond, a number is dragged.
+/// Largest range with a slider; for larger ones a number is dragged.
 const WIDEST_SLIDER: f64 = 1e5;
 const CHANGED: Color32 = Color32::from_rgb(232, 176, 92);
 
-/// What a hand did to a knob.
+/// User input on a knob.
 enum Hand {
     Nothing,
-    /// It is given that value, as TOML; more of the same may follow.
+    /// New value as TOML; more changes of the same drag may follow.
     Drags(String),
-    /// It is given that value for good.
+    /// Final new value, as TOML.
     Sets(String),
 }
 
-/// A row for a knob; what is changed goes into `edits`. `now` is the set with all edits. Says whether anything changed.
+/// Draws the row of a knob; changes go into `edits`. `now` is the set with all edits. Returns true if anything changed.
 pub fn row(ui: &mut Ui, knob: &'static Knob, now: &dyn Knobs, edits: &mut Edits) -> bool {
     let value = now.value(knob);
     let differs = value != now.default_value(knob);
@@ -45,7 +45,7 @@ pub fn row(ui: &mut Ui, knob: &'static Knob, now: &dyn Knobs, edits: &mut Edits)
     true
 }
 
-/// What a knob means, what it takes, and what it is where nobody says anything.
+/// Shows the meaning, range and default of a knob.
 fn explain(ui: &mut Ui, knob: &Knob, now: &dyn Knobs) {
     ui.set_max_width(380.0);
     ui.label(RichText::new(knob.name).monospace().strong());
@@ -130,14 +130,15 @@ fn control(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
     }
 }
 
-/// A knob that nobody turned; a click takes it into the hand.
+/// Draws an unset knob as a button; a click sets it to `begin()`.
 fn chosen(ui: &mut Ui, value: Option<&str>, begin: impl FnOnce() -> String) -> Hand {
     let word = value.map_or("chosen".into(), shown);
     let answer = ui.button(word).on_hover_text("nobody says it; a click takes it into your hand");
     if answer.clicked() { Hand::Sets(begin()) } else { Hand::Nothing }
 }
 
-/// A field for what only text can say. It counts when it is left, or at Enter.
+/// Draws a text field for values that only text can express. The value is taken when the field loses focus, or at
+/// Enter.
 fn text(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
     let id = ui.make_persistent_id("text");
     let stands = value.map(shown).unwrap_or_default();
@@ -155,13 +156,13 @@ fn text(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
     Hand::Nothing
 }
 
-/// What was typed as TOML: a list, a number or a quoted string as it stands, else a string.
+/// Converts typed text to TOML: a list, number or quoted string unchanged, anything else as a string.
 fn toml_of(knob: &Knob, typed: &str) -> String {
     let as_it_is = typed.starts_with(['[', '{', '"']) || typed.parse::<f64>().is_ok();
     if as_it_is || matches!((knob.control)(), Control::Tables(_)) { typed.to_owned() } else { format!("{typed:?}") }
 }
 
-/// What a widget came to whose value may be dragged.
+/// Converts the response of a draggable widget.
 fn dragged(answer: &Response, text: impl FnOnce() -> String) -> Hand {
     match (answer.changed(), answer.dragged()) {
         (true, true) => Hand::Drags(text()),
@@ -170,7 +171,7 @@ fn dragged(answer: &Response, text: impl FnOnce() -> String) -> Hand {
     }
 }
 
-/// A number as TOML; one that is not whole has a point or an exponent. Six digits are as many as a hand can mean.
+/// Formats a number as TOML; non-integers have a point or an exponent. Six digits are enough for manual input.
 fn number_text(number: f64, whole: bool) -> String {
     if whole {
         return format!("{:.0}", number.round());
@@ -183,7 +184,7 @@ fn vector_text(numbers: &[f64]) -> String {
     format!("[{}]", numbers.iter().map(|n| number_text(*n, false)).collect::<Vec<_>>().join(", "))
 }
 
-/// A value to begin with in a range.
+/// Returns an initial value within a range.
 fn middle(least: f64, most: f64) -> f64 {
     if least > 0.0 { (least * most).sqrt() } else { 0.5 * (least + most.min(least + 2.0)) }
 }

@@ -1,4 +1,4 @@
-//! What stands in the window: panels of knobs, the picture between them, time below.
+//! Layout of the window: panels of knobs, the picture between them, time below.
 
 mod below;
 mod help;
@@ -9,7 +9,7 @@ mod picture;
 use crate::app::App;
 use egui::{CentralPanel, Frame, Key, Modifiers, Panel, TextureId, Ui};
 
-/// Lays the window out around the picture that is drawn, and does what hands and keys say.
+/// Lays out the window around the drawn picture, and handles input.
 pub fn lay_out(ui: &mut Ui, app: &mut App, drawn: Option<TextureId>) {
     keys(ui, app);
     if app.panels {
@@ -25,7 +25,7 @@ pub fn lay_out(ui: &mut Ui, app: &mut App, drawn: Option<TextureId>) {
     }
 }
 
-/// Keys that mean the same wherever the pointer is. Those that move the camera are the picture's matter.
+/// Handles keys that do not depend on the pointer's position. Keys that move the camera are handled by the picture.
 fn keys(ui: &mut Ui, app: &mut App) {
     if ui.ctx().egui_wants_keyboard_input() {
         return;
@@ -33,7 +33,7 @@ fn keys(ui: &mut Ui, app: &mut App) {
     let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
     let held = |key| ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, key));
     let shifted = |key| ui.input_mut(|input| input.consume_key(Modifiers::COMMAND | Modifiers::SHIFT, key));
-    // With Shift first: a key without it is found in it, too.
+    // Shift first, because a shortcut without Shift also matches with it.
     if shifted(Key::Z) {
         app.redo();
     }

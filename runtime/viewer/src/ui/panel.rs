@@ -1,14 +1,14 @@
-//! The two panels of knobs.
+//! Panels of knobs for look and recipe.
 
 use super::knob;
 use crate::app::App;
 use crate::knobs::{Edits, Knobs, Search};
 use egui::{CollapsingHeader, Grid, RichText, ScrollArea, TextEdit, Ui};
 
-/// The one knob of a look that is not shown: the window has its own size.
+/// The only knob of a look that is hidden, because the window has its own size.
 const OF_THE_WINDOW: &str = "picture.size";
 
-/// How the picture looks.
+/// Draws the panel of the look.
 pub fn look(ui: &mut Ui, app: &mut App) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
@@ -35,7 +35,7 @@ pub fn look(ui: &mut Ui, app: &mut App) {
     }
 }
 
-/// How the model becomes fur.
+/// Draws the panel of the recipe.
 pub fn recipe(ui: &mut Ui, app: &mut App) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
@@ -62,7 +62,8 @@ pub fn recipe(ui: &mut Ui, app: &mut App) {
     }
 }
 
-/// All tables of a set; says whether a hand changed anything. `search` holds what is sought, and `open` names the tables that begin unfolded.
+/// Draws all tables of a set; returns true if the user changed anything. `search` filters the knobs, and `open` names
+/// the tables that are initially expanded.
 fn tables(ui: &mut Ui, now: &dyn Knobs, edits: &mut Edits, search: &mut Search, open: &[&str]) -> bool {
     ui.horizontal(|ui| {
         ui.add(TextEdit::singleline(&mut search.text).hint_text("find a key").desired_width(150.0));

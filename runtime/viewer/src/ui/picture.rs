@@ -1,19 +1,19 @@
-//! The picture in the middle, what hands do to it, and what stands over it: messages, progress, the truth beside.
+//! Central picture, its mouse and key input, and its overlay: messages, progress, the reference picture.
 
 use crate::app::App;
 use egui::{
     Align2, Color32, FontId, Key, Pos2, ProgressBar, Rect, Response, RichText, Sense, TextureId, Ui, Vec2, pos2, vec2,
 };
 
-/// What lies behind a picture that is transparent.
+/// Background of a transparent picture.
 const BEHIND: Color32 = Color32::from_rgb(58, 61, 66);
 const BAD: Color32 = Color32::from_rgb(120, 32, 28);
-/// Notches of a wheel, or points of a touchpad, that double the size.
+/// Scroll distance that doubles the size: wheel notches or touchpad points.
 const POINTS_TO_DOUBLE: f32 = 300.0;
-/// Heights of the picture that a held key flies in a second.
+/// Speed of flight while a key is held, picture heights per second.
 const FLIGHT: f32 = 0.6;
 
-/// The picture, and the truth beside it where it is asked for.
+/// Draws the picture, and the reference picture beside it if requested.
 pub fn show(ui: &mut Ui, app: &mut App, drawn: Option<TextureId>) {
     let all = ui.available_rect_before_wrap();
     ui.painter().rect_filled(all, 0.0, BEHIND);
@@ -40,7 +40,7 @@ fn whole() -> Rect {
     Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0))
 }
 
-/// The true picture, and where the drawn one differs.
+/// Draws the reference picture, and the difference of the drawn one.
 fn truth(ui: &mut Ui, app: &mut App, [drawn, traced, flip]: [Rect; 3]) {
     let tag = |ui: &Ui, rect: Rect, text: &str| {
         let at = rect.left_top() + vec2(8.0, 6.0);
@@ -62,7 +62,7 @@ fn truth(ui: &mut Ui, app: &mut App, [drawn, traced, flip]: [Rect; 3]) {
     }
 }
 
-/// What a hand does to the camera or to the light.
+/// Handles mouse input for the camera or the light.
 fn hands(ui: &mut Ui, app: &mut App, picture: &Response) {
     let rect = picture.rect;
     let height = rect.height().max(1.0);
@@ -103,7 +103,7 @@ fn hands(ui: &mut Ui, app: &mut App, picture: &Response) {
     }
 }
 
-/// Keys that move the camera for as long as they are held.
+/// Handles keys that move the camera while they are held.
 fn flight(ui: &mut Ui, app: &mut App) {
     let (held, seconds, fast) = ui.input(|input| {
         let down = |key| f32::from(u8::from(input.key_down(key)));
@@ -122,7 +122,7 @@ fn flight(ui: &mut Ui, app: &mut App) {
         });
     }
     if go != [0.0; 2] {
-        // The camera goes where the arrow points, so that the thing turns the other way.
+        // The camera moves in the direction of the arrow, so the subject appears to turn the opposite way.
         let turn = -glam::Vec2::from(go) * 0.4 * seconds;
         app.move_camera(|camera| camera.orbit(turn));
     }
@@ -131,7 +131,7 @@ fn flight(ui: &mut Ui, app: &mut App) {
     }
 }
 
-/// What is said over the picture.
+/// Draws the overlay.
 fn over(ui: &mut Ui, app: &mut App, all: Rect) {
     let at = Rect::from_min_max(all.left_bottom() - vec2(-10.0, 120.0), all.right_bottom() - vec2(10.0, 8.0));
     ui.scope_builder(egui::UiBuilder::new().max_rect(at).layout(egui::Layout::bottom_up(egui::Align::LEFT)), |ui| {

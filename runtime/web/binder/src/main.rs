@@ -1,7 +1,8 @@
-//! Writes the JavaScript and the types beside a WebAssembly module: `bind-web MODULE.wasm FOLDER`.
+//! Writes the JavaScript and TypeScript declarations for a WebAssembly module: `bind-web MODULE.wasm FOLDER`.
 //!
-//! It stands for the command `wasm-bindgen`, whose own build brings a web server and a TLS library. What a page need not load is left out: names of
-//! functions, and comments and indents of shaders, which are a twentieth of a compressed module.
+//! Replaces the command `wasm-bindgen`, whose own build needs a web server and a TLS library. It removes parts that a
+//! page need not load: names of functions, and comments and indentation of shaders, which are a twentieth of a
+//! compressed module.
 
 mod shaders;
 

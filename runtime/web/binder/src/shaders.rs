@@ -1,9 +1,9 @@
-//! Shaders as they lie in a module's data: texts of lines among other bytes.
+//! Shader sources in a module's data: lines of text among other bytes.
 
-/// Puts spaces in the place of lines that are comments, `//` after nothing but spaces. Every text keeps its place and length, so that what points to it
-/// still does, and spaces take no room once compressed.
+/// Replaces comment lines, `//` and a space after nothing but spaces, by spaces. Every text keeps its position and
+/// length, so that references stay valid, and spaces compress to almost nothing.
 pub fn blank_comments(data: &mut [u8]) {
-    // What stands before the first end of a line may be part of another text, and so may what stands behind the last.
+    // Text before the first end of line, or after the last, may be part of another text.
     let ends = line_ends(data);
     for pair in ends.windows(2) {
         let line = &mut data[pair[0] + 1..pair[1]];
@@ -13,8 +13,9 @@ pub fn blank_comments(data: &mut [u8]) {
     }
 }
 
-/// Sets the lines between one that ends in an opening brace and one that begins with the closing one to the left, leaves out those of spaces alone, and puts the
-/// spaces behind the last. Such lines are of one text, whatever lies beside it: it keeps its place and length, and one run of spaces takes no room once compressed.
+/// Removes indentation and blank lines between a line that ends in an opening brace and one that begins with the
+/// closing brace. The spaces are moved behind the last line. Such lines belong to one text, whatever surrounds it. It
+/// keeps its position and length, and a run of spaces compresses to almost nothing.
 pub fn set_left(data: &mut [u8]) {
     let ends = line_ends(data);
     let mut open = None;
@@ -41,7 +42,7 @@ fn compact(lines: &mut [u8]) {
     lines.copy_from_slice(&left);
 }
 
-/// Where lines end.
+/// Returns the positions of the line ends.
 fn line_ends(data: &[u8]) -> Vec<usize> {
     data.iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at).collect()
 }
