@@ -1,7 +1,8 @@
-//! Developer's look at the ink textures of a recipe: a sheet with one row per texture and one column per channel, and how long each took.
+//! Developer tool for the ink textures of a recipe: a sheet with one row per texture and one column per channel, and
+//! the time of each.
 //!
-//! `cargo run --release --example ink -- OUT.png [RECIPE.toml] [key=value]… [height=0.15]`
-//! where `height` is the hair's length in widths of the tile.
+//! `cargo run --release --example ink -- OUT.png [RECIPE.toml] [key=value]… [height=0.15]` where `height` is the hair
+//! length in tile widths.
 
 use image::GrayImage;
 use pelage_bake::io::read_map_images;

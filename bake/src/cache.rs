@@ -1,11 +1,12 @@
-//! What commands have made, kept by the hash of everything that it depends on, in a folder that many may share.
+//! Content-addressed cache of command results, in a folder that several processes may share.
 //!
-//! What a command will read is not known before it runs: a model names its images. But it is decided by its arguments and by what it has read before. So the
-//! cache holds for each state, a hash of the tool, the arguments and all that was read so far, either what is asked for next or, where that was all, what was
-//! made. Whoever looks something up walks from one to the next and reads what he is told to.
+//! The files that a command reads are not known in advance: a model names its images. But each is determined by the
+//! arguments and by what was read before. A state is a hash of the tool, the arguments and everything read so far. For
+//! each state the cache holds either the next input to read or, if there is none, the result. A lookup follows these
+//! states and reads each input on the way.
 //!
-//! Files appear when they are whole, and those of one name have the same content whoever writes them: nobody locks, and every file may be removed at any
-//! time. What is missing or damaged is not found, and made again.
+//! Files are written atomically, and files of the same name have the same content. So no locks are needed, and any file
+//! may be removed at any time. Missing or damaged files count as cache misses.
 
 use crate::hexadecimal::{self, hex};
 use crate::io::{digest, read_file, write_atomic};
@@ -16,75 +17,75 @@ use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 
-/// A folder of what was made.
+/// Cache folder.
 #[derive(Clone, Debug)]
 pub struct Cache {
     folder: PathBuf,
 }
 
-/// What a command has made and said.
+/// Cached result of a command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Kept {
-    /// Its files.
+    /// Output files.
     pub files: Vec<KeptFile>,
-    /// How it ended.
+    /// Exit code.
     pub exit: u8,
-    /// Its result for people.
+    /// Result as text for people.
     pub text: String,
-    /// The same for scripts.
+    /// Result as JSON for scripts.
     pub json: Value,
-    /// What it said on the way.
+    /// Messages printed while the command ran.
     pub notes: Vec<String>,
 }
 
-/// A file that a command has made.
+/// Output file of a command.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptFile {
-    /// In which of the folders that it writes into.
+    /// Index of the output folder that contains the file.
     pub folder: usize,
-    /// Its name there.
+    /// File name within that folder.
     pub name: String,
-    /// As the command named it.
+    /// Path as the user gave it.
     pub shown: String,
-    /// SHA-256, in hexadecimal.
+    /// SHA-256 of the contents, in hexadecimal.
     pub sha256: String,
 }
 
-/// What is known of a state.
+/// Cache entry for one state.
 #[derive(Serialize, Deserialize)]
 enum Node {
-    /// This file is read next, and no more of it than that.
+    /// File to read next, up to `most` bytes.
     File { path: String, most: u64 },
-    /// The machine is asked for this next.
+    /// Property of the machine to query next.
     Machine { what: String },
-    /// That was all.
+    /// Result; nothing more is read.
     Made(Kept),
 }
 
-/// What was found.
+/// Cache hit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// What was made.
+    /// Cached result.
     pub kept: Kept,
-    /// The files that it depends on.
+    /// Files that the result depends on.
     pub read: Vec<PathBuf>,
 }
 
-/// States that one command goes through at most: it asks for one thing in each.
+/// Maximum number of states per command; each state reads one input.
 const MOST_STATES: usize = 100_000;
 
 impl Cache {
-    /// A cache in `folder`, which is made where something is kept.
+    /// Opens a cache in `folder`, which is created when the first result is stored.
     pub fn new(folder: &Path) -> Self {
-        // Another layout gets another name.
+        // Bump when the layout changes.
         Self { folder: folder.join("v1") }
     }
 
-    /// Stands for a build of the tool: the hash of its program, which is made once for each that is installed.
+    /// Returns the hash of the tool's executable, which identifies the build. Computed once per installed executable.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Io`] where the program cannot be read.
+    /// [`BakeError::Io`] if the executable cannot be read.
     pub fn tool(&self, program: &Path) -> Result<Digest, BakeError> {
         let fail = |source| BakeError::Io { path: program.to_owned(), action: "read", source };
         let found = std::fs::metadata(program).map_err(fail)?;
@@ -94,15 +95,15 @@ impl Cache {
             return Ok(known);
         }
         let digest = digest(program, u64::MAX).map_err(fail)?;
-        // Whoever cannot keep it makes it again.
+        // If this fails, the hash is computed again next time.
         let _ = write(&path, hex(&digest).as_bytes());
         Ok(digest)
     }
 
-    /// What a command with that key has made, from the files as they are now.
+    /// Looks up the result of a command for the current contents of its input files.
     ///
-    /// * `key`: stands for the tool and the command's arguments
-    /// * `machine`: what the machine answers
+    /// * `key`: hash of the tool and the command's arguments
+    /// * `machine`: answers queries about the machine
     pub fn find(&self, key: &Digest, machine: &mut dyn FnMut(&str) -> Option<String>) -> Option<Found> {
         let (mut state, mut read) = (*key, Vec::new());
         for _ in 0..MOST_STATES {
@@ -123,20 +124,20 @@ impl Cache {
         None
     }
 
-    /// The bytes of a file that was kept; `None` where they are not there, or not whole.
+    /// Returns the contents of a cached file, or `None` if the file is missing or damaged.
     pub fn bytes(&self, file: &KeptFile) -> Option<Vec<u8>> {
         let digest = from_hex(&file.sha256)?;
         let bytes = std::fs::read(self.place("files", &digest)).ok()?;
         (Digest::from(Sha256::digest(&bytes)) == digest).then_some(bytes)
     }
 
-    /// Keeps what a command with that key has made of what it has read.
+    /// Stores the result of a command together with the inputs that it read.
     ///
-    /// * `files`: where those of `kept` are
+    /// * `files`: paths of the files in `kept`
     ///
     /// # Errors
     ///
-    /// [`BakeError::Io`]. What is there of it by then does no harm.
+    /// [`BakeError::Io`]. Entries written before the error are harmless.
     pub fn keep(&self, key: &Digest, traffic: &Traffic, kept: &Kept, files: &[&Path]) -> Result<(), BakeError> {
         for (file, path) in kept.files.iter().zip(files) {
             let Some(digest) = from_hex(&file.sha256) else { continue };
@@ -149,7 +150,7 @@ impl Cache {
         for asked in &traffic.asked {
             let (node, next) = match asked {
                 Asked::File { path, most, digest } => {
-                    // What has no name in Unicode cannot be written into a node; such a command runs each time.
+                    // A node cannot store a path that is not valid Unicode; such commands are never cached.
                     let Some(path) = path.to_str() else { return Ok(()) };
                     (Node::File { path: path.to_owned(), most: *most }, after_file(&state, digest.as_ref()))
                 }
@@ -166,11 +167,11 @@ impl Cache {
     fn put(&self, state: &Digest, node: &Node) -> Result<(), BakeError> {
         let bytes = serde_json::to_vec(node).map_err(|error| BakeError::Internal(error.to_string()))?;
         let place = self.place("states", state);
-        // The same state has the same node but for figures such as seconds, which are the first one's.
+        // Equal states have equal nodes, except for figures such as seconds; the first node wins.
         if place.exists() { Ok(()) } else { write(&place, &bytes) }
     }
 
-    /// Where something is: folders of a few hundred files each.
+    /// Returns the path of an entry, spread over 256 subfolders.
     fn place(&self, what: &str, digest: &Digest) -> PathBuf {
         let name = hex(digest);
         let (folder, name) = name.split_at(2);
@@ -186,7 +187,8 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
     write_atomic(path, bytes)
 }
 
-/// The digest of the first bytes of a file, `Some(None)` where nothing is there. `None` for what cannot be read twice.
+/// Hashes the first `most` bytes of a file. `Some(None)` if the file does not exist, `None` if it is not a regular file
+/// or cannot be read.
 fn digest_of(path: &Path, most: u64) -> Option<Option<Digest>> {
     let Ok(found) = std::fs::metadata(path) else { return Some(None) };
     if !found.is_file() {
@@ -195,7 +197,7 @@ fn digest_of(path: &Path, most: u64) -> Option<Option<Digest>> {
     digest(path, most).ok().map(Some)
 }
 
-/// The state after something was learnt.
+/// Returns the state after another input was read.
 fn after(state: &Digest, learnt: &[u8]) -> Digest {
     Sha256::new().chain_update(state).chain_update(learnt).finalize().into()
 }
@@ -249,7 +251,7 @@ mod tests {
         cache.keep(&key, &traffic, &made, &[&path("out")]).unwrap();
         let (bytes, found) = answer("a").unwrap();
         assert_eq!((bytes.as_deref(), &found.kept, found.read), (Some(&b"made of it"[..]), &made, vec![path("model")]));
-        // Another machine, other bytes of those that were read, a file that was not there.
+        // Misses: another machine, other bytes in the part that was read, a file that did not exist before.
         assert!(answer("b").is_none());
         std::fs::write(path("model"), "a model and other bytes behind").unwrap();
         assert!(answer("a").is_some(), "no more than seven bytes were read");
@@ -260,7 +262,7 @@ mod tests {
         assert!(answer("a").is_none());
         std::fs::remove_file(path("absent")).unwrap();
         assert!(cache.find(&[8; 32], &mut |_| Some("a".into())).is_none());
-        // A file that is damaged is not handed out.
+        // Damaged files are not returned.
         let place = cache.place("files", &Sha256::digest("made of it").into());
         std::fs::write(&place, "made of If").unwrap();
         assert_eq!(answer("a").unwrap().0, None);

@@ -1,12 +1,12 @@
-//! What a recipe leaves open and a bake chooses: said with the line of a recipe that would say it otherwise.
+//! Values that a recipe leaves open and the bake chooses, each with the recipe line that would set it.
 
 use serde::Serialize;
 
-/// A choice that the recipe left open and the bake made.
+/// Value that the recipe left open and the bake chose.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Decision {
-    /// Name of the choice, in words: `length of hair`.
+    /// Name of the value, in words: `length of hair`.
     pub what: &'static str,
     /// Value chosen, in words: `31 mm`.
     pub chosen: String,
@@ -15,13 +15,13 @@ pub struct Decision {
 }
 
 impl Decision {
-    /// A number that the recipe leaves out, in metres, at `key`.
+    /// Describes a chosen length in metres for the recipe key `key`.
     pub fn of_length(what: &'static str, key: &str, metres: f32) -> Self {
         Self { what, chosen: metres_in_words(metres), line: format!("{key} = {metres}") }
     }
 }
 
-/// A length for people: three digits in the unit that suits it.
+/// Formats a length for people: three digits in a suitable unit.
 pub fn metres_in_words(metres: f32) -> String {
     let (number, unit) = match metres {
         m if m < 1e-3 => (m * 1e6, "µm"),

@@ -1,4 +1,4 @@
-//! The only module of the library that touches files.
+//! File access; no other module of the library touches files.
 
 use crate::picture::Picture;
 use crate::recipe::Recipe;
@@ -19,24 +19,24 @@ fn io_error(path: &Path, action: &'static str, source: io::Error) -> BakeError {
     BakeError::Io { path: path.to_owned(), action, source }
 }
 
-/// The largest file that is read, bytes. Packages and models that people make are far below; what is larger would not fit into memory beside what is
-/// made of it.
+/// Size limit for input files, bytes. Real packages and models are far smaller; larger ones would not fit into memory
+/// together with the data derived from them.
 pub const MAX_FILE_BYTES: u64 = 2 << 30;
 
-/// Reads a whole file that the user named. It may be a pipe, which ends when its writer says so.
+/// Reads a whole file that the user named, which may be a pipe.
 ///
 /// # Errors
 ///
-/// [`BakeError::Io`], also for a folder, a device, and what is larger than [`MAX_FILE_BYTES`].
+/// [`BakeError::Io`], also for a folder, a device, and a file larger than [`MAX_FILE_BYTES`].
 pub fn read_file(path: &Path) -> Result<Vec<u8>, BakeError> {
     whole(path, |kind| kind.is_file() || is_pipe(kind))
 }
 
-/// Reads a text file; `what` says what it should be, such as `a recipe in TOML`.
+/// Reads a text file; `what` is the expected content for messages, such as `a recipe in TOML`.
 ///
 /// # Errors
 ///
-/// As [`read_file`]; [`BakeError::Input`] with the byte where it is no UTF-8.
+/// The errors of [`read_file`]; [`BakeError::Input`] with the byte offset if the file is not UTF-8.
 pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
     String::from_utf8(read_file(path)?).map_err(|error| BakeError::Input {
         file: path.display().to_string(),
@@ -45,11 +45,11 @@ pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
     })
 }
 
-/// Reads a whole file that another file names. Only regular files are read: a pipe might never end, and never begin.
+/// Reads a whole file that another file names. Only regular files are read, because a pipe might block forever.
 ///
 /// # Errors
 ///
-/// As [`read_file`], also for a pipe.
+/// The errors of [`read_file`]; [`BakeError::Io`] also for a pipe.
 pub fn read_named_file(path: &Path) -> Result<Vec<u8>, BakeError> {
     whole(path, FileType::is_file)
 }
@@ -66,15 +66,15 @@ fn whole(path: &Path, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeErro
 /// Reads the first `most` bytes of a file.
 fn start(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
     let fail = |source| io_error(path, "read", source);
-    // Asked by name before it is opened: opening a pipe waits for its writer.
+    // Checked before opening, because opening a pipe waits for its writer.
     let found = std::fs::metadata(path).map_err(fail)?;
     if !may_be(&found.file_type()) {
-        // Systems differ in what reading a folder says, from a clear word to "permission denied".
+        // Systems report different errors for reading a folder, some of them as vague as "permission denied".
         let kind = if found.is_dir() { io::ErrorKind::IsADirectory } else { io::ErrorKind::InvalidInput };
         let text = format!("it is {}, expected a file", kind_of(&found.file_type()));
         return Err(fail(io::Error::new(kind, text)));
     }
-    // What the system says of the length is a hint: files under /proc say 0, and any file may grow meanwhile.
+    // The length is only a hint: files under /proc report 0, and any file may grow meanwhile.
     let mut bytes = Vec::with_capacity(found.len().min(most) as usize);
     std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)).map_err(fail)?;
     traffic::read(path, most, Some(&bytes));
@@ -91,7 +91,7 @@ fn is_pipe(_: &FileType) -> bool {
     false
 }
 
-/// What is no regular file, in words.
+/// Describes a file that is not a regular file, in words.
 fn kind_of(kind: &FileType) -> &'static str {
     if kind.is_dir() {
         "a folder"
@@ -102,32 +102,33 @@ fn kind_of(kind: &FileType) -> &'static str {
     }
 }
 
-/// Which files a model may name.
+/// Files that a model may refer to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reach {
-    /// Those in its own folder and below it, wherever links lead. This is what a program wants that bakes models of people it does not know.
+    /// Files in the model's folder and below, after following links. Use this for untrusted models.
     #[default]
     OwnFolder,
-    /// Any file that can be read: `../textures/fox.png`.
+    /// Any readable file, such as `../textures/fox.png`.
     Anywhere,
 }
 
-/// Reads a model and the files that it names, which it looks for from its own folder. All of them are regular files; of a buffer no more is read
-/// than the model declares.
+/// Reads a model and the files that it refers to, relative to its folder. All must be regular files. At most the
+/// declared length of a buffer is read.
 ///
 /// # Errors
 ///
-/// [`BakeError::Io`] where the model itself cannot be read, else as [`import`]; a buffer or image that is missing, or out of `reach`, is an error in
-/// the model, at the place that names it.
+/// [`BakeError::Io`] if the model itself cannot be read, otherwise the errors of [`import`]. A buffer or image that is
+/// missing or outside `reach` is reported as an error in the model, at its reference.
 pub fn read_model(path: &Path, options: &ImportOptions, reach: Reach) -> Result<Model, BakeError> {
     read_model_noting(path, options, reach, &mut |_| ())
 }
 
-/// As [`read_model`]; `named` is called with the path of each file that the model names and that is in `reach`, before it is read.
+/// Reads a model as [`read_model`] does. Calls `named` with the path of each referenced file within `reach`, before the
+/// file is read.
 ///
 /// # Errors
 ///
-/// As [`read_model`].
+/// The errors of [`read_model`].
 pub fn read_model_noting(
     path: &Path,
     options: &ImportOptions,
@@ -139,7 +140,7 @@ pub fn read_model_noting(
     import(&path.display().to_string(), &bytes, &mut resolve, options)
 }
 
-/// What reads the files that a model names.
+/// Returns the function that reads the files a model refers to.
 fn beside<'a>(
     model: &'a Path,
     reach: Reach,
@@ -165,8 +166,9 @@ fn beside<'a>(
 /// Extensions of models whose lines are read as strands.
 const OF_LINES: [&str; 2] = ["glb", "gltf"];
 
-/// Whether `folder` joined with `relative` names a file in `folder` or below it, by its words and, where it is there, by where links lead. A path that
-/// leads out by its words is outside also where nothing is there: the answer must not tell which files a machine has.
+/// Whether `folder` joined with `relative` is in `folder` or below, both lexically and after following links. A path
+/// that leaves the folder lexically is rejected even if no such file exists, so that the answer does not reveal which
+/// files exist.
 fn stays_inside(folder: &Path, relative: &Path) -> bool {
     let mut depth = 0_usize;
     for component in relative.components() {
@@ -182,19 +184,19 @@ fn stays_inside(folder: &Path, relative: &Path) -> bool {
     }
     match (folder.canonicalize(), folder.join(relative).canonicalize()) {
         (Ok(folder), Ok(file)) => file.starts_with(folder),
-        // Nothing is there to be read.
+        // The file does not exist.
         _ => true,
     }
 }
 
-/// Reads the images and the files of strands that a recipe names.
+/// Reads the images and strand files that a recipe names.
 ///
-/// * `file`: the recipe as the user named it, for messages
-/// * `place`: where the image of a name is
+/// * `file`: path of the recipe as the user gave it, for messages
+/// * `place`: maps a name in the recipe to a path
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] in the recipe, naming key and image, where one cannot be read or decoded.
+/// [`BakeError::Input`] in the recipe, with key and image, if a file cannot be read or decoded.
 pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Recipe) -> Result<MapImages, BakeError> {
     let mut read = MapImages::default();
     let mut texels_left = MAX_TEXELS;
@@ -229,17 +231,17 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
     Ok(read)
 }
 
-/// Reads a picture, PNG or EXR.
+/// Reads an image, PNG or EXR.
 ///
 /// # Errors
 ///
-/// [`BakeError::Io`], and [`BakeError::Input`] for what is no such picture.
+/// [`BakeError::Io`]; [`BakeError::Input`] for a file that is neither.
 pub fn read_picture(path: &Path) -> Result<Picture, BakeError> {
     let fail = |(place, reason)| BakeError::Input { file: path.display().to_string(), place, reason };
     Picture::decode(&read_file(path)?).map_err(fail)
 }
 
-/// The path that a relative URI names, or why there is none.
+/// Converts a relative URI to a path, or returns the reason why it is not accepted.
 fn relative_path(uri: &str) -> Result<PathBuf, String> {
     let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|scheme| {
         let mut letters = scheme.chars();
@@ -261,18 +263,18 @@ fn relative_path(uri: &str) -> Result<PathBuf, String> {
     if decoded.contains('\0') {
         return Err("it holds a zero byte; expected a relative path".to_owned());
     }
-    // Both kinds of slash, so that a model is refused alike on every system.
+    // Both kinds of slash, so that a model is rejected on every system alike.
     if decoded.starts_with(['/', '\\']) || Path::new(&*decoded).is_absolute() {
         return Err("it is an absolute path; expected a relative one: put the file beside the model".to_owned());
     }
     Ok(PathBuf::from(&*decoded))
 }
 
-/// Writes `bytes` to a file that appears, or replaces an older one, only when it is whole. An older one that has the same bytes stays, and keeps its time:
-/// then build systems make nothing of it anew.
+/// Writes a file atomically, replacing an older one. A file that already has these bytes is left alone and keeps its
+/// modification time. So build systems do not rebuild its dependents.
 ///
-/// The bytes go to a temporary file in the same folder, which is then renamed; on failure it is removed. A new file has the
-/// permissions that the umask leaves. Symbolic links are followed; devices and pipes are written to directly.
+/// The bytes go to a temporary file in the same folder, which is then renamed, or removed on failure. A new file has
+/// the permissions that the umask leaves. Symbolic links are followed; devices and pipes are written to directly.
 ///
 /// # Errors
 ///
@@ -281,7 +283,7 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
     write_atomic_with(path, |out| out.write_all(bytes))
 }
 
-/// As [`write_atomic`], with what `write` streams into the file.
+/// Writes a file as [`write_atomic`] does, with the contents that `write` streams.
 ///
 /// # Errors
 ///
@@ -293,27 +295,27 @@ pub fn write_atomic_with(
     prepare(path, write)?.map_or(Ok(()), Prepared::appear)
 }
 
-/// Writes several files, which appear only when all of them are whole: an error before that leaves none of them.
+/// Writes several files, which appear only after all of them were written completely. If writing fails, none appears.
 ///
 /// # Errors
 ///
-/// As [`write_atomic`]. Where the system refuses to rename one that is whole, those before it stand already.
+/// The errors of [`write_atomic`]. If renaming a file fails, the files before it already exist.
 pub fn write_all_atomic(files: &[(&Path, &[u8])]) -> Result<(), BakeError> {
     let whole = files.iter().map(|(path, bytes)| prepare(path, |out| out.write_all(bytes)));
     let whole = whole.collect::<Result<Vec<_>, _>>()?;
     whole.into_iter().flatten().try_for_each(Prepared::appear)
 }
 
-/// How the name of a file begins and ends while it is written.
+/// Prefix and suffix of the names of temporary files.
 pub const TEMPORARY: (&str, &str) = (".pelage-", ".tmp");
 
-/// A file that is whole, and has yet to get its name.
+/// Complete temporary file that is not yet renamed.
 struct Prepared {
-    // Dropped in this order: a name is forgotten when its file is gone.
+    // Drop order: the file is removed before its name is unregistered.
     file: tempfile::NamedTempFile,
     unfinished: Unfinished,
     target: PathBuf,
-    /// As the caller named it.
+    /// Path as the caller gave it.
     named: PathBuf,
 }
 
@@ -322,7 +324,7 @@ impl Prepared {
         let Self { file, unfinished, target, named } = self;
         traffic::written(&named, || digest(file.path(), u64::MAX).ok());
         if same_bytes(file.path(), &target).unwrap_or(false) {
-            // The temporary file goes with its handle.
+            // Dropping the handle removes the temporary file.
             return Ok(());
         }
         let renamed =
@@ -332,7 +334,7 @@ impl Prepared {
     }
 }
 
-/// Writes a file under a temporary name beside its own; `None` for what is written to directly.
+/// Writes a temporary file next to the target; `None` if the target was written to directly.
 fn prepare(
     path: &Path,
     write: impl FnOnce(&mut dyn std::io::Write) -> io::Result<()>,
@@ -342,7 +344,7 @@ fn prepare(
         write(&mut out)?;
         out.flush()
     };
-    // A link stays a link: what it points to is replaced.
+    // A link is kept: its target is replaced.
     let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     match std::fs::metadata(&target) {
         Ok(found) if found.is_dir() => {
@@ -366,7 +368,7 @@ fn prepare(
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY.0).suffix(TEMPORARY.1);
-    // Temporary files are private by default; the umask takes away from this what the user wants taken away.
+    // Temporary files are private by default; request the usual permissions, from which the umask subtracts.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(folder).map_err(|source| io_error(folder, "create a file in", source))?;
@@ -376,18 +378,18 @@ fn prepare(
     Ok(Some(Prepared { file, unfinished, target, named: path.to_owned() }))
 }
 
-/// SHA-256 of the first `most` bytes of a file.
+/// Returns the SHA-256 of the first `most` bytes of a file.
 ///
 /// # Errors
 ///
-/// What the system says where it cannot be read.
+/// The error of the system if the file cannot be read.
 pub fn digest(path: &Path, most: u64) -> io::Result<traffic::Digest> {
     let mut hash = Sha256::new();
     io::copy(&mut std::fs::File::open(path)?.take(most), &mut hash)?;
     Ok(hash.finalize().into())
 }
 
-/// Whether two files hold the same bytes.
+/// Whether two files have the same contents.
 fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
     let (mut a, mut b) = (std::fs::File::open(a)?, std::fs::File::open(b)?);
     let length = a.metadata()?.len();

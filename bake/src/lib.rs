@@ -1,8 +1,8 @@
-//! The offline half of pelage: a glTF or OBJ model and a recipe go in, a `.pelage` package comes out.
+//! Offline half of pelage: converts a glTF or OBJ model and a recipe into a `.pelage` package.
 //!
-//! [`pipeline`] reads top to bottom in the order of the [`stages`]; each stage is a function of plain data in a module of its own. [`strands`]
-//! plants hair by hair on a baked skin what a package shows as layers.
-//! No stage touches a file, a clock or a global; the same inputs give the same bytes on any number of threads.
+//! [`pipeline`] reads top to bottom in the order of the [`stages`]; each stage is a function of plain data in its own
+//! module. [`strands`] turns the layers of a package into single strands on the baked mesh. No stage touches a file, a
+//! clock or a global. The same inputs give the same bytes with any number of threads.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
 

@@ -1,8 +1,9 @@
-//! Hashed random numbers and smooth noise: functions of seed and place, without state.
+//! Hashed random numbers and smooth noise: stateless functions of seed and position.
 
 use glam::{Vec2, Vec3};
 
-/// A well-mixed hash of two numbers: the finaliser of SplitMix64 (Steele, Lea, Flood 2014) over both in turn.
+/// Returns a well-mixed hash of two numbers: the finaliser of SplitMix64 (Steele, Lea, Flood 2014) applied to each in
+/// turn.
 pub fn hash(seed: u64, n: u64) -> u64 {
     let mix = |mut z: u64| {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -12,20 +13,20 @@ pub fn hash(seed: u64, n: u64) -> u64 {
     mix(mix(seed.wrapping_add(0x9e37_79b9_7f4a_7c15)) ^ n.wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
-/// Uniform in 0..1 from the hash's top 24 bits, which an f32 holds exactly.
+/// Returns a random number, uniform in 0..1, from the hash's top 24 bits, which an f32 holds exactly.
 pub fn uniform(seed: u64, n: u64) -> f32 {
     (hash(seed, n) >> 40) as f32 / (1 << 24) as f32
 }
 
-/// Uniform in the cube -1..1.
+/// Returns a random vector, uniform in the cube -1..1.
 pub fn vector(seed: u64, n: u64) -> Vec3 {
     let h = hash(seed, n);
     let component = |shift: u32| ((h >> shift) & 0x1f_ffff) as f32 / (1 << 20) as f32 - 1.0;
     Vec3::new(component(0), component(21), component(42))
 }
 
-/// Number `index` of `count` random points of the tile. They are stratified: the tile is cut into rows of cells of equal area, and
-/// each cell has one point anywhere in it. Plain random points would leave bald spots.
+/// Returns point `index` of `count` random points of the tile. They are stratified: the tile is divided into rows of
+/// cells of equal area, with one random point per cell. Unstratified points would leave bald spots.
 pub fn stratified(seed: u64, index: u32, count: u32) -> Vec2 {
     let (index, n) = (u64::from(index), u64::from(count));
     let rows = ((n as f64).sqrt().round() as u64).max(1);
@@ -37,25 +38,26 @@ pub fn stratified(seed: u64, index: u32, count: u32) -> Vec2 {
     Vec2::new(u, v)
 }
 
-/// 0 at `low` and below, 1 at `high` and above, smooth between.
+/// Returns 0 up to `low`, 1 from `high`, with a smooth transition.
 pub fn smooth_step(low: f32, high: f32, at: f32) -> f32 {
     let t = ((at - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Weight of the farther of two neighbours, 0..=1, with two continuous derivatives (Perlin 2002).
+/// Returns the interpolation weight of the farther of two neighbours, 0..=1, with two continuous derivatives (Perlin
+/// 2002).
 pub fn smooth(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 
-/// Smooth noise in -1..1 along a line, one random value per unit.
+/// Returns smooth noise in -1..1 along a line, with one random value per unit.
 pub fn along(seed: u64, x: f32) -> Vec3 {
     let cell = x.floor();
     let at = |i: i64| vector(seed, i as u64);
     at(cell as i64).lerp(at(cell as i64 + 1), smooth(x - cell))
 }
 
-/// Smooth noise in -1..1 over the tile, with `cells` random values per width: periodic in u and v, not in h.
+/// Returns smooth noise in -1..1 over the tile, with `cells` random values per width: periodic in u and v, not in h.
 pub fn field(seed: u64, p: Vec3, cells: i64) -> Vec3 {
     let q = p * cells as f32;
     let cell = q.floor();

@@ -1,24 +1,24 @@
-//! Pictures in memory, of linear light: what renderers draw and what is compared.
+//! Images in memory, in linear light: output of renderers and input of comparisons.
 
 use image::{EncodableLayout, ImageBuffer, ImageFormat, PixelWithColorType, RgbaImage};
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
 use pelage_import::BakeError;
 use pelage_import::image_file::bounded_reader;
 
-/// A picture of linear light with coverage.
+/// Image in linear light with coverage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Pixels across.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height, pixels.
     pub height: u32,
-    /// `width * height` texels, row-major from the top: red, green and blue of linear light with the primaries of sRGB, multiplied by the fourth,
-    /// which is coverage, 0..=1.
+    /// Texels: `width * height`, row-major from the top. Red, green and blue are linear, with sRGB primaries,
+    /// premultiplied by the fourth component, coverage, 0..=1.
     pub pixels: Vec<[f32; 4]>,
 }
 
 impl From<&RgbaImage> for Picture {
-    /// Of sRGB-encoded bytes with straight alpha, as PNG has them.
+    /// Converts from sRGB-encoded bytes with straight alpha, the PNG convention.
     fn from(image: &RgbaImage) -> Self {
         let texel = |p: &image::Rgba<u8>| {
             let [r, g, b, a] = p.0;
@@ -34,12 +34,12 @@ fn premultiplied(rgb: [f32; 3], alpha: f32) -> [f32; 4] {
 }
 
 impl Picture {
-    /// Decodes a PNG of 8 or 16 bits (sRGB-encoded and straight alpha, whatever its gAMA chunk says) or an EXR (linear and premultiplied, as that
-    /// format has it).
+    /// Decodes a PNG of 8 or 16 bits (sRGB-encoded with straight alpha, its gAMA chunk ignored) or an EXR (linear and
+    /// premultiplied, the EXR convention).
     ///
     /// # Errors
     ///
-    /// Where in the file, and what was found and expected.
+    /// Location in the file, and what was found and expected.
     pub fn decode(bytes: &[u8]) -> Result<Self, (String, String)> {
         let at_start = |reason: String| ("byte 0".to_owned(), reason);
         let format = match image::guess_format(bytes) {
@@ -68,7 +68,8 @@ impl Picture {
         Ok(Self { width, height, pixels })
     }
 
-    /// The picture laid over a background of sRGB-encoded `over`: `3 * width * height` sRGB-encoded bytes, row-major; light beyond 1 ends there.
+    /// Composites the image over the sRGB-encoded background `over`. Returns `3 * width * height` sRGB-encoded bytes,
+    /// row-major; light above 1 is clamped.
     pub fn over(&self, over: [u8; 3]) -> Vec<u8> {
         let over = over.map(srgb_to_linear);
         let texel = |p: &[f32; 4]| [0, 1, 2].map(|i| linear_to_srgb(p[i] + (1.0 - p[3]) * over[i]));
@@ -76,11 +77,11 @@ impl Picture {
     }
 }
 
-/// A picture as PNG.
+/// Encodes an image as PNG.
 ///
 /// # Errors
 ///
-/// [`BakeError::Internal`] should the encoder refuse.
+/// [`BakeError::Internal`] if the encoder fails.
 pub fn encode_png<P>(pixels: &ImageBuffer<P, Vec<P::Subpixel>>) -> Result<Vec<u8>, BakeError>
 where
     P: PixelWithColorType,
@@ -106,7 +107,7 @@ mod tests {
 
     #[test]
     fn every_kind_of_picture_is_linear_and_premultiplied() -> Result<(), (String, String)> {
-        // 188 is the byte of half the light; half of that again by alpha.
+        // 188 encodes half the light, which alpha halves again.
         let eight = RgbaImage::from_pixel(3, 2, Rgba([188, 0, 255, 128]));
         let alpha = 128.0 / 255.0;
         let expected = [0.5 * alpha, 0.0, alpha, alpha];
@@ -123,7 +124,7 @@ mod tests {
                 assert!((found - expected).abs() < 2e-3, "{name}: {:?}", picture.pixels[5]);
             }
         }
-        // Without alpha a picture covers everything; grey is red, green and blue.
+        // An image without alpha has full coverage; grey has equal red, green and blue.
         let grey = DynamicImage::ImageLuma8(image::GrayImage::from_pixel(1, 1, image::Luma([255])));
         assert_eq!(Picture::decode(&encoded(&grey, ImageFormat::Png))?.pixels, [[1.0; 4]]);
         Ok(())
@@ -133,7 +134,7 @@ mod tests {
     fn a_background_shines_through() {
         let pixels = vec![[0.0; 4], [0.25, 0.25, 0.25, 0.5], [3.0, 0.0, 1.0, 1.0]];
         let picture = Picture { width: 3, height: 1, pixels };
-        // Half of white and a quarter of its own light: three quarters, whose byte is 225.
+        // Half of white plus a quarter of its own light is three quarters, encoded as 225.
         assert_eq!(picture.over([255; 3]), [255, 255, 255, 225, 225, 225, 255, 0, 255]);
     }
 

@@ -1,8 +1,9 @@
-//! The way through bake: its steps in their order, what each reads and what it makes; no mathematics in here.
+//! Steps of a bake in their order, with their inputs and outputs; no mathematics.
 //!
-//! What a step makes is kept under its name. A step runs where the package still to be made needs what it makes and that is not there yet. So a
-//! bake starts with the model alone; slicing a package anew starts with what the package already holds ([`crate::reslice`]); and after
-//! [`Outputs::forget`] everything from there on is made again, and nothing before it.
+//! The output of a step is stored under its name. A step runs if the package still to be made depends on its output and
+//! the output is missing. So a bake starts with the model alone. Slicing a package again starts with the package's
+//! contents ([`crate::reslice`]). After [`Outputs::forget`] the named output and everything derived from it is made
+//! again.
 
 mod lay;
 mod making;
@@ -19,27 +20,27 @@ use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use pelage_params::{Knob, Tables as _};
 
-/// The stages after `import`, in order; what a progress display counts.
+/// Stages after `import`, in order, for progress displays.
 pub const STAGES: [&str; 10] =
     ["surface", "simulate", "visibility", "slice", "groom", "fins", "ink", "textures", "scatter", "pack"];
 
-/// One step of a stage: it makes one thing.
+/// Step of a stage, which makes one output.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// The stage that it is part of, one of [`STAGES`].
+    /// Stage that contains the step, one of [`STAGES`].
     pub stage: &'static str,
-    /// What it makes.
+    /// Output.
     pub makes: Output,
-    /// What must be there.
+    /// Required inputs.
     pub reads: &'static [Output],
-    /// Tables of the recipe, or single keys, that decide what it makes, beside those that decide what it reads.
+    /// Recipe tables or single keys that affect the output, apart from those that affect the inputs.
     pub tables: &'static [&'static str],
     run: for<'a> fn(&Told<'a>, &mut Outputs<'a>) -> Result<(), BakeError>,
 }
 
 use Output::*;
 
-/// What lays the tile of hair on the model, and decides with that about all that is made of it.
+/// Recipe tables and keys that lay out the hair tile on the model, which affects everything derived from it.
 const LAYING: &[&str] = &[
     "model",
     "surface",
@@ -54,7 +55,7 @@ const LAYING: &[&str] = &[
     "fibre.pheomelanin",
 ];
 
-/// Every table of a recipe.
+/// All tables of a recipe.
 const ALL_TABLES: &[&str] = &{
     let mut names = [""; Recipe::TABLES.len()];
     let mut i = 0;
@@ -65,7 +66,7 @@ const ALL_TABLES: &[&str] = &{
     names
 };
 
-/// All steps, in their order. A line says what the step makes, and of what.
+/// All steps, in order. Each line names a step's output and inputs.
 pub const STEPS: &[Step] = &[
     Step { stage: "surface", makes: Laid, reads: &[Model], tables: LAYING, run: making::surface },
     Step { stage: "simulate", makes: Hair, reads: &[Laid], tables: &[], run: making::simulate },
@@ -114,40 +115,40 @@ pub const STEPS: &[Step] = &[
         stage: "pack",
         makes: Package,
         reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Fibres, Ink, InkTextures, Skin],
-        // The package says by which recipe it was baked.
+        // The package records its recipe.
         tables: ALL_TABLES,
         run: making::pack,
     },
 ];
 
-/// A finished bake.
+/// Result of a bake.
 #[derive(Clone, Debug)]
 pub struct Baked {
     /// The package.
     pub package: Vec<u8>,
     /// Quality of the parameterization.
     pub measures: Measures,
-    /// What the recipe left open and was chosen.
+    /// Values that the recipe left open and the bake chose.
     pub decisions: Vec<Decision>,
-    /// What was repaired, left out or guessed.
+    /// Warnings: repairs, omissions and guesses.
     pub warnings: Vec<String>,
 }
 
 /// Bakes an imported model.
 ///
-/// * `on_stage`: called with the name of each of [`STAGES`] as it begins
+/// * `on_stage`: called with the name of each of [`STAGES`] when it begins
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] where model and recipe do not go together,
-/// [`BakeError::Internal`] for a fault of this code.
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] if model and recipe do not fit together,
+/// [`BakeError::Internal`] for a bug in this crate.
 pub fn bake(told: &Told<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     run(told, &mut outputs, on_stage)?;
     baked(&outputs)
 }
 
-/// The finished bake.
+/// Collects the result of a bake.
 pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
     let groomed = made(&outputs.groomed, Output::Groomed)?;
     let decisions = [&made(&outputs.laid, Output::Laid)?.decisions[..], &groomed.decisions].concat();
@@ -155,11 +156,11 @@ pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
     Ok(Baked { package: bytes, measures: groomed.surface.measures, decisions, warnings })
 }
 
-/// Runs every step that the package needs and that is not made yet. `on_stage` is called as a stage begins.
+/// Runs every step that the package depends on and whose output is missing. `on_stage` is called when a stage begins.
 ///
 /// # Errors
 ///
-/// As [`bake`]; [`BakeError::Internal`] where something is needed that no step makes and that is not there.
+/// The errors of [`bake`]; [`BakeError::Internal`] if a required input is missing and no step makes it.
 pub fn run<'a>(
     told: &Told<'a>,
     outputs: &mut Outputs<'a>,
@@ -168,11 +169,11 @@ pub fn run<'a>(
     make(told, outputs, Package, on_stage)
 }
 
-/// As [`run`], for something else than the package.
+/// Runs the steps that the output `wanted` depends on, like [`run`] for the package.
 ///
 /// # Errors
 ///
-/// As [`run`].
+/// The errors of [`run`].
 pub fn make<'a>(
     told: &Told<'a>,
     outputs: &mut Outputs<'a>,
@@ -201,18 +202,18 @@ pub fn make<'a>(
 }
 
 impl Step {
-    /// Makes what it makes.
+    /// Runs the step and stores its output.
     ///
     /// # Errors
     ///
-    /// As [`run`].
+    /// The errors of [`run`].
     pub fn run<'a>(&self, told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
         (self.run)(told, outputs)
     }
 }
 
 impl Outputs<'_> {
-    /// Drops something and all that was made of it, so that [`run`] makes them again.
+    /// Drops an output and everything derived from it, so that [`run`] makes them again.
     pub fn forget(&mut self, output: Output) {
         let mut gone = vec![output];
         for step in STEPS {
@@ -223,7 +224,7 @@ impl Outputs<'_> {
         gone.into_iter().for_each(|output| self.clear(output));
     }
 
-    /// Drops what the change from one recipe to another changes, so that [`run`] makes that again and keeps the rest.
+    /// Drops the outputs affected by a change of recipe, so that [`run`] makes only those again.
     pub fn follow(&mut self, before: &Recipe, after: &Recipe) {
         let text = |recipe: &Recipe, knob: &'static Knob| knob.value(recipe);
         let changed = |name: &&str| {

@@ -1,4 +1,4 @@
-//! A model that is baked again and again while its recipe changes.
+//! Repeated bakes of one model while its recipe changes.
 
 use crate::pipeline::{Baked, Kept, Output, Outputs, Told, baked, run};
 use crate::recipe::Recipe;
@@ -6,9 +6,9 @@ use crate::stages::groom::MapImages;
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 
-/// What the steps of a bake made, kept for the next one: only what a change of the recipe decides about is made again.
+/// Outputs of the last bake, reused by the next one: only those affected by a change of the recipe are made again.
 ///
-/// The package is always the one that [`crate::pipeline::bake`] gives, byte for byte.
+/// The package is always identical, byte for byte, to that of [`crate::pipeline::bake`].
 #[derive(Clone, Debug)]
 pub struct Rebake<'a> {
     outputs: Outputs<'a>,
@@ -16,17 +16,17 @@ pub struct Rebake<'a> {
 }
 
 impl<'a> Rebake<'a> {
-    /// Nothing is made yet.
+    /// Creates an empty state.
     pub fn new(model: &'a Model) -> Self {
         Self { outputs: Outputs { model: Some(model), ..Outputs::default() }, before: None }
     }
 
-    /// Bakes the model as `told` says. Where it fails, what was made so far is kept, too. Images are the same only where they are at the same place:
-    /// whoever reads them again has others.
+    /// Bakes the model with the recipe in `told`. If it fails, the outputs made so far are kept. Images are compared by
+    /// address: images that were read again count as changed.
     ///
     /// # Errors
     ///
-    /// As [`crate::pipeline::bake`].
+    /// The errors of [`crate::pipeline::bake`].
     pub fn bake(&mut self, told: &Told<'a>, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
         match self.before {
             Some((recipe, images)) if std::ptr::eq(images, told.images) => self.outputs.follow(recipe, told.recipe),

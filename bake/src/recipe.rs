@@ -1,8 +1,8 @@
-//! Recipes: everything that steers a bake, as TOML.
+//! Recipes: all parameters of a bake, as TOML.
 //!
-//! A recipe has one table per stage and one key per parameter, which are declared here and nowhere else: [`pelage_params`] makes of the
-//! declarations the structs, their defaults and checks, reading, writing, `--set key=value` and the reference page. What a recipe leaves
-//! out keeps its default.
+//! A recipe has one table per stage and one key per parameter. They are declared here only: from the declarations
+//! [`pelage_params`] derives the structs, defaults and checks, reading, writing, `--set key=value` and the reference
+//! page. Keys that a recipe leaves out keep their defaults.
 //!
 //! ```
 //! use pelage_bake::recipe::{Recipe, Style};
@@ -50,49 +50,50 @@ use pelage_import::BakeError;
 use pelage_params::{Knob, ParamError};
 
 pelage_params::tables! {
-    /// What steers a bake: one table per stage. `Recipe::default()` is the coat of an animal.
+    /// Parameters of a bake: one table per stage. `Recipe::default()` is the coat `animal`.
     pub struct Recipe, such as "hair.length_m=0.02" {
-        /// How the model is read.
+        /// Import of the model.
         model: ModelParams,
-        /// How the tile of hair lies on the model.
+        /// Layout of the hair tile on the model.
         surface: SurfaceParams,
-        /// The strands.
+        /// Strands of the tile.
         hair: HairParams,
-        /// A second, shorter coat below them.
+        /// Second layer of shorter hair below them.
         underfur: UnderfurParams,
-        /// What varies over the model.
+        /// Values that vary over the model.
         groom: GroomParams,
-        /// The strands' colour.
+        /// Colours of the strands.
         color: ColorParams,
-        /// How hair is lit.
+        /// Shading of the hair.
         shading: ShadingParams,
-        /// The fibres that it is made of.
+        /// Fibres of the hair.
         fibre: FibreParams,
-        /// The shell textures.
+        /// Shell textures.
         slice: SliceParams,
-        /// How much light reaches the hair.
+        /// Light that reaches the hair.
         visibility: VisibilityParams,
-        /// The strands one by one.
+        /// Single strands and guide-driven hair.
         strands: StrandParams,
-        /// The fins.
+        /// Fins.
         fins: FinParams,
-        /// The levels of detail.
+        /// Levels of detail.
         detail: DetailParams,
-        /// The model as an ink-wash painting.
+        /// Ink-wash style.
         ink: InkParams,
         /// Texture formats of the package.
         pack: PackParams,
-        /// The pictures that a bake with limits is judged by.
+        /// Images by which a bake with limits is judged.
         judge: JudgeParams,
     }
 }
 
-/// Every key of a recipe in order.
+/// Returns every key of a recipe, in order.
 pub fn keys() -> impl Iterator<Item = &'static Knob> {
     pelage_params::knobs::<Recipe>()
 }
 
-/// Every key of a recipe as a page of Markdown: meaning, default, type and range, and a picture of those in [`KEY_PICTURES`].
+/// Returns a Markdown page with every key of a recipe: meaning, default, type and range, and the images of the keys in
+/// [`KEY_PICTURES`].
 pub fn reference_page() -> String {
     pelage_params::reference_page::<Recipe>("Recipe reference", &INTRODUCTION, |key| {
         KEY_PICTURES.iter().find(|picture| picture.key == key).map(KeyPicture::markdown)
@@ -111,7 +112,7 @@ const INTRODUCTION: [&str; 4] = [
     "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin chores write-docs`.",
 ];
 
-/// The paths among those that keys may name, each once with the key that names it first.
+/// Returns each named path once, with the first key that names it.
 fn each_once<'a>(named: impl IntoIterator<Item = (String, Option<&'a str>)>) -> Vec<(String, &'a str)> {
     let mut paths: Vec<(String, &str)> = Vec::new();
     for (key, path) in named {
@@ -122,70 +123,72 @@ fn each_once<'a>(named: impl IntoIterator<Item = (String, Option<&'a str>)>) -> 
     paths
 }
 
-/// A fault of a recipe, in a file or, where it has no line, on the command line.
+/// Converts an error in a recipe; without a line it comes from the command line.
 fn input(file: &str, fault: ParamError) -> BakeError {
     BakeError::Input { file: file.to_owned(), place: fault.place(), reason: fault.reason }
 }
 
 impl DetailParams {
-    /// Whether a package has index lists of fewer triangles.
+    /// Whether a package has simplified index lists.
     pub fn has_lists(&self) -> bool {
         self.enabled && self.simplified
     }
 }
 
 impl Recipe {
-    /// Reads a recipe; `file` is its name for messages.
+    /// Parses a recipe; `file` is its name for messages.
     ///
     /// # Errors
-    /// [`BakeError::Input`] with the line and the key for broken TOML, an unknown table or key, a wrong type or a value outside
-    /// its range.
+    /// [`BakeError::Input`] with line and key for invalid TOML, an unknown table or key, a wrong type or a value
+    /// outside its range.
     pub fn parse(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::default();
         recipe.read(file, text)?;
         Ok(recipe)
     }
 
-    /// Reads the recipe that a package records; `file` is its name for messages. Packages of before there were coats leave keys out whose defaults were
-    /// those of [`Coat::Natural`].
+    /// Parses the recipe recorded in a package; `file` is its name for messages. Packages older than coats omit keys
+    /// whose defaults were those of [`Coat::Natural`].
     ///
     /// # Errors
-    /// As [`Recipe::parse`].
+    /// The errors of [`Recipe::parse`].
     pub fn recorded(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::of_coat(Coat::Natural)?;
         recipe.read(file, text)?;
         Ok(recipe)
     }
 
-    /// What a recipe is that says no more than its coat.
+    /// Returns the recipe that only names a coat.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] where the coat's file is broken.
+    /// [`BakeError::Internal`] if the coat's file is invalid.
     pub fn of_coat(coat: Coat) -> Result<Self, BakeError> {
         let mut recipe = Self::default();
         recipe.set(&format!("hair.coat={}", coat.word()))?;
         Ok(recipe)
     }
 
-    /// Reads more of a recipe over this one, as [`Recipe::parse`] reads a whole one: what the text names is set, everything else stays. A text that
-    /// names a coat changes the keys that have the value of the coat before, but for those that it names.
+    /// Reads a recipe over this one, in the format of [`Recipe::parse`]: keys in the text are set, all others stay. If
+    /// the text names a coat, keys that it does not name and that have the previous coat's value change to the new
+    /// coat's.
     ///
     /// # Errors
-    /// As [`Recipe::parse`]; what stood before the fault is set then.
+    /// The errors of [`Recipe::parse`]; keys before the error are already set.
     pub fn read(&mut self, file: &str, text: &str) -> Result<(), BakeError> {
         self.dressed(file, |recipe| pelage_params::read(recipe, text))
     }
 
-    /// Sets one value, as in `--set hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`. `hair.coat=winter` changes the keys that have the
-    /// value of the coat before, and no other.
+    /// Sets one value, as in `--set hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`. Setting
+    /// `hair.coat=winter` also changes the keys that have the previous coat's value.
     ///
     /// # Errors
-    /// As [`Recipe::parse`], with `--set` for the file; nothing is changed then.
+    /// The errors of [`Recipe::parse`], with `--set` as the file; the recipe is then unchanged.
     pub fn set(&mut self, assignment: &str) -> Result<(), BakeError> {
         self.dressed("--set", |recipe| pelage_params::set(recipe, assignment))
     }
 
-    /// Makes a change, after which keys that nobody named are those of its coat.
+    /// Applies a change. If it changes the coat, keys with the previous coat's value get the new one's, unless the
+    /// change sets them.
     fn dressed(&mut self, file: &str, change: impl Fn(&mut Self) -> Result<(), ParamError>) -> Result<(), BakeError> {
         let before = self.hair.coat;
         change(self).map_err(|fault| input(file, fault))?;
@@ -195,26 +198,28 @@ impl Recipe {
         }
         coats::change(self, before, coat)
             .map_err(|fault| BakeError::Internal(format!("the coat {:?}: {fault}", coat.word())))?;
-        // Once more: a key that was named may have had the value of the coat before.
+        // Apply it again: a key set explicitly may have had the previous coat's value.
         change(self).map_err(|fault| input(file, fault))
     }
 
-    /// The recipe as TOML with every key that has a value, in the order of [`keys`]. Parsing it gives an equal recipe.
+    /// Returns the recipe as TOML, with every key that has a value, in the order of [`keys`]. Parsing it gives an equal
+    /// recipe.
     pub fn to_toml(&self) -> String {
         pelage_params::to_toml(self)
     }
 
-    /// As [`Recipe::to_toml`], with each key's meaning, type and range as comments, and keys without a value commented out.
+    /// Returns [`Recipe::to_toml`] with each key's meaning, type and range as comments, and keys without a value
+    /// commented out.
     pub fn to_documented_toml(&self) -> String {
         pelage_params::to_documented_toml(self)
     }
 
-    /// As [`Recipe::to_documented_toml`], with what `note` has to say of a key as further comments right above it.
+    /// Returns [`Recipe::to_documented_toml`] with the lines of `note` as further comments above each key.
     pub fn to_noted_toml(&self, note: impl Fn(&Knob) -> Vec<String>) -> String {
         pelage_params::to_noted_toml(self, note)
     }
 
-    /// The images that it names, each path once with the key that names it first.
+    /// Returns the paths of images that the recipe names, each once, with the first key that names it.
     pub fn images(&self) -> Vec<(String, &str)> {
         let g = &self.groom;
         let scalars = [
@@ -262,7 +267,7 @@ impl Recipe {
         each_once(named)
     }
 
-    /// The files of strands that it names, each path once with the key that names it first.
+    /// Returns the paths of strand files that the recipe names, each once, with the first key that names it.
     pub fn strand_files(&self) -> Vec<(String, &str)> {
         fn path((i, group): (usize, &HairGroupParams)) -> (String, Option<&str>) {
             (format!("strands.group, table {i}, file"), group.file.as_ref().map(|path| path.0.as_str()))
@@ -270,7 +275,7 @@ impl Recipe {
         each_once(self.strands.group.iter().enumerate().map(path))
     }
 
-    /// Strands in the tile: guard hair and underfur.
+    /// Returns the number of strands in the tile: guard hair and underfur.
     pub fn strands_in_tile(&self) -> u32 {
         self.hair.density + self.underfur.density
     }
@@ -278,13 +283,13 @@ impl Recipe {
     /// Checks every value against its range.
     ///
     /// # Errors
-    /// [`BakeError::Params`] naming the key, what was found and what was expected.
+    /// [`BakeError::Params`] with the key, what was found and what was expected.
     pub fn validate(&self) -> Result<(), BakeError> {
         Ok(pelage_params::validate(self)?)
     }
 }
 
-/// The coat `natural`, for tests: one kind of strands, few and thick.
+/// Returns the coat `natural`, for tests: one kind of strands, few and thick.
 #[doc(hidden)]
 pub fn natural() -> Recipe {
     Recipe::of_coat(Coat::Natural).unwrap_or_else(|error| panic!("{error}"))

@@ -1,21 +1,21 @@
-//! The recipe that a package records, held against the fur that the package has.
+//! Comparison of the recipe recorded in a package with its fur.
 
 use crate::recipe::Recipe;
 use pelage_formats::Manifest;
 
-/// A key of a recorded recipe, and what is wrong with it.
+/// Key of a recorded recipe that does not match the package.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Disagreement {
-    /// As in `--set`: `hair.density`.
+    /// Name of the key in the form used by `--set`: `hair.density`.
     pub key: &'static str,
-    /// What the recipe says, and what was found.
+    /// Value in the recipe, and value found in the package.
     pub reason: String,
 }
 
-/// Where a recipe says another fur than the package has: it was edited after the bake, or belongs to another package. Only keys that the text names
-/// are compared, because what a recipe leaves out had other defaults in other versions.
+/// Returns the keys at which a recipe does not match the package's fur, because it was edited after the bake or belongs
+/// to another package. Only keys in the text are compared, because defaults differ between versions.
 ///
-/// A text that is no recipe disagrees with nothing: [`Recipe::parse`] says what is wrong with it.
+/// Returns nothing for an invalid recipe, whose errors [`Recipe::parse`] reports.
 pub fn disagreements(manifest: &Manifest, text: &str) -> Vec<Disagreement> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let (Ok(recipe), Ok(named)) = (Recipe::recorded("recipe", text), text.parse::<toml::Table>()) else {
@@ -23,7 +23,7 @@ pub fn disagreements(manifest: &Manifest, text: &str) -> Vec<Disagreement> {
     };
     let fur = &manifest.fur;
     let tile_size_m = recipe.surface.tile_size_m.unwrap_or(fur.tile_size_m);
-    // The package counts underfur with the guard hairs.
+    // The package's count includes underfur.
     let guard_hairs = fur.strands.saturating_sub(recipe.underfur.density);
     let facts = [
         ("hair.density", recipe.hair.density.to_string(), guard_hairs.to_string(), "strands in the tile"),
@@ -35,7 +35,7 @@ pub fn disagreements(manifest: &Manifest, text: &str) -> Vec<Disagreement> {
         let (table, key) = key.split_once('.').unwrap_or_default();
         named.get(table).and_then(|table| table.get(key)).is_some()
     };
-    // Without hair on it a package says nothing of its fur.
+    // A package without hair has no data about fur.
     let has_fur = fur.layers > 0;
     let differs = |(key, said, found, _): &(&str, String, String, &str)| has_fur && said != found && is_named(key);
     facts

@@ -1,8 +1,8 @@
-//! A result that is kept with what it was made of.
+//! Memoisation of the last result.
 
 use std::convert::Infallible;
 
-/// The last result of something that is dear to make: asked for the same again, it is there already.
+/// Last result of an expensive computation with its input; returned again for an equal input.
 #[derive(Clone, Debug)]
 pub struct Remade<I, O>(Option<(I, O)>);
 
@@ -13,11 +13,11 @@ impl<I, O> Default for Remade<I, O> {
 }
 
 impl<I: PartialEq, O: Clone> Remade<I, O> {
-    /// What `make` makes of `input`, which must decide about all of it.
+    /// Returns the result of `make` for `input`, which must determine it completely.
     ///
     /// # Errors
     ///
-    /// Those of `make`; what was kept before still is.
+    /// The errors of `make`; the previous result is kept.
     pub fn make<E>(&mut self, input: I, make: impl FnOnce(&I) -> Result<O, E>) -> Result<O, E> {
         if let Some((_, made)) = self.0.as_ref().filter(|(of, _)| *of == input) {
             return Ok(made.clone());
@@ -27,7 +27,7 @@ impl<I: PartialEq, O: Clone> Remade<I, O> {
         Ok(made)
     }
 
-    /// As [`Self::make`], for what cannot fail.
+    /// Returns the result like [`Self::make`], for a computation that cannot fail.
     pub fn of(&mut self, input: I, make: impl FnOnce(&I) -> O) -> O {
         let Ok(made) = self.make(input, |input| Ok::<_, Infallible>(make(input)));
         made

@@ -1,9 +1,10 @@
-//! The same strands on the same skin, sliced anew: other layers, tile, filter, formats or fins.
+//! Slicing of existing strands with other settings: layers, tile, filter, formats or fins.
 //!
-//! [`reslice`] has a package and not the model that it was baked from. Skin, materials and motions stay byte for byte; the strands grow again from the
-//! package's own recipe. With these the pipeline runs from `visibility` on.
+//! [`reslice`] works on a package without the model that it was baked from. Mesh, materials and motion stay the same,
+//! byte for byte; strands are simulated again from the recorded recipe. From these the pipeline runs on from
+//! `visibility`.
 //!
-//! A [`Slicer`] has the model, and keeps what a bake made of it.
+//! A [`Slicer`] has the model, and keeps the outputs of a bake.
 
 use crate::pipeline::{Output, Outputs, Told, run};
 use crate::recipe::Recipe;
@@ -19,10 +20,10 @@ use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 
-/// The package's skin as it is, with or without lists of fewer triangles as `recipe` says.
+/// Returns the package's mesh data unchanged, with or without simplified index lists according to `recipe`.
 fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<Skin<'a>, FormatError> {
     let mut manifest = package.manifest().clone();
-    // What materials name moves along. Several may name one, which goes into the package once.
+    // Textures of materials are copied. Several materials may share one, which is stored once in the package.
     let mut images = Vec::new();
     for material in &mut manifest.materials {
         for index in [&mut material.base_color_texture, &mut material.groom_texture] {
@@ -42,8 +43,8 @@ fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<Skin<'a>, FormatEr
     Ok(Skin { manifest, sections, images, ..Skin::default() })
 }
 
-/// The textures of the ink style: painted anew where `recipe` has them in another format than the package, else as they are, also where a scan would be
-/// needed that is no part of the package.
+/// Returns the textures of the ink style. They are painted again if the format in `recipe` differs from the package's;
+/// otherwise they are copied, as are textures that need a scan, because the package does not contain it.
 fn ink_files<'a>(
     file: &str,
     package: &Package<'a>,
@@ -71,12 +72,14 @@ fn fault(file: &str, source: FormatError) -> BakeError {
     BakeError::Package { file: file.to_owned(), source }
 }
 
-/// Slices a package as the sections `[slice]`, `[strands]`, `[fins]`, `[detail]` and `[pack]` of `recipe` say; what else it says should be the package's own.
-/// A package without fins gets none: on which edges they stand is known from the model alone.
+/// Slices a package with the tables `[slice]`, `[strands]`, `[fins]`, `[detail]` and `[pack]` of `recipe`, whose other
+/// tables should be those of the package. A package without fins stays without, because their edges are known only from
+/// the model.
 ///
 /// # Errors
 ///
-/// As [`tile_hair`]; [`BakeError::Params`] for values out of their ranges, [`BakeError::Input`] for a package without fur.
+/// The errors of [`tile_hair`]; [`BakeError::Params`] for values out of range, [`BakeError::Input`] for a package
+/// without fur.
 pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
     recipe.validate()?;
     let fault = |source| fault(file, source);
@@ -85,12 +88,12 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         let reason = "there is none, expected a package with hair to slice".into();
         return Err(BakeError::Input { file: file.into(), place: "the manifest's fur".into(), reason });
     };
-    // Checked here, then carried as they lie.
+    // Checked here, then copied unchanged.
     let fins = match package.fins().map_err(fault)? {
         Some(_) => carried(package, |tag| tag == Tag::FINS).map_err(fault)?.pop(),
         None => None,
     };
-    // Ink is painted on the skin and after the strands, and neither changes; its textures' format may.
+    // Ink depends on the mesh surface and the strands, which do not change; the format of its textures may.
     let (mut ink, mut ink_textures) = (None, None);
     if let Some(view) = package.ink().map_err(fault)? {
         ink_textures = Some(ink_files(file, package, &view.info, recipe, &hair.strands)?);
@@ -102,7 +105,7 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
             warnings: Vec::new(),
         });
     }
-    // How they move is a section of the skin that is kept.
+    // Their motion is in a section that is copied.
     let guided = GuidedHair { groups: package.hair_groups().map_err(fault)?.to_vec(), ..GuidedHair::default() };
     let mut outputs = Outputs {
         hair: Some(hair),
@@ -124,21 +127,21 @@ fn finished(outputs: Outputs<'_>) -> Result<Vec<u8>, BakeError> {
     packed.ok_or_else(|| BakeError::Internal("the pipeline ended without a package".into()))
 }
 
-/// A model that is baked once and sliced many times: what no layer, tile or fin changes (parameterization, strands, groom, where fins stand, ink, skin)
-/// is made once.
+/// Model that is baked once and sliced many times. Outputs independent of layers, tile and fins (parameterization,
+/// strands, groom, positions of fins, ink, mesh) are made once.
 #[derive(Clone, Debug)]
 pub struct Slicer<'a> {
     told: Told<'a>,
-    /// All that is made before the strands are sliced.
+    /// Outputs of the steps before slicing.
     outputs: Outputs<'a>,
 }
 
 impl<'a> Slicer<'a> {
-    /// Bakes the model as [`crate::pipeline::bake`] does, and keeps what slicing does not change.
+    /// Bakes the model like [`crate::pipeline::bake`], and keeps the outputs that slicing does not change.
     ///
     /// # Errors
     ///
-    /// As [`crate::pipeline::bake`].
+    /// The errors of [`crate::pipeline::bake`].
     pub fn new(told: Told<'a>, model: &'a Model) -> Result<Self, BakeError> {
         let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
         run(&told, &mut outputs, &mut |_| ())?;
@@ -147,12 +150,12 @@ impl<'a> Slicer<'a> {
         Ok(Self { told, outputs })
     }
 
-    /// The package that a whole bake by `recipe` gives, byte for byte. What differs from the recipe of the first bake outside `[slice]` and `[fins]`
-    /// takes a whole bake.
+    /// Returns a package identical, byte for byte, to that of a whole bake with `recipe`. Differences from the recipe
+    /// of the first bake outside `[slice]` and `[fins]` need a whole bake.
     ///
     /// # Errors
     ///
-    /// As [`crate::pipeline::bake`].
+    /// The errors of [`crate::pipeline::bake`].
     pub fn slice(&self, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
         let own = self.told.recipe;
         let sliced = Recipe { slice: recipe.slice.clone(), fins: recipe.fins.clone(), ..own.clone() };

@@ -1,32 +1,32 @@
-//! Reading images at a point.
+//! Sampling of images.
 
 use glam::{Vec2, Vec4};
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_import::mesh::Image;
 
-/// What lies beyond an image's border.
+/// Continuation of an image beyond its border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wrap {
-    /// The image again.
+    /// Repeats the image.
     Repeat,
-    /// Its outermost texels.
+    /// Extends the outermost texels.
     Clamp,
 }
 
-/// How the bytes of an image are read.
+/// Encoding of an image's bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
-    /// 0..=255 stand for 0..=1 in all channels.
+    /// All channels linear: 0..=255 maps to 0..=1.
     Linear,
-    /// Colour is sRGB-encoded, alpha is not.
+    /// Colour sRGB-encoded, alpha linear.
     Srgb,
 }
 
-/// The image at `uv`, bilinear, as the runtime's sampler reads it: (0, 0) is the upper left corner of the image. RGBA, colour in
-/// linear light; black for an image without texels.
+/// Samples the image at `uv`, bilinear, like the runtime's sampler: (0, 0) is the upper left corner of the image.
+/// Returns RGBA with linear colour; black for an image without texels.
 pub(crate) fn bilinear(image: &Image, uv: Vec2, wrap: Wrap, encoding: Encoding) -> Vec4 {
     let size = Vec2::new(image.width as f32, image.height as f32);
-    // A float's whole part is lost long before an index overflows.
+    // A float loses its fraction long before an index overflows.
     let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
     let uv = if wrap == Wrap::Repeat { uv - uv.floor() } else { uv.clamp(Vec2::ZERO, Vec2::ONE) };
     let at = uv * size - 0.5;

@@ -1,4 +1,4 @@
-//! Skies on disk: panoramas in Radiance HDR and OpenEXR, and lights in TOML.
+//! Environment maps on disk: panoramas in Radiance HDR and OpenEXR, and lights in TOML.
 
 use crate::io::{read_file, read_text};
 use glam::DVec3;
@@ -7,23 +7,24 @@ use pelage_import::image_file::bounded_reader;
 use pelage_stage::sky::{Environment, FitParams, Panorama, environment_from_toml};
 use std::path::Path;
 
-/// Width and height of the picture that lights become for a while, where a ground is put under them.
+/// Width and height of the intermediate image into which lights are rendered before a ground is added.
 const PAINTED: (u32, u32) = (128, 64);
 
-/// What shines from all around, as a file says it.
+/// Environment map read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SkyFile {
-    /// A picture.
+    /// Panorama image.
     Panorama(Panorama),
-    /// Few lights.
+    /// Small set of lights.
     Lights(Environment),
 }
 
 impl SkyFile {
-    /// The same over a level ground of that albedo, linear RGB, in place of all that comes from below, where there is one. Lights are taken anew for at most `lobes`.
+    /// Replaces the lower hemisphere by level ground of the given albedo, linear RGB; unchanged if `albedo` is `None`.
+    /// Lights are fitted again with at most `lobes` lobes.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] never, unless lights cannot be painted.
+    /// [`BakeError::Internal`] only if the lights cannot be rendered.
     pub fn over_ground(self, albedo: Option<[f32; 3]>, lobes: usize) -> Result<Self, BakeError> {
         let Some(albedo) = albedo else { return Ok(self) };
         Ok(match self {
@@ -39,10 +40,10 @@ impl SkyFile {
         })
     }
 
-    /// Reads one by its name's end: `.hdr`, `.exr` or `.toml`.
+    /// Reads an environment map; the extension selects the format: `.hdr`, `.exr` or `.toml`.
     ///
     /// # Errors
-    /// [`BakeError::Input`] for a file that cannot be read or is not what its name says.
+    /// [`BakeError::Input`] if the file cannot be read or its contents do not match the extension.
     pub fn read(path: &Path) -> Result<Self, BakeError> {
         let file = path.display().to_string();
         let input = |place: &str, reason: String| BakeError::Input { file: file.clone(), place: place.into(), reason };

@@ -1,8 +1,8 @@
-//! How far a long stage is: counted where the work is done, read by whoever waits. It knows no clock.
+//! Progress of a long stage: counted where the work is done, and read by any waiting code. Independent of time.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Steps of the work that runs.
+/// Step counter of the running work.
 #[derive(Debug, Default)]
 pub struct Steps {
     done: AtomicU64,
@@ -10,29 +10,29 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// Before any work.
+    /// Creates a counter without any work.
     pub const fn new() -> Self {
         Self { done: AtomicU64::new(0), total: AtomicU64::new(0) }
     }
 
-    /// A counter that nobody reads.
+    /// Returns a counter that nobody reads.
     pub fn unseen() -> &'static Self {
         static UNSEEN: Steps = Steps::new();
         &UNSEEN
     }
 
-    /// Begins work of `total` steps of about the same length; 0 where nobody knows how many.
+    /// Begins work of `total` steps of about equal duration; 0 if the number is unknown.
     pub fn begin(&self, total: u64) {
         self.done.store(0, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }
 
-    /// One step is over.
+    /// Counts one completed step.
     pub fn step(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Steps that are over and all of them; `None` where nobody knows how many.
+    /// Returns the number of completed steps and the total; `None` if the total is unknown.
     pub fn so_far(&self) -> Option<(u64, u64)> {
         let total = self.total.load(Ordering::Relaxed);
         (total > 0).then(|| (self.done.load(Ordering::Relaxed).min(total), total))

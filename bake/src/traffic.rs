@@ -1,6 +1,7 @@
-//! What this process has read from files, and written to them: what a build system has to know of a command.
+//! Trace of the files that this process has read and written, as a build system needs it.
 //!
-//! [`crate::io`] notes it down, once somebody has called [`note_down`], so that no reader can be forgotten where one is added. Nothing is kept before.
+//! [`crate::io`] records them once [`note_down`] has been called, so that every reader is covered. Nothing is recorded
+//! before.
 
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
@@ -8,52 +9,52 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 static TRAFFIC: Mutex<Option<Traffic>> = Mutex::new(None);
 
-/// SHA-256 of what was read or written.
+/// SHA-256 of data read or written.
 pub type Digest = [u8; 32];
 
-/// Something that was asked for.
+/// Recorded input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Asked {
-    /// A file.
+    /// File.
     File {
-        /// As it was opened.
+        /// Path as opened.
         path: PathBuf,
-        /// How many bytes were wanted at most.
+        /// Maximum number of bytes requested.
         most: u64,
-        /// Of its first `most` bytes; `None` where nothing was there.
+        /// SHA-256 of the first `most` bytes; `None` if the file did not exist.
         digest: Option<Digest>,
     },
-    /// Something of the machine, such as its adapter: what, and the answer.
+    /// Property of the machine, such as its adapter.
     Machine {
-        /// What was asked.
+        /// Name of the property.
         what: &'static str,
-        /// The answer.
+        /// Value of the property.
         answer: String,
     },
 }
 
-/// A file that was written and is whole.
+/// File that was written completely.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// As it was named.
+    /// Path as given.
     pub path: PathBuf,
-    /// Of its bytes.
+    /// SHA-256 of the contents.
     pub digest: Digest,
 }
 
-/// All of it, in the order in which it happened.
+/// Everything recorded, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// What was asked for.
+    /// Inputs.
     pub asked: Vec<Asked>,
-    /// What was written.
+    /// Outputs.
     pub written: Vec<Written>,
-    /// Part of what was made was there before, so that `written` is not all of it.
+    /// Whether some of the output existed before, so that `written` is incomplete.
     pub in_part: bool,
 }
 
 impl Traffic {
-    /// The files that were there and were read, each once.
+    /// Returns the existing files that were read, each once.
     pub fn files_read(&self) -> Vec<&Path> {
         let mut files: Vec<&Path> = Vec::new();
         for asked in &self.asked {
@@ -68,21 +69,21 @@ impl Traffic {
 }
 
 fn traffic() -> MutexGuard<'static, Option<Traffic>> {
-    // A list is sound whatever happened to its holder.
+    // The list is valid even if a thread panicked while holding the lock.
     TRAFFIC.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From now on everything is noted down.
+/// Starts recording.
 pub fn note_down() {
     *traffic() = Some(Traffic::default());
 }
 
-/// What was noted down so far; nothing is noted down after it.
+/// Stops recording and returns everything recorded so far.
 pub fn take() -> Traffic {
     traffic().take().unwrap_or_default()
 }
 
-/// Notes that a file was asked for. The digest of its bytes is only made where somebody wants to know.
+/// Records that a file was requested. The hash of its bytes is only computed while recording.
 pub(crate) fn read(path: &Path, most: u64, bytes: Option<&[u8]>) {
     if let Some(traffic) = &mut *traffic() {
         let digest = bytes.map(|bytes| Sha256::digest(bytes).into());
@@ -90,21 +91,21 @@ pub(crate) fn read(path: &Path, most: u64, bytes: Option<&[u8]>) {
     }
 }
 
-/// Notes that the machine was asked for something which what is made depends on.
+/// Records a property of the machine that the output depends on.
 pub fn machine(what: &'static str, answer: &str) {
     if let Some(traffic) = &mut *traffic() {
         traffic.asked.push(Asked::Machine { what, answer: answer.to_owned() });
     }
 }
 
-/// Notes that part of what is made was there before.
+/// Records that some of the output existed before.
 pub fn in_part() {
     if let Some(traffic) = &mut *traffic() {
         traffic.in_part = true;
     }
 }
 
-/// Whether a file is there, which what is made depends on.
+/// Returns whether a file exists; if not, records that the output depends on its absence.
 pub fn is_there(path: &Path) -> bool {
     let there = path.exists();
     if !there {
@@ -113,7 +114,7 @@ pub fn is_there(path: &Path) -> bool {
     there
 }
 
-/// Notes that a file was written; `digest` is only made where somebody wants to know.
+/// Records that a file was written; `digest` is only called while recording.
 pub(crate) fn written(path: &Path, digest: impl FnOnce() -> Option<Digest>) {
     if let Some(traffic) = &mut *traffic()
         && let Some(digest) = digest()

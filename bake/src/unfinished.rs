@@ -1,28 +1,29 @@
-//! Files that are being written under a temporary name: what a process that is told to stop removes before it does.
+//! Temporary files being written, which a process removes when it is terminated.
 //!
-//! [`crate::io`] writes beside the target and renames what is whole. An error or a panic removes the temporary file on its way out; a signal takes no way
-//! out. So the names are kept here, and a program that handles signals calls [`remove_all`], as `pelage` does for INT and TERM.
+//! [`crate::io`] writes beside the target and renames complete files. After an error or a panic, the temporary file is
+//! removed during unwinding, but a signal skips that. So the names are kept here, and a program that handles signals
+//! calls [`remove_all`], as `pelage` does for INT and TERM.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Last in, first removed.
+/// Temporary files, removed in reverse order.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Keeps a name as long as it lives.
+/// Guard that registers a temporary file until it is dropped.
 #[derive(Debug)]
 #[must_use = "the name is forgotten where this is dropped"]
 pub struct Unfinished(PathBuf);
 
 fn list() -> MutexGuard<'static, Vec<PathBuf>> {
-    // A list of names is sound whatever happened to its holder.
+    // The list is valid even if a thread panicked while holding the lock.
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Unfinished {
-    /// Keeps the name of a file, or of a folder with all that will be in it.
+    /// Registers a file, or a folder with its future contents.
     pub fn new(path: &Path) -> Self {
-        // Absolute, should the process change its folder.
+        // Absolute, in case the process changes its working directory.
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         list().push(path.clone());
         Self(path)
@@ -38,7 +39,8 @@ impl Drop for Unfinished {
     }
 }
 
-/// Removes everything that is unfinished and lets nothing be finished any more: whoever writes waits for a process that ends. What cannot be removed stays.
+/// Removes all temporary files; those that cannot be removed are left. While the returned guard exists, no write can be
+/// completed: writers block until the process ends.
 pub fn remove_all() -> impl Drop {
     let mut list = list();
     for path in list.drain(..).rev() {

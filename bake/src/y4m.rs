@@ -1,12 +1,13 @@
-//! Video without compression: YUV4MPEG2, "Y4M", which ffmpeg and players read from a file or a pipe.
+//! Uncompressed video: YUV4MPEG2, "Y4M", which ffmpeg and players read from a file or a pipe.
 //!
-//! Pictures are 4:4:4 with 8 bits, in Y'CbCr of ITU-R BT.709 (§3: luma 0.2126, 0.7152, 0.0722) with limited range (16..=235 and 16..=240), as video
-//! usually is; the header says so in the `XCOLORRANGE` word that ffmpeg wrote first. The format has no word for the matrix, and many readers take what does not
-//! say one for BT.601 where it is small: tell them.
+//! Frames are 4:4:4 with 8 bits, in Y'CbCr of ITU-R BT.709 (§3: luma 0.2126, 0.7152, 0.0722) with limited range
+//! (16..=235 and 16..=240), as is usual for video. The header declares the range in the word `XCOLORRANGE`, introduced
+//! by ffmpeg. The format cannot declare the matrix, and many readers treat small undeclared video as BT.601: set BT.709
+//! in the reader explicitly.
 
 use std::io::{self, Write};
 
-/// A video that is being written, frame by frame.
+/// Video writer, frame by frame.
 #[derive(Debug)]
 pub struct Y4m<W> {
     out: W,
@@ -16,22 +17,22 @@ pub struct Y4m<W> {
 }
 
 impl<W: Write> Y4m<W> {
-    /// Writes the header of a video of `width × height` square pixels and `fps` progressive frames a second.
+    /// Writes the header of a video of `width × height` square pixels and `fps` progressive frames per second.
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn new(mut out: W, width: u32, height: u32, fps: u32) -> io::Result<Self> {
         writeln!(out, "YUV4MPEG2 W{width} H{height} F{fps}:1 Ip A1:1 C444 XCOLORRANGE=LIMITED")?;
         Ok(Self { out, width, height, planes: Vec::new() })
     }
 
-    /// Writes a frame of `3 * width * height` sRGB-encoded bytes, row-major from the top: red, green and blue of each pixel. They count as BT.709's R'G'B', which
-    /// has the same primaries, and on screens about the same curve.
+    /// Writes a frame of `3 * width * height` sRGB-encoded bytes, row-major from the top: red, green and blue of each
+    /// pixel. They are treated as BT.709's R'G'B', which has the same primaries, and on screens nearly the same curve.
     ///
     /// # Errors
     ///
-    /// Those of `out`, and [`io::ErrorKind::InvalidInput`] for a frame of another size.
+    /// Errors of `out`, and [`io::ErrorKind::InvalidInput`] for a frame of another size.
     pub fn frame(&mut self, rgb: &[u8]) -> io::Result<()> {
         let pixels = self.width as usize * self.height as usize;
         if rgb.len() != 3 * pixels {
@@ -46,21 +47,21 @@ impl<W: Write> Y4m<W> {
         self.out.write_all(&self.planes)
     }
 
-    /// Writes what is still held back.
+    /// Flushes buffered data.
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn flush(&mut self) -> io::Result<()> {
         self.out.flush()
     }
 }
 
-/// BT.709, limited range.
+/// Converts to Y'CbCr of BT.709, limited range.
 fn ycbcr(rgb: [u8; 3]) -> [u8; 3] {
     let [r, g, b] = rgb.map(|byte| f32::from(byte) / 255.0);
     let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
-    // The divisors make ±1/2 of the farthest colours: 2 (1 − 0.0722) and 2 (1 − 0.2126).
+    // The divisors scale the extreme colours to ±1/2: 2 (1 − 0.0722) and 2 (1 − 0.2126).
     let [cb, cr] = [(b - y) / 1.8556, (r - y) / 1.5748];
     [16.0 + 219.0 * y, 128.0 + 224.0 * cb, 128.0 + 224.0 * cr].map(|x| x.round() as u8)
 }

@@ -1,30 +1,32 @@
-//! Painting an image such that whoever reads it at the vertices finds what they had.
+//! Painting of an image such that sampling it at the vertices returns the vertices' values.
 //!
-//! Painted as it lies between the vertices, a ridge at a vertex comes out lower than it is: a reader mixes four texels, and those beside the ridge
-//! are below it. So what is missing is added and painted again, a few times (Richardson's iteration). It ends where triangles are much larger than
-//! texels after two or three rounds; where they are smaller, no image could tell the vertices apart, and the best that was found is taken.
+//! Plain interpolation flattens ridges: a bilinear lookup at a vertex also mixes in the lower texels beside it. So the
+//! residual is added and the image painted again, a few times (Richardson's iteration). If triangles are much larger
+//! than texels, two or three rounds are enough. If they are smaller, no image can resolve the vertices, and the best
+//! round is used.
 
 use crate::stages::groom::canvas::Canvas;
 use glam::{Vec2, Vec4};
 
-/// Rounds at most.
+/// Maximum number of rounds.
 const ROUNDS: usize = 12;
-/// Good enough: a tenth of what rounding to bytes costs.
+/// Tolerance: a tenth of the error of rounding to bytes.
 const ENOUGH: f32 = 0.05 / 255.0;
 
-/// An image, and who reads it where.
+/// Image to paint, and the points at which it is sampled.
 pub(super) struct Reading<'a> {
     pub(super) canvas: &'a Canvas,
     /// Width and height, texels.
     pub(super) side: u32,
-    /// For each triangle's corners the number of who reads the image there.
+    /// Index of the sample for each corner of each triangle.
     pub(super) places: &'a [[u32; 3]],
-    /// Where each of those reads it; who reads it at several takes the mean.
+    /// Texture coordinates of each sample; the mean is taken if there are several.
     pub(super) uvs: &'a [Vec<Vec2>],
 }
 
 impl Reading<'_> {
-    /// Texels from which readers find the mean of what `corners` have there, and the greatest difference that is left.
+    /// Returns the fitted texels and the largest remaining error. The target of a sample is the mean of its values in
+    /// `corners`.
     pub(super) fn fitted(&self, corners: &[[Vec4; 3]]) -> (Vec<Vec4>, f32) {
         let targets = self.targets(corners);
         let mut values = targets.clone();
@@ -35,7 +37,7 @@ impl Reading<'_> {
             for ((value, target), uvs) in values.iter_mut().zip(&targets).zip(self.uvs) {
                 let missing = *target - self.read(&texels, uvs);
                 worst = worst.max(missing.abs().max_element());
-                // Who reads what another paints cannot be helped, and must not run away.
+                // Samples that share texels cannot all be met; clamp so that the iteration does not diverge.
                 *value = (*value + missing).clamp(Vec4::splat(-1.0), Vec4::splat(2.0));
             }
             let settled = worst > 0.98 * best.1;
@@ -68,7 +70,7 @@ impl Reading<'_> {
         })
     }
 
-    /// The mean of the image at some places: bilinear, repeating beyond its borders, as maps of a groom are read.
+    /// Returns the mean of the image at `uvs`: bilinear and repeating, the way groom maps are sampled.
     fn read(&self, texels: &[Vec4], uvs: &[Vec2]) -> Vec4 {
         let n = i64::from(self.side);
         let one = |uv: &Vec2| {

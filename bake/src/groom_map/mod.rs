@@ -1,8 +1,8 @@
-//! Groom maps as images to paint on: what varies over a model, as a bake evaluates it now, over the model's own texture coordinates or over the
-//! atlas that is made of it.
+//! Groom maps as images to paint on: the values that the bake currently computes over a model. They use the model's own
+//! texture coordinates or the generated atlas.
 //!
-//! Values are written as `[groom]` reads them back. An image is read at the vertices alone, between texels; so it is painted such that vertices
-//! find there what they had.
+//! Values are encoded as `[groom]` reads them. An image is sampled only at the vertices, between texels. So it is
+//! painted such that sampling it returns the vertices' values.
 
 mod fit;
 
@@ -18,12 +18,12 @@ use pelage_formats::meaning::linear_to_srgb;
 use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Mesh, Model, RestPose};
 
-/// Free texels past the border of what is painted over a model's own coordinates, as a share of the image's width.
+/// Gutter around the charts of a model's own texture coordinates, as a share of the image's width.
 const GUTTER: f32 = 1.0 / 128.0;
-/// How often an image is repeated to both sides for triangles that lie beyond it.
+/// Maximum number of repeats of the image along each axis, for triangles outside 0..1.
 const MOST_REPEATS: f32 = 16.0;
 
-/// What of a groom is written.
+/// Groom quantity to write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// `groom.length`.
@@ -43,11 +43,11 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 7] =
         [Self::Length, Self::Density, Self::Lean, Self::Wetness, Self::Bare, Self::Comb, Self::Color];
 
-    /// Its key in `[groom]`.
+    /// Returns the key in `[groom]`.
     pub fn key(self) -> &'static str {
         match self {
             Self::Length => "length",
@@ -60,39 +60,40 @@ impl Quantity {
         }
     }
 
-    /// The quantity of that key.
+    /// Returns the quantity with that key.
     pub fn of_key(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|quantity| quantity.key() == key)
     }
 }
 
-/// An image to paint on, and the mesh that it lies over.
+/// Image to paint on, with the mesh that it maps to.
 #[derive(Clone, Debug)]
 pub struct GroomMap {
-    /// Opaque; grey for shares, sRGB for colours.
+    /// Opaque image; grey for shares, sRGB for colours.
     pub image: Image,
-    /// What it lies over.
+    /// Texture coordinates that the image uses.
     pub coordinates: GroomCoordinates,
-    /// The model's sound triangles with these coordinates.
+    /// Valid triangles of the model, with these texture coordinates.
     pub mesh: Mesh,
-    /// Its rest pose, metres.
+    /// Rest pose of the mesh, metres.
     pub rest: RestPose,
-    /// Greatest difference, 0..=1, between what a vertex has and what it reads from the image before that is rounded to bytes; 0 for what is followed
-    /// texel by texel.
+    /// Largest error, 0..=1, between a vertex value and the image sampled there, before rounding to bytes; 0 for values
+    /// evaluated per texel.
     pub misses_by: f32,
-    /// What there was to say.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
 /// Writes a groom map of a model.
 ///
-/// * `coordinates`: what it lies over, the model's own or the atlas; without, what the recipe reads images over, or the atlas where a furred part has no
-///   coordinates. An image through space shows both sides of a body at once, so that none is written: it lies over the model's own then.
+/// * `coordinates`: texture coordinates to use, the model's own or the atlas. By default those of the recipe, or the
+///   atlas if a furred part has none. A projected image shows both sides of a body at once and cannot be painted, so a
+///   recipe with a projection uses the model's own.
 /// * `texels`: width and height of the image
 ///
 /// # Errors
-/// As [`crate::pipeline::bake`], as far as surface and groom go; [`BakeError::Input`] where the model has no texture coordinates and shall not be
-/// given any.
+/// The errors of [`crate::pipeline::bake`] up to the `groom` stage; [`BakeError::Input`] if the map is to use the
+/// model's own texture coordinates and it has none.
 pub fn groom_map(
     told: &Told<'_>,
     model: &Model,
@@ -100,7 +101,7 @@ pub fn groom_map(
     coordinates: Option<GroomCoordinates>,
     texels: u32,
 ) -> Result<GroomMap, BakeError> {
-    // A map is of the skin as the model has it, not of where the hair over it roots.
+    // The map shows the colours of the mesh surface, not those at the roots of the hair over it.
     let mut recipe = told.recipe.clone();
     recipe.color.at_root = false;
     let told = &Told { recipe: &recipe, ..*told };
@@ -127,7 +128,7 @@ pub fn groom_map(
         }
         Values::OfTexels(value) => (canvas.paint(|spot, _| value(spot.inside())), 0.0),
     };
-    // A half of a byte must not fall to either side by the last bit of a sum.
+    // Rounding errors must not decide which way half a byte is rounded.
     let painted: Vec<Vec4> = painted.into_iter().map(|texel| (texel * 65536.0).round() / 65536.0).collect();
     let mut warnings = laid.warnings.clone();
     let own = told.recipe.groom.coordinates;
@@ -154,7 +155,7 @@ fn usual_coordinates(told: &Told<'_>, laid: &Laid<'_>) -> GroomCoordinates {
     match told.recipe.groom.coordinates {
         _ if furred.any(|part| !part.has_uvs) => GroomCoordinates::Atlas,
         GroomCoordinates::Atlas => GroomCoordinates::Atlas,
-        // An image through space shows both sides of a body at once, and cannot be painted from what they have.
+        // A projected image shows both sides of a body at once and cannot be painted.
         _ => GroomCoordinates::Model,
     }
 }
@@ -163,16 +164,16 @@ fn is_furred(laid: &Laid<'_>, material: usize) -> bool {
     laid.furred.get(material).copied().unwrap_or(false)
 }
 
-/// What a map is painted over.
+/// Layout of the image that a map is painted into.
 struct Ground {
     mesh: Mesh,
     rest: RestPose,
     pieces: Vec<Piece>,
-    /// Texels that pieces are continued for.
+    /// Width of the gutter around pieces, texels.
     gutter: u32,
-    /// For each triangle's corners the number of what reads the image there.
+    /// Index of the sample for each corner of each triangle.
     places: Vec<[u32; 3]>,
-    /// Where each of those reads it.
+    /// Texture coordinates of each sample.
     uvs: Vec<Vec<Vec2>>,
 }
 
@@ -186,7 +187,7 @@ impl Ground {
         Self { mesh: atlas.mesh, rest: atlas.rest, pieces, gutter, places, uvs }
     }
 
-    /// Over the model's own coordinates: its furred parts that have any.
+    /// Lays out the furred parts that have texture coordinates of their own.
     fn of_model(file: &str, laid: &Laid<'_>, texels: u32) -> Result<Self, BakeError> {
         let Surface { mesh, rest, .. } = &laid.surface;
         let parts = || mesh.parts.iter().filter(|part| is_furred(laid, part.material));
@@ -216,7 +217,7 @@ impl Ground {
     }
 }
 
-/// A triangle wherever it lies on the image, which repeats beyond its borders.
+/// Calls `each` for every copy of a triangle that may overlap the image, which repeats outside 0..1.
 fn repeated(uvs: [Vec2; 3], mut each: impl FnMut([Vec2; 3])) {
     if !uvs.iter().all(|uv| uv.is_finite()) {
         return;
@@ -230,7 +231,7 @@ fn repeated(uvs: [Vec2; 3], mut each: impl FnMut([Vec2; 3])) {
     }
 }
 
-/// A model as a bake grooms it.
+/// Model after the `groom` stage.
 struct GroomedModel<'a> {
     told: &'a Told<'a>,
     model: &'a Model,
@@ -238,11 +239,11 @@ struct GroomedModel<'a> {
     groomed: &'a Groomed,
 }
 
-/// Where the values of a map are known. Red, green, blue and alpha, 0..=1, as the image has them.
+/// Values of a map as RGBA, 0..=1, in the encoding of the image.
 enum Values<'a> {
-    /// One per vertex of the groomed surface.
+    /// Values per vertex of the groomed surface.
     OfVertices(Vec<Vec4>),
-    /// At each point of it.
+    /// Function of a point on the groomed surface.
     OfTexels(Box<dyn Fn(Spot) -> Vec4 + Sync + 'a>),
 }
 
@@ -266,13 +267,13 @@ impl<'a> GroomedModel<'a> {
         })
     }
 
-    /// What vertices of the imported mesh say, at those of the groomed surface.
+    /// Maps values per vertex of the imported mesh to the vertices of the groomed surface.
     fn of_inputs<T: Copy>(&self, values: Option<&[T]>, without: T, write: impl Fn(T) -> Vec4) -> Vec<Vec4> {
         let value = |v: &u32| values.and_then(|all| all.get(*v as usize)).copied().unwrap_or(without);
         self.groomed.surface.input_vertex.iter().map(|v| write(value(v))).collect()
     }
 
-    /// The wishes of a map, else the way the hair was laid; no direction where there is none.
+    /// Returns the comb map's directions, or else the direction in which hair was laid; zero if there is none.
     fn comb(&self) -> Vec<Vec4> {
         let write = |direction: Vec3| (direction.clamp_length_max(1.0) * 0.5 + 0.5).extend(1.0);
         match &self.laid.lay.comb {
@@ -284,7 +285,7 @@ impl<'a> GroomedModel<'a> {
         }
     }
 
-    /// What vertices say, or textures in their place.
+    /// Returns the values per vertex, or the textures if there are any.
     fn followed(&self, of_vertices: &'a [f32], of_texel: fn(Vec4) -> f32) -> Values<'a> {
         let Groomed { surface, grooms, .. } = self.groomed;
         if grooms.images.is_empty() {
@@ -300,10 +301,10 @@ impl<'a> GroomedModel<'a> {
         }))
     }
 
-    /// Base colours: factor, texture and vertex colour, and the pattern.
+    /// Returns the base colours: product of factor, texture, vertex colour and pattern.
     fn colors(&self) -> Values<'a> {
         let Groomed { surface, colors, .. } = self.groomed;
-        // Read back they are lightened again.
+        // Divided out because reading the map back applies the gain again.
         let laid = self.laid;
         let gain = |material| if is_furred(laid, material) { laid.hair_colors.gain } else { 1.0 };
         let factors: Vec<Vec4> = self.model.materials.iter().map(|m| Vec4::from(m.base_color)).collect();
@@ -332,13 +333,14 @@ fn material_of_triangles(mesh: &Mesh) -> Vec<usize> {
     materials
 }
 
-/// An image over the mesh's texture coordinates.
+/// Samples an image at the mesh's texture coordinates.
 fn read(mesh: &Mesh, spot: Spot, image: &Image, encoding: Encoding) -> Vec4 {
     let [a, b, c] = mesh.triangles[spot.triangle].map(|v| mesh.uvs[v as usize]);
     bilinear(image, a * spot.weights.x + b * spot.weights.y + c * spot.weights.z, Wrap::Repeat, encoding)
 }
 
-/// Per vertex the unit direction, at rest, in which tile coordinate v rises, which is where hair is combed to; zero on bare parts.
+/// Returns for each vertex the unit direction, at rest, of increasing tile coordinate v, which is the comb direction;
+/// zero on bare parts.
 fn along_v(surface: &Surface) -> Vec<Vec3> {
     let Surface { mesh, rest, .. } = surface;
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
@@ -349,7 +351,7 @@ fn along_v(surface: &Surface) -> Vec<Vec3> {
         let ([own1, own2], [rest1, rest2]) = (edges(&mesh.positions), edges(&rest.positions));
         let across = own1.cross(own2);
         for v in [a, b, c] {
-            // From the mesh's own space, in which tangents are, to rest: the same combination of the edges there.
+            // Tangents are in the mesh's own space: apply the same combination of edges to the rest pose.
             let tangent = surface.tangents[v].truncate();
             let share = |x: Vec3, y: Vec3| x.cross(y).dot(across) / across.length_squared();
             let along_u = rest1 * share(tangent, own2) + rest2 * share(own1, tangent);

@@ -8,8 +8,8 @@ use pelage_import::mesh::{Material, MeshPart};
 const RINGS: u32 = 28;
 const SIDES: u32 = 14;
 
-/// A torus about the y axis, radii 0.3 m and 0.12 m. Vertex colours say something at every vertex that is far from smooth. With texture
-/// coordinates it is one chart, cut open along both circles.
+/// Builds a torus about the y axis with radii 0.3 m and 0.12 m and noisy vertex colours. With texture coordinates it is
+/// one chart, cut along both circles.
 fn torus(with_uvs: bool) -> Model {
     let mut mesh = Mesh::default();
     let seam = u32::from(with_uvs);
@@ -60,7 +60,7 @@ fn written(
     groom_map(&Told::new("torus", "torus", &recipe, images), model, quantity, None, texels)
 }
 
-/// Length, lean and density, as maps have it, that a recipe gives each vertex of the model.
+/// Returns length, lean and density per vertex of the model for a recipe, encoded as in maps.
 fn groomed(model: &Model, text: &str, images: &MapImages) -> [Vec<f32>; 3] {
     let recipe = recipe(text);
     let told = Told::new("torus", "torus", &recipe, images);
@@ -81,7 +81,7 @@ fn with_image(map: GroomMap) -> MapImages {
     MapImages { images: [("m.png".to_owned(), map.image)].into(), ..MapImages::default() }
 }
 
-/// Greatest difference of two lists.
+/// Returns the largest difference between two lists.
 fn worst(a: &[f32], b: &[f32]) -> f32 {
     assert!(a.len() == b.len() && a.iter().chain(b).all(|x| x.is_finite()));
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
@@ -137,7 +137,7 @@ fn a_comb_that_no_map_says_is_the_way_the_hair_lies() {
     let lies = |text| written(&model, text, &none, Quantity::Comb, 512).unwrap();
     let down = lies("[surface]\ncomb = \"gravity\"");
     assert_eq!(down.coordinates, GroomCoordinates::Atlas);
-    // At the outer equator the skin is upright, and hair lies straight down.
+    // At the outer equator the surface is vertical, and hair points straight down.
     let at = |map: &GroomMap, v: usize| {
         let uv = map.mesh.uvs[v];
         bilinear(&map.image, uv, Wrap::Repeat, Encoding::Linear).truncate() * 2.0 - 1.0

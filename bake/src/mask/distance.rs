@@ -1,11 +1,13 @@
-//! The exact Euclidean distance transform: P. F. Felzenszwalb, D. P. Huttenlocher, *Distance Transforms of Sampled Functions*, Theory of Computing 8 (2012).
+//! Exact Euclidean distance transform: P. F. Felzenszwalb, D. P. Huttenlocher, *Distance Transforms of Sampled
+//! Functions*, Theory of Computing 8 (2012).
 //!
-//! The squared distance to a set of points is the lower envelope of parabolas over them; a grid is done column by column, then row by row.
+//! The squared distance to a set of points is the lower envelope of parabolas over them. A grid is processed column by
+//! column, then row by row.
 
-/// Squared distance of every point of a grid to the nearest one of a set; infinite where the set is empty.
+/// Returns the squared distance of every grid point to the nearest point of a set; infinite if the set is empty.
 ///
-/// * `width`, `height`: the grid, row-major
-/// * `is_in`: whether the point of that index is in the set
+/// * `width`, `height`: size of the grid, row-major
+/// * `is_in`: whether the point with that index is in the set
 pub(super) fn squared(width: usize, height: usize, is_in: impl Fn(usize) -> bool) -> Vec<f64> {
     let mut grid: Vec<f64> = (0..width * height).map(|i| if is_in(i) { 0.0 } else { f64::INFINITY }).collect();
     let mut envelope = Envelope::default();
@@ -25,17 +27,17 @@ pub(super) fn squared(width: usize, height: usize, is_in: impl Fn(usize) -> bool
     grid
 }
 
-/// Parabolas of which each is the lowest somewhere, from the left.
+/// Lower envelope: its parabolas from left to right.
 #[derive(Default)]
 struct Envelope {
-    /// Where each has its lowest point, and how high that is.
+    /// Position and height of the vertex of each parabola.
     feet: Vec<(f64, f64)>,
-    /// From where on each is the lowest.
+    /// Left end of the interval in which each parabola is the lowest.
     from: Vec<f64>,
 }
 
 impl Envelope {
-    /// Replaces each value f(q) by the least of f(p) + (p − q)² over all p.
+    /// Replaces each value f(q) by the minimum of f(p) + (p − q)² over all p.
     fn lower(&mut self, values: &mut [f64]) {
         self.feet.clear();
         self.from.clear();
@@ -43,7 +45,7 @@ impl Envelope {
             let q = q as f64;
             let mut from = f64::NEG_INFINITY;
             while let (Some((p, lowest)), Some(last)) = (self.feet.last(), self.from.last()) {
-                // Where this parabola meets the last one; beyond, this one is lower.
+                // Intersection of this parabola with the last one; to the right of it this one is lower.
                 from = ((height + q * q) - (lowest + p * p)) / (2.0 * (q - p));
                 if from > *last {
                     break;

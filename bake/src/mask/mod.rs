@@ -1,7 +1,8 @@
-//! Sets of pixels, and how far it is from one to the next: what drawn lines are measured with.
+//! Sets of pixels and distances between them, for measuring drawn lines.
 //!
-//! Distances are exact ([`Mask::distances`], by lower envelopes of parabolas), lines of any width come down to one pixel ([`Mask::core`]), and the
-//! widest stroke is the largest disc that fits into ink ([`Mask::widest_stroke`]).
+//! Distances are exact ([`Mask::distances`], by lower envelopes of parabolas). Lines of any width are thinned to one
+//! pixel ([`Mask::core`]). The width of the widest stroke is the diameter of the largest disc that fits into ink
+//! ([`Mask::widest_stroke`]).
 
 mod distance;
 mod set;

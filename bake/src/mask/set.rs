@@ -1,42 +1,42 @@
-//! A set of pixels, and what is asked of it.
+//! Set of pixels and its operations.
 
 use super::distance;
 use image::RgbaImage;
 use pelage_import::BakeError;
 
-/// A set of pixels.
+/// Set of pixels.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mask {
-    /// Pixels across.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height, pixels.
     pub height: u32,
-    /// `width * height`, row-major from the top: whether a pixel is in the set.
+    /// Membership of each pixel: `width * height` values, row-major from the top.
     pub pixels: Vec<bool>,
 }
 
-/// The widest place of a drawing.
+/// Widest part of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stroke {
-    /// Diameter of the largest disc that lies in ink, pixels; 0 where there is no ink.
+    /// Diameter of the largest disc that fits into ink, pixels; 0 without any ink.
     pub width_px: f64,
-    /// Its middle, pixels from the upper left corner of the picture.
+    /// Centre of that disc, pixels from the upper left corner of the image.
     pub at_px: [f64; 2],
 }
 
 impl Mask {
-    /// The empty set.
+    /// Returns the empty set.
     pub fn empty(width: u32, height: u32) -> Self {
         Self { width, height, pixels: vec![false; width as usize * height as usize] }
     }
 
-    /// The pixels of which `is_in` says so, asked from the top row by row.
+    /// Returns the set of pixels for which `is_in` returns true, called row by row from the top.
     pub fn from_fn(width: u32, height: u32, mut is_in: impl FnMut(u32, u32) -> bool) -> Self {
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         Self { width, height, pixels: places.map(|(x, y)| is_in(x, y)).collect() }
     }
 
-    /// The pixels of a drawing in black on white that are darker than `grey`, 0..=255: their greatest component counts.
+    /// Returns the pixels of a black-on-white drawing that are darker than `grey`, 0..=255, in their largest component.
     pub fn darker(picture: &RgbaImage, grey: u8) -> Self {
         let dark = |x, y| {
             let [r, g, b, _] = picture.get_pixel(x, y).0;
@@ -45,17 +45,17 @@ impl Mask {
         Self::from_fn(picture.width(), picture.height(), dark)
     }
 
-    /// Number of pixels in the set.
+    /// Returns the number of pixels in the set.
     pub fn count(&self) -> usize {
         self.pixels.iter().filter(|p| **p).count()
     }
 
-    /// Whether a pixel is in the set; no pixel outside the picture is.
+    /// Whether a pixel is in the set; false outside the image.
     pub fn contains(&self, x: i64, y: i64) -> bool {
         self.index(x, y).is_some_and(|i| self.pixels[i])
     }
 
-    /// Adds a pixel; one outside the picture is left out.
+    /// Adds a pixel; ignored outside the image.
     pub fn insert(&mut self, x: i64, y: i64) {
         if let Some(i) = self.index(x, y) {
             self.pixels[i] = true;
@@ -67,20 +67,22 @@ impl Mask {
         inside.then(|| y as usize * self.width as usize + x as usize)
     }
 
-    /// The pixels of either set.
+    /// Returns the union of both sets.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Params`] where the sizes differ.
+    /// [`BakeError::Params`] if the sizes differ.
     pub fn union(&self, other: &Self) -> Result<Self, BakeError> {
         self.same_size(other)?;
         let pixels = self.pixels.iter().zip(&other.pixels).map(|(a, b)| *a || *b).collect();
         Ok(Self { pixels, ..*self })
     }
 
+    /// Checks that both sets have the same size.
+    ///
     /// # Errors
     ///
-    /// [`BakeError::Params`] where the sizes differ.
+    /// [`BakeError::Params`] if the sizes differ.
     pub fn same_size(&self, other: &Self) -> Result<(), BakeError> {
         if (self.width, self.height) == (other.width, other.height) {
             return Ok(());
@@ -90,21 +92,22 @@ impl Mask {
         Err(BakeError::Params { what: "masks", reason })
     }
 
-    /// Distance of every pixel's middle to the middle of the nearest pixel of the set, pixels: 0 in the set, infinite where it is empty. Exact but for
-    /// one square root.
+    /// Returns the distance from each pixel's centre to the centre of the nearest pixel of the set, pixels; 0 in the
+    /// set, infinite if it is empty. Exact except for the rounding of one square root.
     pub fn distances(&self) -> Vec<f64> {
         let mut squares = distance::squared(self.width as usize, self.height as usize, |i| self.pixels[i]);
         squares.iter_mut().for_each(|d| *d = d.sqrt());
         squares
     }
 
-    /// The widest stroke, if the set is ink: the largest disc in it, with the pixels taken as squares. Outside the picture there is no ink. A line of n
-    /// pixels along an axis is n wide.
+    /// Returns the widest stroke of the set taken as ink: the largest disc in it, with pixels as squares. Pixels
+    /// outside the image are not ink. A line of n pixels along an axis has width n.
     ///
-    /// Of several as wide the first from the top counts.
+    /// If several are equally wide, the first from the top is returned.
     pub fn widest_stroke(&self) -> Stroke {
-        // Points a half pixel apart: middles, corners and edges of pixels, with a frame without ink about them. The largest disc has its middle at one of
-        // them or less than half a pixel beside, and the nearest point of a square without ink is always one of them.
+        // Points half a pixel apart: centres, corners and edge midpoints of pixels, surrounded by a border without ink.
+        // The centre of the largest disc is one of them or less than half a pixel away. The nearest point of a square
+        // without ink is always one of them.
         let (w, h) = (self.width as usize, self.height as usize);
         let (columns, rows) = (2 * w + 1, 2 * h + 1);
         let mut paper = vec![false; columns * rows];
@@ -131,7 +134,7 @@ impl Mask {
         if square <= 0.0 {
             return Stroke::default();
         }
-        // Twice a radius of half pixels.
+        // Diameter: twice a radius in units of half a pixel.
         Stroke { width_px: square.sqrt(), at_px: [(i % columns) as f64 / 2.0, (i / columns) as f64 / 2.0] }
     }
 }

@@ -2,22 +2,23 @@
 
 use super::set::Mask;
 
-/// The neighbours of a pixel, clockwise from above.
+/// Offsets to the neighbours of a pixel, clockwise from above.
 const ROUND: [(i64, i64); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
 
 impl Mask {
-    /// The set thinned to lines of one pixel that run in the middle of what was wider (Zhang and Suen 1984); connected parts stay connected, and what
-    /// is a pixel wide stays as it is.
+    /// Thins the set to centre lines one pixel wide (Zhang and Suen 1984). Connected parts stay connected, and lines
+    /// one pixel wide are unchanged.
     #[must_use]
     pub fn core(&self) -> Self {
         thinned(self)
     }
 }
 
-/// Takes pixels from the borders of what is wider than one, in turns from the lower right and the upper left, until nothing is left to take.
+/// Removes border pixels of parts wider than one pixel, alternately from the lower right and the upper left, until none
+/// can be removed.
 ///
-/// All pixels of a turn are chosen at once, which keeps the line in the middle; each is asked again when it goes, because a slanted line of two pixels
-/// is all border and would vanish as printed.
+/// All pixels of a pass are selected at once, which keeps the line in the middle. Each is checked again before removal,
+/// because a slanted line two pixels wide is all border and would vanish in the published form.
 fn thinned(mask: &Mask) -> Mask {
     let mut out = mask.clone();
     let mut candidates: Vec<usize> = (0..out.pixels.len()).filter(|i| out.pixels[*i]).collect();
@@ -43,14 +44,14 @@ fn neighbours(mask: &Mask, i: usize) -> [bool; 8] {
     ROUND.map(|(dx, dy)| mask.contains(x + dx, y + dy))
 }
 
-/// Neither an end nor what holds two parts together.
+/// Whether a pixel can be removed: it is neither an end nor a connection between two parts.
 fn is_spare(n: &[bool; 8]) -> bool {
     let count = n.iter().filter(|set| **set).count();
     let begins = (0..8).filter(|k| !n[*k] && n[(k + 1) % 8]).count();
     (2..=6).contains(&count) && begins == 1
 }
 
-/// Whether a pixel is spare, and on the side whose turn it is.
+/// Whether a pixel can be removed and is on the side of this pass.
 fn is_border(mask: &Mask, i: usize, turn: u32) -> bool {
     let n = neighbours(mask, i);
     let [above, _, right, _, below, _, left, _] = n;

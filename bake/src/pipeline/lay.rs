@@ -1,4 +1,5 @@
-//! The `surface` stage: how the recipe, the body and the model's own marks lay the hair's tile on a model, and what was chosen where the recipe is silent.
+//! Stage `surface`: lays out the hair tile on a model according to the recipe, the body and the marks in the model.
+//! Records what it chooses for values that the recipe leaves open.
 
 use crate::decision::Decision;
 use crate::recipe::{
@@ -15,38 +16,38 @@ use pelage_import::BakeError;
 use pelage_import::mesh::{DrawnComb, Model, RestPose};
 use std::collections::BTreeSet;
 
-/// What the `surface` stage leaves behind.
+/// Output of the `surface` stage.
 #[derive(Clone, Debug)]
 pub struct Laid<'a> {
-    /// The mesh with its hair-tile coordinates.
+    /// Mesh with hair-tile coordinates.
     pub surface: Surface,
-    /// Box and sphere about the skin at rest.
+    /// Box and sphere around the mesh at rest.
     pub bounds: Bounds,
-    /// One per material: whether hair grows on it.
+    /// Whether hair grows on each material.
     pub furred: Vec<bool>,
-    /// What `model.bare` says, or would have to say for the same.
+    /// Effective value of `model.bare`: the recipe's or the chosen one.
     pub bare: Vec<String>,
-    /// Lengths that the recipe may leave open.
+    /// Lengths that the recipe may leave open, resolved.
     pub lengths: Lengths,
-    /// The recipe with hair and patches in the terms of the tile.
+    /// Recipe with hair density and radii converted to tile units.
     pub filled: Recipe,
-    /// Colours of the hair, which the recipe may leave open too.
+    /// Hair colours that the recipe may leave open, resolved.
     pub hair_colors: HairColors,
-    /// The recipe's groom maps.
+    /// Groom maps of the recipe.
     pub maps: Maps<'a>,
-    /// Density and comb as the maps say them, at the vertices of the model.
+    /// Density and comb of the maps at the model's vertices.
     pub lay: Lay,
-    /// What the recipe left open and was chosen.
+    /// Values that the recipe left open and the bake chose.
     pub decisions: Vec<Decision>,
-    /// What `import` and this stage had to say.
+    /// Warnings of `import` and of this stage.
     pub warnings: Vec<String>,
 }
 
-/// The first stage alone: lays the hair's tile on a model. Arguments as in [`Told`](super::Told).
+/// Runs the first stage alone: lays out the hair tile on a model. Arguments are those of [`Told`](super::Told).
 ///
 /// # Errors
 ///
-/// As [`bake`](super::bake()), as far as this stage goes.
+/// The errors of [`bake`](super::bake()) that this stage can raise.
 pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapImages) -> Result<Laid<'a>, BakeError> {
     let mut warnings = model.warnings.clone();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
@@ -56,7 +57,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let body = Body { mesh: &model.mesh, rest: &rest, animation, furred: &furred, bounds: &bounds };
     let mut by_body = BodyGroom::of(&body, recipe.groom.by_body);
     if recipe.surface.source == SurfaceSource::Model {
-        // The model's own coordinates say how dense hair is.
+        // The density follows from the model's own texture coordinates.
         by_body.iter_mut().for_each(|body| body.density = None);
     }
     let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings)
@@ -74,7 +75,8 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     warnings.extend(of_hair);
     let lengths = Lengths::resolve(&filled, &bounds);
     let colored = groom::is_colored(model, &maps, &furred, &recipe.color);
-    // Hair that nothing colours is brown by its own colours, which would brown what marks colour; so the brown goes below.
+    // Hair without any colour source gets a brown root and tip colour, which would tint the colours of marks. With
+    // coloured marks the brown becomes the base colour instead.
     let plain = maps.marks().has_color() && !colored && recipe.color.root.is_none() && recipe.color.tip.is_none();
     let (maps, colored) = if plain { (maps.with_plain_color(HairColors::PLAIN), true) } else { (maps, colored) };
     let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(&filled)).chain(of_tile).collect();
@@ -118,7 +120,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     Ok(Laid { surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
 }
 
-/// That what is drawn in the model combs it, where the recipe leaves open what does.
+/// Reports that lines drawn in the model comb the hair, if the recipe leaves the source open.
 fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[DrawnComb]) -> Option<Decision> {
     if params.comb != CombSource::Auto || drawn.is_empty() || !matches!(comb, Comb::Marks { .. }) {
         return None;
@@ -132,13 +134,13 @@ fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[DrawnComb
     })
 }
 
-/// A colour of our own, which has whole bytes, in a recipe.
+/// Formats a built-in colour, whose components are whole bytes, for a recipe.
 fn in_toml(color: SrgbColor) -> String {
     let [r, g, b] = color.0.map(|c| (255.0 * c).round() as u8);
     format!("\"#{r:02x}{g:02x}{b:02x}\"")
 }
 
-/// What `color` leaves open of the colours of hair, and why it was chosen so.
+/// Reports the hair colours that `color` leaves open, with the reason for their choice.
 fn hair_color_decisions(color: &ColorParams, hair: HairColors, why: &'static str) -> impl Iterator<Item = Decision> {
     let open = [
         (

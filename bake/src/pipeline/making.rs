@@ -1,4 +1,4 @@
-//! What each step does: it takes what it reads, calls its stage, and lays down what that made.
+//! Implementation of the steps: each takes its inputs, calls its stage and stores the output.
 
 use super::lay::{Laid, lay};
 use super::outputs::{Groomed, Output, Outputs, Packed, Shells, SkinFiles, SkinImages, Told, Visible, made};
@@ -39,7 +39,7 @@ pub(super) fn visible(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), 
     let (hair, params) = (made(&outputs.hair, Hair)?, &told.recipe.visibility);
     let find = || {
         let dry = visibility::visibility(&hair.strands, params, None)?;
-        // Where they mix they sink behind one horizon.
+        // Both use one horizon, because they are blended.
         let wet = |strands| visibility::visibility(strands, params, Some(dry.horizon));
         let wet = hair.wet.as_ref().map(wet).transpose()?;
         Ok::<_, BakeError>(self::Visible { dry, wet })
@@ -127,7 +127,7 @@ pub(super) fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), Ba
     Ok(())
 }
 
-/// Height of the fur, metres.
+/// Returns the height of the fur, metres.
 fn height_m(hair: &TileHair, lengths: Lengths) -> f32 {
     hair.strands.height * lengths.tile_size_m
 }
@@ -235,7 +235,7 @@ pub(super) fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), Bak
     let ink = made(&outputs.ink, Ink)?.as_ref().zip(made(&outputs.ink_textures, InkTextures)?.as_ref());
     let (skin, hair) = (made(&outputs.skin, Skin)?, made(&outputs.hair, Hair)?);
     let shading = Shading::from(&told.recipe.shading);
-    // Where no coat grows, its strands are of no use.
+    // Without a furred material the strands are unused.
     let furred = skin.manifest.materials.iter().any(|material| material.furred);
     let packed = pack::pack(&Pieces {
         recipe: told.recipe,

@@ -1,4 +1,4 @@
-//! What the steps are told, what they make, and what they keep over being run again.
+//! Input and outputs of the steps, and results cached between runs.
 
 use super::lay::Laid;
 use crate::decision::Decision;
@@ -19,59 +19,59 @@ use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Model};
 use std::sync::Arc;
 
-/// What a bake is told: the same for all its steps.
+/// Input of a bake, the same for all steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Told<'a> {
-    /// The model, or the package, as the user named it, for messages.
+    /// Model or package as the user named it, for messages.
     pub file: &'a str,
-    /// Its name in the package.
+    /// Name of the model in the package.
     pub name: &'a str,
     /// The recipe.
     pub recipe: &'a Recipe,
-    /// The images that the recipe names.
+    /// Images that the recipe names.
     pub images: &'a MapImages,
-    /// Where long stages count their steps.
+    /// Progress counter of long stages.
     pub steps: &'a Steps,
 }
 
 impl<'a> Told<'a> {
-    /// What nobody waits for. Arguments as the fields.
+    /// Creates the input with an unobserved progress counter. Arguments are the fields.
     pub fn new(file: &'a str, name: &'a str, recipe: &'a Recipe, images: &'a MapImages) -> Self {
         Self { file, name, recipe, images, steps: Steps::unseen() }
     }
 }
 
-/// Declares what is kept of the steps: a field of [`Outputs`] and its name in [`Output`].
+/// Declares the outputs of the steps: a field of [`Outputs`] and its name in [`Output`].
 macro_rules! outputs {
     ($($(#[doc = $doc:literal])+ $name:ident $field:ident: $type:ty,)+) => {
-        /// The name of something that a step makes.
+        /// Name of a step's output.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Output {
             $($(#[doc = $doc])+ $name,)+
         }
 
-        /// What the steps have made so far; `None` is not made yet.
+        /// Outputs made so far; `None` if not made yet.
         #[derive(Clone, Debug, Default)]
         pub struct Outputs<'a> {
             $($(#[doc = $doc])+ pub $field: Option<$type>,)+
-            /// What steps keep over their being run again, where what decides about it may stay the same.
+            /// Results cached between runs, for steps whose inputs may stay the same.
             pub kept: Kept,
         }
 
         impl Output {
-            /// All of them, in the order in which they are made.
+            /// All outputs, in the order in which they are made.
             pub const ALL: &'static [Self] = &[$(Self::$name),+];
         }
 
         impl Outputs<'_> {
-            /// Whether it is there.
+            /// Whether the output exists.
             pub fn has(&self, output: Output) -> bool {
                 match output {
                     $(Output::$name => self.$field.is_some(),)+
                 }
             }
 
-            /// Drops it, and nothing that was made of it.
+            /// Drops the output, but nothing derived from it.
             pub fn clear(&mut self, output: Output) {
                 match output {
                     $(Output::$name => self.$field = None,)+
@@ -82,50 +82,50 @@ macro_rules! outputs {
 }
 
 outputs! {
-    /// What `import` made: nothing here makes it.
+    /// Imported model; no step makes it.
     Model model: &'a Model,
-    /// The model with the hair's tile laid on it.
+    /// Model with the hair tile laid out on it.
     Laid laid: Laid<'a>,
-    /// The strands of the tile.
+    /// Strands of the tile.
     Hair hair: TileHair,
-    /// How much light reaches the strands; none where the package is not to know.
+    /// Light that reaches the strands; `None` if the package is not to store it.
     Visible visible: Option<Visible>,
-    /// The strands in layers.
+    /// Strands sliced into layers.
     Shells shells: Shells,
-    /// The strands as the package has them; none where it is to have no strands.
+    /// Strands in the package's format; `None` if the package is to have no strands.
     Single single: Option<StrandsData>,
-    /// The laid model with what varies over it.
+    /// Groomed model: the laid-out model with the values that vary over it.
     Groomed groomed: Arc<Groomed>,
-    /// Hair on guides, and what there was to say of it.
+    /// Guide-driven hair, with its warnings.
     Guided guided: GuidedHair,
-    /// Where fins stand.
+    /// Positions of the fins.
     Fins fins: SkinFins<'a>,
-    /// What fins show; none where the package is to have no fins.
+    /// Textures of the fins; `None` if the package is to have no fins.
     FinTextures fin_textures: Option<FinTextures>,
-    /// What vertices take of the ink style; none without the style.
+    /// Per-vertex data of the ink style; `None` without the style.
     Ink ink: Option<SkinInk>,
-    /// What the ink style is painted with; none without the style.
+    /// Textures of the ink style; `None` without the style.
     InkTextures ink_textures: Option<InkFiles<'a>>,
-    /// The skin, with its textures in the package's formats.
+    /// Mesh surface, with its textures in the package's formats.
     Skin skin: Skin<'a>,
-    /// How the hair's fibres scatter light; none where it is lit without.
+    /// Scattering of light by the hair's fibres; `None` if the shading model does not use it.
     Fibres fibres: Option<FibreTables>,
-    /// The package.
+    /// Package.
     Package package: Packed,
 }
 
-/// What is dear to make, and often made of the same although hair changed.
+/// Expensive intermediate results that often stay the same when the hair changes.
 #[derive(Clone, Debug, Default)]
 pub struct Kept {
-    /// Textures of the ink style without its fur.
+    /// Textures of the ink style, without its fur.
     pub(super) painting: Remade<(InkParams, PackParams), Painting>,
-    /// Textures of the skin.
+    /// Textures of the mesh surface.
     pub(super) skin: Remade<SkinImages, Arc<SkinFiles>>,
-    /// Lists of fewer triangles, and what the body leaves open.
+    /// Simplified index lists and openness.
     pub(super) of_skin: KeptOfSkin,
 }
 
-/// The images of a skin, and how they are encoded.
+/// Images of the mesh surface and their encoding.
 #[derive(Clone, Debug)]
 pub(super) struct SkinImages {
     pub(super) groomed: Arc<Groomed>,
@@ -139,7 +139,7 @@ impl PartialEq for SkinImages {
     }
 }
 
-/// Those images as .ktx2 files.
+/// Those images, encoded as .ktx2 files.
 #[derive(Clone, Debug)]
 pub(super) struct SkinFiles {
     pub(super) base_colors: Vec<Vec<u8>>,
@@ -158,53 +158,53 @@ impl SkinFiles {
     }
 }
 
-/// How much light reaches the strands.
+/// Light that reaches the strands.
 #[derive(Clone, Debug)]
 pub struct Visible {
-    /// As they are dry.
+    /// Dry strands.
     pub dry: Visibility,
-    /// As they are wet, where dry and wet mix.
+    /// Wet strands, if dry and wet hair mix.
     pub wet: Option<Visibility>,
 }
 
-/// The shell textures.
+/// Shell textures.
 #[derive(Clone, Debug)]
 pub struct Shells {
-    /// Of the strands.
+    /// Textures of the strands.
     pub dry: ShellTextures,
-    /// Of the same strands when wet, where dry and wet mix.
+    /// Textures of the same strands when wet, if dry and wet hair mix.
     pub wet: Option<ShellTextures>,
 }
 
-/// What the `groom` stage leaves behind.
+/// Output of the `groom` stage.
 #[derive(Clone, Debug)]
 pub struct Groomed {
-    /// The laid surface; where there is a pattern, cut along the borders of its charts.
+    /// Laid-out surface; with a pattern, it is cut along the borders of its charts.
     pub surface: Surface,
-    /// What varies over its vertices.
+    /// Groom values at its vertices.
     pub coat: Coat,
     /// Colours of its materials and vertices.
     pub colors: Colors,
-    /// The groom textures.
+    /// Groom textures.
     pub grooms: GroomTextures,
-    /// Width of the pattern, metres, where there is one.
+    /// Width of the pattern, metres, if there is one.
     pub pattern_size_m: Option<f32>,
-    /// How hair finds the colour of its root, where that is another than the colour below it.
+    /// Lookup of the colour at a hair's root, if it may differ from the colour below the hair.
     pub roots: Option<RootsInfo>,
-    /// How far from bare materials hair has its full length, metres; `None` where no hair is near one.
+    /// Distance from bare materials at which hair reaches its full length, metres; `None` if no hair is near one.
     pub bare_margin_m: Option<f32>,
-    /// What the recipe left open and was chosen.
+    /// Values that the recipe left open and the bake chose.
     pub decisions: Vec<Decision>,
-    /// What there was to say.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
-/// A finished package.
+/// Result of the `pack` stage.
 #[derive(Clone, Debug)]
 pub struct Packed {
-    /// Its bytes.
+    /// Contents of the package.
     pub bytes: Vec<u8>,
-    /// What all stages had to say.
+    /// Warnings of all stages.
     pub warnings: Vec<String>,
 }
 
@@ -212,7 +212,7 @@ fn missing(what: Output) -> BakeError {
     BakeError::Internal(format!("{what:?} is not there, expected a step before to make it"))
 }
 
-/// What a step needs of the steps before it.
+/// Returns an output of an earlier step.
 pub(super) fn made<T>(output: &Option<T>, what: Output) -> Result<&T, BakeError> {
     output.as_ref().ok_or_else(|| missing(what))
 }

@@ -1,37 +1,38 @@
-//! Coats: kinds of hair by name, each a set of other defaults.
+//! Coats: named kinds of hair, each a set of defaults.
 //!
-//! A coat is a piece of a recipe, a file in `coats/` beside this one. What it says takes the place of a key's default, so that whatever a recipe says
-//! itself still counts. `animal` is the defaults as they are declared, and has no file.
+//! A coat is a partial recipe, a file in `coats/` beside this one. Its values replace the defaults of keys, so keys
+//! that a recipe sets itself take precedence. `animal` is the declared defaults and has no file.
 
 use pelage_params::{Choice, Control, Field, ParamError, Tables, knobs, read, words, wrap};
 
 words! {
-    /// Kinds of hair that a recipe can begin with.
+    /// Kinds of hair that a recipe can start from.
     Coat {
-        /// The defaults as this page gives them: underfur below guard hairs, short on face and legs and long on neck and tail, as of a fox or a dog.
+        /// Defaults of the recipe reference: underfur below guard hair, short on face and legs, long on neck and tail,
+        /// like a fox or a dog.
         #[default]
         Animal = "animal",
-        /// One thick coat as long everywhere, as of a toy; what recipes began with before there were coats.
+        /// Thick hair of one length everywhere, like a toy. Recipes started from it before there were coats.
         Natural = "natural",
-        /// Close and smooth, combed along the body, as of a boxer or a horse in summer.
+        /// Short and smooth, combed along the body, like a boxer or a horse in summer.
         Short = "short",
-        /// Dense, even and upright, as of a mole or a toy.
+        /// Dense, even and upright, like a mole or a toy.
         Plush = "plush",
-        /// Long uneven hair that hangs, as of a highland cow.
+        /// Long, uneven and hanging, like a highland cow.
         Shaggy = "shaggy",
-        /// Curls on curls, as of a sheep or an alpaca.
+        /// Tightly curled, like a sheep or an alpaca.
         Wool = "wool",
-        /// Coarse and stiff in all directions, as of a terrier or a boar.
+        /// Coarse and stiff in all directions, like a terrier or a boar.
         Wire = "wire",
-        /// Long, fine and very dense, as of a wolf in snow.
+        /// Long, fine and very dense, like a wolf in winter.
         Winter = "winter",
-        /// Gathered into dark shining locks, as of whatever came out of the water.
+        /// Gathered into dark shiny locks, like an animal that comes out of the water.
         Wet = "wet",
     }
 }
 
 impl Coat {
-    /// What it says, as a piece of a recipe in TOML; nothing for [`Coat::Animal`].
+    /// Returns the coat's values as a partial recipe in TOML; empty for [`Coat::Animal`].
     pub fn toml(self) -> &'static str {
         match self {
             Self::Animal => "",
@@ -47,10 +48,10 @@ impl Coat {
     }
 }
 
-/// Changes what a recipe has from its coat: a key that has the value of `before` gets that of `after`, every other stays.
+/// Changes the coat of a recipe: keys with the value of `before` get that of `after`, all others stay.
 ///
 /// # Errors
-/// What is wrong with the file of a coat.
+/// The error in the file of a coat.
 pub(super) fn change<S: Tables>(recipe: &mut S, before: Coat, after: Coat) -> Result<(), ParamError> {
     let with = |coat: Coat| {
         let mut recipe = S::default();
@@ -66,9 +67,9 @@ pub(super) fn change<S: Tables>(recipe: &mut S, before: Coat, after: Coat) -> Re
     read(recipe, &changed)
 }
 
-/// Every coat as a page of Markdown: what it is, what it sets, and its picture.
+/// Returns a Markdown page of all coats: description, values set, and image.
 ///
-/// * `has_picture`: whether a file of that path, from the page's folder, is there to be shown
+/// * `has_picture`: whether the file of a path relative to the page's folder exists
 pub fn coats_page(has_picture: impl Fn(&str) -> bool) -> String {
     let mut page = "# Coats\n".to_owned();
     for paragraph in INTRODUCTION {

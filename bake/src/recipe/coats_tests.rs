@@ -1,4 +1,4 @@
-//! The files of coats, and what becomes of a recipe that names one.
+//! The files of coats, and recipes that name a coat.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::{Coat, coats_page};
@@ -32,7 +32,7 @@ fn every_coat_has_a_file_that_gives_other_defaults() {
     assert_eq!(files, words);
 }
 
-/// A key that a recipe leaves out could not be written back: `to_toml` has no word for it.
+/// Checks that no coat sets a key that may be left out: `to_toml` could not write it back.
 #[test]
 fn coats_set_keys_that_always_have_a_value() {
     let animal = Recipe::default();
@@ -47,7 +47,7 @@ fn coats_set_keys_that_always_have_a_value() {
 fn what_a_recipe_says_counts_before_its_coat() {
     let animal = Recipe::default();
     let winter = of(Coat::Winter);
-    // Before the coat, after it, and also the very value that the coat takes away.
+    // Keys before and after the coat, and one with exactly the value that the coat replaces.
     let text =
         format!("[slice]\nlayers = 9\n[hair]\ndensity = {}\ncoat = \"winter\"\nlean = 0.1\n", animal.hair.density);
     let recipe = Recipe::parse("r.toml", &text).unwrap();
@@ -100,7 +100,7 @@ fn packages_of_before_there_were_coats_keep_theirs() {
     let natural = of(Coat::Natural);
     assert_eq!(recorded, Recipe { hair: crate::recipe::HairParams { lean: 0.7, ..natural.hair.clone() }, ..natural });
     assert_eq!((recorded.underfur.density, recorded.hair.density, recorded.groom.by_body), (0, 700, 0.0));
-    // What is recorded now names every key.
+    // Recipes recorded now name every key.
     for coat in Coat::ALL {
         let recipe = of(*coat);
         assert_eq!(Recipe::recorded("new", &recipe.to_toml()).unwrap(), recipe);

@@ -8,25 +8,26 @@ use pelage_params::{Range, SrgbColor};
 const PLACE: Range<f32> = -1e6..=1e6;
 
 named_table! {
-    /// What hair is like at a place, and where it is combed to there. A mark has a place and says at least one thing.
+    /// Hair properties and comb direction near a point. A mark needs `at` and at least one property.
     CombMarkParams of "a mark" checked by is_whole {
-        /// Place near the skin, metres in world space at rest. Required.
+        /// Position near the mesh surface, metres in world space at rest. Required.
         at: [f32; 3], in PLACE;
-        /// Where hair is combed to there: any length but 0. It counts with `surface.comb = "marks"`, which is what `auto` is where a mark has one.
+        /// Comb direction, any length but 0. Used if `surface.comb` is `"marks"`, or `"auto"`, which means `marks` if
+        /// any mark has a direction.
         direction: [f32; 3], in PLACE;
-        /// Length there, share of `hair.length_m`, in place of what `[groom]` says.
+        /// Hair length, as a share of `hair.length_m`; overrides `[groom]`.
         length: f32, in SHARE;
-        /// Hairs per area there, likewise.
+        /// Hairs per area relative to the rest of the fur; overrides `[groom]`.
         density: f32, in DENSITY;
-        /// Extra lean there, likewise.
+        /// Extra lean; overrides `[groom]`.
         lean: f32, in SHARE;
-        /// Colour there in place of the model's or `groom.color`: an sRGB colour, which multiplies root and tip colour. A material with a texture is multiplied
-        /// by it instead.
+        /// sRGB colour instead of the model's or `groom.color`; multiplies root and tip colour. On a material with a
+        /// texture it multiplies the texture instead.
         color: SrgbColor, in ();
-        /// How far it reaches along the skin, metres: in full within a quarter of that, then less and less (for values three tenths of the model's radius, for
-        /// the direction as far as there is no other mark). Beyond, hair is as it would be without.
+        /// Reach along the surface, metres: full effect within a quarter of it, then fading to none. Default for
+        /// values: three tenths of the model's radius; for the direction: as far as the next mark.
         reach_m: f32, in 1e-6..=1e6;
-        /// Whether the same stands on the other side, x turned about.
+        /// Whether the mark also applies on the other side, mirrored in x.
         mirrored: bool = false, in ();
     }
 }
@@ -46,7 +47,7 @@ fn is_whole(mark: &CombMarkParams) -> Result<(), String> {
 }
 
 impl CombMarkParams {
-    /// The mark, and where it is mirrored its likeness on the other side.
+    /// Returns the mark and, if it is mirrored, its mirror image.
     pub fn with_likeness(&self) -> impl Iterator<Item = Self> + use<> {
         let turned = |v: [f32; 3]| [-v[0], v[1], v[2]];
         let mirrored = self.mirrored().then(|| Self {

@@ -1,4 +1,4 @@
-//! The fibres that hair is made of: `[fibre]`, `[[fibre.material]]` and `[[fibre.group]]`.
+//! Fibres of the hair: `[fibre]`, `[[fibre.material]]` and `[[fibre.group]]`.
 
 use super::named_table::named_table;
 use super::params::HairColors;
@@ -17,60 +17,65 @@ const TILT: Range<f32> = -15.0..=15.0;
 const SHARE: Range<f32> = 0.0..=1.0;
 
 params! {
-    /// `[fibre]`: the fibres that hair is made of, and how they scatter light, for `shading.model = "marschner"`.
+    /// `[fibre]`: fibres of the hair and how they scatter light, for `shading.model = "marschner"`.
     FibreParams in fibre {
-        /// Index of refraction: 1.55 of hair; lower is less glossy.
+        /// Index of refraction: 1.55 for hair; lower is less glossy.
         eta: f32 = 1.55, in ETA;
-        /// How far light that is reflected at a fibre's surface spreads along it, degrees of the half angle: 5 glossy, 10 soft, 20 dull. Light that goes through
-        /// spreads half as far, light that is reflected within twice as far.
+        /// Longitudinal roughness: spread along the fibre of light reflected at its surface, degrees of the half angle.
+        /// 5 is glossy, 10 soft, 20 dull. Transmitted light spreads half as far, internally reflected light twice as
+        /// far.
         along_deg: f32 = 7.5, in ALONG;
-        /// By how much its scales tilt that reflection towards the root, degrees of the half angle. The second highlight, in the hair's colour, moves the
-        /// other way, so that more sets them apart.
+        /// Tilt of that reflection towards the root, caused by the fibre's scales, degrees of the half angle. The
+        /// second highlight, in the hair's colour, moves the other way, so higher values separate the two more.
         tilt_deg: f32 = 3.0, in TILT;
-        /// How rough the fibre is all around: 0 clear as glass, with glints, 1 matt.
+        /// Azimuthal roughness of the fibre: 0 clear as glass, with glints, 1 matt.
         around: f32 = 0.3, in SHARE;
-        /// Eumelanin, which makes hair brown and black: 0 white, 0.3 blond, 1.3 brown, 8 black. Where it or `fibre.pheomelanin` is given, hair has the colour of
-        /// its pigments where `color.root` and `color.tip` are left out; `color.base_color = false` leaves the model's colours out as well.
+        /// Eumelanin, which makes hair brown and black: 0 white, 0.3 blond, 1.3 brown, 8 black. If this or
+        /// `fibre.pheomelanin` is given, the pigments replace the defaults of `color.root` and `color.tip`. Set
+        /// `color.base_color = false` to ignore the model's colours as well.
         eumelanin: Option<f32> = None, in 0.0..=100.0;
-        /// Pheomelanin, which makes hair yellow and red: 1 a fox's.
+        /// Pheomelanin, which makes hair yellow and red: 1 for a fox.
         pheomelanin: Option<f32> = None, in 0.0..=100.0;
-        /// Width and height of the tables that light is looked up in, texels.
+        /// Width and height of the scattering lookup tables, texels.
         table_texels: u32 = 64, in 16..=256, as PowerOfTwo;
-        /// Fibres of the coat on single materials: `[[fibre.material]]` with the `name` of a material, in which `*` stands for any characters and `?` for one,
-        /// and any of `eta`, `along_deg`, `tilt_deg`, `around`. Later ones win.
+        /// Fibres of the fur on single materials: `[[fibre.material]]` with the material's `name`, in which `*` matches
+        /// any characters and `?` one, and any of `eta`, `along_deg`, `tilt_deg`, `around`. Later tables take
+        /// precedence.
         material: Vec<OtherFibre> = Vec::new();
-        /// Fibres of hair on guides, where they are others than the coat's: `[[fibre.group]]` with the `name` of a group or tuft of `[strands]`, in which `*` stands
-        /// for any characters and `?` for one, and any of `eta`, `along_deg`, `tilt_deg`, `around`. Later ones win.
+        /// Fibres of guide-driven hair that differ from those of the fur: `[[fibre.group]]` with the `name` of a group
+        /// or tuft of `[strands]`, in which `*` matches any characters and `?` one, and any of `eta`, `along_deg`,
+        /// `tilt_deg`, `around`. Later tables take precedence.
         group: Vec<OtherFibre> = Vec::new();
     }
 }
 
 named_table! {
-    /// The fibres of the groups, or of the coat on the materials, that `name` matches. A key that is left out is as `[fibre]` says.
+    /// Fibres of the groups, or of the fur on the materials, that `name` matches. Keys left out have the values of
+    /// `[fibre]`.
     OtherFibre of "a material or a group of hair" {
-        /// As `fibre.eta`.
+        /// Overrides `fibre.eta`.
         eta: f32, in ETA;
-        /// As `fibre.along_deg`.
+        /// Overrides `fibre.along_deg`.
         along_deg: f32, in ALONG;
-        /// As `fibre.tilt_deg`.
+        /// Overrides `fibre.tilt_deg`.
         tilt_deg: f32, in TILT;
-        /// As `fibre.around`.
+        /// Overrides `fibre.around`.
         around: f32, in SHARE;
     }
 }
 
 impl FibreParams {
-    /// The coat's fibre.
+    /// Returns the fibre of the fur.
     pub fn of_coat(&self) -> FibreOptics {
         optics(self.eta, self.along_deg, self.tilt_deg, self.around)
     }
 
-    /// The fibre of a group of hair.
+    /// Returns the fibre of a group of hair.
     pub fn of_group(&self, name: &str) -> FibreOptics {
         self.other(&self.group, name)
     }
 
-    /// The fibre of the coat on a material.
+    /// Returns the fibre of the fur on a material.
     pub fn of_material(&self, name: &str) -> FibreOptics {
         self.other(&self.material, name)
     }
@@ -86,7 +91,7 @@ impl FibreParams {
         optics(eta, along_deg, tilt_deg, around)
     }
 
-    /// Colours of hair with these pigments; `None` where neither is given.
+    /// Returns the hair colours from the pigments; `None` if neither is given.
     pub fn pigmented(&self) -> Option<HairColors> {
         if self.eumelanin.is_none() && self.pheomelanin.is_none() {
             return None;

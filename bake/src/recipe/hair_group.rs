@@ -1,4 +1,4 @@
-//! Hair that is no coat: `[[strands.group]]` and `[[strands.tuft]]`.
+//! Guide-driven hair: `[[strands.group]]` and `[[strands.tuft]]`.
 
 use super::maps::{FilePath, ScalarMap};
 use super::material_groom::SHARE;
@@ -15,113 +15,119 @@ const LENGTH: Range<f32> = 1e-4..=100.0;
 const RADIUS: Range<f32> = 1e-6..=0.1;
 
 named_table! {
-    /// Hair that follows guides. A key that is left out has its default, or what stands in brackets.
+    /// Hair that follows guides. Keys left out have their default.
     HairGroupParams of "a group of hair" {
-        /// Name of the materials that it grows on, its scalp; `*` stands for any characters, `?` for one.
+        /// Name of the materials that it grows on, its scalp; `*` matches any characters, `?` one.
         material: String = "*".into(), in ();
-        /// How dense it is there, over where it is densest: a number, the vertex colours or an image. Where it is less than 0.01 nothing grows.
+        /// Density relative to the densest part of the scalp: a number, the vertex colours or an image. Nothing grows
+        /// below 0.01.
         mask: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
-        /// Strands to take as guides, from the recipe's folder: .hair (Cem Yuksel), .tfx (TressFX), .txt (lines of x y z), or .glb and .gltf (lines, those that
-        /// share vertices being one strand). Hair then grows where the scalp has some near. Without, guides grow.
+        /// Strand file whose strands become guides, relative to the recipe's folder: .hair (Cem Yuksel), .tfx
+        /// (TressFX), .txt (lines of x y z), or .glb and .gltf (lines; those that share vertices form one strand). Hair
+        /// then grows only where the scalp has guides nearby. Default: guides are generated.
         file: FilePath, in ();
-        /// What a length of 1 in that file is, metres.
+        /// Length of one unit of that file, metres.
         scale_m: f32 = 1.0, in 1e-6..=1e6;
-        /// By how many degrees the file is turned about x, then y, then z.
+        /// Rotation of the file about x, then y, then z, degrees.
         turn_deg: [f32; 3] = [0.0; 3], in -360.0..=360.0;
-        /// Where the file's origin is, metres.
+        /// Position of the file's origin, metres.
         at: [f32; 3] = [0.0; 3], in PLACE;
-        /// How far from the scalp a strand of the file may root to be a guide, metres: its beginning is led there (a tenth of the model's radius).
+        /// Maximum distance from the scalp to the root of a strand of the file, metres. Strands farther away are
+        /// ignored; the base of the others is bent to the scalp. Default: a tenth of the model's radius.
         loose_m: f32, in 0.0..=1e6;
-        /// Every how many strands of the file is a guide.
+        /// Step between the strands of the file that become guides: 1 uses all.
         every: u32 = 1, in 1..=1_000_000;
-        /// Guides that grow where there is no file.
+        /// Number of generated guides; unused with `file`.
         guides: u32 = 300, in 1..=20_000;
-        /// Hairs that follow them; 0 takes the guides for the hairs.
+        /// Number of hairs that follow the guides; 0 uses the guides themselves as hairs.
         hairs: u32 = 20_000, in 0..=4_000_000;
-        /// Points of each hair: one more than a power of two suits best.
+        /// Points of each hair, preferably one more than a power of two.
         points: u32 = 17, in 2..=65;
-        /// Points of each guide, of which hairs are smooth curves (8; 29 where it is curly).
+        /// Points of each guide, through which hairs are smooth curves. Default: 8; 29 for `curly`.
         guide_points: u32, in 2..=65;
-        /// Length of the guides that grow, metres (a sixth of the model's radius).
+        /// Length of generated guides, metres. Default: a sixth of the model's radius.
         length_m: f32, in LENGTH;
-        /// How guides grow: `straight` and `wet` fall, `curly` falls in helices, `messy` falls in waves, `lying` follows the skin.
+        /// Shape of generated guides: `straight` and `wet` fall, `curly` falls in helices, `messy` falls in waves,
+        /// `lying` follows the mesh surface.
         style: Style = Style::Straight, in ();
-        /// Where they fall to: a direction at rest.
+        /// Direction in which they fall, at rest.
         fall: [f32; 3] = [0.0, -1.0, 0.0], in PLACE;
-        /// How they are combed where they leave the skin: a direction at rest, of which the part along the skin counts; `[0, 0, 0]`: none.
+        /// Comb direction at the roots, at rest; only its component along the mesh surface counts. `[0, 0, 0]`: none.
         comb: [f32; 3] = [0.0; 3], in PLACE;
-        /// Where hair parts: x of a plane, metres, from which it is combed to both sides (none).
+        /// Parting: x of a plane, metres, from which hair is combed to both sides. Default: none.
         parting_m: f32, in PLACE;
-        /// How steeply hair leaves the skin where it is combed: 1 as much up as along.
+        /// Steepness at the root of combed hair: 0 along the mesh surface, 1 as much up as along.
         rise: f32 = 0.5, in 0.0..=10.0;
-        /// How long hair keeps the way it leaves the skin in, over its length.
+        /// Length over which hair keeps its direction at the root, as a share of its length.
         stiffness: f32 = 0.08, in 0.001..=10.0;
-        /// How far from the skin hair lies at most, over its length.
+        /// Maximum height of lying hair above the mesh surface, as a share of its length.
         lift: f32 = 0.06, in 0.0..=1.0;
         /// Radius from the root to the middle, metres.
         root_radius_m: f32 = 5e-5, in RADIUS;
-        /// Radius at the tip, metres (a third of that at the root).
+        /// Radius at the tip, metres. Default: a third of that at the root.
         tip_radius_m: f32, in 0.0..=0.1;
-        /// Colour at the root; the skin's does not matter.
+        /// Colour at the root, independent of the colour of the mesh surface.
         root_color: SrgbColor = SrgbColor::hex(0x3a_2a_1c), in ();
         /// Colour at the tip.
         tip_color: SrgbColor = SrgbColor::hex(0x6b_4a_2f), in ();
-        /// How much brighter or darker single hairs are.
+        /// Variation in brightness between single hairs.
         color_variation: f32 = 0.2, in SHARE;
-        /// Share of the length that the shortest hair lacks.
+        /// Variation in length: share of the length that the shortest hair lacks.
         length_variation: f32 = 0.15, in 0.0..=0.95;
-        /// How much hairs of a lock come together at their tips.
+        /// Clumping of the hairs of a lock towards their tips.
         clump: f32 = 0.5, in SHARE;
-        /// Hairs of a lock.
+        /// Number of hairs in a lock.
         lock_hairs: u32 = 60, in 1..=1_000_000;
-        /// How far the tips of stray hairs are aside, over their length.
+        /// Sideways offset of the tips of stray hairs, as a share of their length.
         stray: f32 = 0.1, in SHARE;
-        /// Share of the hair from its root on that the skin holds; 1: it does not move of itself.
+        /// Share of the hair, from the root, that is fixed to the mesh surface; 1: no motion of its own.
         held: f32 = GroupMotion::default().held, in SHARE;
-        /// Share of the hair from its root on beyond which it moves freely, not below `held`.
+        /// Share of the hair, from the root, beyond which it moves freely; at least `held`.
         free: f32 = GroupMotion::default().free, in SHARE;
-        /// How freely it moves, times what `held` and `free` say, by where it roots: a number, the vertex colours or an image; 0: it goes with the skin.
+        /// Factor on the freedom given by `held` and `free`, at the hair's root: a number, the vertex colours or an
+        /// image; 0: it follows the mesh surface.
         freedom: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
-        /// How fast the air takes it along, and stops it where it is still, 1/s.
+        /// Air drag: rate at which hair adopts the velocity of the air, 1/s.
         drag_per_s: f32 = GroupMotion::default().drag_per_s, in GroupMotion::DRAG_PER_S;
-        /// How often a second it swings back to where it was groomed; 0: it hangs.
+        /// Frequency at which hair swings back to its groomed position, Hz; 0: it hangs.
         swing_hz: f32 = GroupMotion::default().shape_hz, in GroupMotion::HZ;
-        /// How often a second its pieces swing back to the shape that they were groomed in; 0: it is limp.
+        /// Frequency at which segments bend back to their groomed shape, Hz; 0: limp.
         bend_hz: f32 = GroupMotion::default().bend_hz, in GroupMotion::HZ;
-        /// Share of its speed along the body that it loses in 1/120 s where it touches.
+        /// Friction on the body: share of the tangential speed lost in 1/120 s of contact.
         friction: f32 = GroupMotion::default().friction, in SHARE;
-        /// Another number is another chance.
+        /// Random seed.
         seed: u32 = 1, in 0..=4_000_000_000;
     }
 }
 
 named_table! {
-    /// A few thick hairs at a place: whiskers, lashes, brows. A key that is left out has its default, or what stands in brackets.
+    /// A few thick hairs at one point: whiskers, lashes, brows. Keys left out have their default.
     TuftParams of "a tuft" {
-        /// Middle of it, near the skin, metres in world space at rest; beside `joint` from there on, along the axes of the world ([0, 0, 0] there). It stands
-        /// where the skin is nearest. Either of both must be given.
+        /// Centre of the tuft, metres in world space at rest; with `joint`, an offset from it along the world's axes,
+        /// by default [0, 0, 0]. The tuft grows at the nearest point of the mesh surface. `at` or `joint` is required.
         at: [f32; 3], in PLACE;
-        /// Name of a joint or another node of the model: the tuft stands where the skin is nearest to that at rest (none).
+        /// Name of a joint or another node of the model: the tuft grows at the point of the mesh surface nearest to it
+        /// at rest. Default: none.
         joint: String, in ();
-        /// Name of the materials that it may stand on; `*` stands for any characters, `?` for one (all).
+        /// Name of the materials that it may grow on; `*` matches any characters, `?` one. Default: all.
         material: String, in ();
-        /// Whether the same stands on the other side, x turned about.
+        /// Whether there is a second tuft on the other side, mirrored in x.
         mirrored: bool = false, in ();
-        /// Hairs of it.
+        /// Number of hairs.
         hairs: u32 = 12, in 1..=10_000;
-        /// How far from the middle they root, metres.
+        /// Maximum distance of a root from the centre, metres.
         spread_m: f32 = 0.005, in 0.0..=100.0;
         /// Length, metres.
         length_m: f32 = 0.05, in LENGTH;
-        /// Which way they go, as much as away from the skin.
+        /// Direction added to the surface normal; its length is its weight relative to the normal.
         direction: [f32; 3] = [0.0; 3], in PLACE;
-        /// How far their tips hang down, over their length.
+        /// Sag of the tips, as a share of the length.
         bend: f32 = 0.15, in -1.0..=1.0;
-        /// How far they fan out.
+        /// Fanning out from the centre: 0 none.
         fan: f32 = 0.3, in SHARE;
         /// Radius at the root, metres.
         root_radius_m: f32 = 3e-4, in RADIUS;
-        /// Radius at the tip, metres (a sixth of that at the root).
+        /// Radius at the tip, metres. Default: a sixth of that at the root.
         tip_radius_m: f32, in 0.0..=0.1;
         /// Colour at the root.
         root_color: SrgbColor = SrgbColor::hex(0xe8_e0_d4), in ();
@@ -129,23 +135,23 @@ named_table! {
         tip_color: SrgbColor = SrgbColor::hex(0xf4_ef_e8), in ();
         /// Points of each hair.
         points: u32 = 9, in 2..=65;
-        /// Share of the length that the shortest hair lacks.
+        /// Variation in length: share of the length that the shortest hair lacks.
         length_variation: f32 = 0.4, in 0.0..=0.95;
-        /// Another number is another chance.
+        /// Random seed.
         seed: u32 = 1, in 0..=4_000_000_000;
     }
 }
 
 named_table! {
-    /// A capsule that hair on guides stays out of, in place of what is fitted to its joint.
+    /// Capsule that keeps guide-driven hair out; replaces the capsule fitted to its joint.
     HairColliderParams of "a collider" checked by is_body {
-        /// Name of the joint that it goes with (none: of a model without skeleton).
+        /// Name of the joint that the capsule follows. Required, unless the model has no skeleton.
         joint: String, in ();
-        /// One end of its axis, metres in world space at rest.
+        /// First end of its axis, metres in world space at rest.
         from: [f32; 3], in PLACE;
-        /// The other end; a ball has one only (`from`).
+        /// Other end of its axis, likewise. Default: `from`, which makes a sphere.
         to: [f32; 3], in PLACE;
-        /// Its radius, metres.
+        /// Radius, metres.
         radius_m: f32, in 1e-6..=1e4;
     }
 }

@@ -1,20 +1,21 @@
-//! What a recipe says about the hair on single joints: `[[groom.joint]]`.
+//! Groom of the hair on single joints: `[[groom.joint]]`.
 
 use super::material_groom::{DENSITY, SHARE};
 use super::named_table::named_table;
 
 named_table! {
-    /// The groom of the skin that follows the joints that `name` matches, and those that hang on them. `*` stands for any characters, `?` for one.
+    /// Groom of the mesh surface that follows the joints that `name` matches, and their descendants. `*` matches any
+    /// characters, `?` one.
     JointGroom of "a joint" {
-        /// In place of `groom.length`.
+        /// Overrides `groom.length`.
         length: f32, in SHARE;
-        /// In place of `groom.density`.
+        /// Overrides `groom.density`.
         density: f32, in DENSITY;
-        /// In place of `groom.lean`.
+        /// Overrides `groom.lean`.
         lean: f32, in SHARE;
-        /// In place of `groom.wetness`; added to it where that is an image.
+        /// Overrides `groom.wetness`; added to it if that is an image.
         wetness: f32, in SHARE;
-        /// In place of `groom.bare`; where that is an image, hair grows where neither is bare.
+        /// Overrides `groom.bare`; if that is an image, hair grows only where neither is bare.
         bare: f32, in SHARE;
     }
 }

@@ -1,16 +1,16 @@
-//! Pictures of the keys that matter most: one animal with three values of each.
+//! Images of the most important keys: one animal with three values of each.
 //!
-//! The table below is what both the reference page shows and the program that draws the pictures reads (`cargo run -p pelage-tests --bin chores -- key-pictures`), so that no
-//! caption says another value than was drawn.
+//! The reference page and the program that draws the images (`cargo run -p pelage-tests --bin chores -- key-pictures`)
+//! both read the table below. So captions and images always agree.
 
-/// One key, drawn with three values of it and everything else as the hare comes.
+/// Key drawn with three values, on the hare with all other keys at their defaults.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyPicture {
-    /// The key, such as `hair.density`.
+    /// Name of the key, such as `hair.density`.
     pub key: &'static str,
-    /// Its values from left to right, in TOML.
+    /// Values from left to right, in TOML.
     pub values: [&'static str; 3],
-    /// Whether the animal is seen whole, or its shoulder alone, where single hairs are.
+    /// Whether the image shows the whole animal; otherwise only the shoulder, at which single hairs are visible.
     pub whole: bool,
 }
 
@@ -23,18 +23,18 @@ const fn close(key: &'static str, values: [&'static str; 3]) -> KeyPicture {
 }
 
 impl KeyPicture {
-    /// Path of the picture from the folder of the reference page.
+    /// Returns the path of the image, relative to the folder of the reference page.
     pub fn path(&self) -> String {
         format!("pictures/key_{}.png", self.key.replace('.', "_"))
     }
 
-    /// What the reference page shows it with, as Markdown.
+    /// Returns the image as Markdown for the reference page.
     pub(super) fn markdown(&self) -> String {
         format!("![{}: {}]({})", self.key, self.values.join(", ").replace('"', ""), self.path())
     }
 }
 
-/// The keys that change most of what a coat looks like, in the order of the reference page.
+/// Keys with the largest effect on the look of fur, in the order of the reference page.
 pub const KEY_PICTURES: [KeyPicture; 14] = [
     close("surface.tile_size_per_radius", ["0.1", "0.15", "0.4"]),
     whole("surface.comb_direction", ["[0, -0.35, -1]", "[0, -1, 0]", "[0, 1, 0]"]),

@@ -1,17 +1,18 @@
-//! Values that vary over the model: each a constant, the model's vertex colours, or an image.
+//! Values that vary over the model: each is a constant, the model's vertex colours, or an image.
 //!
-//! In a recipe a map is a constant (`0.5`, `[0, 0, 1]`, `"#8c7c6c"`), `"vertex"` for the vertex colours, or the path of an image from
-//! the recipe's folder. A channel may follow: `"vertex#a"`, `"maps/coat.png#g"`; without one it is the red.
+//! In a recipe a map is a constant (`0.5`, `[0, 0, 1]`, `"#8c7c6c"`), `"vertex"` for the vertex colours, or the path of
+//! an image relative to the recipe's folder. A channel may follow: `"vertex#a"`, `"maps/coat.png#g"`; the default is
+//! red.
 
 use pelage_params::{Field, Range, Raw, SrgbColor};
 
-/// What stands for the vertex colours.
+/// Name of the vertex colours in a recipe.
 const VERTEX: &str = "vertex";
 
-/// A channel of an image or of the vertex colours.
+/// Channel of an image or of the vertex colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Channel {
-    /// `#r`, also where none is given.
+    /// `#r`, also the default.
     #[default]
     Red,
     /// `#g`.
@@ -25,7 +26,7 @@ pub enum Channel {
 impl Channel {
     const ALL: [(Self, char); 4] = [(Self::Red, 'r'), (Self::Green, 'g'), (Self::Blue, 'b'), (Self::Alpha, 'a')];
 
-    /// Its place in a texel.
+    /// Returns the index of the channel in a texel.
     pub fn index(self) -> usize {
         self as usize
     }
@@ -43,68 +44,69 @@ impl Channel {
     }
 }
 
-/// One number per point of the model. Values of images and vertex colours are read as 0..=1, without sRGB decoding.
+/// Number per point of the model. Images and vertex colours are read as 0..=1, without sRGB decoding.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScalarMap {
-    /// The same everywhere.
+    /// Constant value.
     Constant(f32),
-    /// A channel of the vertex colours (`COLOR_0`).
+    /// Channel of the vertex colours (`COLOR_0`).
     Vertex(Channel),
-    /// A channel of an image in the model's texture coordinates.
+    /// Channel of an image in the model's texture coordinates.
     Image {
-        /// Path from the recipe's folder.
+        /// Path relative to the recipe's folder.
         path: String,
         /// Channel.
         channel: Channel,
     },
 }
 
-/// One direction per point of the model; its length, up to 1, is how much it counts against its neighbours'.
+/// Direction per point of the model. Its length, up to 1, is its weight relative to its neighbours.
 #[derive(Clone, Debug, PartialEq)]
 pub enum VectorMap {
-    /// The same everywhere: x, y, z of the model at rest.
+    /// Constant direction: x, y, z of the model at rest.
     Constant([f32; 3]),
     /// Vertex colours: 2·rgb − 1 is x, y, z of the model at rest.
     Vertex,
-    /// An image in the model's texture coordinates.
+    /// Image in the model's texture coordinates.
     Image {
-        /// Path from the recipe's folder.
+        /// Path relative to the recipe's folder.
         path: String,
-        /// `#uv`: 2·rg − 1 points right and up on the image. Otherwise 2·rgb − 1 is x, y, z of the model at rest.
+        /// Whether `#uv` follows: 2·rg − 1 points right and up on the image. Otherwise 2·rgb − 1 is x, y, z of the
+        /// model at rest.
         flow: bool,
     },
 }
 
-/// One colour per point of the model.
+/// Colour per point of the model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ColorMap {
-    /// The same everywhere.
+    /// Constant colour.
     Constant(SrgbColor),
-    /// The vertex colours.
+    /// Vertex colours.
     Vertex,
-    /// An sRGB image in the model's texture coordinates; the path is from the recipe's folder.
+    /// sRGB image in the model's texture coordinates; the path is relative to the recipe's folder.
     Image(String),
 }
 
-/// The path of an image, or of a file of strands, from the recipe's folder: relative, so that a recipe means the same wherever its folder lies.
+/// Path of an image or strand file, relative to the recipe's folder, so that the folder can be moved.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FilePath(pub String);
 
-/// A path and what follows its last `#`.
+/// Splits a path from the suffix after its last `#`.
 fn split(text: &str) -> (&str, Option<&str>) {
     text.rsplit_once('#').map_or((text, None), |(path, suffix)| (path, Some(suffix)))
 }
 
-/// A path that a recipe may name.
+/// Returns the path if a recipe may name it.
 fn file_path(text: &str) -> Option<String> {
-    // Both kinds of slash, and drives, so that a recipe is refused alike on every system.
+    // Both kinds of slash, and drives, so that a recipe is rejected on every system alike.
     let drive = text.as_bytes().get(1) == Some(&b':');
     let legal = !text.is_empty() && text != VERTEX && !text.starts_with(['/', '\\']) && !drive;
     (legal && !text.contains(['#', '\0'])).then(|| text.to_owned())
 }
 
 impl ScalarMap {
-    /// Path of the image, if it is one.
+    /// Returns the path of the image, if it is one.
     pub fn image(&self) -> Option<&str> {
         match self {
             Self::Image { path, .. } => Some(path),
@@ -112,7 +114,7 @@ impl ScalarMap {
         }
     }
 
-    /// What stands for it in a recipe, where that is a string.
+    /// Returns the string that denotes the map in a recipe, if it is written as a string.
     fn name(&self) -> Option<String> {
         match self {
             Self::Constant(_) => None,
@@ -123,7 +125,7 @@ impl ScalarMap {
 }
 
 impl VectorMap {
-    /// Path of the image, if it is one.
+    /// Returns the path of the image, if it is one.
     pub fn image(&self) -> Option<&str> {
         match self {
             Self::Image { path, .. } => Some(path),
@@ -131,7 +133,7 @@ impl VectorMap {
         }
     }
 
-    /// What stands for it in a recipe, where that is a string.
+    /// Returns the string that denotes the map in a recipe, if it is written as a string.
     fn name(&self) -> Option<String> {
         match self {
             Self::Constant(_) => None,
@@ -142,7 +144,7 @@ impl VectorMap {
 }
 
 impl ColorMap {
-    /// Path of the image, if it is one.
+    /// Returns the path of the image, if it is one.
     pub fn image(&self) -> Option<&str> {
         match self {
             Self::Image(path) => Some(path),
@@ -150,7 +152,7 @@ impl ColorMap {
         }
     }
 
-    /// What stands for it in a recipe, where that is a string.
+    /// Returns the string that denotes the map in a recipe, if it is written as a string.
     fn name(&self) -> Option<String> {
         match self {
             Self::Constant(_) => None,

@@ -1,30 +1,30 @@
-//! What a recipe says about the hair of single materials: `[[groom.material]]`.
+//! Groom of the hair on single materials: `[[groom.material]]`.
 
 use super::maps::{ColorMap, ScalarMap, VectorMap};
 use super::named_table::named_table;
 use pelage_params::Range;
 
-/// Range of maps that are shares.
+/// Range of maps that are shares, such as length.
 pub(super) const SHARE: Range<f32> = 0.0..=1.0;
 /// Range of the density map.
 pub(super) const DENSITY: Range<f32> = 0.25..=4.0;
 
 named_table! {
-    /// The groom of the materials that `name` matches: what is given here stands in for what `[groom]` says. Later tables win.
+    /// Groom of the materials that `name` matches; overrides `[groom]`. Later tables take precedence.
     MaterialGroom of "a material" {
-        /// As `groom.length`.
+        /// Overrides `groom.length`.
         length: ScalarMap, in SHARE;
-        /// As `groom.density`.
+        /// Overrides `groom.density`.
         density: ScalarMap, in DENSITY;
-        /// As `groom.lean`.
+        /// Overrides `groom.lean`.
         lean: ScalarMap, in SHARE;
-        /// As `groom.comb`.
+        /// Overrides `groom.comb`.
         comb: VectorMap, in ();
-        /// As `groom.wetness`.
+        /// Overrides `groom.wetness`.
         wetness: ScalarMap, in SHARE;
-        /// As `groom.bare`.
+        /// Overrides `groom.bare`.
         bare: ScalarMap, in SHARE;
-        /// As `groom.color`.
+        /// Overrides `groom.color`.
         color: ColorMap, in ();
     }
 }

@@ -1,7 +1,9 @@
-//! Tables with a name: for single materials, `[[groom.material]]`, `[[ink.material]]` and `[[fibre.material]]`, and for groups of hair.
+//! Tables with a name: for single materials (`[[groom.material]]`, `[[ink.material]]` and `[[fibre.material]]`) and for
+//! groups of hair.
 
-/// Declares such a table, and how its list and each of its keys are read, checked and written. Every key besides `name` may be left out, unless
-/// the function behind `checked by` says otherwise. A key with a default has a method of its name, which returns the value or the default.
+/// Declares a named table, and how its list and its keys are read, checked and written. All keys but `name` are
+/// optional, unless the function after `checked by` requires them. A key with a default gets a method of the same name,
+/// which returns the value or the default.
 macro_rules! named_table {
     ($(#[$struct_meta:meta])* $table:ident of $what:literal $(checked by $check:path)? {
         $($(#[doc = $doc:literal])+ $key:ident: $ty:ty $(= $default:expr)?, in $range:expr;)+
@@ -22,7 +24,7 @@ macro_rules! named_table {
                 }
             )?)+
 
-            /// Sets `key`, which is not `name`.
+            /// Sets a key other than `name`.
             fn set(&mut self, key: &str, raw: &pelage_params::Raw) -> Result<(), String> {
                 match key {
                     $(stringify!($key) => self.$key = Some(<$ty as pelage_params::Field>::read(raw, &$range)?),)+
@@ -93,8 +95,8 @@ macro_rules! named_table {
 }
 pub(super) use named_table;
 
-/// What a recipe says about the materials, or the groups of hair, of a name.
+/// Table of a recipe for the materials or groups of hair that its name matches.
 pub trait NamedTable {
-    /// The name. `*` stands for any characters, `?` for one.
+    /// Returns the name. `*` matches any characters, `?` one.
     fn table_name(&self) -> &str;
 }

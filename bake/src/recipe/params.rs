@@ -1,4 +1,4 @@
-//! The parameters of each stage, with their meaning, range and default in one place.
+//! Parameters of each stage, each declared once with meaning, range and default.
 
 use super::coats::Coat;
 use super::comb_marks::CombMarkParams;
@@ -12,22 +12,25 @@ use pelage_params::{PowerOfTwo, SrgbColor, params, words};
 use pelage_stage::Viewpoint;
 
 params! {
-    /// `[model]`: how the model is read.
+    /// `[model]`: import of the model.
     ModelParams in model {
-        /// Metres per unit of the model. glTF says metres; set it where an exporter did not keep to that, and for OBJ, which does not say.
+        /// Metres per unit of the model. glTF uses metres; set this if the exporter used another unit, and for OBJ,
+        /// which does not define one.
         unit_m: f32 = 1.0, in ImportOptions::UNIT_M;
-        /// Names of materials where no hair grows, such as eyes and hooves. `*` stands for any characters, `?` for one; `[]` has hair grow everywhere. Left
-        /// out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and clothes are found by the names of materials, nodes and meshes in eight languages,
-        /// and small parts by gloss or by the shape of eyes. What is in doubt grows hair; the bake says what it found. Of a material that also covers
-        /// furred parts, a nose, rims of eyes, claws and what a node or a mesh names are told apart: `Black/nose`, `Main/Eye_L`; `Black` names them all.
+        /// Names of materials where no hair grows, such as eyes and hooves. `*` matches any characters, `?` one; with
+        /// `[]` hair grows everywhere. Left out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and clothes
+        /// are detected by the names of materials, nodes and meshes in eight languages. Small parts are also detected
+        /// by gloss or by the shape of eyes. Hair grows on doubtful parts; the bake reports what it detected. Bare
+        /// parts of a furred material get names of their own, such as `Black/nose` or `Main/Eye_L`: a nose, eye rims,
+        /// claws, and parts named by a node or mesh. `Black` matches all of them.
         bare: Option<Vec<String>> = None;
     }
 }
 
 words! {
-    /// Where tile coordinates come from.
+    /// Source of the tile coordinates.
     SurfaceSource {
-        /// Lapped patches over any surface.
+        /// Lapped patches over any mesh.
         #[default]
         Patches = "patches",
         /// The model's own texture coordinates, scaled.
@@ -36,133 +39,143 @@ words! {
 }
 
 words! {
-    /// Where hair is combed to.
+    /// Source of the comb direction.
     CombSource {
-        /// Marks where the recipe or the model has some, else one direction.
+        /// Marks if the recipe or the model has any, otherwise one direction.
         #[default]
         Auto = "auto",
-        /// One direction everywhere.
+        /// Single direction everywhere.
         Direction = "direction",
         /// Down.
         Gravity = "gravity",
-        /// Down the model's own texture.
+        /// Downwards in the model's own texture.
         Tangents = "tangents",
-        /// Directions at a few places.
+        /// Directions at a few points.
         Marks = "marks" was "guides",
-        /// Nowhere: patches lie as they distort least.
+        /// No comb direction: patches are laid out with the least distortion.
         None = "none",
     }
 }
 
 params! {
-    /// `[surface]`: how the periodic tile of hair lies on the model, and where the hair is combed to.
+    /// `[surface]`: layout of the periodic hair tile on the model, and comb direction of the hair.
     SurfaceParams in surface {
-        /// Where tile coordinates come from: `patches` grows patches over any surface and needs no texture coordinates, `model` takes
-        /// the model's own.
+        /// Source of the tile coordinates: `patches` grows patches over any mesh and needs no texture coordinates,
+        /// `model` uses the model's own.
         source: SurfaceSource = SurfaceSource::Patches;
-        /// Width of the tile on the skin, metres: the reciprocal of tiles per metre. Left out, it is chosen from the model's size, and no wider than
-        /// `hair.density_mm2` and `hair.root_radius_m` allow. Small repeats visibly, large spreads the texels thin.
+        /// Width of the tile on the mesh surface, metres. Left out, it is chosen from the model's size, and no wider
+        /// than `hair.density_mm2` and `hair.root_radius_m` allow. A small tile repeats visibly, a large one has a low
+        /// texel density.
         tile_size_m: Option<f32> = None, in 1e-6..=1e3;
-        /// The same where surface.tile_size_m is left out, as a share of the radius of the sphere around the model at rest.
+        /// Width of the tile if surface.tile_size_m is left out, as a share of the radius of the bounding sphere of the
+        /// model at rest.
         tile_size_per_radius: f32 = 0.15, in 1e-3..=10.0;
-        /// Where hair is combed to: `direction` (surface.comb_direction), `gravity`, `tangents` (down the model's own texture), `marks`
-        /// (surface.comb_marks, and lines that are drawn in the model), or `none`, which lets patches lie as they distort least and suits hair that
-        /// stands up. `auto` is `marks` where a mark of the recipe has a direction, or where the model has such lines and surface.comb_direction is left
-        /// alone; else it is `direction`.
+        /// Source of the comb direction: `direction` (surface.comb_direction), `gravity`, `tangents` (downwards in the
+        /// model's own texture), `marks` (surface.comb_marks, and lines drawn in the model), or `none`. `none` lays out
+        /// patches with the least distortion and suits upright hair. `auto` is `marks` if a mark of the recipe has a
+        /// direction, or if the model has such lines and surface.comb_direction has its default; otherwise it is
+        /// `direction`.
         comb: CombSource = CombSource::Auto;
-        /// Direction of the comb in world space at rest, any length but 0. The default runs from nose to tail and a little down on an animal
-        /// that looks along +z.
+        /// Comb direction in world space at rest, any length but 0. The default runs from nose to tail and slightly
+        /// down on an animal that faces +z.
         comb_direction: [f32; 3] = [0.0, -0.35, -1.0], in -1e6..=1e6;
-        /// What hair is like at places, spread over the skin: tables with `name`, `at` (metres), and any of `direction`, `length`, `density`, `lean`,
-        /// `color`, which go before what `[groom]` says, with `reach_m` and `mirrored`. Directions count with `surface.comb = "marks"`, the others always.
+        /// Hair properties at single points, spread over the surface: tables with `name`, `at` (metres), and any of
+        /// `direction`, `length`, `density`, `lean`, `color`, `reach_m` and `mirrored`. They override `[groom]`.
+        /// Directions need `surface.comb = "marks"`, the others always apply.
         comb_marks: Vec<CombMarkParams> = Vec::new(), was "guides";
-        /// How far neighbours are asked where the comb is weak or broken, tiles: small keeps every wish, large makes broad strokes.
+        /// Distance over which the comb direction is averaged where it is weak or discontinuous, tiles: a small value
+        /// keeps every direction, a large one gives broad strokes.
         comb_smoothing: f32 = 1.0, in 0.01..=100.0;
-        /// How strictly patches follow the comb: 1 along it, 0 turns every triangle to what distorts least.
+        /// Weight of the comb direction in patches: 1 follows it, 0 rotates every triangle to the least distortion.
         comb_weight: f32 = 0.5, in 0.0..=1.0;
-        /// How far a patch may grow from its seed, tiles. Large has few seams and more distortion.
+        /// Maximum distance that a patch grows from its seed, tiles. Large patches have few seams and more distortion.
         patch_size: f32 = 4.0, in 0.05..=1000.0;
-        /// Largest angle between a patch's hair and the comb, degrees.
+        /// Largest angle between a patch's hair and the comb direction, degrees.
         patch_turn_deg: f32 = 25.0, in 1.0..=60.0;
-        /// Largest stretch of a triangle in any direction, and the inverse of the least.
+        /// Largest stretch of a triangle in any direction; its reciprocal is the smallest.
         patch_stretch: f32 = 1.5, in 1.01..=4.0;
     }
 }
 
 params! {
-    /// `[hair]`: the strands of one tile. Lengths on the tile are fractions of its width, so that the look does not depend on
-    /// the model's units.
+    /// `[hair]`: strands of the tile. Lengths on the tile are fractions of its width, so that the look is independent
+    /// of the model's units.
     HairParams in hair {
-        /// The kind of hair, which gives other keys their defaults: what each sets stands on the page of [coats](coats.md). What a recipe says
-        /// itself counts, wherever it stands; keys that have the value of the coat before follow a change by `--set`.
+        /// Kind of hair, which sets the defaults of other keys, listed in [coats](coats.md). Keys set in the recipe
+        /// take precedence, before or after this one. When `--set` changes the coat, keys that still have the previous
+        /// coat's value follow.
         coat: Coat = Coat::Animal;
-        /// The forces that shape a strand: `straight`, `curly`, `messy`, `wet` or `lying`. `wet` gathers strands into locks,
-        /// darkens their colour and makes the highlight stronger and narrower than `[shading]` says; `lying` is combed flat.
+        /// Shape of the strands: `straight`, `curly`, `messy`, `wet` or `lying`. `wet` gathers strands into locks,
+        /// darkens their colour and makes the highlight stronger and narrower than `[shading]` defines; `lying` is
+        /// combed flat.
         style: Style = Style::Straight;
-        /// Seed of everything random. Another seed is another coat of the same kind.
+        /// Random seed. Another seed gives other hair of the same kind.
         seed: u64 = 1, in 0..=i64::MAX as u64;
-        /// Strands in the tile.
+        /// Number of strands in the tile.
         density: u32 = 600, in 1..=1_000_000;
-        /// Hairs per square millimetre of skin, in place of `hair.density`: a dog's back has some 3 guard hairs and 40 of underfur. Where
-        /// `surface.tile_size_m` is left out, the tile is then as wide as some thousands of strands allow. It holds where `groom.density` is 1.
+        /// Hairs per square millimetre, instead of `hair.density`: a dog's back has about 3 guard hairs and 40 hairs of
+        /// underfur. If `surface.tile_size_m` is left out, the tile is made as wide as some thousands of strands allow.
+        /// Applies where `groom.density` is 1.
         density_mm2: Option<f32> = None, in 1e-6..=1e4;
         /// Length of the longest strand along its curve, metres. Left out, it is chosen from the model's size.
         length_m: Option<f32> = None, in 1e-6..=1e3;
-        /// The same where hair.length_m is left out, as a share of the radius of the sphere around the model at rest: 0.02 a short-haired animal,
-        /// 0.15 a long-haired one.
+        /// Length of the longest strand if hair.length_m is left out, as a share of the radius of the bounding sphere
+        /// of the model at rest: 0.02 for a short-haired animal, 0.15 for a long-haired one.
         length_per_radius: f32 = 0.05, in 1e-4..=10.0;
-        /// How much shorter than the longest a strand may be: 0 all alike, 1 down to nothing. Longer is rarer, so that the
-        /// fur thins towards its surface.
+        /// Variation in length: 0 all strands are equally long, 1 they may be arbitrarily short. Long strands are
+        /// rarer, so the fur thins towards its outside.
         length_variation: f32 = 0.5, in 0.0..=1.0;
-        /// Radius at the root, fractions of the tile's width. Below a texel hair fades instead of breaking up.
+        /// Radius at the root, fractions of the tile's width. Hair thinner than a texel fades instead of breaking up.
         root_radius: f32 = 0.0065, in 1e-5..=0.25;
         /// Radius at the tip, fractions of the tile's width.
         tip_radius: f32 = 0.0013, in 0.0..=0.25;
-        /// Radius at the root, metres, in place of `hair.root_radius`: 0.00003 of a dog's guard hair, 0.001 of a hedgehog's spine. Where
-        /// `surface.tile_size_m` is left out, the tile is then so narrow that a hair is as wide as one of its texels (`slice.tile_texels`).
+        /// Radius at the root, metres, instead of `hair.root_radius`: 0.00003 for a dog's guard hair, 0.001 for a
+        /// hedgehog's spine. If `surface.tile_size_m` is left out, the tile is made so narrow that a hair is as wide as
+        /// a texel (`slice.tile_texels`).
         root_radius_m: Option<f32> = None, in 1e-7..=0.1;
-        /// Radius at the tip, metres, in place of `hair.tip_radius`.
+        /// Radius at the tip, metres, instead of `hair.tip_radius`.
         tip_radius_m: Option<f32> = None, in 0.0..=0.1;
-        /// How far strands bend over from root to tip: 0 upright, 1 lying on the skin.
+        /// Bending of strands from root to tip: 0 upright, 1 lying on the mesh surface.
         lean: f32 = 0.65, in 0.0..=1.0;
-        /// Where they lean to, degrees in the tile: 0 towards +v, 90 towards +u.
+        /// Direction in which strands lean, degrees in the tile: 0 towards +v, 90 towards +u.
         lean_direction_deg: f32 = 0.0, in -360.0..=360.0;
         /// Radius of the helix of `curly` strands, fractions of the tile's width.
         curl_radius: f32 = 0.03, in 0.0..=1.0;
-        /// Height of one turn of that helix along its axis, fractions of the tile's width. Small is tight.
+        /// Height of one turn of that helix along its axis, fractions of the tile's width. Small values are tight.
         curl_pitch: f32 = 0.18, in 1e-3..=100.0;
         /// Small random bends along a strand: 0 smooth, 1 woolly. `wet` and `lying` keep a third of it.
         frizz: f32 = 0.1, in 0.0..=1.0;
-        /// How closely the strands of `wet` hair gather: 0 not at all, 1 every lock ends in a point.
+        /// Clumping of `wet` hair: 0 none, 1 every lock ends in a point.
         clump: f32 = 0.9, in 0.0..=1.0;
-        /// How closely hair that is not wet gathers in locks towards its tips, as thick coats do: 0 not at all, 1 every lock ends in a point.
+        /// Clumping of hair that is not wet towards its tips, typical of thick fur: 0 none, 1 every lock ends in a
+        /// point.
         dry_clump: f32 = 0.25, in 0.0..=1.0;
-        /// Locks in the tile, at most one a strand. Left out, it is chosen from the hair's length.
+        /// Number of locks in the tile, at most one per strand. Left out, it is chosen from the hair's length.
         clump_count: Option<u32> = None, in 1..=1_000_000;
     }
 }
 
 words! {
-    /// What the images of `[groom]` lie over.
+    /// Texture coordinates of the images of `[groom]`.
     GroomCoordinates {
         /// The model's own texture coordinates.
         #[default]
         Model = "model",
-        /// An atlas of the model alone.
+        /// Atlas generated from the model alone.
         Atlas = "atlas",
-        /// Space, projected along x: y is up on the image.
+        /// Projection along x: y is up on the image.
         X = "x",
-        /// Along y: z points down on the image.
+        /// Projection along y: z points down on the image.
         Y = "y",
-        /// Along z: y is up on the image.
+        /// Projection along z: y is up on the image.
         Z = "z",
-        /// Along all three axes, blended by the normal.
+        /// Projections along all three axes, blended by the normal.
         Box = "box",
     }
 }
 
 impl GroomCoordinates {
-    /// How images are laid through space, where they are.
+    /// Returns the projection of images through space, if they are projected.
     pub fn projection(self) -> Option<PatternProjection> {
         match self {
             Self::Model | Self::Atlas => None,
@@ -175,154 +188,161 @@ impl GroomCoordinates {
 }
 
 params! {
-    /// `[underfur]`: a second coat below the first, as most animals have it: short, fine and dense under the longer and coarser guard hairs
-    /// that `[hair]` describes. What it leaves out is as `[hair]` says, and both gather in the same locks.
+    /// `[underfur]`: short, fine and dense hair below the longer and coarser guard hair of `[hair]`, as most animals
+    /// have it. Keys left out have the values of `[hair]`; both gather in the same locks.
     UnderfurParams in underfur {
-        /// Strands of underfur in the tile, beside those of `hair.density`. 0 is a coat of guard hair alone.
+        /// Number of strands of underfur in the tile, in addition to `hair.density`. 0: guard hair only.
         density: u32 = 700, in 0..=1_000_000;
-        /// Hairs of underfur per square millimetre of skin, in place of `underfur.density`, as `hair.density_mm2`.
+        /// Hairs of underfur per square millimetre, instead of `underfur.density`; see `hair.density_mm2`.
         density_mm2: Option<f32> = None, in 0.0..=1e4;
-        /// Length of the longest of them, as a share of the longest guard hair's.
+        /// Length of the longest hair of underfur, as a share of the longest guard hair.
         length: f32 = 0.5, in 0.01..=1.0;
-        /// How much shorter than that one may be, as `hair.length_variation`.
+        /// Variation in length; see `hair.length_variation`.
         length_variation: f32 = 0.4, in 0.0..=1.0;
         /// Radius at the root, fractions of the tile's width.
         root_radius: f32 = 0.005, in 1e-5..=0.25;
         /// Radius at the tip, fractions of the tile's width.
         tip_radius: f32 = 0.0015, in 0.0..=0.25;
-        /// Radius at the root, metres, in place of `underfur.root_radius`, as `hair.root_radius_m`: 0.00001 of a dog's.
+        /// Radius at the root, metres, instead of `underfur.root_radius`; see `hair.root_radius_m`. A dog's is 0.00001.
         root_radius_m: Option<f32> = None, in 1e-7..=0.1;
-        /// Radius at the tip, metres, in place of `underfur.tip_radius`.
+        /// Radius at the tip, metres, instead of `underfur.tip_radius`.
         tip_radius_m: Option<f32> = None, in 0.0..=0.1;
-        /// Its style, where it is another than `hair.style`. Hair is wet in both coats or in none.
+        /// Style, if it differs from `hair.style`. Either both are wet or neither is.
         style: Option<Style> = None;
-        /// How far it bends over, where that is not as `hair.lean` says.
+        /// Bending from root to tip, if it differs from `hair.lean`.
         lean: Option<f32> = None, in 0.0..=1.0;
         /// Small random bends along a strand: underfur is crimped.
         frizz: f32 = 0.3, in 0.0..=1.0;
-        /// How closely it gathers in locks, where that is not as `hair.dry_clump` says.
+        /// Clumping, if it differs from `hair.dry_clump`.
         dry_clump: Option<f32> = None, in 0.0..=1.0;
-        /// sRGB colour at the root, where it is another than `color.root`.
+        /// sRGB colour at the root, if it differs from `color.root`.
         root: Option<SrgbColor> = None;
-        /// sRGB colour at the tip, where it is another than `color.tip`.
+        /// sRGB colour at the tip, if it differs from `color.tip`.
         tip: Option<SrgbColor> = None;
     }
 }
 
 params! {
-    /// `[groom]`: what varies over the model. A map is a number for the whole model, `"vertex"` for the vertex colours, or the
-    /// path of an image over `groom.coordinates`, from the recipe's folder; `#g` behind either reads another channel
-    /// than the red.
+    /// `[groom]`: values that vary over the model. A map is a number for the whole model, `"vertex"` for the vertex
+    /// colours, or the path of an image, relative to the recipe's folder. Images use the coordinates of
+    /// `groom.coordinates`. Append `#g` to read another channel than red.
     GroomParams in groom {
-        /// What its images lie over: `model`, the model's own texture coordinates, or `atlas`, an atlas that needs none and is the same for the same
-        /// model whatever else the recipe says. `pelage groom` writes maps over either, to paint on. Or they are laid through the model at rest, which
-        /// each spans once, as a pattern is by `color.pattern_projection`: `x`, `y` and `z` project them along that axis, `box` along all three, blended
-        /// by the normal. Over anything but the model's own coordinates all images are read at the vertices, also those of wetness, bareness and
-        /// colour.
+        /// Texture coordinates of images: `model` is the model's own. `atlas` is a generated atlas, which needs none
+        /// and depends on the model alone, not on the recipe. `pelage groom` writes maps to paint on for both. `x`, `y`
+        /// and `z` project each image once through the model at rest, along that axis; `box` projects it along all
+        /// three, blended by the normal (see `color.pattern_projection`). Except with `model`, all images are read at
+        /// the vertices, including those of wetness, bareness and colour.
         coordinates: GroomCoordinates = GroomCoordinates::Model;
-        /// Share of `hair.length_m`: 0 no hair, 1 full length.
+        /// Hair length, as a share of `hair.length_m`: 0 no hair, 1 full length.
         length: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
-        /// Hairs per area relative to the rest of the coat. Of a map, 0, 0.5 and 1 stand for 0.25, 1 and 4.
+        /// Hairs per area relative to the rest of the fur. In a map, 0, 0.5 and 1 mean 0.25, 1 and 4.
         density: ScalarMap = ScalarMap::Constant(1.0), in DENSITY;
-        /// How far the hair lies over towards the comb direction, beyond what `hair.lean` does: 0 no further, 1 its tips stand a
-        /// hair's length aside.
+        /// Extra lean towards the comb direction, beyond `hair.lean`: 0 none, 1 moves the tips sideways by a hair's
+        /// length.
         lean: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
-        /// Where the hair is combed to, in place of `surface.comb`; the length, up to 1, is how much it counts. Of vertex colours and images, 2·rgb − 1 is x, y, z of the model at rest; of an image with
-        /// `#uv`, 2·rg − 1 points right and up on the image.
+        /// Comb direction, instead of `surface.comb`; its length, up to 1, is its weight. Vertex colours and images
+        /// hold x, y, z of the model at rest as 2·rgb − 1; an image with `#uv` holds right and up on the image as 2·rg
+        /// − 1.
         comb: Option<VectorMap> = None;
-        /// 0 dry, 1 as `hair.style` `wet`; anything between mixes both.
+        /// Wetness: 0 dry, 1 wet like `hair.style` `wet`; values between blend both.
         wetness: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
-        /// 1 where no hair grows: the skin shows its base colour. Images over the model's texture coordinates are followed texel by texel.
+        /// Bareness: where it is 1, no hair grows and the base colour shows. Images in the model's texture coordinates
+        /// are sampled per texel.
         bare: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
-        /// How far from a bare material hair has its full length, metres on the skin; from there it grows shorter, to nothing at the border, so that
-        /// long hair beside an eye does not hang over it. It is known at the model's vertices. Left out, it is as wide as the hair there needs for not to hide any of them; 0 leaves hair
-        /// as long beside bare materials as elsewhere.
+        /// Distance from bare materials at which hair reaches its full length, metres along the mesh surface. Towards
+        /// the border it gets shorter, down to nothing, so that long hair does not cover an eye. Evaluated at the
+        /// model's vertices. Left out, it is just wide enough that the hair hides no bare part. 0 leaves hair as long
+        /// as elsewhere.
         bare_margin_m: Option<f32> = None, in 0.0..=1e3;
-        /// Colour of the hair on furred materials in place of the model's base colour; multiplies root and tip colour.
+        /// Colour of the hair on furred materials, instead of the model's base colour; multiplies root and tip colour.
         color: Option<ColorMap> = None;
-        /// The same for single materials: `[[groom.material]]` with a `name`, in which `*` stands for any characters and `?` for
-        /// one, and any of the keys above. Later ones win.
+        /// Groom of single materials: `[[groom.material]]` with a `name`, in which `*` matches any characters and `?`
+        /// one, and any of the keys above. Later tables take precedence.
         material: Vec<MaterialGroom> = Vec::new();
-        /// The same for single joints of the skeleton: `[[groom.joint]]` with a `name`, in which `*` stands for any characters and `?` for one, and
-        /// numbers for any of length, density, lean, wetness and bare. A table holds for the joints that hang on its own as well, where none
-        /// nearer says the key; of several for one joint the last wins. Values fade into each other, and into what materials say, as the skin's
-        /// weights do.
+        /// Groom of single joints of the skeleton: `[[groom.joint]]` with a `name`, in which `*` matches any characters
+        /// and `?` one, and numbers for any of length, density, lean, wetness and bare. A table also applies to the
+        /// joints below, unless a nearer table sets the key. Of several tables for one joint the last takes precedence.
+        /// Values are blended with each other and with those of materials by the skinning weights.
         joint: Vec<JointGroom> = Vec::new();
-        /// How much the shape of the body and the names of its joints shape the coat where no map says it: 0 not at all, 1 short and flat hair on legs,
-        /// ears and muzzle and near small bare parts, long hair on neck, belly and tail. `hair.length_m` stays the length of the longest.
+        /// Weight of the automatic groom, by the shape of the body and the names of its joints, where no map sets a
+        /// value: 0 none, 1 full. Hair is short and flat on legs, ears and muzzle and near small bare parts, and long
+        /// on neck, belly and tail. `hair.length_m` remains the length of the longest hair.
         by_body: f32 = 1.0, in SHARE;
     }
 }
 
 params! {
-    /// `[color]`: the strands' colour.
+    /// `[color]`: colours of the strands.
     ColorParams in color {
-        /// sRGB colour at the root. Left out, it is near white where the model brings colours of its own, which the hair then has, and brown where it brings
-        /// none.
+        /// sRGB colour at the root. Left out, it is near white if the model has colours of its own, which the hair then
+        /// takes, and otherwise brown.
         root: Option<SrgbColor> = None;
-        /// sRGB colour at the tip. Left out, it is white or a light brown, likewise.
+        /// sRGB colour at the tip. Left out, it is white if the model has colours of its own, and otherwise light
+        /// brown.
         tip: Option<SrgbColor> = None;
-        /// How much lighter hair is than its colours say: makes up for the shadow that hairs throw on each other, so that a coat is on the whole as light as the
-        /// skin that it hides. Left out, it does so where the model brings colours of its own, and is 1 where it brings none. Bare materials keep theirs.
+        /// Factor on the hair's colours. Compensates for the shadows that hairs cast on each other, so that fur looks
+        /// as light as the mesh surface below. Left out, it is chosen if the model has colours of its own and neither
+        /// `color.root` nor `color.tip` is set; otherwise it is 1. Bare materials are unaffected.
         gain: Option<f32> = None, in 0.1..=4.0;
-        /// sRGB colour of a band across each guard hair, as agouti coats of wild animals have: root, band, tip. Left out, there is none.
+        /// sRGB colour of a band across each guard hair, as in the agouti fur of wild animals: root, band, tip. Left
+        /// out, there is none.
         band: Option<SrgbColor> = None;
-        /// Where the middle of the band lies: 0 at the root, 1 at the tip.
+        /// Position of the middle of the band: 0 at the root, 1 at the tip.
         band_at: f32 = 0.7, in 0.0..=1.0;
-        /// Width of the band, share of the hair's length. It fades over half of that to either side.
+        /// Width of the band, as a share of the hair's length. It fades over half of that to either side.
         band_width: f32 = 0.25, in 0.01..=1.0;
-        /// How much strands differ in brightness: 0 all alike, 1 from black to double.
+        /// Variation in brightness between strands: 0 all alike, 1 from black to double.
         variation: f32 = 0.35, in 0.0..=1.0;
-        /// Whether the model's base colour (factor, texture and vertex colours) multiplies the hair's.
+        /// Whether the model's base colour (factor, texture and vertex colours) multiplies the hair's colour.
         base_color: bool = true;
-        /// Whether hair that hangs over skin of another colour keeps the colour that the model, `groom.color` or the pattern has where it roots, so
-        /// that colours grade into each other hair by hair. Where it does, the colours of furred materials are painted into a texture for it. If not, colours in
-        /// layers end where they end on the skin.
+        /// Whether hair keeps the colour at its root where it hangs over another colour, so that colours blend hair by
+        /// hair. The colour is that of the model, `groom.color` or the pattern. The colours of the furred materials
+        /// concerned are then painted into a texture. If off, colours in layers end where they end on the mesh surface.
         at_root: bool = true;
-        /// Pattern of the coat: an image laid through the model at rest, which multiplies the hair's colour. It needs no texture
-        /// coordinates. The path is from the recipe's folder.
+        /// Pattern of the fur: an image projected through the model at rest, which multiplies the hair's colour. It
+        /// needs no texture coordinates. The path is relative to the recipe's folder.
         pattern: Option<FilePath> = None;
-        /// How it is laid: `x`, `y` and `z` project it along that axis, `box` along all three, softly blended by the normal.
+        /// Projection: `x`, `y` and `z` project along that axis, `box` along all three, softly blended by the normal.
         pattern_projection: PatternProjection = PatternProjection::Box;
         /// Width of the image on the model, metres. Left out, the image spans the model once.
         pattern_size_m: Option<f32> = None, in 1e-6..=1e6;
-        /// Beyond its border: `repeat` starts over, `clamp` goes on with the outermost texel.
+        /// Continuation beyond its border: `repeat` repeats the image, `clamp` extends the outermost texels.
         pattern_wrap: PatternWrap = PatternWrap::Repeat;
         /// Width and height of the texture that the pattern is painted into, texels; at most `pack.base_color_max`.
         pattern_texels: u32 = 1024, in 64..=8192, as PowerOfTwo;
     }
 }
 
-/// Colours of hair at root and tip, and how they are used.
+/// Hair colours at root and tip, and their gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HairColors {
-    /// What multiplies the colours of furred materials.
+    /// Factor on the colours of furred materials.
     pub gain: f32,
-    /// At the root.
+    /// Colour at the root.
     pub root: SrgbColor,
-    /// At the tip.
+    /// Colour at the tip.
     pub tip: SrgbColor,
 }
 
 impl HairColors {
-    /// Those of hair that nothing else colours: a brown coat.
+    /// Hair colours for a model without any colour: brown.
     pub const BROWN: Self = Self { gain: 1.0, root: SrgbColor::hex(0x4a_36_24), tip: SrgbColor::hex(0xe8_d2_ac) };
-    /// What a coat of that brown looks like with [`Self::NEUTRAL`] hair, where marks colour other parts of it.
+    /// Apparent colour of fur in that brown. With [`Self::NEUTRAL`] hair it is the base colour beside coloured marks.
     pub const PLAIN: SrgbColor = SrgbColor::hex(0xa8_8c_68);
-    /// Those of hair that the model colours: it is the hairs' own shadows that darken it towards the roots. The gain is what five animals need on the
-    /// mean of four lights (`formats/docs/formulas.md`, 7.7).
+    /// Hair colours for a model with colours; roots are darkened only by the hairs' shadows. The gain is the value that
+    /// five animals need in the mean of four lights (`formats/docs/formulas.md`, 7.7).
     pub const NEUTRAL: Self = Self { gain: 1.3, root: SrgbColor::hex(0xd8_d8_d8), tip: SrgbColor::hex(0xff_ff_ff) };
 }
 
 impl HairColors {
-    /// Those of hair that the model colours, where hair lights hair: nothing is to be made up for.
+    /// Hair colours for a model with colours, with multiple scattering between hairs: no gain is needed.
     pub const SCATTERING: Self = Self { gain: 1.0, root: SrgbColor::hex(0xff_ff_ff), tip: SrgbColor::hex(0xff_ff_ff) };
 }
 
 impl ColorParams {
-    /// Colours of the hair, with `open` for those that are left out.
+    /// Returns the hair colours, with those of `open` for keys that are left out.
     pub fn hair(&self, open: HairColors) -> HairColors {
-        // Who says a colour of hair has chosen how light it is.
+        // A recipe that sets a hair colour also determines its lightness.
         let is_said = self.root.is_some() || self.tip.is_some();
         HairColors {
             gain: self.gain.unwrap_or(if is_said { 1.0 } else { open.gain }),
@@ -333,7 +353,7 @@ impl ColorParams {
 }
 
 words! {
-    /// How a pattern is laid on the model.
+    /// Projection of a pattern onto the model.
     PatternProjection {
         /// Along x: y is up on the image.
         X = "x",
@@ -348,47 +368,48 @@ words! {
 }
 
 words! {
-    /// What lies beyond a pattern's border.
+    /// Continuation of a pattern beyond its border.
     PatternWrap {
-        /// The pattern again.
+        /// Repeats the image.
         #[default]
         Repeat = "repeat",
-        /// Its outermost texels.
+        /// Extends the outermost texels.
         Clamp = "clamp",
     }
 }
 
 words! {
-    /// How hair is lit.
+    /// Shading model of hair.
     ShadingModel {
-        /// By two lobes and constants.
+        /// Two lobes and constants.
         #[default]
         KajiyaKay = "kajiya-kay",
-        /// As fibres that scatter light.
+        /// Scattering by fibres.
         Marschner = "marschner",
     }
 }
 
 params! {
-    /// `[shading]`: how hair is lit. Constants are those of Yang 2006, eqs. (1)–(3); colours are linear RGB.
+    /// `[shading]`: shading of hair. Constants are those of Yang 2006, eqs. (1)–(3); colours are linear RGB.
     ShadingParams in shading {
-        /// How hair is lit: `kajiya-kay` by two lobes and the constants below (Yang 2006), or `marschner` as fibres that scatter light, by tables of the fibres of
-        /// `[fibre]`, with light that goes on from hair to hair. Then the hair's colour is that of a deep coat in even light, no gain makes up for shadows, and of
-        /// the constants the ambient ones alone count.
+        /// Shading model: `kajiya-kay` uses two lobes and the constants below (Yang 2006). `marschner` uses scattering
+        /// tables of the fibres in `[fibre]`, with multiple scattering between hairs. Hair colours are then those of
+        /// deep fur in uniform light, without a gain for shadows, and only the ambient constants are used.
         model: ShadingModel = ShadingModel::KajiyaKay;
-        /// ka: ambient light, multiplied by the hair's colour.
+        /// Ambient coefficient ka, multiplied by the hair's colour.
         ambient: [f32; 3] = pelage_formats::Shading::default().ambient, in 0.0..=100.0;
-        /// kd: diffuse light.
+        /// Diffuse coefficient kd.
         diffuse: [f32; 3] = pelage_formats::Shading::default().diffuse, in 0.0..=100.0;
-        /// ks: the highlight, white whatever the hair's colour: on combed dark hair much of it looks like dust.
+        /// Specular coefficient ks. The highlight is white for any hair colour: on combed dark hair a high value looks
+        /// like dust.
         specular: [f32; 3] = [0.09; 3], in 0.0..=100.0;
-        /// pd: 0 lights all directions alike, higher darkens hair that points to the light.
+        /// Diffuse exponent pd: 0 lights all directions alike, higher values darken hair that points to the light.
         diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent, in pelage_formats::Shading::EXPONENT;
-        /// ps: higher is a narrower highlight.
+        /// Specular exponent ps: higher values give a narrower highlight.
         specular_exponent: f32 = 60.0, in pelage_formats::Shading::EXPONENT;
-        /// Share of the ambient light that reaches the skin: 0 black roots, towards 1 flat.
+        /// Share of the ambient light that reaches the mesh surface: 0 gives black roots, values near 1 look flat.
         ambient_floor: f32 = pelage_formats::Shading::default().ambient_floor, in 0.0..=0.999;
-        /// How far light creeps past the terminator, as −N·L: small is a hard edge.
+        /// Range of light past the terminator, as −N·L: small values give a hard edge.
         back_light_range: f32 = pelage_formats::Shading::default().back_light_range, in 0.001..=0.999;
     }
 }
@@ -408,77 +429,87 @@ impl From<&ShadingParams> for pelage_formats::Shading {
 }
 
 params! {
-    /// `[slice]`: the shell textures. Defaults as in Yang 2006, but for twice its texels: a frame does not pay for them, and close-ups show them.
+    /// `[slice]`: shell textures. Defaults are those of Yang 2006, but with twice its texels, which cost no frame time
+    /// and show in close-ups.
     SliceParams in slice {
-        /// Layers, skin included. More is smoother from the side and costs frame time in proportion.
+        /// Number of layers, including the one on the mesh surface. More layers are smoother from the side and cost
+        /// frame time in proportion.
         layers: u32 = 16, in 4..=256;
         /// Width and height of a layer, texels.
         tile_texels: u32 = 128, in 16..=2048, as PowerOfTwo;
-        /// Standard deviation of the Gaussian that filters the strands, texels: small is sharp and sparkles, large is soft.
+        /// Standard deviation of the Gaussian that filters the strands, texels: small values are sharp and sparkle,
+        /// large ones are soft.
         filter_width: f32 = 0.5, in 0.25..=4.0;
     }
 }
 
 params! {
-    /// `[visibility]`: how much light reaches the hair past the other strands, found by rays and kept in a texture, so that no shadow map needs to be
-    /// drawn for it.
+    /// `[visibility]`: light that reaches the hair past other strands, computed by ray casting and stored in a texture.
+    /// No shadow map has to be drawn for it.
     VisibilityParams in visibility {
-        /// Whether the package has that texture: half as many bytes of hair again, and no layer-wise map to draw when light or
-        /// pose move.
+        /// Whether the package has that texture. It adds half the size of the hair data and saves drawing a layer-wise
+        /// map when light or pose change.
         enabled: bool = true;
-        /// Directions that each point of a strand looks into. More are less noise, and take longer in proportion.
+        /// Number of ray directions per point of a strand. More reduce noise and take proportionally longer.
         directions: u32 = 12, in 8..=1024;
     }
 }
 
 params! {
-    /// `[strands]`: the hair as single strands, for pictures near enough to see them.
+    /// `[strands]`: hair as single strands, for close views.
     StrandParams in strands {
-        /// Whether the package has the strands of its tile, which are the coat's: 16 bytes a point, 144 KB for 1000 strands. Without, layers are drawn
-        /// however near the eye is.
+        /// Whether the package has the strands of its tile: 16 bytes a point, 144 KB for 1000 strands. Without them,
+        /// layers are drawn at any distance.
         enabled: bool = true;
-        /// Points of each strand. Those of half, a quarter and so on of the pieces are drawn where strands are small, so that one more than a power of two
-        /// suits best.
+        /// Points of each strand, preferably one more than a power of two: small strands are drawn with a half, a
+        /// quarter and so on of the segments.
         points: u32 = 9, in 2..=33;
-        /// Hair on guides: `[[strands.group]]` with a `name`, for manes, tails, a head of hair. It is there whether or not `enabled` is.
+        /// Guide-driven hair: `[[strands.group]]` with a `name`, for manes, tails, a head of hair. Independent of
+        /// `enabled`.
         group: Vec<HairGroupParams> = Vec::new();
-        /// A few thick hairs at a place: `[[strands.tuft]]` with a `name`, for whiskers, lashes and brows. They are there whether or not `enabled` is.
+        /// A few thick hairs at one point: `[[strands.tuft]]` with a `name`, for whiskers, lashes and brows.
+        /// Independent of `enabled`.
         tuft: Vec<TuftParams> = Vec::new();
-        /// Whether hair on guides that moves stays out of the body: a capsule for each joint is fitted to the skin.
+        /// Whether moving guide-driven hair collides with the body: a capsule is fitted to the mesh surface of each
+        /// joint.
         colliders: bool = true;
-        /// Capsules of your own: `[[strands.collider]]` with a `name`. They take the place of the one that is fitted to their joint.
+        /// User-defined capsules: `[[strands.collider]]` with a `name`. Each replaces the capsule fitted to its joint.
         collider: Vec<HairColliderParams> = Vec::new();
     }
 }
 
 params! {
-    /// `[fins]`: quads of hair on the edges of the mesh, which show where the layers are seen on edge.
+    /// `[fins]`: quads of hair on the edges of the mesh, visible where the layers are seen edge-on.
     FinParams in fins {
-        /// Whether there are fins: less blur and fewer steps of layers along the outline, for a fifth of a frame.
+        /// Whether there are fins: less blur and fewer visible layers along the outline, for a fifth of the frame time.
         enabled: bool = false;
-        /// Depth of the slab of hair that the fins show, widths of the tile. Left out, it is chosen so that layers and fins together
-        /// cover the outline as much finer layers would. More is denser and crisper there.
+        /// Depth of the slab of hair that the fins show, widths of the tile. Left out, it is chosen such that layers
+        /// and fins together cover the outline like much finer layers. Higher values are denser and crisper.
         depth: Option<f32> = None, in 1e-3..=8.0;
     }
 }
 
 params! {
-    /// `[detail]`: what is drawn where the fur is small on screen. Sizes are the fur's height on screen, pixels, at the default of a
-    /// renderer's `bias`.
+    /// `[detail]`: levels of detail for small fur. Sizes are the fur's height on screen, pixels, at a renderer's
+    /// default `bias`.
     DetailParams in detail {
-        /// Whether the package has levels of detail: a chain of fewer layers, and the coat as it looks from afar.
+        /// Whether the package has levels of detail: a chain of fewer layers, and a layer with the fur as seen from
+        /// afar.
         enabled: bool = true;
-        /// Whether it has index lists of fewer triangles too, for models whose triangles are smaller than pixels.
+        /// Whether the package also has simplified index lists, for models whose triangles are smaller than pixels.
         simplified: bool = true;
-        /// Pixels between two layers, seen from the side: fur has as many layers as it is high over this, less is finer and dearer. More
-        /// leaves a gap between the outermost layer and the next, which shows as a line around the body.
+        /// Distance between two layers seen from the side, pixels: the number of layers is the fur's height divided by
+        /// this. Smaller is finer and more expensive. Larger leaves a visible gap below the outermost layer, which
+        /// shows as a line around the body.
         gap_px: f32 = 1.15, in 0.05..=64.0;
-        /// Share of the size at which a level is drawn in full, at which the next has taken over: 1 switches at once, less goes more
-        /// slowly. Between both sizes layers go one after another.
+        /// Size at which the next level has taken over, as a share of the size at which a level is last drawn in full:
+        /// 1 switches at once, smaller values blend longer. Between both sizes layers are replaced one by one.
         fade: f32 = 0.5, in 0.1..=1.0;
-        /// Height of the fur from which on fins are drawn with the layers: without them the outline is that of fewer and blurred layers.
+        /// Fur height down to which fins are drawn with the layers. Without fins, the outline shows fewer and blurred
+        /// layers.
         fins_px: f32 = 0.0, in 0.0..=1e4;
-        /// Height of the fur down to which some layers are drawn; below, the coat takes over. 0 draws layers however small.
+        /// Fur height down to which layers are drawn; below, the far-fur layer replaces them. 0 draws layers at any
+        /// size.
         coat_px: f32 = 1.2, in 0.0..=1e4;
     }
 }
@@ -486,10 +517,10 @@ params! {
 words! {
     /// Texel format of the shell textures.
     ShellFormat {
-        /// BC7: one byte a texel.
+        /// BC7: one byte per texel.
         #[default]
         Bc7 = "bc7",
-        /// RGBA8: four bytes a texel, exact.
+        /// RGBA8: four bytes per texel, exact.
         Rgba8 = "rgba8",
     }
 }
@@ -497,12 +528,12 @@ words! {
 words! {
     /// Texel format of the direction textures.
     DirectionFormat {
-        /// BC5: one byte a texel.
+        /// BC5: one byte per texel.
         #[default]
         Bc5 = "bc5",
-        /// RG8: two bytes a texel.
+        /// RG8: two bytes per texel.
         Rg8 = "rg8",
-        /// RGBA8: four bytes a texel, with the confidence in the fourth.
+        /// RGBA8: four bytes per texel, with the confidence in the fourth.
         Rgba8 = "rgba8",
     }
 }
@@ -510,10 +541,10 @@ words! {
 words! {
     /// Texel format of base-colour textures.
     BaseColorFormat {
-        /// BC7: one byte a texel.
+        /// BC7: one byte per texel.
         #[default]
         Bc7 = "bc7",
-        /// RGBA8: four bytes a texel, exact.
+        /// RGBA8: four bytes per texel, exact.
         Rgba8 = "rgba8",
     }
 }
@@ -521,12 +552,12 @@ words! {
 words! {
     /// Effort of the block encoders.
     BcQuality {
-        /// For trying things out.
+        /// For previews.
         Fast = "fast",
         /// Balanced.
         #[default]
         Basic = "basic",
-        /// For the final bake.
+        /// For final bakes.
         Slow = "slow",
     }
 }
@@ -540,7 +571,7 @@ params! {
         direction_format: DirectionFormat = DirectionFormat::Bc5;
         /// Texel format of base-colour textures.
         base_color_format: BaseColorFormat = BaseColorFormat::Bc7;
-        /// Base-colour textures are scaled down until neither side has more texels than this.
+        /// Maximum width and height of base-colour textures, texels; larger ones are scaled down.
         base_color_max: u32 = 1024, in 4..=16_384;
         /// Effort of the block encoders.
         bc_quality: BcQuality = BcQuality::Basic;
@@ -548,17 +579,18 @@ params! {
 }
 
 params! {
-    /// `[judge]`: the pictures that a bake with limits (`--max-error`, `--max-frame-ms`, `--max-bytes`) is judged by. Show what the scene shows: a
-    /// model that stays small on the screen needs less.
+    /// `[judge]`: images by which a bake with limits (`--max-error`, `--max-frame-ms`, `--max-bytes`) is judged. Choose
+    /// views like those in the scene: a model that stays small on screen needs less.
     JudgeParams in judge {
-        /// From where: each `"ex,ey,ez/tx,ty,tz/fov_deg"`, metres and degrees, the model at rest. Left empty, two that frame the model, from its
-        /// front left and from its back right.
+        /// Viewpoints, each `"ex,ey,ez/tx,ty,tz/fov_deg"`, metres and degrees, with the model at rest. If empty, two
+        /// that frame the model, from its front left and from its back right.
         views: Vec<Viewpoint> = Vec::new();
-        /// Width of each picture, pixels.
+        /// Width of each image, pixels.
         width: u32 = 834, in 16..=4096;
-        /// Height of each picture, pixels.
+        /// Height of each image, pixels.
         height: u32 = 424, in 16..=4096;
-        /// Rays through each pixel of the true pictures. Few leave noise in them, which counts as error of the bake.
+        /// Rays per pixel of the ray-traced reference images. A low number leaves noise, which counts as error of the
+        /// bake.
         samples: u32 = 64, in 1..=65_536;
     }
 }

@@ -15,7 +15,7 @@ fn an_empty_recipe_is_the_default() {
     Recipe::default().validate().unwrap();
 }
 
-/// Recipes of earlier versions, and those that packages record, say guides where marks are meant.
+/// Checks that the former name `guides` of comb marks still works, in old recipes and in those recorded in packages.
 #[test]
 fn comb_marks_were_called_guides() {
     let marks = "[{ name = \"nose\", at = [0, 1, 0.5], direction = [0, 0, -1] }]";
@@ -129,7 +129,7 @@ fn validate_names_the_key() {
 
 #[test]
 fn validate_looks_at_every_table() {
-    // A number far outside in each table that has one; `detail` was once forgotten.
+    // A value far out of range in each table that has one; `detail` was once forgotten.
     type Spoil = fn(&mut Recipe);
     let wrong: [(&str, Spoil); 16] = [
         ("model.unit_m", |r| r.model.unit_m = 0.0),
@@ -332,7 +332,7 @@ fn inks() -> impl Strategy<Value = InkParams> {
     )
 }
 
-/// A group of which every key is given where `share` is above a half.
+/// Returns a group in which every key is set if `share` is above 0.5.
 fn some_group(count: u32, share: f32) -> HairGroupParams {
     let given = share > 0.5;
     HairGroupParams {

@@ -1,4 +1,4 @@
-//! Where packages are put together: by a bake, by slicing one anew, and from the folder that `pelage unpack` wrote.
+//! Assembly of packages: from a bake, from slicing again, and from the folder written by `pelage unpack`.
 
 use super::textures::ShellTextures;
 use pelage_formats::meaning::openness::Openness;
@@ -9,45 +9,45 @@ use pelage_formats::{
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A section as it goes into a package: made, or the bytes of one that is carried over.
+/// Section of a package: newly made, or the bytes of a copied one.
 #[derive(Clone, Debug)]
 pub enum Content<'a> {
-    /// The mesh.
+    /// Mesh.
     Mesh(Arc<MeshData>),
     /// Skeleton and clips.
     Animation(Arc<Animation>),
     /// Morph targets.
     Morphs(Arc<Morphs>),
-    /// The fins.
+    /// Fins.
     Fins(FinData),
-    /// The ink style.
+    /// Ink style.
     Ink(InkData),
-    /// Index lists of fewer triangles.
+    /// Simplified index lists.
     Simplified(Arc<[SimplifiedLevel]>),
-    /// The strands of the tile.
+    /// Strands of the tile.
     Strands(StrandsData),
-    /// The same in the whole numbers of a section.
+    /// Strands of the tile in the quantized form of the section.
     StoredStrands(StoredStrands),
-    /// Hair on guides.
+    /// Guide-driven hair.
     Hair(Vec<HairGroup>),
-    /// How that moves.
+    /// Motion of guide-driven hair.
     HairMotion(Arc<HairMotion>),
-    /// How its fibres scatter light.
+    /// Scattering of light by the fibres.
     Fibres(FibreInfo),
-    /// Which textures say how much light reaches the hair.
+    /// Indices of the visibility textures.
     Visibility(VisibilityInfo),
-    /// What the body leaves open to the hair at each vertex.
+    /// Openness at each vertex: share of the environment that the body does not occlude.
     Openness(Arc<[Openness]>),
-    /// How far hair lies aside of its root.
+    /// Displacement of hair relative to its root.
     Roots(RootsInfo),
-    /// A complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
+    /// Complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
     Texture(Cow<'a, [u8]>),
-    /// A section of that tag as it lies in another package, or in a file.
+    /// Section with this tag, copied unchanged from another package or a file.
     Bytes(Tag, Cow<'a, [u8]>),
 }
 
 impl Content<'_> {
-    /// The same, with the bytes borrowed.
+    /// Returns the same content with borrowed bytes.
     pub fn lent(&self) -> Content<'_> {
         match self {
             Content::Texture(file) => Content::Texture(Cow::Borrowed(file)),
@@ -57,10 +57,10 @@ impl Content<'_> {
     }
 }
 
-/// Writes a package of that version of the format: the manifest, then the sections in their order.
+/// Writes a package in version `version` of the format: the manifest, then the sections in order.
 ///
 /// # Errors
-/// What keeps the package from being opened and validated.
+/// The error of opening or validating the written package.
 pub fn assemble<'a>(
     version: u32,
     manifest: Manifest,
@@ -88,33 +88,33 @@ pub fn assemble<'a>(
     sections.into_iter().fold(writer, add).finish()
 }
 
-/// The sections of a package whose tags `take` accepts, as they lie in it, in their order; never its manifest.
+/// Copies the sections of a package whose tags `take` accepts, unchanged and in order, except the manifest.
 ///
 /// # Errors
-/// A section that is damaged.
+/// The error of a damaged section.
 pub fn carried<'a>(package: &Package<'a>, take: impl Fn(Tag) -> bool) -> Result<Vec<Content<'a>>, FormatError> {
     let taken = package.sections().iter().enumerate().filter(|(_, s)| s.tag != Tag::MANIFEST && take(s.tag));
     taken.map(|(index, s)| Ok(Content::Bytes(s.tag, package.section_bytes(index)?.into()))).collect()
 }
 
-/// A texture of a package: its name, and its .ktx2 file.
+/// Texture of a package: name and .ktx2 file.
 pub type NamedTexture<'a> = (Cow<'a, str>, Cow<'a, [u8]>);
 
-/// The same texture, borrowed.
+/// Returns the same texture, borrowed.
 pub fn lent<'a>((name, file): &'a NamedTexture<'_>) -> NamedTexture<'a> {
     (Cow::Borrowed(name), Cow::Borrowed(file))
 }
 
-/// A texture of an opened package, as it lies there.
+/// Returns a texture of an opened package, unchanged.
 ///
 /// # Errors
-/// One that is damaged, or not there.
+/// The error of a damaged or missing texture.
 pub fn kept_texture<'a>(package: &Package<'a>, index: u32) -> Result<NamedTexture<'a>, FormatError> {
     let name = package.manifest().textures.get(index as usize).map_or("", |entry| &entry.name);
     Ok((name.to_owned().into(), package.texture(index)?.ktx2.into()))
 }
 
-/// The textures of a package that is being put together, in their order.
+/// Textures of a package under assembly, in order.
 #[derive(Debug, Default)]
 pub struct Textures<'a> {
     names: Vec<TextureEntry>,
@@ -122,7 +122,7 @@ pub struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    /// The index of a texture, which is added unless it is there already: one of that name with the same file.
+    /// Adds a texture and returns its index. A texture with the same name and contents is added only once.
     pub fn add(&mut self, (name, file): NamedTexture<'a>) -> u32 {
         let same = self.names.iter().zip(&self.files).position(|(entry, there)| entry.name == name && *there == file);
         let index = same.unwrap_or_else(|| {
@@ -133,7 +133,7 @@ impl<'a> Textures<'a> {
         index as u32
     }
 
-    /// Adds the two textures of a shell volume, their names prefixed.
+    /// Adds the two textures of a shell volume, with a prefix to their names.
     pub fn add_shells(&mut self, prefix: &str, shells: &'a ShellTextures) -> pelage_formats::ShellTextures {
         let mut add = |what, file: &'a Vec<u8>| self.add((format!("{prefix}_{what}").into(), file.into()));
         pelage_formats::ShellTextures {
@@ -142,7 +142,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Their names for the manifest, and their files.
+    /// Returns the texture entries for the manifest, and the files.
     pub fn finish(self) -> (Vec<TextureEntry>, impl Iterator<Item = Content<'a>>) {
         (self.names, self.files.into_iter().map(Content::Texture))
     }

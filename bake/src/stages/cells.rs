@@ -1,9 +1,10 @@
-//! Triangles near a place.
+//! Grid for finding triangles near a point.
 
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
 
-/// Barycentric coordinates of the point of a triangle that is closest to `p` (Ericson, *Real-Time Collision Detection*, 5.1.5).
+/// Returns the barycentric coordinates of the point of a triangle that is closest to `p` (Ericson, *Real-Time Collision
+/// Detection*, 5.1.5).
 pub(crate) fn closest(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
@@ -37,17 +38,17 @@ pub(crate) fn closest(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
     Vec3::new(va * sum, vb * sum, vc * sum)
 }
 
-/// Triangles by the cells of a grid that their boxes meet.
+/// Triangles by the grid cells that their bounding boxes overlap.
 pub(crate) struct Cells {
     size: f32,
     of_cell: HashMap<IVec3, Vec<u32>>,
 }
 
-/// Cells that a triangle may meet on average: what has a few triangles far larger than the others gets larger cells.
+/// Maximum mean number of cells per triangle; the cells are enlarged if a few triangles are far larger than the others.
 const MOST_CELLS: f64 = 64.0;
 
 impl Cells {
-    /// Cells of at least that size. Triangles with corners that are not finite are in none.
+    /// Builds the grid with cells of at least `size`. Triangles with non-finite corners are left out.
     pub(crate) fn new(triangles: &[[u32; 3]], place: &dyn Fn(u32) -> Vec3, size: f32) -> Self {
         let corners_of = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(place);
@@ -82,12 +83,12 @@ impl Cells {
         Self { size, of_cell }
     }
 
-    /// Those that may be within `reach` of a point, in any order; some more than once.
+    /// Returns the triangles that may be within `reach` of a point, in any order and possibly more than once.
     pub(crate) fn within(&self, p: Vec3, reach: f32) -> Box<dyn Iterator<Item = u32> + '_> {
         let [low, high] = [p - reach, p + reach].map(|p| (p / self.size).floor().as_ivec3());
         let count = ((high.as_dvec3() - low.as_dvec3()) + 1.0).element_product();
         if count > self.of_cell.len() as f64 {
-            // A far way to look: the cells that have triangles are fewer.
+            // For a large reach it is faster to iterate over the occupied cells.
             let is_within = move |cell: &IVec3| cell.cmpge(low).all() && cell.cmple(high).all();
             let cells = self.of_cell.iter().filter(move |(cell, _)| is_within(cell));
             return Box::new(cells.flat_map(|(_, triangles)| triangles).copied());
@@ -97,7 +98,7 @@ impl Cells {
         Box::new(cells.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied())
     }
 
-    /// Those in the cell of a point and the cells about it.
+    /// Returns the triangles in the cell of a point and in the adjacent cells.
     pub(crate) fn near(&self, p: Vec3) -> impl Iterator<Item = u32> + '_ {
         let cell = (p / self.size).floor().as_ivec3();
         let about = (0..27).map(move |i| cell + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1);
@@ -111,7 +112,7 @@ mod tests {
 
     #[test]
     fn one_large_triangle_among_small_ones_takes_few_cells() {
-        // A thousand triangles of a millimetre, one of a hundred metres, and one that is nowhere.
+        // A thousand triangles of a millimetre, one of a hundred metres, and one with non-finite corners.
         let mut places: Vec<Vec3> = (0..3000).map(|i| Vec3::new(i as f32, (i % 3) as f32, 0.0) * 1e-3).collect();
         places.extend([Vec3::ZERO, Vec3::X * 100.0, Vec3::ONE * 100.0, Vec3::ZERO, Vec3::X, Vec3::splat(f32::NAN)]);
         let triangles: Vec<[u32; 3]> = (0..1002).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
@@ -119,7 +120,7 @@ mod tests {
         let cells = Cells::new(&triangles, &place, 1e-3);
         let met: usize = cells.of_cell.values().map(Vec::len).sum();
         assert!(met <= 64 * 1001 && cells.size > 0.1, "{met} cells of {} m", cells.size);
-        // From near and from far, where all cells are fewer than those on the way.
+        // From nearby and from far away, where iterating over all occupied cells is faster.
         for (p, reach, expected) in [(Vec3::X * 0.5, 0.1, 166), (Vec3::NEG_X * 1e6, 1.1e6, 7), (Vec3::Y * 1e30, 1.0, 0)]
         {
             let found: std::collections::BTreeSet<u32> = cells.within(p, reach).collect();

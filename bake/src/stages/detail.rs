@@ -1,25 +1,28 @@
-//! Levels of detail: which of them a package has, and at which size on screen they are drawn. No texture is made for them but the coat.
+//! Levels of detail: selection of the levels of a package and their sizes on screen. The far-fur layer is the only
+//! texture made for them.
 
 use crate::recipe::{DetailParams, Recipe};
 use crate::stages::textures::Coat;
 use pelage_formats::DetailLevel;
 use pelage_formats::meaning::layers_stood_for;
 
-/// Fewest layers above the skin that a level may have. A hundred far hares take two thirds of the time with four that they take with six or more.
+/// Minimum number of layers of a level, without the one on the mesh surface. A hundred distant hares take two thirds of
+/// the time with four that they take with six or more.
 const FEWEST: u32 = 4;
 
-/// Array layers that WebGPU promises of a texture.
+/// Maximum number of array layers that WebGPU guarantees.
 const MOST_TEXTURE_LAYERS: u32 = 256;
 
-/// Whether a package has the far coat: an array layer more, of which no device needs to have over 256.
+/// Whether a package has the far-fur layer, an additional array layer; devices are only guaranteed 256.
 pub fn has_coat(recipe: &Recipe) -> bool {
     recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS
 }
 
-/// The chain for a package with that many layers, skin counted, whose textures have that coat or none. Empty where detail is switched off.
+/// Returns the chain of levels for `layers` layers, including the one on the mesh surface, with or without a far-fur
+/// layer. Empty if levels of detail are disabled.
 ///
-/// A level of step s is drawn in full where s layers' gap is [`DetailParams::gap_px`] on screen, and gone at [`DetailParams::fade`] of it: at a
-/// half, where the next is drawn in full.
+/// A level of step s is drawn in full where the gap of s layers is [`DetailParams::gap_px`] on screen. It is gone at
+/// [`DetailParams::fade`] of that size: at a half, the next level is then drawn in full.
 pub fn levels(params: &DetailParams, layers: u32, coat: Option<&Coat>) -> Vec<DetailLevel> {
     if !params.enabled || layers < 2 {
         return Vec::new();
@@ -44,7 +47,7 @@ pub fn levels(params: &DetailParams, layers: u32, coat: Option<&Coat>) -> Vec<De
             (last.full_px, last.gone_px) = (0.0, 0.0);
         }
     }
-    // Levels may not overlap: each is whole before the next begins to fade.
+    // Levels must not overlap: each is complete before the next begins to fade in.
     for i in 1..chain.len() {
         chain[i].full_px = chain[i].full_px.min(chain[i - 1].gone_px);
         chain[i].gone_px = chain[i].gone_px.min(chain[i].full_px);
@@ -56,7 +59,8 @@ fn share_of_fins(params: &DetailParams, full_px: f32) -> f32 {
     if full_px > params.fins_px { 1.0 } else { 0.0 }
 }
 
-/// Optical depth of all layers over what those of a level stand for; 1 for hair without any. `opacities`: from layer 1 outwards.
+/// Returns the optical depth of all layers relative to that represented by the layers of a level; 1 for hair without
+/// any. `opacities`: from layer 1 outwards.
 fn density(opacities: &[f32], step: u32) -> f32 {
     let layers = opacities.len() as u32 + 1;
     let depth = |opacity: f32| -f64::from(libm::log1pf(-opacity.min(0.999)));
@@ -65,7 +69,7 @@ fn density(opacities: &[f32], step: u32) -> f32 {
         all += depth(*opacity);
         drawn += f64::from(layers_stood_for(k, layers, step)) * depth(*opacity);
     }
-    // Hair of which a level meets next to nothing cannot be made up for.
+    // If a level's layers contain almost no hair, its density cannot be corrected.
     if step == 1 || drawn <= 0.0 { 1.0 } else { (all / drawn).clamp(0.25, 4.0) as f32 }
 }
 
@@ -74,7 +78,7 @@ mod tests {
     use super::*;
     use pelage_formats::{CoatInfo, FurInfo, Manifest, PackageWriter, TextureEntry};
 
-    /// Opacities that grow towards the skin, as of hair of many lengths.
+    /// Returns opacities that increase towards the mesh surface, typical of hair of many lengths.
     fn coat() -> Coat {
         Coat { opacities: (1..16).map(|k| 0.3 - 0.02 * k as f32).collect(), ..Coat::default() }
     }
@@ -90,7 +94,7 @@ mod tests {
             let all = total(&|_| 1.0);
             let kept = total(&|k| density(&opacities, step) * stood_for(k));
             assert!((kept / all - 1.0).abs() < 1e-4, "step {step}: {kept} of {all}");
-            // Without the factor some is lost: the outermost layers are the thinnest.
+            // Without the factor, density is lost, because the outermost layers are the thinnest.
             assert!(step == 1 || total(&stood_for) / all < 0.97, "step {step}");
         }
         assert_eq!(density(&[0.0; 15], 4), 1.0);
@@ -119,7 +123,7 @@ mod tests {
                     let params = DetailParams { gap_px, fade, coat_px, ..DetailParams::default() };
                     let chain = levels(&params, layers, coat.as_ref());
                     if layers > 0 {
-                        // The manifest's own check of a chain comes before the textures that are not here are missed.
+                        // Validating the manifest's chain precedes the check for the textures, which are missing here.
                         let texture = |name: &str| TextureEntry { name: name.into() };
                         let manifest = Manifest {
                             fur: FurInfo {

@@ -1,7 +1,7 @@
-//! `fins`: a quad of hair on every edge of the furred skin (Lengyel et al. 2001, "fin rendering").
+//! `fins`: a quad of hair on every edge of the furred mesh (Lengyel et al. 2001, "fin rendering").
 //!
-//! Which edges lie on the outline is known only when the model is drawn, so every edge has a fin, and the runtime shows those that are
-//! seen from the side.
+//! Silhouette edges are known only when the model is drawn. So every edge has a fin, and the runtime shows those that
+//! are seen from the side.
 
 use crate::noise;
 use crate::stages::groom::Coat;
@@ -11,31 +11,31 @@ use glam::{Vec2, Vec3};
 use pelage_formats::Fin;
 use std::collections::HashMap;
 
-/// The fins of a surface.
+/// Fins of a surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EdgeFins {
-    /// One per edge.
+    /// Fins, one per edge.
     pub fins: Vec<Fin>,
-    /// One per fin: the triangle whose side it stands on, by which its material is known. Rising.
+    /// Triangle of each fin, which determines its material. Ascending.
     pub triangles: Vec<u32>,
-    /// Depth of the slab of hair that the densest fins should show, widths of the tile, in the range of the recipe's `fins.depth`. Their
-    /// opacity is 1, that of the others less.
+    /// Depth of the slab of hair for the densest fins, widths of the tile, in the range of the recipe's `fins.depth`.
+    /// Their opacity is 1, that of the others lower.
     pub depth: f32,
 }
 
-/// Stands a fin on every edge of the furred skin.
+/// Creates a fin on every edge of the furred mesh.
 ///
-/// * `furred`: one per material; the shorter list counts as bare at its end
-/// * `coat`: of the surface's vertices; an edge without hair at either end has no fin
-/// * `height_m`: of the fur where `coat` does not shorten it, metres
-/// * `tile_size_m`: width of the tile on the skin, metres, greater than 0
+/// * `furred`: one per material; missing entries count as bare
+/// * `coat`: groom at the surface's vertices; an edge without hair at both ends has no fin
+/// * `height_m`: height of the fur where `coat` does not shorten it, metres
+/// * `tile_size_m`: width of the tile on the mesh surface, metres, greater than 0
 ///
-/// Edges are joined by position: where two patches meet, or two sides of a seam, there is one fin, and it takes tile frame, material
-/// and colours from the first triangle in the order of the mesh. An open border counts as an edge like any other.
+/// Edges are joined by position: at a border between patches or a seam there is one fin. Its tile frame, material and
+/// colours come from the first triangle in mesh order. A boundary edge counts like any other.
 ///
-/// The length of a fin in the texture is the edge's at rest; it begins at random, the same for the same mesh, so that fins of a
-/// row do not repeat (ibid.). How much hair it carries depends on how many fins a look over the outline crosses there, which follows
-/// from the strip of skin that the edge has to itself and from the curvature.
+/// The length of a fin in the texture is the edge's length at rest. Its start is random but deterministic for the mesh,
+/// so that neighbouring fins do not repeat (ibid.). The amount of hair on a fin depends on how many fins a view ray
+/// along the outline crosses. That follows from the edge's share of the surface and from the curvature.
 pub fn fins(surface: &Surface, furred: &[bool], coat: &Coat, height_m: f32, tile_size_m: f32) -> EdgeFins {
     let place = |vertex: u32| surface.rest.positions[vertex as usize];
     let height_at = |vertex: u32| {
@@ -78,34 +78,35 @@ pub fn fins(surface: &Surface, furred: &[bool], coat: &Coat, height_m: f32, tile
     out
 }
 
-/// Depth of the slab, metres, for a fin that has a strip of skin `strip_m` wide to itself, where the skin has that `curvature`, 1 / metres,
-/// and the fur is `height_m` high.
+/// Returns the depth of a fin's slab, metres, from the width `strip_m` of its strip of surface, the `curvature`, 1 /
+/// metres, and the fur's `height_m`.
 ///
-/// A look that touches skin of the radius R goes through 2 √((R + H)² − R²) of fur of height H, and so crosses fins in proportion to that over
-/// the strip. Together they should show as much as the layers do that it crosses on the way, whose number is the same for any R: so
-/// much hair as grows on a length of skin in proportion to H.
+/// A tangential view ray at a surface of radius R passes through 2 √((R + H)² − R²) of fur of height H. The number of
+/// fins it crosses is proportional to that length over the strip's width. Together the fins should show as much hair as
+/// the layers it crosses. Their number is the same for any R, so that amount of hair grows on a length of surface
+/// proportional to H.
 fn slab_depth(strip_m: f32, curvature: f32, height_m: f32) -> f32 {
     DENSITY * strip_m / (1.0 + 2.0 / (curvature * height_m).max(1e-3)).sqrt()
 }
 
-/// Measured: see `stability/silhouette.rs`.
+/// Measured by `stability/silhouette.rs`.
 const DENSITY: f32 = 0.6;
-/// Purpose of the random starts.
+/// Random stream of the fins' starts.
 const START: u64 = 0x66_696e;
 
-/// An edge of the furred skin, joined by position.
+/// Edge of the furred mesh, joined by position.
 struct Edge {
-    /// Vertices of the first triangle it belongs to, in the triangle's order.
+    /// Vertices of the first triangle at the edge, in the triangle's order.
     ends: [u32; 2],
-    /// The two positions, as numbers of distinct positions.
+    /// Indices of the two distinct positions.
     points: [usize; 2],
-    /// The first triangle.
+    /// First triangle at the edge.
     triangle: u32,
-    /// A third of the area of each triangle it belongs to, square metres at rest.
+    /// Sum of a third of the area of each triangle at the edge, square metres at rest.
     area: f32,
 }
 
-/// The edges in the order of their first triangles.
+/// Returns the edges in the order of their first triangles.
 fn edges(surface: &Surface, furred: &[bool]) -> Vec<Edge> {
     let mesh = &surface.mesh;
     let place = |vertex: u32| surface.rest.positions[vertex as usize];
@@ -144,7 +145,8 @@ fn edges(surface: &Surface, furred: &[bool]) -> Vec<Edge> {
     out
 }
 
-/// Mean size of the curvature along the edges at each position, 1 / metres: how fast the normal turns on the way.
+/// Returns the mean absolute curvature along the edges at each position, 1 / metres: the change of the normal per
+/// length.
 fn curvatures(surface: &Surface, edges: &[Edge]) -> Vec<f32> {
     let count = edges.iter().flat_map(|e| e.points).max().map_or(0, |last| last + 1);
     let mut sums = vec![(0f32, 0f32); count];

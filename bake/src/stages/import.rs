@@ -6,11 +6,11 @@ use pelage_import::mesh::Model;
 
 pub use pelage_import::{ImportOptions, Resolve, import_strands, input_record};
 
-/// Reads a model as [`pelage_import::import`] does, and gives noses, eyes and claws materials of their own.
+/// Reads a model with [`pelage_import::import`] and gives noses, eyes and claws materials of their own.
 ///
 /// # Errors
 ///
-/// Those of [`pelage_import::import`].
+/// Same as [`pelage_import::import`].
 pub fn import<'r>(
     file: &str,
     bytes: &[u8],

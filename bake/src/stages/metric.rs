@@ -1,7 +1,8 @@
-//! Hair as it is on an animal: what a recipe says of it per square millimetre and in metres, in the terms of a tile.
+//! Conversion of metric hair settings, per square millimetre and in metres, to units of the tile.
 //!
-//! A tile holds some thousands of strands, and its texels are to be no wider than a hair. So where the recipe leaves the tile's width open, the tile is as
-//! wide as both allow: a narrow one repeats more often, but over fewer pixels than its strands are worth.
+//! A tile holds some thousands of strands, and its texels should not be wider than a hair. If the recipe does not set
+//! the tile's width, the tile is as wide as both limits allow. A narrow tile repeats more often, but over fewer pixels
+//! than its strands are worth.
 
 use super::groom::Lengths;
 use crate::decision::{Decision, metres_in_words};
@@ -9,25 +10,26 @@ use crate::recipe::{Recipe, SurfaceSource};
 use pelage_formats::Bounds;
 use pelage_import::BakeError;
 
-/// A hair whose root is thinner than this, texels, fades instead of showing, in every mip level: a coarser tile is a ghost of the coat.
+/// Minimum width of a hair at its root, texels. A thinner hair fades instead of showing, in every mip level, and the
+/// fur becomes too transparent.
 pub const LEAST_HAIR_TEXELS: f64 = 1.0;
-/// Strands of a tile whose width follows from them: more repeat less, and take a bake longer.
+/// Maximum number of strands of a tile with a derived width: with more, the tile repeats less but a bake takes longer.
 const MOST_STRANDS: f64 = 20_000.0;
-/// Square millimetres of a square metre.
+/// Square millimetres per square metre.
 const MM2: f64 = 1e6;
 
-/// A recipe in the terms of its tile.
+/// Recipe converted to units of its tile.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InTile {
-    /// The recipe, with nothing left of hair that is said per square millimetre or in metres of radius.
+    /// Converted recipe; no hair is left per square millimetre or with a radius in metres.
     pub recipe: Recipe,
-    /// What was chosen for that.
+    /// Decisions made for the conversion.
     pub decisions: Vec<Decision>,
-    /// What the tile cannot show as it was said.
+    /// Warnings about settings that the tile cannot represent.
     pub warnings: Vec<String>,
 }
 
-/// Whether a recipe says hair per square millimetre or in metres of radius.
+/// Returns whether a recipe gives hair per square millimetre or with a radius in metres.
 pub fn is_metric(recipe: &Recipe) -> bool {
     let (hair, under) = (&recipe.hair, &recipe.underfur);
     let radii = [hair.root_radius_m, hair.tip_radius_m, under.root_radius_m, under.tip_radius_m];
@@ -35,14 +37,15 @@ pub fn is_metric(recipe: &Recipe) -> bool {
     radii.iter().chain(&densities).any(Option::is_some)
 }
 
-/// Says densities and radii in the terms of the tile, whose width is chosen where the recipe leaves it open. What a recipe says in those terms stays as
-/// it is.
+/// Converts densities and radii to units of the tile; chooses the tile's width if the recipe does not. Settings already
+/// in these units are unchanged.
 ///
-/// * `bounds`: of the model at rest, metres
+/// * `bounds`: bounds of the model at rest, metres
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] with the key, what was found and what would be possible, where a tile of the recipe's own width cannot hold the hair.
+/// [`BakeError::Params`] with the key, what was found and what would be possible, if a tile of the recipe's own width
+/// cannot hold the hair.
 pub fn in_tile(recipe: &Recipe, bounds: &Bounds) -> Result<InTile, BakeError> {
     let mut done = InTile { recipe: recipe.clone(), ..InTile::default() };
     if !is_metric(recipe) {
@@ -92,7 +95,7 @@ pub fn in_tile(recipe: &Recipe, bounds: &Bounds) -> Result<InTile, BakeError> {
     Ok(done)
 }
 
-/// Width of the tile, metres, and why it is that.
+/// Returns the tile's width, metres, and the reason for it.
 fn tile_size(recipe: &Recipe, bounds: &Bounds) -> (f32, String) {
     let ordinary = Lengths::resolve(recipe, bounds).tile_size_m;
     if recipe.surface.tile_size_m.is_some() {
@@ -128,15 +131,16 @@ fn tile_size(recipe: &Recipe, bounds: &Bounds) -> (f32, String) {
     (found.0 as f32, found.1)
 }
 
-/// Width of a hair that the recipe says in metres, at its root: of guard hair, or else of underfur, which is finer.
+/// Returns the root width of hair that the recipe gives in metres: of guard hair, or else of underfur, which is finer.
 pub fn hair_width_m(recipe: &Recipe) -> Option<f64> {
     let radius_m = recipe.hair.root_radius_m.or(recipe.underfur.root_radius_m)?;
     Some(2.0 * f64::from(radius_m))
 }
 
-/// Lets patches and comb reach as far, in metres, as they would with the tile that the model's size gives.
+/// Scales the reach of patches and comb, so that in metres it is the same as with the tile derived from the model's
+/// size.
 ///
-/// * `times`: how often the chosen tile goes into that one, at least 1
+/// * `times`: width of that tile over the chosen one, at least 1
 fn keep_metres(recipe: &mut Recipe, times: f32, decisions: &mut Vec<Decision>) {
     let surface = &mut recipe.surface;
     if times <= 1.0 || surface.source != SurfaceSource::Patches {
@@ -153,7 +157,7 @@ fn keep_metres(recipe: &mut Recipe, times: f32, decisions: &mut Vec<Decision>) {
     }
 }
 
-/// A radius as a fraction of the tile's width.
+/// Converts a radius to a share of the tile's width.
 fn share_of_tile(key: &'static str, radius_m: f32, tile_size_m: f32, least: f32) -> Result<f32, BakeError> {
     let share = radius_m / tile_size_m;
     if (least..=0.25).contains(&share) {
@@ -168,9 +172,9 @@ fn share_of_tile(key: &'static str, radius_m: f32, tile_size_m: f32, least: f32)
     Err(BakeError::Params { what: key, reason })
 }
 
-/// Strands in a tile of that width.
+/// Returns the number of strands in a tile of the given width.
 fn strands(key: &'static str, per_mm2: f32, tile_size_m: f32) -> Result<u32, BakeError> {
-    /// As `hair.density`.
+    /// Same limit as `hair.density`.
     const MOST: f64 = 1e6;
     let area_mm2 = area_m2(tile_size_m) * MM2;
     let strands = (f64::from(per_mm2) * area_mm2).round();
@@ -187,15 +191,15 @@ fn strands(key: &'static str, per_mm2: f32, tile_size_m: f32) -> Result<u32, Bak
     Err(BakeError::Params { what: key, reason })
 }
 
-/// Tells of hair that is thinner than the texels of its tile.
+/// Returns a warning if hair is thinner than the texels of its tile.
 ///
-/// * `said`: the recipe as it was
-/// * `recipe`: in the terms of its tile
+/// * `said`: the original recipe
+/// * `recipe`: the recipe in units of its tile
 fn too_thin(said: &Recipe, recipe: &Recipe, tile_size_m: f32) -> Option<String> {
     let width_m = hair_width_m(said)?;
     let texels = recipe.slice.tile_texels;
     let texel_m = f64::from(tile_size_m) / f64::from(texels);
-    // Half a percent is what rounding the tile's width may do.
+    // Tolerance for the rounding of the tile's width: half a percent.
     if width_m >= 0.995 * LEAST_HAIR_TEXELS * texel_m {
         return None;
     }
@@ -210,12 +214,12 @@ fn too_thin(said: &Recipe, recipe: &Recipe, tile_size_m: f32) -> Option<String> 
     ))
 }
 
-/// Of a square of that side.
+/// Returns the area of a square.
 fn area_m2(side_m: f32) -> f64 {
     f64::from(side_m) * f64::from(side_m)
 }
 
-/// An area for people.
+/// Formats an area for messages.
 fn square_in_words(m2: f64) -> String {
     if m2 < 1e-2 { format!("{:.1} mm²", m2 * MM2) } else { format!("{m2:.3} m²") }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Of a model of that radius, metres.
+/// Returns the bounds of a model with the given radius, metres.
 fn bounds(radius: f32) -> Bounds {
     Bounds { radius, ..Bounds::default() }
 }
@@ -33,7 +33,7 @@ fn a_tile_of_a_known_width_has_as_many_strands_as_its_area_asks_for() {
     let said: Vec<&str> = found.decisions.iter().map(|d| d.line.as_str()).collect();
     assert_eq!(said, ["hair.density = 5000", "underfur.density = 1250"]);
     assert_eq!(found.decisions[0].chosen, "5000, 2 per mm² on 2500.0 mm² of skin");
-    // Nothing is left to do.
+    // A second conversion changes nothing.
     assert_eq!(in_tile(&found.recipe, &bounds(0.5)).unwrap().recipe, found.recipe);
     assert!(in_tile(&found.recipe, &bounds(0.5)).unwrap().decisions.is_empty());
 }
@@ -41,7 +41,7 @@ fn a_tile_of_a_known_width_has_as_many_strands_as_its_area_asks_for() {
 #[test]
 fn an_open_tile_holds_the_strands_and_no_texel_is_wider_than_a_hair() {
     let of = |sets: &[&str]| in_tile(&recipe(sets), &bounds(0.5)).unwrap();
-    // By the model's size: 0.15 m.
+    // Derived from the model's size: 0.15 m.
     assert_eq!(of(&["hair.density_mm2=0.1"]).recipe.surface.tile_size_m, Some(0.15));
     assert_eq!(of(&["hair.density_mm2=0.1"]).recipe.hair.density, 2250);
     let dense = of(&["hair.density_mm2=20"]).recipe;
@@ -54,7 +54,7 @@ fn an_open_tile_holds_the_strands_and_no_texel_is_wider_than_a_hair() {
     assert!((fine.recipe.hair.root_radius * 256.0 - 0.5).abs() < 1e-4, "half a texel");
     assert_eq!(fine.warnings, [""; 0]);
     assert!(fine.decisions[0].chosen.ends_with("of which 256 texels are as wide as a hair of 60 µm"), "{fine:?}");
-    // Underfur that is counted by the tile takes its share of the strands.
+    // Underfur given per tile uses up its share of the strands.
     let shared = of(&["hair.density_mm2=20", "underfur.density=5000"]).recipe;
     assert!((f64::from(shared.hair.density) / (MOST_STRANDS - 5000.0) - 1.0).abs() < 1e-3);
 }

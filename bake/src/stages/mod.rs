@@ -1,7 +1,7 @@
-//! The stages of a bake, a folder or a file each; [`crate::pipeline`] is their order.
+//! Stages of a bake, a folder or a file each; [`crate::pipeline`] defines their order.
 //!
-//! A stage is a function of plain data: no file, no clock, no global, and random numbers from the recipe's seed. It knows the stages
-//! whose results it reads and nothing that judges it.
+//! A stage is a function of plain data: no file, no clock, no global, and random numbers from the recipe's seed. It
+//! depends on the stages whose results it reads, and on nothing that evaluates its own result.
 
 pub mod assemble;
 mod cells;

@@ -1,36 +1,37 @@
-//! What morph targets do to the vertices of a package: where they go, and how normals and the tile's axes turn with the skin.
+//! Morph targets on the vertices of a package: changes of positions, of normals and of the tile's axes.
 
 use glam::{DMat3, DVec3, Vec3};
 use pelage_formats::{MeshData, MorphDelta, Morphs};
 use pelage_import::mesh::Model;
 use std::collections::{BTreeMap, HashMap};
 
-/// What moves a normal or a direction by less is left out: nobody sees it.
+/// Smallest change of a normal or a direction that is stored; smaller ones are invisible.
 const LEAST: f32 = 1e-6;
 
-/// What one target does around one place.
+/// Effect of one target around one position.
 #[derive(Clone, Copy, Debug)]
 struct Around {
-    /// By how much the normals of its triangles change, each as long as twice its triangle's area.
+    /// Change of the normals of adjacent triangles, each with a length of twice the triangle's area.
     normals: DVec3,
-    /// Change of a direction on the skin, times twice the area.
+    /// Change of a direction on the mesh surface, times twice the area.
     gradient: DMat3,
-    /// Sum and count of what the file says of normals.
+    /// Sum of the normal changes that the file gives; `authored_count` is their number.
     authored: DVec3,
     authored_count: u32,
 }
 
 impl Around {
-    /// Nothing changes. A matrix's own default is the identity.
+    /// No change. (The default of a matrix is the identity.)
     const NOTHING: Self =
         Self { normals: DVec3::ZERO, gradient: DMat3::ZERO, authored: DVec3::ZERO, authored_count: 0 };
 }
 
-/// The morph targets of a model over the vertices of its package, `rows` telling each vertex's row of [`Model::morph_rows`]; `None` for a model
-/// without.
+/// Returns the morph targets of a model over the vertices of its package; `None` for a model without any. `rows`: row
+/// of each vertex in [`Model::morph_rows`].
 ///
-/// Vertices that share place and normal share what is added to the normal, so that a coat stays closed over the seams of its patches. It is what the
-/// file says where it says something; else the triangles tell. The tile's axes go with the skin.
+/// Vertices with the same position and normal share the change of the normal, so that fur stays closed over patch
+/// seams. The change is the file's, if given, otherwise derived from the triangles. The tile's axes follow the mesh
+/// surface.
 pub fn of_mesh(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
     let motion =
         model.animation.as_ref().map(|animation| &animation.morphs).filter(|motion| !motion.targets.is_empty())?;
@@ -98,7 +99,7 @@ pub fn of_mesh(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
             let normal = if entry.authored_count > 0 {
                 (entry.authored / f64::from(entry.authored_count)).as_vec3()
             } else {
-                // A joint that mirrors makes the mesh's own space wind the other way.
+                // A mirroring joint reverses the winding in the mesh's own space.
                 let outward = if sum.dot(Vec3::from(vertex.normal).as_dvec3()) < 0.0 { -1.0 } else { 1.0 };
                 let turned = (sum + entry.normals).normalize_or_zero() - sum.normalize_or_zero();
                 (turned * outward).as_vec3()
@@ -126,7 +127,8 @@ mod tests {
     use pelage_formats::{Animation, AttributeVertex, GeometryVertex, MorphMotion, MorphTarget, SkinVertex};
     use pelage_import::mesh::{MorphRows, RowDelta};
 
-    /// A square of 4 * 4 places in the plane z = 0, torn along the middle column, and what one target does to each vertex.
+    /// Makes a square of 4 × 4 cells in the plane z = 0, split along the middle column, and returns the morph deltas of
+    /// one target.
     fn square(row: impl Fn(Vec3) -> Option<RowDelta>) -> Morphs {
         let mut mesh = MeshData::default();
         let halves = [0..3u8, 2..5];
@@ -173,7 +175,7 @@ mod tests {
         let half = std::f32::consts::FRAC_1_SQRT_2;
         let found: Vec<_> = (0..30).map(|v| morphs.of_vertex(v)[0]).collect();
         for (v, delta) in found.iter().enumerate() {
-            // The plane z = 0 becomes z = x, on both sides of the tear.
+            // The plane z = 0 becomes z = x, on both sides of the split.
             near(delta.normal, Vec3::new(-half, 0.0, half - 1.0));
             near(delta.tangent, if v < 15 { Vec3::Z } else { Vec3::ZERO });
         }
@@ -181,12 +183,12 @@ mod tests {
 
     #[test]
     fn a_seam_has_one_normal_and_far_vertices_none() {
-        // One place of the tear is lifted.
+        // One vertex position on the split is lifted.
         let lifted = Vec3::new(2.0, 2.0, 0.0);
         let position = |p: Vec3| if p == lifted { Vec3::Z } else { Vec3::ZERO };
         let plain = square(|p| Some(RowDelta { target: 0, position: position(p), normal: None }));
         let at = |morphs: &Morphs, p: [f32; 2]| {
-            // Vertices of the left half are in rows of three, those of the right too, from column 2 on.
+            // Vertices of the left half are in rows of three, and so are those of the right half, from column 2 on.
             let (x, y) = (p[0] as usize, p[1] as usize);
             let side = [(x <= 2).then_some(3 * y + x), (x >= 2).then(|| 15 + 3 * y + x - 2)];
             side.into_iter().flatten().map(|v| morphs.of_vertex(v).first().copied()).collect::<Vec<_>>()

@@ -1,7 +1,7 @@
-//! What of all directions a body leaves open to its hair, at rest: rays from the tips of the hair at each vertex find where ears, legs and belly hide them, and how
-//! far light comes around what is round.
+//! Openness: share of all directions that a body leaves open to its hair, at rest. Rays from the hair tips at each
+//! vertex find where ears, legs and belly occlude the hair, and how far light wraps around rounded parts.
 //!
-//! What hides is the skin raised to half the height of its hair: about as deep light falls into a coat.
+//! The occluder is the mesh surface raised to half the height of its hair, which is about how deep light enters fur.
 
 use glam::Vec3;
 use obvhs::BvhBuildParams;
@@ -15,17 +15,17 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::time::Duration;
 
-/// Most and fewest rays from a vertex, and how many all vertices have together at most.
+/// Maximum and minimum number of rays per vertex, and the maximum for all vertices together.
 const RAYS: (usize, usize, usize) = (128, 24, 4_000_000);
-/// The golden angle, radians: directions along a spiral of it fill a sphere evenly.
+/// Golden angle, radians: directions along a spiral with this step are evenly distributed over a sphere.
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
-/// How high what hides stands above the skin, heights of the hair.
+/// Height of the occluder above the mesh surface, as a share of the hair's height.
 const HIDES_TO: f32 = 0.5;
-/// How far above bare skin a ray starts, radii of the model.
+/// Height above bare skin at which a ray starts, as a share of the model's radius.
 const AWAY: f32 = 1e-3;
 
-/// What is left open to the hair at each vertex by the triangles of a mesh. `hides`: whether that triangle hides anything; one that textures cut holes into
-/// does not.
+/// Returns the openness of each vertex, with the mesh's triangles as occluders. `hides`: whether a triangle occludes;
+/// one with holes cut by a texture does not.
 pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(usize) -> bool) -> Vec<Openness> {
     let mut pose = Pose::default();
     if let Some(animation) = animation {
@@ -60,7 +60,7 @@ pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(u
     }
     let tree = build_cwbvh(&facets, BvhBuildParams::fast_build(), &mut Duration::default());
     let facets: Vec<Triangle> = tree.primitive_indices.iter().map(|i| facets[*i as usize]).collect();
-    // Vertices of several patches stand at one place: each place is looked at once.
+    // Vertices of several patches share a position: each position is evaluated once.
     let mut numbers: HashMap<[u32; 6], usize> = HashMap::new();
     let mut places = Vec::new();
     let place_of: Vec<usize> = at_rest
@@ -96,26 +96,26 @@ pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(u
         .collect()
 }
 
-/// A vertex at rest, and its hair.
+/// Vertex in the rest pose, and its hair.
 struct AtRest {
     tip: Vec3,
-    /// How far up what is behind it is hidden.
+    /// Position on the occluder.
     hides: Vec3,
     normal: Vec3,
     tangent: [f32; 4],
 }
 
-/// Share of all directions that is open from a place, and a unit vector towards their middle.
+/// Returns the share of all directions that is open from a point, and a unit vector towards their mean.
 fn look(tree: &CwBvh, facets: &[Triangle], place: Vec3, normal: Vec3, ways: &[Vec3], away: f32) -> (f32, Vec3) {
     let (along, across) = normal.any_orthonormal_pair();
-    // A little above the skin, so that it hides what is below it.
+    // Slightly above the surface, so that the surface occludes the directions below it.
     let from = place + normal * away;
     let mut middle = Vec3::ZERO;
     let mut open = 0;
     for way in ways {
         let way = along * way.x + across * way.y + normal * way.z;
         let ray = Ray::new(from.into(), way.into(), 0.0, f32::INFINITY);
-        // Both sides of a triangle hide.
+        // Both sides of a triangle occlude.
         if tree.ray_traverse_miss(ray, |ray, id| facets[id].intersect(ray)) {
             open += 1;
             middle += way;
@@ -124,7 +124,7 @@ fn look(tree: &CwBvh, facets: &[Triangle], place: Vec3, normal: Vec3, ways: &[Ve
     (open as f32 / ways.len() as f32, normalize_or(middle, normal))
 }
 
-/// Unit directions of equal solid angles.
+/// Returns unit directions, evenly distributed by solid angle.
 fn directions(count: usize) -> Vec<Vec3> {
     let direction = |i: usize| {
         let z = 1.0 - 2.0 * (i as f32 + 0.5) / count as f32;
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
     use pelage_formats::GeometryVertex;
 
-    /// A mesh of points with normals, and triangles over them.
+    /// Makes a mesh of points with normals and of triangles.
     fn mesh(points: &[([f32; 3], [f32; 3])], indices: &[u32]) -> MeshData {
         let vertex = |(position, normal): &([f32; 3], [f32; 3])| GeometryVertex {
             position: *position,
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_wall_hides_half_of_what_is_above_its_foot() {
-        // A place on a floor, and a wall beside it, both as good as endless.
+        // A point on a floor beside a wall, both practically infinite.
         let (up, aside) = ([0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
         let points = [
             ([0.05, 0.0, 0.0], up),
@@ -169,11 +169,11 @@ mod tests {
         let mesh = mesh(&points, &[1, 2, 3, 1, 3, 4, 7, 8, 6, 7, 6, 5]);
         let found = openness(&mesh, None, |_| true);
         assert!((found[0].share - 0.25).abs() < 0.03, "{:?}", found[0]);
-        // The middle of a quarter of all directions lies between both faces.
+        // The mean of a quarter of all directions points midway between both faces.
         let frame = tile_frame(Vec3::Y, Vec3::from_slice(&mesh.geometry[0].tangent), 1.0);
         let middle = found[0].open().normalize();
         assert!((middle.dot(to_tile(frame, Vec3::X)) - std::f32::consts::FRAC_1_SQRT_2).abs() < 0.05, "{middle}");
-        // What hides nothing hides nothing; a floor alone hides half.
+        // Without occluders everything is open; a floor alone occludes half.
         assert_eq!(openness(&mesh, None, |_| false)[0], Openness::default());
         let floor = openness(&mesh, None, |triangle| triangle > 1)[0];
         assert!((floor.share - 0.5).abs() < 0.02 && floor.aside.iter().all(|x| x.abs() < 0.05), "{floor:?}");
@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn hair_on_a_ball_sees_past_it_and_nothing_from_within() {
         let mut points = Vec::new();
-        // Fine enough for the facets to lie near the ball.
+        // Fine enough for the facets to be near the ball.
         let (rings, around) = (48, 64);
         for ring in 0..=rings {
             for k in 0..around {
@@ -204,9 +204,9 @@ mod tests {
         let outside = |found: &[Openness]| found[around as usize..(rings * around) as usize].to_vec();
         let found = openness(&ball, None, |_| true);
         assert!(outside(&found).iter().all(|of| (of.share - 0.5).abs() < 0.04), "{found:?}");
-        // A ray that meets an edge may pass between its triangles.
+        // A ray that hits an edge may pass between its triangles.
         assert!(found.last().expect("points").share < 0.01);
-        // Hair of half the ball's radius: its tips stand 1.5 from the middle, and what hides ends at 1.25.
+        // Hair as high as half the ball's radius: tips are at radius 1.5, and the occluder is at 1.25.
         ball.geometry.iter_mut().for_each(|vertex| vertex.fur_height = 0.5);
         let dip = (1.0 - (1.25_f32 / 1.5).powi(2)).sqrt();
         let found = openness(&ball, None, |_| true);

@@ -1,4 +1,4 @@
-//! What the stages made in a package's own terms, and all of it together as one: the `pack` stage.
+//! `pack` stage: conversion of the stages' results to a package's data, and assembly of the package.
 
 use super::assemble::{Content, NamedTexture, Textures, assemble, carried, lent};
 use crate::recipe::{HairColors, Recipe};
@@ -26,89 +26,89 @@ use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use std::sync::Arc;
 
-/// The skin of a package: what it says of the model, without hair.
+/// Model part of a package, without hair.
 #[derive(Clone, Debug, Default)]
 pub struct Skin<'a> {
-    /// The manifest as far as the model decides it. Textures of materials are indices into `images`; of the fur it has the size of
-    /// the tile, the height, and the numbers of strands and patches.
+    /// Manifest as far as the model determines it. Textures of materials are indices into `images`; of the fur it
+    /// contains the tile's size, the height, and the numbers of strands and patches.
     pub manifest: Manifest,
-    /// The sections that stand before the textures: mesh, skeleton and clips, and what other programs added.
+    /// Sections before the textures: mesh, skeleton and clips, and additions by other programs.
     pub sections: Vec<Content<'a>>,
     /// Textures of the materials.
     pub images: Vec<NamedTexture<'a>>,
-    /// Lengths that its recipe may leave open; `None` where the recipe says them.
+    /// Lengths that the recipe may leave open; `None` if the recipe gives them.
     pub lengths: Option<Lengths>,
-    /// Colours of the hair, likewise.
+    /// Colours of the hair; `None` if the recipe gives them.
     pub hair_colors: Option<HairColors>,
-    /// Width of the pattern, metres, likewise.
+    /// Width of the pattern, metres; `None` if the recipe gives it.
     pub pattern_size_m: Option<f32>,
-    /// Names of the bare materials, likewise.
+    /// Names of the bare materials; `None` if the recipe gives them.
     pub bare: Option<Vec<String>>,
-    /// How far from bare materials hair has its full length, metres, likewise.
+    /// Distance from bare materials at which hair has its full length, metres; `None` if the recipe gives it.
     pub bare_margin_m: Option<f32>,
-    /// The recipe with hair and patches in the terms of the tile, where it says them otherwise.
+    /// Recipe with hair and patches in units of the tile, if it gave them in other units.
     pub filled: Option<Box<Recipe>>,
 }
 
-/// Fins as they stand on the skin, without their textures.
+/// Fins of a model, without their textures.
 #[derive(Clone, Debug, Default)]
 pub struct SkinFins<'a> {
-    /// The section; `None` for a skin without fins.
+    /// Section of the fins; `None` for a model without fins.
     pub section: Option<Content<'a>>,
-    /// Depth of the slab of hair that they should show where the recipe gives none, widths of the tile; `None` where the recipe says it.
+    /// Default depth of the slab of hair that the fins show, in tile widths; `None` if the recipe gives it.
     pub depth: Option<f32>,
 }
 
-/// What the stages made of a model that is to have a skin.
+/// Results of the stages for the model part of a package.
 #[derive(Clone, Copy, Debug)]
 pub struct SkinPieces<'a> {
-    /// Name of the model, for the manifest.
+    /// Model name, for the manifest.
     pub name: &'a str,
-    /// The model: materials and motions.
+    /// Model: materials and motions.
     pub model: &'a Model,
-    /// The files that the recipe named, besides the model's.
+    /// Files that the recipe names, besides the model.
     pub inputs: &'a [InputRecord],
-    /// Its mesh with tile coordinates and frames.
+    /// Mesh with tile coordinates and frames.
     pub surface: &'a Surface,
-    /// One per material.
+    /// Whether each material is furred.
     pub furred: &'a [bool],
-    /// What `model.bare` says, or would have to say for the same.
+    /// Value of `model.bare`, or an equivalent one if it is not set.
     pub bare: &'a [String],
-    /// How far from bare materials hair has its full length, metres.
+    /// Distance from bare materials at which hair has its full length, metres.
     pub bare_margin_m: Option<f32>,
-    /// What varies over the vertices of the surface's mesh.
+    /// Per-vertex properties of the fur.
     pub coat: &'a Coat,
-    /// Colours of its materials and vertices.
+    /// Colours of materials and vertices.
     pub colors: &'a Colors,
-    /// Box and sphere of the rest pose.
+    /// Bounding box and sphere in the rest pose.
     pub bounds: Bounds,
     /// Lengths of hair and tile.
     pub lengths: Lengths,
-    /// The recipe with its hair in the terms of the tile.
+    /// Recipe with its hair in units of the tile.
     pub filled: &'a Recipe,
     /// Colours of the hair.
     pub hair_colors: HairColors,
     /// Height of the fur, metres.
     pub height_m: f32,
-    /// Strands in the tile.
+    /// Number of strands in the tile.
     pub strands: u32,
-    /// Width of the pattern, metres, where there is one.
+    /// Width of the pattern, metres, if there is one.
     pub pattern_size_m: Option<f32>,
-    /// How far hair lies aside of its root, where it has the colour that it has there.
+    /// Lateral offsets of hair from its root, if hair has the colour of its root.
     pub roots: Option<&'a RootsInfo>,
-    /// One .ktx2 file per image of `colors`.
+    /// Base-colour textures, a .ktx2 file per image of `colors`.
     pub base_colors: &'a [Vec<u8>],
-    /// The groom textures, .ktx2 files.
+    /// Groom textures, .ktx2 files.
     pub groom_textures: &'a [Vec<u8>],
-    /// One per material: index into `groom_textures`.
+    /// Index into `groom_textures` for each material.
     pub groom_of_material: &'a [Option<usize>],
-    /// Whether lists of fewer triangles go with the mesh.
+    /// Whether to add simplified triangle lists to the mesh.
     pub simplified: bool,
-    /// What the stages before had to say.
+    /// Warnings of earlier stages.
     pub warnings: &'a [String],
 }
 
-/// What decides about lists of fewer triangles, beside the model's skeleton.
+/// Input of the simplified triangle lists, besides the model's skeleton; compared to decide on reuse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simplifies {
     mesh: Arc<MeshData>,
@@ -116,30 +116,30 @@ pub struct Simplifies {
     tile_size_m: f32,
 }
 
-/// Lists of fewer triangles, from more to less.
+/// Simplified triangle lists, by decreasing size.
 pub type Lists = Arc<[SimplifiedLevel]>;
 
-/// What decides about what a body leaves open, beside the model's skeleton.
+/// Input of the openness, besides the model's skeleton; compared to decide on reuse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opens {
     mesh: Arc<MeshData>,
-    /// Of each triangle, whether it hides what is behind it.
+    /// Whether each triangle occludes what is behind it.
     hides: Vec<bool>,
 }
 
-/// What a body leaves open to the hair at each vertex.
+/// Openness of each vertex: share of all directions that the body leaves open to its hair.
 pub type Opened = Arc<[Openness]>;
 
-/// What is kept of a skin, where the same model has it again.
+/// Reusable intermediate results for the same model.
 #[derive(Clone, Debug, Default)]
 pub struct KeptOfSkin {
-    /// Lists of fewer triangles.
+    /// Simplified triangle lists.
     lists: Remade<Simplifies, Lists>,
-    /// What the body leaves open.
+    /// Openness.
     opened: Remade<Opens, Opened>,
 }
 
-/// The skin in a package's terms. `kept`: what an earlier one of the same model left.
+/// Converts the model part to a package's data. `kept`: reusable results from an earlier call with the same model.
 pub fn skin(pieces: &SkinPieces<'_>, kept: &mut KeptOfSkin) -> Skin<'static> {
     let SkinPieces { model, surface, .. } = *pieces;
     let mut textures = Vec::new();
@@ -177,7 +177,7 @@ pub fn skin(pieces: &SkinPieces<'_>, kept: &mut KeptOfSkin) -> Skin<'static> {
         })
     });
     let simplified = lists.and_then(in_section);
-    // What textures cut holes into hides nothing here: rays know no textures.
+    // Materials with holes cut by a texture do not occlude: rays ignore textures.
     let solid = |part: &Part| manifest.materials.get(part.material as usize).is_none_or(|of| of.alpha_cutoff.is_none());
     let hides = manifest.parts.iter().flat_map(|part| std::iter::repeat_n(solid(part), part.index_count as usize / 3));
     let opened = kept.opened.of(Opens { mesh: mesh.clone(), hides: hides.collect() }, |of| {
@@ -207,7 +207,7 @@ pub fn skin(pieces: &SkinPieces<'_>, kept: &mut KeptOfSkin) -> Skin<'static> {
     }
 }
 
-/// The lists of fewer triangles over a mesh; `None` where it has none. Of the manifest parts and tile are read.
+/// Makes the simplified triangle lists of a mesh; `None` if there are none. Reads parts and tile size of the manifest.
 pub fn simplified(mesh: &MeshData, manifest: &Manifest, animation: Option<&Animation>) -> Option<Content<'static>> {
     in_section(simplify::levels(mesh, &manifest.parts, animation, manifest.fur.tile_size_m).into())
 }
@@ -216,44 +216,44 @@ fn in_section(lists: Lists) -> Option<Content<'static>> {
     (!lists.is_empty()).then_some(Content::Simplified(lists))
 }
 
-/// The fins of a model in a package's terms.
+/// Converts a model's fins to a package's data.
 pub fn skin_fins(surface: &Surface, fins: &EdgeFins) -> SkinFins<'static> {
     let section = || Content::Fins(fin_data(fins, &parts(surface)));
     SkinFins { section: (!fins.fins.is_empty()).then(section), depth: Some(fins.depth) }
 }
 
-/// What a package is made of, in its own terms.
+/// Parts of a package, in its own data types.
 #[derive(Clone, Copy, Debug)]
 pub struct Pieces<'a> {
-    /// The recipe: what it leaves open, the others fill in.
+    /// Recipe; settings that it leaves open come from the other parts.
     pub recipe: &'a Recipe,
     /// Constants of the lighting equation.
     pub shading: Shading,
-    /// The skin.
+    /// Model part.
     pub skin: &'a Skin<'a>,
-    /// The shell textures.
+    /// Shell textures.
     pub shells: &'a ShellTextures,
-    /// The shell textures of wet hair, where dry and wet mix.
+    /// Shell textures of wet hair, if dry and wet are mixed.
     pub wet_shells: Option<&'a ShellTextures>,
-    /// The strands of the tile, or none.
+    /// Strands of the tile, if any.
     pub strands: Option<&'a StrandsData>,
-    /// Hair on guides, and what there was to say of it.
+    /// Hair on guides, with its warnings.
     pub hair: &'a GuidedHair,
-    /// The fins.
+    /// Fins.
     pub fins: &'a SkinFins<'a>,
-    /// Their textures; without them the package has no fins.
+    /// Textures of the fins; without them the package has no fins.
     pub fin_textures: Option<&'a FinTextures>,
-    /// How its fibres scatter light, or none.
+    /// Scattering tables of the fibres, if any.
     pub fibres: Option<&'a FibreTables>,
-    /// What the ink style needs, or none.
+    /// Data of the ink style, if any.
     pub ink: Option<(&'a SkinInk, &'a InkFiles<'a>)>,
 }
 
-/// Writes the package; what comes back opens and validates. With it what all stages had to say.
+/// Writes the package, which opens and validates, and returns it with the warnings of all stages.
 ///
 /// # Errors
-/// [`BakeError::Params`] where what follows from the model's size is out of a recipe's range; else [`BakeError::Internal`]: the stages before have
-/// checked everything that comes from the user.
+/// [`BakeError::Params`] if a value derived from the model's size is out of a recipe's range; otherwise
+/// [`BakeError::Internal`], because earlier stages have checked all user input.
 pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
     let Pieces { recipe, skin, .. } = *pieces;
     let mut textures = Textures::default();
@@ -298,12 +298,12 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     }
     let mut warnings = skin.manifest.warnings.clone();
     warnings.extend(pieces.hair.warnings.iter().cloned());
-    // A package that is sliced anew has said them before.
+    // A package that is sliced again already contains these warnings.
     let of_fibres = pieces.fibres.iter().flat_map(|made| &made.warnings).filter(|text| !warnings.contains(text));
     warnings.extend(of_fibres.cloned().collect::<Vec<_>>());
     warnings.extend(pieces.ink.iter().flat_map(|(ink, _)| ink.warnings.iter().cloned()));
     let (names, files) = textures.finish();
-    // What the model's size decides may lie where no recipe may.
+    // Values derived from the model's size may be out of a recipe's range.
     let recorded = resolved(pieces);
     recorded.validate()?;
     let moves = hair_motion(pieces);
@@ -336,7 +336,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
         ..skin.manifest.clone()
     };
     let fins = fins.map(|(_, section)| section);
-    // How hair moves, of a package whose skin is kept, has its place behind the hair.
+    // A hair motion section copied from an earlier package must be behind the hair.
     let is_motion = |section: &&Content<'_>| matches!(section, Content::Bytes(Tag::HAIR_MOTION, _));
     let kept_motion = skin.sections.iter().filter(is_motion).cloned();
     let sections = skin.sections.iter().filter(|section| !is_motion(section)).cloned();
@@ -351,7 +351,8 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
 }
 
-/// How hair on guides moves; `None` where none does, and where the skin comes from another package, which has said it.
+/// Returns the motion of hair on guides; `None` if no hair moves, or if the model part is from another package that
+/// already contains the section.
 fn hair_motion(pieces: &Pieces<'_>) -> Option<(HairMotion, hair_motion::Fitted)> {
     let sections = &pieces.skin.sections;
     let mesh = sections.iter().find_map(|s| if let Content::Mesh(mesh) = s { Some(mesh) } else { None })?;
@@ -359,7 +360,7 @@ fn hair_motion(pieces: &Pieces<'_>) -> Option<(HairMotion, hair_motion::Fitted)>
     hair_motion::of_groups(&pieces.recipe.strands, pieces.hair, mesh, animation)
 }
 
-/// The recipe with everything that was left open filled in.
+/// Returns the recipe with all open settings filled in.
 fn resolved(pieces: &Pieces<'_>) -> Recipe {
     let mut recipe = pieces.recipe.clone();
     if let Some(filled) = &pieces.skin.filled {
@@ -385,11 +386,11 @@ fn resolved(pieces: &Pieces<'_>) -> Recipe {
     recipe
 }
 
-/// The package with the evidence of how its settings were chosen.
+/// Adds the evidence of how settings were chosen to a package.
 ///
 /// # Errors
 ///
-/// [`BakeError::Internal`] for a package that does not open: it was written just before.
+/// [`BakeError::Internal`] if the package, which was just written, does not open.
 pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError> {
     let write = || {
         let opened = Package::open(package, &Limits::default())?;
@@ -399,8 +400,8 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
     write().map_err(|fault| BakeError::Internal(format!("the package with its evidence does not read back: {fault}")))
 }
 
-/// The package as a bake by another recipe gives it: one that says what the bake before was told or chose, no more and no less. It has no evidence of
-/// how settings were chosen, because nothing is left to choose.
+/// Replaces the recipe recorded in a package, as if baked from the new one. The new recipe must state exactly what the
+/// earlier bake was given or chose. The evidence of chosen settings is removed, because nothing is left to choose.
 ///
 /// * `file`: the recipe's name, for messages
 /// * `text`: the recipe
@@ -408,7 +409,8 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
 ///
 /// # Errors
 ///
-/// As [`Recipe::parse`] for the text; [`BakeError::Internal`] for a package that does not open: it was written just before.
+/// Same as [`Recipe::parse`] for the text; [`BakeError::Internal`] if the package, which was just written, does not
+/// open.
 pub fn with_recipe(package: &[u8], file: &str, text: &str, inputs: Vec<InputRecord>) -> Result<Vec<u8>, BakeError> {
     let fault = |fault| BakeError::Internal(format!("the package with its recipe does not read back: {fault}"));
     let opened = Package::open(package, &Limits::default()).map_err(fault)?;
@@ -432,7 +434,7 @@ fn materials(pieces: &SkinPieces<'_>, base_colors: &[u32], grooms: &[u32]) -> Ve
     pieces.model.materials.iter().enumerate().zip(&pieces.colors.materials).map(convert).collect()
 }
 
-/// Index ranges: neighbouring parts of one material become one draw.
+/// Returns index ranges; neighbouring parts with the same material become one draw.
 fn parts(surface: &Surface) -> Vec<Part> {
     let mut out: Vec<Part> = Vec::new();
     for part in surface.mesh.parts.iter().filter(|p| p.triangle_count > 0) {
@@ -445,7 +447,7 @@ fn parts(surface: &Surface) -> Vec<Part> {
     out
 }
 
-/// The fins with their number on each part.
+/// Converts the fins, with their number on each part.
 fn fin_data(fins: &EdgeFins, parts: &[Part]) -> FinData {
     let end = |part: &Part| fins.triangles.partition_point(|t| 3 * t < part.first_index + part.index_count) as u32;
     let mut first = 0;

@@ -1,31 +1,32 @@
-//! How far what is said of a place reaches over the skin, and what comes of several that reach the same.
+//! Influence of marks by distance on the mesh surface, and combination of several marks that reach the same point.
 
 use crate::noise::smooth_step;
 use std::ops::{Add, Mul};
 
-/// How far a mark reaches that does not say it, radii of the model.
+/// Default reach of a mark, as a share of the model's radius.
 const CHOSEN: f32 = 0.3;
-/// Share of the reach within which it counts in full.
+/// Share of the reach within which a mark has full weight.
 pub(crate) const FULL: f32 = 0.25;
-/// Least share by which one that counts in full falls short of ruling alone, so that two at one place share it.
+/// Lower limit of 1 − share in a mark's weight, so that two marks with full weight at one point share it.
 const SHORT: f32 = 1e-3;
 
-/// How far a mark reaches that does not say it, on a model of that radius; metres.
+/// Returns the default reach of a mark, metres, on a model with the given radius.
 pub(crate) fn chosen_m(radius_m: f32) -> f32 {
     CHOSEN * if radius_m > 0.0 { radius_m } else { 1.0 }
 }
 
-/// How much a mark counts that far from it: 1 within a quarter of its reach, 0 from there on. Both in one unit, the reach above 0.
+/// Returns the influence of a mark at distance `way`: 1 within a quarter of its reach, falling to 0 at its reach. Both
+/// have the same unit; the reach is above 0.
 pub(crate) fn share(way: f32, reach: f32) -> f32 {
     1.0 - smooth_step(FULL, 1.0, way / reach)
 }
 
-/// What several marks say of one place.
+/// Accumulated values of several marks at one point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Said<T> {
     sum: T,
     weight: f32,
-    /// What they leave to what holds elsewhere.
+    /// Share left to the value that applies elsewhere.
     left: f32,
 }
 
@@ -36,7 +37,7 @@ impl<T: Default> Default for Said<T> {
 }
 
 impl<T: Copy + Add<Output = T> + Mul<f32, Output = T>> Said<T> {
-    /// One says `value`, and counts by `share`. One that counts in full outweighs those that do not.
+    /// Adds a mark with `value` and influence `share`. A mark with full influence outweighs all that have less.
     pub(crate) fn add(&mut self, share: f32, value: T) {
         if share <= 0.0 {
             return;
@@ -47,7 +48,7 @@ impl<T: Copy + Add<Output = T> + Mul<f32, Output = T>> Said<T> {
         self.left *= 1.0 - share;
     }
 
-    /// How much they count together, above 0, and the mean of what they say; `None` where none reaches.
+    /// Returns the marks' joint influence, above 0, and their weighted mean; `None` if no mark reaches the point.
     pub(crate) fn together(&self) -> Option<(f32, T)> {
         (self.weight > 0.0).then(|| (1.0 - self.left, self.sum * self.weight.recip()))
     }

@@ -1,4 +1,5 @@
-//! The `scatter` stage: tables of how the fibres of the hair scatter light (Marschner 2003; after Nguyen and Donnelly 2005), as a package has them.
+//! `scatter` stage: tables of light scattering in the hair's fibres (Marschner 2003; after Nguyen and Donnelly 2005),
+//! in the form that a package stores.
 
 use crate::recipe::{BcQuality, FibreParams};
 use crate::stages::groom::report_unmatched;
@@ -10,37 +11,37 @@ use pelage_formats::{FibreInfo, FibreOptics, TextureFormat};
 use pelage_import::BakeError;
 use rayon::prelude::*;
 
-/// The fibres of a package, with their tables.
+/// Fibres of a package, with their tables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FibreTables {
-    /// Each kind once, the coat's first.
+    /// Distinct kinds of fibres; that of the fur is first.
     pub fibres: Vec<FibreOptics>,
-    /// Of each what needs no table.
+    /// Mean values of each kind, which need no table.
     pub means: Vec<Means>,
-    /// For each group of hair which of them it is.
+    /// Index of the fibre kind for each hair group.
     pub of_groups: Vec<u8>,
-    /// For each material which of them the coat on it is.
+    /// Index of the fibre kind of the fur on each material.
     pub of_materials: Vec<u8>,
-    /// Their tables: a .ktx2 file.
+    /// Tables of all kinds: a .ktx2 file.
     pub file: Vec<u8>,
-    /// Names in the recipe that nothing has.
+    /// Warnings about names in the recipe that match nothing.
     pub warnings: Vec<String>,
 }
 
 impl FibreTables {
-    /// What a package says of them whose tables are that one of its textures.
+    /// Returns the description that a package stores, with the index of the tables' texture.
     pub fn info(&self, texture: u32) -> FibreInfo {
         let Self { fibres, means, of_groups, of_materials, .. } = self.clone();
         FibreInfo { texture, fibres, means, of_groups, of_materials }
     }
 }
 
-/// Makes them.
+/// Makes the fibre tables.
 ///
-/// * `materials`, `groups`: names of the materials, and of the groups of hair, in their order
+/// * `materials`, `groups`: names of the materials, and of the hair groups, in order
 ///
 /// # Errors
-/// [`BakeError::Params`] for more kinds of fibres than a package has room for.
+/// [`BakeError::Params`] if there are more kinds of fibres than a package can hold.
 pub fn tables<'a>(
     params: &FibreParams,
     materials: impl Iterator<Item = &'a str> + Clone,

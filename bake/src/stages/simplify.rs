@@ -1,8 +1,8 @@
 //! Simplified index lists: fewer triangles over the same vertices, for models that are small on screen.
 //!
-//! A layer of hair lies as high above the skin as the fur is, along the normals, and shows the tile. So what a collapse of an edge may not
-//! change is not only where the skin lies, but also where the outermost layer does, which texels of the tile lie there, how the skin is coloured,
-//! and how joints move it. All of it is measured in metres.
+//! A layer of hair is above the mesh surface along the normals, at the height of the fur, and shows the tile. So a
+//! collapse of an edge must preserve more than surface positions: also the position of the outermost layer, the texels
+//! of the tile there, the colour of the surface, and its motion with joints. All of it is measured in metres.
 
 use super::cells::{Cells, closest};
 use glam::{Mat4, Vec3};
@@ -10,20 +10,22 @@ use meshopt::{SimplifyOptions, VertexDataAdapter, simplify_scale, simplify_with_
 use pelage_formats::{Animation, MeshData, Part, SimplifiedLevel};
 use rayon::prelude::*;
 
-/// Numbers of a vertex beside its position that a collapse keeps.
+/// Number of values per vertex, besides its position, that a collapse preserves.
 const ATTRIBUTES: usize = 17;
-/// Metres that count as much as so many of hair which lies elsewhere on the skin: a strand more or less at a place is hardly seen.
+/// Weight of a shift of the tile along the mesh surface, relative to a displacement of the surface: a strand more or
+/// less is hardly visible.
 const TILE_SHARE: f32 = 0.3;
-/// A step from black to white, from a full coat to none, or a normal turned by a radian, over the size of the model.
+/// Weight of a step from black to white or from full fur to none, as a share of the model's size; [`NORMAL_SHARE`] is
+/// that of a normal turned by a radian.
 const COLOR_SHARE: f32 = 0.03;
 const NORMAL_SHARE: f32 = 0.01;
-/// Triangles of the smallest list at least. Fewer cost next to nothing.
+/// Minimum number of triangles of the smallest list. Fewer cost next to nothing.
 const FEWEST: usize = 64;
-/// A list has at most this share of the triangles of the one before.
+/// Maximum size of a list relative to the one before.
 const SHARE: f32 = 0.7;
 
-/// Lists of half, a quarter, an eighth … of the triangles, as far as patches, borders and materials let them be simplified; none where parts share
-/// vertices, as a list could not tell whose its triangles are.
+/// Returns lists of half, a quarter, an eighth … of the triangles, as far as patches, borders and materials permit.
+/// There are none if parts share vertices, because then a list's triangles could not be assigned to parts.
 pub fn levels(
     mesh: &MeshData,
     parts: &[Part],
@@ -49,14 +51,14 @@ pub fn levels(
             3 * triangles,
             f32::MAX,
             SimplifyOptions::None,
-            // It would say how far positions move, and nothing of all else.
+            // The error output would cover positions only, not the attributes.
             None,
         )
     };
     let halves: Vec<usize> =
         std::iter::successors(Some(mesh.indices.len() / 6), |n| Some(n / 2)).take_while(|n| *n >= FEWEST).collect();
     let (mut found, mut before, mut deviation_m) = (Vec::new(), mesh.indices.len(), 0.0f32);
-    // Each comes from the whole mesh, so several are made at a time, although the first of them may turn out to be the last that is of use.
+    // Each list is made from the whole mesh, so several are made in parallel, although some of them may prove useless.
     for some in halves.chunks(rayon::current_num_threads()) {
         let some: Vec<(Vec<u32>, f32)> = some
             .par_iter()
@@ -71,7 +73,7 @@ pub fn levels(
                 return found;
             }
             before = list.len();
-            // A flat sheet loses nothing, and lists are told apart all the same.
+            // A flat sheet has no deviation, but every list needs a larger value than the one before.
             deviation_m = (size_m * measured).max(deviation_m * 1.01).max(1e-6 * size_m);
             let mut lists = vec![Vec::new(); parts.len()];
             for triangle in list.chunks_exact(3) {
@@ -84,13 +86,14 @@ pub fn levels(
     found
 }
 
-/// Vertices whose deviation is measured at most: so many tell the share of [`DEVIATING`] within a hundredth.
+/// Maximum number of vertices whose deviation is measured: enough to determine the share of [`DEVIATING`] within a
+/// hundredth.
 const MEASURED: usize = 20_000;
-/// Share of the vertices that are left out which may deviate by more than a list says.
+/// Share of the removed vertices that may deviate by more than a list's stated value.
 const DEVIATING: f32 = 0.05;
 
-/// How far a list is from the mesh, over its size: what all but [`DEVIATING`] of the vertices that it leaves out keep to, each of them against the
-/// place on the list's triangles that is most like it.
+/// Returns the deviation of a list from the mesh, as a share of the mesh's size. All removed vertices except a share of
+/// [`DEVIATING`] are within it, each compared with the most similar point on the list's triangles.
 fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> f32 {
     let place = |v: u32| Vec3::from(mesh.geometry[v as usize].position) / size_m;
     let kept: Vec<bool> = list.iter().fold(vec![false; mesh.geometry.len()], |mut kept, v| {
@@ -109,7 +112,8 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
     let step = gone.len().div_ceil(MEASURED);
     let of = |v: &u32| {
         let numbers = |v: u32| &attributes[ATTRIBUTES * v as usize..][..ATTRIBUTES];
-        // Square of how far a triangle is from the vertex in all; `best`, where its place alone is farther.
+        // Squared distance of a triangle from the vertex, including attributes; `best` if the position alone is
+        // farther.
         let nearer = |best: f32, t: u32| {
             let t = &triangles[t as usize];
             let [a, b, c] = t.map(place);
@@ -133,7 +137,7 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
     found.get((found.len() as f32 * (1.0 - DEVIATING)) as usize).or(found.last()).copied().unwrap_or_default()
 }
 
-/// The part whose triangles have each vertex; `None` where two parts share one.
+/// Returns the part that uses each vertex; `None` if two parts share one.
 fn part_of_vertices(mesh: &MeshData, parts: &[Part]) -> Option<Vec<u32>> {
     let mut found = vec![u32::MAX; mesh.geometry.len()];
     for (number, part) in (0..).zip(parts) {
@@ -148,7 +152,7 @@ fn part_of_vertices(mesh: &MeshData, parts: &[Part]) -> Option<Vec<u32>> {
     Some(found)
 }
 
-/// What a collapse keeps of each vertex, all as lengths over the model's size.
+/// Returns the values of each vertex that a collapse preserves, as lengths over the model's size.
 fn attributes(mesh: &MeshData, animation: Option<&Animation>, tile_size_m: f32, size_m: f32) -> Vec<f32> {
     let origin = |inverse_bind| Mat4::from_cols_array(inverse_bind).inverse().w_axis.truncate();
     let origins: Vec<Vec3> =
@@ -158,7 +162,7 @@ fn attributes(mesh: &MeshData, animation: Option<&Animation>, tile_size_m: f32, 
         let (at, skin) = (&mesh.geometry[i], &mesh.attributes[i]);
         let normal = Vec3::from(at.normal);
         let outermost = normal * at.fur_height / size_m;
-        // Where joints that hold it sit, each by its weight: what moves otherwise is held by others.
+        // Weighted mean of the positions of a vertex's joints: vertices that move differently have different joints.
         let held = mesh.skin.get(i).map_or(Vec3::ZERO, |v| {
             let joints = v.joints.iter().zip(v.weights);
             joints.map(|(joint, weight)| weight * origins.get(usize::from(*joint)).copied().unwrap_or_default()).sum()
@@ -198,7 +202,8 @@ mod tests {
     use super::*;
     use pelage_formats::{AttributeVertex, GeometryVertex};
 
-    /// A grid of n × n squares over a unit square, bulging by `bulge`, its texels as `uv` says, in two parts side by side.
+    /// Makes a grid of n × n squares over a unit square, bulging by `bulge`, with red from `color`, in two parts side
+    /// by side.
     fn grid(n: usize, bulge: f32, color: impl Fn(f32, f32) -> u8) -> (MeshData, Vec<Part>) {
         let mut mesh = MeshData::default();
         let mut parts = Vec::new();
@@ -246,11 +251,11 @@ mod tests {
             assert!(level.deviation_m > before.deviation_m && level.deviation_m < 0.1, "{}", level.deviation_m);
             assert!(level.indices.len() as f32 <= SHARE * before.indices.len() as f32);
             assert_eq!(level.part_counts.iter().sum::<u32>() as usize, level.indices.len());
-            // Each part's triangles have its own vertices.
+            // The triangles of each part use only its own vertices.
             let (first, second) = level.indices.split_at(level.part_counts[0] as usize);
             let vertices = mesh.geometry.len() as u32 / 2;
             assert!(first.iter().all(|i| *i < vertices) && second.iter().all(|i| *i >= vertices));
-            // No hole opens: seen from above the square is covered as it was.
+            // No hole opens: seen from above, the square is still covered.
             let corner = |i: u32| Vec3::from(mesh.geometry[i as usize].position).with_z(0.0);
             let area = |t: &[u32]| 0.5 * (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).z;
             let covered: f32 = level.indices.chunks_exact(3).map(area).sum();

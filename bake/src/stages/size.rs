@@ -1,4 +1,4 @@
-//! What the size, place and winding of a model say about it: a size that no coat of hair suits is refused, what is odd is told.
+//! Checks of a model's size, position and winding: a size unsuitable for fur is an error, other oddities are warnings.
 
 use super::groom::Lengths;
 use crate::recipe::{ModelParams, Recipe};
@@ -6,33 +6,34 @@ use glam::{DVec3, Vec3};
 use pelage_formats::Bounds;
 use pelage_import::BakeError;
 
-/// A longest side outside of this, metres, is told: from a mouse to a whale all animals lie inside.
+/// Range of the longest side without a warning, metres: all animals from mouse to whale.
 const ANIMALS_M: std::ops::RangeInclusive<f64> = 0.01..=30.0;
-/// Radius of an animal between cat and horse, metres: what a fitting unit aims at.
+/// Radius of an animal between cat and horse, metres; target for a suggested unit.
 const ANIMAL_M: f64 = 0.5;
-/// Farther from the origin than this many radii a position keeps less than a thousandth of the radius: a float has 24 bits.
+/// Distance from the origin, in radii, beyond which a position resolves less than a thousandth of the radius: a float
+/// has 24 bits.
 const FAR_RADII: f64 = 10_000.0;
-/// A surface is closed where its area vectors cancel but for this share of its area.
+/// Largest sum of the area vectors of a closed surface, as a share of its area.
 const CLOSED: f64 = 0.05;
-/// A closed surface holds less than nothing where its volume, over its area to the power of 1.5, is below this. A ball has 0.094.
+/// Volume over area to the power of 1.5, below which a closed surface is inside out. A ball has 0.094.
 const INSIDE_OUT: f64 = -0.002;
 
-/// Lengths of the box along x, y and z, metres.
+/// Returns the side lengths of the box along x, y and z, metres.
 pub fn sides_m(bounds: &Bounds) -> [f64; 3] {
     std::array::from_fn(|axis| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]))
 }
 
-/// The same in words: `0.42 x 0.25 x 0.61 m`.
+/// Formats side lengths: `0.42 x 0.25 x 0.61 m`.
 pub fn words(sides_m: [f64; 3]) -> String {
     format!("{} m", lengths(sides_m).join(" x "))
 }
 
-/// Lengths in metres, each with three figures that count.
+/// Formats lengths in metres, each with three significant digits.
 pub fn lengths(lengths_m: [f64; 3]) -> [String; 3] {
     lengths_m.map(meters)
 }
 
-/// A length with three figures that count.
+/// Formats a length with three significant digits.
 fn meters(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         let whole = libm::floor(libm::log10(value.abs().max(1e-3))) as i32;
@@ -42,11 +43,12 @@ fn meters(value: f64) -> String {
     }
 }
 
-/// Refuses a model whose size leads to lengths that no recipe may have. Only what the recipe leaves open follows from the model.
+/// Rejects a model whose size leads to lengths out of a recipe's range. Only settings that the recipe leaves open are
+/// derived from the model.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] with the model's size, what would follow from it, and the unit that would make it an animal's.
+/// [`BakeError::Input`] with the model's size, the derived value, and the unit that would give it an animal's size.
 pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) -> Result<(), BakeError> {
     let mut told = recipe.clone();
     told.hair.length_m = Some(lengths.length_m);
@@ -67,19 +69,21 @@ pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) ->
     })
 }
 
-/// The power of ten by which a unit brings the model nearest to an animal's size, where a recipe may say so.
+/// Returns the power of ten that as a unit brings the model nearest to an animal's size; `None` if out of a recipe's
+/// range.
 fn fitting_unit_m(bounds: &Bounds, unit_m: f32) -> Option<f32> {
     let radius = f64::from(bounds.radius);
     if !(radius.is_finite() && radius > 0.0) {
         return None;
     }
-    // Parsed from its decimal form, so that it is written as 0.001 and not as what a product of floats came to.
+    // Parsed from its decimal form, so that it prints as 0.001 and not as the product of floats.
     let power = libm::round(libm::log10(ANIMAL_M * f64::from(unit_m) / radius)) as i32;
     let unit_m: f32 = format!("1e{power}").parse().ok()?;
     ModelParams { unit_m, ..ModelParams::default() }.validate().ok().map(|()| unit_m)
 }
 
-/// What is odd about a model: its size for an animal, a place far from the origin, triangles that face inwards.
+/// Returns warnings about a model: a size unusual for an animal, a position far from the origin, triangles that face
+/// inwards.
 ///
 /// * `positions`, `triangles`: the mesh at rest, metres
 pub fn remarks(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<String> {
@@ -99,7 +103,7 @@ pub fn remarks(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles: 
             "the model stands {} m from the origin, {:.0} times its own radius: its positions are rounded to {} m; move it to the origin",
             meters(away),
             away / radius,
-            // The last of the 24 bits of a float.
+            // Value of the last of a float's 24 bits.
             meters(away * libm::exp2(-24.0)),
         ));
     }
@@ -113,7 +117,7 @@ pub fn remarks(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles: 
     out
 }
 
-/// Whether the surface is closed and faces inwards. Of an open one the sign of the volume says nothing.
+/// Returns whether the surface is closed and faces inwards. For an open surface the sign of the volume has no meaning.
 fn is_inside_out(bounds: &Bounds, positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
     let center = DVec3::from(bounds.center.map(f64::from));
     let (mut vector, mut area, mut volume) = (DVec3::ZERO, 0.0, 0.0);
@@ -179,7 +183,7 @@ mod tests {
         assert!(found.len() == 1 && found[0].contains("from the origin"), "{found:?}");
         let found = remarks_of(ball(1.0, true));
         assert!(found.len() == 1 && found[0].contains("face inwards"), "{found:?}");
-        // An open sheet that faces down holds less than nothing below its middle, and is right all the same.
+        // An open sheet that faces down has a negative volume below its middle but is correct.
         let (bounds, positions, triangles) = ball(1.0, true);
         assert!(remarks_of((bounds, positions, triangles[..4].to_vec())).is_empty());
     }

@@ -1,4 +1,5 @@
-//! The strands of the tile as a package stores them: each of a few points, in an order of which any beginning is an even sample of the coat.
+//! Strands of the tile in the form that a package stores: a few points each, in an order in which every prefix is an
+//! even sample of the fur.
 
 use crate::stages::hair::{Strands, TileHair};
 use crate::stages::visibility::{Visibility, encode_visibility};
@@ -6,10 +7,10 @@ use glam::{Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
 use pelage_formats::{StrandPoint, StrandsData};
 
-/// Makes them.
+/// Converts the strands.
 ///
-/// * `visible`: of dry and of wet hair, where the package knows it; without, all light reaches every point
-/// * `points`: of each strand, 2 or more
+/// * `visible`: visibility of dry and of wet hair, if the package has it; otherwise all light reaches every point
+/// * `points`: number of points per strand, 2 or more
 pub fn strands(hair: &TileHair, visible: [Option<&Visibility>; 2], points: u32) -> StrandsData {
     let dry = &hair.strands;
     let order = even_order(dry);
@@ -25,7 +26,8 @@ pub fn strands(hair: &TileHair, visible: [Option<&Visibility>; 2], points: u32) 
     StrandsData { points_per_strand: points, points: resampled.collect(), roots: order.iter().map(root).collect() }
 }
 
-/// All strands that have points, so that the first few lie as evenly over the tile as all do: by the bits of their places along a Z-order curve, the last first.
+/// Returns all strands that have points, ordered so that every prefix covers the tile as evenly as all do: by reversed
+/// bits of their rank along a Z-order curve.
 fn even_order(strands: &Strands) -> Vec<u32> {
     let place = |strand: u32| {
         let root = strands.points[strands.range(strand as usize).start];
@@ -39,7 +41,7 @@ fn even_order(strands: &Strands) -> Vec<u32> {
     (0..1u32 << bits).filter_map(|i| along.get(reversed(i) as usize).copied()).collect()
 }
 
-/// Points of a strand, equally far from each other along it.
+/// Returns evenly spaced points along a strand.
 fn resampled(
     strands: &Strands,
     visible: Option<&Visibility>,
@@ -78,7 +80,8 @@ fn resampled(
 mod tests {
     use super::*;
 
-    /// Strands on a grid of `side` by `side` roots, in rows; each goes up and aside, and is as bright as it is high.
+    /// Makes strands on a grid of `side` by `side` roots, in rows; each goes sideways and then up, and its brightness
+    /// increases with height.
     fn grid(side: u32) -> TileHair {
         let mut strands = Strands { offsets: vec![0], height: 0.5, root_color: Vec3::ONE, ..Strands::default() };
         for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
@@ -97,7 +100,7 @@ mod tests {
     fn points_lie_evenly_along_the_strand() {
         let made = strands(&grid(1), [None; 2], 5);
         assert_eq!((made.roots.as_slice(), made.points.len()), ([[0.5, 0.5]].as_slice(), 5));
-        // 0.8 long, of which 0.3 along the skin: every 0.2.
+        // Length 0.8, of which 0.3 along the surface: a point every 0.2.
         let places = [[0.0, 0.0], [0.2, 0.0], [0.3, 0.2], [0.3, 0.6], [0.3, 1.0]];
         for (point, [aside, height]) in made.points.iter().zip(places) {
             assert!((point.aside[0] - aside).abs() < 1e-6 && point.aside[1] == 0.0, "{point:?}");
@@ -113,7 +116,7 @@ mod tests {
         let made = strands(&grid(8), [None; 2], 2);
         assert_eq!(made.roots.len(), 64);
         for quarter in [4, 16] {
-            // As many in each of so many cells.
+            // The same number in each cell.
             let side = f64::from(quarter).sqrt() as f32;
             let mut cells = vec![0; quarter as usize];
             for [u, v] in &made.roots[..quarter as usize] {
@@ -121,7 +124,7 @@ mod tests {
             }
             assert!(cells.iter().all(|n| *n == 1), "{quarter}: {cells:?}");
         }
-        // Every strand is there once, whatever their number is.
+        // Every strand occurs once, for any number of strands.
         let made = strands(&grid(7), [None; 2], 2);
         let mut roots: Vec<_> = made.roots.iter().map(|r| r.map(f32::to_bits)).collect();
         roots.sort_unstable();

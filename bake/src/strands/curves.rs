@@ -3,78 +3,80 @@
 use glam::{DVec3, Vec2, Vec3};
 use std::ops::Range;
 
-/// Name of the group that the tile's strands make.
+/// Name of the group of the tile's strands.
 pub const COAT: &str = "coat";
-/// Name of a group that nobody named.
+/// Default group name.
 const UNNAMED: &str = "strands";
 
-/// A point of a strand.
+/// Point of a strand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CurvePoint {
-    /// World space, metres.
+    /// Position, world space, metres.
     pub position_ws: Vec3,
-    /// Metres.
+    /// Radius, metres.
     pub radius_m: f32,
-    /// Linear RGB.
+    /// Colour, linear RGB.
     pub color: Vec3,
-    /// Share of the fur's height: 0 on the skin, 1 where the outermost layer lies.
+    /// Height as a share of the fur's: 0 on the mesh surface, 1 at the outermost layer.
     pub height: f32,
-    /// Unit normal of the skin under it.
+    /// Unit normal of the mesh surface under the point.
     pub normal_ws: Vec3,
 }
 
-/// Strands that follow each other and have a name in common.
+/// Consecutive strands with a common name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CurveGroup {
-    /// Name, as [`Curves::begin_group`] got it.
+    /// Name, as passed to [`Curves::begin_group`].
     pub name: String,
-    /// Its strands.
+    /// Strands of the group.
     pub strands: Range<u32>,
 }
 
-/// Many strands.
+/// List of strands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
-    /// Points of all strands, each root first.
+    /// Points of all strands, each from the root.
     pub points: Vec<CurvePoint>,
-    /// Strand `i` is `offsets[i]..offsets[i + 1]`; one entry more than strands, or none.
+    /// Ranges of points: strand `i` is `offsets[i]..offsets[i + 1]`. One entry more than strands, or none.
     pub offsets: Vec<u32>,
-    /// One per strand: whether it is wet.
+    /// Whether each strand is wet.
     pub wet: Vec<bool>,
-    /// One per strand: the skin's own texture coordinates at its root, as glTF counts them, v downwards from the image's first row.
+    /// Texture coordinates of the mesh surface at each strand's root, as in glTF: v downwards from the image's first
+    /// row.
     pub root_uv: Vec<Vec2>,
-    /// Each begins where the one before it ends; only the last may be empty.
+    /// Groups, each starting where the one before it ends; only the last may be empty.
     groups: Vec<CurveGroup>,
 }
 
 impl Curves {
-    /// Number of strands.
+    /// Returns the number of strands.
     pub fn len(&self) -> usize {
         self.wet.len()
     }
 
-    /// Whether there is no strand.
+    /// Returns whether there are no strands.
     pub fn is_empty(&self) -> bool {
         self.wet.is_empty()
     }
 
-    /// Number of straight pieces.
+    /// Returns the number of straight segments.
     pub fn segments(&self) -> usize {
         self.points.len() - self.len()
     }
 
-    /// Points of a strand, root first.
+    /// Returns the points of a strand, root first.
     pub fn strand(&self, index: usize) -> &[CurvePoint] {
         &self.points[self.offsets[index] as usize..self.offsets[index + 1] as usize]
     }
 
-    /// Points of all strands of a group.
+    /// Returns the points of all strands of a group.
     pub fn points_of(&self, group: &CurveGroup) -> &[CurvePoint] {
         &self.points
             [self.offsets[group.strands.start as usize] as usize..self.offsets[group.strands.end as usize] as usize]
     }
 
-    /// The named groups: none is empty, each begins where the one before it ends, and together they are all strands.
+    /// Returns the named groups: none is empty, each starts where the one before it ends, and together they contain all
+    /// strands.
     pub fn groups(&self) -> &[CurveGroup] {
         match self.groups.split_last() {
             Some((last, before)) if last.strands.is_empty() => before,
@@ -82,8 +84,8 @@ impl Curves {
         }
     }
 
-    /// Strands that are added from now on belong to a group of that name: to the last one where it has that name, else to a new one. A group that
-    /// gets no strand vanishes. Without a call strands are in a group named `strands`.
+    /// Begins a group for the strands added from now on. If the last group has the same name, it is continued. A group
+    /// without strands is removed. Without a call, strands are in a group named `strands`.
     pub fn begin_group(&mut self, name: &str) {
         let end = self.len() as u32;
         self.groups.truncate(self.groups().len());
@@ -92,9 +94,9 @@ impl Curves {
         }
     }
 
-    /// Adds a strand; one of fewer than two points is left out.
+    /// Adds a strand; a strand of fewer than two points is left out.
     ///
-    /// * `root_uv`: as [`Curves::root_uv`] has it
+    /// * `root_uv`: as in [`Curves::root_uv`]
     pub fn push(&mut self, points: &[CurvePoint], wet: bool, root_uv: Vec2) {
         if points.len() < 2 {
             return;
@@ -114,12 +116,12 @@ impl Curves {
         }
     }
 
-    /// Every `step`-th strand, the first of them first; `step` 0 counts as 1. Strands keep their groups.
+    /// Returns every `step`-th strand, starting with the first; `step` 0 counts as 1. Strands keep their groups.
     pub fn every(&self, step: usize) -> Self {
         self.chosen(&mut |_, i| i.is_multiple_of(step.max(1)))
     }
 
-    /// The groups of those names, with all their strands.
+    /// Returns the groups with the given names, with all their strands.
     pub fn only(&self, names: &[&str]) -> Self {
         self.chosen(&mut |group, _| names.contains(&group.name.as_str()))
     }
@@ -138,7 +140,8 @@ impl Curves {
         out
     }
 
-    /// Adds all strands of another list with their groups; its first group goes on with our last one where both have the same name.
+    /// Adds all strands of another list with their groups; its first group continues the last one here if both have the
+    /// same name.
     pub fn append(&mut self, other: &Self) {
         for group in other.groups() {
             self.begin_group(&group.name);
@@ -149,8 +152,8 @@ impl Curves {
     }
 }
 
-/// Leaves out points that lie on the line between those that stay, within `tolerance` of the strand's radius there (Ramer 1972; Douglas and
-/// Peucker 1973). The ends stay.
+/// Removes points that are on the line between the remaining ones, within `tolerance` of the strand's radius there
+/// (Ramer 1972; Douglas and Peucker 1973). The ends are kept.
 pub fn simplified(points: &[CurvePoint], tolerance: f64) -> Vec<CurvePoint> {
     let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
     let mut stays = vec![false; points.len()];
@@ -160,7 +163,7 @@ pub fn simplified(points: &[CurvePoint], tolerance: f64) -> Vec<CurvePoint> {
         let (a, b) = (points[from].position_ws.as_dvec3(), points[to].position_ws.as_dvec3());
         let mut farthest = (1.0, None);
         for (i, point) in points.iter().enumerate().take(to).skip(from + 1) {
-            // A tip may end in a point: there the radius at the chord's thicker end counts.
+            // A tip may end in a point, so the radius at the chord's thicker end is used.
             let radius = points[from].radius_m.max(points[to].radius_m);
             let excess = distance_to_segment(point.position_ws.as_dvec3(), a, b) / (tolerance * f64::from(radius));
             if excess > farthest.0 {

@@ -1,4 +1,4 @@
-//! Hair on guides, hair by hair on a posed skin.
+//! Growth of hair on guides, hair by hair on a posed mesh.
 
 use super::curves::{CurvePoint, Curves, simplified};
 use super::plant::SIMPLIFICATION;
@@ -8,10 +8,10 @@ use pelage_formats::HairGroup;
 use pelage_formats::meaning::hair_groups::{Hair, Planted, hair_color, hair_radius};
 use rayon::prelude::*;
 
-/// Lets groups of hair grow.
+/// Grows the hairs of hair groups.
 ///
-/// * `rest`: the skin at rest, which says what each hair follows
-/// * `posed`: the same skin where the hair is wanted
+/// * `rest`: the mesh at rest, which determines the guides that each hair follows
+/// * `posed`: the same mesh in the wanted pose
 pub fn grow_groups(groups: &[HairGroup], rest: &Skin, posed: &Skin) -> Curves {
     let mut curves = Curves::default();
     let at_rest: Vec<Vec3> = rest.vertices.iter().map(|v| v.position_ws.as_vec3()).collect();

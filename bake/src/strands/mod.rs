@@ -1,7 +1,8 @@
-//! The strands of a package, one by one on its skin: what layers stand for, what is exported, and what the traced truth sees.
+//! Strands of a package, one by one on its mesh surface: the hair that layers approximate, that is exported, and that
+//! the ray-traced reference shows.
 //!
-//! [`grow_on`] grows the strands of the tile again from the package's own recipe and plants them on a posed [`Skin`]; [`Curves`] hold them in world
-//! space, and [`export`] writes those for other programs.
+//! [`grow_on`] grows the strands of the tile again from the package's own recipe and plants them on a posed [`Skin`].
+//! [`Curves`] hold them in world space, and [`export`] writes those for other programs.
 
 pub mod export;
 

@@ -1,13 +1,15 @@
-//! The strands of a package, one by one on its skin.
+//! Planting of a package's strands, one by one, on its mesh surface.
 //!
-//! A package holds layers and no strands, but its recipe, from which the very strands that were sliced grow again. Every strand of the periodic
-//! tile stands wherever its root falls into a furred triangle, and from there lies on the skin as [`pelage_formats::meaning::planting`] says. At the share s of the
-//! fur's height a point is moved off the skin as FORMAT.md says of the layers, by s · H along the normal and s² · l · H along the comb,
-//! interpolated between the triangle's corners: the truth fills the volume that the layers are drawn in.
+//! The strands are grown again from the recipe in the package, identical to those that were sliced. Every strand of the
+//! periodic tile occurs wherever its root is in a furred triangle. From there it follows the mesh surface, as
+//! [`pelage_formats::meaning::planting`] describes. At the share s of the fur's height a point is displaced as
+//! FORMAT.md defines for the layers: by s · H along the normal and s² · l · H along the comb, interpolated between the
+//! triangle's corners. So the reference fills the volume that the layers are drawn in.
 //!
-//! * A strand's radius is that of the tile in metres, whatever the length map says.
-//! * Its colour is its own times the skin's at its root.
-//! * Where the groom lets a share of the hair grow, strands stand with that probability; where it is wet to a share, they are wet with it.
+//! * A strand's radius is that of the tile in metres, independent of the length map.
+//! * Its colour is its own times the mesh surface's at its root.
+//! * Where the groom grows a share of the hair, strands occur with that probability; where it is partly wet, they are
+//!   wet with that probability.
 
 use super::curves::{CurvePoint, Curves, simplified};
 use super::skin::{Skin, mix};
@@ -24,20 +26,20 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Points of a strand that lie this near to the line without them are left out, radii of the strand. A tenth moves no edge by more than a
-/// tenth of the hair's half width, and is far below what a pixel shows.
+/// Tolerance for removing points near the line between their neighbours, in radii of the strand. A tenth moves no edge
+/// by more than a tenth of the hair's half width, far below what a pixel shows.
 pub(super) const SIMPLIFICATION: f64 = 0.1;
-/// Strands that one scene may hold: about 12 GiB.
+/// Maximum number of strands in a scene: about 12 GiB.
 const MAX_STRANDS: f64 = 2e7;
 
-/// Counts of the tile's strands as they were planted on the skin.
+/// Counts of the tile's strands as planted on the mesh surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GroomReport {
-    /// Strands on the skin.
+    /// Strands on the mesh surface.
     #[serde(skip)]
     pub strands: u64,
-    /// Straight pieces of them after simplification.
+    /// Straight segments after simplification.
     #[serde(skip)]
     pub segments: u64,
     /// Points of all strands before simplification, which omits points on a straight line.
@@ -45,13 +47,13 @@ pub struct GroomReport {
     pub points_before: u64,
     /// Strands that cross a border of patches.
     pub crossed_patch_border: u64,
-    /// Strands that reach beyond the mesh or its furred part.
+    /// Strands that extend beyond the mesh or its furred part.
     pub crossed_mesh_border: u64,
-    /// Strands that slide along a border of patches, because each side leads to the other.
+    /// Strands that slide along a border of patches, because its two sides lead against each other.
     pub slid_along_border: u64,
-    /// Strands that left the skin after crossing edges without end, as around a corner that all patches lead to.
+    /// Strands that left the mesh surface after crossing edges endlessly, as around a corner that all patches lead to.
     pub lost: u64,
-    /// Roots where the skin is cut away.
+    /// Roots where the mesh surface is cut away.
     #[serde(rename = "dropped_cut_out")]
     pub dropped_cut: u64,
     /// Roots where the hair has no length.
@@ -60,7 +62,7 @@ pub struct GroomReport {
     /// Roots that the groom thins out.
     #[serde(rename = "dropped_thinned_out")]
     pub dropped_thinned: u64,
-    /// Furred triangles without tile coordinates of any extent: no hair can root there.
+    /// Furred triangles whose tile coordinates have no extent: no hair can root there.
     pub triangles_without_coordinates: u64,
 }
 
@@ -80,10 +82,10 @@ impl std::ops::AddAssign for GroomReport {
     }
 }
 
-/// The tile's strands of a package, grown again by its recipe; `None` for a package without fur.
+/// Grows the tile's strands of a package again from its recipe; `None` for a package without fur.
 ///
 /// # Errors
-/// [`BakeError::Input`] where the recipe cannot be read or gives other strands than the package was sliced from.
+/// [`BakeError::Input`] if the recipe cannot be read or gives other strands than the package was sliced from.
 pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, BakeError> {
     let fur = &manifest.fur;
     if fur.layers == 0 {
@@ -117,14 +119,15 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
     Ok(Some(hair))
 }
 
-/// Lets the strands of a tile grow on a skin.
+/// Plants the strands of a tile on a mesh.
 ///
-/// * `tile_size_m`: width of the tile on the skin
+/// * `tile_size_m`: width of the tile on the mesh surface
 ///
-/// Strands of one fibre are one group, as [`Skin::coat_of`] names it. The same arguments give the same strands in the same order on any number of threads.
+/// Strands with the same fibre form one group, named by [`Skin::coat_of`]. The same arguments give the same strands in
+/// the same order on any number of threads.
 ///
 /// # Errors
-/// [`BakeError::Params`] where that would be more strands than memory holds.
+/// [`BakeError::Params`] if that would be more strands than memory permits.
 pub fn grow_on(skin: &Skin, hair: &TileHair, tile_size_m: f64) -> Result<(Curves, GroomReport), BakeError> {
     hair.strands.validate()?;
     let ground = skin.ground();
@@ -167,7 +170,7 @@ pub fn grow_on(skin: &Skin, hair: &TileHair, tile_size_m: f64) -> Result<(Curves
     Ok((curves, report))
 }
 
-/// Random numbers of a strand: what they are drawn for.
+/// Purposes of a strand's random numbers.
 #[derive(Clone, Copy)]
 enum Draw {
     Thinning = 1,
@@ -195,7 +198,7 @@ impl Gardener<'_> {
         out
     }
 
-    /// Lets one strand grow, if one does.
+    /// Plants one strand, unless its root is cut away, bare or thinned out.
     fn root(&self, triangle: usize, strand: usize, weights: DVec3, (curves, report): &mut (Curves, GroomReport)) {
         let base = self.skin.base_color(triangle, weights);
         if self.skin.is_cut(triangle, base.w) {

@@ -4,8 +4,8 @@ use crate::strands::COAT;
 use crate::strands::{SkinMaterial, SkinPoint};
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
-/// A flat sheet in the xz plane of `side` × `side` squares of two triangles, a tile a metre; tile coordinates of squares with x beyond
-/// `border` squares are shifted by `shift`: another patch.
+/// Makes a flat sheet in the xz plane of `side` × `side` squares of two triangles, one tile per metre. Tile coordinates
+/// of squares with x beyond `border` squares are shifted by `shift`, as another patch.
 fn sheet(side: u32, border: u32, shift: DVec2) -> Skin {
     let mut skin = Skin {
         materials: vec![SkinMaterial { base_color: Vec4::ONE, furred: true, ..SkinMaterial::default() }],
@@ -38,7 +38,7 @@ fn sheet(side: u32, border: u32, shift: DVec2) -> Skin {
     skin
 }
 
-/// Strands that lean over far, from roots spread over the tile.
+/// Makes strands that lean far over, from roots spread over the tile.
 fn leaning(count: u32) -> TileHair {
     let mut strands = Strands { offsets: vec![0], height: 0.5, root_color: Vec3::ONE, ..Strands::default() };
     for i in 0..count {
@@ -59,7 +59,7 @@ fn a_strand_lies_whole_over_a_border_of_patches() {
     let hair = leaning(40);
     let (whole, report) = grow_on(&sheet(6, 99, DVec2::ZERO), &hair, 1.0).unwrap();
     assert!(report.strands > 100 && report.crossed_patch_border == 0, "{report:?}");
-    // Whole tiles to the side: the same roots, but an edge where coordinates jump.
+    // Shifted by whole tiles: the same roots, but an edge where coordinates jump.
     let (parted, report) = grow_on(&sheet(6, 3, DVec2::new(2.0, 5.0)), &hair, 1.0).unwrap();
     assert!(report.crossed_patch_border > 10 && report.slid_along_border == 0 && report.lost == 0, "{report:?}");
     assert_eq!(whole.len(), parted.len());
@@ -71,14 +71,14 @@ fn a_strand_lies_whole_over_a_border_of_patches() {
             assert!(p.position_ws.distance(q.position_ws) < 1e-5, "{p:?} and {q:?}");
         }
     }
-    // Tile by tile it is the strand of the tile, standing on a flat skin.
+    // In every tile it is the tile's strand on a flat surface.
     let strand = whole.strand(whole.len() / 2);
     let (root, tip) = (strand[0], strand[strand.len() - 1]);
     assert!((tip.position_ws - root.position_ws - Vec3::new(0.9, 0.5, -0.7)).length() < 1e-5, "{root:?} {tip:?}");
     assert_eq!((root.height, tip.height), (0.0, 1.0));
 }
 
-/// Beyond the end of the mesh strands go on straight in the last triangle's plane.
+/// Checks that strands beyond the end of the mesh continue straight in the last triangle's plane.
 #[test]
 fn a_strand_reaches_beyond_the_mesh() {
     let (curves, report) = grow_on(&sheet(2, 9, DVec2::ZERO), &leaning(40), 1.0).unwrap();
@@ -119,7 +119,8 @@ fn every_root_belongs_to_one_triangle() {
         roots.sort_unstable();
         roots.dedup();
         assert_eq!(roots.len(), found, "a root stands twice");
-        // Two by two tiles, half open: each strand of the tile stands four times, those on the outer rim included once.
+        // Two by two tiles, half open: each strand of the tile occurs four times, including those on the outer rim
+        // once.
         assert_eq!(report.strands, u64::from(4 * 16 * side * side), "{report:?}");
     }
 }
@@ -135,7 +136,7 @@ fn strands_are_the_coat_and_know_where_they_root() {
     }
 }
 
-/// Coat of a material whose fibre is another is a group of its own, and the same strands stand.
+/// Checks that fur of a material with another fibre is a group of its own, with the same strands.
 #[test]
 fn coats_of_other_fibres_are_other_groups() {
     let hair = leaning(40);
@@ -171,12 +172,12 @@ fn groom_and_length_thin_the_strands_out() {
     assert_eq!(grow(&|v| v.groom.x = 0.0).1.strands, 0);
     let (_, bare) = grow(&|v| v.fur_height_m = 0.0);
     assert_eq!((bare.strands, bare.dropped_bare), (0, full.strands));
-    // Half the length is half the height, and no thinner.
+    // Half the length gives half the height, and the same radius.
     let (short, _) = grow(&|v| v.fur_height_m = 0.25);
     let tip = |curves: &Curves| curves.strand(7)[curves.strand(7).len() - 1];
     assert!((tip(&short).position_ws.y - 0.5 * tip(&all).position_ws.y).abs() < 1e-6);
     assert_eq!(short.strand(7)[0].radius_m, all.strand(7)[0].radius_m);
-    // Lean moves a point by the square of its share of the height.
+    // Lean displaces a point by the square of its share of the height.
     let (leant, _) = grow(&|v| v.lean = 1.0);
     let moved = tip(&leant).position_ws - tip(&all).position_ws;
     assert!(moved.distance(Vec3::new(0.0, 0.0, -0.5)) < 1e-5, "{moved}");

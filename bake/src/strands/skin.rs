@@ -1,4 +1,4 @@
-//! The skin of an opened package in one pose: what strands stand on and what they throw shadows on.
+//! Mesh of an opened package in one pose, as the ground for strands and as a receiver and caster of shadows.
 
 use super::curves::COAT;
 use crate::sample::{Encoding, Wrap, bilinear};
@@ -10,72 +10,73 @@ use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Package, Pose, Skin
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 
-/// A mesh in world space with all that varies over it. Lists of vertices are as long as [`Skin::vertices`], of triangles as [`Skin::triangles`].
+/// Mesh in world space with its per-vertex data. Per-vertex lists are as long as [`Skin::vertices`], per-triangle lists
+/// as [`Skin::triangles`].
 #[derive(Clone, Debug, Default)]
 pub struct Skin {
-    /// Vertices; the same place stands here once for each patch, part and seam that meets there.
+    /// Vertices; a position occurs once for each patch, part and seam that meets there.
     pub vertices: Vec<SkinPoint>,
-    /// For each vertex the first one at the same place that moves alike.
+    /// Index of the first vertex with the same position and motion, for each vertex.
     pub same_place: Vec<u32>,
-    /// Corners, counter-clockwise seen from outside.
+    /// Corners, counter-clockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle an index into `materials`.
+    /// Index into `materials` for each triangle.
     pub material_of: Vec<u32>,
-    /// What the triangles are made of.
+    /// Materials of the triangles.
     pub materials: Vec<SkinMaterial>,
 }
 
-/// A vertex of the posed skin.
+/// Vertex of the posed mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SkinPoint {
-    /// World space, metres.
+    /// Position, world space, metres.
     pub position_ws: DVec3,
-    /// Unit length, outward.
+    /// Unit normal, outwards.
     pub normal_ws: DVec3,
-    /// Unit length, along +u of the tile, perpendicular to the normal.
+    /// Unit tangent along +u of the tile, perpendicular to the normal.
     pub tangent_ws: DVec3,
-    /// Unit length, along +v.
+    /// Unit vector along +v.
     pub bitangent_ws: DVec3,
-    /// Height of the outermost layer, metres; 0 where the skin is bare.
+    /// Height of the outermost layer, metres; 0 where the mesh surface is bare.
     pub fur_height_m: f64,
     /// Extra lean, 0..=1.
     pub lean: f64,
-    /// Hair tile, 1 a tile.
+    /// Coordinates in the hair tile; 1 is one tile.
     pub tile_uv: DVec2,
-    /// The model's own texture.
+    /// Coordinates in the model's own texture.
     pub base_uv: Vec2,
-    /// Linear RGBA, 0..=1.
+    /// Colour, linear RGBA, 0..=1.
     pub color: Vec4,
-    /// Share of the hair that grows, wetness; 0..=1.
+    /// Share of the hair that grows, and wetness; 0..=1.
     pub groom: Vec2,
 }
 
-/// A material of the skin.
+/// Material of the mesh.
 #[derive(Clone, Debug, Default)]
 pub struct SkinMaterial {
     /// Name in the model.
     pub name: String,
-    /// Linear RGBA.
+    /// Base colour, linear RGBA.
     pub base_color: Vec4,
-    /// Base colour in the model's texture coordinates.
+    /// Base colour image, in the model's texture coordinates.
     pub texture: Option<Image>,
-    /// Red: share of the hair that grows; green: wetness.
+    /// Groom image. Red: share of the hair that grows; green: wetness.
     pub groom: Option<Image>,
-    /// Opacity below which the skin is cut away.
+    /// Opacity below which the mesh surface is cut away.
     pub alpha_cutoff: Option<f32>,
-    /// Whether hair grows on it.
+    /// Whether hair grows on the material.
     pub furred: bool,
-    /// Whether back faces show.
+    /// Whether back faces are visible.
     pub double_sided: bool,
-    /// Which of the package's fibres its coat is.
+    /// Index of the fur's fibre among those of the package.
     pub fibre: u8,
 }
 
 impl Skin {
     /// Reads the mesh of a package and poses it.
     ///
-    /// * `file`: the package as the user named it, for messages
-    /// * `layers`: what its skeleton does, as [`Pose::blend`] takes it; none for the rest pose
+    /// * `file`: the package's name as the user gave it, for messages
+    /// * `layers`: clips of the skeleton, as for [`Pose::blend`]; none for the rest pose
     ///
     /// # Errors
     /// [`BakeError::Package`] for a damaged section.
@@ -83,10 +84,10 @@ impl Skin {
         Self::morphed(file, package, layers, &[])
     }
 
-    /// The same with morph targets at weights of the caller's, as [`Pose::morph`] takes them.
+    /// Reads and poses the mesh like [`Skin::posed`], with the caller's morph target weights as for [`Pose::morph`].
     ///
     /// # Errors
-    /// As [`Skin::posed`].
+    /// Same as [`Skin::posed`].
     pub fn morphed(
         file: &str,
         package: &Package<'_>,
@@ -143,7 +144,7 @@ impl Skin {
         Ok(out)
     }
 
-    /// What planting asks of it.
+    /// Returns the data that planting needs.
     pub fn ground(&self) -> Ground {
         Ground {
             triangles: self.triangles.clone(),
@@ -154,12 +155,13 @@ impl Skin {
         }
     }
 
-    /// Corners of a triangle.
+    /// Returns the corners of a triangle.
     pub fn corners(&self, triangle: usize) -> [&SkinPoint; 3] {
         self.triangles[triangle].map(|v| &self.vertices[v as usize])
     }
 
-    /// Name of the group that coat strands of that fibre are: by the first material that has it, where it is not the coat's own.
+    /// Returns the group name for strands of the tile with the given fibre: it contains the first material with that
+    /// fibre, unless it is the fur's default fibre.
     pub fn coat_of(&self, fibre: u8) -> String {
         match self.materials.iter().find(|material| material.furred && material.fibre == fibre) {
             Some(material) if fibre > 0 => format!("{COAT}/{}", material.name),
@@ -167,12 +169,12 @@ impl Skin {
         }
     }
 
-    /// The material of a triangle.
+    /// Returns the material of a triangle.
     pub fn material(&self, triangle: usize) -> &SkinMaterial {
         &self.materials[self.material_of[triangle] as usize]
     }
 
-    /// Linear RGBA of the skin at a point of a triangle.
+    /// Returns the base colour at a point of a triangle, linear RGBA.
     pub fn base_color(&self, triangle: usize, weights: DVec3) -> Vec4 {
         let (corners, material) = (self.corners(triangle), self.material(triangle));
         let tint = mix(weights, corners.map(|c| c.color)) * material.base_color;
@@ -184,12 +186,12 @@ impl Skin {
         }
     }
 
-    /// Whether the skin is cut away where its base colour has that opacity.
+    /// Returns whether the mesh surface is cut away at a base colour with the given opacity.
     pub fn is_cut(&self, triangle: usize, alpha: f32) -> bool {
         self.material(triangle).alpha_cutoff.is_some_and(|cutoff| alpha < cutoff)
     }
 
-    /// Share of the hair that grows at a point of a triangle, and its wetness; both 0..=1.
+    /// Returns the share of the hair that grows at a point of a triangle, and its wetness; both 0..=1.
     pub fn groom(&self, triangle: usize, weights: DVec3) -> Vec2 {
         let corners = self.corners(triangle);
         let groom = mix(weights, corners.map(|c| c.groom));
@@ -204,7 +206,7 @@ impl Skin {
     }
 }
 
-/// A value at a point of a triangle from those at its corners.
+/// Interpolates the values of a triangle's corners at a point.
 pub(super) fn mix<T>(weights: DVec3, corners: [T; 3]) -> T
 where
     T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,

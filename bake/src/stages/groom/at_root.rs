@@ -1,9 +1,10 @@
-//! `color.at_root`: hair that hangs over skin of another colour keeps the colour that it has at its root.
+//! `color.at_root`: hair keeps the colour at its root, even where it hangs over another colour.
 //!
-//! A renderer of layers finds the root of a texel's hair by a step in the tile ([`RootsInfo`]), and in the base colour's texture the skin there, where
-//! that is laid out as the tile is. So the colours of the materials whose hair hangs over other colours are painted into an
-//! [`Atlas`] of the tile's coordinates. Around a chart it holds what a walk over the skin ([`SurfaceWalk`]) comes to there, in other patches and of other
-//! materials. Where the walk comes to bare skin or to the end of the mesh it stands still: there are no roots beyond.
+//! A renderer of layers finds the root of a texel's hair by an offset in the tile ([`RootsInfo`]). It then reads the
+//! base colour there, which requires a texture laid out like the tile. So the colours of materials whose hair hangs
+//! over other colours are painted into an [`Atlas`] in tile coordinates. The gutter around a chart holds the colours
+//! that a walk over the surface ([`SurfaceWalk`]) reaches, in other patches and materials. The walk ends at bare
+//! materials and at the boundary of the mesh: there are no roots beyond.
 
 use super::atlas::{Atlas, linear_image, srgb_image};
 use super::canvas::Spot;
@@ -17,45 +18,46 @@ use pelage_formats::meaning::linear_to_srgb;
 use pelage_formats::meaning::planting::{Crossed, Footing, Ground, SurfaceWalk, same_places};
 use pelage_formats::{Aside, ROOT_HEIGHTS, RootsInfo};
 
-/// Texels in the width of a tile that draw a border between colours finer than hair blurs it.
+/// Sufficient resolution, texels per width of a tile: colour borders are sharper than hair blurs them.
 const ENOUGH_TEXELS: f32 = 16.0;
-/// With fewer, the border would be as coarse as hair is long.
+/// Minimum resolution, texels per width of a tile: below, colour borders would be as coarse as hair is long.
 const LEAST_TEXELS: f32 = 6.0;
-/// Colours that differ by no more than this, in steps of an sRGB byte, count as one.
+/// Largest difference at which two colours count as equal, in steps of an sRGB byte.
 const ONE_COLOR: u8 = 4;
-/// Roots that are looked at in the area of a tile, to know whether hair hangs over another colour.
+/// Sampled roots per area of a tile, for the test whether hair hangs over another colour.
 const ROOTS_PER_TILE: f32 = 64.0;
-/// The most of them in a triangle.
+/// Maximum number of sampled roots per triangle.
 const MOST_ROOTS: usize = 256;
 
-/// What the colour of hair at its root is found from.
+/// Input for the colours at the roots.
 #[derive(Clone, Copy, Debug)]
 pub struct Rooting<'a> {
-    /// One per material.
+    /// Whether hair grows on each material.
     pub furred: &'a [bool],
-    /// Painted over the colours, where there is one.
+    /// Pattern painted over the colours, if any.
     pub pattern: Option<&'a Pattern<'a>>,
-    /// How far hair lies aside of its root on average, at some heights, tiles.
+    /// Mean displacement of hair from its root at several heights, tiles.
     pub asides: &'a [Vec2],
-    /// The farthest that hair lies aside, tiles.
+    /// Largest displacement of hair from its root, tiles.
     pub reach: f32,
-    /// Texels each way that the texture has at most.
+    /// Maximum width and height of the texture, texels.
     pub most_side: u32,
 }
 
-/// The texture that holds the colours of roots, and whose they are.
+/// Texture with the colours at the roots.
 #[derive(Clone, Debug)]
 pub struct RootAtlas {
     atlas: Atlas,
-    /// One per material: whether it is painted into it.
+    /// Whether each material is painted into the texture.
     of_material: Vec<bool>,
 }
 
 impl RootAtlas {
-    /// Lays out the skin of all materials whose hair hangs over another colour than it has; `None` where there is none, or where the skin falls into so many
-    /// pieces that they cannot be laid out with what hair reaches around them. Where it is laid out, vertices of `surface` are copied along the borders of charts.
+    /// Lays out all materials whose hair hangs over another colour. Returns `None` if there are none, or if the charts
+    /// with the gutters for the hair's reach do not fit. On success, vertices of `surface` are duplicated along the
+    /// borders of charts.
     ///
-    /// * `colors`: of `surface`
+    /// * `colors`: colours of `surface`
     pub fn new(surface: &mut Surface, colors: &Colors, rooting: &Rooting<'_>) -> Option<Self> {
         let ground = Walkable::new(surface, rooting.furred);
         let mut of_material = Skin::new(surface, colors, rooting, &ground).mixed(rooting);
@@ -63,7 +65,7 @@ impl RootAtlas {
             return None;
         }
         if rooting.pattern.is_some() {
-            // It is in no other texture.
+            // The pattern is in no other texture.
             of_material.iter_mut().zip(rooting.furred).for_each(|(painted, furred)| *painted = *furred);
         }
         let is_painted = |material: usize| of_material.get(material).copied().unwrap_or(false);
@@ -79,18 +81,18 @@ impl RootAtlas {
         Some(Self { atlas, of_material })
     }
 
-    /// Paints factor, texture, vertex colours and pattern of the materials into the texture, and moves their texture coordinates into it. Groom textures are
-    /// moved along.
+    /// Paints factor, texture, vertex colours and pattern of the materials into the texture, and changes their texture
+    /// coordinates to it. Groom textures are converted too.
     ///
-    /// * `surface`: as [`Self::new`] left it
-    /// * `colors`: of that
+    /// * `surface`: as left by [`Self::new`]
+    /// * `colors`: colours of that surface
     ///
-    /// Call it after everything that reads the model's own texture coordinates.
+    /// Call this after everything that reads the model's own texture coordinates.
     pub fn paint(&self, rooting: &Rooting<'_>, surface: &mut Surface, colors: &mut Colors, grooms: &mut GroomTextures) {
         let ground = Walkable::new(surface, rooting.furred);
         let skin = Skin::new(surface, colors, rooting, &ground);
         let texels = self.atlas.paint(|spot, extent| {
-            // Four samples a texel, so that borders are smooth.
+            // Four samples per texel for smooth borders.
             let samples = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(dx, dy)| {
                 skin.color(skin.continued(Spot { weights: spot.weights + extent[0] * dx + extent[1] * dy, ..spot }))
             });
@@ -117,7 +119,7 @@ impl RootAtlas {
         hand_over(&self.atlas, &self.of_material, (color, groom), surface, colors, grooms);
     }
 
-    /// What a renderer has to know, of hair that lies as far aside as that.
+    /// Returns the root data for the renderer, with the displacements `asides`.
     pub fn info(&self, asides: [Aside; ROOT_HEIGHTS]) -> RootsInfo {
         let uv_per_tile = self.atlas.scale / self.atlas.side as f32;
         let of_material = |painted: &bool| if *painted { uv_per_tile } else { 0.0 };
@@ -125,12 +127,12 @@ impl RootAtlas {
     }
 }
 
-/// Coloured skin that can be walked on.
+/// Coloured surface to walk on.
 struct Skin<'a> {
     surface: &'a Surface,
     colors: &'a Colors,
     pattern: Option<&'a Pattern<'a>>,
-    /// One per triangle.
+    /// Material of each triangle.
     material_of: &'a [usize],
     walk: SurfaceWalk<'a>,
 }
@@ -141,14 +143,14 @@ impl<'a> Skin<'a> {
         Self { surface, colors, pattern: rooting.pattern, material_of, walk: SurfaceWalk::new(ground) }
     }
 
-    /// Where a walk from a spot leads, or as far as there is furred skin.
+    /// Returns the end of a walk from a spot; it stops where the furred surface ends.
     fn walked(&self, spot: Spot, by: DVec2) -> Spot {
         let mut at = Footing { triangle: spot.triangle, weights: spot.weights.as_dvec3(), beyond: None };
         self.walk.step(&mut at, by, &mut Crossed::default());
         Spot { triangle: at.triangle, weights: at.weights.as_vec3() }
     }
 
-    /// A spot beyond the border of its triangle as the place of the skin that lies there.
+    /// Maps a spot outside its triangle to the adjacent surface.
     fn continued(&self, spot: Spot) -> Spot {
         let inside = spot.inside();
         if spot.weights.min_element() >= 0.0 {
@@ -159,7 +161,7 @@ impl<'a> Skin<'a> {
         self.walked(inside, corners[0] * by.x + corners[1] * by.y + corners[2] * by.z)
     }
 
-    /// Linear RGBA at a spot inside its triangle.
+    /// Returns the linear RGBA at a spot inside its triangle.
     fn color(&self, spot: Spot) -> Vec4 {
         let Self { surface, colors, .. } = self;
         let Some(material) = colors.materials.get(self.material_of[spot.triangle]) else { return Vec4::ONE };
@@ -173,13 +175,13 @@ impl<'a> Skin<'a> {
         own * pattern.color(spot.mean(surface, &surface.rest.positions), normal).extend(1.0)
     }
 
-    /// One per material: whether its hair hangs over skin of another colour than its own, or that of others over it.
+    /// Returns for each material whether its hair hangs over another colour, or hair of another colour hangs over it.
     fn mixed(&self, rooting: &Rooting<'_>) -> Vec<bool> {
         let mut mixed = vec![false; self.colors.materials.len()];
         if self.is_of_one_color(rooting.furred) {
             return mixed;
         }
-        // The farthest, and half of it.
+        // Test the largest displacement and half of it.
         let farthest =
             rooting.asides.iter().copied().fold(Vec2::ZERO, |far, a| if a.length() > far.length() { a } else { far });
         for triangle in (0..self.material_of.len()).filter(|t| self.walk.is_furred(*t)) {
@@ -198,7 +200,7 @@ impl<'a> Skin<'a> {
         mixed
     }
 
-    /// Whether all furred materials have one colour, and their vertices none of their own.
+    /// Whether all furred materials have the same colour and all their vertices too.
     fn is_of_one_color(&self, furred: &[bool]) -> bool {
         let mut materials = self.colors.materials.iter().zip(furred).filter(|(_, furred)| **furred).map(|(m, _)| m);
         let first = materials.next();
@@ -212,14 +214,16 @@ impl<'a> Skin<'a> {
     }
 }
 
-/// The skin as a walk needs it.
+/// Input of a surface walk.
 struct Walkable {
     ground: Ground,
-    /// One per triangle.
+    /// Material of each triangle.
     material_of: Vec<usize>,
 }
 
 impl Walkable {
+    /// Prepares the surface for walks.
+    ///
     /// * `furred`: one per material
     fn new(surface: &Surface, furred: &[bool]) -> Self {
         let mesh = &surface.mesh;
@@ -238,12 +242,12 @@ impl Walkable {
     }
 }
 
-/// Places spread over a triangle, as many as its area in the tile asks for.
+/// Returns spots spread over a triangle; their number is proportional to its area in the tile.
 fn spots(surface: &Surface, triangle: usize) -> impl Iterator<Item = Spot> {
     let [a, b, c] = surface.mesh.triangles[triangle].map(|v| surface.tile_uvs[v as usize]);
     let area = 0.5 * (b - a).perp_dot(c - a).abs();
     let rows = ((ROOTS_PER_TILE * area).ceil() as usize).clamp(1, MOST_ROOTS).isqrt().max(1);
-    // The middles of rows² equal triangles, half of which stand on their heads.
+    // Centres of rows² equal triangles, half of them upside down.
     (0..rows).flat_map(move |i| (0..2 * (rows - i) - 1).map(move |j| (i, j))).map(move |(i, j)| {
         let third = if j % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
         let (y, x) = ((i as f32 + third) / rows as f32, ((j / 2) as f32 + third) / rows as f32);
@@ -251,7 +255,7 @@ fn spots(surface: &Surface, triangle: usize) -> impl Iterator<Item = Spot> {
     })
 }
 
-/// Whether two linear colours can be told apart.
+/// Whether two linear colours are distinguishable.
 fn differ(a: Vec4, b: Vec4) -> bool {
     let bytes = |c: Vec4| [c.x, c.y, c.z].map(linear_to_srgb);
     bytes(a).into_iter().zip(bytes(b)).any(|(a, b)| a.abs_diff(b) > ONE_COLOR)

@@ -12,11 +12,11 @@ const BLUE: Vec4 = Vec4::new(0.02, 0.05, 0.6, 1.0);
 const GREEN: Vec4 = Vec4::new(0.0, 1.0, 0.0, 1.0);
 /// Width of the tile, metres.
 const TILE_M: f32 = 0.25;
-/// Mean aside at the skin, halfway and at the tips: along +v.
+/// Mean displacement at the mesh surface, halfway and at the tips, along +v.
 const ASIDES: [Vec2; 3] = [Vec2::ZERO, Vec2::new(0.0, 0.1), Vec2::new(0.0, 0.4)];
 
-/// A strip 1 m wide along z, whose squares of a quarter metre have the materials that are given. +v of the tile runs along +z; tile coordinates jump at
-/// each change of material, and no two triangles have a vertex in common, as of flat faces.
+/// Builds a strip 1 m wide along z, whose quarter-metre squares have the given materials. +v of the tile runs along +z.
+/// Tile coordinates jump at each change of material, and triangles share no vertices, as with flat shading.
 fn strip(materials: &[usize]) -> Surface {
     let mut mesh = Mesh::default();
     let (mut tile_uvs, mut patches) = (Vec::new(), Vec::new());
@@ -76,7 +76,7 @@ fn at(surface: &Surface, spot: Spot) -> Vec3 {
     spot.mean(surface, &surface.rest.positions)
 }
 
-/// The triangle of row and column, of the two in each square.
+/// Returns the triangle at row and column, of the two in each square.
 fn triangle(row: usize, column: usize) -> usize {
     8 * row + 2 * column
 }
@@ -92,11 +92,11 @@ fn walks_lead_on_over_materials_and_stand_still_where_no_hair_grows() {
         skin.walked(Spot { triangle: triangle(row, 1), weights: Vec3::splat(1.0 / 3.0) }, by.into())
     };
     let start = at(&surface, walk(1, [0.0, 0.0]));
-    // Over the border of two materials, where tile coordinates jump.
+    // Across the border of two materials, at which tile coordinates jump.
     let over = walk(1, [0.2, 1.0]);
     assert!(at(&surface, over).distance(start + Vec3::new(0.05, 0.0, 0.25)) < 1e-5, "{over:?}");
     assert_eq!((skin.color(walk(1, [0.0, 0.0])), skin.color(over)), (RED, BLUE));
-    // To bare skin, and to the end of the mesh.
+    // To a bare material, and to the boundary of the mesh.
     let bare = walk(2, [0.0, 9.0]);
     assert!((at(&surface, bare).z - 0.75).abs() < 1e-5, "{}", at(&surface, bare));
     assert_eq!(skin.color(bare), BLUE);
@@ -111,7 +111,7 @@ fn a_texel_past_a_border_shows_the_skin_there() {
     let rooting = rooting(&[true, true]);
     let ground = Walkable::new(&surface, rooting.furred);
     let skin = Skin::new(&surface, &colors, &rooting, &ground);
-    // 0.1 m past the edge at z = 0.25, on the plane of the triangle before it.
+    // 0.1 m beyond the edge at z = 0.25, in the plane of the adjacent triangle.
     let beyond = Spot { triangle: triangle(0, 1), weights: Vec3::new(-0.9, 1.4, 0.5) };
     let place = skin.continued(beyond);
     assert!(at(&surface, place).distance(at(&surface, beyond)) < 1e-5, "{place:?}");
@@ -130,10 +130,10 @@ fn only_hair_over_another_colour_is_painted() {
     };
     assert_eq!(mixed(&[0, 1], &[RED, RED], &[true; 2]), None);
     assert_eq!(mixed(&[0, 1], &[RED, BLUE], &[true, false]), None, "what is bare has no hair");
-    // Hair lies from 0 over 1 and from 1 over 2, which has its colour.
+    // Hair of material 0 hangs over 1, and hair of 1 over 2, which has the same colour.
     assert_eq!(mixed(&[0, 1, 2], &[RED, BLUE, BLUE], &[true; 3]), Some(vec![false, true, false]));
     assert_eq!(mixed(&[0, 2, 1], &[RED, BLUE, GREEN], &[true, true, false]), None, "bare skin parts them");
-    // A byte's step is no border.
+    // A difference of one byte does not count as a border.
     assert_eq!(mixed(&[0, 1], &[RED, RED * 1.005], &[true; 2]), None);
 }
 
@@ -160,7 +160,8 @@ impl Painted {
         &self.colors.images[self.colors.materials[material].image.unwrap()]
     }
 
-    /// Base colour of hair that is seen at a spot and lies so far aside of its root, as FORMAT.md says.
+    /// Returns the base colour of hair seen at a spot and displaced from its root by `aside`, computed according to
+    /// FORMAT.md.
     fn seen(&self, spot: Spot, aside: Vec2) -> Vec3 {
         let material = material_of_triangles(&self.surface)[spot.triangle];
         let [a, b, c] = self.surface.mesh.triangles[spot.triangle].map(|v| self.surface.mesh.uvs[v as usize]);
@@ -183,7 +184,7 @@ fn hair_has_the_colour_of_its_root_whatever_it_hangs_over() {
         assert!(uv.distance(tile * painted.info.uv_per_tile[1]) < 1e-6, "{t}: coordinates do not run as the tile's");
         for spot in spots(surface, t) {
             for aside in [0.0, 0.1, 0.25, 0.45] {
-                // The border lies at 0.5 m; the texels on it are mixed.
+                // The border is at 0.5 m; texels on it are mixed.
                 let root_m = at(surface, spot).z - aside * TILE_M;
                 let texel_m = TILE_M / (painted.info.uv_per_tile[1] * painted.image(1).width as f32);
                 if (root_m - 0.5).abs() < 1.5 * texel_m {
@@ -199,7 +200,7 @@ fn hair_has_the_colour_of_its_root_whatever_it_hangs_over() {
 
 #[test]
 fn bare_skin_colours_no_hair_and_keeps_its_own_colour() {
-    // Hair of 1 lies over 2, from which bare skin of 0 is not far.
+    // Hair of material 1 hangs over 2; bare material 0 is nearby.
     let painted = paint(&[0, 1, 2], &[GREEN, RED, BLUE], &[false, true, true]);
     assert_eq!(painted.colors.materials[0], MaterialColor { factor: GREEN.to_array(), image: None });
     assert_eq!(painted.colors.materials[2].factor, [1.0; 4]);

@@ -1,9 +1,9 @@
-//! One texture for all furred skin: charts packed side by side, painted, and painted on past their borders.
+//! Texture for the whole furred mesh: charts are packed side by side, painted, and extended past their borders.
 //!
-//! Charts are packed on shelves, the highest first. Around each lies a gutter, in which the triangle at its border is continued, so that
-//! bilinear filtering and the coarser mips find there what the chart would go on with. In an atlas for hair that keeps its root's colour the gutter is as
-//! wide as hair reaches, so that a root beyond the chart's border is found in it too, and no chart is turned: a way in the tile is the same
-//! way in all of them.
+//! Charts are packed on shelves, the tallest first. Around each is a gutter, into which the triangles at its border are
+//! extended, for bilinear filtering and coarser mips. In an atlas for root colours the gutter is as wide as the reach
+//! of hair, so that roots beyond a chart's border are found. No chart is rotated then, so that an offset in the tile is
+//! the same in all charts.
 
 use super::canvas::{Canvas, Piece, Spot};
 use super::charts::{Spacing, bounds, charts};
@@ -14,64 +14,64 @@ use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 use std::collections::BTreeMap;
 
-/// Texels each way of the smallest texture for roots.
+/// Width and height of the smallest texture for root colours, texels.
 const LEAST_SIDE: u32 = 64;
 
-/// Texels between a chart and the border of its place in the texture: enough that bilinear filtering of mip level 2 finds nothing of
-/// another chart. Less where so many charts leave no room.
+/// Gutter between a chart and the border of its cell, texels: wide enough that bilinear filtering of mip level 2 reads
+/// no other chart. The smaller ones are used if many charts leave no room.
 const GUTTERS: [u32; 4] = [8, 4, 2, 1];
 
-/// A texture that all furred skin is laid out in.
+/// Texture in which the whole furred mesh is laid out.
 #[derive(Clone, Debug)]
 pub struct Atlas {
     /// Width and height, texels.
     pub(super) side: u32,
-    /// Gutter round each chart, texels.
+    /// Gutter around each chart, texels.
     pub(super) gutter: u32,
-    /// Texels in the width of a tile.
+    /// Texels per width of a tile.
     pub(super) scale: f32,
-    /// One per vertex of the surface; where there is none, the vertex has no triangle in it.
+    /// Texture coordinates of each vertex of the surface; `None` if the vertex is in no chart.
     pub(super) uvs: Vec<Option<Vec2>>,
-    /// Its texels.
+    /// Texels.
     canvas: Canvas,
 }
 
-/// Why charts could not be packed: there are so many that not even the smallest gutters leave room for them.
+/// Packing error: there are too many charts even for the smallest gutters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TooMany {
     /// Number of charts.
     pub(super) charts: usize,
 }
 
-/// What lies round the charts.
+/// Gutter around charts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Around {
-    /// As wide a gutter as there is room for.
+    /// Widest gutter that fits.
     Room,
-    /// A gutter of so many tiles, and no chart is turned. A tile is at most so many texels wide.
+    /// Gutter of `tiles` tiles; no chart is rotated. A tile is at most `most_texels` texels wide.
     Reach { tiles: f32, most_texels: f32 },
 }
 
-/// Texels that a gutter of [`Around::Reach`] has besides, for filters and mips.
+/// Additional gutter of [`Around::Reach`] for filters and mips, texels.
 const BEYOND: u32 = 4;
 
-/// Where a chart lies in the texture.
+/// Placement of a chart in the texture.
 #[derive(Clone, Copy, Debug, Default)]
 struct Place {
-    /// Upper left corner with the gutter, texels.
+    /// Upper left corner including the gutter, texels.
     at: (u32, u32),
-    /// Lowest tile coordinate.
+    /// Minimum of the tile coordinates.
     min: Vec2,
     /// Whether u and v are swapped.
     turned: bool,
 }
 
 impl Atlas {
-    /// Packs the furred triangles of `surface` into a texture of `side` texels each way. Vertices that belong to several charts, or to a
-    /// chart and a bare part, are copied.
+    /// Packs the furred triangles of `surface` into a texture of `side` texels in width and height. Vertices shared by
+    /// several charts, or by a chart and a bare part, are duplicated.
     ///
     /// # Errors
-    /// [`BakeError::Params`] naming `color.pattern_texels` where the charts do not fit.
+    /// [`BakeError::Params`] naming `color.pattern_texels` if the charts do not fit.
     pub fn new(surface: &mut Surface, side: u32) -> Result<Self, BakeError> {
         Self::pack(surface, side).map_err(|TooMany { charts }| BakeError::Params {
             what: "color.pattern_texels",
@@ -79,7 +79,7 @@ impl Atlas {
         })
     }
 
-    /// As [`Self::new`], for whoever can do with another size. Where it fails, vertices are parted all the same.
+    /// Packs like [`Self::new`], for callers that can choose another size. Vertices are duplicated even on failure.
     pub(super) fn pack(surface: &mut Surface, side: u32) -> Result<Self, TooMany> {
         let patches = surface.patch_of_triangle.clone();
         let margin = spacing(surface, side);
@@ -88,14 +88,16 @@ impl Atlas {
         Ok(charted.atlas(surface, side, places))
     }
 
-    /// Packs some of the triangles, so that hair finds in the texture the skin where it roots: as [`Around::Reach`].
+    /// Packs some of the triangles with [`Around::Reach`], so that the texture contains the surface at the hair's
+    /// roots.
     ///
-    /// * `patches`: one per triangle, `u32::MAX` for those that have no place in it
-    /// * `reach`: of hair, tiles
-    /// * `texels`: in the width of a tile that are enough
-    /// * `most_side`: the texture has the least power of two texels each way that gives a tile so many, but no more than this
+    /// * `patches`: one per triangle, `u32::MAX` for those that are left out
+    /// * `reach`: largest displacement of hair, tiles
+    /// * `texels`: sufficient texels per width of a tile
+    /// * `most_side`: maximum width and height; the texture is the smallest power of two that reaches `texels`, up to
+    ///   this
     ///
-    /// `None` where a tile would have less than `least` texels; vertices are parted all the same.
+    /// Returns `None` if a tile would have fewer than `least` texels. Vertices are duplicated even then.
     pub(super) fn for_roots(
         surface: &mut Surface,
         patches: &[u32],
@@ -104,7 +106,7 @@ impl Atlas {
         most_side: u32,
     ) -> Option<Self> {
         let margin = Spacing { margin: reach, ..spacing(surface, most_side) };
-        // Of flat faces each has vertices of its own, and they hang together all the same.
+        // With flat shading faces share no vertices, but are still connected.
         let same = same_in_tile(surface);
         let charted = Charted::new(surface, patches, |v| same[v as usize], &margin);
         let around = Around::Reach { tiles: reach, most_texels: texels };
@@ -126,7 +128,7 @@ impl Atlas {
         self.gutter == GUTTERS[0]
     }
 
-    /// What to tell of gutters that had to shrink.
+    /// Returns a warning if the gutters had to shrink.
     pub fn warning(&self) -> Option<String> {
         (!self.is_roomy()).then(|| {
             format!(
@@ -137,8 +139,8 @@ impl Atlas {
         })
     }
 
-    /// Paints the texture. `color` gives linear RGBA at a spot, `extent` is the texel's there: the difference of the barycentric
-    /// coordinates over a texel to the right and one down.
+    /// Paints the texture. `color` returns linear RGBA at a spot; `extent` is the texel's size there: the change of the
+    /// barycentric coordinates over a texel to the right and one down.
     ///
     /// Texels without a triangle get the mean of all others, so that the coarsest mips keep the colour.
     pub(super) fn paint(&self, color: impl Fn(Spot, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
@@ -146,13 +148,13 @@ impl Atlas {
     }
 }
 
-/// Triangles in charts, with vertices of their own.
+/// Triangles divided into charts that share no vertices.
 struct Charted {
-    /// One per triangle, `u32::MAX` for none.
+    /// Chart of each triangle, `u32::MAX` for none.
     chart_of: Vec<u32>,
-    /// One per vertex.
+    /// Chart of each vertex.
     chart_of_vertex: Vec<u32>,
-    /// Least and greatest tile coordinates of each chart.
+    /// Minimum and maximum tile coordinates of each chart.
     boxes: Vec<(Vec2, Vec2)>,
 }
 
@@ -168,12 +170,12 @@ impl Charted {
             let found = &mut boxes[*chart as usize];
             *found = (found.0.min(min), found.1.max(max));
         }
-        // A triangle without sound coordinates keeps one texel.
+        // A triangle with invalid coordinates gets one texel.
         boxes.iter_mut().filter(|(min, max)| !(*max - *min).is_finite()).for_each(|b| *b = (Vec2::ZERO, Vec2::ZERO));
         Self { chart_of, chart_of_vertex, boxes }
     }
 
-    /// Places of the charts in a texture, as [`pack`] gives them.
+    /// Places the charts in a texture; returns the result of [`pack`].
     fn places(&self, side: u32, around: Around) -> Option<(f32, u32, Vec<Place>)> {
         pack(&self.boxes, side, around)
     }
@@ -195,7 +197,7 @@ impl Charted {
     }
 }
 
-/// For each vertex the first at the same place of the skin and of the tile.
+/// Returns for each vertex the first with the same position and tile coordinates.
 fn same_in_tile(surface: &Surface) -> Vec<u32> {
     let mut first_at = BTreeMap::new();
     let places = surface.mesh.positions.iter().zip(&surface.tile_uvs).zip(0..);
@@ -206,8 +208,8 @@ fn same_in_tile(surface: &Surface) -> Vec<u32> {
     same.collect()
 }
 
-/// Charts leave themselves the gutter that they leave each other. Their scale is only known once they are packed; what the areas give is
-/// a little less than the size of a texel will be.
+/// Returns the spacing within charts, equal to the gutter between them. Their scale is only known after packing; the
+/// estimate from the areas is slightly below the final size of a texel.
 fn spacing(surface: &Surface, side: u32) -> Spacing {
     let (mut tile, mut skin) = (0.0, 0.0);
     let furred = surface.mesh.triangles.iter().zip(&surface.patch_of_triangle).filter(|(_, patch)| **patch != u32::MAX);
@@ -224,20 +226,20 @@ fn spacing(surface: &Surface, side: u32) -> Spacing {
     }
 }
 
-/// Linear RGBA as an image, sRGB-encoded.
+/// Encodes linear RGBA as an sRGB image.
 pub(super) fn srgb_image(side: u32, texels: &[Vec4]) -> Image {
     let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
     let rgba = texels.iter().flat_map(|t| [linear_to_srgb(t.x), linear_to_srgb(t.y), linear_to_srgb(t.z), byte(t.w)]);
     Image { width: side, height: side, rgba: rgba.collect() }
 }
 
-/// Linear values as an image.
+/// Stores linear values as an image.
 pub(crate) fn linear_image(side: u32, texels: &[Vec4]) -> Image {
     let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
     Image { width: side, height: side, rgba: texels.iter().flat_map(|t| t.to_array().map(byte)).collect() }
 }
 
-/// The chart of each vertex, `u32::MAX` for none, after vertices of several were copied.
+/// Duplicates vertices shared by several charts and returns the chart of each vertex, `u32::MAX` for none.
 fn part_vertices(surface: &mut Surface, chart_of: &[u32]) -> Vec<u32> {
     const UNUSED: u32 = u32::MAX - 1;
     let mut chart_of_vertex = vec![UNUSED; surface.mesh.positions.len()];
@@ -259,12 +261,13 @@ fn part_vertices(surface: &mut Surface, chart_of: &[u32]) -> Vec<u32> {
     chart_of_vertex
 }
 
-/// Places boxes of tile coordinates in a texture: texels per tile, gutter and one place for each; `None` where they do not fit.
+/// Packs boxes of tile coordinates into a texture. Returns texels per tile, gutter and placements; `None` if they do
+/// not fit.
 fn pack(boxes: &[(Vec2, Vec2)], side: u32, around: Around) -> Option<(f32, u32, Vec<Place>)> {
     let sizes: Vec<Vec2> = boxes.iter().map(|(min, max)| *max - *min).collect();
     let area: f32 = sizes.iter().map(|s| s.x * s.y).sum();
     let widest = sizes.iter().map(|s| s.max_element()).fold(0.0, f32::max);
-    // As large as the area allows at best; then smaller and smaller.
+    // Start with the scale allowed by the area, then reduce it step by step.
     let full = (side as f32 / area.max(1e-12).sqrt()).min(side as f32 / widest.max(1e-6));
     let scales = |full: f32| std::iter::successors(Some(full), |scale| Some(0.96 * scale)).take(80);
     let fit = |scale: f32, gutter: u32, turned: bool| {
@@ -279,7 +282,8 @@ fn pack(boxes: &[(Vec2, Vec2)], side: u32, around: Around) -> Option<(f32, u32, 
     }
 }
 
-/// Shelf packing: boxes lie, those that may be `turned` on their longer side, the highest first, row after row.
+/// Packs boxes on shelves, the tallest first, row after row. With `turned`, boxes are rotated to lie on their longer
+/// side.
 fn shelves(
     boxes: &[(Vec2, Vec2)],
     sizes: &[Vec2],

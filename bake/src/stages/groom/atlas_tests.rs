@@ -53,6 +53,6 @@ fn roots_find_room_around_charts_that_are_not_turned() {
             assert!(end(place.at.0, size[0]).max(end(place.at.1, size[1])) <= side as f32, "{side}: {place:?}");
         }
     }
-    // No scale leaves room for the gutters of so many.
+    // At no scale there is room for the gutters of so many charts.
     assert!(pack(&boxes(&[[1.0, 1.0]; 100]), 16, around).is_none());
 }

@@ -1,8 +1,8 @@
-//! Where hair grows: on all materials but those that `model.bare` names, or, where a recipe leaves it out, but those that are found to be bare by their
-//! names, by the names of the nodes and meshes that show them, or by being small and either glossy or shaped as eyes are. What of a material is a nose, a claw
-//! or a rim of the eyes was told apart on import ([`super::features`]), and is bare too.
+//! Selection of furred materials: all except those that `model.bare` matches. If a recipe leaves it out, bare materials
+//! are detected by the names of materials, nodes and meshes, or as small and either glossy or eye-shaped. Noses, claws
+//! and eye rims that share a material were split off on import ([`super::features`]), and are bare too.
 //!
-//! A bald body is worse than a furred claw, so that what is in doubt stays furred.
+//! A bald body is worse than a furred claw, so doubtful materials stay furred.
 
 use super::names::{Said, said_by, words};
 use super::pairs::{are_round_pairs, weld};
@@ -10,27 +10,28 @@ use crate::decision::Decision;
 use pelage_import::mesh::{Feature, Material, Mesh, MeshPart, Model, RestPose};
 use pelage_params::{Field, glob};
 
-/// Largest share of the skin's area that gloss or shape may speak for: eyes, claws and a nose together cover less of most animals.
+/// Maximum share of the mesh's area for detection by gloss or shape: eyes, claws and a nose together cover less of most
+/// animals.
 const SMALL: f64 = 0.03;
-/// Gloss: at most that rough, and at most that share of how rough the furred rest is on average.
+/// Gloss: maximum roughness, and maximum ratio to the mean roughness of the furred materials.
 const GLOSSY: f32 = 0.35;
 const GLOSSY_BESIDE: f32 = 0.6;
-/// Metal: at least that metallic beside a furred rest of at most that on average.
+/// Metal: minimum metalness, and maximum mean metalness of the furred materials.
 const METAL: f32 = 0.9;
 const METAL_BESIDE: f32 = 0.3;
 
-/// Where hair grows.
+/// Furred and bare materials.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Growth {
-    /// One per material: whether hair grows on it.
+    /// Whether hair grows on each material.
     pub furred: Vec<bool>,
-    /// What `model.bare` has to name for the same: the recipe's own list where there is one.
+    /// Equivalent value of `model.bare`: the recipe's own list if there is one.
     pub bare: Vec<String>,
-    /// What was chosen where the recipe left it open.
+    /// Choice made if the recipe leaves it open.
     pub decision: Option<Decision>,
 }
 
-/// Why a material is bare.
+/// Reason for a material to be bare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Why {
     Name,
@@ -61,13 +62,14 @@ impl Why {
     }
 }
 
-/// Says of each material whether hair grows on it.
+/// Determines for each material whether hair grows on it.
 ///
-/// * `rest`: of the model's mesh
-/// * `bare`: names, in which `*` stands for any run of characters and `?` for one; case does not matter. `None` finds bare materials, and what was found is
-///   said in [`Growth::decision`]; a model's only material is furred then, and all are where none would be left.
+/// * `rest`: rest pose of the model's mesh
+/// * `bare`: patterns, in which `*` matches any characters and `?` one, ignoring case. With `None`, bare materials are
+///   detected and reported in [`Growth::decision`]; a single material is always furred, and so are all if none would be
+///   left.
 ///
-/// A pattern that matches no material, and a model of which everything looks bare, are reported in `warnings`.
+/// Patterns without a matching material, and models whose materials all look bare, are reported in `warnings`.
 pub fn growth(model: &Model, rest: &RestPose, bare: Option<&[String]>, warnings: &mut Vec<String>) -> Growth {
     let materials = &model.materials;
     if let Some(bare) = bare {
@@ -100,7 +102,7 @@ pub fn growth(model: &Model, rest: &RestPose, bare: Option<&[String]>, warnings:
     Growth { furred: why.iter().map(Option::is_none).collect(), bare: names, decision }
 }
 
-/// One per material: whether hair grows on it by a recipe's list, as in [`growth`].
+/// Returns for each material whether hair grows on it according to a recipe's list, as in [`growth`].
 fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<String>) -> Vec<bool> {
     for pattern in bare.iter().filter(|p| !materials.iter().any(|m| is_named(p, m))) {
         let names: Vec<_> = materials.iter().map(Material::full_name).collect();
@@ -109,15 +111,15 @@ fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<
     materials.iter().map(|m| !bare.iter().any(|p| is_named(p, m))).collect()
 }
 
-/// Whether a pattern means a material: by its name with or without what it is of it.
+/// Whether a pattern matches a material's name, with or without its feature.
 fn is_named(pattern: &str, material: &Material) -> bool {
     glob(pattern, &material.name) || (material.feature.is_some() && glob(pattern, &material.full_name()))
 }
 
-/// For each material why it is bare, or `None`.
+/// Returns for each material the reason why it is bare, or `None`.
 fn find(model: &Model, rest: &RestPose) -> Vec<Option<Why>> {
     let Model { mesh, materials, .. } = model;
-    // One material alone is the animal, whatever it is called.
+    // A single material is the animal, whatever its name.
     if materials.len() < 2 {
         return vec![None; materials.len()];
     }
@@ -137,7 +139,7 @@ fn find(model: &Model, rest: &RestPose) -> Vec<Option<Why>> {
             (Said::Furred, _) => never[m] = true,
             (Said::Bare { most }, _) if fits(most) => why[m] = Some(Why::Name),
             (Said::Nothing, Said::Bare { most }) if fits(most) => why[m] = Some(Why::PartName),
-            // A mesh may be called a body and have eyes of a material of their own.
+            // A mesh named as a body may contain eyes with a material of their own.
             _ => {}
         }
     }
@@ -155,7 +157,7 @@ fn find(model: &Model, rest: &RestPose) -> Vec<Option<Why>> {
     why
 }
 
-/// The share of the skin's area that each material covers at rest.
+/// Returns the share of the mesh's area at rest that each material covers.
 fn shares(model: &Model, rest: &RestPose) -> Vec<f64> {
     let mut shares = vec![0.0; model.materials.len()];
     for (part, share) in model.mesh.parts.iter().zip(shares_of_parts(&model.mesh, rest)) {
@@ -164,7 +166,7 @@ fn shares(model: &Model, rest: &RestPose) -> Vec<f64> {
     shares
 }
 
-/// The share of the skin's area that each part covers at rest.
+/// Returns the share of the mesh's area at rest that each part covers.
 pub(super) fn shares_of_parts(mesh: &Mesh, rest: &RestPose) -> Vec<f64> {
     let of_part = |part: &MeshPart| {
         let triangles = mesh.triangles.iter().skip(part.first_triangle).take(part.triangle_count);
@@ -179,8 +181,8 @@ pub(super) fn shares_of_parts(mesh: &Mesh, rest: &RestPose) -> Vec<f64> {
     areas.into_iter().map(|area| if whole > 0.0 { area / whole } else { 0.0 }).collect()
 }
 
-/// The words of things, a list for each of their names, without those that all things have: such a word names the animal, as in `Bighorn_Body`,
-/// `Bighorn_Eye`.
+/// Removes the words that all things share, from the words of each of their names. Such a word names the animal:
+/// `Bighorn_Body`, `Bighorn_Eye`.
 pub(super) fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<String>>> {
     let has = |thing: &Vec<Vec<String>>, word: &String| thing.iter().any(|name| name.contains(word));
     let first = things.first().into_iter().flatten().flatten();
@@ -189,7 +191,7 @@ pub(super) fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<Strin
     things.into_iter().map(|thing| thing.into_iter().map(keep).collect()).collect()
 }
 
-/// What the names of one thing say: fur if one of them does, else the strictest that is bare.
+/// Combines the verdicts of several names of one thing: fur if any says so, otherwise the strictest bare verdict.
 pub(super) fn said_of(names: &[Vec<String>]) -> Said {
     names.iter().map(|name| said_by(name)).fold(Said::Nothing, |all, said| match (all, said) {
         (Said::Furred, _) | (_, Said::Furred) => Said::Furred,
@@ -199,7 +201,7 @@ pub(super) fn said_of(names: &[Vec<String>]) -> Said {
     })
 }
 
-/// What nodes and meshes say of the material that they show: bare where all of them do, and fur where one does.
+/// Combines the verdicts of the nodes and meshes that use a material: bare if all say so, fur if one does.
 fn said_of_parts(model: &Model, names: &[Vec<Vec<String>>], material: usize) -> Said {
     let parts = model.mesh.parts.iter().zip(names).filter(|(part, _)| part.material == material);
     let said = parts.map(|(_, names)| said_of(names)).reduce(|all, said| match (all, said) {
@@ -210,9 +212,9 @@ fn said_of_parts(model: &Model, names: &[Vec<Vec<String>>], material: usize) -> 
     said.unwrap_or(Said::Nothing)
 }
 
-/// Whether a material shines, or is of metal, while the furred rest is known not to.
+/// Whether a material is glossy or metallic while the furred materials are known not to be.
 fn is_glossy(materials: &[Material], shares: &[f64], furred: &[bool], material: usize) -> bool {
-    // Mean over the furred rest, of which most has to be known.
+    // Mean over the other furred materials, most of whose area must have a known value.
     let rest = |value: fn(&Material) -> Option<f32>| {
         let others = || (0..materials.len()).filter(|m| *m != material && furred[*m]);
         let known: Vec<(f64, f64)> =
@@ -229,11 +231,11 @@ fn is_glossy(materials: &[Material], shares: &[f64], furred: &[bool], material: 
     smooth || metal
 }
 
-/// Makes furred again what `model.bare` cannot name without naming a furred material, too: one of the same name, or one that the name stands for as a
+/// Makes a material furred again if its name would also match a furred material in `model.bare`, literally or as a
 /// pattern. Returns their names.
 fn keep_apart(materials: &[Material], why: &mut [Option<Why>]) -> Vec<String> {
     let mut alike = Vec::new();
-    // What becomes furred may be what another names.
+    // A material that becomes furred may be matched by another's name.
     loop {
         let names_furred = |m: &usize| {
             why[*m].is_some()
@@ -248,7 +250,7 @@ fn keep_apart(materials: &[Material], why: &mut [Option<Why>]) -> Vec<String> {
     }
 }
 
-/// The choice in words: `4 of 7 materials furred, 3 bare: Eyes (by name), Nose (small and glossy)`.
+/// Describes the choice: `4 of 7 materials furred, 3 bare: Eyes (by name), Nose (small and glossy)`.
 fn chosen(materials: &[Material], why: &[Option<Why>], alike: &[String]) -> String {
     let count = materials.len();
     let bare: Vec<String> = materials
@@ -268,7 +270,7 @@ fn chosen(materials: &[Material], why: &[Option<Why>], alike: &[String]) -> Stri
     text
 }
 
-/// A name for people.
+/// Formats a name for people.
 fn in_words(name: &str) -> String {
     if name.is_empty() { "one without a name".to_owned() } else { name.escape_debug().to_string() }
 }

@@ -1,19 +1,19 @@
-//! A square texture that triangles are painted into, and on past their borders.
+//! Square texture into which triangles are painted, and extended past their borders.
 
 use super::charts::{barycentric, bounds};
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// A triangle as it lies on a canvas.
+/// Triangle in the plane of a canvas.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
-    /// Triangle of a mesh. Several pieces may show the same.
+    /// Triangle of the mesh. Several pieces may show the same one.
     pub(crate) triangle: u32,
-    /// Its corners, texels.
+    /// Corners, texels.
     pub(crate) corners: [Vec2; 3],
 }
 
-/// A point of the skin, as a texel sees it.
+/// Point of a triangle that a texel shows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spot {
     /// Triangle of the mesh.
@@ -23,26 +23,26 @@ pub(crate) struct Spot {
 }
 
 impl Spot {
-    /// The spot of its triangle that is nearest to one beyond the border: a sliver's plane soon leads anywhere.
+    /// Returns the spot clamped to the triangle: the plane of a sliver soon leads far away from the surface.
     pub(crate) fn inside(self) -> Self {
         let weights = self.weights.max(Vec3::ZERO);
         Self { weights: weights / weights.element_sum().max(f32::MIN_POSITIVE), ..self }
     }
 }
 
-/// A square texture, each texel of which knows the triangle that it shows.
+/// Square texture in which each texel records the triangle that it shows.
 #[derive(Clone, Debug)]
 pub(crate) struct Canvas {
     /// Width and height, texels.
     side: u32,
     pieces: Vec<Piece>,
-    /// For each texel the piece that paints it, `u32::MAX` for none.
+    /// Piece shown by each texel, `u32::MAX` for none.
     owner: Vec<u32>,
 }
 
 impl Canvas {
-    /// A canvas of `side` texels each way on which pieces lie. Of those on one texel the first wins; each is continued over `gutter` free
-    /// texels past its border.
+    /// Creates a canvas with `side` texels in width and height and draws the pieces on it. Where several cover a texel,
+    /// the first wins. Each is extended over up to `gutter` free texels past its border.
     pub(crate) fn new(side: u32, pieces: Vec<Piece>, gutter: u32) -> Self {
         let owner = vec![u32::MAX; side as usize * side as usize];
         let mut canvas = Self { side, pieces, owner };
@@ -51,7 +51,7 @@ impl Canvas {
         canvas
     }
 
-    /// Marks the texels whose centre a piece covers.
+    /// Assigns the texels whose centre a piece covers.
     fn draw(&mut self, piece: usize) {
         let corners = self.pieces[piece].corners;
         let (min, max) = bounds(&corners);
@@ -67,13 +67,13 @@ impl Canvas {
         }
     }
 
-    /// Hands pieces on to free neighbours.
+    /// Extends pieces to free neighbouring texels.
     fn dilate(&mut self) {
         let n = self.side as usize;
         let before = self.owner.clone();
         self.owner.par_chunks_mut(n).enumerate().for_each(|(y, row)| {
             for (x, owner) in row.iter_mut().enumerate().filter(|(_, o)| **o == u32::MAX) {
-                // Straight neighbours first: they are nearer.
+                // Direct neighbours first: they are nearer than diagonal ones.
                 let steps = [(0, -1), (-1, 0), (1, 0), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
                 let at = |(dx, dy): (isize, isize)| {
                     let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
@@ -86,8 +86,8 @@ impl Canvas {
         });
     }
 
-    /// Paints the texture. `color` gives a value at a spot, `extent` is the texel's there: the difference of the barycentric coordinates
-    /// over a texel to the right and one down.
+    /// Paints the texture. `color` returns the value at a spot; `extent` is the texel's size there: the change of the
+    /// barycentric coordinates over a texel to the right and one down.
     ///
     /// Texels without a piece get the mean of all others, so that the coarsest mips keep the colour.
     pub(crate) fn paint(&self, color: impl Fn(Spot, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {

@@ -1,32 +1,32 @@
-//! Charts: pieces of the skin whose tile coordinates cover no place twice, so that each can lie flat in one texture.
+//! Charts: parts of the surface whose tile coordinates do not overlap, so that each can be laid out flat in a texture.
 //!
-//! The patches of the parameterization are nearly isometric, which is what a texture wants, but they may wind round and come to lie
-//! on themselves. A chart grows over edges inside one patch and takes a triangle only where it overlaps none that is there already, and
-//! comes near none that is somewhere else on the skin: filtering would mix the two.
+//! The patches of the parameterization are nearly isometric, which suits a texture, but they may wind around and
+//! overlap themselves. A chart grows over edges within one patch. It takes a triangle only if it overlaps none of the
+//! chart, and is not close to one that is elsewhere on the surface: filtering would mix the two.
 
 use glam::{Vec2, Vec3};
 use pelage_import::mesh::Mesh;
 use std::collections::{BTreeMap, VecDeque};
 
-/// Triangles that reach over less than this share of their size into each other touch only: rounding.
+/// Tolerance for rounding: triangles that overlap by less than this share of their size only touch.
 const TOUCH: f32 = 1e-3;
 
-/// A triangle in the tile and on the skin.
+/// Triangle in the tile and on the surface.
 #[derive(Clone, Copy)]
 struct Piece {
     uv: [Vec2; 3],
-    /// Corners on the skin, tiles.
+    /// Corners on the surface, in units of a tile.
     places: [Vec3; 3],
 }
 
 impl Piece {
-    /// The place that the triangle's plane has at a point of the tile.
+    /// Returns the position on the triangle's plane for a point of the tile.
     fn place_at(&self, p: Vec2) -> Vec3 {
         let w = barycentric(&self.uv, p).unwrap_or(Vec3::X);
         self.places[0] * w.x + self.places[1] * w.y + self.places[2] * w.z
     }
 
-    /// Distance of a point of the tile from the triangle there.
+    /// Returns the distance of a point of the tile from the triangle.
     fn distance(&self, p: Vec2) -> f32 {
         if barycentric(&self.uv, p).is_some_and(|w| w.min_element() >= 0.0) {
             return 0.0;
@@ -40,20 +40,20 @@ impl Piece {
     }
 }
 
-/// How far apart places of the skin must be in a chart, and how long a tile is on the skin.
+/// Spacing within a chart, and size of a tile on the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spacing {
-    /// Tiles.
+    /// Minimum distance in the tile between triangles that are not neighbours on the surface, tiles.
     pub(super) margin: f32,
-    /// Metres.
+    /// Width of a tile on the surface, metres.
     pub(super) tile_m: f32,
 }
 
-/// The chart of each triangle, from 0 without gaps; `u32::MAX` where `patch_of_triangle` says so. Deterministic: charts grow from the
-/// lowest triangle that is left.
+/// Returns the chart of each triangle, numbered from 0; `u32::MAX` where `patch_of_triangle` has it. Deterministic:
+/// each chart grows from the first triangle without one.
 ///
-/// `positions` and `uvs` have one entry per vertex: places on the skin, metres, and tile coordinates. Triangles with two vertices in common are
-/// neighbours; `same` says of each vertex which it counts as.
+/// `positions` (metres) and `uvs` (tile coordinates) have one entry per vertex. Triangles with two vertices in common
+/// are neighbours; `same` maps each vertex to the one that represents it.
 pub(super) fn charts(
     mesh: &Mesh,
     patch_of_triangle: &[u32],
@@ -83,7 +83,8 @@ pub(super) fn charts(
             queue.extend(neighbors[t].iter().flatten().map(|n| *n as usize).filter(|n| chart_of[*n] == u32::MAX));
         }
         if chart_of[start] == u32::MAX {
-            // A triangle that overlaps nothing is always taken; one with coordinates that are no numbers makes a chart alone.
+            // A triangle that overlaps nothing is always accepted; one with coordinates that are not numbers forms a
+            // chart of its own.
             chart_of[start] = count;
         }
         count += 1;
@@ -91,7 +92,8 @@ pub(super) fn charts(
     chart_of
 }
 
-/// Per triangle the neighbours of its own patch over its three edges. Of more than two triangles at an edge, pairs are neighbours.
+/// Returns for each triangle the neighbours within its patch at its three edges. If more than two triangles share an
+/// edge, they are paired.
 fn neighbors(mesh: &Mesh, patch_of_triangle: &[u32], same: impl Fn(u32) -> u32) -> Vec<[Option<u32>; 3]> {
     let mut edges = Vec::new();
     for (t, triangle) in mesh.triangles.iter().enumerate().filter(|(t, _)| patch_of_triangle[*t] != u32::MAX) {
@@ -112,7 +114,7 @@ fn neighbors(mesh: &Mesh, patch_of_triangle: &[u32], same: impl Fn(u32) -> u32) 
     neighbors
 }
 
-/// Triangles in the plane, found by place.
+/// Triangles in the plane, indexed by a grid.
 struct Grid {
     cell: f32,
     margin: f32,
@@ -121,7 +123,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// An empty grid with cells for triangles like this one.
+    /// Creates an empty grid with cells that suit triangles of this size.
     fn new(like: [Vec2; 3], margin: f32) -> Self {
         let (min, max) = bounds(&like);
         let cell = (max - min).max_element().max(margin);
@@ -129,11 +131,11 @@ impl Grid {
         Self { cell, margin, triangles: Vec::new(), cells: BTreeMap::new() }
     }
 
-    /// Takes a triangle that is in the way of none of those taken before; `false` for one that is, or that is no triangle.
+    /// Inserts a triangle that conflicts with none in the grid; returns `false` if it does, or if it is degenerate.
     fn insert(&mut self, piece: Piece) -> bool {
         let (min, max) = bounds(&piece.uv);
         let (low, high) = (((min - self.margin) / self.cell).floor(), ((max + self.margin) / self.cell).floor());
-        // Beyond that a cell's number is no exact float, nor a cell worth having.
+        // Beyond these limits cell indices are not exact in a float, or the cells too many.
         let small = (high - low).max_element() < 4096.0 && low.abs().max(high.abs()).max_element() < 1e6;
         if !(piece.uv.iter().all(|p| p.is_finite()) && small) {
             return false;
@@ -149,7 +151,8 @@ impl Grid {
         true
     }
 
-    /// Whether two triangles lie on each other, or so near in the tile that filtering mixes them though they are somewhere else on the skin.
+    /// Whether two triangles overlap, or are so near in the tile that filtering mixes them although they are apart on
+    /// the surface.
     fn in_the_way(&self, a: &Piece, b: &Piece) -> bool {
         let elsewhere = |a: &Piece, b: &Piece| {
             let near = b.uv.iter().zip(&b.places).filter(|(uv, _)| a.distance(**uv) < self.margin);
@@ -164,8 +167,8 @@ pub(super) fn bounds(points: &[Vec2]) -> (Vec2, Vec2) {
     points.iter().fold((Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)), extend)
 }
 
-/// Whether the insides of two triangles meet, or come as near as `margin`: no edge of either has them on different sides (the
-/// separating axis theorem).
+/// Whether the interiors of two triangles overlap or come closer than `margin`: no edge of either separates them
+/// (separating axis theorem).
 fn overlap(a: &[Vec2; 3], b: &[Vec2; 3], margin: f32) -> bool {
     let axes = (0..6).map(|k| {
         let t = if k < 3 { a } else { b };
@@ -182,7 +185,7 @@ fn overlap(a: &[Vec2; 3], b: &[Vec2; 3], margin: f32) -> bool {
     })
 }
 
-/// Barycentric coordinates; `None` in a triangle without area.
+/// Returns barycentric coordinates; `None` for a triangle without area.
 pub(super) fn barycentric([a, b, c]: &[Vec2; 3], p: Vec2) -> Option<Vec3> {
     let area = (*b - *a).perp_dot(*c - *a);
     if area == 0.0 || !area.is_finite() {
@@ -196,7 +199,7 @@ pub(super) fn barycentric([a, b, c]: &[Vec2; 3], p: Vec2) -> Option<Vec3> {
 mod tests {
     use super::*;
 
-    /// A strip of quads, its uv bent round `turns` times.
+    /// Builds a strip of quads whose uv bends around by `turns` turns.
     fn strip(quads: usize, turns: f32) -> (Mesh, Vec<Vec2>) {
         let mut mesh = Mesh::default();
         let mut uvs = Vec::new();
@@ -211,7 +214,7 @@ mod tests {
         (mesh, uvs)
     }
 
-    /// Charts of a skin that lies as its tile coordinates do.
+    /// Returns the charts of a flat mesh whose positions equal its tile coordinates.
     fn in_plane(mesh: &Mesh, patches: &[u32], uvs: &[Vec2]) -> Vec<u32> {
         let positions: Vec<Vec3> = uvs.iter().map(|uv| uv.extend(0.0)).collect();
         charts(mesh, patches, |v| v, &positions, uvs, &Spacing { margin: 0.05, tile_m: 1.0 })
@@ -219,7 +222,7 @@ mod tests {
 
     #[test]
     fn what_lies_near_in_the_tile_but_not_on_the_skin_is_parted() {
-        // Ends a hundredth of a turn apart in the tile; on the skin the strip runs up a spiral stair.
+        // The ends are a hundredth of a turn apart in the tile; on the surface the strip climbs a spiral.
         let (mesh, uvs) = strip(60, 0.995);
         assert_eq!(in_plane(&mesh, &vec![0; mesh.triangles.len()], &uvs).iter().max(), Some(&0));
         let stair: Vec<Vec3> = uvs.iter().enumerate().map(|(i, uv)| uv.extend(i as f32 / 40.0)).collect();

@@ -1,4 +1,4 @@
-//! Where the colour of hair and skin comes from.
+//! Sources of the colours of hair and mesh surface.
 
 use super::maps::Maps;
 use super::over::Vertices;
@@ -9,19 +9,20 @@ use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Material, MeshPart, Model};
 use std::collections::BTreeSet;
 
-/// Colours of a model as the package stores them: factor, texture and vertex colour multiply each other.
+/// Colours of a model in the form stored in the package: the product of factor, texture and vertex colour.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Colors {
-    /// Images that a material uses.
+    /// Images used by materials.
     pub images: Vec<Image>,
-    /// One per material.
+    /// Colour of each material.
     pub materials: Vec<MaterialColor>,
-    /// One per vertex, linear RGBA.
+    /// Colour of each vertex, linear RGBA.
     pub vertices: Vec<[u8; 4]>,
 }
 
 impl Colors {
-    /// Makes furred materials lighter by a factor; it may lead above 1, because hair hides part of its own light.
+    /// Multiplies the colours of furred materials by `gain`. The result may exceed 1, because hair occludes part of its
+    /// own light.
     ///
     /// * `furred`: one per material
     pub fn lighten(&mut self, furred: &[bool], gain: f32) {
@@ -33,7 +34,7 @@ impl Colors {
 /// Colour of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaterialColor {
-    /// Linear RGBA, of hair above 1 where it has to be.
+    /// Linear RGBA; may exceed 1 for hair.
     pub factor: [f32; 4],
     /// Index into [`Colors::images`], sRGB.
     pub image: Option<usize>,
@@ -41,12 +42,12 @@ pub struct MaterialColor {
 
 /// Takes each material's colour from the model or from `groom.color`.
 ///
-/// * `at`: the model's vertices as the package will have them
+/// * `at`: vertices of the package
 /// * `furred`: one per material
-/// * `base_color`: whether the model's own colours show on furred materials where `groom.color` says nothing
+/// * `base_color`: whether furred materials show the model's own colours if `groom.color` sets none
 ///
 /// # Errors
-/// [`BakeError::Internal`] where an image was not read.
+/// [`BakeError::Internal`] if an image was not read.
 pub fn colors(
     model: &Model,
     at: &Vertices<'_>,
@@ -108,8 +109,8 @@ pub fn colors(
     Ok(colors)
 }
 
-/// Lets marks have their say. What a material without a texture has of its factor goes into its vertices, where a mark can take its place; a texture is
-/// multiplied.
+/// Applies the colours of marks. On a material without a texture the factor moves into the vertices, so that a mark can
+/// replace it; a texture is multiplied.
 fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: &[bool]) {
     let said = |v: usize| maps.marks().color.get(at.input(v)).copied().filter(|(share, _)| *share > 0.0);
     for material in (0..colors.materials.len()).filter(|m| furred.get(*m) == Some(&true)) {
@@ -132,7 +133,7 @@ fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: 
             }
         };
         let painted: Vec<(usize, Vec3)> = vertices.into_iter().map(|v| (v, painted(v))).collect();
-        // The brightest there is, so that bytes are as fine as they can be.
+        // Divide by the brightest colour, so that bytes use their full range.
         let most = painted.iter().fold(Vec3::ZERO, |most, (_, color)| most.max(*color));
         factor[..3].copy_from_slice(&most.to_array());
         for (v, color) in painted {
@@ -144,8 +145,8 @@ fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: 
     }
 }
 
-/// Whether something colours the hair besides the colours of its root and tip: a pattern, `groom.color`, or the model's own factors, textures and vertex
-/// colours; not marks, which do so here and there. White counts as none.
+/// Whether anything colours the hair besides its root and tip colour: a pattern, `groom.color`, or the model's factors,
+/// textures and vertex colours. Marks do not count, because they are local; neither does white.
 pub fn is_colored(model: &Model, maps: &Maps<'_>, furred: &[bool], params: &ColorParams) -> bool {
     let is_furred = |material: usize| furred.get(material).copied().unwrap_or(false);
     let by_material = |(i, material): (usize, &Material)| {
@@ -168,7 +169,7 @@ mod tests {
     use crate::stages::groom::MapImages;
     use pelage_import::mesh::Mesh;
 
-    /// Whether the hair of a triangle has colours, after a change of the model and with a recipe.
+    /// Returns whether the hair of a triangle is coloured, after a change of the model and with a recipe.
     fn colored(change: impl FnOnce(&mut Model), recipe: &str) -> bool {
         let mesh = Mesh {
             positions: vec![glam::Vec3::X, glam::Vec3::Y, glam::Vec3::Z],

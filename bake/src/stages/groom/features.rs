@@ -1,8 +1,8 @@
-//! Bare parts that no name of a material tells: noses, rims of eyes and claws, by place, size and colour, and what nodes and meshes name while they share
-//! their material with furred parts.
+//! Bare parts that no material name reveals: noses, eye rims and claws, detected by position, size and colour, and
+//! parts named by nodes and meshes that share their material with furred ones.
 //!
-//! A model's materials are told apart by them when it is imported, so that all that goes by material knows them. Each rule asks for more than one sign, and
-//! what is in doubt stays with its material: a bald body is worse than a furred claw.
+//! Materials are split along them on import, so that everything that works by material handles them. Each rule needs
+//! several cues, and doubtful parts stay with their material: a bald body is worse than a furred claw.
 
 use super::bare::{said_of, shares_of_parts, without_common};
 use super::names::{Said, name_eyes, name_snout, said_by, words};
@@ -12,25 +12,25 @@ use glam::DVec3;
 use pelage_import::mesh::{Feature, Material, MeshPart, Model, RestPose};
 use std::collections::BTreeMap;
 
-/// Largest share of the skin of a dark material, of a nose, of a piece of a rim and of a claw.
+/// Maximum share of the mesh's area for a dark material, a nose, a piece of an eye rim and a claw.
 const SMALL: f64 = 0.03;
 const NOSE: f64 = 0.01;
 const RIM: f64 = 0.005;
 const CLAW: f64 = 0.003;
-/// Largest linear luminance of what is dark, and the largest share of that of its neighbours.
+/// Maximum linear luminance of a dark patch, absolute and relative to its neighbours.
 const DARK: f64 = 0.06;
 const DARK_BESIDE: f64 = 0.45;
-/// Fewer pieces than these may be dark paws.
+/// Minimum number of claws; fewer patches may be dark paws.
 const LEAST_CLAWS: usize = 6;
-/// Two claws are alike where their areas differ by at most that share.
+/// Maximum relative difference in area between two claws of the same size.
 const ALIKE: f64 = 0.05;
-/// Share of the body's height that the ground reaches up to.
+/// Height of the ground zone, as a share of the body's height.
 const GROUND: f64 = 0.1;
 
-/// Gives each bare part that is found a material of its own, with the look of the one that it was of.
+/// Gives each bare part detected a material of its own that looks like its previous one.
 pub fn tell_apart(model: &mut Model) {
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
-    // The last that speaks of a triangle counts.
+    // Where several detections include a triangle, the last one wins.
     let mut found: BTreeMap<usize, Feature> = named(model, &rest);
     found.extend(shaped(model, &rest));
     if !found.is_empty() {
@@ -38,7 +38,7 @@ pub fn tell_apart(model: &mut Model) {
     }
 }
 
-/// Triangles that nodes or meshes name, of materials that others show as well.
+/// Returns the triangles named by nodes or meshes whose material others use as well.
 fn named(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     let parts = &model.mesh.parts;
     let names = without_common(parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
@@ -58,7 +58,7 @@ fn named(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     found
 }
 
-/// Triangles that are bare by their shape, their place and their colour.
+/// Returns the triangles that are bare by shape, position and colour.
 fn shaped(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     let mut found = BTreeMap::new();
     let names: Vec<Vec<String>> = model.materials.iter().map(|m| words(&m.name)).collect();
@@ -101,13 +101,13 @@ fn shaped(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     found
 }
 
-/// Whether a patch is dark, and much darker than what it borders on.
+/// Whether a patch is dark, both absolutely and relative to its neighbours.
 fn is_dark(patch: &Patch) -> bool {
     patch.luminance <= DARK && patch.beside.is_some_and(|beside| patch.luminance <= DARK_BESIDE * beside)
 }
 
-/// Whether all patches of a material are claws: many, dark, smaller than a paw, each with others of its size, and tips, of which some stand on the ground.
-/// Models stand at rest with one foot ahead, so that no place tells left from right.
+/// Whether all patches of a material are claws: many dark tips, smaller than a paw, each with others of its size, and
+/// some on the ground. Symmetry between left and right is not tested, because models may stand with one foot ahead.
 fn are_claws(skin: &Skin, patches: &[Patch]) -> bool {
     let is_claw = |patch: &Patch| is_dark(patch) && patch.share <= CLAW && patch.is_tip();
     let (low, high) = skin.heights();
@@ -119,18 +119,18 @@ fn are_claws(skin: &Skin, patches: &[Patch]) -> bool {
     patches.len() >= LEAST_CLAWS && 4 * on_ground >= patches.len() && patches.iter().all(|p| is_claw(p) && is_paired(p))
 }
 
-/// Where a face is and looks to, as its eyes tell.
+/// Position and orientation of a face, derived from its eyes.
 struct Face {
-    /// Between the eyes.
+    /// Midpoint between the eyes.
     eyes: DVec3,
-    /// Horizontal, unit length.
+    /// Forward direction, horizontal, unit length.
     forward: DVec3,
-    /// Half of how far the eyes are apart.
+    /// Half the distance between the eyes.
     half: f64,
 }
 
 impl Face {
-    /// `None` without eyes, or with eyes that do not tell where the front is.
+    /// Derives the face; `None` without eyes, or if the eyes do not indicate the front.
     fn of(skin: &Skin, eyes: &[bool]) -> Option<Self> {
         let (mut sum, mut area) = (DVec3::ZERO, 0.0);
         let faces = || skin.faces.iter().filter(|face| eyes[face.material]);
@@ -146,7 +146,8 @@ impl Face {
         (half > 0.0).then_some(Self { eyes, forward, half })
     }
 
-    /// Whether a patch lies in the middle before the eyes and below their tops, narrower than they are apart, and foremost of all the skin about the face.
+    /// Whether a patch is a nose: in the middle in front of the eyes, below their tops, narrower than the distance
+    /// between them, and foremost in the face.
     fn is_nose(&self, skin: &Skin, patch: &Patch) -> bool {
         let away = patch.center - self.eyes;
         let aside = self.forward.cross(DVec3::Y);
@@ -162,7 +163,7 @@ impl Face {
     }
 }
 
-/// Gives what was found materials of its own: parts are cut into runs of one each, what stays first.
+/// Assigns the new materials: parts are split into runs of one material each, unchanged triangles first.
 fn part(model: &mut Model, found: &BTreeMap<usize, Feature>) {
     let old = std::mem::take(&mut model.mesh.parts);
     let numbers = materials_of(&mut model.materials, &old, found);
@@ -185,8 +186,8 @@ fn part(model: &mut Model, found: &BTreeMap<usize, Feature>) {
     model.mesh.triangles = triangles;
 }
 
-/// The numbers of the new materials: of which each is, what of it, and its own. Where all of one is found, the
-/// first takes its number.
+/// Creates the materials; returns for each the original material, the feature and its index. If a material consists of
+/// features only, the first one takes over its index.
 fn materials_of(
     materials: &mut Vec<Material>,
     parts: &[MeshPart],
@@ -214,7 +215,7 @@ fn materials_of(
     numbers
 }
 
-/// Its triangles.
+/// Returns the triangles of a part.
 fn range(part: &MeshPart) -> std::ops::Range<usize> {
     part.first_triangle..part.first_triangle + part.triangle_count
 }

@@ -3,12 +3,12 @@
 use super::*;
 use glam::Vec3;
 
-/// Black, brown, and white of eyes.
+/// Name and grey of the materials: black, brown, and the white of eyes.
 const COLORS: [(&str, f32); 3] = [("Black", 0.02), ("Brown", 0.2), ("Eyes", 0.8)];
 
-/// Appends a ball with its poles along z as a part of each material that covers any of it.
+/// Appends a sphere with its poles along z as one part per material that covers any of it.
 ///
-/// * `material`: by the height of a triangle's middle along z, over the radius
+/// * `material`: selects the material by the z of a triangle's centre, relative to the radius
 fn add_ball(model: &mut Model, center: Vec3, radius: f32, names: &[&str], material: impl Fn(f32) -> usize) {
     let (rings, sides) = (24u32, 24u32);
     let mesh = &mut model.mesh;
@@ -43,7 +43,7 @@ fn add_ball(model: &mut Model, center: Vec3, radius: f32, names: &[&str], materi
     }
 }
 
-/// A brown ball with eyes before it; black is what `is_black` says by the height along z.
+/// Builds a brown sphere with eyes in front; `is_black` selects the black part by z.
 fn animal(is_black: impl Fn(f32) -> bool) -> Model {
     let material = |(name, grey): (&str, f32)| Material {
         name: name.into(),
@@ -58,7 +58,7 @@ fn animal(is_black: impl Fn(f32) -> bool) -> Model {
     model
 }
 
-/// Full names of the materials that a model has once they are told apart, each with its number of triangles.
+/// Returns the full names of a model's materials after splitting, each with its number of triangles.
 fn told_apart(mut model: Model) -> Vec<(String, usize)> {
     let sorted = |model: &Model| {
         let mut triangles = model.mesh.triangles.clone();
@@ -124,7 +124,7 @@ fn a_node_that_names_an_eye_has_one_whatever_its_material_is_called() {
     parts.next().unwrap().names = vec!["Eye_L".into()];
     parts.next().unwrap().names = vec!["Eye_R".into(), "Sphere".into()];
     assert_eq!(names(model.clone()), ["Main", "Main/Eye_L", "Main/Eye_R"]);
-    // What covers all that there is of a material is found by its mesh's name.
+    // A part that covers a whole material is detected by its mesh's name.
     model.mesh.parts[0].material = 1;
     assert_eq!(names(model), ["Brown", "Main"]);
 }

@@ -1,10 +1,10 @@
-//! Where images point on the skin.
+//! Directions of image axes on the mesh surface.
 
 use glam::Vec3;
 use pelage_import::mesh::{Mesh, RestPose};
 
-/// Per vertex the unit directions on the skin, at rest, that point right and up on the model's images: the mean over its triangles
-/// of the gradients of the texture coordinates, zero where there is none.
+/// Returns for each vertex the unit directions on the surface, at rest, that point right and up on the model's images:
+/// the gradients of the texture coordinates, averaged over its triangles; zero if undefined.
 pub(super) fn image_axes(mesh: &Mesh, rest: &RestPose) -> Vec<[Vec3; 2]> {
     let mut axes = vec![[Vec3::ZERO; 2]; mesh.positions.len()];
     for triangle in &mesh.triangles {
@@ -15,7 +15,7 @@ pub(super) fn image_axes(mesh: &Mesh, rest: &RestPose) -> Vec<[Vec3; 2]> {
         if area == 0.0 {
             continue;
         }
-        // Images have v downwards.
+        // The v axis of images points down.
         let (right, down) = ((p1 * t2.y - p2 * t1.y) / area, (p2 * t1.x - p1 * t2.x) / area);
         for v in [a, b, c] {
             axes[v][0] += right.normalize_or_zero();

@@ -1,21 +1,21 @@
-//! Values for single joints: `[[groom.joint]]` of the recipe, spread over the skin by its weights.
+//! Values for single joints: `[[groom.joint]]` of the recipe, spread over the mesh by its skinning weights.
 
 use crate::recipe::JointGroom;
 use pelage_formats::{Animation, SkinVertex};
 use pelage_params::glob;
 
-/// What the tables say about the skin that follows each joint.
+/// Values of the tables for the surface that follows each joint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointValues {
-    /// One per joint: what the nearest table up the skeleton says of each key; `name` is empty.
+    /// Values of each joint: those of the nearest table up the skeleton, for each key; `name` is empty.
     joints: Vec<JointGroom>,
 }
 
 impl JointValues {
-    /// Finds what holds for every joint: of each key what the last matching table for the joint itself says, or else what holds for the node that it
-    /// hangs on.
+    /// Resolves the values of every joint: for each key that of the last table matching the joint itself, otherwise
+    /// that of its parent node.
     ///
-    /// Tables that touch no joint are reported in `warnings`, with the names there are.
+    /// Tables that match no joint are reported in `warnings`, with the existing names.
     pub fn new(tables: &[JointGroom], animation: Option<&Animation>, warnings: &mut Vec<String>) -> Self {
         let Some(animation) = animation.filter(|_| !tables.is_empty()) else {
             if !tables.is_empty() {
@@ -24,7 +24,7 @@ impl JointValues {
             return Self::default();
         };
         let mut nodes: Vec<JointGroom> = Vec::with_capacity(animation.nodes.len());
-        // Which tables hold for each node.
+        // Matching tables of each node.
         let mut holding: Vec<Vec<usize>> = Vec::with_capacity(animation.nodes.len());
         for node in &animation.nodes {
             let parent = node.parent.map(|parent| parent as usize);
@@ -60,10 +60,11 @@ impl JointValues {
         self.joints.iter().any(|joint| key(joint).is_some())
     }
 
-    /// The value at a vertex: the mean of those of its joints by their weights, `elsewhere` counting for joints without.
+    /// Returns the value at a vertex: the mean over its joints by their weights, with `elsewhere` for joints without a
+    /// value.
     pub fn mix(&self, skin: Option<&SkinVertex>, key: fn(&JointGroom) -> Option<f32>, elsewhere: f32) -> f32 {
         let Some(skin) = skin else { return elsewhere };
-        // By the difference, so that where no joint has a value, the value elsewhere comes out to the last bit.
+        // Interpolated by differences, so that without any joint value the result is exactly `elsewhere`.
         let differences = skin.joints.iter().zip(skin.weights).filter_map(|(joint, weight)| {
             let value = self.joints.get(usize::from(*joint)).and_then(key)?;
             (weight > 0.0).then_some(weight * (value - elsewhere))

@@ -4,7 +4,8 @@ use super::*;
 use crate::recipe::Recipe;
 use pelage_formats::{Joint, Node};
 
-/// A root with no joint, on it a neck, on that a head, on that two ears; joints 0..=3 are neck, head, left and right ear.
+/// Builds a rig: a root that is not a joint, a neck, a head and two ears; joints 0..=3 are neck, head, left and right
+/// ear.
 fn rig() -> Animation {
     let node = |name: &str, parent| Node {
         name: name.into(),
@@ -30,12 +31,12 @@ fn values(tables: &str) -> (JointValues, Vec<String>) {
     (JointValues::new(&groom.joint, Some(&rig()), &mut warnings), warnings)
 }
 
-/// A vertex that follows two joints.
+/// Creates a vertex that follows two joints.
 fn follows(a: (u16, f32), b: (u16, f32)) -> SkinVertex {
     SkinVertex { joints: [a.0, b.0, 0, 0], weights: [a.1, b.1, 0.0, 0.0] }
 }
 
-/// The length at vertices that follow one joint each, where it is 1 elsewhere.
+/// Returns the length at vertices that follow one joint each; it is 1 elsewhere.
 fn lengths(tables: &str) -> [f32; 4] {
     let (values, warnings) = values(tables);
     assert_eq!(warnings, Vec::<String>::new(), "{tables}");
@@ -46,16 +47,16 @@ fn lengths(tables: &str) -> [f32; 4] {
 fn a_table_holds_for_what_hangs_on_its_joint_and_nearer_ones_win() {
     let head = "[[groom.joint]]\nname = \"head*\"\nlength = 0.25\n";
     assert_eq!(lengths(head), [1.0, 0.25, 0.25, 0.25]);
-    // The order of the tables does not count for joints at different heights, and does for the same joint.
+    // The order of the tables does not matter for joints at different levels, but does for the same joint.
     let left = "[[groom.joint]]\nname = \"ear.l\"\nlength = 0.5\n";
     assert_eq!(lengths(&format!("{left}{head}")), [1.0, 0.25, 0.5, 0.25]);
     let ears = "[[groom.joint]]\nname = \"ear*\"\nlength = 0.75\n";
     assert_eq!(lengths(&format!("{left}{ears}{head}")), [1.0, 0.25, 0.75, 0.75]);
     assert_eq!(lengths(&format!("{ears}{left}{head}")), [1.0, 0.25, 0.5, 0.75]);
-    // Key by key: a nearer table that says nothing of the length leaves it to the farther.
+    // Each key is inherited separately: a nearer table without a length keeps that of a farther one.
     let lean = "[[groom.joint]]\nname = \"ear*\"\nlean = 1\n";
     assert_eq!(lengths(&format!("{head}{lean}")), [1.0, 0.25, 0.25, 0.25]);
-    // A node that is no joint holds for the joints on it.
+    // A table for a node that is not a joint applies to the joints below.
     assert_eq!(lengths("[[groom.joint]]\nname = \"armature\"\nlength = 0.5\n"), [0.5; 4]);
 }
 

@@ -1,5 +1,5 @@
-//! What varies over the model, evaluated: `[groom]` of the recipe, its tables for single materials and the images that it names,
-//! at every vertex and, where it matters, at every texel.
+//! Evaluation of values that vary over the model: `[groom]` of the recipe, its tables for single materials and its
+//! images, at every vertex and, where needed, every texel.
 
 use super::body::BodyGroom;
 use super::flow::image_axes;
@@ -17,62 +17,63 @@ use pelage_import::mesh::{Image, Material, Mesh, MeshPart, RestPose};
 use pelage_params::glob;
 use std::collections::BTreeMap;
 
-/// The decoded images that a recipe names, by their paths.
+/// Decoded images and strands that a recipe names.
 #[derive(Clone, Debug, Default)]
 pub struct MapImages {
-    /// By path as the recipe writes it.
+    /// Images by path as written in the recipe.
     pub images: BTreeMap<String, Image>,
-    /// Strands of files, by path as the recipe writes it.
+    /// Strands of files, by path as written in the recipe.
     pub strands: BTreeMap<String, Guides>,
-    /// The files that were read, in the order of reading.
+    /// Records of the files, in the order of reading.
     pub inputs: Vec<InputRecord>,
 }
 
 impl MapImages {
-    /// The image of that path.
+    /// Returns the image with that path.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] where it was not read.
+    /// [`BakeError::Internal`] if it was not read.
     pub fn get(&self, path: &str) -> Result<&Image, BakeError> {
         self.images.get(path).ok_or_else(|| BakeError::Internal(format!("the image {path:?} was not read")))
     }
 }
 
-/// What decides how hair is laid over the skin.
+/// Density and comb direction: the maps that determine the layout of the tile.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lay {
-    /// Hairs per area relative to the rest of the coat, 0.25..=4, one per vertex; `None` for 1 everywhere.
+    /// Hairs per area relative to the rest of the fur, 0.25..=4, one per vertex; `None` for 1 everywhere.
     pub density: Option<Vec<f32>>,
-    /// Where the hair is combed to, at rest in world space, one per vertex, its length how much it counts; `None` where no map says it.
+    /// Comb direction at rest in world space, one per vertex, with its length as weight; `None` if no map sets it.
     pub comb: Option<Vec<Vec3>>,
 }
 
-/// The coat at every vertex.
+/// Groom values at every vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Coat {
-    /// Share of the hair's length, 0..=1; 0 on vertices without a furred material.
+    /// Hair length as a share of the longest, 0..=1; 0 on vertices without a furred material.
     pub length: Vec<f32>,
     /// Extra lean, 0..=1.
     pub lean: Vec<f32>,
-    /// 0 dry to 1 wet. 0 where a texture says it.
+    /// Wetness, 0 dry to 1 wet. 0 if a texture sets it.
     pub wetness: Vec<f32>,
-    /// 1 where no hair grows. 0 where a texture says it.
+    /// Bareness, 1 where no hair grows. 0 if a texture sets it.
     pub bareness: Vec<f32>,
 }
 
-/// How wet the coat is.
+/// Wetness of the fur as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Water {
-    /// Nowhere.
+    /// Dry everywhere.
     Dry,
-    /// Everywhere.
+    /// Wet everywhere.
     Wet,
-    /// Here and there, or half.
+    /// Partly wet, by area or degree.
     Mixed,
 }
 
 impl Water {
-    /// How wet furred materials of those names are by that groom. Of joints its tables alone are asked, so that no skeleton is needed.
+    /// Returns the wetness of the furred materials `names`. For joints only the tables are considered, so no skeleton
+    /// is needed.
     pub fn of(groom: &GroomParams, names: &[&str]) -> Self {
         Self::over(
             names.iter().map(|name| last(&groom.material, name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness)),
@@ -95,16 +96,16 @@ impl Water {
     }
 }
 
-/// Groom textures, one texel of hair share and wetness each.
+/// Groom textures: share of hair and wetness per texel.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct GroomTextures {
-    /// Red is the share of the hair that grows, green is wetness; blue 0, alpha 255.
+    /// Images: red is the share of hair that grows, green is wetness; blue 0, alpha 255.
     pub images: Vec<Image>,
-    /// One per material: index into `images`.
+    /// Index into `images` of each material.
     pub of_material: Vec<Option<usize>>,
 }
 
-/// The maps of each material of a model.
+/// Groom maps of each material of a model.
 #[derive(Clone, Debug)]
 pub struct Maps<'a> {
     images: &'a MapImages,
@@ -113,13 +114,13 @@ pub struct Maps<'a> {
     joints: JointValues,
     body: Option<BodyGroom>,
     marks: MarkValues,
-    /// Colour of materials of which nothing else says one.
+    /// Colour of furred materials without any other colour.
     plain: Option<ColorMap>,
-    /// What images lie over.
+    /// Texture coordinates of the images.
     over: Over,
 }
 
-/// The maps of one material.
+/// Groom maps of one material.
 #[derive(Clone, Copy, Debug)]
 struct MaterialMaps<'a> {
     furred: bool,
@@ -133,7 +134,7 @@ struct MaterialMaps<'a> {
     color: Option<&'a ColorMap>,
 }
 
-/// Of which keys neither `[groom]` nor a table for the material says anything.
+/// Keys that neither `[groom]` nor a table for the material sets.
 #[derive(Clone, Copy, Debug)]
 struct Silent {
     length: bool,
@@ -142,12 +143,12 @@ struct Silent {
 }
 
 impl<'a> Maps<'a> {
-    /// Finds the maps of every material.
+    /// Resolves the maps of every material.
     ///
     /// * `furred`: one per material
     ///
-    /// Names that match no material, and images on parts without texture coordinates, where they have no effect, are reported in
-    /// `warnings`.
+    /// Names that match no material are reported in `warnings`. So are images on parts without texture coordinates,
+    /// where they have no effect.
     pub fn new(
         mesh: &Mesh,
         materials: &[Material],
@@ -198,41 +199,42 @@ impl<'a> Maps<'a> {
         maps
     }
 
-    /// Lets tables for single joints have their say, over all others.
+    /// Adds the tables for single joints, which override the maps.
     #[must_use]
     pub fn with_joints(self, joints: JointValues) -> Self {
         Self { joints, ..self }
     }
 
-    /// Lets the body have its say where no map has.
+    /// Adds the automatic groom, which applies where no map sets a value.
     #[must_use]
     pub fn with_body(self, body: Option<BodyGroom>) -> Self {
         Self { body, ..self }
     }
 
-    /// Lets marks have their say, over all others.
+    /// Adds the marks, which override everything else.
     #[must_use]
     pub fn with_marks(self, marks: MarkValues) -> Self {
         Self { marks, ..self }
     }
 
-    /// Gives furred materials a colour where `groom.color` says none, in place of the model's.
+    /// Sets a colour for furred materials without `groom.color`, instead of the model's.
     #[must_use]
     pub fn with_plain_color(self, color: SrgbColor) -> Self {
         Self { plain: Some(ColorMap::Constant(color)), ..self }
     }
 
-    /// What marks say.
+    /// Returns the values of the marks.
     pub fn marks(&self) -> &MarkValues {
         &self.marks
     }
 
-    /// Whether a map says where hair is combed to.
+    /// Whether a map sets the comb direction.
     pub fn has_comb(&self) -> bool {
         self.materials.iter().any(|m| m.furred && m.comb.is_some())
     }
 
-    /// What the body decided, where it decides the length of hair anywhere. Arguments as [`BodyGroom::decision`].
+    /// Describes the automatic groom, if it determines hair length anywhere. Arguments are those of
+    /// [`BodyGroom::decision`].
     pub fn decision(&self, share: f32, length_m: f32) -> Option<Decision> {
         let body = self.body.as_ref()?;
         self.materials.iter().any(|m| m.furred && m.silent.length).then(|| body.decision(share, length_m))
@@ -243,7 +245,7 @@ impl<'a> Maps<'a> {
         self.materials.iter().any(|m| m.furred && m.image().is_some())
     }
 
-    /// Has images lie over something else than the model's texture coordinates.
+    /// Sets the texture coordinates of images, instead of the model's own.
     #[must_use]
     pub fn over(self, over: Over) -> Self {
         Self { over, ..self }
@@ -253,11 +255,11 @@ impl<'a> Maps<'a> {
         mesh.parts.iter().filter_map(|p| self.materials.get(p.material).filter(|m| m.furred).map(|m| (p, m)))
     }
 
-    /// Evaluates density and comb direction at the vertices of `mesh`, whose rest pose is `rest`. Materials without a comb direction of
-    /// their own get `elsewhere`.
+    /// Evaluates density and comb direction at the vertices of `mesh`, whose rest pose is `rest`. Materials without a
+    /// comb direction get `elsewhere`.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] where an image was not read.
+    /// [`BakeError::Internal`] if an image was not read.
     pub fn lay(&self, mesh: &Mesh, rest: &RestPose, elsewhere: Vec3) -> Result<Lay, BakeError> {
         let at = &Vertices::of_model(mesh, rest);
         let furred = || self.materials.iter().filter(|m| m.furred);
@@ -266,7 +268,7 @@ impl<'a> Maps<'a> {
         let by_body = by_body.filter(|_| furred().any(|m| m.silent.density));
         let says = furred().any(|m| *m.density != ScalarMap::Constant(1.0)) || self.joints.say(|t| t.density);
         if says || by_body.is_some() || !self.marks.density.is_empty() {
-            // Of a map, equal steps are equal ratios.
+            // Maps are logarithmic: equal steps are equal ratios.
             let hairs = |map: &ScalarMap, v: f32| {
                 if matches!(map, ScalarMap::Constant(_)) { v } else { libm::exp2f(4.0 * v - 2.0) }
             };
@@ -293,7 +295,7 @@ impl<'a> Maps<'a> {
     /// Evaluates length, lean, wetness and bareness at vertices.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] where an image was not read.
+    /// [`BakeError::Internal`] if an image was not read.
     pub fn coat(&self, at: &Vertices<'_>) -> Result<Coat, BakeError> {
         let mesh = at.mesh;
         let at_vertices = |map: &ScalarMap| self.over.at_vertices() || map.image().is_none();
@@ -326,26 +328,26 @@ impl<'a> Maps<'a> {
         })
     }
 
-    /// How wet the furred materials are.
+    /// Returns the wetness of the furred materials.
     pub fn water(&self) -> Water {
         Water::over(self.materials.iter().filter(|m| m.furred).map(|m| m.wetness), self.tables_of_joints)
     }
 
-    /// Source of the hair's colour on a material in place of the model's, if there is one.
+    /// Returns the colour map that replaces the model's colour on a material, if there is one.
     pub(super) fn color(&self, material: usize) -> Option<&ColorMap> {
         let furred = self.materials.get(material).filter(|m| m.furred)?;
         furred.color.or(self.plain.as_ref())
     }
 
-    /// The decoded image of that path.
+    /// Returns the decoded image with that path.
     pub(super) fn image(&self, path: &str) -> Result<&'a Image, BakeError> {
         self.images.get(path)
     }
 
-    /// Joins the images that say where hair grows and where it is wet into one texture per pair of them.
+    /// Combines the images of bareness and wetness into one texture per pair.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] where an image was not read.
+    /// [`BakeError::Internal`] if an image was not read.
     pub fn textures(&self) -> Result<GroomTextures, BakeError> {
         let mut textures = GroomTextures::default();
         let mut known: Vec<(Option<&ScalarMap>, Option<&ScalarMap>)> = Vec::new();
@@ -367,7 +369,7 @@ impl<'a> Maps<'a> {
         Ok(textures)
     }
 
-    /// One image of hair share and wetness, as large as the larger of the two both ways.
+    /// Combines one pair into an image, with the larger width and the larger height of the two.
     fn join(&self, bare: Option<&ScalarMap>, wetness: Option<&ScalarMap>) -> Result<Image, BakeError> {
         let source = |map: Option<&ScalarMap>| -> Result<_, BakeError> {
             match map {
@@ -389,7 +391,7 @@ impl<'a> Maps<'a> {
         Ok(Image { width, height, rgba })
     }
 
-    /// A value per vertex: the mean over the furred parts that it belongs to, `outside` where there is none.
+    /// Returns a value per vertex: the mean over the furred parts that contain it, `outside` if there are none.
     fn average<T: Averaged>(
         &self,
         mesh: &Mesh,
@@ -400,14 +402,15 @@ impl<'a> Maps<'a> {
         average(mesh, parts, outside, |part, maps, v| each(part, maps, v))
     }
 
-    /// Value of a map at vertex `v`; `None` for an image that does not reach it.
+    /// Returns the value of a map at vertex `v`; `None` for an image that does not cover it.
     fn scalar(&self, at: &Vertices<'_>, part: &MeshPart, map: &ScalarMap, v: usize) -> Result<Option<f32>, BakeError> {
         let ScalarMap::Image { path, channel } = map else { return scalar_at(self.images, at.mesh, part, map, v) };
         let read = |(texel, _): Texel| texel[channel.index()];
         Ok(self.over.read(self.images.get(path)?, Encoding::Linear, (at, part, v), &[], read))
     }
 
-    /// Direction of a map at vertex `v`, zero for an image that does not reach it; `axes` as in [`Over::read`].
+    /// Returns the direction of a map at vertex `v`, zero for an image that does not cover it; `axes` as in
+    /// [`Over::read`].
     fn vector(
         &self,
         at: &Vertices<'_>,
@@ -434,19 +437,20 @@ impl<'a> Maps<'a> {
         })
     }
 
-    /// Colour of an image at vertex `v`, linear RGB, where images are read at the vertices; `None` where it does not reach.
+    /// Returns the colour of an image at vertex `v`, linear RGB, if images are read at the vertices; `None` if it does
+    /// not cover the vertex.
     pub(super) fn color_at(&self, image: &Image, at: &Vertices<'_>, part: &MeshPart, v: usize) -> Option<Vec3> {
         self.over.read(image, Encoding::Srgb, (at, part, v), &[], |(texel, _)| texel.truncate())
     }
 
-    /// Whether images are read at the vertices alone.
+    /// Whether images are read at the vertices only.
     pub(super) fn at_vertices(&self) -> bool {
         self.over.at_vertices()
     }
 }
 
 impl MaterialMaps<'_> {
-    /// The first image among the maps.
+    /// Returns the path of the first image among the maps.
     fn image(&self) -> Option<&str> {
         let scalars = [self.length, self.density, self.lean, self.wetness, self.bare];
         let vector = || self.comb.and_then(VectorMap::image);
@@ -454,13 +458,13 @@ impl MaterialMaps<'_> {
     }
 }
 
-/// What can be averaged.
+/// Value that can be averaged.
 pub(crate) trait Averaged: Copy + Default + std::ops::AddAssign + std::ops::Mul<f32, Output = Self> {}
 
 impl<T: Copy + Default + std::ops::AddAssign + std::ops::Mul<f32, Output = T>> Averaged for T {}
 
-/// A value per vertex: the mean over those of `parts` that it belongs to, `outside` where there is none. Each part comes with what `each` wants to
-/// know of it.
+/// Returns a value per vertex: the mean over those of `parts` that contain it, `outside` if there are none. Each part
+/// is paired with the data that `each` needs.
 pub(crate) fn average<'m, M, T: Averaged>(
     mesh: &'m Mesh,
     parts: impl Iterator<Item = (&'m MeshPart, M)>,
@@ -482,7 +486,7 @@ pub(crate) fn average<'m, M, T: Averaged>(
     Ok(sums.into_iter().map(|(sum, n)| if n == 0 { outside } else { sum * (n as f32).recip() }).collect())
 }
 
-/// Value of a map at a vertex; `None` for an image where there are no texture coordinates.
+/// Returns the value of a map at a vertex; `None` for an image without texture coordinates.
 pub(crate) fn scalar_at(
     images: &MapImages,
     mesh: &Mesh,
@@ -500,7 +504,7 @@ pub(crate) fn scalar_at(
     })
 }
 
-/// What the last table that matches a material of that name and has the key says.
+/// Returns the value of the last table that matches the material and has the key.
 pub(crate) fn last<'a, M: NamedTable, T>(
     tables: &'a [M],
     material: &str,
@@ -509,9 +513,9 @@ pub(crate) fn last<'a, M: NamedTable, T>(
     tables.iter().rev().filter(|t| glob(t.table_name(), material)).find_map(key)
 }
 
-/// Reports tables whose name matches none of those; `key` is theirs in the recipe.
+/// Reports tables whose name matches none of `names`; `key` is the recipe key of the tables.
 ///
-/// * `what`: what has those names, such as "material"
+/// * `what`: kind of the named things, such as "material"
 pub(crate) fn report_unmatched<'n, M: NamedTable>(
     key: &str,
     tables: &[M],
@@ -525,7 +529,7 @@ pub(crate) fn report_unmatched<'n, M: NamedTable>(
     }
 }
 
-/// Names of materials, in their order.
+/// Returns the names of materials, in order.
 pub(crate) fn names_of(materials: &[Material]) -> impl Iterator<Item = &str> + Clone {
     materials.iter().map(|material| material.name.as_str())
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::recipe::{Channel, Recipe};
 
-/// A square of two triangles in two materials, "skin" and "Nose", that share the diagonal; uv is (x, 1 - y).
+/// Builds a square of two triangles in two materials, "skin" and "Nose", that share the diagonal; uv is (x, 1 - y).
 fn square() -> (Mesh, Vec<Material>, RestPose) {
     let positions = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
     let part = |material, first_triangle| MeshPart {
@@ -28,14 +28,14 @@ fn square() -> (Mesh, Vec<Material>, RestPose) {
     (mesh, vec![material("skin"), material("Nose")], rest)
 }
 
-/// An image of one row.
+/// Creates an image of one row.
 fn row(texels: &[[u8; 4]]) -> Image {
     Image { width: texels.len() as u32, height: 1, rgba: texels.concat() }
 }
 
 fn images() -> MapImages {
     let mut images = MapImages::default();
-    // Left black, right white in red; green 0.6 everywhere; flow to the lower right.
+    // Red: black on the left, white on the right. Green: 0.6 everywhere. Flow: to the lower right.
     images.images.insert("a.png".into(), row(&[[0, 153, 0, 255], [255, 153, 0, 255]]));
     images.images.insert("flow.png".into(), row(&[[255, 0, 128, 255]]));
     images
@@ -82,7 +82,7 @@ fn constants_vertex_colours_and_images_are_read() {
     assert_eq!(found.coat.lean, [0.25; 4]);
     assert_eq!(found.coat.wetness, [0.4; 4]);
     assert_eq!(found.coat.bareness, [0.0, 1.0, 1.0, 0.0]);
-    // u is 0 or 1, where a repeated image mixes its two sides: 0.5, which is a density of 1.
+    // At u = 0 and 1 a repeating image mixes both of its sides: 0.5, which is a density of 1.
     assert_eq!(found.lay.density.unwrap(), [1.0; 4]);
     assert_eq!((found.textures.images.len(), found.water), (0, Water::Mixed));
     let lengths = evaluate("[groom]\nlength = \"a.png#g\"", [true, true]).coat.length;
@@ -117,7 +117,7 @@ fn the_body_speaks_where_maps_are_silent() {
         let images = images();
         let maps = Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut Vec::new());
         let maps = maps.with_body(Some(body.clone()));
-        // The surface's vertices come from others of the model.
+        // The surface's vertices have a different order from the model's.
         (
             maps.coat(&Vertices { input_vertex: Some(&[3, 2, 1, 0]), ..Vertices::of_model(&mesh, &rest) }).unwrap(),
             maps.lay(&mesh, &rest, Vec3::X).unwrap(),
@@ -133,7 +133,7 @@ fn the_body_speaks_where_maps_are_silent() {
     let (coat, lay, said) = with("[groom]\nlength = 0.5\nlean = 0.25\ndensity = 3", &body);
     assert_eq!((coat.length, coat.lean, lay.density.unwrap()), (vec![0.5; 4], vec![0.25; 4], vec![3.0; 4]));
     assert_eq!(said, None);
-    // A table for one material silences the body there alone; shared vertices take the mean.
+    // A table for one material overrides the automatic groom there only; shared vertices take the mean.
     let (coat, _, said) = with("[[groom.material]]\nname = \"Nose\"\nlength = 1", &body);
     assert_eq!(coat.length, [0.875, 0.25, 1.0, 1.0]);
     assert!(said.is_some());
@@ -179,11 +179,11 @@ fn combs_are_vectors_at_rest_or_flow_on_the_image() {
     let comb = |comb: &str| evaluate(&format!("[groom]\ncomb = {comb}"), [true, true]).lay.comb.unwrap();
     assert_eq!(comb("[0, -2, 0]"), [Vec3::new(0.0, -2.0, 0.0); 4]);
     assert!(comb("\"vertex\"").iter().all(|v| (*v - Vec3::new(v.x, -0.6, -0.2)).length() < 1e-6));
-    // Right on the image is +x, up on it +y: red 1 and green 0 point to the lower right.
+    // Right on the image is +x, up is +y: red 1 and green 0 point to the lower right.
     for v in comb("\"flow.png#uv\"") {
         assert!((v.normalize() - Vec3::new(1.0, -1.0, 0.0).normalize()).length() < 1e-2, "{v}");
     }
-    // Materials that say nothing are combed as the surface is; the diagonal takes the mean.
+    // Materials without a map take the surface's comb direction; the diagonal takes the mean.
     let nose = evaluate("[[groom.material]]\nname = \"Nose\"\ncomb = [0, 1, 0]", [true, true]).lay.comb.unwrap();
     assert_eq!(nose, [Vec3::new(0.5, 0.5, 0.0), Vec3::X, Vec3::new(0.5, 0.5, 0.0), Vec3::Y]);
     assert!((comb("\"flow.png\"")[0] - Vec3::new(1.0, -1.0, 0.0)).length() < 0.01);
@@ -235,7 +235,7 @@ fn water_is_dry_wet_or_mixed() {
     let nose = "[[groom.material]]\nname = \"Nose\"\nwetness = 1";
     assert_eq!([water(nose, [true, true]), water(nose, [false, true])], [Water::Mixed, Water::Wet]);
     assert_eq!(water(nose, [true, false]), Water::Dry);
-    // Joints count by their tables alone, so that a package without the model's names comes to the same.
+    // For joints only the tables count, so that a package without the model's names gives the same result.
     let joint = |wetness: f32| format!("[[groom.joint]]\nname = \"*\"\nwetness = {wetness}");
     assert_eq!([water(&joint(0.0), [true; 2]), water(&joint(1.0), [true; 2])], [Water::Dry, Water::Mixed]);
     let all = format!("[groom]\nwetness = 1\n{}", joint(1.0));
@@ -259,13 +259,13 @@ fn images_through_space_need_no_coordinates() {
     assert_eq!(warnings, [""; 0]);
     let at = Vertices::of_model(&mesh, &rest);
     let coat = maps.coat(&at).unwrap();
-    // Black on the left, white on the right, as one who looks at it from +z sees it.
+    // Black on the left and white on the right, seen from +z.
     assert_eq!((&coat.length[..], &coat.bareness[..]), (&[0.0, 1.0, 1.0, 0.0][..], &[0.0, 1.0, 1.0, 0.0][..]));
     assert!(coat.lean.iter().all(|lean| (lean - 0.6).abs() < 1e-6), "{:?}", coat.lean);
     assert!(maps.textures().unwrap().images.is_empty(), "what vertices say no texture says again");
     let lay = maps.lay(&mesh, &rest, Vec3::X).unwrap();
     assert_eq!(lay.density.unwrap(), [0.25, 4.0, 4.0, 0.25]);
-    // Red points right on the image and green down, which is +x and −y as seen along z.
+    // Red points right on the image and green down, which is +x and −y seen along z.
     assert!(lay.comb.unwrap().iter().all(|d| d.distance(Vec3::new(1.0, -1.0, 0.0)) < 1e-6));
     let color = maps.color_at(&images.images["a.png"], &at, &mesh.parts[0], 1).unwrap();
     assert!(color.x == 1.0 && color.z == 0.0, "{color}");

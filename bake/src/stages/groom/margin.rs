@@ -1,4 +1,4 @@
-//! `groom.bare_margin_m`: hair grows short towards bare parts, so that none hangs over an eye.
+//! `groom.bare_margin_m`: hair gets shorter towards bare parts, so that it does not cover an eye.
 
 use crate::decision::{Decision, metres_in_words};
 use crate::noise::smooth_step;
@@ -8,40 +8,43 @@ use pelage_import::mesh::{Mesh, RestPose};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashMap};
 
-/// What lies below the skin by more than this, as the cosine of the angle from straight down, is no neighbour on it: teeth behind a cheek.
+/// Cosine of the angle from straight down within which a bare part counts as below the surface, such as teeth behind a
+/// cheek.
 const BELOW: f32 = 0.5;
-/// A bare part as near as this share of the reach lies at the skin, though it is not joined to it: an eye in its socket. What is below the skin by half of
-/// that is seen from nowhere within this reach as lying beside it.
+/// Share of the reach within which a bare part counts as beside the surface without being joined to it, such as an eye
+/// in its socket. A part below the surface by half this distance or more never counts as beside it.
 const BESIDE: f32 = 0.5;
-/// Nearer than this share of the reach the directions of bare parts are noise.
+/// Distance below which the direction to a bare part is noise, as a share of the reach.
 const TOUCHING: f32 = 0.02;
 
-/// Longest hair over how far from a bare part it roots. An eye at the side of a head is seen past the hair before it, of which any that stands up hides some;
-/// measured on ten animals from the front (`eyes-covered` in `tests/src/bin/chores/`).
+/// Maximum ratio of hair length to the root's distance from a bare part. An eye at the side of a head is seen past the
+/// hair in front of it, and upright hair covers part of it. Measured on ten animals from the front (`eyes-covered` in
+/// `tests/src/bin/chores/`).
 const STEEPEST: f32 = 0.12;
-/// How often the margin is chosen anew for the hair within it.
+/// Number of iterations of the margin, each with the hair within the previous one.
 const ROUNDS: usize = 2;
-/// Largest margin that is chosen, radii of the model: as far as the body's own groom looks.
+/// Maximum of the chosen margin, radii of the model: the reach of the automatic groom around bare parts.
 const WIDEST: f32 = 0.15;
 
-/// How far the furred skin is from bare parts.
+/// Distances of the furred surface from bare parts.
 ///
-/// A way begins where a bare part is joined to the skin or lies beside or above it within half the reach, and leads along the edges of the furred skin.
-/// It is known at vertices: a bare part that lies in the middle of a large triangle is near nothing.
+/// A path starts where a bare part is joined to the surface, or is beside or above it within half the reach. It follows
+/// the edges of the furred surface. Distances are evaluated at vertices: a bare part in the middle of a large triangle
+/// is near none.
 #[derive(Debug)]
 pub struct BesideBare {
     places: Places,
-    /// Of each place its way, metres; infinite from the reach on.
+    /// Distance of each welded vertex, metres; infinite beyond the reach.
     ways: Vec<f32>,
     reach_m: f32,
 }
 
 impl BesideBare {
-    /// Looks for bare parts.
+    /// Computes the distances from bare parts.
     ///
-    /// * `rest`: of `mesh`, metres
-    /// * `furred`: one per material; the shorter list counts as bare at its end
-    /// * `reach_m`: how far is looked, above 0
+    /// * `rest`: rest pose of `mesh`, metres
+    /// * `furred`: one per material; missing entries count as bare
+    /// * `reach_m`: maximum distance, above 0
     pub fn new(mesh: &Mesh, rest: &RestPose, furred: &[bool], reach_m: f32) -> Self {
         let is_furred = |material: usize| furred.get(material).copied().unwrap_or(false);
         let triangles = |wanted: bool| -> Vec<[u32; 3]> {
@@ -59,7 +62,7 @@ impl BesideBare {
         Self { places, ways, reach_m }
     }
 
-    /// Scales `length`, one per vertex, from 0 at the border of a bare part to itself at the reach from it, smoothly.
+    /// Scales `length`, one per vertex, smoothly from 0 at the border of a bare part to its full value at the reach.
     pub fn shorten(&self, length: &mut [f32]) {
         for (vertex, place) in &self.places.of_vertex {
             if let Some(length) = length.get_mut(*vertex as usize) {
@@ -68,10 +71,10 @@ impl BesideBare {
         }
     }
 
-    /// Mean length of the hair that is at most so far from bare parts, metres; `None` where there is none.
+    /// Returns the mean length of the hair within `within_m` of bare parts, metres; `None` if there is none.
     ///
     /// * `length`: one per vertex, share of the longest hair
-    /// * `longest_m`: that, metres
+    /// * `longest_m`: length of the longest hair, metres
     fn mean_m(&self, length: &[f32], longest_m: f32, within_m: f32) -> Option<f32> {
         let near = self.places.of_vertex.iter().filter(|(_, place)| self.ways[**place] <= within_m);
         let lengths = near.filter_map(|(vertex, _)| length.get(*vertex as usize)).filter(|length| **length > 0.0);
@@ -80,13 +83,14 @@ impl BesideBare {
     }
 }
 
-/// The margin for hair of a model, metres: what keeps hair as long as that beside bare parts from hiding them. `None` where none is beside any.
+/// Returns the margin for the hair of a model, metres: just wide enough that hair beside bare parts does not hide them.
+/// `None` if no hair is beside any.
 ///
-/// * `rest`: of `mesh`, metres
+/// * `rest`: rest pose of `mesh`, metres
 /// * `furred`: one per material
 /// * `length`: one per vertex, share of the longest hair
-/// * `longest_m`: that, metres
-/// * `radius_m`: of the model, above 0
+/// * `longest_m`: length of the longest hair, metres
+/// * `radius_m`: radius of the model, above 0
 pub fn chosen_margin_m(
     (mesh, rest): (&Mesh, &RestPose),
     furred: &[bool],
@@ -99,8 +103,8 @@ pub fn chosen_margin_m(
     }
     let widest_m = WIDEST * radius_m;
     let beside = BesideBare::new(mesh, rest, furred, widest_m);
-    // The steepest way from the origin to the curve of lengths leads to 9/8 at three quarters. Hair grows longer away from bare parts, and with the
-    // margin more of it counts.
+    // The steepest line from the origin to the smoothstep curve has slope 9/8, at three quarters. Hair gets longer away
+    // from bare parts, so a wider margin includes longer hair.
     let mut margin_m = longest_m.min(widest_m);
     for _ in 0..ROUNDS {
         let length_m = beside.mean_m(length, longest_m, margin_m)?;
@@ -109,7 +113,7 @@ pub fn chosen_margin_m(
     Some(margin_m)
 }
 
-/// The choice of a margin, metres.
+/// Describes the choice of a margin, metres.
 pub fn margin_decision(margin_m: f32) -> Decision {
     Decision {
         what: "margin of bare parts",
@@ -118,12 +122,12 @@ pub fn margin_decision(margin_m: f32) -> Decision {
     }
 }
 
-/// The distinct places of the furred skin.
+/// Welded vertices of the furred surface.
 #[derive(Debug, Default)]
 struct Places {
-    /// Of each vertex of the skin the number of its place.
+    /// Welded vertex of each vertex.
     of_vertex: BTreeMap<u32, usize>,
-    /// Of each place its first vertex.
+    /// First vertex of each welded vertex.
     vertex: Vec<u32>,
 }
 
@@ -142,7 +146,8 @@ fn places(skin: &[[u32; 3]], positions: &[Vec3]) -> Places {
     found
 }
 
-/// Of each place the straight way to the nearest bare triangle that is not below the skin there, metres; infinite where none is near.
+/// Returns the straight distance of each welded vertex to the nearest bare triangle that is not below the surface
+/// there, metres; infinite if none is near.
 fn straight(places: &Places, bare: &[[u32; 3]], rest: &RestPose, margin_m: f32) -> Vec<f32> {
     let place = |vertex: u32| rest.positions[vertex as usize];
     let reach = BESIDE * margin_m;
@@ -165,7 +170,7 @@ fn straight(places: &Places, bare: &[[u32; 3]], rest: &RestPose, margin_m: f32) 
     places.vertex.iter().map(way).collect()
 }
 
-/// A place on the way, the nearest first, then by its number.
+/// Dijkstra queue entry, ordered by distance, then by vertex index.
 #[derive(PartialEq)]
 struct Step {
     way: f32,
@@ -186,7 +191,7 @@ impl Ord for Step {
     }
 }
 
-/// Shortens the ways to those along the edges of the skin (Dijkstra 1959), up to the margin.
+/// Shortens the distances to those along the edges of the surface (Dijkstra 1959), up to the margin.
 fn along(ways: &mut [f32], skin: &[[u32; 3]], places: &Places, rest: &RestPose, margin_m: f32) {
     let mut neighbours: Vec<Vec<(usize, f32)>> = vec![Vec::new(); ways.len()];
     for triangle in skin {

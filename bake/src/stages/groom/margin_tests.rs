@@ -1,7 +1,8 @@
 use super::*;
 use pelage_import::mesh::MeshPart;
 
-/// A furred strip of 1 m along x from 0, a vertex each centimetre, with vertices of its own on each triangle; and bare triangles.
+/// Builds a furred strip of 1 m along x from 0, with a vertex every centimetre and separate vertices for each triangle,
+/// and bare triangles.
 fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
     let mut mesh = Mesh::default();
     let mut add = |corners: [Vec3; 3]| {
@@ -26,7 +27,7 @@ fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
     (mesh, rest)
 }
 
-/// What becomes of full length at x, metres, for each vertex of the strip.
+/// Returns x, metres, and the shortened length of full-length hair for each vertex of the strip.
 fn faded(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
     let (mesh, rest) = strip(bare);
     let mut length = vec![1.0; mesh.positions.len()];
@@ -35,7 +36,7 @@ fn faded(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
     mesh.positions.iter().map(|p| p.x).zip(length).take(600).collect()
 }
 
-/// A triangle to the left of x = 0, which it touches along z.
+/// Triangle to the left of x = 0, which it touches along z.
 const JOINED: [Vec3; 3] = [Vec3::ZERO, Vec3::new(0.0, 0.0, 0.01), Vec3::new(-0.1, 0.0, 0.0)];
 
 #[test]
@@ -53,7 +54,7 @@ fn length_grows_from_nothing_to_all_over_the_margin() {
 
 #[test]
 fn an_eye_need_not_be_joined_to_its_lids() {
-    // A gap of 2 cm, and the bare part a little above.
+    // A gap of 2 cm, with the bare part slightly higher.
     let apart = JOINED.map(|p| p + Vec3::new(-0.02, 0.005, 0.0));
     let at_rim = faded(&[apart], 0.2)[0];
     assert!(at_rim.1 > 0.0 && at_rim.1 < 0.05, "{at_rim:?}");
@@ -71,14 +72,14 @@ fn what_lies_below_the_skin_shortens_nothing() {
 
 #[test]
 fn the_way_goes_along_the_skin_where_it_is_not_seen_straight() {
-    // Where all bare ways lead below the skin, only the seam is a start, and edges lead on from it.
+    // If all bare parts are below the surface, only the seam is a start, and paths lead along edges from there.
     let (mesh, mut rest) = strip(&[JOINED]);
     rest.normals.fill(Vec3::X);
     let mut length = vec![1.0; mesh.positions.len()];
     BesideBare::new(&mesh, &rest, &[true, false], 0.2).shorten(&mut length);
     for (p, length) in mesh.positions.iter().zip(&length).take(600) {
         let t = (p.x / 0.2).min(1.0);
-        // Edges go a little round.
+        // Paths along edges are slightly longer than straight ones.
         assert!((length - t * t * (3.0 - 2.0 * t)).abs() < 0.1, "{length} at {p}");
     }
 }
@@ -98,7 +99,7 @@ fn a_chosen_margin_keeps_hair_flatter_than_its_way_to_the_bare_part() {
             assert!(share * length_m <= STEEPEST * p.x * 1.001 + 1e-6, "{share} of {length_m} m at {p}");
         }
     }
-    // Half as long where it counts needs half of it, however long hair is elsewhere.
+    // Hair half as long near bare parts needs half the margin, however long it is elsewhere.
     let short: Vec<f32> = mesh.positions.iter().map(|p| if p.x < 0.5 { 0.5 } else { 1.0 }).collect();
     assert_eq!(chosen_m(&short, 0.1, 100.0), chosen_m(&full, 0.05, 100.0));
     assert_eq!(chosen_m(&full, 0.1, 1.0), Some(WIDEST));

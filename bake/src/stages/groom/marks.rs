@@ -1,7 +1,8 @@
-//! What the recipe's comb marks say of length, density, lean and colour, spread over the skin.
+//! Length, density, lean and colour of the recipe's comb marks, spread over the mesh.
 //!
-//! A mark counts by the way over the skin, from the point that is nearest to it: in full nearby, not at all from its reach on. Where two pieces of skin
-//! or the corners of a coarse mesh break that off, it is spread a little as heat spreads.
+//! The weight of a mark depends on the distance along the surface from the nearest point to the mark: full nearby, zero
+//! from its reach on. It is smoothed slightly by heat diffusion, across gaps between connected components and corners
+//! of a coarse mesh.
 
 use super::body::{Body, Skin, furred_faces};
 use super::ways::ways;
@@ -13,28 +14,30 @@ use glam::Vec3;
 use pelage_formats::meaning::srgb_value_to_linear;
 use pelage_import::mesh::DrawnComb;
 
-/// How far shares are spread, of a mark's reach.
+/// Width of the smoothing of weights, as a share of a mark's reach.
 const SPREAD: f32 = 0.1;
-/// Farther from the skin than that a mark is taken for misplaced, radii of the body.
+/// Distance from the surface above which a mark is reported as misplaced, radii of the body.
 const FAR: f32 = 0.1;
-/// Places of a drawn line that are looked at.
+/// Number of points of a drawn line that are tested.
 const LOOKED_AT: usize = 9;
 
-/// What marks say, one entry per vertex of the model: how much they count there, 0..=1, and what they say together. Empty where none says it.
+/// Combined values of all marks, one entry per vertex of the model: total weight, 0..=1, and value. Empty if no mark
+/// sets it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MarkValues {
-    /// Share of the hair's length.
+    /// Hair length, as a share of the longest.
     pub length: Vec<(f32, f32)>,
-    /// Hairs per area relative to the rest of the coat.
+    /// Hairs per area relative to the rest of the fur.
     pub density: Vec<(f32, f32)>,
     /// Extra lean.
     pub lean: Vec<(f32, f32)>,
-    /// Linear RGB.
+    /// Colour, linear RGB.
     pub color: Vec<(f32, Vec3)>,
 }
 
 impl MarkValues {
-    /// Spreads marks over a body. Marks and lines far from its furred skin are reported in `warnings`, with how far.
+    /// Spreads marks over a body. Marks and lines far from its furred surface are reported in `warnings`, with the
+    /// distance.
     pub fn new(marks: &[CombMarkParams], drawn: &[DrawnComb], body: &Body<'_>, warnings: &mut Vec<String>) -> Self {
         let radius_m = body.bounds.radius;
         if marks.is_empty() && drawn.is_empty() || !(radius_m > 0.0 && radius_m.is_finite()) {
@@ -68,39 +71,39 @@ impl MarkValues {
         said.of_vertices(&ground.skin.place_of)
     }
 
-    /// Whether a mark says a colour.
+    /// Whether a mark sets a colour.
     pub fn has_color(&self) -> bool {
         !self.color.is_empty()
     }
 }
 
-/// `elsewhere` at a vertex of the model, as far as marks leave it.
+/// Blends `elsewhere` with the marks' value at a vertex of the model.
 pub(super) fn mixed(values: &[(f32, f32)], vertex: usize, elsewhere: f32) -> f32 {
     match values.get(vertex) {
-        // By the difference, so that where none counts, the value elsewhere comes out to the last bit.
+        // Interpolated by differences, so that without any mark the result is exactly `elsewhere`.
         Some((share, value)) if *share > 0.0 => elsewhere + share * (value - elsewhere),
         _ => elsewhere,
     }
 }
 
-/// The skin that marks stand on; lengths are radii of the body.
+/// Surface on which marks are placed; lengths are radii of the body.
 struct Ground {
     skin: Skin,
-    /// One per face.
+    /// Whether hair grows on each face.
     furred: Vec<bool>,
 }
 
-/// Where a mark stands.
+/// Placement of a mark on the surface.
 struct Found {
     face: usize,
-    /// The nearest point of the skin.
+    /// Nearest point of the surface.
     on_skin: Vec3,
-    /// How far it is.
+    /// Distance to it.
     away: f32,
 }
 
 impl Ground {
-    /// The nearest point of skin with hair; of several that of the first face.
+    /// Returns the nearest point of the furred surface, in the first face if there are several.
     fn nearest(&self, at: Vec3) -> Option<Found> {
         let mut best: Option<Found> = None;
         for (face, places) in self.skin.faces.iter().enumerate().filter(|(face, _)| self.furred[*face]) {
@@ -115,16 +118,16 @@ impl Ground {
         best
     }
 
-    /// One per place: how much a mark that stands there counts.
+    /// Returns the weight at each welded vertex of a mark placed there.
     fn shares(&self, found: &Found, reach: f32) -> Vec<f32> {
         let skin = &self.skin;
         let straight = |place: u32| skin.positions[place as usize].distance(found.on_skin);
         let corners = skin.faces[found.face];
-        // However coarse the mesh is, a mark counts in full somewhere.
+        // Even on a coarse mesh the weight is full somewhere.
         let least = corners.iter().map(|p| straight(*p)).fold(f32::INFINITY, f32::min);
         let shift = (least - reach::FULL * reach).max(0.0);
         let mut ways = ways(skin, &corners.map(|p| (p, straight(p) - shift)), reach);
-        // A piece apart, such as an ear that is put into the head, is as far as it looks.
+        // Other connected components, such as an ear inserted into the head, use the straight distance.
         let piece = skin.pieces[corners[0] as usize];
         for (place, way) in ways.iter_mut().enumerate().filter(|(place, _)| skin.pieces[*place] != piece) {
             *way = straight(place as u32);
@@ -132,13 +135,13 @@ impl Ground {
         let shares: Vec<f32> = ways.into_iter().map(|way| reach::share(way, reach)).collect();
         let spread = skin.spread(&shares, SPREAD * reach);
         let most = spread.iter().copied().fold(0.0, f32::max);
-        // What the solver leaves far away is nothing.
+        // Tiny values that the solver leaves far away become zero.
         let scaled = |share: f32| if share > 1e-3 * most { (share / most).min(1.0) } else { 0.0 };
         spread.into_iter().map(scaled).collect()
     }
 }
 
-/// What marks say of each place; empty lists where none says it.
+/// Accumulated values of marks per welded vertex; lists are empty if no mark sets the value.
 #[derive(Default)]
 struct SaidValues {
     length: Vec<Said<f32>>,

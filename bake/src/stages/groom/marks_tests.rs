@@ -6,7 +6,7 @@ use crate::stages::groom::{Colors, MapImages, Maps, Vertices, bounds, colors};
 use glam::Vec2;
 use pelage_import::mesh::{Material, Mesh, MeshPart, Model, RestPose};
 
-/// A ball of 1 m, without texture coordinates. Vertices along its seam are there twice.
+/// Builds a sphere of radius 1 m without texture coordinates. Vertices along its seam are duplicated.
 fn ball() -> Model {
     let (rings, sides) = (32u32, 64u32);
     let mut mesh = Mesh::default();
@@ -38,13 +38,13 @@ fn spread(model: &Model, marks: &str, drawn: &[DrawnComb]) -> (MarkValues, Vec<S
     (values, warnings)
 }
 
-/// The vertex nearest to a place.
+/// Returns the vertex nearest to a point.
 fn at(model: &Model, place: Vec3) -> usize {
     let away = |v: &usize| model.mesh.positions[*v].distance(place);
     (0..model.mesh.positions.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap()
 }
 
-/// The place that many radians from the front of the ball, along its equator.
+/// Returns the point on the sphere's equator at an angle from the front, radians.
 fn round(angle: f32) -> Vec3 {
     Vec3::new(angle.sin(), 0.0, angle.cos())
 }
@@ -60,7 +60,7 @@ fn a_value_holds_at_its_mark_and_fades_to_what_is_elsewhere() {
     assert_eq!([length(1.3), length(3.1)], [0.75; 2]);
     let way: Vec<f32> = (0..30).map(|k| length(0.05 * k as f32)).collect();
     assert!(way.windows(2).all(|s| s[1] >= s[0] - 1e-4 && s[1] - s[0] < 0.1), "{way:?}");
-    // Round about it, and on both sides of the seam, it is the same.
+    // The result is symmetric around the mark, and equal on both sides of the seam.
     let turned = |angle: f32, about: f32| Vec3::new(angle.sin() * about.cos(), angle.sin() * about.sin(), angle.cos());
     for about in [0.0, 0.7, 1.6, 2.5, 3.9, 5.0] {
         let here = mixed(&values.length, at(&model, turned(0.5, about)), 0.75);

@@ -1,4 +1,4 @@
-//! Where hair grows, how long, and what varies over the model: the `groom` stage. Lengths are metres in the posed rest state.
+//! Stage `groom`: placement, length and variation of hair over the model. Lengths are metres in the posed rest state.
 
 mod at_root;
 mod atlas;
@@ -49,17 +49,17 @@ use pelage_import::mesh::RestPose;
 pub struct Lengths {
     /// Length of the longest strand, metres.
     pub length_m: f32,
-    /// Width of the hair tile on the skin, metres.
+    /// Width of the hair tile on the mesh surface, metres.
     pub tile_size_m: f32,
 }
 
 impl Lengths {
-    /// Takes what the recipe gives and derives the rest from the model's size.
+    /// Takes the lengths in the recipe and derives the others from the model's size.
     ///
-    /// Models are modelled in all units, whatever glTF says, so only a length relative to the model suits them all.
+    /// Models come in all units, whatever glTF specifies, so only a length relative to the model suits them all.
     pub fn resolve(recipe: &Recipe, bounds: &Bounds) -> Self {
         let Recipe { hair, surface, .. } = recipe;
-        // A model of one point has no size to go by; any positive number keeps the stages defined.
+        // A model of one point has no size; any positive number keeps the stages defined.
         let radius = if bounds.radius > 0.0 { bounds.radius } else { 1.0 };
         Self {
             length_m: hair.length_m.unwrap_or(hair.length_per_radius * radius),
@@ -67,7 +67,7 @@ impl Lengths {
         }
     }
 
-    /// What of it the recipe left open.
+    /// Returns the lengths that the recipe left open.
     pub fn decisions(&self, recipe: &Recipe) -> Vec<Decision> {
         let mut decisions = Vec::new();
         if recipe.hair.length_m.is_none() {
@@ -80,7 +80,7 @@ impl Lengths {
     }
 }
 
-/// Box and sphere about the skin at rest.
+/// Returns the box and sphere around the mesh at rest.
 pub fn bounds(rest: &RestPose) -> Bounds {
     let mut points = rest.positions.iter().copied();
     let Some(first) = points.next() else { return Bounds::default() };

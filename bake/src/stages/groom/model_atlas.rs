@@ -1,8 +1,9 @@
-//! An atlas of the model alone: coordinates for images where a model has none of its own, the same for the same model whatever the recipe
-//! says, so that an image painted over them fits again.
+//! Atlas that depends on the model alone: texture coordinates for images, independent of the recipe, so that painted
+//! images remain valid.
 //!
-//! Patches as they lie with the least distortion are grown over all of the mesh, bare parts too, and packed as charts. Sizes follow from the
-//! model's own, and every constant stands here: a default of a recipe that changes must not move what somebody has painted.
+//! Patches with the least distortion are grown over the whole mesh, bare parts included, and packed as charts. Sizes
+//! derive from the model's, and all constants are defined here: changing a default of a recipe must not move painted
+//! images.
 
 use super::atlas::{Atlas, TooMany};
 use super::flow::image_axes;
@@ -12,40 +13,41 @@ use pelage_import::BakeError;
 use pelage_import::mesh::{Mesh, Model, RestPose};
 use std::collections::BTreeMap;
 
-/// How far a patch may grow, as a share of the diagonal of the model's bounding box.
+/// Maximum distance that a patch grows, as a share of the diagonal of the model's bounding box.
 const PATCH_PER_DIAGONAL: f32 = 0.5;
-/// Largest stretch of a triangle in any direction, and the inverse of the least.
+/// Largest stretch of a triangle in any direction; its reciprocal is the smallest.
 const STRETCH: f32 = 1.6;
-/// Texels each way that charts are packed for, from the first that leaves them wide gutters. Images may have any size.
+/// Sizes for which charts are packed, texels; the first that leaves wide gutters is used. Images may have any size.
 const SIDES: [u32; 4] = [1024, 2048, 4096, 8192];
 
-/// What a vertex of the model is known by when the mesh is cut or joined: its material, its place and what moves it.
+/// Identity of a model's vertex, stable when the mesh is cut or welded: material, position, joints and weights.
 type Key = (usize, [u32; 3], [u16; 4], [u32; 4]);
 
-/// The atlas of a model.
+/// Atlas of a model.
 #[derive(Clone, Debug)]
 pub struct ModelAtlas {
-    /// The model's sound triangles, in their order, with the atlas in place of texture coordinates: vertices are copied where charts end.
+    /// Valid triangles of the model, in order, with the atlas as texture coordinates: vertices are duplicated at the
+    /// borders of charts.
     pub mesh: Mesh,
-    /// Its rest pose.
+    /// Rest pose of the mesh.
     pub rest: RestPose,
-    /// Texels each way that it was packed for.
+    /// Width and height for which it was packed, texels.
     pub side: u32,
-    /// Free texels round each chart, of `side`.
+    /// Gutter around each chart, texels at that size.
     pub gutter: u32,
-    /// Vertices of `mesh` that stand for a vertex of the model, one for each coordinate.
+    /// Vertices of `mesh` for each vertex of the model, one per distinct texture coordinate.
     standing_for: BTreeMap<Key, Vec<u32>>,
-    /// Per vertex the directions on the skin that point right and up on the atlas.
+    /// Directions on the surface that point right and up on the atlas, per vertex.
     axes: Vec<[Vec3; 2]>,
 }
 
 impl ModelAtlas {
-    /// Lays out all of a model.
+    /// Lays out a whole model.
     ///
     /// * `file`: the model as the user named it, for messages
     ///
     /// # Errors
-    /// [`BakeError::Input`] where no triangle has an area, or where there are so many separate pieces that no texture holds them.
+    /// [`BakeError::Input`] if no triangle has an area, or if there are too many separate pieces for any texture.
     pub fn new(file: &str, model: &Model) -> Result<Self, BakeError> {
         let diagonal_m = diagonal(&RestPose::of(&model.mesh, model.animation.as_ref()).positions);
         let patches = PatchParams { size: 1.0, turn_deg: 60.0, stretch: STRETCH, comb_weight: 0.0 };
@@ -74,24 +76,24 @@ impl ModelAtlas {
         Ok(Self { mesh, rest, side: atlas.side, gutter: atlas.gutter, standing_for, axes })
     }
 
-    /// The vertices of the atlas that stand for vertex `v` of `mesh`, which is the model's, cut or joined: one for each coordinate that it has. None
-    /// for a vertex whose triangles have no area.
+    /// Returns the vertices of the atlas for vertex `v` of `mesh`, the model's mesh after cutting or welding: one per
+    /// texture coordinate. Empty for a vertex whose triangles have no area.
     pub(super) fn standing_for(&self, mesh: &Mesh, material: usize, v: usize) -> &[u32] {
         self.standing_for.get(&key(mesh, material, v)).map_or(&[], Vec::as_slice)
     }
 
-    /// Coordinate of a vertex of the atlas.
+    /// Returns the texture coordinate of a vertex of the atlas.
     pub(super) fn uv(&self, vertex: u32) -> Vec2 {
         self.mesh.uvs[vertex as usize]
     }
 
-    /// Directions on the skin, at rest, that point right and up on the atlas at one of its vertices.
+    /// Returns the directions on the surface, at rest, that point right and up on the atlas at one of its vertices.
     pub(super) fn axes(&self, vertex: u32) -> [Vec3; 2] {
         self.axes[vertex as usize]
     }
 
-    /// For each triangle's corners a number of the vertex of the model that they stand for, from 0 without gaps, and for each of those its
-    /// coordinates.
+    /// Returns for each triangle's corners the index of the model's vertex, numbered from 0, and for each index its
+    /// texture coordinates.
     pub fn places(&self) -> (Vec<[u32; 3]>, Vec<Vec<Vec2>>) {
         let mut number_of = vec![0; self.mesh.positions.len()];
         let mut coordinates = Vec::new();
@@ -106,14 +108,14 @@ impl ModelAtlas {
     }
 }
 
-/// Of the box about some points.
+/// Returns the diagonal of the bounding box.
 fn diagonal(points: &[Vec3]) -> f32 {
     let box_of = |(min, max): (Vec3, Vec3), p: &Vec3| (min.min(*p), max.max(*p));
     let (min, max) = points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), box_of);
     if points.is_empty() { 0.0 } else { min.distance(max) }
 }
 
-/// Packs charts for the least of [`SIDES`] that leaves wide gutters, else for the largest.
+/// Packs charts at the smallest of [`SIDES`] that leaves wide gutters, otherwise at the largest.
 fn packed(uncut: Surface) -> Result<(Surface, Atlas), TooMany> {
     let mut found = Err(TooMany { charts: 0 });
     for side in SIDES {
@@ -133,7 +135,7 @@ fn key(mesh: &Mesh, material: usize, v: usize) -> Key {
     (material, mesh.positions[v].to_array().map(bits), joints, weights.map(bits))
 }
 
-/// Material and vertex of every corner.
+/// Returns material and vertex of every corner.
 fn corners(mesh: &Mesh) -> impl Iterator<Item = (usize, usize)> {
     mesh.parts.iter().flat_map(|part| {
         let triangles = &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
@@ -141,7 +143,7 @@ fn corners(mesh: &Mesh) -> impl Iterator<Item = (usize, usize)> {
     })
 }
 
-/// The vertices of each key, those with a coordinate that another has left out.
+/// Returns the vertices of each key, without duplicates of a texture coordinate.
 fn by_key(mesh: &Mesh) -> BTreeMap<Key, Vec<u32>> {
     let mut found: BTreeMap<Key, Vec<u32>> = BTreeMap::new();
     for (material, v) in corners(mesh) {

@@ -9,7 +9,7 @@ use pelage_import::mesh::{Image, Material, MeshPart};
 const RINGS: u32 = 24;
 const SIDES_OF_RING: u32 = 12;
 
-/// A torus about the y axis, radii 0.3 m and 0.12 m, without texture coordinates, in two materials.
+/// Builds a torus about the y axis with radii 0.3 m and 0.12 m, without texture coordinates, in two materials.
 fn torus() -> Model {
     let mut mesh = Mesh::default();
     for (i, j) in (0..RINGS).flat_map(|i| (0..SIDES_OF_RING).map(move |j| (i, j))) {
@@ -38,7 +38,8 @@ fn torus() -> Model {
     Model { mesh, materials: vec![material("coat"), material("other")], ..Model::default() }
 }
 
-/// A smooth image over the atlas of what `share` gives at places of the model, in red; green and blue are 0.
+/// Paints a smooth image over the atlas with the values of `share` at the model's positions, in red; green and blue are
+/// 0.
 fn painted(atlas: &ModelAtlas, side: u32, share: impl Fn(Vec3) -> f32 + Sync) -> Image {
     use crate::stages::groom::canvas::{Canvas, Piece};
     let corners = |t: &[u32; 3]| t.map(|v| atlas.uv(v) * side as f32);
@@ -130,7 +131,7 @@ fn what_is_painted_comes_back_where_it_was_painted() {
 fn a_flow_image_points_along_the_atlas() {
     let model = torus();
     let atlas = ModelAtlas::new("torus", &model).unwrap();
-    // To the right on the image everywhere.
+    // Points right on the image everywhere.
     let right = Image { width: 1, height: 1, rgba: vec![255, 128, 0, 255] };
     let file = MapImages { images: [("f.png".to_owned(), right)].into(), ..MapImages::default() };
     let groom = Recipe::parse("r.toml", "[groom]\ncoordinates = \"atlas\"\ncomb = \"f.png#uv\"").unwrap().groom;
@@ -162,7 +163,7 @@ fn it_depends_on_the_mesh_alone() {
     let atlas = ModelAtlas::new("torus", &model).unwrap();
     let other = Model { warnings: vec!["something".into()], nodes: Vec::new(), ..model.clone() };
     assert_eq!(ModelAtlas::new("another name", &other).unwrap().mesh, atlas.mesh);
-    // Whatever the recipe does to the vertices, they are found.
+    // Vertices are found however the recipe changes them.
     let mut cut = model.mesh.clone();
     let copy = cut.copy_vertex(5) as usize;
     assert_eq!(atlas.standing_for(&cut, 0, copy), atlas.standing_for(&model.mesh, 0, 5));

@@ -1,31 +1,31 @@
-//! What the name of a material, node or mesh says of hair.
+//! Interpretation of the names of materials, nodes and meshes with respect to hair.
 
 use super::words::{BARE, EYES, FURRED, FURRED_WITHIN, INSIDE, Kind, MOUTH, PLACE_CHARACTERS, PLACES, SNOUT};
 
-/// What a name says.
+/// Meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Said {
-    /// Nothing of hair.
+    /// Nothing about hair.
     Nothing,
-    /// Hair grows there: `EyeFur`, `Body`.
+    /// Furred: `EyeFur`, `Body`.
     Furred,
-    /// No hair grows there, if it covers at most that share of the skin's area, 0..=1.
+    /// Bare, if it covers at most a share of the mesh's area.
     Bare {
-        /// That share.
+        /// Maximum share, 0..=1.
         most: f32,
     },
 }
 
-/// What a character can be a part of.
+/// Script of a character, for splitting words.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Script {
-    /// Words are parted by what is no letter, or by a capital.
+    /// Letters; words end at non-letters or at a capital.
     Letters { upper: bool },
-    /// Words run into each other.
+    /// Katakana; words run into each other.
     Katakana,
-    /// As katakana; kanji take hiragana as endings, so that both are one.
+    /// Kanji and hiragana, likewise; kanji take hiragana as endings, so they form one class.
     HanAndHiragana,
-    /// No word.
+    /// Not part of a word.
     None,
 }
 
@@ -40,14 +40,15 @@ fn script(c: char) -> Script {
     }
 }
 
-/// The words of a name, folded: in lower case, without accents but `ñ`. `LeftEye.001`, `left_eye` and `LEFT-EYE2` have the same two.
+/// Splits a name into words in lower case without accents, except for `ñ`. `LeftEye.001`, `left_eye` and `LEFT-EYE2`
+/// give the same two.
 pub(super) fn words(name: &str) -> Vec<String> {
     let narrow = |c: char| match c {
-        // Wide forms of ASCII.
+        // Full-width forms of ASCII.
         '\u{ff01}'..='\u{ff5e}' => char::from_u32(c as u32 - 0xfee0).unwrap_or(c),
         _ => c,
     };
-    // Accents that stand behind their letter belong to it, and part no words.
+    // Combining accents belong to the preceding letter and do not split words.
     let is_accent = |c: &char| ('\u{300}'..='\u{36f}').contains(c);
     let all: Vec<char> = name.chars().map(narrow).collect();
     let mut chars: Vec<char> = Vec::new();
@@ -99,7 +100,8 @@ fn fold(c: char, word: &mut String) {
     });
 }
 
-/// What words, as [`words`] gives them, say together. One that speaks of fur counts more than any other: a bald body is worse than a furred claw.
+/// Interprets words from [`words`] together. A word for fur outweighs all others: a bald body is worse than a furred
+/// claw.
 pub(super) fn said_by<W: AsRef<str>>(words: &[W]) -> Said {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
     let is_furred = |word: &&str| is_one_of(word, FURRED) || FURRED_WITHIN.iter().any(|within| word.contains(within));
@@ -114,18 +116,18 @@ pub(super) fn said_by<W: AsRef<str>>(words: &[W]) -> Said {
     limits.reduce(f32::min).map_or(Said::Nothing, |most| Said::Bare { most })
 }
 
-/// Whether words, as [`words`] gives them, name eyes or a part of them.
+/// Whether words from [`words`] name eyes or a part of them.
 pub(super) fn name_eyes(words: &[String]) -> bool {
     let is_eye = |word: &String| kind(word).is_some_and(|kind| kind.words == EYES);
     matches!(said_by(words), Said::Bare { .. }) && words.iter().any(is_eye)
 }
 
-/// Whether one of the words names the end of a face, which is as well furred as not.
+/// Whether one of the words names a snout, which may be furred or bare.
 pub(super) fn name_snout(words: &[String]) -> bool {
     words.iter().any(|word| is_one_of(word, SNOUT))
 }
 
-/// What kind of bare thing that word names.
+/// Returns the kind of bare part that a word names.
 fn kind(word: &str) -> Option<&'static Kind> {
     let of = |word: &str| BARE.iter().find(|kind| is_one_of(word, kind.words));
     let without_place = || {
@@ -136,11 +138,11 @@ fn kind(word: &str) -> Option<&'static Kind> {
     of(word)
         .or_else(without_place)
         .or_else(|| of(characters))
-        // "Of": 犬の目, 狗的眼睛.
+        // Genitive particles: 犬の目, 狗的眼睛.
         .or_else(|| characters.split(['の', '的']).filter(|run| *run != characters).find_map(of))
 }
 
-/// Whether a word, or its singular, is in the list.
+/// Whether a word or its singular is in the list.
 fn is_one_of(word: &str, list: &[&str]) -> bool {
     let singular = |ending: &str| word.strip_suffix(ending).filter(|stem| stem.len() > 2);
     [Some(word), singular("s"), singular("es")].into_iter().flatten().any(|word| list.contains(&word))

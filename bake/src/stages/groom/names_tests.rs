@@ -12,7 +12,7 @@ fn names_fall_into_words_however_they_are_written() {
     }
     assert_eq!(words("LODEyeM"), ["lod", "eye", "m"]);
     assert_eq!(words("犬の目マテリアル_L"), ["犬の目", "マテリアル", "l"]);
-    // Accents in one character and as a character of their own, as some systems write them.
+    // Accents as one character and as combining characters, as some systems write them.
     assert_eq!(words("Zähne Œil uña"), ["zahne", "oeil", "uña"]);
     assert_eq!(words("Za\u{308}hne un\u{303}a"), ["zahne", "uña"]);
     assert!(words("123_.-").is_empty() && words("").is_empty());
@@ -180,7 +180,7 @@ fn a_nose_may_cover_less_than_a_coat_of_cloth() {
         other => panic!("{name}: {other:?}"),
     };
     assert!(most("Nose") < most("Horns") && most("Horns") < most("Shirt"));
-    // Of two, the stricter.
+    // Of two verdicts the stricter one wins.
     assert_eq!(most("ShirtNose"), most("Nose"));
 }
 
@@ -190,7 +190,7 @@ fn tables_hold_words_as_names_are_folded_and_none_twice() {
     let all: Vec<&str> = bare.chain(MOUTH.words.iter().chain(FURRED).copied()).collect();
     for (i, word) in all.iter().enumerate() {
         assert!(!all[..i].contains(word), "{word} stands there twice");
-        // What is folded otherwise is never found.
+        // A word in another form would never match.
         let folded = words(word);
         assert!(folded == [*word] || folded.len() > 1 && !word.is_ascii(), "{word} is folded to {folded:?}");
     }

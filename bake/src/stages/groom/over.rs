@@ -1,4 +1,4 @@
-//! What the images of a groom lie over, and how a vertex reads them.
+//! Texture coordinates of groom images, and their lookup at vertices.
 
 use super::model_atlas::ModelAtlas;
 use super::projection::{OnImage, Projection};
@@ -9,24 +9,24 @@ use glam::{Vec3, Vec4};
 use pelage_formats::Bounds;
 use pelage_import::mesh::{Image, Mesh, MeshPart, RestPose};
 
-/// Vertices that a groom is evaluated at: the model's, or those of its surface.
+/// Vertices at which a groom is evaluated: the model's, or those of its surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertices<'m> {
-    /// The mesh that they are of.
+    /// Mesh of the vertices.
     pub mesh: &'m Mesh,
-    /// Its rest pose.
+    /// Rest pose of the mesh.
     pub rest: &'m RestPose,
-    /// For each of them the vertex of the model that it came from; `None` where they are the model's.
+    /// Original vertex of the model for each vertex; `None` for the model's own vertices.
     pub input_vertex: Option<&'m [u32]>,
 }
 
 impl<'m> Vertices<'m> {
-    /// A model's own.
+    /// Creates the model's own vertices.
     pub fn of_model(mesh: &'m Mesh, rest: &'m RestPose) -> Self {
         Self { mesh, rest, input_vertex: None }
     }
 
-    /// The vertex of the model that `v` came from.
+    /// Returns the model's vertex from which `v` originates.
     pub(super) fn input(&self, v: usize) -> usize {
         self.input_vertex.and_then(|input| input.get(v)).map_or(v, |input| *input as usize)
     }
@@ -38,35 +38,37 @@ impl<'m> From<&'m Surface> for Vertices<'m> {
     }
 }
 
-/// What the images of a groom lie over.
+/// Texture coordinates of the images of a groom.
 #[derive(Clone, Debug, Default)]
 pub enum Over {
     /// The model's own texture coordinates.
     #[default]
     Model,
-    /// An atlas of the model.
+    /// Atlas of a model.
     Atlas(Box<ModelAtlas>),
-    /// Space: each image is laid through the model at rest, which it spans once.
+    /// Projection: each image spans the model at rest once.
     Space {
-        /// Which way.
+        /// Axes of the projection.
         along: PatternProjection,
-        /// Box about the skin at rest.
+        /// Bounding box of the mesh at rest.
         bounds: Bounds,
     },
 }
 
-/// A texel, with the unit directions on the skin or in space that point right and up on its image; zero where that is not known.
+/// Texel, with the unit directions on the surface or in space that point right and up on its image; zero if unknown.
 pub(super) type Texel = (Vec4, [Vec3; 2]);
 
 impl Over {
-    /// Whether images are read at vertices alone: the runtime, which could follow them texel by texel, knows the model's own coordinates only.
+    /// Whether images are read at vertices only: the runtime, which could sample them per texel, knows only the model's
+    /// own coordinates.
     pub(super) fn at_vertices(&self) -> bool {
         !matches!(self, Self::Model)
     }
 
-    /// The mean of what `read` makes of an image's texels where it lies on vertex `v`; `None` where it does not reach.
+    /// Returns the mean of `read` over an image's texels at vertex `v`; `None` if the image does not cover it.
     ///
-    /// * `axes`: one per vertex, what points right and up on the model's own coordinates; may be empty where `read` does not ask
+    /// * `axes`: directions that point right and up on images in the model's own coordinates, one per vertex; may be
+    ///   empty if `read` does not use them
     pub(super) fn read<T>(
         &self,
         image: &Image,

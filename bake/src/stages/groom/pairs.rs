@@ -1,17 +1,18 @@
-//! Shapes of eyes: small round pieces in pairs, high on the body.
+//! Detection of eye shapes: small round pieces in pairs, high on the body.
 
 use glam::{DVec3, Vec3};
 use pelage_import::mesh::Mesh;
 use std::collections::{BTreeMap, HashMap};
 
-/// Least 36π V² / A³ of a piece, which is 1 of a ball, 0.76 of one pressed to half its height, 0.52 of a cube and 0 of a sheet.
+/// Minimum roundness 36π V² / A³ of a piece: 1 for a sphere, 0.76 for one compressed to half its height, 0.52 for a
+/// cube, 0 for a sheet.
 const ROUND: f64 = 0.6;
-/// Two pieces are a pair where their areas differ by at most that share.
+/// Maximum relative difference in area between the pieces of a pair.
 const ALIKE: f64 = 0.05;
-/// More pieces than two eyes of a few layers are something else.
+/// Maximum number of pieces: more than two eyes of a few layers are something else.
 const MOST_PIECES: usize = 12;
 
-/// A run of triangles that hang together.
+/// Connected component of triangles.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     center: DVec3,
@@ -19,7 +20,7 @@ struct Piece {
     roundness: f64,
 }
 
-/// Numbers the distinct places: vertices at one place have one number.
+/// Numbers the distinct positions: vertices at the same position have the same number.
 pub(super) fn weld(positions: &[Vec3]) -> Vec<u32> {
     let mut seen: HashMap<[u32; 3], u32> = HashMap::new();
     let number = |p: &Vec3| {
@@ -30,11 +31,11 @@ pub(super) fn weld(positions: &[Vec3]) -> Vec<u32> {
     positions.iter().map(number).collect()
 }
 
-/// Whether all that `material` covers are small round pieces, each with a partner of its size elsewhere, in the upper half of the model. A piece may be
-/// open, as an eye without its back is, but may not go on in another material.
+/// Whether `material` covers only small round pieces in the upper half of the model, each with a partner of its size
+/// elsewhere. A piece may be open, such as an eye without its back, but must not continue in another material.
 ///
 /// * `positions`: at rest, y up
-/// * `places`: as [`weld`] numbers them
+/// * `places`: numbers from [`weld`]
 pub(super) fn are_round_pairs(mesh: &Mesh, positions: &[Vec3], places: &[u32], material: usize) -> bool {
     let (own, others) = faces(mesh, places, material);
     let mut position_of: BTreeMap<u32, DVec3> = BTreeMap::new();
@@ -53,7 +54,7 @@ pub(super) fn are_round_pairs(mesh: &Mesh, positions: &[Vec3], places: &[u32], m
     some && !goes_on && pieces.iter().all(is_eye) && all_are_paired(&pieces)
 }
 
-/// The triangles of a material, and those of the others, by places. Such as are no triangles by place are left out.
+/// Returns the triangles of a material, and those of the others, as welded vertices. Degenerate triangles are left out.
 fn faces(mesh: &Mesh, places: &[u32], material: usize) -> (Vec<[u32; 3]>, Vec<[u32; 3]>) {
     let (mut own, mut others) = (Vec::new(), Vec::new());
     for part in &mesh.parts {
@@ -65,12 +66,12 @@ fn faces(mesh: &Mesh, places: &[u32], material: usize) -> (Vec<[u32; 3]>, Vec<[u
     (own, others)
 }
 
-/// The three edges of a face, the lower place first.
+/// Returns the three edges of a face, each with the lower vertex first.
 pub(super) fn edges([a, b, c]: &[u32; 3]) -> [[u32; 2]; 3] {
     [[*a, *b], [*b, *c], [*c, *a]].map(|[p, q]| [p.min(q), p.max(q)])
 }
 
-/// The edges that one face alone has.
+/// Returns the edges that belong to one face only.
 fn borders(faces: &[[u32; 3]]) -> BTreeMap<[u32; 2], u32> {
     let mut count = BTreeMap::new();
     faces.iter().flat_map(edges).for_each(|edge| *count.entry(edge).or_insert(0) += 1);
@@ -78,12 +79,12 @@ fn borders(faces: &[[u32; 3]]) -> BTreeMap<[u32; 2], u32> {
     count
 }
 
-/// The numbers of the faces by pieces that hang together at places, in the order of their first faces.
+/// Returns the indices of the faces of each connected component, in the order of their first faces.
 pub(super) fn pieces(faces: &[[u32; 3]]) -> Vec<Vec<usize>> {
     let mut parent: BTreeMap<u32, u32> = BTreeMap::new();
     let root = |parent: &mut BTreeMap<u32, u32>, mut place: u32| {
         while let Some(up) = parent.get(&place).copied().filter(|up| *up != place) {
-            // Every second step is cut short, so that ways stay short.
+            // Path halving keeps paths short.
             let above = parent.get(&up).copied().unwrap_or(up);
             parent.insert(place, above);
             place = above;
@@ -111,7 +112,7 @@ pub(super) fn pieces(faces: &[[u32; 3]]) -> Vec<Vec<usize>> {
     out
 }
 
-/// Measures a piece. A hole counts as closed by a fan about its middle, which adds nothing to the area.
+/// Measures a piece. A hole is closed by a fan around its centre, which is not counted in the area.
 fn measured(faces: &[[u32; 3]], borders: &BTreeMap<[u32; 2], u32>, at: &dyn Fn(&u32) -> DVec3) -> Piece {
     let mean = |places: &[u32]| places.iter().map(at).sum::<DVec3>() / places.len().max(1) as f64;
     let all: Vec<u32> = faces.iter().flatten().copied().collect();
@@ -127,7 +128,7 @@ fn measured(faces: &[[u32; 3]], borders: &BTreeMap<[u32; 2], u32>, at: &dyn Fn(&
     Piece { center: mean(&all), area, roundness }
 }
 
-/// Whether each piece has another of its size that lies beside it, not about it.
+/// Whether each piece has another of its size beside it, not around it.
 fn all_are_paired(pieces: &[Piece]) -> bool {
     let mut paired = vec![false; pieces.len()];
     for (i, piece) in pieces.iter().enumerate() {

@@ -1,67 +1,68 @@
-//! Patches: what of a material hangs together, with its size, its colour and what it borders on.
+//! Patches: connected parts of a material, with size, colour and neighbours.
 
 use super::pairs::{edges, pieces};
 use glam::DVec3;
 use pelage_import::mesh::{Model, RestPose};
 use std::collections::BTreeMap;
 
-/// A triangle of the skin at rest.
+/// Triangle of the mesh at rest.
 #[derive(Clone, Debug)]
 pub(super) struct Face {
-    /// Corners, by places.
+    /// Corners, as welded vertices.
     places: [u32; 3],
-    /// Index of its material.
+    /// Index of the material.
     pub material: usize,
-    /// Its middle, metres.
+    /// Centre, metres.
     pub center: DVec3,
-    /// Its area, square metres.
+    /// Area, square metres.
     pub area: f64,
-    /// Linear luminance of its colour, 0..=1; `None` where an image says it.
+    /// Linear luminance of the colour, 0..=1; `None` if an image determines it.
     luminance: Option<f64>,
 }
 
-/// The skin of a model at rest, triangle by triangle.
+/// Triangles of a model at rest, with their connectivity.
 pub(super) struct Skin {
-    /// One per triangle of the mesh.
+    /// Faces, one per triangle of the mesh.
     pub faces: Vec<Face>,
-    /// Place of each number, metres.
+    /// Position of each welded vertex, metres.
     positions: BTreeMap<u32, DVec3>,
-    /// The triangles at each edge.
+    /// Triangles at each edge.
     at_edge: BTreeMap<[u32; 2], Vec<usize>>,
-    /// One per material: whether it is of eyes.
+    /// Whether each material belongs to eyes.
     eyes: Vec<bool>,
     low: DVec3,
     high: DVec3,
     area: f64,
 }
 
-/// Triangles of one material that hang together.
+/// Connected triangles of one material.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
-    /// Their numbers in the mesh.
+    /// Indices of the triangles in the mesh.
     pub triangles: Vec<usize>,
-    /// Share of the skin's area, 0..=1.
+    /// Share of the mesh's area, 0..=1.
     pub share: f64,
-    /// Middle of its area, metres.
+    /// Centroid of the area, metres.
     pub center: DVec3,
-    /// Lowest height of it, metres.
+    /// Height of the lowest point, metres.
     pub lowest: f64,
     /// Mean linear luminance.
     pub luminance: f64,
-    /// That of other materials along its border, but of eyes, or of all others where it has none; `None` where images say it.
+    /// Mean linear luminance of other materials along the border, except eyes; without such a border, of all other
+    /// materials. `None` if images determine it.
     pub beside: Option<f64>,
-    /// Whether it borders on eyes.
+    /// Whether the patch borders on eyes.
     pub touches_eyes: bool,
     corners: Vec<DVec3>,
-    /// Corners on its border.
+    /// Vertices on the border.
     rim: Vec<DVec3>,
 }
 
 impl Skin {
-    /// Looks a model over.
+    /// Analyses a model.
     ///
-    /// * `places`: as [`super::pairs::weld`] numbers its vertices
-    /// * `eyes`: one per material: whether it is of eyes
+    /// * `places`: numbers of its vertices from [`super::pairs::weld`]
+    /// * `eyes`: whether each material belongs to eyes
     pub(super) fn new(model: &Model, rest: &RestPose, places: &[u32], eyes: &[bool]) -> Self {
         let mut skin = Self {
             faces: Vec::with_capacity(model.mesh.triangles.len()),
@@ -100,22 +101,22 @@ impl Skin {
         skin
     }
 
-    /// Middle of the box about it, metres.
+    /// Returns the centre of the bounding box, metres.
     pub(super) fn middle(&self) -> DVec3 {
         (self.low + self.high) / 2.0
     }
 
-    /// Half the diagonal of that box, metres.
+    /// Returns half the diagonal of the bounding box, metres.
     pub(super) fn radius(&self) -> f64 {
         self.low.distance(self.high) / 2.0
     }
 
-    /// Its lowest and its highest height, metres.
+    /// Returns the lowest and the highest y, metres.
     pub(super) fn heights(&self) -> (f64, f64) {
         (self.low.y, self.high.y)
     }
 
-    /// The patches of a material that is in one colour, in the order of their first triangles.
+    /// Returns the patches of a material of uniform colour, in the order of their first triangles.
     pub(super) fn patches(&self, material: usize) -> Vec<Patch> {
         let own: Vec<usize> = (0..self.faces.len()).filter(|i| self.faces[*i].material == material).collect();
         let places: Vec<[u32; 3]> = own.iter().map(|i| self.faces[*i].places).collect();
@@ -163,12 +164,12 @@ impl Skin {
 }
 
 impl Patch {
-    /// How far it goes along a direction of unit length, from a point.
+    /// Returns the extent of the patch along a unit direction, from a point.
     pub(super) fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         self.corners.iter().map(|p| (*p - from).dot(direction)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Whether it goes on beyond its border as far as that is wide: a cap or a thorn, and no spot.
+    /// Whether the patch extends beyond its border by at least the border's width: a cap or a thorn, not a spot.
     pub(super) fn is_tip(&self) -> bool {
         let middle = self.rim.iter().sum::<DVec3>() / self.rim.len().max(1) as f64;
         let width = self.rim.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
@@ -177,7 +178,7 @@ impl Patch {
     }
 }
 
-/// Of a linear colour (Rec. 709).
+/// Returns the luminance of a linear colour (Rec. 709).
 fn luminance([r, g, b, _]: [f64; 4]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }

@@ -1,7 +1,8 @@
-//! Patterns of the coat: an image laid through space, painted onto the furred skin.
+//! Patterns of the fur: an image projected through space and painted onto the furred mesh.
 //!
-//! What is painted is a function of place and normal alone, so that it runs on over the borders of charts without a seam, and a model
-//! needs no texture coordinates of its own for it. One that has them keeps its base colour: both are painted into the same texture.
+//! The colour is a function of position and normal alone. So it continues across the borders of charts without a seam,
+//! and a model needs no texture coordinates. If it has them, it keeps its base colour: both are painted into the same
+//! texture.
 
 use super::atlas::{Atlas, linear_image, srgb_image};
 use super::canvas::Spot;
@@ -16,7 +17,7 @@ use pelage_formats::Bounds;
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 
-/// An image laid through space.
+/// Image projected through space.
 #[derive(Clone, Copy, Debug)]
 pub struct Pattern<'a> {
     image: &'a Image,
@@ -24,10 +25,10 @@ pub struct Pattern<'a> {
 }
 
 impl<'a> Pattern<'a> {
-    /// The pattern of a recipe on a model of that extent, or `None`.
+    /// Returns the pattern of a recipe on a model with these bounds, if there is one.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] where the image was not read.
+    /// [`BakeError::Internal`] if the image was not read.
     pub fn new(color: &ColorParams, images: &'a MapImages, bounds: &Bounds) -> Result<Option<Self>, BakeError> {
         let Some(path) = &color.pattern else { return Ok(None) };
         let image = images.get(&path.0)?;
@@ -39,12 +40,13 @@ impl<'a> Pattern<'a> {
         Ok(Some(Self { image, projection }))
     }
 
-    /// Width of the image on the model, metres.
+    /// Returns the width of the image on the model, metres.
     pub fn width_m(&self) -> f32 {
         self.projection.width_m()
     }
 
-    /// Linear RGB at a place, metres at rest, on skin with that unit normal. Transparent texels are white: they change nothing.
+    /// Returns linear RGB at a position, metres at rest, with that unit normal. Transparent texels are white: they
+    /// change nothing.
     pub fn color(&self, position: Vec3, normal: Vec3) -> Vec3 {
         self.projection.read(position, normal, |at| {
             let texel = bilinear(self.image, at.uv, self.projection.wrap, Encoding::Srgb);
@@ -54,12 +56,12 @@ impl<'a> Pattern<'a> {
 }
 
 impl Pattern<'_> {
-    /// Paints the pattern, multiplied with the colour textures there are, into one texture for all furred materials, and moves their
-    /// texture coordinates into it. Groom textures are moved along.
+    /// Paints the pattern, multiplied by existing colour textures, into one texture for all furred materials, and
+    /// changes their texture coordinates to it. Groom textures are converted too.
     ///
     /// * `furred`: one per material
     ///
-    /// Call it after everything that reads the model's own texture coordinates.
+    /// Call this after everything that reads the model's own texture coordinates.
     pub fn paint(
         &self,
         atlas: &Atlas,
@@ -72,7 +74,7 @@ impl Pattern<'_> {
         let material = |spot: Spot| material_of[spot.triangle];
         let texels = atlas.paint(|spot, extent| {
             let own = colors.materials.get(material(spot)).and_then(|m| m.image).map(|image| &colors.images[image]);
-            // Four samples a texel, so that borders in the image stay smooth.
+            // Four samples per texel for smooth borders in the image.
             let samples = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(dx, dy)| {
                 let at = Spot { weights: spot.weights + extent[0] * dx + extent[1] * dy, ..spot };
                 let normal = at.mean(surface, &surface.rest.normals).normalize_or(Vec3::Y);
@@ -94,9 +96,9 @@ impl Pattern<'_> {
     }
 }
 
-/// Gives some of the materials the textures that were painted, colour and groom, and moves their texture coordinates into them.
+/// Assigns the painted colour and groom textures to some of the materials, and changes their texture coordinates.
 ///
-/// * `of_material`: one per material, whether it is one of them
+/// * `of_material`: whether each material is one of them
 pub(super) fn hand_over(
     atlas: &Atlas,
     of_material: &[bool],
@@ -118,14 +120,14 @@ pub(super) fn hand_over(
 }
 
 impl Spot {
-    /// A value between those of the triangle's vertices.
+    /// Interpolates a value between the triangle's vertices.
     pub(super) fn mean(self, surface: &Surface, values: &[Vec3]) -> Vec3 {
         let [a, b, c] = surface.mesh.triangles[self.triangle].map(|v| values[v as usize]);
         a * self.weights.x + b * self.weights.y + c * self.weights.z
     }
 }
 
-/// An image in the model's own texture coordinates.
+/// Samples an image in the model's own texture coordinates.
 pub(super) fn read(surface: &Surface, spot: Spot, image: &Image, encoding: Encoding) -> Vec4 {
     let [a, b, c] = surface.mesh.triangles[spot.triangle].map(|v| surface.mesh.uvs[v as usize]);
     bilinear(image, a * spot.weights.x + b * spot.weights.y + c * spot.weights.z, Wrap::Repeat, encoding)
@@ -139,7 +141,7 @@ pub(super) fn material_of_triangles(surface: &Surface) -> Vec<usize> {
     materials
 }
 
-/// Gives `materials` the image `new`, and drops the images that none uses any more.
+/// Assigns the image `new` to `materials`, and drops images that are no longer used.
 fn replace(images: &mut Vec<Image>, of_material: &mut [Option<usize>], materials: &[usize], new: Image) {
     materials.iter().for_each(|m| of_material[*m] = None);
     let mut kept = Vec::new();

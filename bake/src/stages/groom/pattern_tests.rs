@@ -10,7 +10,8 @@ use pelage_import::mesh::{Material, Mesh, MeshPart, Model};
 
 const SIDE: u32 = 512;
 
-/// A torus about the y axis, radii 0.3 m and 0.12 m, without texture coordinates; a bare patch of another material on it.
+/// Builds a torus about the y axis with radii 0.3 m and 0.12 m, without texture coordinates, with a bare patch of
+/// another material.
 fn torus() -> Model {
     let (rings, sides) = (40u32, 20u32);
     let mut mesh = Mesh::default();
@@ -41,7 +42,7 @@ fn torus() -> Model {
     Model { mesh, materials: vec![material("coat"), material("bare")], ..Model::default() }
 }
 
-/// Smooth in both directions, so that texels differ little from what lies between them.
+/// Creates an image that is smooth in both directions, so that texels differ little from the values between them.
 fn waves() -> Image {
     let n = 256;
     let wave = |k: u32, times: f32| (times * k as f32 / n as f32 * std::f32::consts::TAU).sin() * 0.5 + 0.5;
@@ -80,7 +81,7 @@ fn paint(model: &Model, pattern: &Pattern<'_>) -> Painted {
     Painted { surface, colors, atlas }
 }
 
-/// The image with its sides halved: the mean of four texels in linear light, as mips are made.
+/// Returns the image at half its size: the mean of four texels in linear light, the method of mips.
 fn halved(image: &Image) -> Image {
     let (width, height) = (image.width / 2, image.height / 2);
     let texel = |x: u32, y: u32, c: usize| f32::from(image.rgba[4 * (y * image.width + x) as usize + c]);
@@ -97,7 +98,8 @@ fn halved(image: &Image) -> Image {
     Image { width, height, rgba }
 }
 
-/// Greatest and mean difference between texture and pattern, linear, over points of the furred skin: corners, middles of edges, inside.
+/// Returns the maximum and mean difference between texture and pattern, linear, over points of the furred surface:
+/// corners, edge midpoints, inside.
 fn errors(painted: &Painted, pattern: &Pattern<'_>, level: u32) -> (f32, f32) {
     let Painted { surface, colors, .. } = painted;
     let mut image = colors.images[colors.materials[0].image.unwrap()].clone();
@@ -127,11 +129,12 @@ fn every_point_of_the_skin_shows_the_pattern_at_its_place() {
         let pattern = Pattern::new(&params(projection), &images, &BOUNDS).unwrap().unwrap();
         let painted = paint(&model, &pattern);
         assert_eq!(painted.atlas.gutter, 8, "{projection:?}");
-        // A texel is 2 mm here, over which the waves (period 0.28 m, of box where they blend steeper) change by 0.03 at most. At the
-        // border of a chart the filter reads the gutter, where the last triangle is continued in a straight line: a bit more there.
+        // A texel is 2 mm here, over which the waves (period 0.28 m, steeper where box projections blend) change by at
+        // most 0.03. At the border of a chart the filter reads the gutter, into which the last triangle is extended in
+        // a straight line: slightly more there.
         let (worst, mean) = errors(&painted, &pattern, 0);
         assert!(worst < 0.1 && mean < 0.01, "{projection:?}: worst {worst}, mean {mean}");
-        // Four texels become one: four times that at most, and nothing of other charts or of the ground between them.
+        // Four texels become one: at most four times that, and nothing of other charts or of the space between them.
         let (worst, mean) = errors(&painted, &pattern, 2);
         assert!(worst < 0.2 && mean < 0.03, "{projection:?} at mip 2: worst {worst}, mean {mean}");
     }
@@ -139,7 +142,7 @@ fn every_point_of_the_skin_shows_the_pattern_at_its_place() {
 
 #[test]
 fn without_gutters_the_charts_bleed() {
-    // The control: with everything but the charts' own texels black, mip 2 shows black at their borders.
+    // Control: with everything but the charts' own texels black, mip 2 shows black at their borders.
     let (model, images) = (torus(), images(waves()));
     let pattern = Pattern::new(&params(PatternProjection::X), &images, &BOUNDS).unwrap().unwrap();
     let mut painted = paint(&model, &pattern);
@@ -158,7 +161,7 @@ fn without_gutters_the_charts_bleed() {
 #[test]
 fn the_models_own_colours_and_groom_textures_move_into_the_texture() {
     let mut model = torus();
-    // Texture coordinates from the place: red to the right of the origin, and bare to the left of it.
+    // Texture coordinates from the position: red to the right of the origin, bare to the left.
     model.mesh.uvs = model.mesh.positions.iter().map(|p| Vec2::new((p.x / 0.42 + 1.0) / 2.0, 0.5)).collect();
     model.mesh.parts.iter_mut().for_each(|p| p.has_uvs = true);
     let row = |left: [u8; 4], right: [u8; 4]| Image {
@@ -206,7 +209,7 @@ fn the_models_own_colours_and_groom_textures_move_into_the_texture() {
 
 #[test]
 fn patterns_lie_as_they_are_seen() {
-    // Left half black, right half white; the upper row darker than the lower.
+    // Left half black, right half white; the upper row is darker than the lower.
     let image = Image {
         width: 2,
         height: 2,

@@ -1,6 +1,6 @@
-//! Images laid through space: where a place on the skin lies on them.
+//! Projection of images through space: lookup of a surface point in an image.
 //!
-//! That is a function of place and normal alone, so that a model needs no texture coordinates for it.
+//! The result is a function of position and normal alone, so that a model needs no texture coordinates.
 
 use crate::recipe::PatternProjection;
 use crate::sample::Wrap;
@@ -9,36 +9,36 @@ use pelage_formats::Bounds;
 use pelage_import::mesh::Image;
 use std::ops::{Add, Div, Mul};
 
-/// By how much one of the three images of `box` counts, of a component of the normal: its eighth power. A higher one is a sharper border, a lower
-/// one a wider blend.
+/// Returns the weight of one of the three images of `box` from a component of the normal: its eighth power. A higher
+/// power gives a sharper border, a lower one a wider blend.
 fn box_weight(component: f32) -> f32 {
     let square = component * component;
     let fourth = square * square;
     fourth * fourth
 }
 
-/// An image laid through space.
+/// Projection of an image through space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projection {
     along: PatternProjection,
-    /// Where the image's centre lies, metres.
+    /// Centre of the image, metres.
     center: Vec3,
     /// Width and height of the image, metres.
     size_m: Vec2,
-    /// What lies beyond its border.
+    /// Continuation beyond its border.
     pub(super) wrap: Wrap,
 }
 
-/// A place on an image laid through space.
+/// Point on a projected image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct OnImage {
-    /// Right and down, 0..1 within the image.
+    /// Coordinates right and down, 0..1 within the image.
     pub(super) uv: Vec2,
-    /// Unit directions at rest that point right and up on it.
+    /// Unit directions at rest that point right and up on the image.
     pub(super) axes: [Vec3; 2],
 }
 
-/// Width of an image that spans a model once as the projection shows it, metres.
+/// Returns the width of an image that spans a model once in this projection, metres.
 fn spanning_m(image: &Image, projection: PatternProjection, bounds: &Bounds) -> f32 {
     let extent = Vec3::from(bounds.max) - Vec3::from(bounds.min);
     let aspect = image.width as f32 / image.height.max(1) as f32;
@@ -50,7 +50,7 @@ fn spanning_m(image: &Image, projection: PatternProjection, bounds: &Bounds) -> 
     if width > 0.0 && width.is_finite() { width } else { 1.0 }
 }
 
-/// An axis that an image is projected along.
+/// Axis along which an image is projected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Axis {
     X,
@@ -59,8 +59,8 @@ enum Axis {
 }
 
 impl Axis {
-    /// The two components that lie on the image, right and down: as a viewer on the positive side of the axis sees them, with y up, from
-    /// above with z down.
+    /// Returns the two components in the image, right and down, as seen from the positive side of the axis: with y up,
+    /// and from above with z down.
     fn on_image(self, v: Vec3) -> Vec2 {
         match self {
             Self::X => Vec2::new(-v.z, -v.y),
@@ -69,7 +69,7 @@ impl Axis {
         }
     }
 
-    /// What points right and up on the image.
+    /// Returns the directions that point right and up on the image.
     fn right_and_up(self) -> [Vec3; 2] {
         match self {
             Self::X => [Vec3::NEG_Z, Vec3::Y],
@@ -97,9 +97,9 @@ fn axes(projection: PatternProjection) -> &'static [Axis] {
 }
 
 impl Projection {
-    /// An image laid through a model of that extent; its middle is the model's.
+    /// Projects an image through a model with these bounds, centred on it.
     ///
-    /// * `width_m`: its width, metres; without, it spans the model once
+    /// * `width_m`: width of the image, metres; by default it spans the model once
     pub(super) fn new(
         along: PatternProjection,
         wrap: Wrap,
@@ -117,12 +117,13 @@ impl Projection {
         }
     }
 
-    /// Width of the image on the model, metres.
+    /// Returns the width of the image on the model, metres.
     pub(super) fn width_m(&self) -> f32 {
         self.size_m.x
     }
 
-    /// What `read` finds where a place, metres at rest, lies on the image: of several axes the mean by the unit normal of the skin there.
+    /// Returns the value of `read` at the point of the image for a position, metres at rest; with several axes the mean
+    /// weighted by the unit normal there.
     pub(super) fn read<T>(&self, position: Vec3, normal: Vec3, read: impl Fn(OnImage) -> T) -> T
     where
         T: Default + Add<Output = T> + Mul<f32, Output = T> + Div<f32, Output = T>,

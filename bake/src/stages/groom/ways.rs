@@ -1,21 +1,22 @@
-//! How far places of the skin are from a point on it, over its faces.
+//! Geodesic distances on the mesh surface, by fast marching over its faces.
 //!
-//! Ways along edges alone are a tenth too long or more, and by how much hangs on how the edges lie: a spot that should be round comes out as the
-//! polygon of a coarse mesh. So a place is reached over a face as well, straight from where the way to the face's other two corners seems to begin once
-//! it is laid flat (Kimmel and Sethian 1998; Novotni and Klein 2002).
+//! Paths along edges alone are a tenth too long or more, depending on the triangulation: a round spot becomes a polygon
+//! on a coarse mesh. So distances also propagate across faces. The triangle is unfolded into a plane, and the distance
+//! is straight from the virtual source of its two known corners (Kimmel and Sethian 1998; Novotni and Klein 2002).
 
 use super::body::Skin;
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Lengths of ways to all places, in the skin's unit; infinite beyond `reach` and where nothing hangs together with a seed.
+/// Returns the geodesic distances of all vertices, in the mesh's unit; infinite beyond `reach` and where no seed is
+/// connected.
 ///
-/// * `seeds`: places with the distance that each begins with, not negative
+/// * `seeds`: vertices with their initial distances, not negative
 pub(super) fn ways(skin: &Skin, seeds: &[(u32, f32)], reach: f32) -> Vec<f32> {
     let faces_of = FacesOfPlaces::new(skin);
     let mut ways = vec![f32::INFINITY; skin.len()];
-    // Of numbers that are not negative the bits are in the same order.
+    // For non-negative floats the bit patterns sort like the values.
     let mut front: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
     let shorten = |ways: &mut [f32], front: &mut BinaryHeap<_>, place: u32, way: f32| {
         if way <= reach && way < ways[place as usize] {
@@ -44,13 +45,14 @@ pub(super) fn ways(skin: &Skin, seeds: &[(u32, f32)], reach: f32) -> Vec<f32> {
     ways
 }
 
-/// The way to `c` over the triangle's side from `a` to `b`, whose ways are known, from where both begin; `None` where that is not through the side.
+/// Returns the distance of `c` across the triangle's side from `a` to `b`, measured from the virtual source of their
+/// known distances; `None` if the straight path does not cross that side.
 fn across(a: Vec3, b: Vec3, c: Vec3, way_a: f32, way_b: f32) -> Option<f32> {
     let side = a.distance(b);
     if !(side > 0.0 && way_b.is_finite()) {
         return None;
     }
-    // In the plane of the triangle: a at the origin, b along x, c above, the beginning below.
+    // In the triangle's plane: a at the origin, b on the x axis, c above it, the virtual source below.
     let along = (b - a) / side;
     let x_c = (c - a).dot(along);
     let y_c = ((c - a) - along * x_c).length();
@@ -64,9 +66,9 @@ fn across(a: Vec3, b: Vec3, c: Vec3, way_a: f32, way_b: f32) -> Option<f32> {
     (0.0..=side).contains(&crossing).then(|| ((x_c - x) * (x_c - x) + (y + y_c) * (y + y_c)).sqrt())
 }
 
-/// The faces that each place is a corner of.
+/// Faces around each vertex.
 struct FacesOfPlaces {
-    /// Those of place `i` are `faces[starts[i]..starts[i + 1]]`.
+    /// Ranges in `faces`: those of vertex `i` are `faces[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     faces: Vec<u32>,
 }
@@ -100,7 +102,7 @@ mod tests {
     use super::*;
     use pelage_import::mesh::{Mesh, RestPose};
 
-    /// A flat sheet of squares, 0.1 wide, all cut along the same diagonal; its middle is the origin.
+    /// Returns a flat sheet of squares, 0.1 wide, all cut along the same diagonal and centred on the origin.
     fn sheet(squares: u32) -> Skin {
         let half = 0.05 * squares as f32;
         let points = (0..=squares).flat_map(|i| (0..=squares).map(move |j| Vec3::new(i as f32, j as f32, 0.0) * 0.1));
@@ -126,7 +128,7 @@ mod tests {
                 assert_eq!(*way, f32::INFINITY, "{p}");
             }
         }
-        // Along edges alone a tenth of that is missed.
+        // Distances along edges alone are too long by up to a tenth.
         let along = skin.distances([(middle, 0.0)].into_iter(), 0.8);
         let worst = skin.positions.iter().zip(&along).filter(|(_, w)| w.is_finite()).map(|(p, w)| w - p.length());
         assert!(worst.fold(0.0, f32::max) > 0.05);

@@ -1,25 +1,26 @@
-//! Words of parts of a body where no hair grows and of things that are worn, in the languages that models are named in.
+//! Names of hairless body parts and of worn things, in the languages that models are named in.
 //!
-//! English, German, French, Spanish, Italian, Portuguese, Japanese and Chinese. Letters stand without accents (but `ñ`: `una` is no nail), and in the
-//! singular where an `s` makes the plural. Left out on purpose is what means a furred thing in another language or trade: `muzzle`, `coat`, `canine`,
-//! `gum` (the colour), `rein` (German: pure), `robe` (French: a horse's coat), `hana`.
+//! English, German, French, Spanish, Italian, Portuguese, Japanese and Chinese. Letters have no accents (except `ñ`:
+//! `una` is not a nail). Words are singular where the plural adds an `s`. Words that mean something furred in another
+//! language or trade are left out on purpose: `muzzle`, `coat`, `canine`, `gum` (the colour), `rein` (German: pure),
+//! `robe` (French: a horse's coat), `hana`.
 
-/// Words that mean one kind of thing, and how much of the skin such a thing may cover.
+/// Words for one kind of thing, and the largest share of the mesh surface that it may cover.
 pub(super) struct Kind {
-    /// Most of the skin's area, 0..=1. What covers more is rather the name of the whole animal.
+    /// Largest share of the mesh's area, 0..=1. Something that covers more is more likely the name of the whole animal.
     pub most: f32,
-    /// Folded as [`super::names::words`] folds.
+    /// Words, folded as by [`super::names::words`].
     pub words: &'static [&'static str],
 }
 
-/// Eyes of a cartoon, antlers of a stag and hooves of a calf are large.
+/// Limit for body parts. A cartoon's eyes, a stag's antlers and a calf's hooves are large.
 const PART: f32 = 0.3;
-/// A nose that covers more is the snout around it, which is furred.
+/// Limit for noses. A nose that covers more is the furred snout around it.
 const NOSE: f32 = 0.1;
-/// Clothes may cover most of a body, but hardly all.
+/// Limit for clothes, which may cover most of a body, but hardly all of it.
 const WORN: f32 = 0.7;
 
-/// Eyes and what they are made of.
+/// Eyes and their parts.
 #[rustfmt::skip]
 pub(super) const EYES: &[&str] = &[
     "eye", "eyeball", "eyel", "eyer", "iris", "irises", "pupil", "cornea", "sclera", "retina", "tearline",
@@ -30,7 +31,7 @@ pub(super) const EYES: &[&str] = &[
     "目", "眼", "瞳", "目玉", "眼球", "瞳孔", "虹彩", "角膜", "強膜", "白目", "黒目", "眼睛", "眼珠", "眼白", "虹膜", "巩膜", "鞏膜", "ひとみ", "アイ",
 ];
 
-/// What is bare.
+/// Bare parts and things.
 #[rustfmt::skip]
 pub(super) const BARE: &[Kind] = &[
     Kind { most: PART, words: EYES },
@@ -60,7 +61,7 @@ pub(super) const BARE: &[Kind] = &[
         "nose", "nostril", "nase", "nuster", "nustern", "nuester", "nuestern", "nez", "truffe", "narine", "nariz", "fosa", "naso", "narice", "narici",
         "narina", "bizi", "bikong", "鼻", "鼻子", "鼻孔", "鼻头", "鼻頭", "鼻先", "はな",
     ] },
-    // What is worn, and what things are made of.
+    // Worn things and their materials.
     Kind { most: WORN, words: &[
         "cloth", "clothes", "clothing", "garment", "shirt", "tshirt", "pants", "trousers", "jeans", "shorts", "skirt", "dress", "jacket", "vest", "scarf",
         "hat", "helmet", "glove", "sock", "shoe", "boot", "horseshoe", "collar", "dogtag", "belt", "buckle", "strap", "saddle", "bridle", "reins", "halter",
@@ -81,21 +82,22 @@ pub(super) const BARE: &[Kind] = &[
     ] },
 ];
 
-/// Bare beside one of [`INSIDE`] only: alone it is as well the furred lips.
+/// The mouth: bare only beside a word of [`INSIDE`], because alone it can also mean the furred lips.
 pub(super) const MOUTH: Kind =
     Kind { most: PART, words: &["mouth", "jaw", "mund", "maul", "bouche", "gueule", "boca", "bocca", "kuchi"] };
 
-/// What says that a mouth is meant from within.
+/// Words that mark the inside of a mouth.
 #[rustfmt::skip]
 pub(super) const INSIDE: &[&str] = &[
     "inside", "inner", "interior", "in", "cavity", "bag", "innen", "innere", "interieur", "dentro", "interno", "interna", "uchi",
 ];
 
-/// Ends of faces: who names one so means the furred snout as often as the bare nose on it, so that no shape makes it bare.
+/// Snouts: such a name means the furred snout as often as the bare nose on it, so geometry never makes it bare.
 pub(super) const SNOUT: &[&str] =
     &["muzzle", "snout", "schnauze", "museau", "mufle", "hocico", "morro", "muso", "focinho", "hanazura", "kuchimoto"];
 
-/// What keeps a part furred whatever other words its name has: hair and skin themselves, and what lies around a bare part.
+/// Words that keep a part furred whatever else its name contains: words for hair and skin, and for the surroundings of
+/// bare parts.
 #[rustfmt::skip]
 pub(super) const FURRED: &[&str] = &[
     "fur", "furry", "body", "skin", "coat", "hair", "hairs", "hide", "pelt", "wool", "fleece", "mane", "tail", "fluff", "plush", "feather", "plumage",
@@ -108,15 +110,15 @@ pub(super) const FURRED: &[&str] = &[
     "kegawa", "karada", "hada", "maofa", "pimao", "shenti", "pifu",
 ];
 
-/// The same where words are not parted by spaces: found anywhere within a run of characters.
+/// Furred words of languages that do not separate words by spaces, matched anywhere within a run of characters.
 #[rustfmt::skip]
 pub(super) const FURRED_WITHIN: &[&str] = &[
     "毛", "体", "體", "皮", "肌", "髪", "发", "髮", "羽", "眉", "睫", "瞼", "睑", "まつげ", "まゆ", "まぶた", "からだ", "はだ",
 ];
 
-/// Words of place that are written onto others: `lefteye`.
+/// Position words that are joined to other words: `lefteye`.
 pub(super) const PLACES: &[&str] =
     &["left", "right", "upper", "lower", "inner", "outer", "front", "back", "material", "mat"];
 
-/// Characters of place and size before or after others: left, right, both, up, down.
+/// Characters for position and number before or after other words: left, right, both, up, down.
 pub(super) const PLACE_CHARACTERS: &[char] = &['左', '右', '両', '两', '兩', '双', '上', '下'];

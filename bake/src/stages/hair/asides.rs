@@ -1,48 +1,49 @@
-//! How far hair lies aside of its root: what a renderer needs to look for the root of the hair that a texel shows.
+//! Lateral offset of hair from its root; renderers use it to find the root of the hair in a texel.
 //!
-//! A texel of a layer holds no strand's name, but the direction of its hair, and hair that points far aside has come far. So for each of a few
-//! heights a line is fitted through what the texels show: how far their hair lies aside of its root, by how far it points aside. It
-//! leaves a seventh of the way unexplained in a combed coat, which is less than the width of a lock.
+//! A texel of a layer does not store its strand, only the direction of its hair; hair that points farther sideways is
+//! farther from its root. So at each of a few heights a line is fitted through the texels: lateral offset as a function
+//! of lateral direction. In combed fur the line leaves a seventh of the offset unexplained, which is less than the
+//! width of a lock.
 
 use super::Strands;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use pelage_formats::{Aside, ROOT_HEIGHTS};
 
-/// Texels of a tile each way.
+/// Resolution of the tile, texels along u and v.
 const TEXELS: usize = 128;
-/// Pieces of a segment that are told apart.
+/// Samples per segment.
 const PIECES: usize = 2;
-/// Variance of directions below which they all are one.
+/// Variance of directions below which all are treated as equal.
 const ONE_DIRECTION: f64 = 1e-6;
 
-/// How far hair lies aside of its root, widths of the tile.
+/// Lateral offset of hair from its root, in tile widths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Asides {
-    /// At each of the heights, evenly from the skin to the outermost layer.
+    /// Fitted line at each height; heights are evenly spaced from the mesh surface to the outermost layer.
     pub at: [Aside; ROOT_HEIGHTS],
-    /// The mean of all hair at each height.
+    /// Mean offset of all hair at each height.
     pub mean: [Vec2; ROOT_HEIGHTS],
 }
 
 impl Asides {
-    /// Of the strands of a tile.
+    /// Fits the offsets of a tile's strands.
     pub fn of(strands: &Strands) -> Self {
         let texels = texels(strands);
         let mut out = Self::default();
-        // On the skin hair is at its root.
+        // At the mesh surface hair is at its root.
         for (k, texels) in texels.iter().enumerate().skip(1) {
             (out.at[k], out.mean[k]) = fit(texels).unwrap_or((out.at[k - 1], out.mean[k - 1]));
         }
         out
     }
 
-    /// The farthest that a root is looked for.
+    /// Returns the search radius for roots, in tile widths.
     pub fn reach(&self) -> f32 {
         self.at.iter().map(|aside| Vec2::from(aside.mean).length() + aside.along.abs()).fold(0.0, f32::max)
     }
 }
 
-/// The hair of a texel: weight, and times that its direction and how far it lies aside of its root.
+/// Hair in a texel: total weight, and the weighted sums of its directions and of its lateral offsets.
 #[derive(Clone, Copy, Default)]
 struct Texel {
     weight: f64,
@@ -50,7 +51,7 @@ struct Texel {
     aside: DVec2,
 }
 
-/// The texels at each height.
+/// Accumulates the hair of all strands in texels, per height.
 fn texels(strands: &Strands) -> Vec<Vec<Texel>> {
     let mut texels = vec![vec![Texel::default(); TEXELS * TEXELS]; ROOT_HEIGHTS];
     for strand in 0..strands.len() {
@@ -59,7 +60,7 @@ fn texels(strands: &Strands) -> Vec<Vec<Texel>> {
         for i in range.start..range.end.saturating_sub(1) {
             let (from, to) = (strands.points[i], strands.points[i + 1]);
             let Some(tangent) = (to - from).try_normalize() else { continue };
-            // Which of its two ends is up, no texel knows.
+            // A texel does not record which end of its hair is up.
             let direction: Vec3 = if tangent.z < 0.0 { -tangent } else { tangent };
             let weight = f64::from((to - from).length() * strands.radii[i].max(strands.radii[i + 1]));
             for piece in 0..PIECES {
@@ -76,7 +77,7 @@ fn texels(strands: &Strands) -> Vec<Vec<Texel>> {
     texels
 }
 
-/// The line through the texels of a height with the least squares, and the mean; `None` where there is no hair.
+/// Fits a least-squares line through the texels of a height, and returns it with the mean; `None` without hair.
 fn fit(texels: &[Texel]) -> Option<(Aside, Vec2)> {
     let hair = || texels.iter().filter(|texel| texel.weight > 0.0);
     let points = |texel: &Texel| texel.direction.normalize_or(DVec3::Z).truncate();

@@ -1,7 +1,7 @@
 use super::*;
 use glam::Vec3;
 
-/// Strands that bend along v with the square of their height, as strongly as `bend` says of each.
+/// Makes strands that bend along v with the square of their height; `bend` returns the strength for each.
 fn bent(bend: impl Fn(usize) -> f32) -> Strands {
     let (count, points) = (400, 9);
     let mut strands = Strands { height: 0.4, offsets: vec![0], ..Strands::default() };
@@ -18,7 +18,8 @@ fn bent(bend: impl Fn(usize) -> f32) -> Strands {
     strands
 }
 
-/// Greatest distance between where hair lies and where it is said to, with directions as they are and, for contrast, with all upright.
+/// Returns the greatest error of the estimated offset, first with the true directions and then, for comparison, with
+/// all directions upright.
 fn worst(strands: &Strands, asides: &Asides, bend: impl Fn(usize) -> f32) -> [f32; 2] {
     let mut worst = [0.0f32; 2];
     for i in 0..strands.len() {
@@ -36,7 +37,7 @@ fn worst(strands: &Strands, asides: &Asides, bend: impl Fn(usize) -> f32) -> [f3
 
 #[test]
 fn hair_that_points_farther_aside_has_come_farther() {
-    // No two neighbours bend alike.
+    // Neighbours bend differently.
     let bend = |i: usize| 0.05 + 0.01 * (i * 7 % 11) as f32;
     let strands = bent(bend);
     let asides = Asides::of(&strands);

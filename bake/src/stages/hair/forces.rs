@@ -1,4 +1,4 @@
-//! The forces that shape a strand, and the particle that follows them.
+//! Forces that shape a strand, and the particle that follows them.
 
 use super::locks::{Lock, Locks, gathers, heading_into_lock};
 use super::styles::StyleForces;
@@ -7,16 +7,16 @@ use crate::recipe::HairParams;
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Least number of segments of a strand with frizz.
+/// Minimum number of segments of a strand with frizz.
 const FRIZZ_SEGMENTS: f32 = 28.0;
-/// Segments of a helix's turn: its polyline is then within 4 % of its radius.
+/// Segments per turn of a helix, so that its polyline is within 4 % of its radius.
 const SEGMENTS_PER_TURN: f32 = 12.0;
-/// A helix turns at most this far in a segment. Tighter curls are loosened, keeping their radius.
+/// Maximum turn of a helix in one segment. Tighter curls are loosened and keep their radius.
 const MAX_TURN_RAD: f32 = PI / 3.0;
 const MAX_SEGMENTS: u32 = 192;
-/// Bends of frizz along a strand.
+/// Number of frizz bends along a strand.
 const FRIZZ_BENDS: f32 = 9.0;
-/// How fast a heading follows the forces, per strand length.
+/// Rate at which a heading relaxes towards the forces, per strand length.
 const RELAXATION: f32 = 7.0;
 
 /// Purposes of the random numbers of a strand; the first two are [`stratified`]'s.
@@ -31,7 +31,7 @@ enum Draw {
     Stray,
 }
 
-/// What the seed of underfur is hashed with: any number that no strand has.
+/// Value that the seed is hashed with for underfur: a number that no strand has.
 const UNDERFUR: u64 = u64::MAX - 4;
 
 /// Grows strands of one kind.
@@ -41,18 +41,19 @@ pub(super) struct Grower<'a> {
     height: f32,
     segments: u32,
     lean_to: Vec2,
-    /// Of what the strands of a coat have in common.
+    /// Seed for everything that all strands of the tile share.
     seed: u64,
-    /// Of what each strand of this kind has by itself: roots, lengths, tilts.
+    /// Seed for the individual values of each strand of this kind: root, length, tilt.
     own_seed: u64,
-    /// Present where hairs gather.
+    /// Present if hairs gather in locks.
     locks: Option<&'a Locks>,
-    /// The guard hair above underfur, whose locks it joins.
+    /// Guard hair above underfur, whose locks the underfur joins.
     leader: Option<&'a Grower<'a>>,
 }
 
 impl<'a> Grower<'a> {
-    /// `height` is the length of the longest strand in widths of the tile; a strand has at most `max_segments` segments.
+    /// Creates a grower. `height`: length of the longest strand, in tile widths; `max_segments`: maximum number of
+    /// segments of a strand.
     pub(super) fn new(params: &'a HairParams, height: f32, max_segments: u32, locks: Option<&'a Locks>) -> Self {
         let forces = StyleForces::of(params.style);
         let frizz = if params.frizz > 0.0 { FRIZZ_SEGMENTS } else { 0.0 };
@@ -73,7 +74,7 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// What grows underfur below this guard hair: with roots of its own, along the same flow, in the same locks.
+    /// Returns the grower of the underfur below this guard hair: roots of its own, the same flow, the same locks.
     pub(super) fn under<'b>(&'b self, params: &'b HairParams, height: f32, max_segments: u32) -> Grower<'b> {
         let own_seed = hash(self.seed, UNDERFUR);
         let locks = self.locks.filter(|_| gathers(params));
@@ -88,11 +89,11 @@ impl<'a> Grower<'a> {
         self.segments as usize
     }
 
-    /// In -1..1.
+    /// Returns the brightness of a strand, in -1..1.
     pub(super) fn brightness(&self, strand: u32) -> f32 {
         let own = 2.0 * self.draw(strand, Draw::Brightness) - 1.0;
         match self.locks {
-            // Hairs that stick together look alike, wet ones more so.
+            // Hairs of one lock look alike, wet ones more so.
             Some(locks) => {
                 let [together, per_clump] = self.forces.lock_brightness;
                 let together = together + per_clump * self.params.dry_clump;
@@ -102,7 +103,7 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// In -1..1: how far a strand's band lies nearer its root or its tip than others'.
+    /// Returns the offset of a strand's colour band, in -1..1: negative towards the root, positive towards the tip.
     pub(super) fn stray(&self, strand: u32) -> f32 {
         2.0 * self.draw(strand, Draw::Stray) - 1.0
     }
@@ -115,15 +116,15 @@ impl<'a> Grower<'a> {
         stratified(self.own_seed, strand, self.params.density)
     }
 
-    /// Arc length, widths of the tile. The longest are the rarest.
+    /// Returns the arc length of a strand, in tile widths. The longest strands are the rarest.
     pub(super) fn length(&self, strand: u32) -> f32 {
         let x = self.draw(strand, Draw::Length);
         let share = 1.0 - self.params.length_variation * (1.0 - x * x.sqrt());
         self.height * share.max(0.01)
     }
 
-    /// Where a strand points at `t` (0 root, 1 tip) of its length if only lean acts: upright at the root, bending over to the
-    /// tip; with a lean near 1 the root is combed over as well.
+    /// Returns the direction of a strand at `t` (0 root, 1 tip) of its length under lean alone: upright at the root,
+    /// bending towards the tip. With a lean near 1 the root is combed over as well.
     fn lean(&self, t: f32) -> Vec3 {
         let StyleForces { lean: [least, span], root_deg, tip_deg, .. } = self.forces;
         let lean = least + span * self.params.lean;
@@ -133,13 +134,13 @@ impl<'a> Grower<'a> {
         (self.lean_to * libm::sinf(angle)).extend(libm::cosf(angle))
     }
 
-    /// How fast a heading follows over a step of a strand of `length`: the exact solution of the relaxation, which never
-    /// overshoots, however stiff or long the step.
+    /// Returns the relaxation factor of a heading for one step along a strand of `length`: the exact solution of the
+    /// relaxation, which never overshoots, however stiff it is or long the step.
     fn follow(step: f32, length: f32) -> f32 {
         -libm::expm1f(-RELAXATION * step / length)
     }
 
-    /// Fills `points` with strand number `strand`, root first.
+    /// Fills `points` with the points of strand `strand`, root first.
     pub(super) fn grow(&self, strand: u32, points: &mut [Vec3]) {
         let p = self.params;
         let segments = points.len().saturating_sub(1).max(1);
@@ -165,7 +166,7 @@ impl<'a> Grower<'a> {
                     let target = if self.forces.wet {
                         (lock.target + tilt).lerp(into_lock, p.clump)
                     } else {
-                        // Dry hairs stand by themselves at their roots; it is their tips that gather.
+                        // Dry hairs stand alone at their roots; only their tips gather.
                         (self.lean(t) + tilt + self.style_force(position, t)).lerp(into_lock, p.dry_clump * t)
                     };
                     lock.advance(leader, step);
@@ -176,7 +177,7 @@ impl<'a> Grower<'a> {
             axis = (axis + (target - axis) * follow).normalize_or(axis);
             let mut heading = axis;
             if self.forces.helix {
-                // The radius grows over the first third, so that the strand leaves the skin at its root.
+                // The radius grows over the first third, so that the strand leaves the mesh surface at its root.
                 let radius = p.curl_radius * (3.0 * t).min(1.0);
                 let rate = (TAU / turn_length(p)).min(MAX_TURN_RAD / step);
                 let sin = (radius * rate).min(0.98);
@@ -193,7 +194,7 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// Neighbouring curls turn together, as in a lock, with a little disorder.
+    /// Returns the phase of a curl. Neighbouring curls turn together, as in a lock, with a little disorder.
     fn curl_phase(&self, strand: u32, root: Vec3) -> f32 {
         let together = field(hash(self.seed, u64::MAX), root, 3).x * TAU;
         together + (self.draw(strand, Draw::Phase) - 0.5) * 1.4
@@ -208,12 +209,12 @@ impl<'a> Grower<'a> {
     }
 }
 
-/// The curve that the strands of a lock gather on, followed in step with one of them.
+/// Curve that the strands of a lock gather on, advanced step by step with one of them.
 struct LockAxis {
     position: Vec3,
-    /// Unit length.
+    /// Unit vector.
     heading: Vec3,
-    /// What the heading relaxes towards.
+    /// Vector that the heading relaxes towards.
     target: Vec3,
     tilt: Vec3,
     /// Arc length so far.
@@ -228,7 +229,8 @@ impl LockAxis {
         Self { position: lock.center.extend(0.0), heading, target, tilt, along: 0.0 }
     }
 
-    /// The axis bends as the longest strand does, so that all strands of the lock share one curve, whatever their lengths.
+    /// Advances by one step. The axis bends as the longest strand does, so that all strands of the lock share one
+    /// curve, whatever their lengths.
     fn advance(&mut self, grower: &Grower<'_>, step: f32) {
         let first = self.along == 0.0;
         let heading = keep_above_skin(self.heading, self.position.z, step, first, grower.lean_to);
@@ -240,13 +242,14 @@ impl LockAxis {
     }
 }
 
-/// Arc length of one turn of the helix, widths of the tile.
+/// Returns the arc length of one turn of the helix, in tile widths.
 fn turn_length(params: &HairParams) -> f32 {
     let around = TAU * params.curl_radius;
     (params.curl_pitch * params.curl_pitch + around * around).sqrt()
 }
 
-/// Turns a unit `heading` up just so far that a step from height `h` ends on the skin at the lowest; the first step leaves it.
+/// Turns a unit `heading` up just far enough that a step from height `h` does not end below the mesh surface. The first
+/// step always rises.
 fn keep_above_skin(heading: Vec3, h: f32, step: f32, first: bool, lean_to: Vec2) -> Vec3 {
     let least = if first { 0.2 } else { (-h / step).clamp(-1.0, 0.0) };
     if heading.z >= least {

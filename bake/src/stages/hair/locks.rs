@@ -1,49 +1,51 @@
-//! Wet hair sticks together, and the tips of thick dry coats do: the strands of a tile gathered into pointed locks.
+//! Locks: wet hair sticks together, as do the tips of thick dry fur, so the strands of a tile gather into pointed
+//! locks.
 //!
-//! Each strand belongs to the lock whose centre is nearest to its root in the periodic tile. A lock has an axis, a curve that
-//! grows from its centre as a strand would; its strands steer onto the axis while they grow and lie beside it from then on.
-//! Because the short ones end first, a lock thins out to a point.
+//! Each strand belongs to the lock whose centre is nearest to its root in the periodic tile. A lock has an axis, a
+//! curve that grows from its centre as a strand would. Its strands steer onto the axis while they grow, and follow it
+//! from then on. Because short strands end first, a lock thins out to a point.
 
 use super::styles::StyleForces;
 use crate::noise::{hash, stratified, uniform, vector};
 use crate::recipe::HairParams;
 use glam::{Vec2, Vec3};
 
-/// Lock centres lie about this share of the hair's length apart where the recipe gives no number of locks.
+/// Approximate distance between lock centres where the recipe gives no number of locks, as a share of the hair's
+/// length.
 const SPACING_PER_LENGTH: f32 = 0.5;
-/// Strands that a lock has at the least where the recipe gives no number of locks: fewer are no lock.
+/// Minimum number of strands per lock where the recipe gives no number of locks; fewer do not look like a lock.
 const LEAST_STRANDS: u32 = 8;
 
-/// The locks of a tile.
+/// Locks of a tile.
 pub(super) struct Locks {
     seed: u64,
     count: u32,
-    /// Cells each way of the grid that `cells` covers the tile with.
+    /// Cells along u and v of the grid `cells` that covers the tile.
     side: usize,
-    /// Numbers of the locks whose centre lies in a cell, row by row.
+    /// Indices of the locks whose centre is in each cell, row by row.
     cells: Vec<Vec<u32>>,
 }
 
-/// A strand's lock.
+/// Lock of a strand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lock {
     pub(super) index: u32,
-    /// Its centre, the copy that lies nearest to the root: not wrapped into the tile.
+    /// Lock centre: the periodic copy nearest to the root, not wrapped into the tile.
     pub(super) center: Vec2,
 }
 
-/// Whether hairs gather in locks.
+/// Returns whether hairs gather in locks.
 pub(super) fn gathers(params: &HairParams) -> bool {
     StyleForces::of(params.style).wet || params.dry_clump > 0.0
 }
 
 impl Locks {
-    /// Those of a coat with such guard hair, `height` widths of the tile long; none where its hairs do not gather.
+    /// Creates the locks for guard hair that is `height` tile widths long; `None` if its hairs do not gather.
     pub(super) fn of_coat(guard: &HairParams, height: f32) -> Option<Self> {
         gathers(guard).then(|| Self::new(guard.seed, guard.clump_count, guard.density, height))
     }
 
-    /// `count` locks, or as many as suit `density` strands of length `height`, widths of the tile.
+    /// Creates `count` locks, or a number that suits `density` strands of length `height` (tile widths).
     pub(super) fn new(seed: u64, count: Option<u32>, density: u32, height: f32) -> Self {
         let spacing = SPACING_PER_LENGTH * height;
         let suits = ((spacing * spacing).recip().round().min(1e9) as u32).min(density / LEAST_STRANDS);
@@ -62,9 +64,9 @@ impl Locks {
         stratified(self.seed, index, self.count)
     }
 
-    /// The lock of a strand with its root at `root` in the tile.
+    /// Returns the lock of a strand with its root at `root` in the tile.
     pub(super) fn of(&self, root: Vec2) -> Lock {
-        // Centres are stratified: the one that shares a root's stratum is nearer than two cells of the grid.
+        // Centres are stratified: the centre in a root's stratum is less than two grid cells away.
         const REACH: i64 = 2;
         let side = self.side as i64;
         let cell = (root * self.side as f32).floor();
@@ -82,27 +84,28 @@ impl Locks {
         best
     }
 
-    /// A lock's own tilt, in the cube -1..1.
+    /// Returns a lock's tilt, in the cube -1..1.
     pub(super) fn tilt(&self, index: u32) -> Vec3 {
         vector(self.seed, 2 << 32 | u64::from(index))
     }
 
-    /// In -1..1.
+    /// Returns a lock's brightness, in -1..1.
     pub(super) fn brightness(&self, index: u32) -> f32 {
         2.0 * uniform(self.seed, 3 << 32 | u64::from(index)) - 1.0
     }
 }
 
-/// The copy of a point of the periodic tile that lies nearest to `to`.
+/// Returns the copy of a point of the periodic tile that is nearest to `to`.
 fn nearest_copy(point: Vec2, to: Vec2) -> Vec2 {
     point - (point - to).round()
 }
 
-/// Where a strand at `position` has to head to lie on its lock's axis in the end, if the axis is at `axis` and heads for
-/// `axis_heading`, and `left` of the strand's length is to come. The gap closes with the square of what is left.
+/// Returns the heading that brings a strand at `position` onto its lock's axis by its end. The axis is now at `axis`
+/// and heads for `axis_heading`; `left` is the strand's remaining length. The gap closes with the square of the
+/// remaining length.
 pub(super) fn heading_into_lock(position: Vec3, axis: Vec3, axis_heading: Vec3, left: f32) -> Vec3 {
     let pull = (axis - position) * (2.0 / left);
-    // Far from its lock a strand runs there along the skin, but never backwards under it.
+    // Far from its lock a strand runs towards it along the mesh surface, but never backwards below it.
     axis_heading + pull.clamp_length_max(1.6)
 }
 

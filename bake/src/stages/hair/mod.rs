@@ -1,16 +1,16 @@
 //! `simulate`: style → strands.
 //!
-//! The hair of one tile is grown by a particle system (Reeves 1983; Lengyel et al. 2001): particles leave the skin from
-//! stratified roots and the trail of each is a strand. The box they move in is periodic in u and v, so that the tile can be
-//! repeated; trails are stored unwrapped. Length units are widths of the tile, u and v along it and h above the skin, so that
-//! tangents are metric directions.
+//! The hair of one tile is grown by a particle system (Reeves 1983; Lengyel et al. 2001): particles leave the mesh
+//! surface from stratified roots, and the trail of each is a strand. Their box is periodic in u and v, so that the tile
+//! can be repeated; trails are stored unwrapped. The length unit is the tile width, with u and v along the tile and h
+//! above the surface, so that tangents are metric directions.
 //!
-//! A particle has unit speed and only its heading is integrated, so that a trail has the length it was given whatever the
-//! forces are. The heading relaxes towards its target by the exact solution of the linear relaxation, which is stable at any
-//! step; the explicit form stretches and then blows up (`tests/tests/stability/rows.rs`, "hair simulation").
+//! A particle has unit speed and only its heading is integrated, so a trail keeps its given length under any forces.
+//! The heading relaxes towards its target by the exact solution of the linear relaxation, which is stable at any step.
+//! The explicit form stretches and then diverges (`tests/tests/stability/rows.rs`, "hair simulation").
 //!
-//! Everything random is a hash of seed, strand and purpose, and all functions beyond IEEE arithmetic and square roots come from
-//! the `libm` crate, whose results do not depend on the platform as those of `std` may.
+//! Everything random is a hash of seed, strand and purpose. All functions beyond IEEE arithmetic and square roots come
+//! from the `libm` crate: its results do not depend on the platform, as those of `std` may.
 
 mod asides;
 mod forces;
@@ -32,11 +32,11 @@ use pelage_import::BakeError;
 use rayon::prelude::*;
 use shades::Shades;
 
-/// The box that the strands grow in.
+/// Box that the strands grow in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeParams {
-    /// Height in widths of the tile, which is also the length of the longest strand: `length_m / tile_size_m`.
-    /// 0.001..=1000 (default 0.4).
+    /// Height, which is also the length of the longest strand, in tile widths: `length_m / tile_size_m`. 0.001..=1000
+    /// (default 0.4).
     pub height: f32,
 }
 
@@ -66,35 +66,36 @@ impl VolumeParams {
     }
 }
 
-/// The hair of one tile, as polylines.
+/// Hair of one tile, as polylines.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Strands {
-    /// Points of all strands, each root first: u, v (not wrapped into the tile) and h, in widths of the tile.
+    /// Points of all strands, each from the root: u, v (not wrapped into the tile) and h, in tile widths.
     pub points: Vec<Vec3>,
-    /// Radius at each point, widths of the tile.
+    /// Radius at each point, in tile widths.
     pub radii: Vec<f32>,
-    /// Linear RGB at each point.
+    /// Colour at each point, linear RGB.
     pub colors: Vec<Vec3>,
-    /// Strand `i` is `offsets[i]..offsets[i + 1]`; one entry more than strands, or none.
+    /// Ranges of points: strand `i` is `offsets[i]..offsets[i + 1]`. One entry more than strands, or none.
     pub offsets: Vec<u32>,
-    /// Height that the tallest strand reaches: where the outermost layer lies. Widths of the tile, above zero.
+    /// Height of the tallest strand, where the outermost layer is. Tile widths, above zero.
     pub height: f32,
-    /// Linear RGB of the skin under the hair.
+    /// Linear RGB of the mesh surface under the hair.
     pub root_color: Vec3,
 }
 
 impl Strands {
-    /// Number of strands.
+    /// Returns the number of strands.
     pub fn len(&self) -> usize {
         self.offsets.len().saturating_sub(1)
     }
 
-    /// Whether there is no strand.
+    /// Returns whether there are no strands.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Points of a strand, as indices into `points`, `radii` and `colors`; empty for a strand that does not exist.
+    /// Returns the points of a strand, as indices into `points`, `radii` and `colors`; empty if the strand does not
+    /// exist.
     pub fn range(&self, strand: usize) -> std::ops::Range<usize> {
         match self.offsets.get(strand..).unwrap_or(&[]) {
             [start, end, ..] => *start as usize..*end as usize,
@@ -102,7 +103,7 @@ impl Strands {
         }
     }
 
-    /// Adds those of `more` behind its own.
+    /// Appends the strands of `more`.
     fn extend(&mut self, more: Self) {
         let first = self.points.len() as u32;
         self.points.extend(more.points);
@@ -111,7 +112,7 @@ impl Strands {
         self.offsets.extend(more.offsets.iter().skip(1).map(|offset| first + offset));
     }
 
-    /// Checks that the lists fit together and every value is finite; what `slice` relies on.
+    /// Checks that the lists fit together and every value is finite, as `slice` requires.
     ///
     /// # Errors
     /// [`BakeError::Internal`] naming what does not fit.
@@ -137,17 +138,17 @@ impl Strands {
     }
 }
 
-/// Points that all strands together may have: bounds memory to about 1 GiB at a million strands.
+/// Maximum number of points of all strands together: bounds memory to about 1 GiB at a million strands.
 const MAX_POINTS: u32 = 32 << 20;
 
 /// Grows the strands of one tile, guard hair alone.
 ///
 /// * `params`: number, lengths, radii and style of the strands
 /// * `color`: their colour from root to tip
-/// * `volume`: length of the longest strand in widths of the tile
+/// * `volume`: length of the longest strand, in tile widths
 ///
-/// Every strand's arc length is its drawn length, no point lies under the skin or above [`Strands::height`], and all values are
-/// finite. The result depends on the arguments only, not on the number of threads.
+/// Each strand has its drawn arc length, no point is below the mesh surface or above [`Strands::height`], and all
+/// values are finite. The result depends on the arguments only, not on the number of threads.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range.
@@ -155,12 +156,12 @@ pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams)
     simulate_coats(params, &UnderfurParams { density: 0, ..UnderfurParams::default() }, color, volume)
 }
 
-/// Grows all the strands of one tile: guard hair, then underfur. The arguments, and what holds for the result, are as in [`simulate`].
+/// Grows all strands of one tile: guard hair, then underfur. Arguments and guarantees are those of [`simulate`].
 ///
-/// * `underfur`: the second coat; of no strands by default
+/// * `underfur`: the underfur; no strands by default
 ///
 /// # Errors
-/// As [`simulate`].
+/// Same as [`simulate`].
 pub fn simulate_coats(
     params: &HairParams,
     underfur: &UnderfurParams,
@@ -185,12 +186,12 @@ pub fn simulate_coats(
         strands.root_color = own_shades.root;
     }
     let tallest = strands.points.par_iter().map(|p| p.z).reduce(|| 0.0, f32::max);
-    // Hair pressed flat still needs a volume to be sliced.
+    // Flat hair still needs a volume to slice.
     strands.height = tallest.max(volume.height * 1e-3);
     Ok(strands)
 }
 
-/// What describes underfur beside guard hair.
+/// Returns the parameters of underfur below the given guard hair.
 fn under(guard: &HairParams, fur: &UnderfurParams) -> HairParams {
     let is_wet = |style| StyleForces::of(style).wet;
     HairParams {
@@ -206,7 +207,7 @@ fn under(guard: &HairParams, fur: &UnderfurParams) -> HairParams {
     }
 }
 
-/// The strands of one kind, of which nobody has asked yet how tall they are.
+/// Grows the strands of one kind; their height is left at 0.
 fn grown(grower: &Grower<'_>, shades: &Shades, variation: f32) -> Strands {
     let params = grower.params();
     let per_strand = grower.segments() + 1;

@@ -1,46 +1,47 @@
-//! The colour of a hair from root to tip.
+//! Colour of a hair from root to tip.
 
 use crate::recipe::{ColorParams, HairColors, SrgbColor};
 use glam::Vec3;
 
-/// How far a hair's band lies nearer the root or the tip than the recipe says, shares of its length: hairs that are all banded at one height would
-/// show as a ring.
+/// Largest offset of a hair's band from the recipe's position, as a share of the hair's length. If all hairs were
+/// banded at the same height, a ring would show.
 const BAND_STRAYS: f32 = 0.08;
 
-/// The colours of one kind of hair.
+/// Colours of one kind of hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shades {
-    /// Linear RGB at the root.
+    /// Root colour, linear RGB.
     pub(super) root: Vec3,
     tip: Vec3,
     band: Option<Band>,
 }
 
-/// A stretch of another colour, as hairs of wild animals have (agouti).
+/// Band of another colour, as hairs of wild animals have (agouti).
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Band {
     color: Vec3,
-    /// Its middle, share of the hair's length.
+    /// Centre, as a share of the hair's length.
     at: f32,
-    /// Share of the hair's length.
+    /// Width, as a share of the hair's length.
     width: f32,
 }
 
 impl Shades {
-    /// Those of guard hair, brown where no colour is said; `water` is what a film of water leaves of the light.
+    /// Returns the colours of guard hair, brown where the recipe gives none; `water`: share of the light left by a film
+    /// of water.
     pub(super) fn new(color: &ColorParams, water: f32) -> Self {
         let band = |band| Band { color: linear(band) * water, at: color.band_at, width: color.band_width };
         let HairColors { root, tip, .. } = color.hair(HairColors::BROWN);
         Self { root: linear(root) * water, tip: linear(tip) * water, band: color.band.map(band) }
     }
 
-    /// The same with the colours that underfur has of its own. It has no band.
+    /// Replaces the colours that underfur has of its own, and removes the band.
     pub(super) fn under(self, root: Option<SrgbColor>, tip: Option<SrgbColor>, water: f32) -> Self {
         let own = |color: Option<SrgbColor>, else_: Vec3| color.map_or(else_, |color| linear(color) * water);
         Self { root: own(root, self.root), tip: own(tip, self.tip), band: None }
     }
 
-    /// Linear RGB at share `t` of a hair's length; `stray` in -1..1 is the hair's own.
+    /// Returns linear RGB at share `t` of a hair's length; `stray` is the hair's band offset, in -1..1.
     pub(super) fn at(&self, t: f32, stray: f32) -> Vec3 {
         let plain = self.root + (self.tip - self.root) * t;
         let Some(band) = self.band else { return plain };
@@ -49,7 +50,7 @@ impl Shades {
     }
 }
 
-/// Linear RGB of an sRGB colour (IEC 61966-2-1).
+/// Converts an sRGB colour to linear RGB (IEC 61966-2-1).
 pub fn linear(color: SrgbColor) -> Vec3 {
     Vec3::from(color.0.map(pelage_formats::meaning::srgb_value_to_linear))
 }
@@ -69,7 +70,7 @@ mod tests {
         let (banded, plain) = (Shades::new(&color, 1.0), Shades::new(&ColorParams::default(), 1.0));
         assert_eq!(banded.at(0.7, 0.0), Vec3::ONE);
         assert_eq!((banded.at(0.5, 0.0), banded.at(0.9, 0.0)), (plain.at(0.5, 0.0), plain.at(0.9, 0.0)));
-        // Half of the colours meet at its border.
+        // At the band's border both colours are mixed half and half.
         let border = banded.at(0.6, 0.0);
         assert!((border - plain.at(0.6, 0.0).midpoint(Vec3::ONE)).length() < 1e-5, "{border}");
         assert_ne!(banded.at(0.6, 1.0), banded.at(0.6, -1.0));

@@ -9,37 +9,37 @@ pub const WET: Style = Style::Wet;
 /// Forces that shape the strands of a style.
 #[derive(Clone, Copy, Debug)]
 pub struct StyleForces {
-    /// Least number of segments of a strand.
+    /// Minimum number of segments of a strand.
     pub segments: f32,
-    /// `hair.lean` is mapped to `lean[0] + lean[1] * lean`.
+    /// Map of `hair.lean`: `lean[0] + lean[1] * lean`.
     pub lean: [f32; 2],
     /// Angle of the root from upright, degrees: coefficients of 1, lean and lean².
     pub root_deg: [f32; 3],
     /// Angle of the tip from upright, degrees: coefficients of 1 and lean.
     pub tip_deg: [f32; 2],
-    /// Random part of a strand's own heading.
+    /// Size of the random part of a strand's heading.
     pub disorder: f32,
-    /// Share of `hair.frizz` that remains. Water and the comb smooth it out.
+    /// Share of `hair.frizz` that remains. Water and combing smooth it out.
     pub frizz: f32,
     /// Whether strands are helices.
     pub helix: bool,
-    /// Noise fields that push strands about: cells per tile, strength.
+    /// Noise fields that displace strands: cells per tile, strength.
     pub fields: &'static [(i64, f32)],
     /// Factor on the fields for each axis.
     pub field_scale: Vec3,
-    /// Factor on the fields at the root, and its increase to the tip.
+    /// Factor on the fields at the root, and its increase towards the tip.
     pub field_growth: [f32; 2],
     /// Downward pull at the tip.
     pub droop: f32,
-    /// Whether hair is wet: strands gather in locks from their roots on by `hair.clump`, and the highlight is stronger and narrower. Dry strands
-    /// gather towards their tips by `hair.dry_clump`.
+    /// Whether hair is wet. Wet strands gather in locks from the root by `hair.clump`, and the highlight is stronger
+    /// and narrower. Dry strands gather towards their tips by `hair.dry_clump`.
     pub wet: bool,
-    /// Share of its brightness that a strand takes from its lock: constant, and per `hair.dry_clump`.
+    /// Share of a strand's brightness that comes from its lock: constant, and per `hair.dry_clump`.
     pub lock_brightness: [f32; 2],
     /// Random tilt of locks.
     pub lock_disorder: f32,
-    /// Share of the linear colour that remains. A film of water removes the diffuse surface reflection and lets more light into the hair, where it is
-    /// absorbed.
+    /// Share of the linear colour that remains. A film of water removes the diffuse surface reflection and lets more
+    /// light into the hair, which absorbs it.
     pub color: f32,
     /// Forces on guides of `[[strands.group]]`.
     pub guides: GuideForces,
@@ -48,21 +48,21 @@ pub struct StyleForces {
 /// Forces that shape guides.
 #[derive(Clone, Copy, Debug)]
 pub struct GuideForces {
-    /// Number of points where `guide_points` is left out.
+    /// Number of points if `guide_points` is not set.
     pub points: u32,
     /// Factor on `stiffness`.
     pub stiffness: f32,
     /// Factor on `lift`.
     pub lift: f32,
-    /// Whether guides follow the skin where they are near it.
+    /// Whether guides follow the mesh surface where they are near it.
     pub follows_skin: bool,
     /// Strength of waves.
     pub waves: f32,
-    /// Radius of a helix over the guide's length; 0: none.
+    /// Radius of a helix, as a share of the guide's length; 0: none.
     pub curl: f32,
 }
 
-/// Row of `straight`, which the others vary.
+/// Row of `straight`; the others are variations of it.
 const STRAIGHT: StyleForces = StyleForces {
     segments: 14.0,
     lean: [0.0, 1.0],
@@ -77,14 +77,14 @@ const STRAIGHT: StyleForces = StyleForces {
     droop: 0.0,
     wet: false,
     lock_brightness: [0.0, 0.5],
-    // The comb lays locks of dry hair more alike.
+    // Combing makes locks of dry hair more alike.
     lock_disorder: 0.6,
     color: 1.0,
     guides: GuideForces { points: 8, stiffness: 1.0, lift: 1.0, follows_skin: false, waves: 0.0, curl: 0.0 },
 };
 
 impl StyleForces {
-    /// Returns the row of a style.
+    /// Returns the forces of a style.
     pub const fn of(style: Style) -> Self {
         let guides = STRAIGHT.guides;
         match style {
@@ -94,7 +94,7 @@ impl StyleForces {
                 segments: 28.0,
                 disorder: 0.4,
                 fields: &[(4, 1.5), (9, 1.0)],
-                // Sideways more than up and down: hair that points into the skin looks broken. Long hair droops.
+                // More sideways than up and down: hair that points into the surface looks broken. Long hair droops.
                 field_scale: Vec3::new(1.0, 1.0, 0.4),
                 field_growth: [0.35, 0.65],
                 droop: 0.3,
@@ -117,7 +117,7 @@ impl StyleForces {
                 tip_deg: [80.0, 8.0],
                 disorder: 0.06,
                 frizz: 0.35,
-                // A slow sideways flow, so that a combed coat is not a printed pattern.
+                // A slow sideways flow, so that combed fur does not look like a printed pattern.
                 fields: &[(3, 1.0)],
                 field_scale: Vec3::new(0.5, 0.5, 0.0),
                 guides: GuideForces { stiffness: 0.3, lift: 0.4, follows_skin: true, ..guides },

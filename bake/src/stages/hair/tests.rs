@@ -84,21 +84,21 @@ fn curls_have_the_radius_and_pitch_asked_for() {
     let points = &strands.points[strands.points.len() / 2..];
     let turn = (pitch * pitch + (std::f32::consts::TAU * radius).powi(2)).sqrt();
     let per_turn = (turn / (points[1] - points[0]).length()).round() as usize;
-    // Half a turn on, the trail is on the other side of the axis; a whole turn on, one pitch higher.
+    // After half a turn the trail is on the other side of the axis; after a whole turn it is one pitch higher.
     let across = (points[per_turn / 2] - points[0]).truncate().length();
     let along = (points[per_turn] - points[0]).length();
     assert!((across / (2.0 * radius) - 1.0).abs() < 0.12, "diameter {across}");
     assert!((along / pitch - 1.0).abs() < 0.05, "pitch {along}");
 }
 
-/// Mean distance of the strands' last points from the mean of their lock's, locks taken as `wet` hair forms them.
+/// Returns the mean distance of strand tips from the mean tip of their lock, with locks as `wet` hair forms them.
 fn spread_of_locks(params: &HairParams, height: f32) -> f32 {
     let strands = simulate(params, &ColorParams::default(), &VolumeParams { height }).unwrap();
     let locks = Locks::new(params.seed, params.clump_count, params.density, height);
     let mut tips: std::collections::BTreeMap<u32, Vec<Vec3>> = std::collections::BTreeMap::new();
     for range in (0..strands.len()).map(|i| strands.range(i)) {
         let lock = locks.of(strands.points[range.start].truncate());
-        // As seen from the lock's centre, so that locks over the tile's border are whole.
+        // Relative to the lock's centre, so that locks across the tile's border are whole.
         tips.entry(lock.index).or_default().push(strands.points[range.end - 1] - lock.center.extend(0.0));
     }
     let spread = |tips: &Vec<Vec3>| {
@@ -153,7 +153,7 @@ fn colour_runs_from_root_to_tip() {
     assert_eq!(strands.range(strands.len()), 0..0);
 }
 
-/// Guard hair of 200 strands and underfur of 600.
+/// Grows guard hair of 200 strands and underfur of 600.
 fn two_coats(change: impl FnOnce(&mut HairParams, &mut UnderfurParams)) -> Strands {
     let mut hair = HairParams { density: 200, ..natural().hair };
     let mut underfur = UnderfurParams { density: 600, ..natural().underfur };
@@ -174,7 +174,7 @@ fn underfur_grows_below_guard_hair_that_stays_as_it_is() {
     };
     assert_eq!(both.height, tallest(0, 200));
     assert!(tallest(200, 800) < 0.6 * both.height);
-    // Its roots are its own: none lies where a guard hair stands.
+    // Underfur has its own roots: none coincides with that of a guard hair.
     let root = |i: usize| both.points[both.range(i).start];
     assert!((200..800).all(|i| (0..200).all(|k| root(i) != root(k))));
 }
@@ -191,7 +191,7 @@ fn underfur_has_a_style_of_its_own_but_not_its_own_water() {
 
 #[test]
 fn dry_hair_gathers_at_its_tips_and_underfur_in_the_same_locks() {
-    // How far tips, and how far middles, lie from where they would without.
+    // Mean displacement of tips, or of middles, by clumping.
     let moved = |clump: f32, at: fn(std::ops::Range<usize>) -> usize, strands: std::ops::Range<usize>| {
         let [loose, gathered] = [0.0, clump].map(|dry_clump| two_coats(|hair, _| hair.dry_clump = dry_clump));
         let count = strands.len() as f32;

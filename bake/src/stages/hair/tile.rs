@@ -1,4 +1,5 @@
-//! All the hair of a coat's tile, as a resolved recipe describes it: the one place where a bake and the traced truth get their strands from.
+//! All the hair of a tile, as a resolved recipe describes it: the only source of strands for a bake and for the
+//! ray-traced reference.
 
 use super::styles::{StyleForces, WET};
 use super::{Strands, VolumeParams, simulate_coats};
@@ -6,19 +7,19 @@ use crate::recipe::{HairParams, Recipe, Style};
 use crate::stages::groom::{Lengths, Water};
 use pelage_import::BakeError;
 
-/// The strands of one tile: dry, and where the coat is wet in places the same hairs wet.
+/// Strands of one tile: dry, and the same hairs wet if only parts of the fur are wet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TileHair {
-    /// The strands, or all that there are.
+    /// Dry strands, or the only ones there are.
     pub strands: Strands,
-    /// The same hairs when wet, as high as `strands`; `None` where the coat is dry or wet all over.
+    /// Same hairs when wet, with the height of `strands`; `None` if the fur is dry or wet everywhere.
     pub wet: Option<Strands>,
     /// Style of `strands`.
     pub style: Style,
 }
 
 impl TileHair {
-    /// Grows them.
+    /// Grows the strands.
     ///
     /// # Errors
     /// [`BakeError::Params`] for a value outside its range.
@@ -29,7 +30,7 @@ impl TileHair {
         let mut strands = grow(style)?;
         let mut wet = if water == Water::Mixed && !StyleForces::of(style).wet { Some(grow(WET)?) } else { None };
         if let Some(wet) = &mut wet {
-            // Layers that are mixed lie at the same heights.
+            // Mixed layers need the same heights.
             strands.height = strands.height.max(wet.height);
             wet.height = strands.height;
         }
@@ -37,13 +38,13 @@ impl TileHair {
     }
 }
 
-/// The strands of a recipe's tile, both coats, in that style of guard hair.
+/// Grows guard hair and underfur of a recipe's tile, with guard hair in the given style.
 fn simulate_of(recipe: &Recipe, style: Style, volume: &VolumeParams) -> Result<Strands, BakeError> {
     let hair = HairParams { style, ..recipe.hair.clone() };
     simulate_coats(&hair, &recipe.underfur, &recipe.color, volume)
 }
 
-/// The dry or wet strands of a recipe's tile, as its style says.
+/// Grows the strands of a recipe's tile, dry or wet according to its style.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range.

@@ -1,4 +1,5 @@
-//! Guides of a package where its skin at rest has them, and back: so that people can comb them in other programs.
+//! Guides of a package in the rest pose, for editing in other programs: decoding to points and writing edited guides
+//! back.
 
 use super::body::Body;
 use glam::{DVec3, Vec3};
@@ -6,14 +7,16 @@ use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::posed_vertices;
 use pelage_formats::{FormatError, HairGroup, OnTriangle, Package, Pose};
 
-/// Share of the model's size that a root may be away from the scalp: what is farther was not meant to root there.
+/// Largest distance of a root from the scalp, as a share of the model's size; a root farther away was not meant for the
+/// scalp.
 const LOOSE: f32 = 0.1;
-/// Other programs write coordinates anew, in another unit and back: a root that moved by no more than this share of the largest stays.
+/// Tolerance for unmoved roots, as a share of the largest coordinate: other programs convert coordinates to another
+/// unit and back.
 const SAME: f32 = 4e-6;
-/// What the largest number of a point stands for.
+/// Largest stored offset; represents the group's reach.
 const MOST: f64 = 32767.0;
 
-/// The skin of a package at rest.
+/// Mesh of a package in the rest pose.
 #[derive(Clone, Debug, Default)]
 pub struct RestSkin {
     triangles: Vec<[u32; 3]>,
@@ -25,7 +28,7 @@ impl RestSkin {
     /// Reads the mesh of a package and poses it at rest.
     ///
     /// # Errors
-    /// A damaged section.
+    /// [`FormatError`] for a damaged section.
     pub fn of(package: &Package<'_>) -> Result<Self, FormatError> {
         let Some(mesh) = package.mesh()? else { return Ok(Self::default()) };
         let mut pose = Pose::default();
@@ -38,40 +41,40 @@ impl RestSkin {
         Ok(Self { triangles: indices.as_chunks::<3>().0.to_vec(), positions, normals })
     }
 
-    /// Number of triangles.
+    /// Returns the number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 }
 
-/// Offsets of a guide in the whole numbers of a package, where they are given.
+/// Quantised offsets of a guide as a package stores them, if known.
 pub type Kept<'a> = Option<&'a [[i16; 3]]>;
 
-/// What the whole numbers of a point stand for, metres.
+/// Converts a quantised offset to metres.
 fn decoded(offset: &[i16; 3], reach_m: f32) -> DVec3 {
     DVec3::from(offset.map(|x| f64::from(x.max(-32767)) / MOST)) * f64::from(reach_m)
 }
 
-/// Guides on a skin at rest. Triangles that groups name must be there.
+/// Guides on a mesh in the rest pose. All triangles that groups refer to must exist.
 #[derive(Clone, Copy, Debug)]
 pub struct GuidesAtRest<'a>(pub &'a RestSkin);
 
 impl GuidesAtRest<'_> {
-    /// Points of a guide of that root and those offsets, in whole numbers as a package stores them: metres in world space, root first.
+    /// Returns the points of a guide with the given root and quantised offsets: world space, metres, root first.
     pub fn points(&self, root: &OnTriangle, offsets: &[[i16; 3]], reach_m: f32) -> Vec<Vec3> {
         let (start, frame) = (self.place(root), self.frame(root));
         let point = |offset: &[i16; 3]| (start + frame * decoded(offset, reach_m)).as_vec3();
         std::iter::once(start.as_vec3()).chain(offsets.iter().map(point)).collect()
     }
 
-    /// Puts guides that were edited into a group, as many points each as it says. A root that was moved goes to where the scalp is nearest to it; the
-    /// other points stay where they are. The group's reach grows where it has to.
+    /// Writes edited guides into a group; each must have the group's number of points. A moved root is placed at the
+    /// nearest point of the scalp; the other points keep their positions. The group's reach grows if necessary.
     ///
-    /// * `guides`: points of each in world space, metres, all finite
-    /// * `exact`: offsets that count for a guide, where its points are those that they lead to
+    /// * `guides`: points of each guide in world space, metres, all finite
+    /// * `exact`: quantised offsets of each guide, used if its points are still those that they decode to
     ///
     /// # Errors
-    /// The number of the guide, and what is wrong with it.
+    /// The index of the guide, and the reason.
     pub fn set(&self, group: &mut HairGroup, guides: &[Vec<Vec3>], exact: &[Kept<'_>]) -> Result<(), (usize, String)> {
         let old_reach_m = group.reach_m;
         let exact: Vec<Kept<'_>> = group
@@ -81,7 +84,7 @@ impl GuidesAtRest<'_> {
             .map(|((root, points), kept)| kept.filter(|offsets| self.points(&root, offsets, old_reach_m) == *points))
             .collect();
         self.move_roots(group, guides)?;
-        // Weights are stored in whole numbers: offsets count from where those lead.
+        // Root weights are quantised: offsets are relative to the quantised root.
         let local: Vec<Vec<DVec3>> = group
             .roots()
             .zip(guides.iter().zip(&exact))
@@ -99,7 +102,7 @@ impl GuidesAtRest<'_> {
             return Err((guide, format!("it reaches {far} m from its root, expected at most {most}")));
         }
         let farthest = local.iter().map(reach).fold(0.0, f64::max);
-        // Half a step is what rounding takes back.
+        // Rounding recovers up to half a quantisation step.
         if farthest > f64::from(group.reach_m) * (1.0 + 0.5 / MOST) {
             group.reach_m = farthest as f32;
         }

@@ -1,26 +1,26 @@
-//! The skin at rest as something that hair lies on.
+//! Mesh in the rest pose, with queries for the nearest surface point.
 
 use crate::stages::cells::{Cells, closest};
 use glam::Vec3;
 use pelage_formats::OnTriangle;
 use pelage_formats::meaning::hair_groups::triangle_frame;
 
-/// The triangles of a mesh at rest.
+/// Triangles of a mesh in the rest pose.
 pub(super) struct Body<'a> {
     pub(super) triangles: &'a [[u32; 3]],
     positions: &'a [Vec3],
     normals: &'a [Vec3],
     cells: Cells,
-    /// Mean length of an edge, metres.
+    /// Mean edge length, metres.
     edge_m: f32,
 }
 
-/// The place of the skin that is nearest to another.
+/// Surface point nearest to a query point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
     pub(super) at: OnTriangle,
     pub(super) place: Vec3,
-    /// Of the skin there, of unit length.
+    /// Surface normal there, a unit vector.
     pub(super) normal: Vec3,
     pub(super) distance_m: f32,
 }
@@ -37,16 +37,16 @@ impl<'a> Body<'a> {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
     }
 
-    /// Normal of the skin, of unit length.
+    /// Returns the surface normal, a unit vector.
     pub(super) fn normal(&self, at: &OnTriangle) -> Vec3 {
         let [a, b, c] = self.triangles[at.triangle as usize].map(|v| self.normals[v as usize]);
         let mixed = a * at.weights[0] + b * at.weights[1] + c * at.weights[2];
         mixed.try_normalize().unwrap_or(Vec3::Y)
     }
 
-    /// The nearest place within `reach` metres on triangles that `of` accepts.
+    /// Returns the nearest surface point within `reach_m` metres, on the triangles that `of` accepts.
     pub(super) fn nearest(&self, p: Vec3, reach_m: f32, of: impl Fn(u32) -> bool) -> Option<Nearest> {
-        // Most places are near: the search widens only where there is nothing.
+        // Most query points are near the surface: the search widens only if it finds nothing.
         let mut reach = self.edge_m.min(reach_m);
         loop {
             let found = self.nearest_within(p, reach, &of);
@@ -71,14 +71,16 @@ impl<'a> Body<'a> {
         found.map(|near| Nearest { normal: self.normal(&near.at), ..near })
     }
 
-    /// How far a place is from the skin, metres, below 0 within the body, and the skin there; `None` farther away than `reach_m`.
+    /// Returns the signed distance of `p` from the surface, metres, below 0 inside the body, with the nearest surface
+    /// point; `None` if farther than `reach_m`.
     pub(super) fn depth(&self, p: Vec3, reach_m: f32) -> Option<(f32, Nearest)> {
         let near = self.nearest(p, reach_m, |_| true)?;
         let outside = (p - near.place).dot(near.normal) >= 0.0;
         Some((if outside { near.distance_m } else { -near.distance_m }, near))
     }
 
-    /// Guides as a package stores them: relative to their roots, in the frames of their triangles, without the root.
+    /// Converts guides to the form that a package stores: relative to their roots, in the frames of their triangles,
+    /// without the root.
     pub(super) fn in_frames(&self, guides: &[(OnTriangle, Vec<Vec3>)]) -> Vec<(OnTriangle, Vec<Vec3>)> {
         let local = |(root, points): &(OnTriangle, Vec<Vec3>)| {
             let frame = triangle_frame(self.corners(root.triangle)).transpose();

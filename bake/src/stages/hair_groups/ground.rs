@@ -1,30 +1,30 @@
-//! What hair grows on.
+//! Input of the stage: the model that hair grows on.
 
 use crate::recipe::SrgbColor;
 use crate::stages::groom::MapImages;
 use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPlace, RestPose};
 use pelage_params::glob;
 
-/// What hair grows on.
+/// Model that hair grows on.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// The model as the user named it, for messages.
+    /// File name of the model as the user gave it, for messages.
     pub file: &'a str,
-    /// The mesh as the package has it.
+    /// Mesh as stored in the package.
     pub mesh: &'a Mesh,
-    /// Its rest pose.
+    /// Rest pose of `mesh`.
     pub rest: &'a RestPose,
-    /// Radius of that, metres.
+    /// Bounding radius in the rest pose, metres.
     pub radius_m: f32,
     /// Materials of the model.
     pub materials: &'a [Material],
     /// Named nodes of the model.
     pub nodes: &'a [NamedPlace],
-    /// Images and files of strands that the recipe names.
+    /// Images and strand files that the recipe names.
     pub files: &'a MapImages,
 }
 
-/// The parts whose materials have that name; says where there is none.
+/// Returns the parts whose material names match `pattern`, or an error message if there are none.
 pub(super) fn parts_of<'a>(pattern: &str, ground: &Ground<'a>) -> Result<Vec<&'a MeshPart>, String> {
     let named =
         |part: &&MeshPart| ground.materials.get(part.material).is_some_and(|material| glob(pattern, &material.name));
@@ -36,7 +36,7 @@ pub(super) fn parts_of<'a>(pattern: &str, ground: &Ground<'a>) -> Result<Vec<&'a
     Ok(parts)
 }
 
-/// A colour of a recipe as a package stores it.
+/// Converts a recipe's colour to the form that a package stores.
 pub(super) fn bytes(color: SrgbColor) -> [u8; 3] {
     color.0.map(|x| (x * 255.0).round() as u8)
 }

@@ -1,4 +1,5 @@
-//! Guides that grow: each leaves the skin along its normal and turns to where it falls or is combed to, without going into the body.
+//! Growth of guides: each leaves the surface along its normal and turns to where it falls or is combed to, without
+//! entering the body.
 
 use super::body::Body;
 use crate::noise::{along, uniform};
@@ -7,44 +8,44 @@ use glam::{Quat, Vec3};
 use pelage_formats::OnTriangle;
 use pelage_formats::meaning::hair_groups::smoothed;
 
-/// Steps of a guide.
+/// Growth steps of a guide.
 const STEPS: usize = 48;
-/// How often a step is pushed out of the body.
+/// Maximum number of times that a step is pushed out of the body.
 const PUSHES: usize = 3;
 
-/// How guides grow.
+/// Parameters of growing guides.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Growth {
     pub(super) forces: GuideForces,
-    /// Where they fall to, of unit length.
+    /// Direction in which guides fall, a unit vector.
     pub(super) fall: Vec3,
-    /// How they are combed at the skin, of unit length or zero.
+    /// Direction in which guides are combed at the root, a unit vector or zero.
     pub(super) comb: Vec3,
-    /// x of the plane from which they are combed to both sides, metres.
+    /// x of the plane from which guides are combed to both sides, metres.
     pub(super) parting_m: Option<f32>,
-    /// How steeply combed hair leaves the skin.
+    /// Steepness at which combed hair leaves the surface.
     pub(super) rise: f32,
     pub(super) length_m: f32,
-    /// How long hair keeps the way it leaves the skin in, over its length.
+    /// Length over which hair keeps its initial direction, as a share of the hair's length.
     pub(super) stiffness: f32,
-    /// How far from the skin it lies at most, over its length.
+    /// Maximum distance from the surface, as a share of the hair's length.
     pub(super) lift: f32,
     pub(super) guide_points: usize,
 }
 
-/// How much where hair falls counts beside how it is combed.
+/// Weight of the falling direction relative to the combed one.
 const FALLING: f32 = 0.35;
-/// Waves of messy hair over its length.
+/// Number of waves of messy hair over its length.
 const WAVES: f32 = 3.0;
-/// Turns of curly hair over its length.
+/// Number of turns of curly hair over its length.
 const TURNS: f32 = 4.0;
 
 impl Growth {
-    /// A guide from that root: its points, of which the first is there.
+    /// Grows a guide from `root` and returns its points, root first.
     pub(super) fn guide(&self, body: &Body<'_>, root: &OnTriangle, seed: u64) -> Vec<Vec3> {
         let start = root.place(body.corners(root.triangle));
         let step_m = self.length_m / STEPS as f32;
-        // Hair lies on hair: each guide at another distance from the skin.
+        // Hair lies on hair: each guide keeps a different distance from the surface.
         let lift_m = self.lift * self.length_m * (0.25 + 0.75 * uniform(seed, 1));
         let forces = self.forces;
         let turned = 1.0 - libm::expf(-1.0 / (STEPS as f32 * self.stiffness * forces.stiffness));
@@ -62,7 +63,7 @@ impl Growth {
             }
             target += forces.waves * along(seed, WAVES * share);
             way = way.lerp(target.try_normalize().unwrap_or(way), turned).try_normalize().unwrap_or(way);
-            // Near the root hair is near the skin.
+            // Near its root, hair stays near the surface.
             let clear_m = lift_m * (4.0 * share).min(1.0) * forces.lift;
             let mut next = at + way * step_m;
             for _ in 0..PUSHES {
@@ -73,7 +74,7 @@ impl Growth {
                 let along_skin = (next - at).try_normalize().unwrap_or(near.normal);
                 next = at + along_skin * step_m;
             }
-            // What the body turned aside goes on from there.
+            // A guide deflected by the body continues in the new direction.
             way = (next - at).try_normalize().unwrap_or(way);
             points.push(next);
         }
@@ -83,13 +84,13 @@ impl Growth {
         smoothed(&points, self.guide_points)
     }
 
-    /// The way in which hair leaves the skin: combed, or else where it will fall, as far as that lies along the skin.
+    /// Returns the initial direction of hair: combed, or else the part of its fall direction along the surface.
     fn first_way(&self, root: Vec3, normal: Vec3, seed: u64) -> Vec3 {
         let aside = self.parting_m.map_or(Vec3::ZERO, |x| if root.x < x { Vec3::NEG_X } else { Vec3::X });
-        // Where it is combed straight away from the skin it falls.
+        // Hair combed straight away from the surface follows its fall direction.
         let wanted = self.comb + aside + FALLING * self.fall;
         let along_skin = wanted.reject_from_normalized(normal);
-        // At the crown nothing says where to: there every hair goes its own way.
+        // At the crown no direction is preferred: each hair takes a random one.
         let chance = 0.15 * along(seed, 0.5).reject_from_normalized(normal);
         (along_skin + chance)
             .normalize_or_zero()
@@ -98,7 +99,7 @@ impl Growth {
             .unwrap_or(normal)
     }
 
-    /// The same about which a helix goes, wider and wider from the root.
+    /// Winds the points into a helix around their curve, widening from the root.
     fn curled(&self, points: &[Vec3], seed: u64) -> Vec<Vec3> {
         let begin = std::f32::consts::TAU * uniform(seed, 2);
         let mut before = (points[1] - points[0]).normalize_or(Vec3::Y);
@@ -116,7 +117,7 @@ impl Growth {
                 points[k] + about * (self.forces.curl * self.length_m * (3.0 * share).min(1.0))
             })
             .enumerate()
-            // Roots stay.
+            // Roots keep their positions.
             .map(|(k, p)| if k == 0 { points[0] } else { p })
             .collect()
     }

@@ -1,6 +1,6 @@
-//! `groom`, hair that is no coat: `[[strands.group]]` and `[[strands.tuft]]` as the package stores them.
+//! `groom`, hair on guides: `[[strands.group]]` and `[[strands.tuft]]` as the package stores them.
 //!
-//! Of a group that is its scalp, its guides and numbers; the hairs follow from them where the package is loaded
+//! The package holds a group's scalp, guides and numbers; the hairs are derived from them when it is loaded
 //! ([`pelage_formats::meaning::hair_groups`]).
 
 mod at_rest;
@@ -30,30 +30,32 @@ use pelage_import::mesh::MeshPart;
 use rayon::prelude::*;
 use tuft::tuft_of;
 
-/// Guides of a file may root so far from the scalp, over the model's radius: others are left out.
+/// Largest distance between a file's guide roots and the scalp, as a share of the model's radius; guides farther away
+/// are left out.
 const LOOSE: f32 = 0.1;
-/// Share of their points that is led to the scalp.
+/// Share of a guide's points that is moved towards the scalp.
 const LED: f32 = 0.4;
-/// Guides that a group can have.
+/// Maximum number of guides of a group.
 const MOST_GUIDES: usize = 1 << 16;
-/// Density below which nothing grows.
+/// Density below which no hair grows.
 const BARE: f32 = 0.01;
 
 /// Hair on guides.
 #[derive(Clone, Debug, Default)]
 pub struct GuidedHair {
-    /// Its groups.
+    /// Groups of the recipe, then its tufts.
     pub groups: Vec<HairGroup>,
-    /// For each how freely each of its guides moves, as [`pelage_formats::HairMotion::freedom`].
+    /// Freedom of motion of each guide, per group, as in [`pelage_formats::HairMotion::freedom`].
     pub freedom: Vec<Vec<u8>>,
-    /// What was repaired or left out.
+    /// Messages about repaired or skipped input.
     pub warnings: Vec<String>,
 }
 
-/// Makes the groups of a recipe.
+/// Makes the hair groups of a recipe.
 ///
 /// # Errors
-/// [`BakeError::Input`] naming the table where nothing can grow: a material that does not exist, no triangle, no guide that touches the scalp.
+/// [`BakeError::Input`] naming the table if nothing can grow: the material does not exist, or no triangle is left, or
+/// no guide touches the scalp.
 pub fn groups(params: &StrandParams, ground: &Ground<'_>) -> Result<GuidedHair, BakeError> {
     let mut hair = GuidedHair::default();
     if params.group.is_empty() && params.tuft.is_empty() {
@@ -85,7 +87,7 @@ fn fault(ground: &Ground<'_>, table: &str, number: usize, name: &str, reason: St
     }
 }
 
-/// Why a group cannot be made: something about it, or a fault of this code.
+/// Reason why a group cannot be made: a message about the group, or an error from elsewhere.
 enum Fault {
     Here(String),
     Elsewhere(BakeError),
@@ -154,7 +156,7 @@ fn group_of(
     Ok(group)
 }
 
-/// Triangles that a group grows on, and how dense.
+/// Returns the triangles that a group grows on, with their densities.
 fn scalp(params: &HairGroupParams, ground: &Ground<'_>) -> Result<Vec<(u32, u16)>, Fault> {
     let (pattern, mask) = (params.material(), params.mask());
     let mut scalp = Vec::new();
@@ -176,7 +178,7 @@ fn scalp(params: &HairGroupParams, ground: &Ground<'_>) -> Result<Vec<(u32, u16)
     Ok(scalp)
 }
 
-/// How freely each guide of a group moves, by where it roots; nothing where all are free.
+/// Returns the freedom of motion of each guide of a group, read at its root; empty if all are free.
 fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &Ground<'_>) -> Result<Vec<u8>, BakeError> {
     let map = params.freedom();
     if map == ScalarMap::Constant(1.0) {
@@ -196,7 +198,7 @@ fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &Ground<'_>) -> 
     group.roots().map(of_guide).collect()
 }
 
-/// Guides that grow on the scalp of a group, spread as its hairs are.
+/// Grows guides on a group's scalp, distributed like its hairs.
 fn grown_guides(group: &HairGroup, count: u32, growth: &Growth, body: &Body<'_>) -> Vec<(OnTriangle, Vec<Vec3>)> {
     let roots: Vec<OnTriangle> = roots(group, count, &|triangle| body.corners(triangle));
     let grow = |(number, root): (usize, &OnTriangle)| {
@@ -206,7 +208,8 @@ fn grown_guides(group: &HairGroup, count: u32, growth: &Growth, body: &Body<'_>)
     roots.par_iter().enumerate().map(grow).collect()
 }
 
-/// Guides of a file, the beginning of each led to where the scalp is nearest to its root; the rest stays where it is.
+/// Reads the guides of a file. The beginning of each is moved to the scalp point nearest to its root; the rest keeps
+/// its position.
 fn read_guides(
     params: &HairGroupParams,
     group: &HairGroup,
@@ -276,10 +279,11 @@ fn read_guides(
     Ok(guides)
 }
 
-/// How far from all roots of a file hair still grows, over the median distance of a root to that which is nearest.
+/// Largest distance from a file's roots at which hair still grows, over the median distance between neighbouring roots.
 const BESIDE: f32 = 4.0;
 
-/// The triangles of a scalp that roots of guides lie on or near: a file that combs a part of it says nothing of the rest.
+/// Returns the triangles of a scalp that have guide roots on or near them: a file that combs one part gives no
+/// information about the rest.
 fn beside(scalp: &[(u32, u16)], guides: &[(OnTriangle, Vec<Vec3>)], body: &Body<'_>) -> Vec<(u32, u16)> {
     let roots: Vec<Vec3> = guides.iter().map(|(_, points)| points[0]).collect();
     let near = Near::new(roots.clone());
@@ -293,6 +297,6 @@ fn beside(scalp: &[(u32, u16)], guides: &[(OnTriangle, Vec<Vec3>)], body: &Body<
         near.nearest::<1>(middle)[0].0.sqrt() <= reach_m + across
     };
     let beside: Vec<(u32, u16)> = scalp.iter().filter(is_beside).copied().collect();
-    // Guides that were led to a scalp of large triangles stand on it all the same.
+    // Guides moved to a scalp of large triangles are on it even if far from its triangles' centres.
     if beside.is_empty() { scalp.to_vec() } else { beside }
 }

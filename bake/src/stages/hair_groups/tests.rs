@@ -5,7 +5,7 @@ use crate::stages::groom::MapImages;
 use pelage_formats::meaning::hair_groups::Planted;
 use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPlace, RestPose};
 
-/// A ball of 0.1 m about the origin: above y = 0.03 its material is "Scalp", below "Skin".
+/// Makes a ball of radius 0.1 m around the origin: above y = 0.03 its material is "Scalp", below "Skin".
 fn ball() -> (Mesh, RestPose, Vec<Material>) {
     let (rings, around) = (24u32, 48u32);
     let place = |i: u32, j: u32| {
@@ -42,7 +42,7 @@ fn ball() -> (Mesh, RestPose, Vec<Material>) {
     (mesh, rest, materials.to_vec())
 }
 
-/// What a recipe makes of the ball.
+/// Grows a recipe's hair on the ball.
 fn grown(recipe: &str, files: &MapImages) -> Result<GuidedHair, BakeError> {
     let recipe = crate::recipe::Recipe::parse("recipe", recipe)?;
     let (mesh, rest, materials) = ball();
@@ -53,7 +53,7 @@ fn grown(recipe: &str, files: &MapImages) -> Result<GuidedHair, BakeError> {
     groups(&recipe.strands, &ground)
 }
 
-/// Its groups, and the warnings.
+/// Returns the groups grown on the ball, and the warnings.
 fn made(recipe: &str, files: &MapImages) -> Result<(Vec<HairGroup>, Vec<String>), BakeError> {
     grown(recipe, files).map(|hair| (hair.groups, hair.warnings))
 }
@@ -63,7 +63,7 @@ fn one(keys: &str) -> Result<HairGroup, BakeError> {
     made(&group, &MapImages::default()).map(|(mut groups, _)| groups.remove(0))
 }
 
-/// Points of all hairs of a group on the ball at rest.
+/// Returns the points of all hairs of a group on the ball at rest.
 fn hairs(group: &HairGroup) -> Vec<Vec<Vec3>> {
     let (mesh, rest, _) = ball();
     let planted = Planted::new(group, &rest.positions, &mesh.triangles, u32::MAX);
@@ -102,7 +102,7 @@ fn hair_is_combed_to_both_sides_of_a_parting() {
 
 #[test]
 fn a_mask_thins_the_scalp() {
-    // Vertex colours are white on the right alone.
+    // Vertex colours are white on the right half only.
     let group = one("mask = \"vertex\"\nhairs = 300\nlength_m = 0.01").unwrap();
     assert!(hairs(&group).iter().all(|hair| hair[0].x > -0.03));
     assert!(
@@ -121,7 +121,7 @@ fn a_map_says_how_freely_guides_move() {
         hair.freedom[2].len() == hair.groups[2].guide_roots.len()
             && hair.freedom[2].iter().all(|byte| (127..=128).contains(byte))
     );
-    // Vertex colours are white on the right, and black on the left.
+    // Vertex colours are white on the right half and black on the left.
     let (mesh, rest, _) = ball();
     let corners = |t: u32| mesh.triangles[t as usize].map(|v| rest.positions[v as usize]);
     for (root, freedom) in hair.groups[0].roots().zip(&hair.freedom[0]) {
@@ -150,7 +150,7 @@ fn guides_of_a_file_are_put_on_the_scalp() {
     };
     let recipe =
         |keys: &str| format!("[[strands.group]]\nname = \"hair\"\nmaterial = \"Scalp\"\nfile = \"guides.txt\"\n{keys}");
-    // In centimetres; one touches, one hangs a little over the skin, and one is far away.
+    // In centimetres: one touches the surface, one hovers a little above it, and one is far away.
     let files = file(&[strand(0.01, 0.0), strand(0.03, 0.05), strand(0.02, 3.0)]);
     let (groups, warnings) = made(
         &recipe("scale_m = 0.01\nhairs = 0\npoints = 9\nguide_points = 9\nlength_variation = 0\nstray = 0"),
@@ -164,17 +164,17 @@ fn guides_of_a_file_are_put_on_the_scalp() {
         let tip = *hair.last().unwrap();
         assert!(tip.distance(strand[2]) < 0.001, "{tip}, expected {}", strand[2]);
     }
-    // Hair grows about the guides alone.
+    // Hair grows near the guides only.
     let few = file(&[strand(0.01, 0.0), strand(0.012, 0.0), strand(0.014, 0.0)]);
     let (many, _) = made(&recipe("scale_m = 0.01\nhairs = 200\nstray = 0\nclump = 0"), &few).unwrap();
     assert!(hairs(&many[0]).iter().all(|hair| hair[0].distance(Vec3::new(0.012, 0.1, 0.0)) < 0.035));
-    // Where they may be farther away, all are led to it.
+    // With a larger tolerance all of them are moved to it.
     let (groups, _) = made(&recipe("scale_m = 0.01\nhairs = 0\nloose_m = 0.5"), &files).unwrap();
     assert_eq!(groups[0].guide_roots.len(), 3);
     let error = made(&recipe("scale_m = 1000000\nloose_m = 1000000"), &file(&[[Vec3::ZERO, Vec3::X, 9.0 * Vec3::Y]]))
         .unwrap_err();
     assert!(error.to_string().contains("farther than 1000000 m from its root, expected scale_m"), "{error}");
-    // In metres by mistake: all of it is far away, and the error says where it is.
+    // In metres by mistake: all are far away, and the error says where they are.
     let error = made(&recipe(""), &files).unwrap_err().to_string();
     assert!(error.contains("none of the 3 strands") && error.contains("scale_m"), "{error}");
 }
@@ -206,10 +206,10 @@ fn tufts_stand_at_joints_and_on_materials() {
     let (middle, _, warnings) = tuft("joint = \"ear.L\"");
     assert!(middle.distance(Vec3::new(0.0707, 0.0707, 0.0)) < 0.005, "{middle}");
     assert!(warnings.len() == 1 && warnings[0].contains("2 nodes are named \"ear.L\""), "{warnings:?}");
-    // Beside it, and both sides.
+    // Offset from the joint, and mirrored.
     let (middle, hairs, _) = tuft("joint = \"root\"\nat = [0.05, 0.0, 0.12]\nmirrored = true");
     assert!((hairs.len(), middle.x.abs() < 1e-3, middle.z > 0.08) == (16, true, true), "{middle}");
-    // The nearest skin is not of that material: it stands on the border, above which the scalp is.
+    // The nearest surface has another material: the tuft is placed on the scalp's border, above it.
     let (middle, hairs, _) = tuft("at = [0.0, 0.0, 0.12]\nmaterial = \"Sc*p\"");
     assert!(middle.z > 0.05 && hairs.iter().all(|hair| hair[0].y > 0.03), "{middle}");
 }

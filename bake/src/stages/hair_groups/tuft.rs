@@ -1,4 +1,4 @@
-//! Tufts: a few thick hairs at a place, each a guide of its own.
+//! Tufts: a few thick hairs around a point, each a guide.
 
 use super::body::Body;
 use super::ground::{Ground, bytes, parts_of};
@@ -9,13 +9,13 @@ use pelage_formats::{HairGroup, OnTriangle};
 use pelage_params::closest;
 use std::collections::BTreeSet;
 
-/// Points of each hair as it is stored: enough for one that only bends.
+/// Number of points per stored hair: enough for one that only bends.
 const POINTS: usize = 4;
 
-/// Joints that an error names.
+/// Maximum number of joints listed in an error.
 const NAMED: usize = 5;
 
-/// Where a tuft is to stand.
+/// Returns the position of a tuft.
 fn place_of(params: &TuftParams, ground: &Ground<'_>, warnings: &mut Vec<String>) -> Result<Vec3, String> {
     let Some(joint) = &params.joint else {
         let at = params.at.ok_or("at and joint are missing, expected a place near the skin, or the name of a joint")?;
@@ -44,7 +44,8 @@ fn place_of(params: &TuftParams, ground: &Ground<'_>, warnings: &mut Vec<String>
     Ok(first.position_ws + Vec3::from(params.at.unwrap_or_default()))
 }
 
-/// Makes the group of a tuft, and says in `warnings` what was guessed. Says why there is none.
+/// Makes the group of a tuft and adds guesses to `warnings`. The error is a message saying why the group cannot be
+/// made.
 pub(super) fn tuft_of(
     params: &TuftParams,
     ground: &Ground<'_>,
@@ -82,8 +83,8 @@ pub(super) fn tuft_of(
     Ok(group)
 }
 
-/// The hairs of a tuft about a place, the nearest to which on the triangles that `of` accepts is its middle: of each its root, and its points. `side` −1 for the
-/// mirrored one.
+/// Returns the hairs of a tuft, each with its root and points. The tuft's centre is the point nearest to `middle` on
+/// the triangles that `of` accepts. `side`: −1 for the mirrored tuft.
 fn hairs_about(
     params: &TuftParams,
     body: &Body<'_>,
@@ -99,7 +100,7 @@ fn hairs_about(
     let across = skin.normal.any_orthonormal_vector();
     let seed = u64::from(params.seed());
     let hair = |number: u32| {
-        // Spread over a disc as evenly as a sunflower's seeds (Vogel 1979); mirrored tufts are images of each other.
+        // Spread over a disc like a sunflower's seeds (Vogel 1979); mirrored tufts are mirror images.
         let radius = libm::sqrtf((number as f32 + 0.5) / count as f32);
         let turn = 2.399_963_2 * number as f32 * side;
         let aside = across * libm::cosf(turn) + skin.normal.cross(across) * libm::sinf(turn);

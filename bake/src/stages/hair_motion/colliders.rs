@@ -1,37 +1,39 @@
-//! Capsules in the place of a body.
+//! Fitting of capsules to a body.
 
 use glam::{Mat3, Vec3};
 use pelage_formats::meaning::hair_motion::Capsule;
 use pelage_formats::{BodyCollider, MeshData, Pose};
 
-/// Vertices that follow a joint, without which it has no capsule.
+/// Minimum number of vertices that follow a joint; with fewer it has no capsule.
 const FEWEST: usize = 8;
-/// Share of them that is nearer to the axis than the capsule's surface: what sticks out is skin, and hair may lie in it, but not through it.
+/// Share of a joint's vertices inside the capsule's radius. The others stick out; hair may enter the body there but not
+/// pass through it.
 const INSIDE: f32 = 0.35;
-/// Share of them beyond each end.
+/// Share of a joint's vertices beyond each end.
 const BEYOND: f32 = 0.05;
-/// A capsule that hair at rest makes thinner than this share of what it was is left out: hair grows through it.
+/// Minimum remaining share of a capsule's radius after it is made thinner for hair at rest. A thinner capsule is left
+/// out: hair grows through it.
 const THINNEST: f32 = 0.25;
-/// How near hair must be to a capsule, over its own length.
+/// Largest distance between hair and a capsule, over the hair's length.
 const NEAR: f32 = 1.5;
-/// Capsules that are kept: the largest.
+/// Maximum number of capsules; the largest are kept.
 const MOST: usize = 24;
 
-/// Capsules, and how well they are a body.
+/// Fitted capsules and their quality.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fitted {
-    /// The capsules.
+    /// Capsules.
     pub colliders: Vec<BodyCollider>,
-    /// How far from the nearest capsule of its joint the skin lies at most, metres.
+    /// Largest distance of the mesh surface from its joint's capsule, metres.
     pub gap_m: f32,
-    /// What of the recipe fits no joint.
+    /// Warnings about recipe tables that match no joint.
     pub warnings: Vec<String>,
 }
 
-/// Fits a capsule to the vertices that follow each joint, thin enough for the hair at rest to lie outside.
+/// Fits a capsule to the vertices that follow each joint, thin enough that hair at rest is outside.
 ///
-/// * `pose`: at rest; without a skeleton one matrix
-/// * `guides`: points of each guide that may move, in model space
+/// * `pose`: rest pose; a single matrix without a skeleton
+/// * `guides`: movable points of each guide, in model space
 pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> Fitted {
     let mut of_joint: Vec<Vec<Vec3>> = vec![Vec::new(); pose.joints.len()];
     for (v, vertex) in mesh.geometry.iter().enumerate() {
@@ -52,7 +54,7 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> Fitted {
         let scale = libm::cbrtf(volume);
         let fitted = capsule(points);
         let Capsule { from, to, radius_m: radius } = fitted;
-        // In model space, where the guides are.
+        // In model space, as the guides are.
         let [there_from, there_to] = [from, to].map(|end| to_model.transform_point3(end));
         let there = Capsule { from: there_from, to: there_to, radius_m: radius * scale };
         let clear = guides.iter().flatten().map(|p| there.nearest(*p).distance(*p)).fold(f32::INFINITY, f32::min);
@@ -71,7 +73,7 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> Fitted {
     Fitted { colliders: made.into_iter().map(|(.., collider)| collider).collect(), gap_m, ..Fitted::default() }
 }
 
-/// The capsule about points, in their own space.
+/// Returns the capsule around points, in their own space.
 fn capsule(points: &[Vec3]) -> Capsule {
     let middle = points.iter().sum::<Vec3>() / points.len() as f32;
     let axis = longest_axis(points, middle);
@@ -86,11 +88,11 @@ fn capsule(points: &[Vec3]) -> Capsule {
     Capsule { from: middle + axis * low, to: middle + axis * high, radius_m: radius }
 }
 
-/// The direction in which points lie farthest apart, by the power method on their covariance.
+/// Returns the direction of largest variance, by the power method on the points' covariance.
 fn longest_axis(points: &[Vec3], middle: Vec3) -> Vec3 {
     let outer = |p: Vec3| Mat3::from_cols(p * p.x, p * p.y, p * p.z);
     let covariance = points.iter().fold(Mat3::ZERO, |sum, p| sum + outer(*p - middle));
-    // Of three beginnings one is not across.
+    // At least one of the three start vectors is not perpendicular to the result.
     let begin = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| covariance * axis);
     let begin = begin.into_iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(Vec3::Y);
     (0..64).fold(begin.normalize_or(Vec3::Y), |axis, _| (covariance * axis).normalize_or(axis))

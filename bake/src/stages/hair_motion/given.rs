@@ -1,13 +1,14 @@
-//! Capsules that a recipe gives.
+//! Capsules from a recipe.
 
 use super::Fitted;
 use crate::recipe::HairColliderParams;
 use glam::{Mat3, Vec3};
 use pelage_formats::{Animation, BodyCollider, HairMotion, Pose};
 
-/// The capsules of the recipe, and the fitted ones of joints that it gives none for; as many as a package holds, those of the recipe first.
+/// Merges the recipe's capsules with fitted ones of all other joints, up to the maximum of a package; the recipe's come
+/// first.
 ///
-/// * `pose`: at rest; without a skeleton one matrix
+/// * `pose`: rest pose; a single matrix without a skeleton
 pub fn in_place(fitted: Fitted, given: &[HairColliderParams], animation: Option<&Animation>, pose: &Pose) -> Fitted {
     let mut warnings = fitted.warnings;
     let mut colliders: Vec<BodyCollider> = Vec::new();
@@ -29,7 +30,7 @@ pub fn in_place(fitted: Fitted, given: &[HairColliderParams], animation: Option<
     Fitted { colliders, gap_m: fitted.gap_m, warnings }
 }
 
-/// Index of the joint that a table names.
+/// Returns the index of the joint that a table names.
 fn joint(table: &HairColliderParams, animation: Option<&Animation>) -> Result<u32, String> {
     let joints = animation.map_or(&[][..], |animation| &animation.joints);
     let name = |joint: &pelage_formats::Joint| {
@@ -52,7 +53,7 @@ fn joint(table: &HairColliderParams, animation: Option<&Animation>) -> Result<u3
     }
 }
 
-/// The capsule of a table, in mesh space; `None` of a joint that flattens.
+/// Returns the capsule of a table, in mesh space; `None` if the joint's matrix is singular.
 fn collider(table: &HairColliderParams, joint: u32, pose: &Pose) -> Option<BodyCollider> {
     let to_model = *pose.joints.get(joint as usize)?;
     let scale = libm::cbrtf(Mat3::from_mat4(to_model).determinant().abs());

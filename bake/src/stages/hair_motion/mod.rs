@@ -1,4 +1,5 @@
-//! How hair on guides moves, and what of the body it stays out of: what a recipe says of its groups, and capsules that are fitted to the skin.
+//! Motion of hair on guides, and the parts of the body that it stays out of: the recipe's settings, and capsules fitted
+//! to the mesh.
 
 mod colliders;
 mod given;
@@ -12,9 +13,9 @@ use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::{posed, skin_matrix};
 use pelage_formats::{Animation, GroupMotion, HairGroup, HairMotion, MeshData, OnTriangle, Pose};
 
-/// How the groups of a recipe move, made of what it says and of the body; `None` where none does.
+/// Returns the motion of a recipe's groups, from its settings and the body; `None` if no group moves.
 ///
-/// * `hair`: groups of the recipe in its order, then its tufts, which are stiff
+/// * `hair`: groups of the recipe in order, then its tufts, which are stiff
 pub fn of_groups(
     params: &StrandParams,
     hair: &GuidedHair,
@@ -53,7 +54,7 @@ fn motion(group: &HairGroupParams) -> GroupMotion {
     }
 }
 
-/// Where the points of a group's guides that may move are at rest, in model space.
+/// Returns the rest positions of a group's movable guide points, in model space.
 fn at_rest(group: &HairGroup, number: usize, motion: &HairMotion, mesh: &MeshData, pose: &Pose) -> Vec<Vec<Vec3>> {
     let of_group = motion.groups[number];
     if of_group.held >= 1.0 {

@@ -2,7 +2,7 @@
 use super::*;
 use pelage_formats::{BodyCollider, GeometryVertex, Joint, Node, SkinVertex};
 
-/// A rod along x from -1 to 1, of radius 0.2, whose left half follows joint 0 and whose right half follows joint 1.
+/// Makes a rod along x from -1 to 1, of radius 0.2: its left half follows joint 0 and its right half joint 1.
 fn rod() -> (MeshData, Pose) {
     let mut mesh = MeshData::default();
     for ring in 0..=40u16 {
@@ -14,7 +14,7 @@ fn rod() -> (MeshData, Pose) {
             mesh.skin.push(SkinVertex { joints: [joint, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] });
         }
     }
-    // The right half is stored elsewhere than it is at rest.
+    // The right half's stored positions differ from its rest positions.
     let away = Mat4::from_translation(Vec3::Z * 5.0);
     mesh.geometry.iter_mut().filter(|v| v.position[0] > 0.0).for_each(|v| v.position[2] -= 5.0);
     (mesh, Pose { joints: vec![Mat4::IDENTITY, away], ..Pose::default() })
@@ -34,13 +34,13 @@ fn a_rod_has_a_capsule_for_each_joint() {
         assert!(ends[0].distance(ends[1]) > 0.4, "{ends:?}");
     }
     assert!(fitted.gap_m > 0.0 && fitted.gap_m < 0.2, "corners of the ends stick out: {}", fitted.gap_m);
-    // Hair that lies closer makes them thinner, and hair that grows through leaves none.
+    // Closer hair makes the capsules thinner, and hair that grows through a capsule removes it.
     let near = vec![vec![Vec3::new(0.5, 0.15, 0.0), Vec3::new(0.5, 0.15, 0.5)]];
     let thinner = fit(&mesh, &pose, &near);
     assert!(thinner.colliders.iter().any(|collider| collider.joint == 1 && collider.radius < 0.15));
     let through = vec![vec![Vec3::new(0.5, 0.01, 0.0), Vec3::new(0.5, 0.01, 0.5)]];
     assert!(fit(&mesh, &pose, &through).colliders.iter().all(|collider| collider.joint == 0));
-    // Far from all hair none is needed.
+    // Far from all hair no capsule is needed.
     let far = vec![vec![Vec3::Y * 50.0, Vec3::Y * 50.1]];
     assert_eq!(fit(&mesh, &pose, &far), Fitted::default());
     assert_eq!(fit(&MeshData::default(), &pose, &hair), Fitted::default());
@@ -108,7 +108,7 @@ fn capsules_of_the_recipe_take_the_place_of_fitted_ones() {
         "{:?}",
         found.warnings
     );
-    // As many as a package holds.
+    // The maximum number of a package.
     let many = vec![ball("skull", "head"); 70];
     let found = given::in_place(fitted, &many, Some(&animation), &pose);
     assert!(found.colliders.len() == HairMotion::MOST_COLLIDERS && found.warnings[0].contains("70"));

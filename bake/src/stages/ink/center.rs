@@ -1,43 +1,44 @@
-//! Where the wash begins, if the recipe does not say.
+//! Choice of the wash's centre, if the recipe gives none.
 //!
-//! Fang 2006, §3 has the user pick a point CP on the model. Here places spread evenly over the washed skin are tried, and the best is the one whose wash
-//! varies most over it (standard deviation of the clamped W, by area), rather dark above than below: a painter loads back and head and leaves the
-//! belly to the paper, and rather pale. Behind a hollow (V − CP)·N is negative; skin that comes out black by that counts against a place.
+//! In Fang 2006, §3, the user picks a point CP on the model. Here evenly spread points of the washed mesh surface are
+//! scored. The best wash varies most over the surface (standard deviation of the clamped W, by area). It is darker
+//! above than below, because a painter loads back and head and leaves the belly to the paper; and it is pale rather
+//! than dark. Where (V − CP)·N is negative, behind a hollow, the wash can become black; that counts against a point.
 
 use super::product::product;
 use glam::Vec3;
 use pelage_formats::InkShading;
 use rayon::prelude::*;
 
-/// Places that are tried.
+/// Number of points that are scored.
 const CANDIDATES: usize = 96;
-/// How much a wash that is all dark above and pale below counts beyond one that does not care, as a share of the deviation.
+/// Bonus for a wash that is dark above and pale below, as a share of the deviation.
 const ABOVE: f64 = 0.6;
-/// Grey below which the wash drowns.
+/// Grey below which the wash counts as black.
 const BLACK: f32 = 0.3;
 
-/// A point of the washed skin at rest in world space.
+/// Point of the washed mesh surface at rest, in world space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot {
     pub(super) place: Vec3,
     pub(super) normal: Vec3,
-    /// Area that it stands for, times its share of the wash.
+    /// Area that the point represents, times its share of the wash.
     pub(super) weight: f64,
 }
 
-/// The best centre of those tried; `None` where nothing is washed.
+/// Returns the best of the candidate centres; `None` if nothing is washed.
 ///
-/// * `radius`: of the model's bounding sphere, metres
+/// * `radius`: radius of the model's bounding sphere, metres
 pub(super) fn pick(spots: &[Spot], radius: f32, shading: &InkShading) -> Option<Vec3> {
     let washed: Vec<_> = spots.iter().copied().filter(|s| s.weight > 0.0).collect();
     let scores = spread(&washed, CANDIDATES);
     let scores: Vec<_> = scores.par_iter().map(|i| (score(&washed, washed[*i].place, radius, shading), *i)).collect();
-    // The first of equals, so that the choice does not depend on how they were counted.
+    // The first of equal scores wins, so that the choice does not depend on the order of evaluation.
     let best = scores.iter().copied().reduce(|best, next| if next.0 > best.0 { next } else { best });
     best.map(|(_, i)| washed[i].place)
 }
 
-/// Indices of `count` spots far from each other, the highest first.
+/// Returns indices of `count` spots far from each other, starting with the highest.
 fn spread(spots: &[Spot], count: usize) -> Vec<usize> {
     let mut away = vec![f32::INFINITY; spots.len()];
     let highest = (0..spots.len()).reduce(|a, b| if spots[b].place.y > spots[a].place.y { b } else { a });
@@ -54,12 +55,12 @@ fn spread(spots: &[Spot], count: usize) -> Vec<usize> {
     chosen
 }
 
-/// How good a centre is.
+/// Returns the score of a centre; higher is better.
 fn score(spots: &[Spot], center: Vec3, radius: f32, shading: &InkShading) -> f64 {
     let grey = |spot: &Spot| {
         let [literal, normalised] = product(spot.place, spot.normal, center, radius);
         let x = if shading.normalised { normalised } else { literal };
-        // As the runtime limits it.
+        // Limited as in the runtime.
         let x = if x < 0.0 { x / (1.0 - 2.0 * x) } else { x };
         x * shading.wash_speed + shading.wash_range
     };
@@ -79,10 +80,10 @@ fn score(spots: &[Spot], center: Vec3, radius: f32, shading: &InkShading) -> f64
     let (grey, y) = (sum / weight, up / weight);
     let deviation = (squares / weight - grey * grey).max(0.0).sqrt();
     let slant = (ups / weight - y * y).max(0.0).sqrt();
-    // Correlation of darkness with looking up.
+    // Correlation of darkness with upward normals.
     let above = if deviation * slant > 1e-9 { (grey * y - both / weight) / (deviation * slant) } else { 0.0 };
     let drowned = 1.0 - black / weight;
-    // The cube of the mean grey: most of a painting is paper.
+    // Cube of the mean grey, because most of a painting is paper.
     deviation * (1.0 + ABOVE * above) * (drowned * drowned) * (grey * grey * grey)
 }
 
@@ -108,7 +109,7 @@ mod tests {
 
     #[test]
     fn a_wash_that_drowns_is_avoided() {
-        // Two bodies facing each other: what is behind one's hollow, seen from the other, comes out black.
+        // Two bodies facing each other: seen from a point on one, the hollow side of the other becomes black.
         let spot = |y: f32, ny: f32| Spot { place: Vec3::new(0.0, y, 0.0), normal: ny * Vec3::Y, weight: 1.0 };
         let spots = [spot(1.0, 1.0), spot(0.4, -1.0), spot(-0.4, 1.0), spot(-1.0, -1.0)];
         let shading = InkShading { wash_speed: 1.0, wash_range: 0.3, ..InkShading::default() };

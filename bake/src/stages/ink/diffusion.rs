@@ -1,36 +1,37 @@
-//! Wet ink on paper until it is dry, on a tile that repeats.
+//! Simulation of wet ink on paper until it is dry, on a tile that repeats.
 //!
-//! A small version of the fluid layers of watercolour simulation (Curtis et al. 1997, §4; Chu and Tai 2005): water seeps from wet texels into their
-//! neighbours as the paper lets it and carries its ink along; it halts where the paper is dry and holds it back, which frays the border; it dries
-//! faster at the border, so that more flows there from the middle, and what ink it brings stays as a dark rim, the mark of a tide.
+//! A small version of the fluid layers of watercolour simulation (Curtis et al. 1997, §4; Chu and Tai 2005). Water
+//! seeps from wet texels into their neighbours, as far as the paper permits, and carries its ink along. It stops where
+//! dry paper holds it back, which frays the border. It dries faster at the border, so that more flows there from the
+//! middle, and its ink stays as a dark rim, a tide mark.
 
 use super::plane::Plane;
 
-/// Steps until a layer is dry. Fronts creep about the root of it in texels.
+/// Steps until a layer is dry. Fronts advance about the square root of it in texels.
 const STEPS: usize = 72;
-/// Below this a texel counts as dry.
+/// Water below which a texel counts as dry.
 const DRY: f32 = 0.02;
-/// Water that dries in a step: anywhere, and beside dry paper.
+/// Water that evaporates from a texel per step; [`EDGE_EVAPORATION`] is added for each dry neighbour.
 const EVAPORATION: f32 = 0.004;
 const EDGE_EVAPORATION: f32 = 0.018;
-/// Share of the difference in ink that wanders from one wet texel to the next in a step, without water that carries it.
+/// Share of the difference in ink that diffuses between wet neighbours per step, without water flow.
 const WANDERING: f32 = 0.025;
-/// Share of the carried ink that settles on the fibres in a step.
+/// Share of the carried ink that settles on the fibres per step.
 const SETTLING: f32 = 0.004;
 
-/// What the ink lies on.
+/// Paper under the ink.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Paper<'a> {
-    /// How easily water passes, 0..=1 per texel.
+    /// Permeability to water, 0..=1 per texel.
     pub permeability: &'a Plane,
-    /// Water that it takes to wet the next texel, 0..=1.
+    /// Water that is needed to wet the next texel, 0..=1.
     pub threshold: &'a Plane,
 }
 
-/// Ink that stays of one layer of wash.
+/// Simulates one layer of wash and returns the dried ink.
 ///
-/// * `water`: water at the start, 0..=1 per texel; ink is as much where `strength` is 1
-/// * `edges`: how much faster the border dries, 0..=1: 0 leaves no rim
+/// * `water`: initial water, 0..=1 per texel; equals the initial ink where `strength` is 1
+/// * `edges`: how much faster the border dries, 0..=1; 0 leaves no rim
 pub(super) fn dry(paper: Paper<'_>, water: &Plane, strength: &Plane, edges: f32) -> Plane {
     let n = water.side;
     let mut water = water.values.clone();
@@ -46,7 +47,7 @@ pub(super) fn dry(paper: Paper<'_>, water: &Plane, strength: &Plane, edges: f32)
                 let i = y * n + x;
                 let right = y * n + if x + 1 == n { 0 } else { x + 1 };
                 for j in [right, below + x] {
-                    // Nothing moves between two dry texels.
+                    // No flow between two dry texels.
                     if water[i].max(water[j]) < DRY {
                         continue;
                     }
@@ -81,7 +82,7 @@ pub(super) fn dry(paper: Paper<'_>, water: &Plane, strength: &Plane, edges: f32)
                 let dry_sides = 4.0 - wet(y * n + left) - wet(y * n + right) - wet(above + x) - wet(below + x);
                 let loss = EVAPORATION + EDGE_EVAPORATION * edges * dry_sides;
                 water[i] = (water[i] - loss).max(0.0);
-                // The last of the water leaves all its ink behind.
+                // The last of the water deposits all its ink.
                 let share = if water[i] < DRY { 1.0 } else { SETTLING };
                 let settled = share * ink[i];
                 stain[i] += settled;
@@ -107,7 +108,7 @@ mod tests {
         let paper = Paper { permeability: &permeability, threshold: &threshold };
         let stain = dry(paper, &disc, &flat(1.0), 1.0);
         assert!((stain.mean() - disc.mean()).abs() < 1e-4, "{} of {}", stain.mean(), disc.mean());
-        // From the middle outwards: the border is the last texel with ink, and behind it is less.
+        // From the middle outwards: the border is the last texel with ink, and just inside it there is less.
         let rim = |stain: &Plane| {
             let row: Vec<f32> = (32..64).map(|x| stain.at(x, 32)).collect();
             let last = row.iter().rposition(|ink| *ink > 0.02).unwrap_or(0);

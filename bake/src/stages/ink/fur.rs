@@ -1,8 +1,9 @@
-//! Strokes of fur: the strands of the hair's tile as a painter's brush draws them, in four nested densities.
+//! Fur strokes: the strands of the tile as drawn with a brush, in four nested densities.
 //!
-//! A brush draws few hairs, each by itself: it is pressed down near the root and lifted towards the tip, and where it runs dry its bristles
-//! part. So only some strands become strokes, spread evenly over the tile; those that are drawn first are the broadest, and later ones fill in
-//! between them until the density's share of the tile is inked. What one density has inked the next has, too.
+//! A brush draws few hairs, each separately: it is pressed down near the root and lifted towards the tip, and where it
+//! runs dry its bristles part. So only some strands become strokes, spread evenly over the tile. The first strokes are
+//! the broadest; later ones fill the gaps until the density's share of the tile is inked. Each density includes the ink
+//! of all sparser ones.
 
 use super::noise::gradient;
 use super::plane::Plane;
@@ -12,36 +13,37 @@ use crate::stages::hair::Strands;
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Share of the tile that each density inks, seen from above and from the side, where hairs stand before one another.
+/// Share of the tile that each density inks, seen from above; [`BESIDE`] is the share seen from the side, where hairs
+/// overlap.
 const ABOVE: [f32; 4] = [0.07, 0.17, 0.34, 0.58];
 const BESIDE: [f32; 4] = [0.12, 0.26, 0.44, 0.64];
-/// Strokes at most. The tile is full before, as long as a stroke is not thinner than a texel.
+/// Maximum number of strokes. The tile is full earlier unless strokes are thinner than a texel.
 const MOST_STROKES: usize = 2400;
-/// Strands that are looked at for the place of one stroke.
+/// Number of candidate strands for each stroke.
 const CANDIDATES: u64 = 12;
-/// Half width of the first strokes over their length, and of the last ones.
+/// Half width of the first strokes over their length; [`FINE`] is that of the last.
 const BROAD: f32 = 0.042;
 const FINE: f32 = 0.022;
-/// Length of a stroke seen from above, over its strand's: the brush draws a lock where the strand is one of its hairs.
+/// Length of a stroke seen from above, over its strand's: the brush draws a lock, of which the strand is one hair.
 const REACH: f32 = 1.9;
-/// How much of a strand's way aside its stroke seen from the side keeps.
+/// Share of a strand's lateral offset that its stroke keeps when seen from the side.
 const ASIDE: f32 = 0.3;
-/// A stroke is at least this long, widths of the tile.
+/// Minimum length of a stroke, in tile widths.
 const SHORTEST: f32 = 0.05;
-/// Half width of a stroke at least, texels: thinner ones break up.
+/// Minimum half width of a stroke, texels; thinner strokes break up.
 const THINNEST_TEXELS: f32 = 0.8;
 
-/// A stroke: its path from root to tip in widths of the tile, and half its width where it is widest.
+/// Stroke: its path from root to tip in tile widths, and its maximum half width.
 struct Stroke {
     path: Vec<Vec2>,
     half_width: f32,
     seed: u64,
 }
 
-/// How a picture of strokes is drawn.
+/// Parameters of one view of the strokes.
 struct View {
     side: usize,
-    /// Texels per width of the tile.
+    /// Texels per tile width.
     scale: Vec2,
     /// Whether v repeats.
     periodic_v: bool,
@@ -49,15 +51,17 @@ struct View {
     path: PathOf,
 }
 
-/// The path of a stroke from the points of its strand, root first, the unit direction that the tile's hair leans to, or zero, and a seed.
+/// Function that makes a stroke's path. Arguments: points of the strand, root first; unit direction of the tile's mean
+/// lean, or zero; seed.
 type PathOf = fn(&[Vec3], Vec2, u64) -> Vec<Vec2>;
 
-/// The two array layers, each one plane of ink (0..=1) per density, from few strokes to all.
+/// Draws the two array layers, each with one plane of ink (0..=1) per density, from sparse to dense.
 ///
 /// * `side`: texels a side
 ///
-/// The first is the tile seen from above, periodic both ways. The second is seen from the side, along the fin textures' slab that runs as the
-/// hair leans by default, v; u is periodic, row 0 the skin, and the last row as high as [`Strands::height`].
+/// The first layer is the tile seen from above, periodic both ways. The second is seen from the side, along v: the slab
+/// of the fin textures, in the default lean direction. Its u is periodic, row 0 is the mesh surface, and the last row
+/// is at [`Strands::height`].
 pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
     let side = side as usize;
     let order = order(strands, seed);
@@ -69,11 +73,11 @@ pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
     ];
     let lean = mean_lean(strands);
     let drawn: Vec<_> = looks.par_iter().map(|view| draw(strands, &order, view, lean, seed)).collect();
-    // Two looks in, two pictures out.
+    // Two views give two layers.
     <[_; 2]>::try_from(drawn).unwrap_or_else(|_| std::array::from_fn(|_| std::array::from_fn(|_| Plane::empty(side))))
 }
 
-/// Where the strands lean to on average: unit length, or zero where they do not agree.
+/// Returns the mean direction that strands lean to: a unit vector, or zero where they cancel out.
 fn mean_lean(strands: &Strands) -> Vec2 {
     let ends = (0..strands.len()).filter_map(|i| {
         let points = &strands.points[strands.range(i)];
@@ -82,7 +86,8 @@ fn mean_lean(strands: &Strands) -> Vec2 {
     ends.sum::<Vec2>().normalize_or_zero()
 }
 
-/// Strands in the order in which they are drawn: each is, of some at random, the one farthest from all before it.
+/// Returns strands in drawing order. Each is the one among random candidates that is farthest from the strands before
+/// it.
 fn order(strands: &Strands, seed: u64) -> Vec<usize> {
     let count = strands.len();
     let roots: Vec<Vec2> = (0..count)
@@ -94,14 +99,14 @@ fn order(strands: &Strands, seed: u64) -> Vec<usize> {
         let mut best: Option<(f32, usize)> = None;
         for candidate in 0..CANDIDATES {
             let mut i = (hash(hash(seed, 1), n << 8 | candidate) % count as u64) as usize;
-            // Late in a small tile most are taken; the next free one will do.
+            // Late in a small tile most are taken; the next free strand is used.
             for _ in 0..count {
                 if !taken[i] {
                     break;
                 }
                 i = (i + 1) % count;
             }
-            // The last few hundred say enough about how full the tile is where.
+            // The last few hundred strands represent the tile's coverage well enough.
             let recent = &order[order.len().saturating_sub(400)..];
             let away = recent.iter().map(|o| {
                 let d = roots[*o] - roots[i];
@@ -120,8 +125,9 @@ fn order(strands: &Strands, seed: u64) -> Vec<usize> {
     order
 }
 
-/// The path of a strand as the brush lays it down: it follows the strand seen from above and goes on to [`REACH`] times the strand's length. Of a
-/// strand that stands nearly upright that is little to go by; it is laid down to where hair leans here, and where none does, to somewhere.
+/// Returns a strand's path seen from above, extended to [`REACH`] times the strand's length. The extension continues
+/// the strand's own direction; for nearly upright strands it follows the tile's mean lean, or a random direction if
+/// there is none.
 fn from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
     let Some(root) = points.first() else { return Vec::new() };
     let length: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
@@ -131,7 +137,7 @@ fn from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
     let turn = std::f32::consts::TAU * uniform(seed, 2);
     let somewhere = Vec2::new(libm::cosf(turn), libm::sinf(turn));
     let own = points.last().map_or(Vec2::ZERO, |tip| (*tip - *root).truncate()).normalize_or_zero();
-    // A hand never draws two hairs quite parallel.
+    // No two hand-drawn hairs are quite parallel.
     let to = (own + 0.6 * lean + 0.12 * somewhere).try_normalize().unwrap_or(somewhere);
     let bend = to.perp() * (0.24 * (uniform(seed, 6) - 0.5));
     let mut gone = 0.0;
@@ -143,14 +149,14 @@ fn from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
     path
 }
 
-/// The path of a strand seen from the side, along v. Of its way aside only [`ASIDE`] is left: a fin shows a piece of this picture, and what leans into it
-/// from beside has no root there. The fin leans instead.
+/// Returns a strand's path seen from the side, along v. Its lateral offset is scaled by [`ASIDE`]: a fin shows a piece
+/// of this image, and strands that lean into the piece have no root there. The fin leans instead.
 fn from_beside(points: &[Vec3], _: Vec2, _: u64) -> Vec<Vec2> {
     let root = points.first().map_or(0.0, |p| p.y);
     points.iter().map(|p| Vec2::new(root + ASIDE * (p.y - root), p.z)).collect()
 }
 
-/// Draws strokes until each density has inked its share; what they ink is in all denser ones.
+/// Draws strokes until each density has inked its share; denser planes include the ink of sparser ones.
 fn draw(strands: &Strands, order: &[usize], view: &View, lean: Vec2, seed: u64) -> [Plane; 4] {
     let mut ink = Plane::empty(view.side);
     let mut touched = Stamp { ink: Plane::empty(view.side), texels: Vec::new() };
@@ -179,7 +185,7 @@ fn draw(strands: &Strands, order: &[usize], view: &View, lean: Vec2, seed: u64) 
     })
 }
 
-/// One stroke by itself, so that it does not darken where its pieces join.
+/// Mask of a single stroke, so that overlapping segments do not darken it.
 struct Stamp {
     ink: Plane,
     texels: Vec<usize>,
@@ -196,11 +202,11 @@ impl Stamp {
         }
     }
 
-    /// Inks the texels near a straight piece, of which `part` are the shares of the stroke where it begins and ends.
+    /// Inks the texels near a straight segment; `part`: shares of the stroke at which the segment begins and ends.
     fn piece(&mut self, view: &View, stroke: &Stroke, (a, b): (Vec2, Vec2), part: (f32, f32)) {
         let n = view.side as i64;
         let along = b - a;
-        // Texels are not square from the side: half of one, across the stroke.
+        // Texels are not square from the side: half a texel, measured across the stroke.
         let across = Vec2::new(-along.y, along.x).normalize_or(Vec2::X);
         let soft = 0.5 * (across / view.scale).length().max(1e-9);
         let reach = (stroke.half_width + 2.0 * soft) * view.scale;
@@ -213,7 +219,7 @@ impl Stamp {
                 let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / view.scale;
                 let t = ((at - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
                 let away = at - (a + along * t);
-                // Where along the bristles, and how far from the middle: at the ends of a piece the two are not the same.
+                // Offset across the bristles. At the ends of a segment it differs from the distance to the path.
                 let side = along.perp_dot(at - a) / along.length().max(1e-12);
                 let ink = brush(stroke, part.0 + (part.1 - part.0) * t, (away.length(), side), soft);
                 if ink <= 0.0 {
@@ -230,16 +236,17 @@ impl Stamp {
     }
 }
 
-/// Ink at a share `t` of the stroke's length, `away` from its middle, on the bristle that is `side` to the left of it; `soft` is half a texel.
+/// Returns the ink at share `t` of the stroke's length, at distance `away` from its path, on the bristle `side` to the
+/// left of it. `soft`: half a texel.
 fn brush(stroke: &Stroke, t: f32, (away, side): (f32, f32), soft: f32) -> f32 {
-    // Pressed down quickly, lifted slowly.
+    // Pressure rises quickly and falls slowly.
     let press = smooth_step(-0.08, 0.24, t) * libm::powf((1.0 - t).max(0.0), 0.75);
     let half = stroke.half_width * press;
     let covered = ((half + soft - away) / (2.0 * soft)).clamp(0.0, 1.0) * (half / soft).min(1.0);
     if covered <= 0.0 {
         return 0.0;
     }
-    // Bristles run along the stroke and part as the ink runs out; the fewer texels there are to show them, the less.
+    // Bristles run along the stroke and part as the ink runs out; the effect fades with too few texels to show them.
     let at = Vec2::new(0.11 * t, 0.5 + 0.5 * side / stroke.half_width) + uniform(stroke.seed, 4);
     let bristle = gradient(hash(stroke.seed, 5), at, UVec2::new(16, 5));
     let dry = smooth_step(0.05, 0.6, 0.8 * bristle + 0.9 * t - 0.35) * smooth_step(1.0, 5.0, stroke.half_width / soft);

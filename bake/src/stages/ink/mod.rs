@@ -1,10 +1,10 @@
-//! `ink`: what a model needs to be drawn as an ink-wash painting (Fang 2006).
+//! `ink`: textures and vertex data for drawing a model as an ink-wash painting (Fang 2006).
 //!
-//! Four textures, painted by the same rules at any size and seed ([`stroke`], [`wash`], [`paper`], [`fur`]), or taken from scans, and for each
-//! vertex its place in the wash. Greys are as in the paper, 0 black and 1 white.
+//! Four textures, painted by the same rules at any size and seed ([`stroke`], [`wash`], [`paper`], [`fur`]) or made
+//! from scans; and the wash product of each vertex. Greys are as in the paper, 0 black and 1 white.
 //!
-//! Everything random is a hash of seed, place and purpose; functions beyond IEEE arithmetic and square roots come from `libm`, so that the same
-//! recipe paints the same textures on every machine.
+//! Everything random is a hash of seed, position and purpose. Functions beyond IEEE arithmetic and square roots come
+//! from `libm`, so that the same recipe paints the same textures on every machine.
 
 mod center;
 mod diffusion;
@@ -38,42 +38,43 @@ use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Model};
 use plane::{Channel, levels};
 
-/// What each vertex takes of the ink style, without its textures.
+/// Per-vertex part of the ink style, without its textures.
 #[derive(Clone, Debug)]
 pub struct SkinInk {
-    /// Period of the wash texture on the skin, metres.
+    /// Period of the wash texture on the mesh surface, metres.
     pub grain_size_m: f32,
-    /// Constants for drawing.
+    /// Shading constants.
     pub shading: InkShading,
-    /// One per vertex of the mesh.
+    /// Ink data per vertex of the mesh.
     pub vertices: Vec<InkVertex>,
-    /// Where the wash begins, metres, if the recipe leaves that open; `None` where it says it.
+    /// Centre of the wash, metres, if chosen automatically; `None` if the recipe gives one.
     pub center: Option<[f32; 3]>,
-    /// What there was to say.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
-/// The textures of the ink style: names, and complete .ktx2 files.
+/// Textures of the ink style: names, and complete .ktx2 files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InkFiles<'a> {
-    /// The stroke of the sphere map.
+    /// Stroke of the sphere map.
     pub stroke: NamedTexture<'a>,
-    /// The wash.
+    /// Wash.
     pub wash: NamedTexture<'a>,
-    /// The paper.
+    /// Paper.
     pub paper: NamedTexture<'a>,
-    /// Strokes of fur, for a model that has some.
+    /// Strokes of fur, for a model with fur.
     pub fur: Option<NamedTexture<'a>>,
 }
 
-/// Period of the wash texture on the skin where the recipe gives none, as a share of the bounding sphere's radius: the blotches on a body are
-/// then a few times smaller than it.
+/// Default period of the wash texture on the mesh surface, as a share of the bounding sphere's radius: blotches are
+/// then a few times smaller than the body.
 const GRAIN_PER_RADIUS: f32 = 0.8;
 
-/// Strength of the strokes of fur, 0..=1: what the recipe says; where it says nothing, full on what is known to be furred, and none on the rest. A static
-/// mesh with the default coat may as well be stone, and its owner is asked no question: hair that nobody spoke of is the worse guess.
+/// Returns the strength of the fur strokes, 0..=1: the recipe's value, if given. Otherwise the default strength if
+/// anything shows that the model has fur, else 0. A static mesh with default fur may as well be stone; unwanted hair is
+/// the worse guess.
 ///
-/// `furred` has one entry per material: a model of which a part was found to be bare, as eyes are, is no stone.
+/// `furred`: one entry per material. A model with a part detected as bare, such as eyes, counts as furred.
 pub fn fur_strength(recipe: &Recipe, model: &Model, furred: &[bool]) -> f32 {
     let speaks_of_fur = model.animation.is_some()
         || recipe.hair != HairParams::default()
@@ -85,7 +86,7 @@ pub fn fur_strength(recipe: &Recipe, model: &Model, furred: &[bool]) -> f32 {
     recipe.ink.fur.unwrap_or(if speaks_of_fur { InkShading::default().fur } else { 0.0 })
 }
 
-/// The constants for drawing; `fur` is [`fur_strength`].
+/// Returns the shading constants; `fur`: result of [`fur_strength`].
 fn shading(p: &InkParams, fur: f32) -> InkShading {
     InkShading {
         wash_speed: p.speed,
@@ -98,7 +99,7 @@ fn shading(p: &InkParams, fur: f32) -> InkShading {
     }
 }
 
-/// What each vertex takes of the textures, with what there is to say of it. `fur` is [`fur_strength`].
+/// Computes the per-vertex part of the ink style, with warnings. `fur`: result of [`fur_strength`].
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] if an image was not read.
@@ -107,13 +108,13 @@ pub fn on_skin(params: &InkParams, fur: f32, canvas: &Canvas<'_>) -> Result<Skin
     let shading = shading(params, fur);
     let mut warnings = Vec::new();
     let InkVertices { vertices, center } = vertices(params, &shading, canvas, &mut warnings)?;
-    // A model of one point has no size to go by.
+    // A model that is a single point has no size.
     let radius = if canvas.radius > 0.0 { canvas.radius } else { 1.0 };
     let grain_size_m = params.grain_size_m.unwrap_or(GRAIN_PER_RADIUS * radius);
     Ok(SkinInk { grain_size_m, shading, vertices, center: Some(center.into()), warnings })
 }
 
-/// The textures of the ink style that strands have no part in: complete .ktx2 files.
+/// Textures of the ink style that do not depend on strands: complete .ktx2 files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Painting {
     stroke: Vec<u8>,
@@ -121,12 +122,12 @@ pub struct Painting {
     paper: Vec<u8>,
 }
 
-/// Paints and encodes the textures. Where there are strands, those of the tile of a furred model, their fur is painted, too. `steps` counts textures
-/// that are painted and such that are encoded.
+/// Paints and encodes the textures. `strands`: those of the tile of a furred model; the fur texture is painted only
+/// with them. `steps` counts each texture twice, when painted and when encoded.
 ///
 /// # Errors
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] for a scan that cannot be used, [`BakeError::Internal`] if the encoder
-/// fails or an image was not read.
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] for a scan that cannot be used,
+/// [`BakeError::Internal`] if the encoder fails or an image was not read.
 pub fn textures(
     params: &InkParams,
     pack: &PackParams,
@@ -137,10 +138,10 @@ pub fn textures(
     textures_again(params, pack, images, strands, steps, &mut Remade::default())
 }
 
-/// As [`textures`]; what `painting` kept of the same tables and images is not painted again.
+/// Does the same as [`textures`], and reuses the results in `painting` if tables and images are unchanged.
 ///
 /// # Errors
-/// As [`textures`].
+/// Same as [`textures`].
 pub fn textures_again(
     params: &InkParams,
     pack: &PackParams,
@@ -180,7 +181,7 @@ fn packed(pack: &PackParams) -> TextureFormat {
     }
 }
 
-/// One texture, of layers that are painted.
+/// Encodes painted layers as one texture.
 fn encode(
     layers: Vec<[Plane; 4]>,
     channels: [Channel; 4],
@@ -213,7 +214,7 @@ fn paint(params: &InkParams, pack: &PackParams, images: &MapImages, steps: &Step
         || {
             rayon::join(
                 || encode(wash(params, tile.as_ref()), dry, AlphaMode::Straight, packed),
-                // Blocks hold four unrelated components badly: on blank paper their errors are dashes that everyone sees.
+                // Block compression handles four unrelated components badly: on blank paper the errors show as dashes.
                 || encode(paper(params), dry, AlphaMode::Straight, TextureFormat::Rgba8Unorm),
             )
         },

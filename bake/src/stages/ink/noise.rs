@@ -1,17 +1,17 @@
-//! Smooth noise over a tile that repeats.
+//! Smooth noise on a tile that repeats.
 
 use crate::noise::{hash, smooth};
 use glam::{UVec2, Vec2};
 
-/// The random slope of a lattice point, each component in -1..1.
+/// Returns the random gradient of a lattice point, each component in -1..1.
 fn slope(seed: u64, x: u32, y: u32) -> Vec2 {
     let h = hash(seed, u64::from(y) << 32 | u64::from(x));
     let component = |shift: u32| ((h >> shift) & 0xff_ffff) as f32 / (1 << 23) as f32 - 1.0;
     Vec2::new(component(0), component(24))
 }
 
-/// Gradient noise (Perlin 1985, with the smooth weights of 2002), roughly within -1..1 and 0 on average. It has `cells` lattice points to a
-/// period of 1, each way, and repeats with that period.
+/// Returns gradient noise (Perlin 1985, with the smooth weights of 2002), roughly within -1..1 and 0 on average. The
+/// period is 1 along both axes, with `cells` lattice points each.
 pub(super) fn gradient(seed: u64, p: Vec2, cells: UVec2) -> f32 {
     let q = p * cells.as_vec2();
     let cell = q.floor();
@@ -26,7 +26,8 @@ pub(super) fn gradient(seed: u64, p: Vec2, cells: UVec2) -> f32 {
     1.6 * (row(0) + (row(1) - row(0)) * w.y)
 }
 
-/// Octaves of [`gradient`], each of twice the cells and `gain` times the strength, scaled so that the sum is as strong as one.
+/// Sums octaves of [`gradient`], each with twice the cells and `gain` times the strength, scaled to the strength of a
+/// single one.
 pub(super) fn octaves(seed: u64, p: Vec2, cells: UVec2, count: u32, gain: f32) -> f32 {
     let (mut sum, mut power, mut weight) = (0.0, 0.0, 1.0f32);
     for octave in 0..count {

@@ -1,4 +1,4 @@
-//! The paper texture: a tile of xuan paper, long soft fibres in a cloudy sheet.
+//! Paper texture: a tile of xuan paper, long soft fibres in a cloudy sheet.
 
 use super::noise::octaves;
 use super::plane::Plane;
@@ -8,20 +8,20 @@ use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
 use std::f32::consts::TAU;
 
-/// Fibres in the tile at the full setting.
+/// Number of fibres in the tile at full setting.
 const FIBRES: f32 = 2600.0;
-/// Pieces of a fibre, each of which may turn a little.
+/// Segments per fibre; the fibre may turn a little at each.
 const PIECES: u32 = 40;
-/// Ribs of the screen that the sheet was couched from, in the tile.
+/// Number of ribs in the tile from the screen that the sheet was couched from.
 const SCREEN_RIBS: f32 = 44.0;
 
-/// A tile that lines are drawn into.
+/// Tile that lines are drawn into.
 struct Canvas {
     plane: Plane,
 }
 
 impl Canvas {
-    /// Raises what lies within `radius` texels of `at` to `height`, softly; the tile goes round.
+    /// Raises texels within `radius` texels of `at` softly to `height`; wraps around the tile.
     fn dab(&mut self, at: Vec2, radius: f32, height: f32) {
         let n = self.plane.side as i64;
         let reach = radius + 0.8;
@@ -37,20 +37,20 @@ impl Canvas {
     }
 }
 
-/// Fibres as a soft relief, 0..1: each a long curve that lies over those before it.
+/// Draws fibres as a soft relief, 0..1: long curves, each on top of those before it.
 fn fibres(side: usize, seed: u64, count: u32, (length, width): (f32, f32)) -> Plane {
     let mut canvas = Canvas { plane: Plane::empty(side) };
     for fibre in 0..u64::from(count) {
         let random = |n: u64| uniform(seed, fibre << 8 | n);
         let mut at = Vec2::new(random(1), random(2)) * side as f32;
-        // The vat is shaken to and fro: more fibres lie along u than across it.
+        // The vat is shaken to and fro: more fibres are along u than across it.
         let mut turn = TAU * random(3);
         turn -= 0.3 * libm::sinf(2.0 * turn);
         let bend = (random(4) - 0.5) * 0.07;
         let sway = (random(5) - 0.5) * 0.1;
         let long = length * (0.35 + 1.3 * random(6) * random(6)) * side as f32 / PIECES as f32;
         let thick = width * (0.5 + random(7)) * side as f32;
-        // Most lie deep in the felt.
+        // Most are deep in the felt.
         let high = 0.1 + 0.65 * random(8) * random(8) * random(10);
         for piece in 0..PIECES {
             let t = (piece as f32 + 0.5) / PIECES as f32;
@@ -66,8 +66,9 @@ fn fibres(side: usize, seed: u64, count: u32, (length, width): (f32, f32)) -> Pl
     canvas.plane
 }
 
-/// Red: relief; green: absorbency (high draws ink in); both 0.5 on average. Blue: tone, 1 the colour of the paper, lower darker flecks and fibres.
-/// Alpha: threshold of a dry brush, all values equally often, low where ink takes first: on raised fibres.
+/// Makes the paper's channels. Red: relief; green: absorbency (high draws ink in); both 0.5 on average. Blue: tone, 1
+/// the colour of the paper, lower for darker flecks and fibres. Alpha: threshold of a dry brush, all values equally
+/// frequent, low where ink takes first: on raised fibres.
 pub fn paper(params: &InkParams) -> [Plane; 4] {
     let side = params.paper_texels as usize;
     let seed = hash(params.seed, 0x9a9e);
@@ -77,7 +78,7 @@ pub fn paper(params: &InkParams) -> [Plane; 4] {
     let bast = fibres(side, hash(seed, 1), (0.3 * count) as u32, (0.36, 0.0008));
     let straw = fibres(side, hash(seed, 2), count as u32, (0.13, 0.0004));
     let fibres_all = bast.with(&straw, |bast, straw| bast.max(0.75 * straw));
-    // The sheet is not equally thick: looked through it is cloudy.
+    // The sheet's thickness varies: against the light it looks cloudy.
     let cloud = Plane::from_fn(side, |uv| noise(3, uv, 6, 5));
     let tooth = Plane::from_fn(side, |uv| noise(4, uv, (params.paper_texels / 10).max(4), 3));
     let ribs = Plane::from_fn(side, |uv| {
@@ -89,7 +90,7 @@ pub fn paper(params: &InkParams) -> [Plane; 4] {
     let absorbency = cloud.with(&tooth, |cloud, tooth| cloud + 0.25 * tooth).with(&fibres_all, |a, f| a - 1.1 * f);
     let spread = 0.04 + 0.24 * params.paper_absorbency;
 
-    // Some fibres are of another colour, and here and there a bit of bark was left in.
+    // Some fibres have another colour, and a few bits of bark remain.
     let dark = fibres(side, hash(seed, 6), (0.05 * count) as u32, (0.2, 0.0009));
     let bark = fibres(side, hash(seed, 7), (0.012 * count) as u32, (0.018, 0.0022));
     let tone =

@@ -1,31 +1,31 @@
-//! One channel of a square tile that repeats, and the way of four of them into texels with mips.
+//! Channel of a square tile that repeats, and conversion of four channels to texels with mips.
 
 use crate::noise::hash;
 use crate::stages::textures::gaussian_weights;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// A square of numbers that repeats both ways.
+/// Square grid of numbers that repeats along both axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
     /// Width and height, texels.
     pub side: usize,
-    /// `side * side` values, row by row.
+    /// Values of the texels, `side * side`, row by row.
     pub values: Vec<f32>,
 }
 
-/// Adds up in the order of the values, so that the sum does not depend on the number of threads.
+/// Returns the mean, summed in the order of the values, so that the sum does not depend on the number of threads.
 fn mean_of(values: impl Iterator<Item = f32>, count: usize) -> f32 {
     (values.map(f64::from).sum::<f64>() / count.max(1) as f64) as f32
 }
 
 impl Plane {
-    /// All zero.
+    /// Creates a plane of zeros.
     pub(super) fn empty(side: usize) -> Self {
         Self { side, values: vec![0.0; side * side] }
     }
 
-    /// The value of `f` at the centre of every texel; the tile is 0..1 both ways.
+    /// Evaluates `f` at the centre of every texel; the tile covers 0..1 along both axes.
     pub(super) fn from_fn(side: usize, f: impl Fn(Vec2) -> f32 + Sync) -> Self {
         let mut values = vec![0.0; side * side];
         values.par_chunks_mut(side).enumerate().for_each(|(y, row)| {
@@ -36,24 +36,24 @@ impl Plane {
         Self { side, values }
     }
 
-    /// A new plane of `f` of each value.
+    /// Applies `f` to each value and returns a new plane.
     pub(super) fn map(&self, f: impl Fn(f32) -> f32 + Sync) -> Self {
         Self { side: self.side, values: self.values.iter().map(|v| f(*v)).collect() }
     }
 
-    /// A new plane of `f` of the values of both, which are of one size.
+    /// Combines the values of two planes of equal size by `f` and returns a new plane.
     pub(super) fn with(&self, other: &Self, f: impl Fn(f32, f32) -> f32) -> Self {
         let values = self.values.iter().zip(&other.values).map(|(a, b)| f(*a, *b)).collect();
         Self { side: self.side, values }
     }
 
-    /// The value at a texel; beyond the borders the tile begins again.
+    /// Returns the value of a texel; coordinates wrap around.
     pub(super) fn at(&self, x: i64, y: i64) -> f32 {
         let wrap = |i: i64| i.rem_euclid(self.side as i64) as usize;
         self.values[wrap(y) * self.side + wrap(x)]
     }
 
-    /// Bilinear between texel centres; the tile is 0..1 both ways and repeats.
+    /// Samples bilinearly between texel centres; the tile covers 0..1 along both axes and repeats.
     pub(super) fn sample(&self, uv: Vec2) -> f32 {
         let p = uv * self.side as f32 - 0.5;
         let (cell, f) = (p.floor(), p - p.floor());
@@ -62,9 +62,9 @@ impl Plane {
         row(y) + (row(y + 1) - row(y)) * f.y
     }
 
-    /// The same at another size.
+    /// Resamples the plane to another size.
     pub(super) fn resized(&self, side: usize) -> Self {
-        // Texels that are left out would alias.
+        // Without a filter, skipped texels would alias.
         let ratio = self.side as f32 / side as f32;
         if ratio > 1.5 {
             return self.blurred(0.4 * ratio).sampled_at(side);
@@ -76,7 +76,7 @@ impl Plane {
         if side == self.side { self.clone() } else { Self::from_fn(side, |uv| self.sample(uv)) }
     }
 
-    /// A Gaussian of that standard deviation in texels over the repeating tile.
+    /// Applies a Gaussian blur with standard deviation `sigma` in texels; the tile repeats.
     pub(super) fn blurred(&self, sigma: f32) -> Self {
         let n = self.side;
         let mut weights = Vec::new();
@@ -97,23 +97,23 @@ impl Plane {
         Self { side: n, values: along(&along(&self.values, 1), n) }
     }
 
-    /// Mean value.
+    /// Returns the mean value.
     pub fn mean(&self) -> f32 {
         mean_of(self.values.iter().copied(), self.values.len())
     }
 
-    /// Standard deviation.
+    /// Returns the standard deviation.
     pub fn deviation(&self) -> f32 {
         let mean = self.mean();
         mean_of(self.values.iter().map(|v| (v - mean) * (v - mean)), self.values.len()).max(0.0).sqrt()
     }
 
-    /// Shifted and stretched to a mean of 0.5 and that standard deviation, within 0..=1.
+    /// Shifts and scales to a mean of 0.5 and the given standard deviation, clamped to 0..=1.
     pub(super) fn balanced(&self, deviation: f32) -> Self {
         let stretch = deviation / self.deviation().max(1e-6);
         let mean = self.mean();
         let mut out = self.map(|v| 0.5 + (v - mean) * stretch);
-        // What is cut off at the ends of a lopsided histogram moves the mean again.
+        // Clamping the tails of a skewed histogram shifts the mean again.
         for _ in 0..8 {
             let shift = 0.5 - out.map(|v| v.clamp(0.0, 1.0)).mean();
             out = out.map(|v| v + shift);
@@ -121,7 +121,8 @@ impl Plane {
         out.map(|v| v.clamp(0.0, 1.0))
     }
 
-    /// Every value replaced by its rank, 0..1: all values are then equally frequent. Equal ones are ranked at random, lest they become a ramp.
+    /// Replaces each value by its rank, 0..1, so that all values are equally frequent. Equal values are ranked at
+    /// random, to avoid a ramp.
     pub(super) fn equalised(&self) -> Self {
         let mut order: Vec<u32> = (0..self.values.len() as u32).collect();
         order.par_sort_unstable_by(|a, b| {
@@ -135,7 +136,7 @@ impl Plane {
         Self { side: self.side, values }
     }
 
-    /// Means over two by two texels.
+    /// Halves the size by averaging two by two texels.
     fn halved(&self) -> Self {
         let n = self.side / 2;
         let mean = |x: usize, y: usize| {
@@ -146,17 +147,18 @@ impl Plane {
     }
 }
 
-/// What a channel is for, which decides what its mips keep.
+/// Meaning of a channel, which determines how its mips are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Channel {
-    /// A quantity: mips are means.
+    /// Quantity: mips are means.
     Value,
-    /// Something is compared with it: every mip has all values equally often, so that as much passes at any distance. Means would crowd at the
-    /// middle, and then all passes or none.
+    /// Threshold for comparisons: in every mip all values are equally frequent, so that the same share passes at any
+    /// distance. Means would concentrate around the middle, so that all would pass or none.
     Threshold,
 }
 
-/// RGBA bytes of all mip levels, finest first, down to one texel. The sides are equal powers of two.
+/// Returns RGBA bytes of all mip levels, finest first, down to one texel. All planes are square, with the same
+/// power-of-two side.
 pub(super) fn levels(planes: [Plane; 4], channels: [Channel; 4]) -> Vec<Vec<u8>> {
     let mut planes = planes;
     let mut out = Vec::new();
@@ -216,7 +218,7 @@ mod tests {
             assert!((plane.mean() - 0.5).abs() < 0.01, "{} at {deviation}", plane.mean());
             assert!(plane.values.iter().all(|v| (0.0..=1.0).contains(v)));
         }
-        // A flat plane has no deviation to stretch.
+        // A constant plane has no deviation to scale.
         assert!((ramp(8).map(|_| 3.0).balanced(0.2).mean() - 0.5).abs() < 1e-3);
     }
 

@@ -1,14 +1,15 @@
-//! The product that the wash's grey follows from (Fang 2006, §3).
+//! Product that determines the wash's grey (Fang 2006, §3).
 
 use glam::Vec3;
 
-/// A vertex as near to the centre as this, in radii, has no direction from it.
+/// Distance from the centre, in radii, below which a vertex has no direction from it.
 const NEAR: f32 = 1e-6;
 
-/// The wash's product at a place with that unit normal: (V − CP)·N over the bounding sphere's radius, −2..=2 for centres within the model, and as the
-/// abstract has it, ((V − CP)/|V − CP|)·N, −1..=1, which is 0 at the centre itself.
+/// Returns the wash product at a surface point with unit `normal`, in two forms. First (V − CP)·N over the bounding
+/// sphere's radius, −2..=2 for centres within the model. Second, from the abstract, ((V − CP)/|V − CP|)·N, −1..=1, and
+/// 0 at the centre.
 ///
-/// Printed is (V − CP)·N in the model's units; over the radius, one a and b suit a model of any size.
+/// The paper prints (V − CP)·N in the model's units; divided by the radius, the same a and b suit models of any size.
 pub(super) fn product(place: Vec3, normal: Vec3, center: Vec3, radius: f32) -> [f32; 2] {
     let from = (place - center) / radius.max(f32::MIN_POSITIVE);
     let along = from.dot(normal);

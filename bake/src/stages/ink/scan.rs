@@ -1,8 +1,9 @@
-//! Scanned washes and strokes: a painting, or a part of one, made into a tile of grey.
+//! Scanned washes and strokes: conversion of a painting, or a part of one, to a grey tile.
 //!
-//! What the ink lies on is taken out first: silk and old paper are dark themselves, and not evenly so. Then the picture is laid over itself, shifted by
-//! half, each copy fading where the other has its border. A plain mean of the two would be duller than either; here both are given a normal
-//! distribution first, the sum is brought back to its variance, and then given the picture's own histogram again (Heitz and Neyret 2018).
+//! First the background is removed: silk and old paper are dark themselves, and unevenly so. Then the image is blended
+//! with a copy shifted by half; each copy fades at its own borders. A plain mean of the two would have less contrast
+//! than either. So both are first mapped to a normal distribution, the sum is restored to its variance, and the image's
+//! own histogram is applied again (Heitz and Neyret 2018).
 
 use super::plane::Plane;
 use crate::noise::smooth_step;
@@ -10,32 +11,34 @@ use glam::Vec2;
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 
-/// Fewer texels a side hold no brushwork.
+/// Minimum side of a scan, texels; smaller ones hold no brushwork.
 const LEAST_SIDE: u32 = 48;
-/// More texels a side than the largest texture made of it has are put together: what is done to a scan takes time and memory by their square.
+/// Maximum side after downsampling, texels: the size of the largest texture made from a scan. Time and memory grow with
+/// its square.
 const MOST_SIDE: usize = 2048;
-/// The ground is looked for in at most so many texels a side: it is smooth, and has no details.
+/// Maximum side for estimating the background, texels: it is smooth and has no details.
 const GROUND_SIDE: usize = 256;
-/// Grey levels, 0..=1, that darkest and lightest hundredth must lie apart.
+/// Minimum difference in grey, 0..=1, between the darkest and the lightest hundredth.
 const LEAST_CONTRAST: f32 = 0.02;
-/// Width over which the ground is looked for, as a share of the side.
+/// Blur width for estimating the background, as a share of the side.
 const GROUND: f32 = 0.16;
 
-/// A grey picture of any shape.
+/// Grey image of any shape.
 struct Grey {
     width: usize,
     height: usize,
     values: Vec<f32>,
 }
 
-/// Luma as a display shows it, which is how ink is judged, in at most `width` by `height` texels: means over the picture's own.
+/// Converts to display luma, by which ink is judged, and downsamples to at most `width` by `height` texels by
+/// averaging.
 fn grey(image: &Image, width: usize, height: usize) -> Grey {
     let (columns, rows) = (image.width as usize, image.height as usize);
     let (width, height) = (width.min(columns), height.min(rows));
     let luma = |x: usize, y: usize| {
         let t = &image.rgba[4 * (y * columns + x)..][..4];
         let share = |i: usize| f32::from(t[i]) / 255.0;
-        // Where nothing is painted there is paper.
+        // Transparent texels are paper.
         let ink = 0.2126 * share(0) + 0.7152 * share(1) + 0.0722 * share(2);
         1.0 - (1.0 - ink) * share(3)
     };
@@ -43,7 +46,8 @@ fn grey(image: &Image, width: usize, height: usize) -> Grey {
     Grey { width, height, values }
 }
 
-/// What `value` gives at each of `from` texels, columns and rows, as the means that fewer texels have. As many texels are the values themselves.
+/// Downsamples `value` from `from` to `to` texels (columns, rows) by averaging. With equal sizes the values are
+/// unchanged.
 fn mean_texels(from: (usize, usize), to: (usize, usize), value: impl Fn(usize, usize) -> f32) -> Vec<f32> {
     let part = |i: usize, to: usize, from: usize| i * from / to..(i + 1) * from / to;
     let mean = |i: usize| {
@@ -56,7 +60,7 @@ fn mean_texels(from: (usize, usize), to: (usize, usize), value: impl Fn(usize, u
     (0..to.0 * to.1).map(mean).collect()
 }
 
-/// Checks that a picture can be used; `key` and `path` are the recipe's.
+/// Checks that a scan can be used; `key` and `path` are from the recipe.
 fn check(key: &str, path: &str, image: &Image, grey: &Grey) -> Result<(), BakeError> {
     let fail = |reason: String| Err(BakeError::Input { file: path.to_owned(), place: key.to_owned(), reason });
     if image.width.min(image.height) < LEAST_SIDE {
@@ -70,7 +74,7 @@ fn check(key: &str, path: &str, image: &Image, grey: &Grey) -> Result<(), BakeEr
     Ok(())
 }
 
-/// The darkest and the lightest hundredth.
+/// Returns the greys below which the darkest hundredth is and above which the lightest.
 fn ends(values: &[f32]) -> (f32, f32) {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f32::total_cmp);
@@ -78,7 +82,7 @@ fn ends(values: &[f32]) -> (f32, f32) {
     (at(0.01), at(0.99))
 }
 
-/// The largest square in the middle, as a plane.
+/// Returns the largest centred square as a plane.
 fn square(grey: &Grey) -> Plane {
     let side = grey.width.min(grey.height);
     let (x0, y0) = ((grey.width - side) / 2, (grey.height - side) / 2);
@@ -86,16 +90,16 @@ fn square(grey: &Grey) -> Plane {
     Plane { side, values }
 }
 
-/// Takes the ground out: what the brightest parts round a place have is white there.
+/// Removes the background: the brightest parts near each texel become white.
 fn without_ground(plane: &Plane) -> Plane {
-    // Bright parts count many times more than dark ones: a soft maximum.
+    // Bright parts weigh far more than dark ones: a soft maximum.
     let sharp = 24.0;
     let n = plane.side;
     let side = n.min(GROUND_SIDE);
     let small = Plane { side, values: mean_texels((n, n), (side, side), |x, y| plane.values[y * n + x]) };
     let sigma = GROUND * side as f32;
     let mirrored = Plane::from_fn(2 * side, |uv| {
-        // The ground goes on beyond the border as it came; the tile of four has none.
+        // The background is mirrored at the borders; the tile of four copies has no seams.
         let p = (uv * 2.0 - 1.0).abs();
         small.sample(p.min(Vec2::splat(1.0 - 0.5 / side as f32)))
     });
@@ -114,10 +118,12 @@ fn without_ground(plane: &Plane) -> Plane {
     Plane { side: n, values: values.collect() }
 }
 
-/// A scanned wash as a tile that repeats, as large as the picture's shorter side, at most 2048 texels; greys of mean 0.5.
+/// Makes a repeating tile from a scanned wash, as large as the image's shorter side, at most 2048 texels; mean grey
+/// 0.5.
 ///
 /// # Errors
-/// [`BakeError::Input`], naming file, key, what was found and what was expected, for a picture that is too small or has no contrast.
+/// [`BakeError::Input`], naming file, key, what was found and what was expected, for an image that is too small or has
+/// no contrast.
 pub fn wash_tile(path: &str, image: &Image) -> Result<Plane, BakeError> {
     let (width, height) = (image.width as usize, image.height as usize);
     let shorter = width.min(height).max(1);
@@ -128,14 +134,15 @@ pub fn wash_tile(path: &str, image: &Image) -> Result<Plane, BakeError> {
     Ok(tile(&level, [true, true]).balanced(0.15))
 }
 
-/// A scanned stroke as grey along it (u, which repeats) and across it (v, 0 the outer edge, 1 the inner), 0 ink to 1 paper; at most 2048 texels each way.
+/// Makes a plane from a scanned stroke: grey along it (u, which repeats) and across it (v, 0 the outer edge, 1 the
+/// inner), 0 ink to 1 paper; at most 2048 texels along each axis.
 ///
 /// # Errors
-/// As [`wash_tile`].
+/// Same as [`wash_tile`].
 pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
     let grey = grey(image, MOST_SIDE, MOST_SIDE);
     check("ink.stroke_image", path, image, &grey)?;
-    // The rows that the stroke takes.
+    // Rows that the stroke covers.
     let (dark, light) = ends(&grey.values);
     let white = |v: f32| ((v - dark) / (light - dark)).clamp(0.0, 1.0);
     let rows: Vec<f32> = grey
@@ -144,7 +151,7 @@ pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
         .map(|row| row.iter().map(|v| 1.0 - white(*v)).sum::<f32>() / grey.width as f32)
         .collect();
     let most = rows.iter().copied().fold(0.0, f32::max);
-    // Its outer edge is the outline, and full; its inner one may fade.
+    // The outer edge is the outline, with full ink; the inner edge may fade.
     let first = rows.iter().position(|ink| *ink > 0.5 * most).unwrap_or(0);
     let last = rows.iter().rposition(|ink| *ink > 0.1 * most).unwrap_or(grey.height - 1);
     let side = grey.width.max(last + 1 - first);
@@ -162,11 +169,11 @@ pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
     Ok(tile(&band, [true, false]))
 }
 
-/// Lays a picture over itself so that it repeats along u and v as `wanted`; its histogram stays.
+/// Blends an image with shifted copies, so that it repeats along u and v as `wanted`; keeps its histogram.
 fn tile(plane: &Plane, wanted: [bool; 2]) -> Plane {
     let n = plane.side;
     let normal = plane.equalised().map(normal_of_rank);
-    // Weight of the copy that is not shifted: 0 at the borders, 1 from a quarter on.
+    // Weight of the unshifted copy: 0 at the borders, 1 from a quarter on.
     let weight = |i: usize, wanted: bool| {
         let from_border = (i as f32 + 0.5).min(n as f32 - i as f32 - 0.5) / n as f32;
         if wanted { smooth_step(0.0, 0.25, from_border) } else { 1.0 }
@@ -192,7 +199,7 @@ fn tile(plane: &Plane, wanted: [bool; 2]) -> Plane {
     ranks.map(|rank| sorted[((rank * (n * n) as f32) as usize).min(n * n - 1)])
 }
 
-/// The value of a normal distribution that this share of all values lies below (Abramowitz and Stegun 26.2.23, within 5e-4).
+/// Returns the quantile of the standard normal distribution at `rank` (Abramowitz and Stegun 26.2.23, within 5e-4).
 fn normal_of_rank(rank: f32) -> f32 {
     let p = rank.min(1.0 - rank).max(1e-7);
     let t = (-2.0 * libm::logf(p)).sqrt();

@@ -4,7 +4,7 @@ use super::*;
 use crate::stages::ink::noise::octaves;
 use glam::UVec2;
 
-/// A painting on silk that is darker to the right: brush marks of a few sizes.
+/// Makes a painting on silk that is darker to the right, with brush marks of several sizes.
 fn painting(width: u32, height: u32) -> Image {
     let texel = |i: u32| {
         let (x, y) = (i % width, i / width);
@@ -30,7 +30,7 @@ fn a_painting_becomes_a_tile_without_its_silk() {
     assert_eq!(plane.side, 140);
     assert!(seam(&plane, true) < 1.35 && seam(&plane, false) < 1.35, "{} {}", seam(&plane, true), seam(&plane, false));
     assert!((plane.mean() - 0.5).abs() < 0.01 && plane.deviation() > 0.1);
-    // The silk was twice as dark on the right as on the left.
+    // The silk is twice as dark on the right as on the left.
     let part = |from: usize| {
         let columns = (0..140).flat_map(|y| (from..from + 35).map(move |x| (x, y)));
         columns.map(|(x, y)| plane.values[y * 140 + x]).sum::<f32>() / (35.0 * 140.0)
@@ -56,7 +56,7 @@ fn tiling_keeps_every_grey() {
 
 #[test]
 fn a_stroke_goes_round_and_keeps_its_edges() {
-    // Dark in the middle rows, pale at the lower edge; below and above is paper.
+    // Dark in the middle rows, pale at the lower edge, paper above and below.
     let texel = |i: u32| {
         let (x, y) = (i % 120, i / 120);
         let grey = match y {
@@ -78,7 +78,7 @@ fn a_stroke_goes_round_and_keeps_its_edges() {
 
 #[test]
 fn a_large_scan_costs_no_more_than_the_largest_texture() {
-    // A few kilobytes of JPEG may say that they are as wide as this.
+    // A JPEG of a few kilobytes may declare such a width.
     let wide = painting(16_384, 48);
     let band = stroke_band("s.png", &wide).unwrap();
     assert_eq!(band.side, MOST_SIDE);
@@ -90,7 +90,7 @@ fn a_large_scan_costs_no_more_than_the_largest_texture() {
 
 #[test]
 fn the_ground_of_a_large_scan_is_that_of_a_small_one() {
-    // The same texels, and each of them three times as wide and high: one is looked at as it is, the other in fewer texels.
+    // The same texels, and each of them enlarged three times: one is used as it is, the other is downsampled.
     let small = painting(200, 200);
     let texel = |i: usize| small.rgba[4 * ((i / 1800) * 200 + i % 600 / 3)..][..4].to_vec();
     let large = Image { width: 600, height: 600, rgba: (0..600 * 600).flat_map(texel).collect() };
@@ -120,7 +120,7 @@ fn bad_images_are_named_with_what_was_found() {
         ["s.png", "ink.stroke_image", "0.353 to 0.353", "light and dark"].iter().all(|p| text.contains(p)),
         "{text}"
     );
-    // Nothing painted at all is as flat.
+    // A blank image is just as flat.
     let clear = Image { width: 64, height: 64, rgba: [0, 0, 0, 0].repeat(64 * 64) };
     assert!(wash_tile("c.png", &clear).is_err());
 }

@@ -1,8 +1,9 @@
-//! The stroke of the sphere map: a ring of ink along the rim of a disc, where the outline of every model is looked up (Fang 2006, §2; Kang 2003).
+//! Stroke of the sphere map: a ring of ink along the rim of a disc, where every model's outline is looked up (Fang
+//! 2006, §2; Kang 2003).
 //!
-//! The texture's place (u, v) is half the unit normal across the look plus one half: the middle of the disc faces the eye, its rim (at distance
-//! one half) is the outline. How wide the ink reaches inwards is how wide the line is; as the rim is gone round, it swells and thins as the line of
-//! a soft brush does.
+//! Texture coordinates (u, v) are half the unit normal across the view direction, plus one half. The disc's middle
+//! faces the eye; its rim, at distance one half, is the outline. The line is as wide as the ink extends inwards. Along
+//! the rim the width swells and thins like a line from a soft brush.
 
 use super::noise::{gradient, octaves};
 use super::plane::Plane;
@@ -12,17 +13,19 @@ use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
 use std::f32::consts::TAU;
 
-/// Where along the rim the brush leans on its belly, turns: to the lower right, as of a hand that comes from the upper left.
+/// Position along the rim, in turns, where the brush is pressed most: lower right, for a hand that comes from the upper
+/// left.
 const BELLY: f32 = 0.11;
 
-/// A place on the disc: turns round it, and how far inside of the rim as a share of the radius, 0..=1. Outside of the rim, 0.
+/// Returns polar coordinates on the disc: angle in turns, and distance inwards from the rim as a share of the radius,
+/// 0..=1; 0 outside the rim.
 fn polar(uv: Vec2) -> Vec2 {
     let p = uv - 0.5;
     let turns = libm::atan2f(p.y, p.x) / TAU;
     Vec2::new(turns - turns.floor(), (1.0 - 2.0 * p.length()).max(0.0))
 }
 
-/// A ring of ink as wide as a brush leaves it.
+/// Ring of ink with the varying width of a brush stroke.
 struct Ring<'a> {
     seed: u64,
     width: f32,
@@ -32,29 +35,29 @@ struct Ring<'a> {
 }
 
 impl Ring<'_> {
-    /// Noise of its own kind along the rim and inwards; cells to a turn, and to a radius.
+    /// Returns noise of the given kind along the rim and inwards; `cells`: cells per turn and per radius.
     fn noise(&self, kind: u64, at: Vec2, cells: (u32, u32), count: u32) -> f32 {
         octaves(hash(self.seed, kind), at, UVec2::new(cells.0, cells.1), count, 0.55)
     }
 
-    /// How much the brush is pressed there, about 1.
+    /// Returns the brush pressure, about 1.
     fn pressure(&self, turns: f32) -> f32 {
         let swell = 0.55 * libm::cosf(TAU * (turns - BELLY)) + 0.6 * self.noise(1, Vec2::new(turns, 0.5), (4, 4), 3);
         (1.0 + self.variation * swell).max(0.25)
     }
 
-    /// Ink of the wet stroke and of the dry one, 0 none to 1 black.
+    /// Returns the ink of the wet and of the dry stroke, 0 none to 1 black.
     fn ink(&self, at: Vec2) -> [f32; 2] {
         let pressure = self.pressure(at.x);
-        // Inside of the stroke 0..=1 from the rim to its edge, which frays.
+        // Position within the stroke: 0..=1 from the rim to its frayed edge.
         let fray = 0.24 * self.noise(2, at, (40, 24), 3) + 0.1 * self.noise(3, at, (150, 60), 2);
         let across = at.y / (self.width * pressure) + fray * self.variation.min(1.0);
         let body = 1.0 - smooth_step(0.72, 1.12, across);
-        // Ink runs on into the paper, thinner and thinner, and gathers a little where it stopped.
+        // Ink bleeds into the paper, fading outwards, and pools a little where it stops.
         let bleed = 0.22 * libm::expf(-3.0 * (across - 1.0).max(0.0)) * smooth_step(0.7, 1.0, across);
         let pool = 1.0 - 0.10 * smooth_step(0.15, 0.6, across) * (1.0 - smooth_step(0.6, 0.85, across));
         let wet = match self.scanned {
-            // The middle rows of the first and the last texel are its ends: beyond, the tile would begin again.
+            // The ends are at the centres of the first and last texel rows; beyond them the tile would repeat.
             Some(band) if across < 1.0 => {
                 let half = 0.5 / band.side as f32;
                 1.0 - band.sample(Vec2::new(at.x, across.clamp(half, 1.0 - half)))
@@ -62,7 +65,8 @@ impl Ring<'_> {
             Some(_) => 0.0,
             None => (body * pool).max(bleed),
         };
-        // Bristles run along the rim; the drier the brush, the more of them leave no ink, first on the side where it is not pressed.
+        // Bristles run along the rim. The drier the brush, the more of them leave no ink, first on the side with less
+        // pressure.
         let bristles = gradient(hash(self.seed, 4), at, UVec2::new(9, 88))
             + 0.6 * gradient(hash(self.seed, 5), at, UVec2::new(23, 150));
         let load = self.noise(6, Vec2::new(at.x, 0.25), (6, 3), 2);
@@ -72,11 +76,11 @@ impl Ring<'_> {
     }
 }
 
-/// Red: grey of the stroke, 0 black at the rim to 1 white inside; green: the same of a dry brush; blue: how the line's width varies, 0.5 on
-/// average; alpha: 1.
+/// Makes the stroke's channels. Red: grey of the stroke, 0 black at the rim to 1 white inside; green: the same for a
+/// dry brush; blue: variation of the line's width, 0.5 on average; alpha: 1.
 ///
-/// `scanned`: a stroke in place of the painted one, along u and from the outer edge to the inner along v, as
-/// [`stroke_band`](super::stroke_band) gives it. Its dry form is the scan with bristles lifted off.
+/// `scanned`: replaces the painted stroke; along u, and from the outer to the inner edge along v, as returned by
+/// [`stroke_band`](super::stroke_band). The dry stroke is the scan with bristles lifted off.
 pub fn stroke(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
     let side = params.stroke_texels as usize;
     let ring = Ring {
@@ -90,7 +94,7 @@ pub fn stroke(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
     [grey(0), grey(1), width_noise(side, params), Plane::from_fn(side, |_| 1.0)]
 }
 
-/// The blue channel: noise round the rim, which changes slowly inwards.
+/// Makes the blue channel: noise along the rim that changes slowly inwards.
 fn width_noise(side: usize, params: &InkParams) -> Plane {
     let seed = hash(params.seed, 0x5702);
     Plane::from_fn(side, |uv| octaves(seed, polar(uv), UVec2::new(7, 3), 4, 0.6)).balanced(0.18)

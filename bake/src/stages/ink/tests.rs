@@ -7,7 +7,7 @@ use crate::stages::textures::decode_texture;
 use glam::Vec2;
 use pelage_formats::{Animation, Limits, Manifest, Package, PackageWriter, TextureEntry, TextureView};
 
-/// Small enough for a test, large enough to see the seams.
+/// Returns textures small enough for a test and large enough to show seams.
 fn small() -> InkParams {
     InkParams { stroke_texels: 128, wash_texels: 128, paper_texels: 128, fur_texels: 128, ..InkParams::default() }
 }
@@ -16,7 +16,8 @@ fn strands() -> Strands {
     simulate(&natural().hair, &ColorParams::default(), &VolumeParams { height: 0.15 }).unwrap()
 }
 
-/// Mean differences of neighbours: across the seam, and everywhere else. `columns` compares texels side by side.
+/// Returns the mean difference of neighbours across the seam, and everywhere else. `columns`: compare texels side by
+/// side.
 fn seam(plane: &Plane, columns: bool) -> (f32, f32) {
     let n = plane.side as i64;
     let at = |along: i64, across: i64| if columns { plane.at(across, along) } else { plane.at(along, across) };
@@ -105,7 +106,7 @@ fn densities_of_fur_are_nested_and_grow() {
         assert!(shares[0] > 0.05 && shares[0] < 0.2 && shares[3] < 0.8, "{name}: {shares:?}");
         assert!(shares[1] > 1.5 * shares[0] && shares[3] > 3.0 * shares[0], "{name}: {shares:?}");
     }
-    // From the side hair is dense at the skin and ends in tips.
+    // Seen from the side, hair is dense at the mesh surface and ends in tips.
     let [_, [.., all]] = fur(&strands, 256, 1);
     let row = |y: usize| all.values[y * 256..(y + 1) * 256].iter().sum::<f32>() / 256.0;
     assert!(row(12) > 0.7 && row(12) > row(128) && row(128) > row(220) && row(255) < 0.05, "{} {}", row(12), row(255));
@@ -156,7 +157,7 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
         ];
         let files = [&encoded.stroke, &encoded.wash, &encoded.paper, encoded.fur.as_ref().unwrap()];
         for (texture, ((_, file), layers)) in files.into_iter().zip(painted).enumerate() {
-            // The paper, the third, is never in blocks.
+            // The paper, the third texture, is never block-compressed.
             let block = shell_format == ShellFormat::Bc7 && texture != 2;
             let format = if block { TextureFormat::Bc7Unorm } else { TextureFormat::Rgba8Unorm };
             reread(file, |view| {
@@ -192,11 +193,11 @@ fn fur_is_painted_where_something_speaks_of_it() {
         assert_eq!(fur_strength(&with(&[set]), &stone, &[true]), 1.0, "{set}");
     }
     assert_eq!(fur_strength(&with(&[]), &stone, &[true, false]), 1.0, "eyes were found");
-    // What says how finely is no word of fur, nor is the lack of fins.
+    // Neither settings of resolution nor disabled fins show that the model has fur.
     for set in ["slice.layers=8", "model.unit_m=0.01", "fins.enabled=false", "ink.line=2"] {
         assert_eq!(fur_strength(&with(&[set]), &stone, &[true]), 0.0, "{set}");
     }
-    // Who says it is right.
+    // An explicit value always applies.
     assert_eq!(fur_strength(&with(&["ink.fur=0.3"]), &stone, &[true]), 0.3);
     assert_eq!(fur_strength(&with(&["ink.fur=0"]), &animal, &[true]), 0.0);
 }

@@ -1,4 +1,4 @@
-//! What the ink style needs of each vertex: its place in the wash (Fang 2006, §3), and how much of wash, ink and line it takes.
+//! Per-vertex data of the ink style: the wash product (Fang 2006, §3) and the amounts of wash, ink and line.
 
 use super::center::{Spot, pick};
 use super::product::product;
@@ -9,33 +9,33 @@ use pelage_formats::{InkShading, InkVertex};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Material, Mesh, MeshPart, RestPose};
 
-/// The ink of all vertices.
+/// Ink data of all vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InkVertices {
-    /// One per vertex.
+    /// Ink data per vertex.
     pub vertices: Vec<InkVertex>,
-    /// Where the wash of materials without a centre of their own begins, metres.
+    /// Centre of the wash for materials without one of their own, metres.
     pub center: Vec3,
 }
 
-/// What is painted.
+/// Model to be painted.
 #[derive(Clone, Copy, Debug)]
 pub struct Canvas<'a> {
-    /// The mesh as the package will have it.
+    /// Mesh as stored in the package.
     pub mesh: &'a Mesh,
-    /// Its rest pose.
+    /// Rest pose of `mesh`.
     pub rest: &'a RestPose,
-    /// Radius of its bounding sphere, metres.
+    /// Radius of the bounding sphere, metres.
     pub radius: f32,
-    /// Its materials.
+    /// Materials of the model.
     pub materials: &'a [Material],
-    /// The images that the recipe names.
+    /// Images that the recipe names.
     pub images: &'a MapImages,
 }
 
-/// What one material takes.
+/// Ink settings of one material.
 struct MaterialPaint<'a> {
-    /// Share of the wash, and of full ink; a factor on each, 0 or 1.
+    /// Map of the share of wash, with a factor of 0 or 1; `solid` is the same for full ink.
     wash: (&'a ScalarMap, f32),
     solid: (&'a ScalarMap, f32),
     line: &'a ScalarMap,
@@ -57,15 +57,15 @@ impl<'a> MaterialPaint<'a> {
     }
 }
 
-/// What [`InkFill::Solid`] means without an amount.
+/// Amount of [`InkFill::Solid`] if none is given.
 static FULL: ScalarMap = ScalarMap::Constant(1.0);
 
-/// Evaluates the recipe at every vertex. Where several materials meet, a vertex takes their mean.
+/// Evaluates the recipe at every vertex. Where several materials meet, a vertex gets their mean.
 ///
 /// Names that match no material are reported in `warnings`.
 ///
 /// # Errors
-/// [`BakeError::Internal`] where an image was not read.
+/// [`BakeError::Internal`] if an image was not read.
 pub fn vertices(
     params: &InkParams,
     shading: &InkShading,

@@ -1,4 +1,4 @@
-//! The wash texture: a tile of dried ink wash, and the noise that lines and dry brushes follow on the surface.
+//! Wash texture: a tile of dried ink wash, and the noise for lines and dry brushes on the surface.
 
 use super::diffusion::{Paper, dry};
 use super::noise::octaves;
@@ -8,30 +8,32 @@ use crate::noise::{hash, uniform};
 use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
 
-/// Texels a side that ink runs on; the blotches and marks that it leaves are wider than a texel of it.
+/// Side of the ink simulation, texels; the resulting blotches and marks are wider than one of them.
 const WET_SIDE: usize = 256;
-/// Texels a side that soft noise is computed for; it has nothing finer.
+/// Side at which soft noise is computed, texels; it has no finer details.
 const SOFT_SIDE: usize = 256;
-/// Layers of wash, each laid on when the one before is dry.
+/// Number of wash layers, each applied when the one before is dry.
 const LAYERS: u64 = 3;
-/// Puddles of a layer.
+/// Number of puddles per layer.
 const PUDDLES: u64 = 4;
 
-/// Standard deviations of the channels: strong enough to be seen at a share of a half, and not yet spots.
+/// Standard deviation of the grain; like [`BLOTCHES`] and [`PRESSURE`], large enough to be visible at half strength,
+/// and too small for spots.
 const GRAIN: f32 = 0.13;
 const BLOTCHES: f32 = 0.15;
 const PRESSURE: f32 = 0.17;
 
-/// Red: grain of the wash; green: blotches and tide marks, coarser; blue: pressure of the brush along lines; all 0.5 on average, in grey (low is
-/// more ink, high is more paper). Alpha: threshold of a dry brush, all values equally often, low where ink takes first.
+/// Makes the wash's channels. Red: grain of the wash; green: blotches and tide marks, coarser; blue: brush pressure
+/// along lines. These are 0.5 on average, in grey (low is more ink, high is more paper). Alpha: threshold of a dry
+/// brush, all values equally frequent, low where ink takes first.
 ///
-/// `scanned`: a wash in place of the painted one, already a tile of grey.
+/// `scanned`: a tile of grey that replaces the painted wash.
 pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
     let side = params.wash_texels as usize;
     let seed = hash(params.seed, 0x3a51);
     let noise =
         |kind: u64, uv: Vec2, cells: u32, count: u32| octaves(hash(seed, kind), uv, UVec2::splat(cells), count, 0.6);
-    // Fibres and sizing, on which grains of soot settle.
+    // Fibres and sizing, on which soot particles settle.
     let tooth = Plane::from_fn(side, |uv| noise(1, uv, 40, 4));
     let soft = |f: &(dyn Fn(Vec2) -> f32 + Sync)| Plane::from_fn(side.min(SOFT_SIDE), f).resized(side);
     let cloud = soft(&|uv| noise(2, uv, 5, 5));
@@ -52,14 +54,14 @@ pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
             )
         }
     };
-    // Slower than the lines are wide: what changes within a line's width makes beads of it.
+    // Lower frequency than line widths: a change within a line's width would turn the line into beads.
     let pressure = soft(&|uv| noise(3, uv, 6, 2));
     let speckle = Plane::from_fn(side, |uv| noise(4, uv, (params.wash_texels / 8).max(4), 3));
     let dry_brush = speckle.with(&tooth, |speckle, tooth| speckle + 0.5 * tooth).with(&pressure, |v, p| v - 0.15 * p);
     [grain.balanced(GRAIN), blotches.balanced(BLOTCHES), pressure.balanced(PRESSURE), dry_brush.equalised()]
 }
 
-/// Ink of all layers together, about 0..1.
+/// Simulates the ink of all layers together, about 0..1.
 fn stain(seed: u64, edges: f32) -> Plane {
     let noise =
         |kind: u64, uv: Vec2, cells: u32, count: u32| octaves(hash(seed, kind), uv, UVec2::splat(cells), count, 0.6);
@@ -80,7 +82,7 @@ fn stain(seed: u64, edges: f32) -> Plane {
                 let random = |n: u64| uniform(seed, k << 8 | n);
                 let away = at - Vec2::new(random(1), random(2));
                 let radius = 0.1 + 0.2 * random(3);
-                // Some are laid on dry paper, some run out into damp.
+                // Some puddles have hard edges, on dry paper, and some soft ones, on damp paper.
                 let soft = 0.02 + 0.6 * radius * random(4) * random(4);
                 depth =
                     depth.max(1.0 - smooth_step(radius - soft, radius + 0.4 * soft, (away - away.round()).length()));
@@ -92,6 +94,6 @@ fn stain(seed: u64, edges: f32) -> Plane {
         let strength = Plane::from_fn(WET_SIDE, |uv| (0.55 + 0.5 * noise(21 + layer, uv, 4, 4)).clamp(0.06, 1.3));
         sum = sum.with(&dry(paper, &water, &strength, edges), |sum, ink| sum + ink);
     }
-    // Rims are sharp outside and soft inside; the paper softens all a little.
+    // Rims are sharp outside and soft inside; the paper softens everything slightly.
     sum.blurred(0.7).map(|ink| 1.0 - libm::expf(-1.1 * ink))
 }

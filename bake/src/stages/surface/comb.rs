@@ -1,4 +1,4 @@
-//! Where the hair is combed to: wishes per face, before they are smoothed into a field.
+//! Comb directions: wishes per face, before they are smoothed into a field.
 
 use super::marks::{self, CombMark};
 use super::skin::Skin;
@@ -7,36 +7,38 @@ use crate::stages::reach;
 use glam::{DVec3, Vec3};
 use pelage_import::mesh::{DrawnComb, Mesh};
 
-/// How far apart places along a drawn line are, shares of its reach.
+/// Distance between samples of a drawn line, as a share of its reach.
 const STEP: f32 = 0.125;
-/// Most places of a drawn line.
+/// Maximum number of samples of a drawn line.
 const MOST_PLACES: usize = 256;
 
-/// Where hair is combed to. Directions are in world space at rest; what counts is their share along the skin.
+/// Direction in which hair is combed. Directions are in world space at rest; only their component along the mesh
+/// surface counts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Comb {
-    /// One direction everywhere, any length but 0.
+    /// The same direction everywhere, any length but 0.
     Direction(Vec3),
     /// Down: −y.
     Gravity,
-    /// Along +v of the model's texture coordinates, which is down in a texture painted upright.
+    /// Along +v of the model's texture coordinates, which points down in a texture painted upright.
     Tangents,
-    /// One vector per vertex of the input mesh; its length, up to 1, is how much it counts.
+    /// A vector per vertex of the input mesh; its length, up to 1, is its weight.
     PerVertex(Vec<Vec3>),
-    /// Directions at a few places, spread over the surface by the way between (formulas 6.1, after Praun et al. 2000).
+    /// Directions at a few points, spread by distance along the mesh surface (formulas 6.1, after Praun et al. 2000).
     Marks {
-        /// At least one.
+        /// Marks; at least one.
         marks: Vec<CombMark>,
-        /// Where all of them have a reach, the direction beyond it, any length but 0.
+        /// Direction beyond the reach of all marks, if they all have a reach; any length but 0.
         elsewhere: Vec3,
     },
-    /// No direction: patches lie as they distort least, which suits hair that stands up (the isotropic mode of Lengyel et al. 2001).
+    /// No direction: patches have minimal distortion, which suits upright hair (the isotropic mode of Lengyel et al.
+    /// 2001).
     None,
 }
 
 impl Comb {
-    /// What a recipe says, with what is drawn in a model of that radius. Where `surface.comb` is `auto`, a mark with a direction makes it `marks`, and so
-    /// does what is drawn where `surface.comb_direction` is left alone.
+    /// Returns the comb of a recipe and of lines drawn in a model with the given radius. If `surface.comb` is `auto`, a
+    /// mark with a direction selects `marks`; drawn lines do so if `surface.comb_direction` is unchanged.
     pub fn of_recipe(recipe: &SurfaceParams, drawn: &[DrawnComb], radius_m: f32) -> Self {
         let of_recipe = recipe.comb_marks.iter().flat_map(CombMarkParams::with_likeness).filter_map(|mark| {
             Some(CombMark {
@@ -67,7 +69,7 @@ impl Comb {
         }
     }
 
-    /// The unit direction that holds everywhere; zero where there is no such.
+    /// Returns the unit direction that applies everywhere; zero if there is none.
     pub fn everywhere(&self) -> Vec3 {
         match self {
             Self::Direction(direction) => direction.normalize_or_zero(),
@@ -77,7 +79,7 @@ impl Comb {
     }
 }
 
-/// Places along a drawn line, about `step_m` apart and at most [`MOST_PLACES`], its ends among them.
+/// Samples a drawn line, ends included, about every `step_m` and at most [`MOST_PLACES`] times.
 fn evenly(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
     let lengths: Vec<f32> = places.windows(2).map(|ends| ends[0].0.distance(ends[1].0)).collect();
     let total: f32 = lengths.iter().sum();
@@ -101,7 +103,7 @@ fn evenly(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
     found
 }
 
-/// One wish per face of the skin; lengths up to 1.
+/// Returns one wish per furred face; lengths up to 1.
 pub(super) fn wishes(
     skin: &Skin,
     mesh: &Mesh,
@@ -128,7 +130,7 @@ pub(super) fn wishes(
                 let uv = mesh.triangles[skin.triangles[f] as usize].map(|v| mesh.uvs[v as usize].as_dvec2());
                 let p = skin.topology.corners(f);
                 let (d1, d2) = (uv[1] - uv[0], uv[2] - uv[0]);
-                // dP/dv, and by its sign right for mirrored charts too.
+                // dP/dv; its sign is also correct for mirrored charts.
                 let along_v = (p[2] - p[0]) * d1.x - (p[1] - p[0]) * d2.x;
                 (along_v * d1.perp_dot(d2).signum()).normalize_or_zero()
             })
@@ -151,7 +153,7 @@ mod tests {
             other => vec![(99, Some(if other == Comb::Gravity { 1.0 } else { 2.0 }))],
         };
         assert_eq!(marks(&open, &[]), []);
-        // A line of a metre, which reaches 0.6 m, in steps of less than 75 mm.
+        // A line of one metre with a reach of 0.6 m, in steps below 75 mm.
         assert_eq!(marks(&open, &drawn), [(15, Some(0.6))]);
         let turned = SurfaceParams { comb_direction: [1.0, 0.0, 0.0], ..open.clone() };
         assert_eq!(marks(&turned, &drawn), []);

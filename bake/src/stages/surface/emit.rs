@@ -1,4 +1,5 @@
-//! From faces back to vertices: repaired triangles, splits where sides disagree, tile coordinates and tangents per vertex.
+//! Conversion from faces to vertices: repaired triangles, splits where sides disagree, tile coordinates and tangents
+//! per vertex.
 
 use super::frames;
 use super::lapped::Lapped;
@@ -10,13 +11,13 @@ use pelage_formats::Animation;
 use pelage_import::mesh::{Mesh, RestPose};
 use std::collections::HashMap;
 
-/// Per vertex of the mesh as it is then.
+/// Per-vertex results for the split mesh.
 pub(super) struct Emitted {
     pub(super) tile_uvs: Vec<Vec2>,
     pub(super) tangents: Vec<Vec4>,
 }
 
-/// Leaves the triangles that the repair kept, turned as it turned them. Normals of turned triangles are made anew.
+/// Keeps the triangles that the repair kept, with its windings. Normals of flipped triangles are recomputed.
 pub(super) fn keep_sound_triangles(mesh: &mut Mesh, animation: Option<&Animation>, repaired: &Repaired) {
     let mut kept = vec![false; mesh.triangles.len()];
     repaired.triangles.iter().for_each(|t| kept[*t as usize] = true);
@@ -37,7 +38,7 @@ pub(super) fn keep_sound_triangles(mesh: &mut Mesh, animation: Option<&Animation
     }
 }
 
-/// Where a triangle was turned, its vertices' normals were computed from, or averaged with, a wrong side.
+/// Recomputes the normals at flipped triangles, which were computed from, or averaged with, a wrong side.
 fn renew_normals(mesh: &mut Mesh, animation: Option<&Animation>, flipped: &[bool]) {
     let mut touched = vec![false; mesh.positions.len()];
     for (triangle, _) in mesh.triangles.iter().zip(flipped).filter(|(_, f)| **f) {
@@ -60,14 +61,15 @@ fn renew_normals(mesh: &mut Mesh, animation: Option<&Animation>, flipped: &[bool
             mesh.normals[v] = normal;
         }
     }
-    // Windings are right in the posed state; a joint that mirrors makes the mesh's own space wind the other way.
+    // Windings are correct in the posed state; a mirroring joint reverses the winding in the mesh's own space.
     let turned = RestPose::of(mesh, animation).normals;
     for v in (0..touched.len()).filter(|v| touched[*v] && turned[*v].dot(posed[*v]) < 0.0) {
         mesh.normals[v] = -mesh.normals[v];
     }
 }
 
-/// Tile coordinates of lapped patches. `field`, one vector per face, gives the frames; without it each patch's own coordinates do.
+/// Makes tile coordinates from lapped patches. `field`, one vector per face, gives the frames; without it they follow
+/// each patch's own coordinates.
 pub(super) fn patches(
     mesh: &mut Mesh,
     input_vertex: &mut Vec<u32>,
@@ -75,7 +77,7 @@ pub(super) fn patches(
     lapped: &Lapped,
     field: Option<&[DVec3]>,
 ) -> Emitted {
-    // Patch that a vertex serves first; bare triangles count as one more patch.
+    // Patch that uses a vertex first; bare triangles count as one more patch.
     let bare = lapped.patches as u32;
     let mut face_of = vec![NONE; mesh.triangles.len()];
     skin.triangles.iter().enumerate().for_each(|(f, t)| face_of[*t as usize] = f as u32);
@@ -108,8 +110,8 @@ pub(super) fn patches(
     Emitted { tile_uvs, tangents }
 }
 
-/// Tangents along S = T × N with T the mean of the comb field about each point: light then runs smoothly over borders of patches.
-/// Where the field has no direction in the mean, the patch's own coordinates give it.
+/// Returns tangents along S = T × N, with T the mean of the comb field around each point, so that light is smooth
+/// across patch borders. Where the mean has no direction, the patch's own coordinates are used.
 fn field_tangents(mesh: &Mesh, skin: &Skin, field: &[DVec3], tile_uvs: &[Vec2]) -> Vec<Vec4> {
     let topology = &skin.topology;
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0.0); topology.points.len()];
@@ -131,7 +133,7 @@ fn field_tangents(mesh: &Mesh, skin: &Skin, field: &[DVec3], tile_uvs: &[Vec2]) 
             if comb.length() < 0.5 * area {
                 continue;
             }
-            // From rest to the mesh's own space: the same combination of the edges there.
+            // Converted from rest to the mesh's own space: the same linear combination of the edges there.
             let s = comb.cross(normal).reject_from_normalized(n).normalize_or_zero();
             let (a, b) = (s.cross(e2).dot(n) / e1.cross(e2).dot(n), e1.cross(s).dot(n) / e1.cross(e2).dot(n));
             along_u[v as usize] += (((q1 - q0) * a + (q2 - q0) * b).normalize_or_zero() * topology.areas[f]).as_vec3();
@@ -145,7 +147,7 @@ fn field_tangents(mesh: &Mesh, skin: &Skin, field: &[DVec3], tile_uvs: &[Vec2]) 
     own.into_iter().enumerate().map(tangent).collect()
 }
 
-/// Tile coordinates from the model's own texture coordinates.
+/// Makes tile coordinates from the model's own texture coordinates.
 pub(super) fn model_uvs(
     mesh: &mut Mesh,
     input_vertex: &mut Vec<u32>,

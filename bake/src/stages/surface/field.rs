@@ -1,35 +1,38 @@
-//! The comb field: a unit tangent per face, along which the hair is combed.
+//! Comb field: a unit tangent per face, along which the hair is combed.
 //!
-//! Wishes are projected to the faces and smoothed: where a wish is weak (its direction nearly along the normal) or wishes
-//! disagree, the neighbours decide. The smoothing is a hierarchical Gauss–Seidel iteration on unit vectors, as in Instant Meshes
-//! (Jakob et al. 2015): linear in the number of faces. By the Poincaré–Hopf theorem a field on a closed surface of genus g has
-//! singularities whose indices add up to 2 − 2g; they stay where wishes vanish, such as nose and tail.
+//! Wishes are projected to the faces and smoothed: where a wish is weak (its direction nearly along the normal) or
+//! wishes disagree, the neighbours decide. The smoothing is a hierarchical Gauss–Seidel iteration on unit vectors, as
+//! in Instant Meshes (Jakob et al. 2015), linear in the number of faces. By the Poincaré–Hopf theorem, a field on a
+//! closed surface of genus g has singularities whose indices sum to 2 − 2g. They stay where wishes vanish, such as at
+//! nose and tail.
 
 use super::topology::{NONE, Topology, prev};
 use glam::DVec3;
 use pelage_import::angle::between;
 
-/// Gauss–Seidel sweeps per level: enough for each level to settle, since the coarser one hands down the long waves.
+/// Gauss–Seidel sweeps per level: enough for each level to converge, because the coarser one provides the low
+/// frequencies.
 const SWEEPS: usize = 6;
-/// Below this many nodes coarsening stops.
+/// Number of nodes below which coarsening stops.
 const COARSEST: usize = 8;
 
-/// One level of the hierarchy: a graph of clusters of faces.
+/// Level of the hierarchy: a graph of clusters of faces.
 #[derive(Default)]
 struct Level {
     normals: Vec<DVec3>,
     areas: Vec<f64>,
-    /// Area times wish.
+    /// Wish of each node times its area.
     wishes: Vec<DVec3>,
-    /// Neighbours of node i are `links[starts[i]..starts[i + 1]]`, with the weight of each.
+    /// Ranges in `links`: the neighbours of node i, with their weights, are `links[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     links: Vec<(u32, f64)>,
 }
 
 /// Smooths wishes into a field.
 ///
-/// * `wishes`: one per face, any direction; what lies in the face's plane counts, and its length (0..=1) is how much
-/// * `smoothing_m`: how far the neighbours' say reaches against a wish of length 1, metres, above 0
+/// * `wishes`: one per face, any direction; only the component in the face's plane counts, with its length (0..=1) as
+///   weight
+/// * `smoothing_m`: reach of the neighbours' influence against a wish of length 1, metres, above 0
 ///
 /// Returns one unit vector in the plane of each face.
 pub(super) fn comb_field(topology: &Topology, wishes: &[DVec3], smoothing_m: f64) -> Vec<DVec3> {
@@ -37,7 +40,7 @@ pub(super) fn comb_field(topology: &Topology, wishes: &[DVec3], smoothing_m: f64
     let mut parents: Vec<Vec<u32>> = Vec::new();
     while let Some(last) = levels.last().filter(|l| l.areas.len() > COARSEST) {
         let (coarse, parent) = coarsen(last);
-        // Unconnected islands do not shrink for ever.
+        // Unconnected islands cannot be coarsened further.
         if coarse.areas.len() * 20 > last.areas.len() * 19 {
             break;
         }
@@ -75,9 +78,9 @@ fn sweep(level: &Level, field: &mut [DVec3], data_weight: f64) {
     }
 }
 
-/// `x` turned by the least rotation that takes `from` to `to`.
+/// Rotates `x` by the smallest rotation from `from` to `to`.
 pub(super) fn transported(x: DVec3, from: DVec3, to: DVec3) -> DVec3 {
-    // Rodrigues' formula with the sine and cosine that the normals give; antiparallel normals have no least rotation.
+    // Rodrigues' formula with sine and cosine from the normals; antiparallel normals have no smallest rotation.
     let (axis, cosine) = (from.cross(to), from.dot(to));
     if cosine < -0.999 { x } else { x * cosine + axis.cross(x) + axis * (axis.dot(x) / (1.0 + cosine)) }
 }
@@ -90,7 +93,7 @@ fn finest(topology: &Topology, wishes: &[DVec3]) -> Level {
     level.starts.push(0);
     for f in 0..topology.faces.len() {
         for (h, g) in topology.neighbors(f) {
-            // The dual edge's weight of a finite-volume Laplacian; bounded, so that slivers neither bind nor cut.
+            // Dual edge weight of a finite-volume Laplacian, clamped so that slivers neither bind nor separate.
             let across = topology.centroid(f).distance(topology.centroid(g));
             let weight = (topology.edge_length(h) / across.max(f64::MIN_POSITIVE)).clamp(0.01, 100.0);
             level.links.push((g as u32, weight));
@@ -100,7 +103,7 @@ fn finest(topology: &Topology, wishes: &[DVec3]) -> Level {
     level
 }
 
-/// Joins each node with the free neighbour that it is bound to most. Returns the coarser level and the parent of each node.
+/// Joins each node with its most strongly bound free neighbour. Returns the coarser level and the parent of each node.
 fn coarsen(fine: &Level) -> (Level, Vec<u32>) {
     let n = fine.areas.len();
     let mut parent = vec![NONE; n];
@@ -111,7 +114,7 @@ fn coarsen(fine: &Level) -> (Level, Vec<u32>) {
         }
         let links = &fine.links[fine.starts[i] as usize..fine.starts[i + 1] as usize];
         let free = links.iter().filter(|(j, _)| parent[*j as usize] == NONE && *j as usize != i);
-        // Parallel and small before bent and large: clusters stay round and flat.
+        // Parallel and small neighbours first, so that clusters stay round and flat.
         let score = |(j, w): &(u32, f64)| {
             w * (1.0 + fine.normals[i].dot(fine.normals[*j as usize])) / fine.areas[*j as usize].sqrt()
         };
@@ -156,11 +159,12 @@ fn coarsen(fine: &Level) -> (Level, Vec<u32>) {
     (coarse, parent)
 }
 
-/// Interior points about which the field turns: point and index (1 source, sink or whorl, −1 saddle).
+/// Returns the interior points around which the field turns, with their index (1 source, sink or whorl, −1 saddle).
 pub(super) fn singularities(topology: &Topology, field: &[DVec3]) -> Vec<(u32, i32)> {
     let mut out = Vec::new();
     let mut done = vec![false; topology.points.len()];
-    // Half-edges from which a walk came to a border. A walk that meets one comes there too, and a fan of many triangles is walked once, not once a triangle.
+    // Half-edges whose walk came to a border. A walk that reaches one of them ends at the border too, so a fan of many
+    // triangles is walked once, not once per triangle.
     let mut open = vec![false; 3 * topology.faces.len()];
     for start in 0..3 * topology.faces.len() as u32 {
         let point = topology.ends(start)[0];
@@ -168,7 +172,7 @@ pub(super) fn singularities(topology: &Topology, field: &[DVec3]) -> Vec<(u32, i
             continue;
         }
         let (mut h, mut turned, mut angles) = (start, 0.0, 0.0);
-        // Counter-clockwise about the point: out along h, back along the half-edge before it, and over to its twin.
+        // Counter-clockwise around the point: out along h, back along the half-edge before it, and over to its twin.
         let closed = loop {
             if std::mem::replace(&mut open[h as usize], true) {
                 break false;
@@ -196,14 +200,15 @@ pub(super) fn singularities(topology: &Topology, field: &[DVec3]) -> Vec<(u32, i
     out
 }
 
-/// Angle of the face at the start of `h`.
+/// Returns the angle of the face at the start of `h`.
 fn corner_angle(topology: &Topology, h: u32) -> f64 {
     let [a, b] = topology.ends(h).map(|p| topology.points[p as usize]);
     let c = topology.points[topology.ends(prev(h))[0] as usize];
     between(b - a, c - a)
 }
 
-/// How far the field turns, −π..=π, from the face of `h` to the face of its twin `over`, against parallel transport across the edge.
+/// Returns the rotation of the field, −π..=π, from the face of `h` to the face of its twin `over`, relative to parallel
+/// transport across the edge.
 fn turn_across(topology: &Topology, field: &[DVec3], h: u32, over: u32) -> f64 {
     let [a, b] = topology.ends(h).map(|p| topology.points[p as usize]);
     let e = (b - a).normalize_or_zero();
@@ -219,7 +224,8 @@ mod tests {
 
     #[test]
     fn a_border_point_of_many_triangles_is_walked_once() {
-        // A polygon cut as a fan: all its triangles meet in one point on the border. Walked once a triangle, this test would take minutes.
+        // A polygon cut as a fan: all triangles meet in one point on the border. With one walk per triangle, this test
+        // would take minutes.
         let count = 200_000;
         let mut points = vec![DVec3::ZERO];
         points.extend((0..=count).map(|i| {

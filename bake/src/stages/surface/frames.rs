@@ -1,25 +1,26 @@
-//! Tile scale and tile frames: which way +u and +v of the hair tile run on the skin.
+//! Tile scale and tile frames: directions of the hair tile's +u and +v on the mesh surface.
 
 use glam::{Vec2, Vec3, Vec4};
 use pelage_import::mesh::{Mesh, RestPose};
 
-/// Twice the signed area of a triangle in texture coordinates.
+/// Returns twice the signed area of a triangle in texture coordinates.
 pub(super) fn uv_det(uvs: &[Vec2], triangle: &[u32; 3]) -> f32 {
     let [a, b, c] = triangle.map(|i| uvs[i as usize]);
     (b - a).perp_dot(c - a)
 }
 
-/// Twice the area of a triangle on the skin, square metres.
+/// Returns twice the area of a triangle on the mesh surface, square metres.
 pub(super) fn area2(positions: &[Vec3], triangle: &[u32; 3]) -> f32 {
     let [a, b, c] = triangle.map(|i| positions[i as usize]);
     (b - a).cross(c - a).length()
 }
 
-/// Texture coordinates to tile coordinates: one factor for the whole model, so that charts that were given the same texel density
-/// keep the same hair density.
+/// Returns the factors from texture coordinates to tile coordinates, the same for the whole model, so that charts with
+/// equal texel density have equal hair density.
 ///
-/// The factor of u is negative where most of the furred skin is unwrapped mirrored as seen from outside. That is the rule in
-/// glTF, whose v runs down: +v of the tile then lies along the hair of an animal painted upright, and frames are right-handed.
+/// The factor of u is negative if most of the furred surface is unwrapped mirrored as seen from outside. This is the
+/// rule in glTF, whose v points down: then +v of the tile follows the hair of an animal painted upright, and frames are
+/// right-handed.
 pub(super) fn tile_scale(
     mesh: &Mesh,
     rest: &RestPose,
@@ -40,14 +41,15 @@ pub(super) fn tile_scale(
         warnings
             .push(format!("{collapsed} furred triangles have no area in texture coordinates; their hair is stretched"));
     }
-    // All charts collapsed to points or lines: any scale is as good, hair will be streaks. One tile per texture keeps it finite.
+    // All charts are collapsed to points or lines: no scale is better than another, and hair will be streaks. One tile
+    // per texture keeps it finite.
     let metres_per_uv = if texture > 0.0 { (skin / texture).sqrt() as f32 } else { tile_size_m };
     let scale = metres_per_uv / tile_size_m;
     Vec2::new(if turned > 0.0 { -scale } else { scale }, scale)
 }
 
-/// Per vertex the unit tangent along +u, in the mesh's own space, and the handedness in the posed rest state. A vertex without any
-/// sound triangle gets an arbitrary tangent.
+/// Returns the unit tangent along +u of each vertex, in the mesh's own space, with the handedness in the posed rest
+/// state. A vertex without a sound triangle gets an arbitrary tangent.
 pub(super) fn tangents(mesh: &Mesh, tile_uvs: &[Vec2]) -> Vec<Vec4> {
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
     let mut hands = vec![0f32; mesh.positions.len()];
@@ -59,7 +61,7 @@ pub(super) fn tangents(mesh: &Mesh, tile_uvs: &[Vec2]) -> Vec<Vec4> {
         let [a, b, c] = triangle.map(|i| i as usize);
         let (e1, e2) = (mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
         let (d1, d2) = (tile_uvs[b] - tile_uvs[a], tile_uvs[c] - tile_uvs[a]);
-        // dP/du from the two edges; weighted by area so that slivers do not turn the frame.
+        // dP/du from the two edges, weighted by area so that slivers do not turn the frame.
         let along_u = ((e1 * d2.y - e2 * d1.y) / det).normalize_or_zero() * e1.cross(e2).length();
         for i in [a, b, c] {
             sums[i] += along_u;
@@ -76,7 +78,8 @@ pub(super) fn tangents(mesh: &Mesh, tile_uvs: &[Vec2]) -> Vec<Vec4> {
         .collect()
 }
 
-/// Gives the mirrored triangles vertices of their own: `mesh`, and `tile_uvs` with it, grow by copies of the vertices returned.
+/// Gives mirrored triangles vertices of their own: appends copies to `mesh` and `tile_uvs`, and returns the original
+/// vertices.
 pub(super) fn split_by_handedness(
     mesh: &mut Mesh,
     rest: &RestPose,
@@ -107,7 +110,7 @@ pub(super) fn split_by_handedness(
     }
     let area = |wanted: bool| -> f64 {
         let chosen = mesh.triangles.iter().zip(&mirrored).filter(|(_, m)| **m == wanted);
-        // Copies lie where their originals lie, so the rest pose of the original serves.
+        // Copies have the positions of their originals, so the originals' rest pose can be used.
         let original = |i: u32| (i as usize).checked_sub(before).map_or(i, |copy| originals[copy]);
         chosen.map(|(t, _)| f64::from(area2(&rest.positions, &t.map(original)))).sum()
     };

@@ -1,8 +1,10 @@
-//! Patches that grow from seeds, all at once, until they would turn or reach too far (Lengyel et al. 2001; Praun et al. 2000, §4.1).
+//! Patches that grow from seeds, all at once, until they would turn or extend too far (Lengyel et al. 2001; Praun et
+//! al. 2000, §4.1).
 //!
-//! Every face belongs to the seed that is nearest to it, by way along the skin and by how far its frame is turned from the seed's. A new
-//! seed is put where no patch reaches without going too far, until there is no such place. Patches that grow side by side are
-//! rounder than patches that grow one after the other, which leave each other slits and slivers.
+//! Every face belongs to the nearest seed, measured by distance along the mesh surface and by the rotation of its frame
+//! from the seed's. New seeds are added where no patch reaches within the limits, until every face is covered. Patches
+//! that grow side by side are rounder than patches grown one after the other, which leave slits and slivers between
+//! them.
 
 use super::solve::FaceFrame;
 use super::topology::{Key, NONE, Topology};
@@ -10,18 +12,19 @@ use pelage_import::angle::between;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// How far a patch may reach from its seed. Both together make up the whole: half the way leaves half the turning.
+/// Limits of a patch's growth from its seed. The shares of both limits are added: half the distance leaves half the
+/// rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reach {
-    /// Way along the skin, tiles.
+    /// Distance along the mesh surface, tiles.
     pub(super) tiles: f64,
-    /// Angle between the frame of the seed and of a face, rad.
+    /// Rotation between the frames of the seed and of a face, rad.
     pub(super) turn_rad: f64,
-    /// Whether the frames follow a comb; without one only normals count.
+    /// Whether the frames follow a comb; without one only the rotation of normals counts.
     pub(super) combed: bool,
 }
 
-/// The patch that each face belongs to, from 0 without gaps; each is connected by edges.
+/// Grows patches and returns the patch of each face, numbered from 0 without gaps; each is connected by edges.
 pub(super) fn grow(topology: &Topology, frames: &[FaceFrame], reach: &Reach) -> Vec<u32> {
     let everywhere: Vec<u32> = (0..topology.faces.len() as u32).collect();
     let mut flood = Flood::new(topology, frames, reach, everywhere.len());
@@ -44,8 +47,8 @@ pub(super) fn grow(topology: &Topology, frames: &[FaceFrame], reach: &Reach) -> 
     topology.regions(|h| owner(h) == owner(topology.twins[h as usize]))
 }
 
-/// Parts a patch that hangs together in two: one grows from its first face, the other from the face that is farthest from it.
-/// Returns for each face whether it goes with the second; both have at least one, and each may fall into several parts.
+/// Splits a connected patch in two: one part grows from one end, the other from the face farthest from it. Returns
+/// whether each face belongs to the second part; both have at least one face, and each may be disconnected.
 pub(super) fn split(topology: &Topology, frames: &[FaceFrame], reach: &Reach, faces: &[u32]) -> Vec<bool> {
     let mut sorted: Vec<u32> = faces.to_vec();
     sorted.sort_unstable();
@@ -55,7 +58,7 @@ pub(super) fn split(topology: &Topology, frames: &[FaceFrame], reach: &Reach, fa
         let costs = flood.cost.iter().zip(&sorted);
         costs.max_by(|a, b| a.0.total_cmp(b.0).then(b.1.cmp(a.1))).map_or(sorted[0], |(_, f)| *f)
     };
-    // The farthest from anywhere is an end; the farthest from that is the other end.
+    // The face farthest from any start is one end; the face farthest from that is the other end.
     flood.grow_from(sorted[0], 0, local);
     let one_end = farthest(&flood);
     flood.cost.fill(f64::INFINITY);
@@ -65,24 +68,24 @@ pub(super) fn split(topology: &Topology, frames: &[FaceFrame], reach: &Reach, fa
     faces.iter().map(|f| local(*f as usize).is_some_and(|i| flood.seed_of[i] == 1)).collect()
 }
 
-/// Costs and owners of faces while seeds grow.
+/// Costs and owners of faces during growth.
 struct Flood<'a> {
     topology: &'a Topology,
     frames: &'a [FaceFrame],
     reach: &'a Reach,
-    /// How far each face is from its seed; 1 is the whole reach.
+    /// Cost of each face relative to its seed; 1 is the full reach.
     cost: Vec<f64>,
     seed_of: Vec<u32>,
 }
 
 impl<'a> Flood<'a> {
-    /// For `n` faces.
+    /// Creates the state for `n` faces.
     fn new(topology: &'a Topology, frames: &'a [FaceFrame], reach: &'a Reach, n: usize) -> Self {
         Self { topology, frames, reach, cost: vec![f64::INFINITY; n], seed_of: vec![NONE; n] }
     }
 
-    /// Takes every face that is nearer to `seed` than to its owner, as far as one such lies beside the other. `slot` is where the lists
-    /// hold a face, `None` for faces that are not concerned.
+    /// Assigns to `seed` all faces connected to it that are nearer to it than to their owner. `slot` returns a face's
+    /// index in the lists, `None` for faces to ignore.
     fn grow_from(&mut self, seed: u32, id: u32, slot: impl Fn(usize) -> Option<usize>) {
         let mut heap = BinaryHeap::from([Reverse((Key(0.0), Key(0.0), seed))]);
         while let Some(Reverse((cost, way, f))) = heap.pop() {
@@ -103,7 +106,7 @@ impl<'a> Flood<'a> {
         }
     }
 
-    /// Angle of the rotation between the frames of two faces, rad.
+    /// Returns the angle of the rotation between the frames of two faces, rad.
     fn turn(&self, f: usize, g: usize) -> f64 {
         let (a, b) = (&self.frames[f], &self.frames[g]);
         if !self.reach.combed {

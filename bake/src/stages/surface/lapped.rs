@@ -1,7 +1,8 @@
 //! Lapped patches over any surface: the variant without overlap of Lengyel et al. 2001.
 //!
-//! Patches grow ([`super::grow`]), each is solved ([`super::solve`]), small ones are merged into neighbours where the union is still
-//! good, and the patches are shifted against each other so that the tile runs on across as much border as possible.
+//! Patches grow ([`super::grow`]), each is solved ([`super::solve`]), and small ones are merged into neighbours if the
+//! union is still good. Then the patches are shifted against each other, so that the tile continues across as much
+//! border as possible.
 
 use super::field::transported;
 use super::grow::{Reach, grow, split};
@@ -11,32 +12,32 @@ use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
-/// Passes over the borders in which neighbours are merged; each at most halves the number of patches, and few go on so long.
+/// Maximum number of merge passes; each at most halves the number of patches, and few models need all.
 const MERGE_PASSES: usize = 8;
-/// Rounds in which faces turn to what distorts least; the first ones bring nearly all of the gain.
+/// Rounds of rotating faces towards minimal distortion; the first rounds bring nearly all of the gain.
 const ROUNDS: usize = 4;
-/// Share of a patch's area that may break the bounds: single odd triangles shall not tear a good patch apart.
+/// Share of a patch's area that may exceed the bounds, so that single odd triangles do not split a good patch.
 const ODD_SHARE: f64 = 0.01;
-/// No face at all may be squeezed to less than this share.
+/// Minimum singular value of any face's map.
 const LEAST_SQUEEZE: f64 = 0.4;
 
-/// How patches are made.
+/// Parameters of lapped patches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LappedParams {
-    /// Where growth stops.
+    /// Limits of growth.
     pub(super) reach: Reach,
-    /// What a patch must keep to, or it is parted.
+    /// Bounds on a patch's distortion; a patch that exceeds them is split.
     pub(super) bounds: Bounds,
-    /// How strictly patches follow the field: 1 along it, 0 as rigid as possible.
+    /// Weight of the field: 1 follows it, 0 is as rigid as possible.
     pub(super) comb_weight: f64,
 }
 
-/// What the map of a face must keep to.
+/// Bounds on the map of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
     /// Cosine of the largest angle between the tile's v direction and the comb field.
     pub(super) least_cosine: f64,
-    /// Largest stretch in any direction, and the inverse of the least; above 1.
+    /// Maximum stretch in any direction, and inverse of the minimum; above 1.
     pub(super) stretch: f64,
 }
 
@@ -49,7 +50,7 @@ impl Bounds {
     }
 }
 
-/// Tile coordinates per corner.
+/// Result: patches and tile coordinates per corner.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lapped {
     /// Patch of each face.
@@ -57,15 +58,15 @@ pub(super) struct Lapped {
     /// Tile coordinates of each face's corners.
     pub(super) corners: Vec<[DVec2; 3]>,
     pub(super) patches: usize,
-    /// Patches whose equations had no solution that could be trusted, and which were parted for that.
+    /// Number of patches that were split because their equations had no reliable solution.
     pub(super) unsolved: usize,
 }
 
-/// A patch with its tile coordinates.
+/// Patch with its tile coordinates.
 #[derive(Clone, Debug)]
 struct Solved {
     faces: Vec<u32>,
-    /// Points in rising order, with tile coordinates.
+    /// Points in ascending order, with tile coordinates.
     points: Vec<(u32, DVec2)>,
 }
 
@@ -91,7 +92,7 @@ pub(super) fn lapped_patches(topology: &Topology, frames: &[FaceFrame], params: 
     out
 }
 
-/// Faces of each owner, owners from 0 without gaps.
+/// Returns the faces of each owner; owners are numbered from 0 without gaps.
 fn members(owner: &[u32]) -> Vec<Vec<u32>> {
     let mut out: Vec<Vec<u32>> = Vec::new();
     for (f, o) in owner.iter().enumerate() {
@@ -117,11 +118,11 @@ struct Maker<'a> {
     params: &'a LappedParams,
 }
 
-/// Why faces cannot be one patch.
+/// Reason why faces cannot be one patch.
 enum Refusal {
-    /// They are not a disc, or some would break the bounds.
+    /// Not a disc, or too many faces exceed the bounds.
     Shape,
-    /// The equations have no solution that can be trusted.
+    /// Equations without a reliable solution.
     Equations,
 }
 
@@ -139,12 +140,13 @@ impl Maker<'_> {
         let maps: Vec<(f64, DMat2)> =
             (0..faces.len()).map(|k| (self.topology.areas[faces[k] as usize], system.jacobian(k, &uvs))).collect();
         let area: f64 = maps.iter().map(|(area, _)| area).sum();
-        // Where the field turns, gradients average out and least squares shrink the patch: hair would be coarser on curved skin.
+        // Where the field turns, gradients average out and least squares shrinks the patch: hair would be coarser on
+        // curved surfaces.
         let scale = (area / maps.iter().map(|(area, map)| area * map.determinant()).sum::<f64>()).sqrt();
         let mut odd = 0.0;
         for (face_area, map) in maps {
             let (largest, least) = singular_values(map * scale);
-            // Written so that NaN is refused.
+            // Written so that NaN is rejected.
             if !(least >= LEAST_SQUEEZE && largest * LEAST_SQUEEZE <= 1.0) {
                 return Err(Refusal::Shape);
             }
@@ -157,7 +159,7 @@ impl Maker<'_> {
         }
     }
 
-    /// The frames of the faces; without a comb those of the first face, carried over the patch.
+    /// Returns the frames of the faces; without a comb, the first face's frame is transported over the patch.
     fn frames_of(&self, faces: &[u32]) -> Vec<FaceFrame> {
         let frame = |f: u32| self.frames[f as usize];
         if self.params.reach.combed {
@@ -183,7 +185,7 @@ impl Maker<'_> {
         faces.iter().map(|f| slot(*f as usize, &sorted).and_then(|i| sorted[i].1).unwrap_or(frame(*f))).collect()
     }
 
-    /// A single face in its own frame, undistorted.
+    /// Lays a single face flat in its own frame, undistorted.
     fn lay_flat(&self, face: usize) -> Vec<(u32, DVec2)> {
         let (frame, corners) = (&self.frames[face], self.topology.corners(face));
         let flat =
@@ -193,7 +195,8 @@ impl Maker<'_> {
         points
     }
 
-    /// The faces as one patch if that can be, else parted in two again and again. Also how many systems could not be solved.
+    /// Solves the faces as one patch if possible; otherwise splits them in two, recursively. Also returns how many
+    /// systems could not be solved.
     fn solve_or_split(&self, faces: Vec<u32>) -> (Vec<Solved>, usize) {
         let (mut out, mut unsolved) = (Vec::new(), 0);
         let mut todo = vec![faces];
@@ -214,7 +217,7 @@ impl Maker<'_> {
         (out, unsolved)
     }
 
-    /// The parts of `faces` that hang together.
+    /// Returns the connected components of `faces`.
     fn connected(&self, faces: &[u32]) -> Vec<Vec<u32>> {
         let mut sorted = faces.to_vec();
         sorted.sort_unstable();
@@ -243,10 +246,10 @@ impl Maker<'_> {
         out
     }
 
-    /// Merges neighbours where the union is a patch too: the longest border for their size first, in passes in which no patch takes part
-    /// twice, so that a pass runs on all cores. Pairs that were refused are not tried again.
+    /// Merges neighbours whose union is a valid patch. Pairs with the longest border for their size come first; each
+    /// patch is in at most one pair per pass, so that a pass runs on all cores. Rejected pairs are not tried again.
     fn merge(&self, patches: &mut Vec<Solved>) {
-        // Numbers that stay: a merged patch gets a new one.
+        // Stable identifiers: a merged patch gets a new one.
         let mut names: Vec<u32> = (0..patches.len() as u32).collect();
         let mut next_name = patches.len() as u32;
         let mut refused: HashSet<[u32; 2]> = HashSet::new();
@@ -278,7 +281,7 @@ impl Maker<'_> {
         }
     }
 
-    /// Pairs of neighbours, each patch at most once; `refused` pairs are left out.
+    /// Returns pairs of neighbours, with each patch at most once, without the `refused` pairs.
     fn pairs_to_merge(&self, patches: &[Solved], refused: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
         let owner = patch_of(self.topology, patches);
         let mut borders: Vec<([u32; 2], f64)> = Vec::new();
@@ -317,8 +320,8 @@ impl Solved {
     }
 }
 
-/// Shifts patches so that tile coordinates agree across borders in the mean: along a spanning tree of the longest borders
-/// (Kruskal). Where the field runs straight across such a border, hardly a seam is left to see.
+/// Shifts patches so that the mean difference of tile coordinates across borders vanishes, along a spanning tree of the
+/// longest borders (Kruskal). Where the field crosses such a border straight, the seam is hardly visible.
 fn align(topology: &Topology, patch_of: &[u32], patches: &mut [Solved]) {
     // Per pair of patches: length of the border, and the integral of the difference in tile coordinates along it.
     let mut borders: Vec<([u32; 2], f64, DVec2)> = Vec::new();
@@ -351,9 +354,9 @@ fn align(topology: &Topology, patch_of: &[u32], patches: &mut [Solved]) {
             continue;
         }
         let gap = difference / length + shifts[a as usize] - shifts[b as usize];
-        // A border without length has no mean along it.
+        // A border without length has no mean.
         let gap = if length > 0.0 { gap } else { DVec2::ZERO };
-        // The smaller group moves: n log n in all.
+        // The smaller group is shifted: n log n in total.
         let (stays, moves, by) = if members[ga].len() >= members[gb].len() { (ga, gb, gap) } else { (gb, ga, -gap) };
         for i in std::mem::take(&mut members[moves]) {
             shifts[i as usize] += by;
@@ -362,7 +365,7 @@ fn align(topology: &Topology, patch_of: &[u32], patches: &mut [Solved]) {
         }
     }
     for (patch, shift) in patches.iter_mut().zip(shifts) {
-        // Whole tiles are no difference; without them the coordinates stay small and keep their digits.
+        // Shifts by whole tiles are invisible; removing them keeps the coordinates small and precise.
         let middle = patch.points.iter().map(|(_, uv)| *uv).sum::<DVec2>() / patch.points.len().max(1) as f64 + shift;
         let shift = shift - middle.round();
         patch.points.iter_mut().for_each(|(_, uv)| *uv += shift);
@@ -374,7 +377,7 @@ mod tests {
     use super::*;
     use glam::{DVec3, dvec3};
 
-    /// A strip of four triangles whose inner edge is `least` long; the repair would have dropped what is much thinner.
+    /// Makes a strip of four triangles whose inner edge has length `least`; the repair would drop much thinner ones.
     fn strip(least: f64) -> Topology {
         let places = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, least), (2.0, 0.0), (2.0, 1.0)];
         let points = places.map(|(x, z)| dvec3(x, 0.0, z)).to_vec();
@@ -401,11 +404,12 @@ mod tests {
     fn a_system_that_cannot_be_trusted_parts_the_patch_and_is_counted() {
         let sound = laid(&strip(0.5));
         assert_eq!((sound.patches, sound.unsolved), (1, 0));
-        // The gradients of an edge of 1e-170 overflow when squared: no factor, or one of NaN, which must not reach a vertex.
+        // The gradients of an edge of 1e-170 overflow when squared: factorisation fails or gives NaN, which must not
+        // reach a vertex.
         let broken = laid(&strip(1e-170));
         assert!(broken.unsolved > 0 && broken.patches > 1, "{broken:?}");
         assert!(broken.corners.iter().flatten().all(|uv| uv.is_finite()), "{broken:?}");
-        // What can be laid is laid without distortion all the same.
+        // The other faces are still laid out without distortion.
         for f in [0, 3] {
             let [a, b, c] = broken.corners[f];
             assert!(((b - a).perp_dot(c - a) / 2.0 - 2.0).abs() < 1e-9, "{broken:?}");

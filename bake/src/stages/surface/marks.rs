@@ -1,4 +1,4 @@
-//! Directions at a few places, spread over the skin.
+//! Comb directions at a few points, spread over the mesh surface.
 
 use super::topology::{Key, Topology};
 use crate::stages::reach::{Said, share};
@@ -7,22 +7,24 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A direction at a place, or directions along a line.
+/// Direction at a point, or directions along a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CombMark {
     /// Name, for messages.
     pub name: String,
-    /// Places near the skin, world space at rest, metres, with the direction there, any length but 0. At least one.
+    /// Points near the mesh surface, world space at rest, metres, each with a direction of any length but 0. At least
+    /// one.
     pub places: Vec<(Vec3, Vec3)>,
-    /// How far it reaches along the skin, metres, fading to what holds elsewhere; `None` as far as there is no other mark.
+    /// Reach along the mesh surface, metres, fading to the direction elsewhere; `None`: unlimited, shared with other
+    /// such marks.
     pub reach_m: Option<f32>,
 }
 
-/// No mark.
+/// Index for no mark.
 const NONE: u32 = u32::MAX;
 
-/// One wish per face. Marks without a reach share the surface among each other; those with one go before them, or before `elsewhere` where there are
-/// none, as far as they reach.
+/// Returns one wish per face. Marks without a reach share the whole surface, or `elsewhere` applies if there are none.
+/// Marks with a reach override that within their reach.
 pub(super) fn spread(
     topology: &Topology,
     marks: &[CombMark],
@@ -39,7 +41,7 @@ pub(super) fn spread(
     for mark in near {
         let Some(reach) = mark.reach_m else { continue };
         let starts = faces.starts(mark, warnings);
-        // Every mark for itself is cheap, as it goes no farther than it reaches.
+        // A separate search per mark is cheap, because it ends at the mark's reach.
         for (f, (way, place)) in faces.ways(mark, &starts, f64::from(reach)).into_iter().enumerate() {
             let Some((_, direction)) = mark.places.get(place as usize) else { continue };
             said[f].add(share(way as f32, reach), direction.normalize_or_zero());
@@ -53,7 +55,8 @@ pub(super) fn spread(
     wishes
 }
 
-/// Shepard's inverse-distance weights with distances along the skin; other components measure straight through space.
+/// Combines directions by Shepard's inverse-distance weights, with distances along the mesh surface; for other
+/// components distances are straight through space.
 fn shared(faces: &Faces<'_>, marks: &[&CombMark], warnings: &mut Vec<String>) -> Vec<DVec3> {
     let n = faces.centers.len();
     let mut sums = vec![DVec3::ZERO; n];
@@ -70,13 +73,13 @@ fn shared(faces: &Faces<'_>, marks: &[&CombMark], warnings: &mut Vec<String>) ->
     sums.iter().zip(weights).map(|(sum, weight)| if weight > 0.0 { *sum / weight } else { DVec3::ZERO }).collect()
 }
 
-/// Faces of the skin by their centres.
+/// Faces of the furred mesh, searchable by their centres.
 struct Faces<'t> {
     topology: &'t Topology,
     centers: Vec<DVec3>,
-    /// All faces, by x of their centres.
+    /// All faces, sorted by x of their centres.
     by_x: Vec<u32>,
-    /// For each face the region of faces that it hangs together with.
+    /// Connected region of each face.
     regions: Vec<u32>,
 }
 
@@ -89,7 +92,7 @@ impl<'t> Faces<'t> {
         Self { topology, centers, by_x, regions }
     }
 
-    /// The face whose centre is nearest; of several the first.
+    /// Returns the face with the nearest centre; the first if several are equally near.
     fn nearest(&self, at: DVec3) -> Option<u32> {
         let middle = self.by_x.partition_point(|f| self.centers[*f as usize].x < at.x);
         let mut best: Option<(f64, u32)> = None;
@@ -102,13 +105,13 @@ impl<'t> Faces<'t> {
             }
             !farther
         };
-        // Outwards to both sides, until x alone is farther.
+        // Searches outwards on both sides, until the difference in x alone is larger.
         let _ = self.by_x[middle..].iter().all(|f| look(*f));
         let _ = self.by_x[..middle].iter().rev().all(|f| look(*f));
         best.map(|(_, f)| f)
     }
 
-    /// For each place of a mark the face that it stands on. A mark that has no say there is told of.
+    /// Returns the face nearest to each point of a mark. Adds a warning if the mark's directions have no effect there.
     fn starts(&self, mark: &CombMark, warnings: &mut Vec<String>) -> Vec<u32> {
         let nearest = |(at, _): &(Vec3, Vec3)| self.nearest(at.as_dvec3()).unwrap_or(NONE);
         let starts: Vec<u32> = mark.places.par_iter().map(nearest).collect();
@@ -125,8 +128,9 @@ impl<'t> Faces<'t> {
         starts
     }
 
-    /// For each face the length of the shortest way over faces' centres from a place of a mark, and which of its places that is; straight through space
-    /// to faces that do not hang together with any. Farther than `reach` it is left open.
+    /// Returns for each face the shortest distance over face centres from a point of a mark, and the index of that
+    /// point. For faces not connected to any point the distance is straight through space. Beyond `reach` it is
+    /// infinite.
     fn ways(&self, mark: &CombMark, starts: &[u32], reach: f64) -> Vec<(f64, u32)> {
         let mut ways = vec![(f64::INFINITY, NONE); self.centers.len()];
         let mut heap = BinaryHeap::new();

@@ -1,18 +1,19 @@
-//! How good a parameterization is, on the furred triangles in the posed rest state (Sander et al. 2001 for the stretch).
+//! Quality measures of a parameterization, on the furred triangles in the posed rest state (Sander et al. 2001 for the
+//! stretch).
 
 use super::solve::{FaceFrame, gradients, jacobian, singular_values};
 use super::topology::{NONE, Topology};
 use glam::{DMat2, DVec2};
 use serde::Serialize;
 
-/// Measures of the map from the skin to its tile coordinates, after one global scale that makes the total areas equal; means are
-/// weighted by area on the skin.
+/// Measures of the map from the mesh surface to its tile coordinates, after one global scale that equalises the total
+/// areas. Means are weighted by area on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measures {
-    /// Connected regions of the furred skin in which tile coordinates are continuous.
+    /// Number of connected regions of the furred surface in which tile coordinates are continuous.
     pub patches: u32,
-    /// Triangles that the map turns over, as seen from outside.
+    /// Number of triangles that the map flips, as seen from outside.
     pub flipped_triangles: u32,
     /// Mean of (σ1/σ2 + σ2/σ1)/2 − 1; 0 for a conformal map.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
@@ -23,22 +24,23 @@ pub struct Measures {
     /// Sander's L² stretch, sqrt(mean of (σ1² + σ2²)/2); 1 for an isometry.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub stretch_l2: f64,
-    /// Length of the edges whose two sides disagree in tile coordinates by more than whole tiles, over sqrt(skin area).
+    /// Length of edges whose two sides differ in tile coordinates by other than whole tiles, over sqrt(surface area).
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub seam_length_ratio: f64,
     /// Mean angle between the comb field and the tile's v direction, degrees; `None` without a comb.
     pub comb_misalignment_deg: Option<f64>,
-    /// Points of the skin about which the comb field turns: sources, sinks, whorls and saddles.
+    /// Number of points around which the comb field turns: sources, sinks, whorls and saddles.
     pub singularities: u32,
-    /// Share of the furred skin left out of the means because a triangle has no area on the skin or in the tile, 0..=1.
+    /// Share of the furred surface excluded from the means because a triangle has no area on the surface or in the
+    /// tile, 0..=1.
     #[serde(skip)]
     pub collapsed_area: f64,
 }
 
-/// Squeezed below this share of its length a triangle counts as collapsed.
+/// Ratio of singular values below which a triangle counts as collapsed.
 const COLLAPSED: f64 = 1e-9;
 
-/// Measures, and the region of continuous tile coordinates that each face belongs to.
+/// Returns the measures, and for each face its region of continuous tile coordinates.
 ///
 /// * `frames`, `corners`: comb frame and tile coordinates of each face's corners
 /// * `combed`: whether the frames follow a comb
@@ -66,7 +68,7 @@ pub(super) fn measure(
         }
     }
     if skin > 0.0 && tile > 0.0 {
-        // After this factor the total areas are equal.
+        // Factor that equalises the total areas.
         let k = (skin / tile).sqrt();
         let (mut l2, mut misaligned) = (0.0, 0.0);
         for (area, map) in maps {
@@ -75,7 +77,7 @@ pub(super) fn measure(
             out.angle_distortion += area * ((s1 / s2 + s2 / s1) / 2.0 - 1.0) / skin;
             out.area_distortion += area * ((s1 * s2 + 1.0 / (s1 * s2)) / 2.0 - 1.0) / skin;
             l2 += area * (s1 * s1 + s2 * s2) / 2.0 / skin;
-            // The tile's v direction on the skin, in the comb's frame, against (0, 1).
+            // Direction of the tile's v on the mesh surface, in the comb's frame, compared with (0, 1).
             let along_v = map.inverse().y_axis;
             misaligned += area * libm::atan2(along_v.x.abs(), along_v.y).to_degrees() / skin;
         }
@@ -91,7 +93,7 @@ pub(super) fn measure(
     (out, regions)
 }
 
-/// Total length of the seams, and the regions that they leave, numbered in the order of their first faces.
+/// Returns the total length of the seams, and the regions between them, numbered in the order of their first faces.
 fn seams_and_regions(topology: &Topology, corners: &[[DVec2; 3]]) -> (f64, Vec<u32>) {
     let end_uvs = |h: u32| {
         let (uvs, k) = (&corners[h as usize / 3], h as usize % 3);
@@ -99,7 +101,7 @@ fn seams_and_regions(topology: &Topology, corners: &[[DVec2; 3]]) -> (f64, Vec<u
     };
     let continuous = |h: u32, twin: u32| {
         let ([a, b], [c, d]) = (end_uvs(h), end_uvs(twin));
-        // The tile repeats: an offset by whole tiles, the same at both ends, shows no seam.
+        // The tile repeats: a difference of whole tiles, equal at both ends, is not visible.
         let offset = a - d;
         (offset - offset.round()).abs().max_element() < 1e-3 && (b - c - offset).abs().max_element() < 1e-3
     };
@@ -122,7 +124,7 @@ mod tests {
 
     const SQUARE: [DVec3; 4] = [dvec3(0., 0., 0.), dvec3(1., 0., 0.), dvec3(1., 1., 0.), dvec3(0., 1., 0.)];
 
-    /// Tile coordinates of the corners of both triangles of a square.
+    /// Measures a square; `corners`: tile coordinates of its two triangles.
     fn measured(corners: [[DVec2; 3]; 2]) -> Measures {
         let topology = repair(&SQUARE, &[[0, 1, 2], [0, 2, 3]]).topology;
         let frame = FaceFrame { s: DVec3::X, t: DVec3::Y, tile_m: 1.0 };

@@ -1,9 +1,12 @@
-//! From a mesh to hair-tile coordinates and tile frames: the `surface` stage.
+//! `surface` stage: from a mesh to hair-tile coordinates and tile frames.
 //!
-//! The mesh is repaired, never rejected, a comb field is laid over it, and the tile's coordinates come from lapped
-//! patches that follow the field, or from the model's own texture coordinates. What comes out: vertices joined where nothing
-//! tells them apart and split where two sides disagree; per vertex a tile coordinate, a tangent (+u) and a handedness; normals
-//! that agree across seams, so that the shells do not gape; and the measures of the parameterization.
+//! The mesh is repaired, never rejected. A comb field is computed on it, and tile coordinates come from lapped patches
+//! that follow the field, or from the model's own texture coordinates. The results are:
+//!
+//! * vertices, joined if nothing distinguishes them and split where two sides differ;
+//! * per vertex a tile coordinate, a tangent (+u) and a handedness;
+//! * normals that agree across seams, so that the shells have no gaps;
+//! * the measures of the parameterization.
 
 mod comb;
 mod emit;
@@ -32,34 +35,38 @@ use pelage_import::mesh::{Mesh, Model, RestPose};
 use skin::Skin;
 use solve::FaceFrame;
 
-/// A mesh with hair-tile coordinates.
+/// Mesh with hair-tile coordinates.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// The mesh: vertices renumbered, faulty triangles gone, the others and the parts in the order of the input.
+    /// Mesh: vertices renumbered and faulty triangles removed; the other triangles and the parts keep the input's
+    /// order.
     pub mesh: Mesh,
-    /// Its rest pose, renumbered alike.
+    /// Rest pose of `mesh`.
     pub rest: RestPose,
-    /// For each vertex the vertex of the input that it came from.
+    /// Index of the input vertex that each vertex came from.
     pub input_vertex: Vec<u32>,
-    /// One per vertex; 1 is one tile.
+    /// Tile coordinates per vertex; 1 is one tile.
     pub tile_uvs: Vec<Vec2>,
-    /// One per vertex: unit tangent along +u in the mesh's own space; fourth component ±1, bitangent = w · normal × tangent.
+    /// Unit tangent of each vertex along +u in the mesh's own space; fourth component ±1, bitangent = w · normal ×
+    /// tangent.
     pub tangents: Vec<Vec4>,
-    /// For each triangle the patch in which its tile coordinates are continuous, from 0 without gaps; `u32::MAX` on bare parts.
+    /// Patch of each triangle in which its tile coordinates are continuous, from 0 without gaps; `u32::MAX` on bare
+    /// parts.
     pub patch_of_triangle: Vec<u32>,
-    /// Where the comb field has no direction: place at rest, metres, and index (1 source, sink or whorl, −1 saddle).
+    /// Points where the comb field has no direction: position at rest, metres, and index (1 source, sink or whorl, −1
+    /// saddle).
     pub singularities: Vec<(Vec3, i32)>,
     /// Quality of the parameterization on the furred parts.
     pub measures: Measures,
-    /// What was repaired, guessed or left out.
+    /// Warnings about repairs, guesses and omissions.
     pub warnings: Vec<String>,
 }
 
 /// Lays the hair's tile on a model.
 ///
 /// # Errors
-/// [`BakeError::Params`] for a parameter outside its range. [`BakeError::Input`], naming the primitive, where a furred part lacks the
-/// texture coordinates that [`Source::Model`] or [`Comb::Tangents`] needs.
+/// [`BakeError::Params`] for a parameter outside its range. [`BakeError::Input`], naming the primitive, if a furred
+/// part lacks the texture coordinates that [`Source::Model`] or [`Comb::Tangents`] needs.
 pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result<Surface, BakeError> {
     params.check()?;
     require_uvs(file, model, params)?;
@@ -132,7 +139,7 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
 }
 
 impl Surface {
-    /// Copies vertex `v` to the end of all streams and returns the copy's number.
+    /// Copies vertex `v` to the end of all streams and returns the copy's index.
     pub fn copy_vertex(&mut self, v: u32) -> u32 {
         let at = v as usize;
         self.rest.positions.push(self.rest.positions[at]);

@@ -1,4 +1,4 @@
-//! Where hair grows, how large its tile is and how it lies: what the stage is told.
+//! Parameters of the stage: which parts are furred, the tile's size, and how hair is combed.
 
 use super::comb::Comb;
 use super::grow::Reach;
@@ -8,50 +8,51 @@ use glam::Vec3;
 use pelage_import::BakeError;
 use pelage_import::mesh::Mesh;
 
-/// Where hair grows, how large its tile is and how it lies.
+/// Parameters of the `surface` stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceParams {
-    /// Width of a tile on the skin, metres, greater than 0: the reciprocal of tiles per metre.
+    /// Width of a tile on the mesh surface, metres, greater than 0: the reciprocal of tiles per metre.
     pub tile_size_m: f32,
-    /// One per material: whether hair grows on it. The shorter list counts as bare at its end.
+    /// Whether hair grows on each material; materials beyond the end of the list are bare.
     pub furred: Vec<bool>,
-    /// Where tile coordinates come from.
+    /// Source of the tile coordinates.
     pub source: Source,
-    /// Where hair is combed to.
+    /// Comb direction of the hair.
     pub comb: Comb,
-    /// How far neighbours are asked where the comb is weak or broken, tiles, greater than 0 (default 1).
+    /// Reach of the neighbours' influence where the comb is weak or broken, tiles, greater than 0 (default 1).
     pub comb_smoothing: f32,
-    /// Hairs per area against the recipe's, one per vertex of the input mesh, greater than 0; `None` for 1 everywhere. With the
-    /// model's own coordinates it has no effect.
+    /// Hairs per area relative to the recipe's, one per vertex of the input mesh, greater than 0; `None` for 1
+    /// everywhere. No effect with the model's own coordinates.
     pub density: Option<Vec<f32>>,
 }
 
-/// A recipe's, with tiles of 0.1 m and no furred material.
+/// Defaults of a recipe, with tiles of 0.1 m and no furred material.
 impl Default for SurfaceParams {
     fn default() -> Self {
         Self::from_recipe(&recipe::SurfaceParams::default(), 0.1, Vec::new())
     }
 }
 
-/// Where tile coordinates come from.
+/// Source of the tile coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
     /// Lapped patches over any surface (Lengyel et al. 2001).
     Patches(PatchParams),
-    /// The model's own texture coordinates, scaled.
+    /// Model's own texture coordinates, scaled.
     Model,
 }
 
-/// How far lapped patches go. Larger patches have fewer seams and more distortion. [`recipe::SurfaceParams`] has the ranges.
+/// Limits of lapped patches. Larger patches have fewer seams and more distortion. Ranges: see
+/// [`recipe::SurfaceParams`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchParams {
-    /// How far a patch may grow from its seed, tiles (default 4).
+    /// Maximum distance that a patch grows from its seed, tiles (default 4).
     pub size: f32,
-    /// Largest angle between a patch's v direction and the comb, degrees (default 25).
+    /// Maximum angle between a patch's v direction and the comb, degrees (default 25).
     pub turn_deg: f32,
-    /// Largest stretch of a triangle in any direction, and the inverse of the least (default 1.5).
+    /// Maximum stretch of a triangle in any direction, and inverse of the minimum (default 1.5).
     pub stretch: f32,
-    /// 1 follows the comb, 0 turns each triangle to what distorts least (default 0.5).
+    /// Weight of the comb: 1 follows it, 0 minimises each triangle's distortion (default 0.5).
     pub comb_weight: f32,
 }
 
@@ -66,7 +67,7 @@ impl From<&recipe::SurfaceParams> for PatchParams {
     }
 }
 
-/// What a recipe with these patches says; all else at its default.
+/// Recipe with these patches, and everything else at its default.
 impl From<&PatchParams> for recipe::SurfaceParams {
     fn from(patches: &PatchParams) -> Self {
         Self {
@@ -79,7 +80,7 @@ impl From<&PatchParams> for recipe::SurfaceParams {
     }
 }
 
-/// A recipe's.
+/// Defaults of a recipe.
 impl Default for PatchParams {
     fn default() -> Self {
         Self::from(&recipe::SurfaceParams::default())
@@ -87,8 +88,8 @@ impl Default for PatchParams {
 }
 
 impl SurfaceParams {
-    /// What a recipe says, with the tile's width resolved for the model and `furred` for its materials. What is drawn in a model comes in by
-    /// [`Comb::of_recipe`].
+    /// Converts a recipe's parameters, with the tile's width resolved for the model and `furred` for its materials.
+    /// Lines drawn in a model are added by [`Comb::of_recipe`].
     pub fn from_recipe(recipe: &recipe::SurfaceParams, tile_size_m: f32, furred: Vec<bool>) -> Self {
         Self {
             tile_size_m,
@@ -147,7 +148,7 @@ impl SurfaceParams {
             return fail("groom.density", format!("{bad}, expected numbers greater than 0"));
         }
         if let Source::Patches(p) = &self.source {
-            // The recipe's declaration is the one place that says how far patches may go.
+            // The recipe's declaration is the only definition of the ranges.
             recipe::SurfaceParams::from(p).validate()?;
         }
         Ok(())

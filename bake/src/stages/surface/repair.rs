@@ -1,42 +1,43 @@
-//! What is wrong with a mesh, put right: never a reason to reject it.
+//! Mesh repair: faults are corrected, never a reason to reject the mesh.
 //!
-//! Corners are joined into points by place; what is left without area, or there twice, is dropped; an edge of more than two
-//! triangles keeps the pair that bends least and is cut for the others; a triangle wound against its neighbours is turned.
+//! Corners are joined into points by position. Triangles without area and duplicates are dropped. An edge of more than
+//! two triangles keeps the pair that bends least and is cut for the others. A triangle wound against its neighbours is
+//! flipped.
 
 use super::topology::{NONE, Topology};
 use glam::DVec3;
 use pelage_import::mesh::Mesh;
 use std::collections::HashMap;
 
-/// Two places are one where they differ by less than this share of the mesh's extent: a few steps of an f32.
+/// Largest distance at which positions are joined, as a share of the mesh's extent: a few steps of an f32.
 const JOIN_PER_EXTENT: f64 = 2e-7;
-/// A triangle flatter than this share of the extent has no area that an f32 could hold.
+/// Height below which a triangle counts as flat, as a share of the extent: it has no area that an f32 could represent.
 const FLAT_PER_EXTENT: f64 = 4e-7;
 
-/// What was found in one component: triangles that hang together by their points.
+/// Faults found in one component: triangles connected by their points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Faults {
-    /// Triangles of the component as they came.
+    /// Number of triangles before the repair.
     pub(super) triangles: u32,
     pub(super) first_triangle: u32,
     pub(super) zero_area: u32,
     pub(super) duplicate: u32,
-    /// Edges with more than two triangles.
+    /// Number of edges with more than two triangles.
     pub(super) non_manifold_edges: u32,
     pub(super) flipped: u32,
-    /// Edges cut because no winding suits both sides (a Möbius strip).
+    /// Number of edges cut because no winding suits both sides (a Möbius strip).
     pub(super) one_sided_edges: u32,
 }
 
-/// A sound mesh, and how it came from the one that was given.
+/// Sound mesh, and its relation to the input.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repaired {
     pub(super) topology: Topology,
-    /// For each face the triangle it came from.
+    /// Input triangle of each face.
     pub(super) triangles: Vec<u32>,
-    /// For each face whether its corners 1 and 2 were exchanged.
+    /// Whether each face's corners 1 and 2 were swapped.
     pub(super) flipped: Vec<bool>,
-    /// One per component, in the order of their first triangles.
+    /// Faults per component, in the order of their first triangles.
     pub(super) faults: Vec<Faults>,
 }
 
@@ -68,10 +69,10 @@ pub(super) fn repair(positions: &[DVec3], triangles: &[[u32; 3]]) -> Repaired {
     out
 }
 
-/// Components that get a line of their own; the rest is summed up in one.
+/// Number of components reported separately; the rest is summed up in one line.
 const REPORTED: usize = 8;
 
-/// Says what was repaired, component by component. `mesh` is the mesh before its repair.
+/// Adds warnings about repairs, one per component. `mesh`: the mesh before its repair.
 pub(super) fn report(mesh: &Mesh, faults: &[Faults], warnings: &mut Vec<String>) {
     let faulty: Vec<(usize, &Faults)> = faults.iter().enumerate().filter(|(_, f)| !f.summary().is_empty()).collect();
     for (index, fault) in faulty.iter().take(REPORTED) {
@@ -108,7 +109,7 @@ impl Faults {
         }
     }
 
-    /// Empty where there is nothing to say.
+    /// Describes the faults; empty if there are none.
     fn summary(&self) -> String {
         let said = [
             (self.zero_area, "triangles without area dropped"),
@@ -122,12 +123,13 @@ impl Faults {
     }
 }
 
-/// Joins the used vertices by place. Returns places, the place of each vertex, and the extent of the whole.
+/// Joins the used vertices by position. Returns the points, the point of each vertex, and the extent of the mesh.
 fn join_points(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<u32>, f64) {
     let used = || triangles.iter().flatten().map(|v| positions[*v as usize]);
     let (min, max) = used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
     let extent = if min.x <= max.x { (max - min).max_element() } else { 0.0 };
-    // Rounding to a grid can part two points that straddle a line of it; they then meet in a seam, which is what they would be.
+    // Rounding to a grid can separate two points on either side of a grid line; they then meet in a seam, as they would
+    // without joining.
     let cell = (JOIN_PER_EXTENT * extent).max(f64::MIN_POSITIVE);
     let (mut points, mut point_of) = (Vec::new(), vec![NONE; positions.len()]);
     let mut seen = HashMap::new();
@@ -143,7 +145,7 @@ fn join_points(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<
     (points, point_of, extent)
 }
 
-/// Component of each face by shared points, and the faults to be counted in each.
+/// Returns the component of each face, connected by shared points, and a fault counter for each component.
 fn components(points: usize, faces: &[[u32; 3]]) -> (Vec<u32>, Vec<Faults>) {
     let mut parent: Vec<u32> = (0..points as u32).collect();
     fn root(parent: &mut [u32], mut i: u32) -> u32 {
@@ -178,11 +180,11 @@ fn components(points: usize, faces: &[[u32; 3]]) -> (Vec<u32>, Vec<Faults>) {
 fn is_flat([a, b, c]: [DVec3; 3], least_height: f64) -> bool {
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
     let height = (b - a).cross(c - a).length() / longest;
-    // NaN where all three are one.
+    // NaN if all three points are equal.
     height.is_nan() || height <= least_height
 }
 
-/// The face from its smallest point on: equal for equal triangles that are wound alike.
+/// Rotates the face so that its smallest point is first; equal for equal triangles with the same winding.
 fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]
@@ -193,7 +195,8 @@ fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// All half-edges, those of one edge next to each other, in a fixed order. An entry is the edge's points, smaller first, and the half-edge.
+/// Returns all half-edges in a fixed order, with those of one edge adjacent. An entry is the edge's points, smaller
+/// first, and the half-edge.
 fn sorted_edges(faces: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
     let mut edges = Vec::with_capacity(3 * faces.len());
     for (f, face) in faces.iter().enumerate() {
@@ -215,14 +218,15 @@ fn face_normal(points: &[DVec3], face: [u32; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// Turns triangles until neighbours agree; in each component the side with less area turns. Returns which faces turned.
+/// Flips triangles until neighbours agree; in each component the side with less area is flipped. Returns which faces
+/// were flipped.
 fn make_windings_agree(
     points: &[DVec3],
     faces: &mut [[u32; 3]],
     component_of: &[u32],
     faults: &mut [Faults],
 ) -> Vec<bool> {
-    // Only edges of two triangles tell: at others any winding finds a partner.
+    // Only edges of exactly two triangles determine the winding: at other edges any winding finds a partner.
     let mut links: Vec<Vec<(u32, bool)>> = vec![Vec::new(); faces.len()];
     let mut any = false;
     for pair in sorted_edges(faces).chunk_by(|a, b| a.0 == b.0).filter(|g| g.len() == 2) {
@@ -274,7 +278,8 @@ fn make_windings_agree(
     flipped
 }
 
-/// Twins of all half-edges. Of more than two on an edge, those pair first that bend least; `on_fault` gets a face of such edges.
+/// Returns the twins of all half-edges. If an edge has more than two, the pairs that bend least are joined first;
+/// `on_fault` gets a face of each such edge.
 fn pair(points: &[DVec3], faces: &[[u32; 3]], mut on_fault: impl FnMut(usize)) -> Vec<u32> {
     let mut twins = vec![NONE; 3 * faces.len()];
     for group in sorted_edges(faces).chunk_by(|a, b| a.0 == b.0) {
@@ -287,13 +292,13 @@ fn pair(points: &[DVec3], faces: &[[u32; 3]], mut on_fault: impl FnMut(usize)) -
         if group.len() > 2 {
             on_fault(group[0].1 as usize / 3);
         }
-        // Cosine of the bend for each pair that is wound alike, flattest first.
+        // Cosine of the bend for each pair with the same winding, flattest first.
         let normal = |h: u32| face_normal(points, faces[h as usize / 3]);
         let mut pairs = Vec::new();
         for (i, (_, h)) in group.iter().enumerate() {
             for (_, g) in &group[i + 1..] {
                 if start_of(faces, *h) != start_of(faces, *g) {
-                    // Two faces back to back have opposite normals too, but lie on the same side of the edge.
+                    // Faces folded back to back have opposite normals and come last.
                     pairs.push((normal(*h).dot(normal(*g)), *h, *g));
                 }
             }

@@ -1,11 +1,11 @@
-//! The furred part of a repaired mesh.
+//! Furred part of a repaired mesh.
 
 use super::topology::{NONE, Topology};
 
-/// The furred part of a repaired mesh.
+/// Furred part of a repaired mesh.
 pub(super) struct Skin {
     pub(super) topology: Topology,
-    /// For each face its triangle in the mesh.
+    /// Mesh triangle of each face.
     pub(super) triangles: Vec<u32>,
 }
 

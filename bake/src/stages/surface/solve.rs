@@ -1,8 +1,8 @@
 //! Tile coordinates of one patch by least squares (Praun, Finkelstein and Hoppe 2000, §4.2).
 //!
-//! On each face the map shall take S to (1/s, 0) and T to (0, 1/s), with S, T the face's tile frame and s the tile's width. Weighted
-//! by area, the normal equations have the cotangent Laplacian for a matrix, the same for u and v: one sparse Cholesky
-//! factorisation serves both, and every later round with turned targets as well.
+//! Let S, T be a face's tile frame and s the tile's width. On each face the map should take S to (1/s, 0) and T to (0,
+//! 1/s). Weighted by area, the normal equations have the cotangent Laplacian as their matrix, the same for u and v. So
+//! one sparse Cholesky factorisation serves both, and also every later round with rotated targets.
 
 use super::sparse::Symmetric;
 use super::topology::Topology;
@@ -13,11 +13,11 @@ use glam::{DMat2, DVec2, DVec3};
 pub(super) struct FaceFrame {
     pub(super) s: DVec3,
     pub(super) t: DVec3,
-    /// Width of a tile there, metres.
+    /// Width of a tile on the face, metres.
     pub(super) tile_m: f64,
 }
 
-/// Gradients of the three barycentric coordinates in the frame: column i is (∇λᵢ·S, ∇λᵢ·T).
+/// Returns the gradients of the three barycentric coordinates in the frame: column i is (∇λᵢ·S, ∇λᵢ·T).
 pub(super) fn gradients(topology: &Topology, face: usize, frame: &FaceFrame) -> [DVec2; 3] {
     let p = topology.corners(face);
     let (n, double) = (topology.normals[face], 2.0 * topology.areas[face]);
@@ -27,8 +27,8 @@ pub(super) fn gradients(topology: &Topology, face: usize, frame: &FaceFrame) -> 
     })
 }
 
-/// The map of a face from its frame, in tiles: columns φ(S) and φ(T), times the tile's width. The identity for an undistorted face that
-/// follows the field.
+/// Returns the map of a face from its frame, in tiles: columns φ(S) and φ(T), times the tile's width. Identity for an
+/// undistorted face that follows the field.
 pub(super) fn jacobian(gradients: &[DVec2; 3], uvs: [DVec2; 3], tile_m: f64) -> DMat2 {
     let mut columns = [DVec2::ZERO; 2];
     for (g, uv) in gradients.iter().zip(uvs) {
@@ -38,37 +38,37 @@ pub(super) fn jacobian(gradients: &[DVec2; 3], uvs: [DVec2; 3], tile_m: f64) -> 
     DMat2::from_cols(columns[0] * tile_m, columns[1] * tile_m)
 }
 
-/// Singular values σ1 ≥ σ2 of a 2 × 2 matrix; σ2 is negative where it mirrors.
+/// Returns the singular values σ1 ≥ σ2 of a 2 × 2 matrix; σ2 is negative if the matrix mirrors.
 pub(super) fn singular_values(m: DMat2) -> (f64, f64) {
     let (a, b, c, d) = (m.x_axis.x, m.x_axis.y, m.y_axis.x, m.y_axis.y);
     let (sum, difference) = (libm::hypot(a + d, b - c), libm::hypot(a - d, b + c));
     ((sum + difference) / 2.0, (sum - difference) / 2.0)
 }
 
-/// The rotation nearest to `m`.
+/// Returns the rotation nearest to `m`.
 fn rotation_of(m: DMat2) -> DMat2 {
     let axis = DVec2::new(m.x_axis.x + m.y_axis.y, m.x_axis.y - m.y_axis.x).normalize_or(DVec2::X);
     DMat2::from_cols(axis, axis.perp())
 }
 
-/// Residual above which a solution is not believed: several digits more than any sound patch leaves.
+/// Residual above which a solution is rejected: several digits more than any sound patch leaves.
 const WORST_RESIDUAL: f64 = 1e-6;
 
-/// One patch, ready to be solved.
+/// Equations of one patch.
 pub(super) struct PatchSystem<'a> {
     topology: &'a Topology,
     faces: &'a [u32],
-    /// One per face of the patch.
+    /// Frame of each face of the patch.
     frames: Vec<FaceFrame>,
     gradients: Vec<[DVec2; 3]>,
-    /// Points of the patch; the first is held at 0.
+    /// Points of the patch; the first is fixed at 0.
     points: Vec<u32>,
-    /// Per face and corner an index into `points`.
+    /// Indices into `points`, per face and corner.
     corners: Vec<[u32; 3]>,
 }
 
 impl<'a> PatchSystem<'a> {
-    /// `faces` must hang together; `frames` has one entry for each of them.
+    /// Sets up the equations. `faces` must be connected; `frames` has one entry for each of them.
     pub(super) fn new(topology: &'a Topology, faces: &'a [u32], frames: Vec<FaceFrame>) -> Self {
         let mut points: Vec<u32> = faces.iter().flat_map(|f| topology.faces[*f as usize]).collect();
         points.sort_unstable();
@@ -79,12 +79,12 @@ impl<'a> PatchSystem<'a> {
         Self { topology, faces, frames, gradients, points, corners }
     }
 
-    /// Points of the patch in rising order.
+    /// Returns the points of the patch in ascending order.
     pub(super) fn points(&self) -> &[u32] {
         &self.points
     }
 
-    /// Number of points that lie on it, minus edges, plus faces: 1 for a disc.
+    /// Returns the number of points, minus edges, plus faces: 1 for a disc.
     pub(super) fn euler_characteristic(&self) -> i64 {
         let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * self.corners.len());
         for c in &self.corners {
@@ -95,10 +95,10 @@ impl<'a> PatchSystem<'a> {
         self.points.len() as i64 - edges.len() as i64 + self.corners.len() as i64
     }
 
-    /// Tile coordinates, one per entry of [`Self::points`], the first at 0. `comb_weight` 1 follows the field, 0 turns
-    /// every face to what distorts least (as rigid as possible, Liu et al. 2008), `rounds` times.
+    /// Returns tile coordinates, one per entry of [`Self::points`], with the first at 0. `comb_weight` 1 follows the
+    /// field, 0 rotates every face towards minimal distortion (as rigid as possible, Liu et al. 2008), `rounds` times.
     ///
-    /// `None` where the system cannot be solved to a small residual.
+    /// `None` if the system cannot be solved to a small residual.
     pub(super) fn solve(&self, comb_weight: f64, rounds: usize) -> Option<Vec<DVec2>> {
         let n = self.points.len() - 1;
         let entries = self.corners.iter().enumerate().flat_map(|(k, corners)| {
@@ -143,17 +143,17 @@ impl<'a> PatchSystem<'a> {
         right
     }
 
-    /// The map of the k-th face of the patch.
+    /// Returns the map of the k-th face of the patch.
     pub(super) fn jacobian(&self, k: usize, uvs: &[DVec2]) -> DMat2 {
         let corners = self.corners[k].map(|c| uvs[c as usize]);
         jacobian(&self.gradients[k], corners, self.frames[k].tile_m)
     }
 }
 
-/// Whether the solution solves the system: slivers can leave a factor of nothing but rounding errors.
+/// Returns whether the solution solves the system: with slivers a factor can consist of rounding errors only.
 fn is_solved(matrix: &Symmetric, x: &[DVec2], right: &[DVec2]) -> bool {
     let error: f64 = matrix.times(x).iter().zip(right).map(|(found, wanted)| found.distance_squared(*wanted)).sum();
     let size: f64 = right.iter().map(|r| r.length_squared()).sum();
-    // False for NaN.
+    // NaN gives false.
     error.sqrt() <= WORST_RESIDUAL * size.sqrt().max(f64::MIN_POSITIVE)
 }

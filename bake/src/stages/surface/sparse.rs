@@ -1,5 +1,5 @@
-//! Sparse symmetric systems with two right-hand sides: up-looking LDLᵀ (Davis 2005, "Algorithm 849") in an order by nested dissection
-//! (George 1973).
+//! Sparse symmetric systems with two right-hand sides: up-looking LDLᵀ (Davis 2005, "Algorithm 849") in a
+//! nested-dissection order (George 1973).
 
 use glam::DVec2;
 
@@ -12,7 +12,8 @@ pub(super) struct Symmetric {
 }
 
 impl Symmetric {
-    /// Makes an `n` × `n` matrix of entries (row, column, value) in both triangles. Entries of one place are added up.
+    /// Makes an `n` × `n` matrix of entries (row, column, value) in both triangles. Entries with equal indices are
+    /// added.
     pub(super) fn new(n: usize, entries: impl Iterator<Item = (usize, usize, f64)>) -> Self {
         let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); n];
         entries.for_each(|(row, column, value)| rows[row].push((column as u32, value)));
@@ -33,7 +34,8 @@ impl Symmetric {
         self.rows.iter().map(|row| row.iter().map(|(j, value)| x[*j as usize] * *value).sum()).collect()
     }
 
-    /// Returns the unknowns in an elimination order with little fill: two halves, then the level of a breadth-first search between them.
+    /// Returns the unknowns in an elimination order with little fill: two halves, then the level of a breadth-first
+    /// search between them.
     fn order(&self) -> Vec<u32> {
         let n = self.rows.len();
         let mut order = vec![0; n];
@@ -169,7 +171,8 @@ mod tests {
     use super::*;
     use crate::noise::uniform;
 
-    /// Laplacian of a triangulated grid with random weights plus `hold` on the diagonal, and five unconnected unknowns.
+    /// Makes the Laplacian of a triangulated grid with random weights plus `hold` on the diagonal, and five unconnected
+    /// unknowns.
     fn sheet(side: usize, hold: f64) -> Symmetric {
         let n = side * side;
         let edges = (0..n).flat_map(move |i| {
@@ -185,7 +188,7 @@ mod tests {
         Symmetric::new(n + 5, entries.chain((0..n).map(|i| (i, i, hold))).chain((n..n + 5).map(|i| (i, i, 2.0))))
     }
 
-    /// Dense Gaussian elimination without pivoting.
+    /// Solves by dense Gaussian elimination without pivoting.
     fn dense(matrix: &Symmetric, right: &[DVec2]) -> Vec<DVec2> {
         let n = right.len();
         let mut full = vec![vec![0.0; n]; n];

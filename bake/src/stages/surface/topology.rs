@@ -1,18 +1,19 @@
-//! Connectivity of the skin: points joined by place, triangles joined by edges, each edge by at most two.
+//! Connectivity of the mesh surface: points joined by position, triangles joined by edges, each edge by at most two.
 
 use glam::DVec3;
 
 /// No half-edge: the edge is a border of the mesh.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A half-edge mesh of triangles. Half-edge `3 f + k` leads from corner `k` of face `f` to the next corner, counter-clockwise.
+/// Half-edge mesh of triangles. Half-edge `3 f + k` leads from corner `k` of face `f` to the next corner,
+/// counter-clockwise.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Topology {
-    /// Places, metres, at rest. No two are equal up to rounding.
+    /// Positions at rest, metres. No two are equal up to rounding.
     pub(super) points: Vec<DVec3>,
-    /// Three points each, all different.
+    /// Points of each face, three different ones.
     pub(super) faces: Vec<[u32; 3]>,
-    /// For each half-edge the one that runs back along the same edge, or [`NONE`].
+    /// Half-edge in the opposite direction along the same edge, for each half-edge, or [`NONE`].
     pub(super) twins: Vec<u32>,
     /// Unit normal of each face.
     pub(super) normals: Vec<DVec3>,
@@ -21,7 +22,7 @@ pub(super) struct Topology {
 }
 
 impl Topology {
-    /// `faces` must be sound: three different points and an area.
+    /// Creates the topology. `faces` must be sound: three different points, and an area.
     pub(super) fn new(points: Vec<DVec3>, faces: Vec<[u32; 3]>, twins: Vec<u32>) -> Self {
         let mut out = Self { points, faces, twins, ..Self::default() };
         for f in 0..out.faces.len() {
@@ -42,7 +43,7 @@ impl Topology {
         (a + b + c) / 3.0
     }
 
-    /// End points of a half-edge.
+    /// Returns the end points of a half-edge.
     pub(super) fn ends(&self, half_edge: u32) -> [u32; 2] {
         let (f, k) = (half_edge as usize / 3, half_edge as usize % 3);
         [self.faces[f][k], self.faces[f][(k + 1) % 3]]
@@ -53,8 +54,8 @@ impl Topology {
         self.points[a as usize].distance(self.points[b as usize])
     }
 
-    /// Numbers the regions that hang together, in the order of their first faces. `joined` says of a half-edge whether the faces on its sides
-    /// do; borders of the mesh are not asked.
+    /// Numbers the connected regions in the order of their first faces. `joined` returns whether the faces on both
+    /// sides of a half-edge are connected; borders of the mesh are not queried.
     pub(super) fn regions(&self, joined: impl Fn(u32) -> bool) -> Vec<u32> {
         let mut region = vec![NONE; self.faces.len()];
         let (mut count, mut stack) = (0, Vec::new());
@@ -77,7 +78,7 @@ impl Topology {
         region
     }
 
-    /// The up to three faces across the edges of `face`, with the half-edge of `face` that leads to each.
+    /// Returns the up to three faces across the edges of `face`, each with the half-edge of `face` that leads to it.
     pub(super) fn neighbors(&self, face: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
         (3 * face as u32..3 * face as u32 + 3).filter_map(|h| {
             let twin = self.twins[h as usize];
@@ -86,7 +87,7 @@ impl Topology {
     }
 }
 
-/// A number that orders a heap. Never NaN.
+/// Heap key, never NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Key(pub(super) f64);
 
@@ -104,7 +105,7 @@ impl Ord for Key {
     }
 }
 
-/// The half-edge before `h` in its face.
+/// Returns the half-edge before `h` in its face.
 pub(super) fn prev(h: u32) -> u32 {
     if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }

@@ -1,20 +1,22 @@
-//! Joining what exporters tear apart: vertices that are equal in all they carry, and normals across seams.
+//! Joining of what exporters split: vertices with equal attributes, and normals across seams.
 
 use glam::Vec3;
 use pelage_import::mesh::Mesh;
 use std::collections::HashMap;
 
 fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
-    // Adding zero turns -0 into +0, which would otherwise tear a seam into every mirrored model.
+    // Adding zero turns -0 into +0, which would otherwise split a seam into every mirrored model.
     values.map(|v| (v + 0.0).to_bits())
 }
 
-/// Joins vertices of one material that agree in position, normal, texture coordinates, colour, skin and morph targets, bit for bit.
+/// Joins vertices of one material that agree bit for bit in position, normal, texture coordinates, colour, skin and
+/// morph targets.
 ///
-/// Files without indices hold every corner of every triangle; only joined can corners share a tile frame. The first of equal
-/// vertices stays, so the order does not depend on the hash map. Vertices of no triangle vanish.
+/// Files without indices store every corner of every triangle, and only joined corners can share a tile frame. The
+/// first of equal vertices is kept, so the order does not depend on the hash map. Vertices without a triangle are
+/// removed.
 ///
-/// Returns the mesh, and for each of its vertices the first of the old ones that it stands for.
+/// Returns the mesh, and for each of its vertices the first input vertex that it replaces.
 pub(super) fn join_equal_vertices(mesh: &Mesh) -> (Mesh, Vec<u32>) {
     let mut out = Mesh { parts: mesh.parts.clone(), ..Mesh::default() };
     let (mut seen, mut origin) = (HashMap::new(), Vec::new());
@@ -49,20 +51,21 @@ pub(super) fn join_equal_vertices(mesh: &Mesh) -> (Mesh, Vec<u32>) {
     (out, origin)
 }
 
-/// Number of vertices that a triangle uses.
+/// Returns the number of vertices that a triangle uses.
 pub(super) fn used_vertices(mesh: &Mesh) -> usize {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
     used.into_iter().filter(|u| *u).count()
 }
 
-/// Gives all furred vertices at one place one normal, so that the shells above a seam or a hard edge stay closed.
+/// Gives all furred vertices at one position the same normal, so that the shells above a seam or a hard edge stay
+/// closed.
 ///
-/// The mean is weighted by the angle of each triangle's corner there, which makes it independent of the triangulation; hair has
-/// no creases, so flat-shaded input is rounded as well. Bare parts keep their normals.
+/// The mean is weighted by the angle of each triangle's corner, which makes it independent of the triangulation. Hair
+/// has no creases, so flat-shaded input is smoothed as well. Bare parts keep their normals.
 ///
-/// `faces` are the triangles by places at rest (one number, one place). Only vertices that agree in the mesh's own space too are averaged:
-/// two rigid parts that touch have spaces of their own.
+/// `faces`: triangles of points at rest, with one index per position. Only vertices that also agree in the mesh's own
+/// space are averaged: two touching rigid parts have different spaces.
 pub(super) fn smooth_normals_over_seams(mesh: &mut Mesh, faces: &[[u32; 3]], furred: &[bool]) {
     let mut sums: HashMap<(u32, [u32; 3]), Vec3> = HashMap::new();
     let mut corners = Vec::new();

@@ -1,45 +1,47 @@
-//! The far coat: all layers seen as one, and what light does in it on average.
+//! Far fur: all layers merged into one, with the mean lighting inside them.
 //!
-//! Where the layers are too small on screen to be told apart, a renderer draws the skin with this texture, a little above its place. What the
-//! layers get one by one (ambient light by height, the key light through the hair above) is here one number each: the mean over the hair
-//! that is seen, each with the weight of its luminance, so that the mean brightness stays.
+//! Where the layers are too small on screen to be distinguished, a renderer draws the mesh surface with this texture,
+//! raised slightly. Values that each layer has of its own (ambient light by height, key light through the hair above)
+//! become one number each. It is the mean over the visible hair, weighted by luminance, so that the mean brightness is
+//! preserved.
 
 use super::splat::Sums;
 use pelage_formats::CoatInfo;
 use rayon::prelude::*;
 
-/// Longest way through a layer over its thickness that light takes: the runtime's `slanted_path` ends there.
+/// Maximum path of light through a layer, over the layer's thickness; limit of the runtime's `slanted_path`.
 const SLANTED: f32 = 4.0;
 
-/// How many times what is above a height hides what is behind it, for a look along the outline: in and out again, each at a slant. Measured so
-/// that the skin at the coat's height covers what hare, knot and torus do with all their layers and fins.
+/// Factor on the optical depth above a height, for a view along the silhouette: in and out again, each at a slant.
+/// Measured so that the mesh surface at the far fur's height covers as much as all layers and fins of hare, knot and
+/// torus.
 const OUTLINE: f64 = 5.0;
 
-/// What there is to say of a far coat, and of the layers that it was made of.
+/// Statistics of the far fur and of the layers that it was made of.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Coat {
-    /// For the package.
+    /// Data for the package.
     pub info: CoatInfo,
-    /// Mean opacity of each layer as its last mip level has it, from layer 1 outwards.
+    /// Mean opacity of each layer, equal to its last mip level, from layer 1 outwards.
     pub opacities: Vec<f32>,
 }
 
-/// What the layers from outside in look like together.
+/// Accumulated appearance of the layers, from the outermost inwards.
 pub(super) struct CoatSums {
     /// Per texel: opacity, colour and direction times opacity, 1, and visibility times opacity.
     pub(super) sums: Vec<Sums>,
-    /// Per texel: what the layers so far let through of such a look.
+    /// Per texel: transmittance of the layers so far, in the far view.
     through: Vec<f32>,
     /// Luminance that the last layer added to the mean colour.
     added: f64,
     layers: Vec<LayerShare>,
 }
 
-/// One layer's part in the coat.
+/// Contribution of one layer.
 struct LayerShare {
-    /// Luminance that it adds to the mean colour.
+    /// Luminance added to the mean colour.
     luminance: f64,
-    /// Mean transmittance above it, and down through it.
+    /// Mean transmittance above the layer; `through` includes the layer itself.
     above: f64,
     through: f64,
 }
@@ -52,7 +54,7 @@ impl CoatSums {
         Self { sums: vec![empty; count], through: vec![1.0; count], added: 0.0, layers: Vec::new() }
     }
 
-    /// Adds a weighed layer.
+    /// Adds a weighted layer.
     pub(super) fn gather(&mut self, layer: &[Sums]) {
         let texels = self.sums.par_iter_mut().zip(&mut self.through).zip(layer);
         let luminance = texels.with_min_len(1024).map(|((sum, through), s)| {
@@ -60,8 +62,9 @@ impl CoatSums {
                 return 0.0;
             }
             let opacity = (s[0] / s[7]).clamp(0.0, 1.0);
-            // Twice: in the mean over what is seen of a round body, a look goes through a layer twice as far as it is thick. The coat is what
-            // the layers look like at 60°, and not from straight above, where more of the dark roots shows.
+            // Squared: averaged over the visible part of a round body, the view passes through a layer over twice its
+            // thickness. The far fur is the layers seen at 60°, not from straight above, where more of the dark roots
+            // is visible.
             let blocked = *through * (1.0 - (1.0 - opacity) * (1.0 - opacity));
             *through -= blocked;
             sum[0] += blocked;
@@ -71,16 +74,17 @@ impl CoatSums {
             let [r, g, b] = [1, 2, 3].map(|i| f64::from(blocked * s[i] / s[0]));
             0.2126 * r + 0.7152 * g + 0.0722 * b
         });
-        // In the order of the texels, so that the sum does not depend on the number of threads.
+        // Summed in the order of the texels, so that the result does not depend on the number of threads.
         self.added = luminance.collect::<Vec<f64>>().iter().sum::<f64>() / layer.len().max(1) as f64;
     }
 
-    /// Notes what [`Self::gather`] added, between those mean transmittances of a look from straight above.
+    /// Records what [`Self::gather`] added, with the mean transmittances above and through the layer for a view from
+    /// straight above.
     pub(super) fn close(&mut self, above: f32, through: f32) {
         self.layers.push(LayerShare { luminance: self.added, above: above.into(), through: through.into() });
     }
 
-    /// The means over what was gathered, outermost layer first down to layer 1.
+    /// Returns the means over the gathered layers, outermost layer first down to layer 1.
     pub(super) fn finish(&self) -> Coat {
         let count = self.layers.len().max(1) as f64;
         let total: f64 = self.layers.iter().map(|l| l.luminance).sum();
@@ -88,7 +92,7 @@ impl CoatSums {
             let sum: f64 = self.layers.iter().enumerate().map(|(i, l)| l.luminance * of(i, l)).sum();
             if total > 0.0 { (sum / total) as f32 } else { empty as f32 }
         };
-        // Light on a layer comes through the layers above, and on average through half of its own.
+        // Light reaches a layer through the layers above and, on average, through half of its own.
         let light = |path: f64| {
             let share = |l: &LayerShare| {
                 let own = (l.through / l.above.max(1e-6)).clamp(0.0, 1.0);

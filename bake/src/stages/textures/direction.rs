@@ -1,28 +1,28 @@
-//! How hair directions are averaged.
+//! Averaging of hair directions.
 //!
-//! A direction is the unit tangent of a strand in the tile frame: x along u, y along v, z away from the skin. Kajiya–Kay
-//! lighting depends on (T·L)² only, so T and −T are the same to it, and the one with z ≥ 0 is averaged.
+//! A direction is the unit tangent of a strand in the tile frame: x along u, y along v, z away from the mesh surface.
+//! Kajiya–Kay lighting depends on (T·L)² only, so T and −T are equivalent, and the one with z ≥ 0 is averaged.
 //!
-//! The mean of several unit vectors is shorter than one: its length is the confidence that they agree. Opposing hairs cancel
-//! to nothing, and normalising that would give noise or NaN; below `|mean|² = 1e-8` the isotropic direction (0, 0, 1) stands in.
-//! Two-component formats store the direction, four-component ones the mean with its length
+//! The mean of several unit vectors is shorter than one: its length is the confidence that they agree. Opposing hairs
+//! cancel out, and normalising the remainder would give noise or NaN; below `|mean|² = 1e-8` the isotropic direction
+//! (0, 0, 1) is used. Two-component formats store the direction, four-component ones the mean with its length
 //! ([`pelage_formats::encode_direction`]).
 
 use glam::Vec3;
 use pelage_formats::{TextureFormat, encode_direction};
 
-/// Below this squared length a mean has no direction.
+/// Squared length below which a mean has no direction.
 pub const MIN_LENGTH_SQUARED: f32 = 1e-8;
 
-/// The one of `t` and `-t` that does not point into the skin.
+/// Returns `t` or `-t`, whichever does not point into the surface.
 pub fn upper(t: Vec3) -> Vec3 {
     if t.z < 0.0 { -t } else { t }
 }
 
-/// Unit direction and confidence (0..=1) of a mean of unit vectors.
+/// Returns the unit direction and the confidence (0..=1) of a mean of unit vectors.
 pub fn resolve(mean: Vec3) -> (Vec3, f32) {
     let length_squared = mean.length_squared();
-    // Written so that NaN takes the fallback too.
+    // Written so that NaN also uses the fallback.
     if length_squared >= MIN_LENGTH_SQUARED {
         let length = length_squared.sqrt();
         (mean / length, length.min(1.0))
@@ -31,7 +31,7 @@ pub fn resolve(mean: Vec3) -> (Vec3, f32) {
     }
 }
 
-/// Four bytes of a mean of unit vectors for a texture of `format`.
+/// Encodes a mean of unit vectors as four bytes for a texture of `format`.
 pub fn encode_mean(mean: Vec3, format: TextureFormat) -> [u8; 4] {
     let (unit, confidence) = resolve(mean);
     encode_direction(if format.components() == 2 { unit } else { unit * confidence }, format)

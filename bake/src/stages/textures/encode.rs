@@ -1,6 +1,6 @@
-//! Texels into .ktx2 files, by way of the `ctt` crate (Intel's block encoder; KTX2 writer).
+//! Encoding of texels to .ktx2 files, using the `ctt` crate (Intel's block encoder; KTX2 writer).
 //!
-//! Layers are encoded one at a time as they arrive, so that of a large tile only the blocks stay in memory.
+//! Layers are encoded one at a time as they arrive, so that only the blocks of a large tile stay in memory.
 
 use crate::recipe::{BaseColorFormat, BcQuality, PackParams};
 pub use ctt::AlphaMode;
@@ -15,14 +15,15 @@ use pelage_formats::TextureFormat;
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 
-/// One mip level of one layer.
+/// Mip level of a layer.
 #[derive(Clone, Copy, Debug)]
 pub struct RawLevel<'a> {
     /// Width, texels.
     pub width: u32,
     /// Height, texels.
     pub height: u32,
-    /// `width * height` texels, row-major: RGBA bytes, RG bytes for two-component formats, or half floats where the format has those.
+    /// `width * height` texels, row-major: RGBA bytes, RG bytes for two-component formats, or half floats where the
+    /// format has those.
     pub texels: &'a [u8],
 }
 
@@ -46,7 +47,7 @@ pub struct TextureEncoder {
 impl From<BcQuality> for Quality {
     fn from(quality: BcQuality) -> Self {
         match quality {
-            // One step below ctt's names: its `Basic` takes 2 µs a texel, 47 s for a 512×512×64 tile on two cores.
+            // One step below ctt's names: its `Basic` takes 2 µs per texel, 47 s for a 512×512×64 tile on two cores.
             BcQuality::Fast => Self::VeryFast,
             BcQuality::Basic => Self::Fast,
             BcQuality::Slow => Self::Basic,
@@ -55,8 +56,8 @@ impl From<BcQuality> for Quality {
 }
 
 impl TextureEncoder {
-    /// A texture of `format` without layers. Whether colour is premultiplied goes into the file's data format descriptor; of
-    /// opaque textures the block encoder tries fewer modes.
+    /// Creates a texture of `format` without layers. Premultiplied colour is recorded in the file's data format
+    /// descriptor; for opaque textures the block encoder tries fewer modes.
     pub fn new(format: TextureFormat, alpha: AlphaMode, quality: BcQuality) -> Self {
         Self { format, alpha, quality: quality.into(), layers: Vec::new() }
     }
@@ -68,7 +69,7 @@ impl TextureEncoder {
         }
     }
 
-    /// Format of the texels that come in, and their bytes.
+    /// Returns the format of the input texels and their size in bytes.
     fn raw_format(&self) -> (Format, u32) {
         match (self.format, self.format.components(), self.color_space()) {
             (TextureFormat::Rgba16Float, ..) => (Format::R16G16B16A16_SFLOAT, 8),
@@ -113,27 +114,28 @@ impl TextureEncoder {
         }
     }
 
-    /// As [`TextureEncoder::push_layer`], of square levels from `texels * texels` down to one texel.
+    /// Encodes one layer, like [`TextureEncoder::push_layer`], from square levels of `texels * texels` down to one
+    /// texel.
     pub fn push_square_layer(&mut self, texels: u32, levels: &[Vec<u8>]) -> Result<(), BakeError> {
         let sizes = (0..).map(|level| texels >> level);
         let raw = sizes.zip(levels).map(|(size, texels)| RawLevel { width: size, height: size, texels });
         self.push_layer(&raw.collect::<Vec<_>>())
     }
 
-    /// As [`TextureEncoder::finish`], where the last layer was pushed first.
+    /// Does the same as [`TextureEncoder::finish`] for layers pushed in reverse order.
     pub fn finish_reversed(mut self) -> Result<Vec<u8>, BakeError> {
         self.layers.reverse();
         self.finish()
     }
 
-    /// As [`TextureEncoder::finish_reversed`], where one more layer was pushed last and stays there.
+    /// Does the same as [`TextureEncoder::finish_reversed`], except that the layer pushed last stays the last.
     pub fn finish_reversed_but_last(mut self) -> Result<Vec<u8>, BakeError> {
         self.layers.reverse();
         self.layers.rotate_left(1);
         self.finish()
     }
 
-    /// Writes the .ktx2 file: a 2D array where there are several layers, else a plain 2D texture.
+    /// Writes the .ktx2 file: a 2D array if there are several layers, otherwise a plain 2D texture.
     pub fn finish(self) -> Result<Vec<u8>, BakeError> {
         let desc = self.describe(self.format.ktx2());
         let image = ctt::Image { surfaces: self.layers, kind: TextureKind::Texture2D, desc };
@@ -152,7 +154,8 @@ fn internal(error: impl std::fmt::Display) -> BakeError {
 
 /// Encodes a base-colour image with mips filtered in linear light.
 ///
-/// Block formats need sides that are multiples of four (WebGPU, "texture creation"): others are resampled to the next one up.
+/// Block formats need sides that are multiples of four (WebGPU, "texture creation"); other images are resampled to the
+/// next larger multiple.
 pub fn encode_base_color(image: &Image, params: &PackParams) -> Result<Vec<u8>, BakeError> {
     let format = match params.base_color_format {
         BaseColorFormat::Bc7 => TextureFormat::Bc7Srgb,
@@ -163,7 +166,7 @@ pub fn encode_base_color(image: &Image, params: &PackParams) -> Result<Vec<u8>, 
     encode_image(image, format, alpha, params)
 }
 
-/// Encodes a groom texture, of which red and green count, in the format of the direction textures.
+/// Encodes the red and green channels of a groom texture in the format of the direction textures.
 pub fn encode_groom(image: &Image, params: &PackParams) -> Result<Vec<u8>, BakeError> {
     encode_image(image, params.direction_format.into(), AlphaMode::Opaque, params)
 }
@@ -197,7 +200,7 @@ fn encode_image(
     encoder.finish()
 }
 
-/// The full mip chain of an RGBA8 image with straight alpha.
+/// Makes the full mip chain of an RGBA8 image with straight alpha.
 fn mip_chain(width: u32, height: u32, rgba: &[u8], color_space: ColorSpace) -> Result<Vec<Surface>, BakeError> {
     let surface = RawLevel { width, height, texels: rgba }.surface(4);
     let format = if color_space == ColorSpace::Srgb { Format::R8G8B8A8_SRGB } else { Format::R8G8B8A8_UNORM };

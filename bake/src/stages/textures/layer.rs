@@ -1,13 +1,14 @@
-//! From the sums of one layer to the texels of all its mip levels.
+//! Conversion of one layer's sums to the texels of all its mip levels.
 //!
-//! Averaging opacities layer by layer makes distant fur too opaque, because the layers of one hair stand above one another
-//! (measured in formulas 3.2: a mean transmittance of 0.84 becomes 0.51). What an eye far above sees is the mean of the product,
-//! so the *cumulative* transmittance is averaged: with P the transmittance of all layers outside of this one, a coarse texel gets
-//! α = ⟨Pα⟩/⟨P⟩ and the colour ⟨PαC⟩/⟨P⟩, and the product over the layers is the mean of the products exactly. Directions are
-//! averaged with the same weights.
+//! Averaging opacities per layer makes distant fur too opaque, because the layers of one hair are above one another
+//! (measured in formulas 3.2: a mean transmittance of 0.84 becomes 0.51). From far above, the eye sees the mean of the
+//! product, so the *cumulative* transmittance is averaged. With P the transmittance of all layers outside of this one,
+//! a coarse texel gets α = ⟨Pα⟩/⟨P⟩ and the colour ⟨PαC⟩/⟨P⟩; the product over the layers is then exactly the mean of
+//! the products. Directions are averaged with the same weights.
 //!
-//! Bytes are rounded so that the error of one layer is made up for in the next: the product of the stored transmittances
-//! follows the true one at any number of layers, where plain rounding loses the faint hair of a fine stack altogether.
+//! Bytes are rounded so that the error of one layer is compensated in the next. The product of the stored
+//! transmittances thus follows the true one at any number of layers; plain rounding would lose the faint hair of a fine
+//! stack completely.
 
 use super::coat::{Coat, CoatSums};
 use super::direction;
@@ -18,27 +19,27 @@ use pelage_formats::TextureFormat;
 use pelage_formats::meaning::linear_to_srgb;
 use rayon::prelude::*;
 
-/// Keeps a layer's own opacity where nothing of it can be seen from above.
+/// Offset of the weights, so that a layer keeps its own opacity where it is hidden from above.
 const HIDDEN: f32 = 1e-4;
 
-/// Transmittance from outside down to the layer in work, for every level.
+/// Transmittance from outside down to the current layer, for every level.
 pub(super) struct Transmittance {
     direction_format: TextureFormat,
-    /// Of the texels that are drawn.
+    /// Transmittance of the texels that strands are drawn into.
     drawn: Vec<f32>,
-    /// How many times those are halved to become the finest that are stored.
+    /// Number of times that those texels are halved to give the finest stored level.
     halvings: u32,
-    /// Variance of the blur on top of that, in stored texels; 0 for none.
+    /// Variance of the additional blur, in stored texels²; 0 for none.
     blur: f32,
-    /// Of what is stored.
+    /// Transmittance of each stored level.
     levels: Vec<LevelTransmittance>,
-    /// What the layers so far look like together.
+    /// Merged appearance of the layers so far.
     coat: CoatSums,
 }
 
 struct LevelTransmittance {
     exact: Vec<f32>,
-    /// Product of what is stored.
+    /// Transmittance as the product of the stored opacities.
     stored: Vec<f32>,
 }
 
@@ -47,12 +48,13 @@ struct LevelTransmittance {
 pub(super) struct LevelBytes {
     pub(super) color: Vec<u8>,
     pub(super) direction: Vec<u8>,
-    /// As [`visibility::encode`] writes it.
+    /// Coefficients as encoded by [`encode_visibility`].
     pub(super) visibility: Vec<u8>,
 }
 
 impl Transmittance {
-    /// Nothing drawn yet. Layers come with `texels << halvings` texels a side and are stored with `texels`.
+    /// Creates the state before any layer. Layers come with `texels << halvings` texels a side and are stored with
+    /// `texels`.
     pub(super) fn new(texels: u32, halvings: u32, blur: f32, direction_format: TextureFormat) -> Self {
         let drawn = vec![1.0; 1 << (2 * (texels.ilog2() + halvings))];
         let sizes = (0..=texels.ilog2()).map(|level| (texels >> level) as usize);
@@ -60,16 +62,16 @@ impl Transmittance {
         Self { direction_format, drawn, halvings, blur, levels, coat: CoatSums::new(texels) }
     }
 
-    /// All layers so far as one: what an eye above them sees of their hair. Its mips are plain means, of colours and directions with the
-    /// weight of what is seen.
+    /// Merges all layers so far into one: the view of their hair from above. Its mips are plain means, with colours and
+    /// directions weighted by visible opacity.
     pub(super) fn coat(&self, texels: u32) -> (Vec<LevelBytes>, Coat) {
         let mut alone = Self::new(texels, 0, 0.0, self.direction_format);
         let mut sums = self.coat.sums.clone();
         (alone.levels(&mut sums, texels), self.coat.finish())
     }
 
-    /// Turns the `sums` of the next layer inward into texels of every level. With `skin`, the layer is opaque and of that colour,
-    /// and its directions are those of the hair in `sums`, and of their mean where there is none.
+    /// Converts the `sums` of the next layer inwards to texels of every level. With `skin`, the layer is opaque and has
+    /// that colour; its directions are those of the hair in `sums`, or their mean where there is none.
     pub(super) fn layer(&mut self, sums: &mut Vec<Sums>, texels: u32, skin: Option<Vec3>) -> Vec<LevelBytes> {
         weigh(sums, &mut self.drawn);
         let above = self.levels.last().map_or(1.0, |level| level.exact[0]);
@@ -96,7 +98,7 @@ impl Transmittance {
         levels
     }
 
-    /// Texels of every level from weighed sums.
+    /// Makes the texels of every level from weighted sums.
     fn levels(&mut self, sums: &mut [Sums], texels: u32) -> Vec<LevelBytes> {
         let mut levels = Vec::with_capacity(self.levels.len());
         let mut coarse: Vec<Sums> = Vec::new();
@@ -117,8 +119,8 @@ impl Transmittance {
     }
 }
 
-/// Replaces depth, depth·colour, depth·direction by W, WαC, WαT with W in the eighth place and Wα in the first: all that
-/// averages linearly.
+/// Replaces depth, depth·colour, depth·direction by Wα, WαC, WαT, and stores W in the eighth component: all of these
+/// average linearly.
 fn weigh(sums: &mut [Sums], outside: &mut [f32]) {
     sums.par_iter_mut().zip(outside).with_min_len(1024).for_each(|(s, outside)| {
         let w = *outside + HIDDEN;
@@ -137,8 +139,8 @@ fn weigh(sums: &mut [Sums], outside: &mut [f32]) {
     });
 }
 
-/// Between the roots the skin is lit as their mean is. Directions of single roots, spread to where no hair is, would show as blocks under
-/// sparse hair.
+/// Gives the surface between the roots their mean direction. Directions of single roots, extended to texels without
+/// hair, would show as blocks under sparse hair.
 fn cover_skin(sums: &mut [Sums]) {
     let mut mean = [0.0f64; 4];
     for s in sums.iter() {
@@ -159,7 +161,7 @@ fn cover_skin(sums: &mut [Sums]) {
     });
 }
 
-/// A Gaussian of that variance, texels², over a picture of `n * n` texels that repeats.
+/// Applies a Gaussian of the given variance, texels², to a periodic image of `n * n` texels.
 fn blurred(sums: &[Sums], n: usize, variance: f32) -> Vec<Sums> {
     let mut weights = Vec::new();
     let first = super::splat::weights(0.5, variance, &mut weights);
@@ -192,7 +194,7 @@ fn halve(fine: &[Sums], n: usize) -> Vec<Sums> {
     coarse
 }
 
-/// Bytes of one level, and whether each texel has a direction and a visibility of its own.
+/// Returns the bytes of one level, and whether each texel has a direction and a visibility of its own.
 fn store(sums: &[Sums], transmittance: &mut LevelTransmittance, format: TextureFormat) -> (LevelBytes, Vec<bool>) {
     let mut color = vec![0; 4 * sums.len()];
     let mut directions = vec![0; 4 * sums.len()];
@@ -221,7 +223,7 @@ fn store(sums: &[Sums], transmittance: &mut LevelTransmittance, format: TextureF
                 }
                 color[3] = alpha;
             }
-            // In the far tail of a splat the sums are too small to divide.
+            // In the far tail of a splat the sums are too small for a division.
             if s[0] > 1e-12 {
                 let mean = Vec3::new(s[4], s[5], s[6]) / s[0];
                 *has_direction = true;
@@ -234,8 +236,8 @@ fn store(sums: &[Sums], transmittance: &mut LevelTransmittance, format: TextureF
     (LevelBytes { color, direction: directions, visibility }, has_direction)
 }
 
-/// Byte for `opacity`, within one step of it, chosen so that the stored product comes nearest to `exact`, the true
-/// transmittance down through this layer. Where there is no hair the byte is 0.
+/// Returns the byte for `opacity`, within one step of it, that brings the stored product nearest to `exact`, the true
+/// transmittance down through this layer. Returns 0 without hair.
 fn round_opacity(opacity: f32, exact: f32, stored_outside: f32) -> u8 {
     let own = 255.0 * opacity;
     if own < 1e-3 {
@@ -245,10 +247,10 @@ fn round_opacity(opacity: f32, exact: f32, stored_outside: f32) -> u8 {
     (wanted.clamp(own - 1.0, own + 1.0).clamp(0.0, 255.0) + 0.5) as u8
 }
 
-/// Gives texels without hair the direction and the visibility of the next coarser level, so that bilinear filtering at the edge of a hair
-/// does not mix in anything foreign.
+/// Gives texels without hair the direction and visibility of the next coarser level, so that bilinear filtering at a
+/// hair's edge mixes in nothing unrelated.
 ///
-/// `size` gives width and height of a level, powers of two, each half of the one before down to 1.
+/// `size`: width and height of a level, powers of two, each half of the one before, down to 1.
 pub(super) fn fill_empty(
     levels: &mut [(LevelBytes, Vec<bool>)],
     size: impl Fn(usize) -> (usize, usize),
@@ -258,7 +260,7 @@ pub(super) fn fill_empty(
         && !has[0]
     {
         bytes.direction.copy_from_slice(&direction::encode_mean(Vec3::ZERO, format));
-        // A single texel, of those that have any.
+        // A single texel; for textures without visibility there is nothing to write.
         bytes.visibility.iter_mut().zip(encode_visibility(Vec4::ZERO)).for_each(|(byte, none)| *byte = none);
     }
     for level in (0..levels.len().saturating_sub(1)).rev() {

@@ -1,7 +1,9 @@
-//! `slice`: strands → shell, fin and direction texture arrays with mips; and the encoding of all textures as .ktx2 files.
+//! `slice`: strands → shell, fin and direction texture arrays with mips; and the encoding of all textures as .ktx2
+//! files.
 //!
-//! [`slice()`] hands out layer after layer, outermost first, so that a volume larger than memory can be written;
-//! [`shell_textures`] joins it to the encoder and is what a bake calls. [`fin_textures`] cuts the same strands from the side.
+//! [`slice()`] outputs one layer at a time, outermost first, so that a volume larger than memory can be written.
+//! [`shell_textures`] combines it with the encoder and is what a bake calls. [`fin_textures`] cuts the same strands
+//! from the side.
 
 mod coat;
 mod decode;

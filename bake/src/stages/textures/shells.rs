@@ -1,4 +1,4 @@
-//! Slicing joined to encoding: of a volume of any size only one layer stands in memory as texels.
+//! Slicing combined with encoding: for a volume of any size, only one layer is in memory as texels.
 
 use super::coat::Coat;
 use super::encode::{AlphaMode, TextureEncoder};
@@ -9,25 +9,25 @@ use crate::stages::visibility::Visibility;
 use pelage_formats::TextureFormat;
 use pelage_import::BakeError;
 
-/// How much light reaches the hair of a shell volume.
+/// Light that reaches the hair of a shell volume.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisibilityTexture {
-    /// A complete .ktx2 file: [`pelage_formats::meaning::encode_visibility`] of each texel.
+    /// Complete .ktx2 file: [`pelage_formats::meaning::encode_visibility`] of each texel.
     pub file: Vec<u8>,
-    /// k of [`pelage_formats::meaning::above_horizon`].
+    /// Constant k of [`pelage_formats::meaning::above_horizon`].
     pub horizon: f32,
 }
 
-/// The texture arrays of a shell volume: complete .ktx2 files, skin first.
+/// Texture arrays of a shell volume: complete .ktx2 files, mesh surface first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShellTextures {
     /// Premultiplied colour and opacity.
     pub color: Vec<u8>,
     /// Hair directions.
     pub direction: Vec<u8>,
-    /// How much light reaches the hair; `None` where that is not known.
+    /// Light that reaches the hair; `None` if unknown.
     pub visibility: Option<VisibilityTexture>,
-    /// What there is to say of the coat, which then is the last layer of all; `None` without.
+    /// Statistics of the far fur, which is then the last array layer; `None` without it.
     pub coat: Option<Coat>,
 }
 
@@ -50,10 +50,11 @@ impl From<DirectionFormat> for TextureFormat {
     }
 }
 
-/// Bytes of texels that the shell textures of one volume will have, with their mip levels: what [`shell_textures`] makes, but for the heads of its files.
+/// Returns the size of one volume's shell textures, with mip levels, in bytes: output of [`shell_textures`] without
+/// file headers.
 ///
-/// * `with_coat`: whether the far coat follows as the last array layer
-/// * `with_visibility`: whether visibility is among them
+/// * `with_coat`: whether the far fur is added as the last array layer
+/// * `with_visibility`: whether visibility is included
 pub fn shell_bytes(slice_params: &SliceParams, pack: &PackParams, with_coat: bool, with_visibility: bool) -> u64 {
     let n = slice_params.tile_texels;
     let of =
@@ -65,12 +66,12 @@ pub fn shell_bytes(slice_params: &SliceParams, pack: &PackParams, with_coat: boo
 
 /// Slices `strands` and encodes the layers one by one.
 ///
-/// * `visibility`: of these strands, for a texture of it
-/// * `with_coat`: whether the far coat follows as the last array layer
-/// * `on_layer`: called when a layer is done
+/// * `visibility`: visibility of these strands, to be stored in a texture
+/// * `with_coat`: whether the far fur is added as the last array layer
+/// * `on_layer`: callback after each layer
 ///
 /// # Errors
-/// As [`slice_for_package`], and [`BakeError::Internal`] if the encoder fails.
+/// Same as [`slice_for_package`], and [`BakeError::Internal`] if the encoder fails.
 pub fn shell_textures(
     strands: &Strands,
     visibility: Option<&Visibility>,
@@ -94,7 +95,7 @@ pub fn shell_textures(
         on_layer();
         Ok(())
     })?;
-    // Layers came outermost first, and then the coat.
+    // Layers arrive outermost first, then the far fur.
     let finish = |encoder: TextureEncoder| {
         if with_coat { encoder.finish_reversed_but_last() } else { encoder.finish_reversed() }
     };
@@ -109,7 +110,7 @@ pub fn shell_textures(
     })
 }
 
-/// The format of the visibility: as exact as the colours are.
+/// Returns the format of the visibility, which is as exact as that of the colours.
 fn visibility_format(pack: &PackParams) -> TextureFormat {
     match pack.shell_format {
         ShellFormat::Bc7 => TextureFormat::Bc7Unorm,

@@ -17,7 +17,7 @@ fn pack(shell_format: ShellFormat, direction_format: DirectionFormat) -> PackPar
     PackParams { shell_format, direction_format, ..PackParams::default() }
 }
 
-/// RGBA8 of one level of one layer.
+/// Decodes one level of one layer to RGBA8.
 fn decode(format: TextureFormat, data: &[u8], width: u32, height: u32) -> Vec<u8> {
     format.to_rgba8(data, width, height).unwrap()
 }
@@ -63,7 +63,7 @@ fn every_format_reads_back_layer_by_layer() {
                             (squares.sum::<f64>() / f64::from(w * h) / used as f64).sqrt()
                         };
                         assert!(rms_to(k) <= tolerance, "{format:?} layer {k} level {level}: rms {}", rms_to(k));
-                        // Another layer must not pass for this one.
+                        // No other layer may match as well as this one.
                         assert!(i == 1 || level > 0 || rms_to((k + 1) % 4) > 2.0 * tolerance, "{format:?} layer {k}");
                     }
                 }

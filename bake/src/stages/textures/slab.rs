@@ -1,12 +1,13 @@
 //! Fin textures: the strands of the tile seen from the side (Lengyel et al. 2001, "fin texture").
 //!
-//! A slab is cut upright through the tile and its strands are projected onto the cut. Hair leans in the tile, so a slab along the lean
-//! shows it bent over and one across it does not: there are [`SLABS`] slabs, along directions in which the periodic tile closes on
-//! itself, and a fin takes the one that its edge runs along best.
+//! A slab is cut upright through the tile, and its strands are projected onto the cut. Hair leans in the tile, so a
+//! slab along the lean shows it bent over and one across it does not. There are [`SLABS`] slabs, along directions in
+//! which the periodic tile is closed, and a fin uses the slab most parallel to its edge.
 //!
-//! Whole strands are drawn, chosen by their roots, so that the faces of a slab cut no hair in two. The texels are averaged down from
-//! [`SUPERSAMPLES`]² finer ones: what a coarse texel keeps is the share that the hairs in it cover, not the opacity of their mean density,
-//! which would be more. From there on mips are plain means of premultiplied texels, and the covered share is the same in all.
+//! Whole strands are drawn, chosen by their roots, so that the faces of a slab cut no hair in two. Texels are averaged
+//! from [`SUPERSAMPLES`]² finer ones: a coarse texel keeps the share that its hairs cover, not the opacity of their
+//! mean density, which would be more. Further mips are plain means of premultiplied texels, so the covered share is the
+//! same in all.
 
 use super::direction;
 use super::encode::{AlphaMode, RawLevel, TextureEncoder};
@@ -21,15 +22,15 @@ use pelage_formats::meaning::linear_to_srgb;
 use pelage_import::BakeError;
 use rayon::prelude::*;
 
-/// A direction through the tile: `(p, q)`, whole steps along u and v after which a line comes round to where it began.
+/// Direction through the tile: `(p, q)`, whole steps along u and v after which a line returns to its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slab {
     step: [i8; 2],
-    /// A neighbouring tile, one period of the slab's depth away: −q·m + p·n = 1.
+    /// Neighbouring tile, one period of the slab's depth away: −q·m + p·n = 1.
     neighbour: [i8; 2],
 }
 
-/// The slabs of a fin texture, array layer by array layer: 45° apart.
+/// Slabs of a fin texture in the order of its array layers: 45° apart.
 pub const SLABS: [Slab; 4] = [
     Slab { step: [1, 0], neighbour: [0, 1] },
     Slab { step: [1, 1], neighbour: [0, 1] },
@@ -37,27 +38,27 @@ pub const SLABS: [Slab; 4] = [
     Slab { step: [-1, 1], neighbour: [0, -1] },
 ];
 
-/// Fine texels per texel and axis, as long as the fine texture stays within [`MAX_FINE`] texels a side.
+/// Fine texels per texel and axis, reduced if the fine texture would exceed [`MAX_FINE`] texels a side.
 const SUPERSAMPLES: u32 = 4;
 const MAX_FINE: u32 = 1024;
-/// Texels of a fin texture per texel of the shells: hair is seen from the side here, outlined against what is behind it, and the whole
-/// texture is smaller than one layer of them.
+/// Texels of a fin texture per texel of the shells. Here hair is seen from the side, outlined against its background,
+/// and the whole texture is smaller than one layer of the shells.
 const TEXELS_PER_SHELL_TEXEL: u32 = 2;
 
 impl Slab {
-    /// Length of one period, widths of the tile.
+    /// Returns the length of one period, in tile widths.
     pub fn period(self) -> f32 {
         let [p, q] = self.step.map(f32::from);
         (p * p + q * q).sqrt()
     }
 
-    /// Unit direction in the tile.
+    /// Returns the unit direction in the tile.
     pub fn direction(self) -> Vec2 {
         Vec2::from(self.step.map(f32::from)) / self.period()
     }
 }
 
-/// The slab that runs along `direction`, of any length, best, and whether the direction runs against it.
+/// Returns the slab most parallel to `direction`, which may have any length, and whether the two are opposed.
 pub fn slab_along(direction: Vec2) -> (usize, bool) {
     let mut best = (0, 0.0f32);
     for (index, slab) in SLABS.iter().enumerate() {
@@ -69,7 +70,7 @@ pub fn slab_along(direction: Vec2) -> (usize, bool) {
     (best.0, best.1 < 0.0)
 }
 
-/// The fin textures.
+/// Fin textures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinTextures {
     /// Complete .ktx2 files, one array layer per slab.
@@ -80,13 +81,15 @@ pub struct FinTextures {
     pub height: u32,
 }
 
-/// Optical depth, depth times linear RGB, depth times direction, padding; after [`Raster::resolve`] opacity in place of depth.
+/// Optical depth, depth times linear RGB, depth times direction, padding; after [`Raster::resolve`] opacity instead of
+/// depth.
 type Sums = [f32; 8];
 
-/// Cuts the slabs, `depth` widths of the tile deep, and encodes them.
+/// Draws the slabs, `depth` tile widths deep, and encodes them.
 ///
 /// # Errors
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for strands that are not whole or if the encoder fails.
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands or if the
+/// encoder fails.
 pub fn fin_textures(
     strands: &Strands,
     depth: f32,
@@ -120,26 +123,27 @@ pub fn fin_textures(
     Ok(FinTextures { textures, width, height })
 }
 
-/// Width and height of the textures: powers of two, so that every mip level halves the one before, and whole blocks of the encoders.
+/// Returns width and height of the textures: powers of two, so that every mip level halves the one before, and whole
+/// blocks of the encoders.
 fn size(strands: &Strands, slice: &SliceParams) -> (u32, u32) {
     let width = (TEXELS_PER_SHELL_TEXEL * slice.tile_texels).min(MAX_FINE);
     let height = (strands.height * width as f32).ceil().clamp(8.0, MAX_FINE as f32) as u32;
     (width, height.next_power_of_two().min(MAX_FINE))
 }
 
-/// One slab at the texture's own size: sums of opacity, opacity times colour, opacity times direction.
+/// Draws one slab at the texture's size and returns sums of opacity, opacity times colour, opacity times direction.
 fn draw(strands: &Strands, slab: Slab, depth: f32, (width, height): (u32, u32), filter_width: f32) -> Vec<Sums> {
     let samples = (MAX_FINE / width.max(height)).clamp(1, SUPERSAMPLES);
     let (w, h) = ((width * samples) as usize, (height * samples) as usize);
     let mut raster = Raster { width: w, height: h, sums: vec![[0.0; 8]; w * h], weights: Default::default() };
-    // Fine texels per width of the tile.
+    // Fine texels per tile width.
     let scale = Vec2::new(w as f32 / slab.period(), h as f32 / strands.height);
     let [p, q] = slab.step.map(f32::from);
     let [m, n] = slab.neighbour.map(f32::from);
     for strand in 0..strands.len() {
         let range = strands.range(strand);
         let Some(root) = strands.points.get(range.start) else { continue };
-        // Across the slab, in periods: 0..1 is the tile's own, each whole number one neighbour further.
+        // Position across the slab, in periods: 0..1 is in the tile itself, each whole number is one neighbour further.
         let across = p * root.y - q * root.x;
         let mut image = -across.floor();
         while across + image < depth * slab.period() {
@@ -153,7 +157,7 @@ fn draw(strands: &Strands, slab: Slab, depth: f32, (width, height): (u32, u32), 
                 let Some(tangent) = (b - a).try_normalize() else { continue };
                 let radius = 0.5 * (strands.radii[i] + strands.radii[i + 1]);
                 let variance = scale * scale * (0.5 * radius * radius) + filter_width * filter_width;
-                // The same optical depth in all as from above: density times volume of the cylinder.
+                // Same total optical depth as from above: density times the cylinder's volume.
                 let sharpness = radius * (scale.x * scale.y / (variance.x * variance.y).sqrt()).sqrt();
                 let density = extinction(sharpness);
                 let volume = density * std::f32::consts::PI * radius * (b - a).length() * scale.x * scale.y;
@@ -169,7 +173,7 @@ fn draw(strands: &Strands, slab: Slab, depth: f32, (width, height): (u32, u32), 
     raster.resolve(samples as usize)
 }
 
-/// Sums over the strands of a slab at each fine texel.
+/// Sums over the strands of a slab, per fine texel.
 struct Raster {
     width: usize,
     height: usize,
@@ -178,8 +182,8 @@ struct Raster {
 }
 
 impl Raster {
-    /// Adds `values`, spread along the line from `a` to `b` with a Gaussian about it. u wraps; what reaches out of the texture at the skin
-    /// or above the hair is lost.
+    /// Adds `values`, spread along the line from `a` to `b` with a Gaussian around it. u wraps; whatever extends beyond
+    /// the texture at the surface or above the hair is lost.
     fn streak(&mut self, a: Vec2, b: Vec2, variance: Vec2, values: Sums) {
         let spacing = SPACING * variance.min_element().sqrt();
         let pieces = ((b - a).length() / spacing).ceil().max(1.0);
@@ -200,7 +204,7 @@ impl Raster {
         }
     }
 
-    /// Turns depth into opacity, thinned by the share of the height that is above, and averages `samples`² texels into one.
+    /// Converts depth to opacity, reduced by the share of the height above, and averages `samples`² texels into one.
     fn resolve(mut self, samples: usize) -> Vec<Sums> {
         for (y, row) in self.sums.chunks_exact_mut(self.width).enumerate() {
             let above = 1.0 - (y as f32 + 0.5) / self.height as f32;
@@ -215,7 +219,7 @@ impl Raster {
     }
 }
 
-/// Means over `(x, y)` texels of a picture `width` texels wide.
+/// Averages `(x, y)` texels of an image `width` texels wide.
 fn shrink(fine: &[Sums], width: usize, (x, y): (usize, usize)) -> Vec<Sums> {
     let columns = width / x;
     let share = 1.0 / (x * y) as f32;
@@ -230,7 +234,7 @@ fn shrink(fine: &[Sums], width: usize, (x, y): (usize, usize)) -> Vec<Sums> {
 /// Width, height and texels of each level, finest first.
 type Levels = Vec<(u32, u32, Vec<u8>)>;
 
-/// Bytes of all mip levels: colour, and directions in as many components as `format` has.
+/// Returns the bytes of all mip levels: colour, and directions in as many components as `format` has.
 fn levels(sums: Vec<Sums>, (mut width, mut height): (u32, u32), format: TextureFormat) -> (Levels, Levels) {
     let mut sums = sums;
     let mut sizes = Vec::new();
@@ -257,12 +261,12 @@ fn levels(sums: Vec<Sums>, (mut width, mut height): (u32, u32), format: TextureF
     out
 }
 
-/// Bytes without visibility, and whether each texel has a direction of its own.
+/// Returns the bytes without visibility, and whether each texel has a direction of its own.
 fn store(sums: &[Sums], format: TextureFormat) -> (LevelBytes, Vec<bool>) {
     let mut out = (LevelBytes::default(), Vec::new());
     for s in sums {
         let alpha = (255.0 * s[0] + 0.5).clamp(0.0, 255.0) as u8;
-        // Colour follows the opacity that is stored.
+        // Colour is premultiplied by the stored opacity.
         let share = if s[0] > 0.0 { f32::from(alpha) / (255.0 * s[0]) } else { 0.0 };
         out.0.color.extend([s[1], s[2], s[3]].map(|v| linear_to_srgb(v * share)));
         out.0.color.push(alpha);

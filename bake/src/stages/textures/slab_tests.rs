@@ -14,7 +14,7 @@ fn coat() -> Strands {
     simulate(&natural().hair, &ColorParams::default(), &VolumeParams::default()).unwrap()
 }
 
-/// One hair of a tile's tenth in thickness, from `root` to `tip`.
+/// Makes one hair of radius 0.02 from `root` to `tip`.
 fn hair(root: Vec3, tip: Vec3) -> Strands {
     let middle = 0.5 * (root + tip);
     Strands {
@@ -27,7 +27,7 @@ fn hair(root: Vec3, tip: Vec3) -> Strands {
     }
 }
 
-/// All levels of one slab, a tile deep: width, height and RGBA of colour and direction.
+/// Draws one slab of the given depth; returns width, height and RGBA of all levels, for colour and direction.
 fn slab(strands: &Strands, index: usize, depth: f32) -> (Levels, Levels) {
     let params = slice(32);
     let size = size(strands, &params);
@@ -42,7 +42,7 @@ fn mean(values: &[f32]) -> f32 {
     values.iter().sum::<f32>() / values.len() as f32
 }
 
-/// Column of the most opacity in a level, as a share of its width.
+/// Returns the column with the highest opacity in a level, as a share of its width.
 fn column(level: &(u32, u32, Vec<u8>)) -> f32 {
     let (width, alpha) = (level.0 as usize, alpha(level));
     let sum = |x: usize| alpha.iter().skip(x).step_by(width).sum::<f32>();
@@ -75,8 +75,8 @@ fn an_edge_takes_the_slab_that_runs_along_it() {
 fn a_hair_stands_where_its_root_is() {
     // Upright, at u = 0.3, v = 0.1.
     let strands = hair(Vec3::new(0.3, 0.1, 0.0), Vec3::new(0.3, 0.1, 0.5));
-    // Along (1, 1) it lies across by 0.1 − 0.3, so that of the tile above is taken: (0.3 + 1.1) / 2. Along (−1, 1) across by −0.1 − 0.3,
-    // so that of the tile below: (−0.3 − 0.9) / 2, which comes round to 0.4.
+    // Along (1, 1) its offset across is 0.1 − 0.3, so the copy in the tile above is used: (0.3 + 1.1) / 2. Along (−1,
+    // 1) the offset is −0.1 − 0.3, so the copy in the tile below is used: (−0.3 − 0.9) / 2, which wraps to 0.4.
     for (index, expected) in [(0, 0.3), (1, 0.7), (2, 0.1), (3, 0.4)] {
         let found = column(&slab(&strands, index, 1.0).0[0]);
         assert!((found - expected).abs() < 0.02, "slab {index}: {found}, expected {expected}");
@@ -87,7 +87,7 @@ fn a_hair_stands_where_its_root_is() {
 fn the_tile_wraps() {
     let strands = coat();
     let mut moved = strands.clone();
-    // Whole tiles on: the same hair.
+    // Shifted by whole tiles: the same hair.
     moved.points.iter_mut().for_each(|p| *p += Vec3::new(3.0, -2.0, 0.0));
     for index in 0..SLABS.len() {
         let (a, b) = (slab(&strands, index, 0.3), slab(&moved, index, 0.3));
@@ -115,7 +115,7 @@ fn lean_shows_in_the_slab_that_runs_along_it() {
     assert!(rows(0).abs() < 0.01, "across its lean the hair stands upright, not {}", rows(0));
     assert!((rows(2) - 0.15).abs() < 0.02, "half of its lean of 0.3 between the quarters, not {}", rows(2));
     assert!(rows(1) > 0.05 && rows(1) < rows(2), "at 45 degrees less of it, not {}", rows(1));
-    // The direction is that of the tile in every slab.
+    // The direction is in the tile's frame for every slab.
     for index in 0..SLABS.len() {
         let (color, direction) = slab(&strands, index, 1.0);
         let (at, _) = alpha(&color[0]).iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
@@ -133,7 +133,7 @@ fn mips_keep_the_covered_share() {
         let (color, direction) = slab(&strands, index, 0.05);
         let shares: Vec<_> = color.iter().map(|level| mean(&alpha(level))).collect();
         assert!(shares[0] > 0.02, "there is hair: {shares:?}");
-        // Two per cent, and the rounding of a byte.
+        // Tolerance of two per cent, plus the rounding of a byte.
         assert!(shares.iter().all(|s| (s - shares[0]).abs() < 0.02 * shares[0] + 0.5 / 255.0), "{shares:?}");
         let sizes: Vec<_> = color.iter().map(|l| (l.0, l.1)).collect();
         assert_eq!(sizes.last(), Some(&(1, 1)));
@@ -144,7 +144,7 @@ fn mips_keep_the_covered_share() {
     }
 }
 
-/// The share does not depend on the resolution, where the opacity of a mean density would.
+/// Checks that the covered share does not depend on the resolution, as the opacity of a mean density would.
 #[test]
 fn coarse_texels_cover_what_fine_ones_do() {
     let strands = coat();
@@ -164,13 +164,13 @@ fn a_deeper_slab_has_more_hair() {
     let share = |depth: f32| mean(&alpha(&slab(&strands, 0, depth).0[0]));
     let shares = [0.01, 0.02, 0.1, 1.0, 3.0].map(share);
     assert!(shares.windows(2).all(|w| w[0] < w[1]), "{shares:?}");
-    // Nobody stands in front of another yet: in proportion.
+    // Proportional, because hairs do not overlap yet.
     assert!((shares[1] / shares[0] - 2.0).abs() < 0.5, "{shares:?}");
 }
 
 #[test]
 fn opacity_thins_to_nothing_at_the_tips() {
-    // Hair as high as the volume, all over.
+    // Hair as high as the volume everywhere.
     let strands = simulate(
         &HairParams { length_variation: 0.0, lean: 0.0, frizz: 0.0, ..natural().hair },
         &ColorParams::default(),
@@ -180,7 +180,7 @@ fn opacity_thins_to_nothing_at_the_tips() {
     let level = &slab(&strands, 0, 0.05).0[0];
     let rows: Vec<_> = alpha(level).chunks_exact(level.0 as usize).map(mean).collect();
     assert!(rows[1] > 0.1 && rows[rows.len() - 1] < 0.1 * rows[1], "{rows:?}");
-    // The first row loses the half of a hair's blur that reaches under the skin.
+    // The first row loses the half of a hair's blur that extends below the surface.
     assert!(rows[1..].windows(2).all(|w| w[1] <= w[0] + 0.02), "{rows:?}");
 }
 

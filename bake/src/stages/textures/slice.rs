@@ -1,4 +1,4 @@
-//! Strands → layers of texels.
+//! Slicing of strands into layers of texels.
 
 use super::coat::Coat;
 use super::layer::{LevelBytes, Transmittance};
@@ -9,17 +9,17 @@ use crate::stages::visibility::Visibility;
 use pelage_formats::TextureFormat;
 use pelage_import::BakeError;
 
-/// One layer with its mip levels.
+/// Layer with its mip levels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layer {
-    /// Index, 0 on the skin.
+    /// Index, 0 on the mesh surface.
     pub index: u32,
-    /// Per mip level, finest first down to 1×1: `size * size` RGBA8 texels, row-major, v down. Colour is linear light times
-    /// opacity, then sRGB-encoded; alpha is linear opacity.
+    /// Colour per mip level, finest first down to 1×1: `size * size` RGBA8 texels, row-major, v down. Colour is linear
+    /// light times opacity, then sRGB-encoded; alpha is linear opacity.
     pub color: Vec<Vec<u8>>,
-    /// Per mip level: `size * size` directions in the format asked for, with as many bytes as it has components.
+    /// Directions per mip level, `size * size` in the requested format, with as many bytes as it has components.
     pub direction: Vec<Vec<u8>>,
-    /// Per mip level: `size * size` coefficients of visibility, four bytes each; none where they were not asked for.
+    /// Visibility coefficients per mip level, `size * size` of four bytes each; empty if not requested.
     pub visibility: Vec<Vec<u8>>,
 }
 
@@ -28,20 +28,21 @@ pub struct Layer {
 pub struct ShellSet {
     /// Width and height of a layer at level 0, texels.
     pub texels: u32,
-    /// Skin first.
+    /// Layers, that of the mesh surface first.
     pub layers: Vec<Layer>,
 }
 
-/// Slices strands into layers, outermost first, and hands each to `sink` with all mip levels.
+/// Slices strands into layers, outermost first, and passes each to `sink` with all mip levels.
 ///
-/// * `direction_format`: a format of two or of four components, which decides whether the length of mean directions is kept
+/// * `direction_format`: a format of two or four components; only four components keep the length of mean directions
 ///
-/// The layers lie evenly from the skin (layer 0, opaque) to `strands.height`; texels wrap at the tile's borders. Memory beyond the
-/// strands: about 80 bytes a texel of one layer, and an index of 4 bytes for each segment and layer that it crosses.
+/// The layers are evenly spaced from the mesh surface (layer 0, opaque) to `strands.height`; texels wrap at the tile's
+/// borders. Memory in addition to the strands: about 80 bytes per texel of one layer, and 4 bytes of index for each
+/// segment and layer that it crosses.
 ///
 /// # Errors
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for strands that are not whole, and
-/// whatever `sink` returns.
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands, and any error
+/// of `sink`.
 pub fn slice(
     strands: &Strands,
     params: &SliceParams,
@@ -51,11 +52,11 @@ pub fn slice(
     slice_layers(strands, None, params, direction_format, sink).map(drop)
 }
 
-/// As [`slice()`], with the coefficients of `visibility` where that is given. With `with_coat` it hands `sink` afterwards the far coat as a layer more,
-/// of index `params.layers`, and returns what there is to say of it.
+/// Does the same as [`slice()`], and adds the coefficients of `visibility` if given. With `with_coat` it then passes
+/// the far fur to `sink` as a further layer, of index `params.layers`, and returns its statistics.
 ///
 /// # Errors
-/// As [`slice()`].
+/// Same as [`slice()`].
 pub fn slice_for_package(
     strands: &Strands,
     visibility: Option<&Visibility>,
@@ -73,7 +74,7 @@ pub fn slice_for_package(
     Ok(Some(coat))
 }
 
-/// A layer as it is handed out: directions with as many bytes as their format has components.
+/// Converts a layer to its output form: directions have as many bytes as their format has components.
 fn layer(index: u32, levels: Vec<LevelBytes>, direction_format: TextureFormat, with_visibility: bool) -> Layer {
     let (mut color, mut direction, mut visibility) = (Vec::new(), Vec::new(), Vec::new());
     for level in levels {
@@ -112,13 +113,13 @@ fn slice_layers(
     let mut transmittance = Transmittance::new(n, halvings, blur, direction_format);
     let mut sums = Vec::new();
     for k in (0..params.layers).rev() {
-        // The skin is opaque; its hair direction is that of the roots just above it.
+        // The mesh surface is opaque; its hair direction is that of the roots just above it.
         sums.resize(fine as usize * fine as usize, Sums::default());
         index.draw(drawn, k.max(1) as usize, fine, fine_filter, &mut sums);
         let skin = (k == 0).then_some(strands.root_color);
         let mut levels = transmittance.layer(&mut sums, n, skin);
         if let Some(visibility) = visibility.filter(|_| k == 0) {
-            // Between the roots is skin, which knows its own.
+            // Between the roots is the mesh surface, which has its own visibility.
             levels.iter_mut().zip(visibility.skin_levels(n)).for_each(|(level, bytes)| level.visibility = bytes);
         }
         sink(layer(k, levels, direction_format, visibility.is_some()))?;
@@ -126,26 +127,27 @@ fn slice_layers(
     Ok(transmittance)
 }
 
-/// Strands are drawn into texels this many times finer, halvings, than those that are stored: what a coarse texel lets through is the mean of what
-/// the fine ones do, and not what their mean depth would, which is less. So fur is as dense in coarse texels as in fine ones.
+/// Oversampling of the texels that strands are drawn into, halvings. The transmittance of a coarse texel is the mean of
+/// its fine ones; that of their mean depth would be lower. So fur is as dense in coarse texels as in fine ones.
 const OVERSAMPLING: u32 = 2;
-/// Texels a side that are fine enough for any strand worth telling apart.
+/// Texels a side that are fine enough to resolve any relevant strand.
 const FINE: u32 = 512;
 
 fn halvings(texels: u32) -> u32 {
     OVERSAMPLING.min((FINE / texels).max(1).ilog2())
 }
 
-/// Standard deviation of the filter that strands are drawn with, fine texels, and variance of the blur after the halving, stored texels. Up to half
-/// a texel the filter only keeps strands from breaking up between fine texels; what is wanted beyond is blur.
+/// Returns the standard deviation of the filter for drawing strands, fine texels, and the variance of the blur after
+/// the halving, stored texels. Up to half a texel the filter only keeps strands from breaking up between fine texels;
+/// any larger width becomes blur.
 fn filter(width: f32, halvings: u32) -> (f32, f32) {
     if halvings == 0 { (width, 0.0) } else { (width.min(0.5), (width * width - 0.25).max(0.0)) }
 }
 
-/// As [`slice()`], with all layers in memory.
+/// Slices like [`slice()`], with all layers in memory.
 ///
 /// # Errors
-/// As [`slice()`].
+/// Same as [`slice()`].
 pub fn collect_layers(
     strands: &Strands,
     params: &SliceParams,

@@ -1,64 +1,65 @@
-//! Strands as Gaussian splats in the texels of one layer.
+//! Drawing of strands as Gaussian splats in the texels of one layer.
 //!
-//! Hair is a volume of extinction. A layer stands for the slab of height around it and takes the optical depth of every piece of strand in its
-//! slab, by arc length, so that slanted hair draws a connected streak and not a row of dots. How deep a strand is, says [`extinction`]: so that one
-//! alone blocks as much light as an opaque strand. Two consequences are exact, up to the rounding of stored opacities:
+//! Hair is a volume of extinction. A layer represents the slab of height around it. It takes the optical depth of every
+//! segment in its slab, by arc length, so that slanted hair draws a connected streak and not a row of dots.
+//! [`extinction`] gives a strand's depth such that a single one blocks as much light as an opaque strand. Two
+//! consequences are exact, up to the rounding of stored opacities:
 //!
-//! * the depths of all layers add up to the same sum at any number of layers: opacity per layer follows
-//!   α' = 1 − (1 − α)^(n₀/n) (formulas 4.6, 3.2);
-//! * a splat's depth sums to the same over texels of any size and wherever its centre falls between them.
+//! * the depths of all layers have the same sum at any number of layers: opacity per layer follows α' = 1 − (1 −
+//!   α)^(n₀/n) (formulas 4.6, 3.2);
+//! * a splat's depth has the same sum over texels of any size and for any position of its centre between them.
 
 use crate::stages::hair::Strands;
 use crate::stages::textures::direction;
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Density of a strand times its radius, such that a strand across the ray, drawn as a Gaussian, blocks as much light as an opaque one of its
-/// radius: the integral of 1 − exp(−depth) across it is its width.
+/// Returns the density of a strand times its radius. A strand across the ray, drawn as a Gaussian of that density,
+/// blocks as much light as an opaque one of its radius: the integral of 1 − exp(−depth) across it equals its width.
 ///
-/// * `sharpness`: radius over the standard deviation that it is drawn with, 0..=√2. At 0 the strand is thinner than a texel, its depth is small, and
-///   2/π makes the depth itself integrate to the width; at √2 it is a Gaussian of the strand's own variance, which needs 1.8 times as much,
-///   because its middle is dark already.
+/// * `sharpness`: radius over the standard deviation that the strand is drawn with, 0..=√2. At 0 the strand is thinner
+///   than a texel and its depth is small; 2/π makes the depth itself integrate to the width. At √2 it is a Gaussian of
+///   the strand's own variance, which needs 1.8 times as much, because its middle is dark already.
 ///
-/// A polynomial for the inverse of that integral, right within 2 %.
+/// A polynomial fit of that integral's inverse, accurate within 2 %.
 pub fn extinction(sharpness: f32) -> f32 {
     let s = sharpness.clamp(0.0, std::f32::consts::SQRT_2);
     std::f32::consts::FRAC_2_PI * (1.0 + s * (0.282 + s * (0.098 + s * 0.078)))
 }
 
-/// A Gaussian is drawn to this many standard deviations; the sum over texels is normalised afterwards.
+/// Cutoff of a drawn Gaussian, standard deviations; the sum over texels is normalised afterwards.
 const CUTOFF: f32 = 3.0;
-/// Splats along a streak stand this many standard deviations apart; their sum is then even to one in 10⁴.
+/// Distance between splats along a streak, standard deviations; their sum is then uniform to one in 10⁴.
 pub(super) const SPACING: f32 = 1.2;
-/// Segments that one task turns into splats. Fixed, because streaks are merged within a task only.
+/// Number of segments that one task converts to splats. Fixed, because streaks are merged within a task only.
 const CHUNK: usize = 4096;
-/// Segments whose splats are in memory at once.
+/// Number of segments whose splats are in memory at once.
 const BATCH: usize = 64 * CHUNK;
 
-/// Sums over the strands at one texel: optical depth, then depth times linear RGB, then depth times direction, then a place for what layers weigh
-/// with, then depth times the coefficients of visibility.
+/// Sums over the strands at one texel: optical depth, depth times linear RGB, depth times direction, one component for
+/// the layers' weights, and depth times the visibility coefficients.
 pub(super) type Sums = [f32; 12];
 
-/// What is drawn: strands, and where it is known how much light reaches them, the coefficients at each of their points.
+/// Input of drawing: strands and, if known, the visibility coefficients at each of their points.
 #[derive(Clone, Copy)]
 pub(super) struct Drawn<'a> {
     pub(super) strands: &'a Strands,
     pub(super) visibility: Option<&'a [Vec4]>,
 }
 
-/// Where each layer finds its segments.
+/// Index of the segments of each layer.
 pub(super) struct LayerIndex {
-    /// Segments by layer: the index of their first point. A segment that crosses several slabs is in each.
+    /// Segments by layer, as indices of their first points. A segment that crosses several slabs is in each.
     segments: Vec<u32>,
-    /// `segments[starts[k]..starts[k + 1]]` are those of layer `k`.
+    /// Ranges in `segments`: those of layer `k` are `segments[starts[k]..starts[k + 1]]`.
     starts: Vec<usize>,
     spacing: f32,
     layers: u32,
 }
 
 impl LayerIndex {
-    /// Sorts the segments of `strands` into the slabs of `layers` layers. Layer 0 is the skin and has no slab; layer 1's slab
-    /// reaches down to the skin, so that no piece is lost.
+    /// Sorts the segments of `strands` into the slabs of `layers` layers. Layer 0 is the mesh surface and has no slab;
+    /// layer 1's slab extends down to the surface, so that no segment is lost.
     pub(super) fn new(strands: &Strands, layers: u32) -> Self {
         let mut index = Self {
             segments: Vec::new(),
@@ -96,14 +97,15 @@ impl LayerIndex {
         ((h / self.spacing + 0.5) as u32).clamp(1, self.layers - 1) as usize
     }
 
-    /// Lower and upper end of a layer's slab; the first and the last take all that lies beyond.
+    /// Returns the lower and upper end of a layer's slab; the first and the last slab include everything beyond.
     fn slab(&self, layer: usize) -> (f32, f32) {
         let below = if layer <= 1 { f32::NEG_INFINITY } else { (layer as f32 - 0.5) * self.spacing };
         let above = if layer + 1 >= self.layers as usize { f32::INFINITY } else { (layer as f32 + 0.5) * self.spacing };
         (below, above)
     }
 
-    /// Fills `sums`, `texels * texels` row-major, with one layer's hair. The result does not depend on the number of threads.
+    /// Fills `sums`, `texels * texels` row-major, with one layer's hair. The result does not depend on the number of
+    /// threads.
     pub(super) fn draw(&self, drawn: Drawn<'_>, layer: usize, texels: u32, filter_width: f32, sums: &mut [Sums]) {
         sums.par_iter_mut().with_min_len(4096).for_each(|s| *s = Sums::default());
         let entries = &self.segments[self.starts[layer]..self.starts[layer + 1]];
@@ -112,7 +114,7 @@ impl LayerIndex {
         }
     }
 
-    /// The splats of some of a layer's segments, in their order.
+    /// Returns the splats of some of a layer's segments, in their order.
     fn splats(&self, drawn: Drawn<'_>, entries: &[u32], layer: usize, texels: u32, filter_width: f32) -> Vec<Splat> {
         let slab = self.slab(layer);
         let parts: Vec<Vec<Splat>> = entries
@@ -133,11 +135,11 @@ impl LayerIndex {
     }
 }
 
-/// A Gaussian blob of hair in one layer. Texel units; texel centres are at half integers.
+/// Gaussian splat of hair in one layer. Units are texels; texel centres are at half integers.
 #[derive(Clone, Copy, Debug)]
 struct Splat {
     center: Vec2,
-    /// Variance.
+    /// Variance, in texels².
     variance: f32,
     /// Sum of the optical depth over all texels.
     depth: f32,
@@ -146,7 +148,7 @@ struct Splat {
     visibility: Vec4,
 }
 
-/// Pieces of one strand on the way to becoming splats: short neighbouring pieces are drawn as one.
+/// Segments of one strand being converted to splats: short neighbouring segments are drawn as one.
 struct Streak {
     splats: Vec<Splat>,
     /// Depth-weighted sums, and the horizontal extent.
@@ -184,7 +186,8 @@ impl Streak {
         let length = (q - p).length() * share;
         let middle = from + 0.5 * share;
         let radius = strands.radii[i] + (strands.radii[i + 1] - strands.radii[i]) * middle;
-        // A disc of even density and a Gaussian of variance r²/2 and the same depth at the centre have the same integral.
+        // A disc of uniform density and a Gaussian of variance r²/2 with the same depth at the centre have the same
+        // integral.
         let variance = radius * radius * 0.5 * texels * texels + self.filter_width * self.filter_width;
         let density = extinction(radius * texels / variance.sqrt());
         let depth = density * std::f32::consts::PI * radius * length * texels * texels;
@@ -226,14 +229,14 @@ impl Streak {
     }
 }
 
-/// Rows that one task draws.
+/// Returns the number of rows that one task draws.
 fn band_rows(texels: usize) -> usize {
     (texels / 16).clamp(4, 64)
 }
 
 /// Adds splats to `texels * texels` sums, row-major, wrapping at the tile's borders.
 ///
-/// Texel by texel the splats are added in their order, so the sums do not depend on the number of threads.
+/// In each texel the splats are added in their order, so the sums do not depend on the number of threads.
 fn add(splats: &[Splat], texels: u32, sums: &mut [Sums]) {
     let n = texels as usize;
     let rows = band_rows(n);
@@ -243,7 +246,7 @@ fn add(splats: &[Splat], texels: u32, sums: &mut [Sums]) {
         let (first, count) = span(splat.center.y, splat.variance);
         let mut row = wrap(first, n);
         let mut left = count.min(n + rows);
-        // Step from band to band; a splat taller than the tile comes round to its first band, once.
+        // Steps from band to band; a splat taller than the tile returns to its first band, once.
         loop {
             let band = row / rows;
             if lists[band].last().is_none_or(|&l| l != i as u32) {
@@ -300,7 +303,7 @@ fn add(splats: &[Splat], texels: u32, sums: &mut [Sums]) {
     });
 }
 
-/// First texel and number of texels that a Gaussian reaches on one axis.
+/// Returns the first texel and the number of texels that a Gaussian reaches along one axis.
 fn span(center: f32, variance: f32) -> (i64, usize) {
     let reach = CUTOFF * variance.sqrt();
     let (first, last) = ((center - reach).floor(), (center + reach).floor());

@@ -1,23 +1,25 @@
-//! Visibility as a function of the direction towards a light, fitted to what rays found.
+//! Fit of visibility, as a function of the light's direction, to the results of rays.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec3, Vec4};
 use pelage_formats::meaning::above_horizon;
 
-/// Rays at a lower angle than this are not sent: they are long, and nearly all are hidden.
+/// Smallest cosine of a ray's angle to the normal: rays at lower elevation are long, and nearly all are blocked.
 const LEAST_COSINE: f64 = 0.04;
-/// What `horizon` may be, 1 / z: the light of a light that sinks fades over that height. The last is as good as none.
+/// Candidate values of `horizon`, 1 / z, where z is the height over which a sinking light fades. The last means
+/// practically no fading.
 const HORIZONS: [f32; 7] = [4.0, 6.0, 8.0, 12.0, 16.0, 32.0, 1000.0];
 
-/// Directions over the upper hemisphere, and what of the four coefficients each of them decides.
+/// Sample directions over the upper hemisphere, and the contribution of each to the four coefficients.
 #[derive(Clone, Debug)]
 pub(super) struct Fit {
-    /// Unit vectors in the frame of the tile, at the same distances from each other.
+    /// Unit vectors in the tile's frame, evenly spaced.
     directions: Vec<Vec3>,
-    /// Of least squares: what a visibility of 1 in that direction alone adds to the coefficients.
+    /// Least-squares contribution of each direction: change of the coefficients for a visibility of 1 in that direction
+    /// alone.
     shares: Vec<DVec4>,
 }
 
-/// Directions, `count` of them, each with the same solid angle: a spiral (Vogel 1979).
+/// Returns `count` directions of equal solid angle, on a spiral (Vogel 1979).
 fn spiral(count: u32) -> Vec<DVec3> {
     let golden = std::f64::consts::PI * (3.0 - libm::sqrt(5.0));
     let direction = |i| {
@@ -28,7 +30,7 @@ fn spiral(count: u32) -> Vec<DVec3> {
     (0..count).map(direction).collect()
 }
 
-/// The horizon that suits a mean visibility: that of least squares of s(z) (a + b z), with s of [`above_horizon`].
+/// Returns the horizon for a mean visibility: the least-squares fit of s(z) (a + b z), with s of [`above_horizon`].
 ///
 /// `seen`: z of directions, and the mean visibility in each.
 pub(super) fn horizon(seen: &[(f32, f64)]) -> f32 {
@@ -48,13 +50,13 @@ pub(super) fn horizon(seen: &[(f32, f64)]) -> f32 {
     };
     let errors = HORIZONS.map(|horizon| (residual(horizon), horizon));
     let least = errors.iter().fold(f64::INFINITY, |least, (error, _)| least.min(*error));
-    // Of several that do, the one that lets light sink most gently: what is bright beyond the horizon is seen at once.
+    // Among several good ones, the one with the gentlest fading: excess light beyond the horizon is conspicuous.
     let good = |error: f64| error <= 1.25 * least + 1e-9;
     errors.into_iter().find(|(error, _)| good(*error)).map_or(HORIZONS[6], |(_, horizon)| horizon)
 }
 
 impl Fit {
-    /// With so many directions, 4 or more.
+    /// Creates a fit with `count` directions, 4 or more.
     pub(super) fn new(count: u32, horizon: f32) -> Self {
         let directions = spiral(count);
         let basis = |d: &DVec3| DVec4::new(1.0, d.x, d.y, d.z) * f64::from(above_horizon(d.z as f32, horizon));
@@ -67,13 +69,14 @@ impl Fit {
         Self { directions: directions.into_iter().map(DVec3::as_vec3).collect(), shares }
     }
 
-    /// The directions, each turned about the normal by an angle of that sine and cosine.
+    /// Returns the directions, each rotated around the normal by the angle with the given sine and cosine.
     pub(super) fn turned(&self, (sin, cos): (f32, f32)) -> impl Iterator<Item = Vec3> {
         self.directions.iter().map(move |d| Vec3::new(cos * d.x - sin * d.y, sin * d.x + cos * d.y, d.z))
     }
 
-    /// Coefficients (c₀, c) of the visibilities that `lit` gives for each direction, all of them turned about the normal by an angle of that sine and
-    /// cosine: so that neighbours look in other directions, and their mean in all.
+    /// Returns the coefficients (c₀, c) of the visibilities that `lit` returns for the directions. All directions are
+    /// rotated around the normal by the angle with the given sine and cosine, so that neighbours use different
+    /// directions and their mean covers all.
     pub(super) fn of(&self, (sin, cos): (f32, f32), mut lit: impl FnMut(Vec3) -> bool) -> Vec4 {
         let mut sum = DVec4::ZERO;
         for (way, share) in self.turned((sin, cos)).zip(&self.shares) {
@@ -96,7 +99,7 @@ mod tests {
         assert!(fit.directions.iter().all(|d| (d.length() - 1.0).abs() < 1e-6 && d.z > 0.04));
         assert!((fit.of((0.0, 1.0), |_| true) - Vec4::X).length() < 1e-3);
         assert_eq!(fit.of((0.6, 0.8), |_| false), Vec4::ZERO);
-        // Seen from one side alone: more from there, the same from both of the others.
+        // Visible from one side only: more from that side, equal from the two perpendicular ones.
         let half = |turn| fit.of(turn, |d| d.x > 0.0);
         let [plain, turned] = [half((0.0, 1.0)), half((0.8, 0.6))];
         assert!(plain.y > 0.5 && plain.z.abs() < 0.1 && (plain - turned).length() < 0.25, "{plain} {turned}");

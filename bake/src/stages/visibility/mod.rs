@@ -1,9 +1,11 @@
-//! How much of a distant light reaches each point of the hair of a tile, past the other strands, for all directions at once.
+//! Visibility: the share of a distant light that reaches each point of a tile's hair past the other strands, for all
+//! directions at once.
 //!
-//! Rays look for the light from points along every strand and from the skin between the roots. What they find is a function of the direction ω
-//! towards the light, t = s(ω.z) clamp(c₀ + c · ω, 0, 1), of which four numbers are kept: more of them describe it hardly better (nine spherical harmonics: 4 %),
-//! because what hides the light of a single point is a few single strands. A strand does not hide the light from itself, as in the true
-//! picture: for a thin hair, how much light its round meets is what the lighting equation's sine says.
+//! Rays to the light start at points along every strand and on the mesh surface between the roots. Their results are a
+//! function of the direction ω towards the light, t = s(ω.z) clamp(c₀ + c · ω, 0, 1), of which four numbers are stored.
+//! More numbers hardly describe it better (nine spherical harmonics: 4 %), because a single point is shadowed by a few
+//! single strands. A strand does not shadow itself, as in the ray-traced reference: for a thin hair, the sine of the
+//! lighting equation already accounts for the light on its round surface.
 
 mod fit;
 mod rays;
@@ -18,29 +20,30 @@ use pelage_import::BakeError;
 use rayon::prelude::*;
 use rays::Rays;
 
-/// More rays than this are not sent: points of very many strands look into fewer directions each, and their neighbours into the others.
+/// Maximum number of rays. Points of very many strands use fewer directions each, and their neighbours use others.
 const MOST_RAYS: usize = 1 << 24;
-/// A point looks into this many directions at least: four decide the coefficients, and these outweigh chance.
+/// Minimum number of directions per point: four determine the coefficients, and these suppress noise.
 const LEAST_DIRECTIONS: usize = 8;
-/// Points and directions that the horizon is chosen by.
+/// Number of points that the horizon is chosen by; [`HORIZON_DIRECTIONS`] is the number of directions.
 const HORIZON_PLACES: usize = 1000;
 const HORIZON_DIRECTIONS: u32 = 32;
-/// Places of the skin in a row that are looked from: neighbours see nearly the same.
+/// Grid of sample points on the mesh surface, points per side: neighbours see nearly the same.
 const SIDE: u32 = 64;
 
-/// Coefficients (c₀, c) of t = s(ω.z) clamp(c₀ + c · ω, 0, 1), with ω the unit vector towards the light in the frame of the tile.
+/// Coefficients (c₀, c) of t = s(ω.z) clamp(c₀ + c · ω, 0, 1), with ω the unit vector towards the light in the tile's
+/// frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visibility {
-    /// How low a light begins to fade: k of [`pelage_formats::meaning::above_horizon`].
+    /// Elevation at which a light begins to fade: k of [`pelage_formats::meaning::above_horizon`].
     pub horizon: f32,
-    /// At each point of the strands.
+    /// Coefficients at each point of the strands.
     pub points: Vec<Vec4>,
-    /// On the skin: 64 * 64 places, row-major.
+    /// Coefficients on the mesh surface: 64 * 64 points, row-major.
     pub skin: Vec<Vec4>,
 }
 
 impl Visibility {
-    /// Bytes of the skin's for each mip level of `texels * texels`, finest first.
+    /// Returns the encoded coefficients of the mesh surface for each mip level of `texels * texels`, finest first.
     pub(crate) fn skin_levels(&self, texels: u32) -> Vec<Vec<u8>> {
         let mut levels = Vec::new();
         let (mut side, mut places) = (SIDE as usize, self.skin.clone());
@@ -62,12 +65,12 @@ impl Visibility {
     }
 }
 
-/// Finds it for the strands of a tile.
+/// Computes the visibility for the strands of a tile.
 ///
-/// * `horizon`: that it shall have; `None` chooses the one that suits
+/// * `horizon`: fixed horizon; `None` chooses a suitable one
 ///
 /// # Errors
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for strands that are not whole.
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands.
 pub fn visibility(strands: &Strands, params: &VisibilityParams, horizon: Option<f32>) -> Result<Visibility, BakeError> {
     params.validate()?;
     strands.validate()?;

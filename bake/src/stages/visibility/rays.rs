@@ -1,4 +1,4 @@
-//! Rays through the strands of a tile that repeats.
+//! Rays through the strands of a periodic tile.
 
 use crate::stages::hair::Strands;
 use glam::{Vec2, Vec3};
@@ -8,10 +8,10 @@ use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
 use std::time::Duration;
 
-/// Tiles that a ray goes aside at most.
+/// Maximum horizontal length of a ray, tiles.
 const LONGEST: f32 = 8.0;
 
-/// A piece of a strand: a round stick that tapers.
+/// Segment of a strand: a round, tapered stick.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     from: Vec3,
@@ -28,13 +28,14 @@ impl Boundable for Piece {
 }
 
 impl Piece {
-    /// Whether the ray, of unit direction, meets it: where the two come nearest, they are nearer than its radius.
+    /// Returns whether the ray, with unit direction, hits the segment: at their closest points, their distance is below
+    /// its radius.
     fn hides(&self, origin: Vec3, way: Vec3, reach: f32) -> bool {
         let axis = self.to - self.from;
         let from = origin - self.from;
         let (length, along, from_axis, from_way) = (axis.dot(axis), axis.dot(way), axis.dot(from), way.dot(from));
         let across = length - along * along;
-        // Along each other every place is as near as another.
+        // If parallel, all points are equally near.
         let share =
             if across > 1e-6 * length { ((from_axis - along * from_way) / across).clamp(0.0, 1.0) } else { 0.5 };
         let place = self.from + axis * share;
@@ -46,12 +47,12 @@ impl Piece {
     }
 }
 
-/// All strands of a tile.
+/// All strands of a tile, in a ray-tracing structure.
 pub(super) struct Rays {
-    /// In the order of the tree's leaves.
+    /// Segments in the order of the tree's leaves.
     pieces: Vec<Piece>,
     tree: Option<CwBvh>,
-    /// Where the strands of one tile lie, neighbours left out.
+    /// Lower corner of the bounds of one tile's strands, without neighbours; [`Self::high`] is the upper one.
     low: Vec2,
     high: Vec2,
     top: f32,
@@ -81,23 +82,24 @@ impl Rays {
         Self { pieces, tree, low, high, top }
     }
 
-    /// Whether a distant light in the direction `way`, of unit length and upwards, is seen from `origin` past all strands but `own`. Copies of `own` in
-    /// other tiles are others. What has not come out of the hair after [`LONGEST`] tiles is hidden.
+    /// Returns whether a distant light in the upward unit direction `way` is visible from `origin` past all strands
+    /// except `own`. Copies of `own` in other tiles count as other strands. A ray still inside the hair after
+    /// [`LONGEST`] tiles is blocked.
     pub(super) fn lit(&self, origin: Vec3, way: Vec3, own: Option<u32>) -> bool {
         let reach = ((self.top - origin.z) / way.z).max(0.0);
         let aside = reach * way.truncate().length();
-        // Tile after tile: most rays end near where they begin.
+        // Tile by tile: most rays end near their start.
         let steps = aside.ceil().clamp(1.0, LONGEST);
         let step = if aside > LONGEST { LONGEST / aside } else { 1.0 } * reach / steps;
         let free = |n: u16| self.free(origin + way * (step * f32::from(n)), way, step, own);
         (0..steps as u16).all(free) && aside <= LONGEST
     }
 
-    /// Whether there is nothing between `origin` and what is `reach` away.
+    /// Returns whether there is nothing between `origin` and the point at distance `reach`.
     fn free(&self, origin: Vec3, way: Vec3, reach: f32, own: Option<u32>) -> bool {
         let Some(tree) = &self.tree else { return true };
         let end = origin + way * reach;
-        // Copies of the tile that the way may cross.
+        // Copies of the tile that the ray may cross.
         let (from, to) = (origin.min(end).truncate() - self.high, origin.max(end).truncate() - self.low);
         let (first, last) = (from.ceil().as_ivec2(), to.floor().as_ivec2());
         for y in first.y..=last.y {
@@ -123,7 +125,7 @@ impl Rays {
 mod tests {
     use super::*;
 
-    /// One strand, upright at the middle of the tile.
+    /// Makes one strand, upright in the middle of the tile.
     fn pole() -> Strands {
         Strands {
             points: vec![Vec3::new(0.5, 0.5, 0.0), Vec3::new(0.5, 0.5, 0.5)],

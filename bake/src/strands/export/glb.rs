@@ -1,7 +1,8 @@
-//! Strands as binary glTF 2.0: lines with a colour and a radius per point.
+//! Export of strands as binary glTF 2.0: lines with a colour and a radius per point.
 //!
-//! Each group is a node and a mesh of its name, whose strands are one primitive of separate lines with indices. Line strips would be one primitive per strand, because core glTF cannot begin
-//! a strip anew within one: files of tens of thousands of primitives, which viewers take minutes to open.
+//! Each group is a node and a mesh of its name, whose strands are one primitive of separate lines with indices. Line
+//! strips would need one primitive per strand, because core glTF cannot restart a strip within a primitive; viewers
+//! take minutes to open files with tens of thousands of primitives.
 
 use super::write_floats;
 use crate::strands::{CurveGroup, Curves};
@@ -10,13 +11,13 @@ use pelage_glb::{Component, Layout, ViewTarget, write_head};
 use serde_json::{Value, json};
 use std::io::{self, Write};
 
-/// glTF's number for separate lines.
+/// Primitive mode of separate lines in glTF.
 const LINES: u64 = 1;
 
 /// Writes strands with `COLOR_0` (linear RGB) and `_RADIUS` (metres).
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] where the file would pass the 4 GiB that the container can count.
+/// Errors of `out`; [`io::ErrorKind::InvalidInput`] if the file would exceed the container's limit of 4 GiB.
 pub fn write_glb(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     let mut layout = Layout::default();
     let (nodes, meshes): (Vec<Value>, Vec<Value>) = curves
@@ -30,7 +31,7 @@ pub fn write_glb(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
         .unzip();
     let asset = json!({ "version": "2.0", "generator": concat!("pelage ", env!("CARGO_PKG_VERSION")) });
     let document = if nodes.is_empty() {
-        // glTF has no empty lists.
+        // glTF does not allow empty lists.
         json!({ "asset": asset })
     } else {
         json!({
@@ -48,7 +49,7 @@ pub fn write_glb(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     curves.groups().iter().try_for_each(|group| write_group(curves, group, out))
 }
 
-/// Views and accessors of a group, in the order that [`write_group`] writes; returns its primitive.
+/// Adds the views and accessors of a group, in the order in which [`write_group`] writes; returns its primitive.
 fn lay_out(curves: &Curves, group: &CurveGroup, layout: &mut Layout) -> Value {
     let points = curves.points_of(group);
     let lines = points.len() - group.strands.len();
@@ -79,7 +80,7 @@ fn write_group(curves: &Curves, group: &CurveGroup, out: &mut dyn Write) -> io::
     points.iter().try_for_each(|p| write_floats(&[p.radius_m], out))?;
     let offsets = &curves.offsets[group.strands.start as usize..=group.strands.end as usize];
     for ends in offsets.windows(2) {
-        // Indices count within the group.
+        // Indices are relative to the group.
         for i in ends[0] - offsets[0]..ends[1] - 1 - offsets[0] {
             out.write_all(&i.to_le_bytes())?;
             out.write_all(&(i + 1).to_le_bytes())?;

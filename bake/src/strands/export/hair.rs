@@ -1,17 +1,19 @@
-//! The binary format of Cem Yuksel's hair models: a header of 128 bytes, points of each strand, positions, thickness, colours.
+//! Export to the binary format of Cem Yuksel's hair models: a header of 128 bytes, points of each strand, positions,
+//! thickness, colours.
 //!
-//! It has no groups: the header's text names each with its first strand, counted from 0, as far as 88 bytes hold them.
+//! It has no groups: the header's text lists each name with its first strand, counted from 0, as far as 88 bytes
+//! permit.
 
 use super::{allowed, plain_names, too_many, write_floats};
 use crate::strands::Curves;
 use std::io::{self, Write};
 
-/// Arrays that the file holds: segments, points, thickness, colours.
+/// Flags of the arrays in the file: segments, points, thickness, colours.
 const ARRAYS: u32 = 1 | 2 | 4 | 16;
-/// The text of the header, padded with zeros.
+/// Length of the header's text, bytes, padded with zeros.
 const INFO: usize = 88;
 
-/// The header's text, shorter than [`INFO`], so that a zero ends it for readers in C.
+/// Returns the header's text, shorter than [`INFO`], so that it is zero-terminated for readers in C.
 fn info(curves: &Curves) -> String {
     const MORE: &str = "; ...";
     let mut text = concat!("pelage ", env!("CARGO_PKG_VERSION"), ": metres, y up, diameters, linear RGB").to_owned();
@@ -30,8 +32,8 @@ fn info(curves: &Curves) -> String {
 /// Writes strands. Thickness is the hair's diameter, colours are linear RGB.
 ///
 /// # Errors
-/// Those of `out`; [`io::ErrorKind::InvalidInput`] for a strand of more than 65 535 pieces or more than 2³² − 1 points, which the format cannot
-/// count.
+/// Errors of `out`; [`io::ErrorKind::InvalidInput`] for a strand of more than 65 535 segments or for more than 2³² − 1
+/// points, the limits of the format.
 pub fn write_hair(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     let points =
         u32::try_from(curves.points.len()).map_err(|_| too_many("points", curves.points.len(), u32::MAX.into()))?;
@@ -39,7 +41,7 @@ pub fn write_hair(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     for number in [curves.len() as u32, points, ARRAYS, 0] {
         out.write_all(&number.to_le_bytes())?;
     }
-    // Defaults for arrays that are not there: thickness, transparency, colour.
+    // Defaults for missing arrays: thickness, transparency, colour.
     write_floats(&[1.0, 0.0, 1.0, 1.0, 1.0], out)?;
     let mut text = info(curves).into_bytes();
     text.resize(INFO, 0);

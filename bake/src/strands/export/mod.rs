@@ -1,7 +1,8 @@
-//! Strands and skin in the formats of other programs: the same hair that the traced truth is made of, so that others can judge it.
+//! Export of strands and mesh to formats of other programs: the same hair as in the ray-traced reference, so that
+//! others can judge it.
 //!
-//! Each writer streams to any [`Write`]; lengths are metres in world space, y up, as in the package. All formats but text, which knows points
-//! alone, name the [groups](Curves::groups).
+//! Each writer streams to any [`Write`]; lengths are metres in world space, y up, as in the package. All formats name
+//! the [groups](Curves::groups), except text, which stores points only.
 
 mod glb;
 mod hair;
@@ -21,10 +22,10 @@ use crate::strands::{CurveGroup, Curves};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
-/// Formats of strands.
+/// File formats for strands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrandFormat {
-    /// A line `x y z radius` per point, root first, a blank line between strands.
+    /// Text: a line `x y z radius` per point, root first, and a blank line between strands.
     Text,
     /// Curves of pbrt-v4.
     Pbrt,
@@ -37,11 +38,11 @@ pub enum StrandFormat {
 }
 
 impl StrandFormat {
-    /// All of them with the extension that stands for each.
+    /// All formats with their file extensions.
     pub const EXTENSIONS: [(&'static str, Self); 5] =
         [("txt", Self::Text), ("pbrt", Self::Pbrt), ("glb", Self::Glb), ("hair", Self::Hair), ("usda", Self::Usda)];
 
-    /// The format of a file with that extension, in any case.
+    /// Returns the format of a file extension, ignoring case.
     pub fn of_extension(extension: &str) -> Option<Self> {
         let named = Self::EXTENSIONS.iter().find(|(e, _)| extension.eq_ignore_ascii_case(e));
         named.map(|(_, format)| *format)
@@ -50,7 +51,7 @@ impl StrandFormat {
     /// Writes strands.
     ///
     /// # Errors
-    /// Those of `out`, and [`io::ErrorKind::InvalidInput`] where there are more strands than the format can count.
+    /// Errors of `out`, and [`io::ErrorKind::InvalidInput`] if there are more strands than the format permits.
     pub fn write(self, curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
         match self {
             Self::Text => write_text(curves, out),
@@ -62,12 +63,12 @@ impl StrandFormat {
     }
 }
 
-/// Little-endian binary32.
+/// Writes numbers as little-endian binary32.
 fn write_floats(numbers: &[f32], out: &mut dyn Write) -> io::Result<()> {
     numbers.iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))
 }
 
-/// Names of the groups as a format can have them; one that another group has already gets a number.
+/// Returns the names of the groups in the form that a format permits; a repeated name gets a number.
 fn plain_names(curves: &Curves, plain: impl Fn(&str) -> String) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let mut name = |group: &CurveGroup| {
@@ -82,12 +83,12 @@ fn plain_names(curves: &Curves, plain: impl Fn(&str) -> String) -> Vec<String> {
     curves.groups().iter().map(&mut name).collect()
 }
 
-/// A text in which what `is_allowed` refuses is `_`.
+/// Replaces all characters that `is_allowed` rejects by `_`.
 fn allowed(text: &str, is_allowed: impl Fn(char) -> bool) -> String {
     text.chars().map(|c| if is_allowed(c) { c } else { '_' }).collect()
 }
 
-/// More than a format can count.
+/// Returns the error for more items than a format permits.
 fn too_many(what: &str, found: usize, most: u64) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, format!("{found} {what}, expected at most {most} in this format"))
 }

@@ -1,14 +1,14 @@
-//! The posed skin as Wavefront OBJ, with its materials beside it.
+//! Export of the posed mesh as Wavefront OBJ, with its materials in a second file.
 
 use crate::strands::Skin;
 use glam::{DVec3, Vec4};
 use std::io::{self, Write};
 
-/// Writes the skin: positions, texture coordinates and normals, triangles grouped by material. `materials` is the name of the .mtl file that
-/// [`write_mtl`] writes.
+/// Writes the mesh: positions, texture coordinates and normals, triangles grouped by material. `materials` is the name
+/// of the .mtl file that [`write_mtl`] writes.
 ///
 /// # Errors
-/// Those of `out`.
+/// Errors of `out`.
 pub fn write_obj(skin: &Skin, materials: &str, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# {} vertices, {} triangles, metres, y up", skin.vertices.len(), skin.triangles.len())?;
     writeln!(out, "mtllib {materials}")?;
@@ -17,7 +17,7 @@ pub fn write_obj(skin: &Skin, materials: &str, out: &mut dyn Write) -> io::Resul
         writeln!(out, "v {} {} {}", p.x, p.y, p.z)?;
     }
     for v in &skin.vertices {
-        // OBJ counts rows of an image from below.
+        // OBJ counts image rows from the bottom.
         writeln!(out, "vt {} {}", v.base_uv.x, 1.0 - v.base_uv.y)?;
     }
     for v in &skin.vertices {
@@ -36,10 +36,10 @@ pub fn write_obj(skin: &Skin, materials: &str, out: &mut dyn Write) -> io::Resul
     Ok(())
 }
 
-/// Writes the skin's materials: `Kd` is the mean of their base colour over the skin, by area.
+/// Writes the mesh's materials: `Kd` is the mean of their base colour over the mesh surface, by area.
 ///
 /// # Errors
-/// Those of `out`.
+/// Errors of `out`.
 pub fn write_mtl(skin: &Skin, out: &mut dyn Write) -> io::Result<()> {
     let mut sums = vec![(Vec4::ZERO, 0.0f32); skin.materials.len()];
     for (triangle, material) in skin.material_of.iter().enumerate() {
@@ -56,7 +56,7 @@ pub fn write_mtl(skin: &Skin, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// A name without spaces that no other material has.
+/// Returns a unique name without spaces for a material.
 fn name(skin: &Skin, material: usize) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
     let name: String = skin.materials[material].name.chars().map(plain).collect();

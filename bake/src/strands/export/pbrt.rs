@@ -1,22 +1,24 @@
-//! Curves for pbrt-v4, to be included in a scene.
+//! Export of curves for pbrt-v4, to be included in a scene.
 //!
-//! A piece of a strand is a cubic Bézier curve whose inner control points lie on the line at a third and two thirds, which is that line exactly,
-//! with the width at its two ends. A strand as one curve of many pieces would have its width run evenly from root to tip, which it does not after
-//! points were left out. `splitdepth 0`: straight pieces gain nothing from being split.
+//! Each segment of a strand is a cubic Bézier curve whose inner control points are on the line at one and two thirds.
+//! This is exactly the line, with the width at its two ends. In a single curve of many segments, the width would change
+//! uniformly from root to tip, which is wrong once points were removed. `splitdepth 0`: straight segments gain nothing
+//! from being split.
 
 use super::{allowed, plain_names};
 use crate::strands::{CurvePoint, Curves};
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 
-/// Writes strands as `Shape "curve"` directives, each group in an attribute block of its own. The material of a group is named `strands/` and its
-/// name, and diffuse in the mean colour of its points, because pbrt takes a material, and no colour, per curve.
+/// Writes strands as `Shape "curve"` directives, each group in its own attribute block. A group's material is named
+/// `strands/` and the group's name. It is diffuse in the mean colour of the group's points, because pbrt supports a
+/// material, but no colour, per curve.
 ///
 /// # Errors
-/// Those of `out`.
+/// Errors of `out`.
 pub fn write_pbrt(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# {} strands in {} straight pieces, metres, y up", curves.len(), curves.segments())?;
-    // Within the quotes of a string, and on the line of a comment.
+    // Used within a quoted string and on a comment line.
     let names = plain_names(curves, |name| allowed(name, |c| !c.is_control() && !"\"\\".contains(c)));
     for (group, name) in curves.groups().iter().zip(names) {
         let mean = mean_color(curves.points_of(group));
@@ -32,7 +34,7 @@ pub fn write_pbrt(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Linear RGB, 0..=1.
+/// Returns the mean colour, linear RGB, 0..=1.
 fn mean_color(points: &[CurvePoint]) -> Vec3 {
     let sum: DVec3 = points.iter().map(|p| p.color.as_dvec3()).sum();
     (sum / points.len().max(1) as f64).as_vec3().clamp(Vec3::ZERO, Vec3::ONE)

@@ -1,7 +1,8 @@
-//! Curves as text: a line `x y z radius` per point, metres in world space, root first; a blank line between strands.
+//! Export of curves as text: a line `x y z radius` per point, metres in world space, root first; a blank line between
+//! strands.
 //!
-//! Groups are not named in it: readers of this form, such as Mitsuba's `linearcurve`, refuse every line that is no point. Their strands stand in
-//! the order of [`Curves::groups`].
+//! Groups are not named, because readers of this form, such as Mitsuba's `linearcurve`, reject every line that is not a
+//! point. Their strands are in the order of [`Curves::groups`].
 
 use crate::strands::Curves;
 use std::io::{self, Write};
@@ -9,7 +10,7 @@ use std::io::{self, Write};
 /// Writes strands as text. Numbers read back to the same bits.
 ///
 /// # Errors
-/// Those of `out`.
+/// Errors of `out`.
 pub fn write_text(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     for strand in 0..curves.len() {
         if strand > 0 {

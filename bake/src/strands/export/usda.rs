@@ -1,22 +1,23 @@
-//! USD as text: `BasisCurves`, which Blender opens as hair curves with radius, colour and root coordinates.
+//! Export as USD text: `BasisCurves`, which Blender opens as hair curves with radius, colour and root coordinates.
 //!
-//! <https://openusd.org/release/api/class_usd_geom_basis_curves.html>. Each group is a prim below `/strands`, the default prim. Curves are linear,
-//! because strands are polylines.
+//! <https://openusd.org/release/api/class_usd_geom_basis_curves.html>. Each group is a prim below `/strands`, the
+//! default prim. Curves are linear, because strands are polylines.
 
 use super::{allowed, plain_names};
 use crate::strands::{CurveGroup, Curves};
 use glam::Vec3;
 use std::io::{self, Write};
 
-/// What lists without a line for each strand have on a line.
+/// Number of items per line, for lists without a line per strand.
 const A_LINE: usize = 16;
 
-/// Writes strands, each point with its width (the hair's diameter, metres) and `primvars:displayColor` (linear RGB), each strand with
-/// `primvars:surface_uv_coordinate`: the skin's texture coordinates at its root, v upwards as in USD, under the name that Blender's own curves use.
-/// A group's name is made an identifier; where that changes it, the prim's `displayName` keeps it.
+/// Writes strands. Each point has its width (the hair's diameter, metres) and `primvars:displayColor` (linear RGB).
+/// Each strand has `primvars:surface_uv_coordinate`: the mesh's texture coordinates at its root, v upwards as in USD,
+/// under the name that Blender's own curves use. A group's name is converted to an identifier; if that changes it, the
+/// prim's `displayName` keeps the original.
 ///
 /// # Errors
-/// Those of `out`.
+/// Errors of `out`.
 pub fn write_usda(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "#usda 1.0\n(\n    defaultPrim = \"strands\"")?;
     writeln!(out, concat!("    doc = \"pelage ", env!("CARGO_PKG_VERSION"), "\""))?;
@@ -52,13 +53,13 @@ fn write_group(curves: &Curves, group: &CurveGroup, name: &str, out: &mut dyn Wr
     })?;
     let coordinates = lines().map(|line| curves.root_uv[line].iter());
     write_list("float2[] primvars:surface_uv_coordinate", Some("uniform"), coordinates, out, |uv, out| {
-        // glTF counts rows of an image from above, USD from below.
+        // glTF counts image rows from the top, USD from the bottom.
         write!(out, "({})", Join([uv.x, 1.0 - uv.y]))
     })?;
     writeln!(out, "    }}")
 }
 
-/// The box about all points, wider by the largest radius, as USD computes it for curves.
+/// Returns the box around all points, extended by the largest radius, as USD computes it for curves.
 fn extent(curves: &Curves, group: &CurveGroup) -> [Vec3; 2] {
     let points = curves.points_of(group);
     let places = || points.iter().map(|p| p.position_ws);
@@ -68,7 +69,7 @@ fn extent(curves: &Curves, group: &CurveGroup) -> [Vec3; 2] {
     [low - radius, high + radius]
 }
 
-/// An attribute that is a list: `declaration = [...]`, each of `lines` on a line.
+/// Writes a list attribute: `declaration = [...]`, with each of `lines` on a line.
 fn write_list<T>(
     declaration: &str,
     interpolation: Option<&str>,
@@ -94,7 +95,7 @@ fn write_list<T>(
     }
 }
 
-/// Numbers with commas between them. They read back to the same bits.
+/// Comma-separated numbers, which read back to the same bits.
 struct Join<const N: usize>([f32; N]);
 
 impl<const N: usize> std::fmt::Display for Join<N> {
@@ -106,13 +107,13 @@ impl<const N: usize> std::fmt::Display for Join<N> {
     }
 }
 
-/// A name of ASCII letters, digits and `_` that begins with no digit and is not empty.
+/// Returns a non-empty name of ASCII letters, digits and `_` that does not begin with a digit.
 fn identifier(name: &str) -> String {
     let name = allowed(name, |c| c.is_ascii_alphanumeric() || c == '_');
     if name.starts_with(|c: char| !c.is_ascii_digit()) { name } else { format!("_{name}") }
 }
 
-/// What may stand between the quotes of a string.
+/// Escapes text for a quoted string.
 fn escaped(text: &str) -> String {
     let plain = |c: char| match c {
         '"' | '\\' => format!("\\{c}"),

@@ -1,18 +1,20 @@
-//! How near places are to eyes, nose and mouth: to parts of the skin where no hair grows, and which are small.
+//! Proximity to eyes, nose and mouth, that is to small bare parts of the mesh.
 
 use super::skin::Skin;
 use super::subject::Body;
 use crate::noise::smooth_step;
 use crate::stages::cells::{Cells, closest};
 
-/// How far from bare parts hair is shortened, radii of the body.
+/// Distance from bare parts within which hair is shortened, radii of the body.
 const REACH: f32 = 0.15;
-/// How far a bare part may stand off the skin that it sits in, as an eyeball does in its socket, radii of the body.
+/// Maximum gap between a bare part and the surrounding surface, such as around an eyeball in its socket, radii of the
+/// body.
 const GAP: f32 = 0.03;
-/// Share of the whole surface that a bare part may have: what is larger is a garment or a shell, and hair beside it as long as elsewhere.
+/// Maximum share of the whole area for a bare part: larger ones are garments or shells, beside which hair is not
+/// shortened.
 const LARGEST: f32 = 0.04;
 
-/// One per triangle of the body: whether hair grows on it.
+/// Returns for each triangle of the body whether hair grows on it.
 pub(in crate::stages::groom) fn furred_faces(body: &Body<'_>) -> Vec<bool> {
     let mut faces = vec![false; body.mesh.triangles.len()];
     for part in body.mesh.parts.iter().filter(|part| body.furred.get(part.material) == Some(&true)) {
@@ -21,7 +23,7 @@ pub(in crate::stages::groom) fn furred_faces(body: &Body<'_>) -> Vec<bool> {
     faces
 }
 
-/// One per place: whether a triangle with hair is there.
+/// Returns for each welded vertex whether a furred triangle touches it.
 pub(super) fn furred_places(body: &Body<'_>, skin: &Skin) -> Vec<bool> {
     let mut places = vec![false; skin.len()];
     let faces = skin.faces.iter().zip(furred_faces(body));
@@ -29,7 +31,8 @@ pub(super) fn furred_places(body: &Body<'_>, skin: &Skin) -> Vec<bool> {
     places
 }
 
-/// How near each place is to a small bare part: 1 at its border, 0 from [`REACH`] on, along the skin.
+/// Returns how near each welded vertex is to a small bare part, along the surface: 1 at its border, 0 from [`REACH`]
+/// on.
 pub(super) fn nearness(body: &Body<'_>, skin: &Skin) -> Vec<f32> {
     let furred = furred_faces(body);
     let bare: Vec<[u32; 3]> = skin.faces.iter().zip(&furred).filter(|(_, furred)| !**furred).map(|(f, _)| *f).collect();
@@ -53,9 +56,9 @@ pub(super) fn nearness(body: &Body<'_>, skin: &Skin) -> Vec<f32> {
     distances.into_iter().map(|distance| 1.0 - smooth_step(0.0, REACH, distance)).collect()
 }
 
-/// Of bare triangles those whose part, as far as they hang together, is small.
+/// Returns the bare triangles whose connected part is small.
 fn small_parts(skin: &Skin, bare: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    // Union and find by the least place of each part.
+    // Union-find; the smallest vertex represents each part.
     let mut least: Vec<u32> = (0..skin.len() as u32).collect();
     fn find(least: &mut [u32], mut place: u32) -> u32 {
         while least[place as usize] != place {

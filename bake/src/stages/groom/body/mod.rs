@@ -1,13 +1,13 @@
-//! How long, flat and dense hair is by the body that it grows on, where a recipe says nothing: short and flat on legs, ears and muzzle and round
-//! eyes, long on neck, belly and tail.
+//! Automatic groom: length, lean and density of hair by the shape of the body, where a recipe sets nothing. Hair is
+//! short and flat on legs, ears and muzzle and around eyes, and long on neck, belly and tail.
 //!
-//! * `parts`, `words`, `regions`: the part of the body that each joint moves, by its name and by what it hangs on
-//! * `thickness`: how thick the body is under each place, which alone tells limbs from trunk where there are no names
-//! * `bare`: how far each place is from eyes, nose and mouth
-//! * `skin`: places, neighbours, ways along the skin, and the spreading that leaves no edges
+//! * `parts`, `words`, `regions`: the body part that each joint moves, by its name and its ancestors
+//! * `thickness`: thickness of the body at each welded vertex, the only cue for limbs and trunk without names
+//! * `bare`: distance from eyes, nose and mouth
+//! * `skin`: welded vertices, neighbours, distances along the surface, and smoothing
 //!
-//! Nothing here is exact: photographs of animals agree in little more than the order of lengths. What counts is that nothing jumps, that shapes
-//! without limbs keep an even coat, and that the longest hair is as long as it was.
+//! The result is approximate: photographs of animals agree in little more than the order of lengths. It must not have
+//! jumps, must leave shapes without limbs even, and must not change the length of the longest hair.
 
 mod bare;
 mod parts;
@@ -26,47 +26,47 @@ use pelage_formats::Pose;
 pub(super) use skin::Skin;
 pub use subject::Body;
 
-/// How far values spread over the skin, radii of the body.
+/// Width of the smoothing over the surface, radii of the body.
 const SPREAD: f32 = 0.05;
-/// Thickness over that of thick parts from which hair is as short as on the thinnest, and from which it is as long as on the thickest.
+/// Range of thickness, relative to thick parts, over which the hair length rises from its shortest to its longest.
 const THIN: [f32; 2] = [0.15, 0.65];
-/// Length of hair on the thinnest parts over that on the thickest.
+/// Hair length on the thinnest parts relative to the thickest.
 const SHORTEST: f32 = 0.25;
 /// Lean and density on the thinnest parts.
 const THIN_LEAN: f32 = 0.5;
 const THIN_DENSITY: f32 = 1.7;
-/// The same beside bare parts, with the length over that far from them.
+/// Groom beside bare parts; the length is relative to that far from them.
 const BARE: Growth = Growth { length: 0.15, lean: 0.5, density: 1.8, by_thickness: 0.0 };
-/// Length on the underside of a trunk over that on its back.
+/// Hair length on the underside of a trunk relative to its back.
 const UNDERSIDE: f32 = 1.1;
-/// Least difference between the longest and the shortest hair: what varies by less has no parts to tell apart.
+/// Minimum relative difference between the longest and the shortest hair: bodies that vary less have no distinct parts.
 const LEAST_SPREAD: f32 = 0.1;
-/// What is thicker counts as thick, what is thinner as thin, where there are only those to speak of.
+/// Lower limit of thick and upper limit of thin parts in reports about bodies without named parts.
 const SPOKEN: [f32; 2] = [0.9, 0.45];
-/// Share of the skin below which a part is not spoken of.
+/// Minimum share of the area for a part to be reported.
 const LEAST_SPOKEN: f64 = 0.002;
-/// Number of parts.
+/// Number of body parts.
 const PARTS: usize = Region::Unknown as usize + 1;
 
-/// What a body says of the hair on it, one value per vertex of its mesh.
+/// Groom derived from a body, one value per vertex of its mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyGroom {
-    /// Length over that of the longest hair, 0..=1; 1 is reached.
+    /// Length relative to the longest hair, 0..=1; the maximum is 1.
     pub length: Vec<f32>,
     /// Extra lean, 0..=1.
     pub lean: Vec<f32>,
-    /// Hairs per area over those on the back, 0.25..=4; `None` where that is not to vary.
+    /// Hairs per area relative to the back, 0.25..=4; `None` if it must not vary.
     pub density: Option<Vec<f32>>,
-    /// Parts of the body that there are, in words, with the mean of `length` on them.
+    /// Names of the body parts found, with the mean of `length` on each.
     pub parts: Vec<(&'static str, f32)>,
 }
 
 impl BodyGroom {
-    /// Looks a body over.
+    /// Derives a groom from a body.
     ///
-    /// * `share`: how much counts of what it says, 0..=1
+    /// * `share`: weight of the result, 0..=1
     ///
-    /// `None` where it says nothing: no hair grows on it, or all parts of it are alike.
+    /// Returns `None` if no hair grows on the body, or if its parts do not differ.
     pub fn of(body: &Body<'_>, share: f32) -> Option<Self> {
         let radius_m = body.bounds.radius;
         if share <= 0.0 || !(radius_m > 0.0 && radius_m.is_finite()) {
@@ -100,7 +100,8 @@ impl BodyGroom {
         if high - low < LEAST_SPREAD * high {
             return None;
         }
-        // After that, since a ball has an underside as well. It needs no spreading: normals are as smooth as the skin.
+        // After the test above, because a sphere has an underside as well. No smoothing is needed: normals are already
+        // smooth.
         let has_names = tells(&parts);
         for (place, length) in length.iter_mut().enumerate() {
             let trunk = if has_names { trunk(&parts[place]) } else { thick[place] };
@@ -121,7 +122,7 @@ impl BodyGroom {
         })
     }
 
-    /// What was chosen for hair of that length at the longest.
+    /// Describes the chosen lengths, if the longest hair has length `length_m`.
     pub fn decision(&self, share: f32, length_m: f32) -> Decision {
         let parts: Vec<String> =
             self.parts.iter().map(|(part, length)| format!("{part} {}", metres_in_words(length * length_m))).collect();
@@ -133,19 +134,19 @@ impl BodyGroom {
     }
 }
 
-/// How much of the way from thin to thick the body is at each place: 0 as legs, 1 as the trunk.
+/// Returns the relative thickness of the body at each welded vertex: 0 for legs, 1 for the trunk.
 fn relative_thickness(skin: &Skin, furred: &[bool]) -> Vec<f32> {
     let thickness = thickness::thickness(skin);
     let on_fur: Vec<Option<f32>> = thickness.iter().zip(furred).map(|(t, furred)| t.filter(|_| *furred)).collect();
-    // Not the thickest: a few rays along the trunk go far.
+    // A quantile instead of the maximum: a few rays along the trunk are very long.
     let Some(thickest) = skin.quantile(&on_fur, 0.9).filter(|t| *t > 0.0) else { return vec![1.0; skin.len()] };
-    // By ratios: a leg is to a trunk what an ear is to a leg.
+    // On a logarithmic scale: a leg is to a trunk what an ear is to a leg.
     let place = |t: f32| libm::logf((t / thickest).max(1e-6));
     let [low, high] = THIN.map(libm::logf);
     thickness.into_iter().map(|t| t.map_or(1.0, |t| smooth_step(low, high, place(t)))).collect()
 }
 
-/// Of each place how much of it is which part; the shares sum to 1.
+/// Returns the weight of each body part at each welded vertex; the weights sum to 1.
 fn parts_of_places(body: &Body<'_>, skin: &Skin, to_skin: impl Fn(Vec3) -> Vec3) -> Vec<[f32; PARTS]> {
     let mut unknown = [0.0; PARTS];
     unknown[Region::Unknown as usize] = 1.0;
@@ -161,7 +162,7 @@ fn parts_of_places(body: &Body<'_>, skin: &Skin, to_skin: impl Fn(Vec3) -> Vec3)
         for (joint, weight) in weights.joints.iter().zip(weights.weights) {
             shares[of_joint(*joint).unwrap_or(Region::Unknown) as usize] += weight;
         }
-        // The ruff begins behind the cheeks, while weights of the head fade far down the neck.
+        // The ruff begins behind the cheeks, but weights of the head fade far down the neck.
         let [head, neck] = [Region::Head, Region::Neck].map(|r| shares[r as usize]);
         if head > 0.0 && neck > 0.0 {
             let given = head * neck / (head + neck);
@@ -186,14 +187,14 @@ fn parts_of_places(body: &Body<'_>, skin: &Skin, to_skin: impl Fn(Vec3) -> Vec3)
     parts
 }
 
-/// Whether any place is known to be more than trunk.
+/// Whether any welded vertex belongs to a part that identifies its location on the body.
 fn tells(parts: &[[f32; PARTS]]) -> bool {
     let told = |p: &[f32; PARTS]| Region::ALL.iter().any(|r| r.tells() && p[*r as usize] > 0.5);
     parts.iter().any(told)
 }
 
-/// Parts the muzzle from the head, which few rigs have a joint for: it is what lies before the middle of the head, as seen from the joint that
-/// the head hangs on. Heads that stand upright on their joint, as ours do, have none.
+/// Separates the muzzle from the head, because few rigs have a joint for it: the part in front of the head's centre,
+/// seen from the head's joint. Heads upright on their joint, such as human ones, have none.
 fn part_muzzle(skin: &Skin, joint: Vec3, parts: &mut [[f32; PARTS]]) {
     let head = Region::Head as usize;
     if parts.iter().any(|p| p[Region::Muzzle as usize] > 0.5) {
@@ -221,7 +222,7 @@ fn part_muzzle(skin: &Skin, joint: Vec3, parts: &mut [[f32; PARTS]]) {
     }
 }
 
-/// How hair grows on a place of those parts.
+/// Returns the groom for a mixture of parts.
 fn growth(thick: f32, parts: &[f32; PARTS]) -> Growth {
     let mut sum = Growth { length: 0.0, lean: 0.0, density: 0.0, by_thickness: 0.0 };
     for region in Region::ALL {
@@ -234,17 +235,17 @@ fn growth(thick: f32, parts: &[f32; PARTS]) -> Growth {
     sum
 }
 
-/// How much of a place is trunk.
+/// Returns the weight of the trunk.
 fn trunk(parts: &[f32; PARTS]) -> f32 {
     Region::ALL.iter().filter(|r| r.is_trunk()).map(|r| parts[*r as usize]).sum()
 }
 
-/// How much skin of that normal looks down.
+/// Returns how far a normal points down, 0..=1.
 fn underside(normal: Vec3) -> f32 {
     smooth_step(0.2, 0.8, -normal.y)
 }
 
-/// The parts that there are, with the mean of `length` on them.
+/// Returns the parts found, with the mean of `length` on each.
 fn spoken(
     skin: &Skin,
     furred: &[bool],

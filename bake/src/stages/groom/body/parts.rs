@@ -1,6 +1,6 @@
-//! Parts of a body, and how hair grows on each.
+//! Body parts, and the groom of each.
 
-/// A part of a body.
+/// Part of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Region {
     Muzzle,
@@ -12,7 +12,7 @@ pub(super) enum Region {
     Foot,
     LowerLeg,
     UpperLeg,
-    /// A leg or an arm, of which the name does not say the height: `regions::of_nodes` says it by what it hangs on.
+    /// Leg or arm whose name does not distinguish upper from lower; `regions::of_nodes` resolves it by its parent.
     Limb,
     Shoulder,
     Neck,
@@ -20,25 +20,25 @@ pub(super) enum Region {
     Chest,
     Belly,
     Torso,
-    /// No name says it.
+    /// Part without a known name.
     Unknown,
 }
 
-/// How hair grows on a part.
+/// Groom of a body part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Growth {
-    /// Length over that on the back.
+    /// Length relative to the back.
     pub length: f32,
-    /// Extra lean, 0..=1: short hair lies along legs and face.
+    /// Extra lean, 0..=1: short hair lies flat on legs and face.
     pub lean: f32,
-    /// Hairs per area over those on the back: the shorter the finer and the denser.
+    /// Hairs per area relative to the back: shorter hair is finer and denser.
     pub density: f32,
-    /// How much of it is left to thickness, 0..=1: within a part that is thick and thin.
+    /// Influence of the thickness, 0..=1, for parts that contain thick and thin regions.
     pub by_thickness: f32,
 }
 
 impl Region {
-    /// All that `regions::of_nodes` gives.
+    /// All parts that `regions::of_nodes` returns.
     pub(super) const ALL: [Self; 16] = [
         Self::Muzzle,
         Self::Face,
@@ -58,7 +58,8 @@ impl Region {
         Self::Unknown,
     ];
 
-    /// Shares read off photographs of dogs, wolves, horses, cattle, foxes and cats in their own coats: what those agree in.
+    /// Returns the groom of the part. The values are what photographs of dogs, wolves, horses, cattle, foxes and cats
+    /// agree in.
     pub(super) fn growth(self) -> Growth {
         let grows = |length, lean, density, by_thickness| Growth { length, lean, density, by_thickness };
         match self {
@@ -79,12 +80,12 @@ impl Region {
         }
     }
 
-    /// Whether it tells where on an animal one is; a root called "body" alone does not.
+    /// Whether the part identifies a location on an animal; a root named "body" alone does not.
     pub(super) fn tells(self) -> bool {
         !matches!(self, Self::Unknown | Self::Torso)
     }
 
-    /// Whether it has a back and an underside.
+    /// Whether the part has a back and an underside.
     pub(super) fn is_trunk(self) -> bool {
         matches!(self, Self::Chest | Self::Belly | Self::Torso)
     }

@@ -1,14 +1,14 @@
-//! Which part of the body each joint moves.
+//! Assignment of joints to body parts.
 
 use super::parts::Region;
 use super::words::{number, region, words};
 use pelage_formats::Animation;
 
-/// The part that each node moves: what its name means, or else what the node it hangs on moves.
+/// Returns the body part that each node moves: that of its name, otherwise that of its parent.
 pub(super) fn of_nodes(animation: &Animation) -> Vec<Region> {
     let named: Vec<Option<Region>> = animation.nodes.iter().map(|node| region(&node.name)).collect();
     let spine: Vec<Option<u32>> = animation.nodes.iter().map(|node| number_in_spine(&node.name)).collect();
-    // Rigify numbers a human spine through to the head: 4 and 5 are the neck, 6 is the head.
+    // Rigify numbers the spine of a human up to the head: 4 and 5 are the neck, 6 is the head.
     let is_numbered = spine.iter().flatten().max() == Some(&6)
         && !named.iter().flatten().any(|r| matches!(r, Region::Head | Region::Neck));
     let mut regions: Vec<Region> = Vec::with_capacity(animation.nodes.len());
@@ -27,7 +27,7 @@ pub(super) fn of_nodes(animation: &Animation) -> Vec<Region> {
     regions
 }
 
-/// The number of a joint of the spine.
+/// Returns the number of a spine joint.
 fn number_in_spine(name: &str) -> Option<u32> {
     words(name).iter().any(|word| word == "spine").then(|| number(name)).flatten()
 }

@@ -1,4 +1,4 @@
-//! The skin as one surface: what stands at one place is one place, whatever parts, seams and materials meet there.
+//! Mesh welded into one surface: vertices at the same position are joined across parts, seams and materials.
 
 use glam::Vec3;
 use pelage_import::mesh::{Mesh, RestPose};
@@ -6,44 +6,46 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Bounds of the cotangents of edges: flat triangles have any, and the mean of neighbours must stay one.
+/// Limits of the edges' cotangents: those of degenerate triangles are unbounded, and averages over neighbours must stay
+/// averages.
 const COTANGENTS: (f64, f64) = (0.02, 20.0);
-/// Most steps of the solver, and the residual at which it stops, over that of the start.
+/// Maximum number of solver steps, and relative residual at which the solver stops.
 const SOLVER: (usize, f64) = (100, 1e-4);
 
-/// Places of a skin at rest and how they hang together. Lengths are radii of the skin about its middle, so that one number suits all models.
+/// Welded mesh at rest and its connectivity. Lengths are in radii of the mesh around its centre, so that constants suit
+/// all models.
 #[derive(Clone, Debug, Default)]
 pub(in crate::stages::groom) struct Skin {
-    /// For each vertex of the mesh its place.
+    /// Welded vertex of each vertex of the mesh.
     pub place_of: Vec<u32>,
-    /// One per place.
+    /// Position of each welded vertex.
     pub positions: Vec<Vec3>,
-    /// One per place: unit length, outward.
+    /// Normal of each welded vertex: unit length, outward.
     pub normals: Vec<Vec3>,
-    /// One per place: a third of the triangles there.
+    /// Area of each welded vertex: a third of the adjacent triangles.
     pub areas: Vec<f32>,
-    /// Triangles by places, those of the mesh in its order.
+    /// Triangles of the mesh, in its order, with indices of welded vertices.
     pub faces: Vec<[u32; 3]>,
-    /// One per place: which of the pieces that hang together it is part of.
+    /// Connected component of each welded vertex.
     pub pieces: Vec<u32>,
-    /// The neighbours of place `i` are `neighbors[starts[i]..starts[i + 1]]`.
+    /// Start of each welded vertex in `neighbors`: those of `i` are `neighbors[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     neighbors: Vec<Neighbor>,
 }
 
-/// The far end of an edge.
+/// Neighbour at the other end of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Neighbor {
     place: u32,
     length: f32,
-    /// Half the sum of the cotangents across it.
+    /// Half the sum of the cotangents of the angles opposite the edge.
     weight: f64,
 }
 
 impl Skin {
     /// Welds a mesh in its rest pose, metres.
     ///
-    /// * `center`, `radius_m`: what lengths are measured by; the radius is above 0
+    /// * `center`, `radius_m`: origin and unit of lengths; the radius is above 0
     pub(in crate::stages::groom) fn new(mesh: &Mesh, rest: &RestPose, center: Vec3, radius_m: f32) -> Self {
         let bits =
             |v: usize| rest.positions.get(v).map(|p| (*p + 0.0).to_array().map(f32::to_bits)).unwrap_or_default();
@@ -124,7 +126,7 @@ impl Skin {
         self.pieces = pieces;
     }
 
-    /// Number of places.
+    /// Returns the number of welded vertices.
     pub(in crate::stages::groom) fn len(&self) -> usize {
         self.positions.len()
     }
@@ -133,11 +135,11 @@ impl Skin {
         &self.neighbors[self.starts[place] as usize..self.starts[place + 1] as usize]
     }
 
-    /// How far each place is from the nearest of `seeds` along the edges (Dijkstra 1959), each seed with the distance that it begins with;
-    /// infinite beyond `reach`.
+    /// Returns the distance of each welded vertex from the nearest of `seeds` along the edges (Dijkstra 1959); infinite
+    /// beyond `reach`. Each seed has an initial distance.
     pub(in crate::stages::groom) fn distances(&self, seeds: impl Iterator<Item = (u32, f32)>, reach: f32) -> Vec<f32> {
         let mut distances = vec![f32::INFINITY; self.len()];
-        // Of numbers that are not negative the bits are in the same order.
+        // The bits of non-negative numbers have the same order as the numbers.
         let mut front: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
         for (place, distance) in seeds {
             let distance = distance.max(0.0);
@@ -162,15 +164,16 @@ impl Skin {
         distances
     }
 
-    /// Values of places spread as heat spreads over the skin in the time in which it goes about `width` far: the implicit step
-    /// (A + t·L)·x = A·values with t = width² / 2 (Desbrun et al. 1999), solved by conjugate gradients. No value lies beyond those there were.
+    /// Smooths values over the surface by heat diffusion with a width of about `width`: the implicit step (A + t·L)·x =
+    /// A·values with t = width² / 2 (Desbrun et al. 1999), solved by conjugate gradients. The result stays within the
+    /// range of the values.
     pub(in crate::stages::groom) fn spread(&self, values: &[f32], width: f32) -> Vec<f32> {
         let time = 0.5 * f64::from(width) * f64::from(width);
-        // A place without area keeps no value of its own, but must have one.
+        // A vertex without area has no weight of its own, but must get a value.
         let areas: Vec<f64> = self.areas.iter().map(|a| f64::from(*a).max(1e-12)).collect();
         let flow = |place: usize| self.around(place).iter().map(|n| n.weight).sum::<f64>();
         let diagonal: Vec<f64> = areas.iter().enumerate().map(|(i, a)| a + time * flow(i)).collect();
-        // Every row by itself, so that the number of threads changes no bit.
+        // Rows are independent, so that the result does not depend on the number of threads.
         let apply = |x: &[f64]| -> Vec<f64> {
             let row = |i: usize| {
                 diagonal[i] * x[i] - time * self.around(i).iter().map(|n| n.weight * x[n.place as usize]).sum::<f64>()
@@ -208,7 +211,7 @@ impl Skin {
         x.into_iter().map(|x| (x as f32).clamp(low, high.max(low))).collect()
     }
 
-    /// The value that a share of the skin's area lies below: 0.5 is the median. `None` where nothing has an area or a value.
+    /// Returns an area-weighted quantile: 0.5 is the median. `None` if no vertex has both an area and a value.
     pub(in crate::stages::groom) fn quantile(&self, values: &[Option<f32>], share: f64) -> Option<f32> {
         let mut found: Vec<(f32, f32)> =
             values.iter().zip(&self.areas).filter_map(|(v, area)| Some(((*v)?, *area))).collect();

@@ -1,19 +1,19 @@
-//! What is looked over.
+//! Body to derive a groom from.
 
 use pelage_formats::{Animation, Bounds};
 use pelage_import::mesh::{Mesh, RestPose};
 
-/// A body, as `import` hands it on.
+/// Body from the `import` stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Body<'a> {
     /// The mesh.
     pub mesh: &'a Mesh,
-    /// Its rest pose, metres.
+    /// Rest pose of the mesh, metres.
     pub rest: &'a RestPose,
-    /// Its skeleton.
+    /// Skeleton.
     pub animation: Option<&'a Animation>,
-    /// One per material: whether hair grows on it.
+    /// Whether hair grows on each material.
     pub furred: &'a [bool],
-    /// Sphere about it.
+    /// Bounding sphere of the body.
     pub bounds: &'a Bounds,
 }

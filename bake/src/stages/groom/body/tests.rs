@@ -6,7 +6,7 @@ use crate::stages::groom::bounds;
 use pelage_formats::{Animation, Joint, Node, SkinVertex};
 use pelage_import::mesh::{Mesh, MeshPart, RestPose};
 
-/// A closed surface of revolution about z through rings of those z and radii; the ends are drawn to points.
+/// Builds a closed surface of revolution about z through rings (z, radius); both ends are closed by a point.
 fn turned(rings: &[(f32, f32)]) -> Mesh {
     const AROUND: u32 = 24;
     let mut mesh = Mesh::default();
@@ -42,7 +42,7 @@ fn turned(rings: &[(f32, f32)]) -> Mesh {
     mesh
 }
 
-/// From z = 0 to 1 a barrel of radius 0.3, from there to 2 a rod of radius 0.03.
+/// Builds a barrel of radius 0.3 from z = 0 to 1, followed by a rod of radius 0.03 up to 2.
 fn barrel_with_rod() -> Mesh {
     let barrel = (0..=10).map(|i| (0.1 * i as f32, 0.3));
     let rod = (1..=20).map(|i| (1.0 + 0.05 * i as f32, 0.03));
@@ -57,14 +57,14 @@ fn ball() -> Mesh {
     turned(&(1..24).map(ring).collect::<Vec<_>>())
 }
 
-/// Looks a mesh over; the second material is bare.
+/// Grooms a mesh whose second material is bare.
 fn groom(mesh: &Mesh, animation: Option<&Animation>, share: f32) -> Option<BodyGroom> {
     let rest = RestPose { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     let bounds = bounds(&rest);
     BodyGroom::of(&Body { mesh, rest: &rest, animation, furred: &[true, false], bounds: &bounds }, share)
 }
 
-/// The mean of a value over the vertices between two z.
+/// Returns the mean of a value over the vertices between two z.
 fn between(mesh: &Mesh, values: &[f32], low: f32, high: f32) -> f32 {
     let there: Vec<f32> =
         mesh.positions.iter().zip(values).filter(|(p, _)| (low..=high).contains(&p.z)).map(|(_, v)| *v).collect();
@@ -76,7 +76,7 @@ fn node(name: &str, parent: Option<u32>) -> Node {
     Node { name: name.into(), parent, translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] }
 }
 
-/// A rig of those nodes, all of them joints; each with its parent.
+/// Builds a rig of the given nodes, each with its parent; all are joints.
 fn rig(nodes: &[(&str, Option<u32>)]) -> Animation {
     Animation {
         nodes: nodes.iter().map(|(name, parent)| node(name, *parent)).collect(),
@@ -164,7 +164,7 @@ fn names_of_many_rigs_and_languages_are_understood() {
         ("骨盆", Torso),
     ] {
         let found = region(name);
-        // Only that one has an accent that stands on no vowel of European languages.
+        // Only the accent of `ě` in this name is not removed.
         let expected = if name == "wěiba" { None } else { Some(expected) };
         assert_eq!(found, expected, "{name}");
     }
@@ -202,7 +202,7 @@ fn a_spine_that_is_numbered_through_has_neck_and_head() {
         names.iter().zip(0..).map(|(name, i): (_, u32)| (name.as_str(), i.checked_sub(1))).collect();
     nodes.push(("DEF-temple.L", Some(6)));
     assert_eq!(regions_of(&nodes), [Torso, Torso, Torso, Torso, Neck, Neck, Head, Head]);
-    // Where a joint is called a head, numbers mean nothing.
+    // If a joint is named a head, the numbers are ignored.
     nodes.push(("Head", Some(6)));
     assert_eq!(regions_of(&nodes)[..7], [Torso; 7]);
 }
@@ -233,7 +233,7 @@ fn thickness_is_the_way_through_the_body() {
 #[test]
 fn places_are_welded_and_ways_go_along_the_skin() {
     let mesh = barrel_with_rod();
-    // The same with corners of their own for every triangle.
+    // The same mesh with separate vertices for every triangle.
     let torn = Mesh {
         positions: mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]).collect(),
         triangles: (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
@@ -270,7 +270,7 @@ fn values_spread_within_their_bounds_and_keep_their_sum() {
         spread[skin.positions.iter().position(near).unwrap()]
     };
     assert!((at(0.5) - 0.5).abs() < 0.2 && at(0.25) < 0.01 && at(0.75) > 0.99, "{} {}", at(0.25), at(0.75));
-    // No edge is left: neighbouring rings differ little.
+    // There are no jumps: neighbouring rings differ little.
     let jump = (1..60).map(|i| (at(i as f32 / 60.0) - at((i - 1) as f32 / 60.0)).abs()).fold(0.0, f32::max);
     assert!(jump < 0.25, "{jump}");
 }
@@ -287,7 +287,7 @@ fn thin_parts_have_short_dense_hair_that_lies_flat() {
     assert!(thick < 0.05 && thin > 0.4, "{thick} {thin}");
     let [thick, thin] = on(by_body.density.as_ref().unwrap());
     assert!((thick - 1.0).abs() < 0.05 && thin > 1.5, "{thick} {thin}");
-    // The belly's hair is longer than the back's.
+    // Hair on the belly is longer than on the back.
     let of_barrel = |sign: f32| {
         let here = |p: &Vec3| p.y * sign > 0.25 && (0.3..0.7).contains(&p.z);
         mesh.positions.iter().zip(&by_body.length).find(|(p, _)| here(p)).map(|(_, v)| *v).unwrap()
@@ -317,7 +317,7 @@ fn what_is_alike_everywhere_is_left_alone() {
     assert_eq!(groom(&Mesh::default(), None, 1.0), None);
 }
 
-/// The barrel, whose end follows a joint of that name, and whose rod one of the other.
+/// Builds the barrel and rod with one joint for the barrel's end and one for the rod, with the given names.
 fn rigged(end: &str, rod: &str) -> (Mesh, Animation) {
     let mut mesh = barrel_with_rod();
     let follows = |joint| SkinVertex { joints: [joint, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] };
@@ -351,7 +351,7 @@ fn muzzles_are_parted_from_heads_that_look_forward() {
     let ends = [between(&mesh, &forward.length, 1.2, 1.4), between(&mesh, &forward.length, 1.8, 2.0)];
     assert!(ends[1] < 0.7 * ends[0], "{ends:?}");
     assert!(forward.decision(1.0, 0.1).chosen.contains("muzzle"));
-    // The joint of a head that stands upright lies under it.
+    // The joint of an upright head is below it.
     rig.nodes[1].translation = [0.0, -2.0, 1.4];
     let upright = groom(&mesh, Some(&rig), 1.0).unwrap();
     assert!(!upright.decision(1.0, 0.1).chosen.contains("muzzle"));
@@ -359,7 +359,7 @@ fn muzzles_are_parted_from_heads_that_look_forward() {
 
 #[test]
 fn hair_is_short_beside_small_bare_parts_only() {
-    // A few triangles half-way along a barrel.
+    // A few bare triangles in the middle of a barrel.
     let bared = |count: usize| {
         let mut mesh = turned(&(0..=40).map(|i| (0.05 * i as f32, 0.3)).collect::<Vec<_>>());
         let first = mesh.triangles.len() / 2;
@@ -383,7 +383,7 @@ fn hair_is_short_beside_small_bare_parts_only() {
     assert!(at_distance(0.0, 0.01).1 < 0.2, "{:?}", at_distance(0.0, 0.01));
     assert!(at_distance(0.4, 5.0).0 > 0.85, "{:?}", at_distance(0.4, 5.0));
     assert!(by_body.decision(1.0, 0.1).chosen.contains("near bare parts"));
-    // A third of the surface is a garment.
+    // A third of the area is a garment.
     assert_eq!(bared(700).0, None);
 }
 

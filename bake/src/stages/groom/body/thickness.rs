@@ -1,4 +1,4 @@
-//! How thick a body is under each place of its skin: the shape diameter function (Shapira, Shamir and Cohen-Or 2008).
+//! Thickness of a body at its welded vertices: the shape diameter function (Shapira, Shamir and Cohen-Or 2008).
 
 use super::skin::Skin;
 use glam::Vec3;
@@ -9,19 +9,20 @@ use obvhs::{Boundable, BvhBuildParams};
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Rays from a place, and how many all places have together at most: many places are near each other, and their mean is taken later.
+/// Maximum number of rays per vertex, and of all vertices together: vertices are close to each other, and the result is
+/// smoothed later.
 const RAYS: (usize, usize) = (12, 150_000);
-/// Fewest rays from a place.
+/// Minimum number of rays per vertex.
 const FEWEST: usize = 4;
-/// Cosine of half the angle of the cone that they fill: 50°.
+/// Cosine of half the angle of the cone of rays: 50°.
 const CONE: f32 = 0.642_787_6;
-/// The golden angle, radians: directions along a spiral of it fill a cone evenly.
+/// Golden angle, radians: directions along a spiral with it fill a cone evenly.
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
-/// What is left within this way is left at once, radii of the skin.
+/// Distance below which a ray counts as leaving immediately, radii of the mesh.
 const AT_ONCE: f32 = 2e-3;
 
-/// A triangle of the skin.
+/// Triangle of the mesh.
 #[derive(Clone, Copy, Debug)]
 struct Facet {
     corners: [Vec3; 3],
@@ -31,20 +32,21 @@ struct Facet {
 impl Boundable for Facet {
     fn aabb(&self) -> Aabb {
         let [a, b, c] = self.corners;
-        // A flat box must not be missed by rounding.
+        // Rounding must not make a ray miss a flat box.
         let pad = 1e-5;
         Aabb::new((a.min(b).min(c) - pad).into(), (a.max(b).max(c) + pad).into())
     }
 }
 
 impl Facet {
-    /// How far along the ray it leaves the body through the triangle (Möller and Trumbore 1997); `None` where it enters there, or misses.
+    /// Returns the distance at which a ray leaves the body through the triangle (Möller and Trumbore 1997); `None` if
+    /// it enters there or misses.
     fn leaves(&self, origin: Vec3, way: Vec3) -> Option<f32> {
         let [a, b, c] = self.corners;
         let (e, f) = (b - a, c - a);
         let p = way.cross(f);
         let det = e.dot(p);
-        // Below zero the ray comes from the side on which the corners run clockwise.
+        // Below zero, the ray comes from the side on which the corners run clockwise.
         if det >= 0.0 {
             return None;
         }
@@ -53,14 +55,15 @@ impl Facet {
         let q = from.cross(e);
         let third = way.dot(q);
         let distance = f.dot(q);
-        // Rather twice through an edge than between two triangles.
+        // Better to hit an edge twice than to pass between two triangles.
         let seam = -1e-5;
         (distance > 0.0 && second >= seam && third >= seam && second + third <= 1.0 - seam).then_some(distance)
     }
 }
 
-/// Thickness of the body at each place, radii of the skin: the median way of rays from there inwards; `None` where most meet nothing, as on
-/// an open sheet. Where there are several pieces a ray goes to the far side of its own.
+/// Returns the thickness of the body at each welded vertex, radii of the mesh: the median length of rays inwards.
+/// `None` if most rays hit nothing, for example on an open sheet. A ray ends at the far side of its own connected
+/// component.
 pub(super) fn thickness(skin: &Skin) -> Vec<Option<f32>> {
     let corners = |face: &[u32; 3]| face.map(|p| skin.positions[p as usize]);
     let facets: Vec<Facet> =
@@ -85,7 +88,7 @@ pub(super) fn thickness(skin: &Skin) -> Vec<Option<f32>> {
             let mut found: Vec<f32> =
                 ways.map(|way| far_side(&tree, &facets, origin, way, skin.pieces[place])).collect();
             found.sort_unstable_by(f32::total_cmp);
-            // On a sharp edge some rays leave where they start: they say nothing, unless most do, as in an ear of a leaf's thickness.
+            // On a sharp edge some rays leave immediately. They are ignored unless most do, as in a very thin ear.
             let first = found.partition_point(|distance| *distance < AT_ONCE);
             if 3 * (found.len() - first) >= found.len() {
                 found.drain(..first);
@@ -98,7 +101,7 @@ pub(super) fn thickness(skin: &Skin) -> Vec<Option<f32>> {
         .collect()
 }
 
-/// How far a ray goes until it leaves the piece that it starts in; where it does not, until it leaves any; infinite where it meets nothing.
+/// Returns the distance at which a ray leaves its own connected component, otherwise any; infinite if it hits nothing.
 fn far_side(tree: &CwBvh, facets: &[Facet], origin: Vec3, way: Vec3, piece: u32) -> f32 {
     let (mut own, mut any) = (f32::INFINITY, f32::INFINITY);
     let ray = Ray::new(origin.into(), way.into(), 0.0, f32::INFINITY);
@@ -114,7 +117,7 @@ fn far_side(tree: &CwBvh, facets: &[Facet], origin: Vec3, way: Vec3, piece: u32)
     if own.is_finite() { own } else { any }
 }
 
-/// Unit directions in a cone about z, of equal solid angles.
+/// Returns unit directions in a cone about z, each for an equal solid angle.
 fn directions(count: usize) -> Vec<Vec3> {
     let direction = |i: usize| {
         let z = 1.0 - (1.0 - CONE) * (i as f32 + 0.5) / count as f32;

@@ -1,10 +1,10 @@
-//! Words for parts of bodies in the names of joints: English, German, French, Spanish, Italian, Portuguese, Japanese, Chinese, and what common rigs
-//! call theirs.
+//! Words for body parts in names of joints: English, German, French, Spanish, Italian, Portuguese, Japanese, Chinese,
+//! and terms of common rigs.
 
 use super::parts::Region;
 
-/// Words of each part, in small letters without accents. The first part that has a word of a name is the one that it means, so that what is
-/// more particular stands before what is less: the "back leg" is a leg, "LeftHandIndex" a hand.
+/// Words of each part, in lower case without accents. The first part with a word of the name wins, so specific parts
+/// precede general ones: the "back leg" is a leg, "LeftHandIndex" a hand.
 #[rustfmt::skip]
 const WORDS: &[(Region, &[&str])] = &[
     (Region::Muzzle, &[
@@ -89,7 +89,7 @@ const WORDS: &[(Region, &[&str])] = &[
     ]),
 ];
 
-/// The same in scripts that do not part words: the longest that a name contains is what it means.
+/// Words in scripts without word separators: the longest one contained in the name wins.
 #[rustfmt::skip]
 const CHARACTERS: &[(Region, &[&str])] = &[
     (Region::Muzzle, &[
@@ -142,10 +142,10 @@ const CHARACTERS: &[(Region, &[&str])] = &[
     ]),
 ];
 
-/// What marks a handle that an animator drags: on a limb it sits at its end.
+/// Words for control handles; that of a limb is at its end.
 const HANDLES: &[&str] = &["ik", "pole", "target"];
 
-/// The part that a name means; `None` where no word of it is known.
+/// Returns the part that a name denotes; `None` if it contains no known word.
 pub(super) fn region(name: &str) -> Option<Region> {
     let words = words(name);
     let pairs = words.windows(2).map(<[String]>::concat);
@@ -160,19 +160,20 @@ pub(super) fn region(name: &str) -> Option<Region> {
                 .map(|word| (word.chars().count(), *region))
                 .max_by_key(|found| found.0)
         };
-        // Of words of one length the one of the earlier part.
+        // Among words of equal length the earlier part wins.
         CHARACTERS.iter().filter_map(within).rev().max_by_key(|found| found.0).map(|found| found.1)
     };
     let is_handle = HANDLES.iter().any(has);
     found.or_else(spelt).map(|region| if is_handle && region == Region::Limb { Region::Foot } else { region })
 }
 
-/// The last number of a name: 6 of `DEF-spine.006`.
+/// Returns the last number in a name: 6 in `DEF-spine.006`.
 pub(super) fn number(name: &str) -> Option<u32> {
     name.split(|c: char| !c.is_ascii_digit()).rfind(|digits| !digits.is_empty())?.parse().ok()
 }
 
-/// The words of a name, in small letters without accents: parted where letters end, and where a large one follows a small one.
+/// Splits a name into words in lower case without accents, at non-letters and where an upper-case letter follows a
+/// lower-case one.
 pub(super) fn words(name: &str) -> Vec<String> {
     let folded: Vec<char> = name.chars().flat_map(fold).collect();
     let mut words: Vec<String> = Vec::new();
@@ -184,7 +185,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
         }
         let before = i.checked_sub(1).and_then(|b| folded.get(b));
         let after = folded.get(i + 1);
-        // "LeftArm" between t and A, "IKFront" between K and F.
+        // "LeftArm" splits between t and A, "IKFront" between K and F.
         let begins = c.is_uppercase()
             && (before.is_some_and(|b| b.is_lowercase())
                 || (before.is_some_and(|b| b.is_uppercase()) && after.is_some_and(|a| a.is_lowercase())));
@@ -199,7 +200,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// A letter without its accent, and wide letters narrow.
+/// Returns a letter without its accent; full-width letters become narrow.
 fn fold(c: char) -> impl Iterator<Item = char> {
     let plain = match c {
         '\u{ff01}'..='\u{ff5e}' => char::from_u32(c as u32 - 0xfee0).unwrap_or(c),
