@@ -1,4 +1,4 @@
-//! Bodies as implicit surfaces: a smooth union of solids, each of which also carries the way its hair is combed.
+//! Bodies as implicit surfaces: a smooth union of solids, each with its own comb direction.
 
 use anyhow::bail;
 use glam::{DMat3, DVec2, DVec3};
@@ -10,7 +10,7 @@ use super::{
     trimesh::TriMesh,
 };
 
-/// How a solid's hair is combed, before projection onto the skin.
+/// Comb direction of a solid, before projection onto the mesh surface.
 #[derive(Clone, Copy, Debug)]
 pub enum Comb {
     /// Along a fixed direction.
@@ -23,10 +23,10 @@ struct Piece {
     solid: Solid,
     /// Rounding of the union with everything before it, metres.
     blend: f64,
-    /// Whether it is carved out instead of added.
+    /// Whether the solid is carved out instead of added.
     carved: bool,
     comb: Comb,
-    /// Middle of a ball round the solid, its radius, and how fast the solid's distance grows outside of it at least.
+    /// Bounding sphere of the solid: centre, radius, and least growth rate of the solid's distance outside it.
     bound: (DVec3, f64, f64),
 }
 
@@ -36,7 +36,7 @@ impl Piece {
         Self { solid, blend, carved, comb, bound }
     }
 
-    /// Whether the solid's distance at `p` is certainly `limit` or more.
+    /// Returns true if the solid's distance at `p` is certainly `limit` or more.
     fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
         let (centre, radius, growth) = self.bound;
         let away = if limit < 0.0 { limit } else { limit / growth } + radius;
@@ -44,15 +44,15 @@ impl Piece {
     }
 }
 
-/// The body as an implicit surface.
+/// Body as an implicit surface.
 pub struct Body {
     pieces: Vec<Piece>,
-    /// Over how much skin combs of neighbouring solids mix, metres.
+    /// Width over which the combs of neighbouring solids mix, metres.
     comb_width: f64,
 }
 
 impl Body {
-    /// A body without solids, in which combs mix over `comb_width` metres.
+    /// Creates a body without solids; combs mix over `comb_width` metres.
     pub fn empty(comb_width: f64) -> Self {
         Self { pieces: Vec::new(), comb_width }
     }
@@ -67,12 +67,13 @@ impl Body {
         self.pieces.push(Piece::new(solid, blend, true, comb));
     }
 
-    /// Signed distance, roughly, negative inside.
+    /// Returns the approximate signed distance, negative inside.
     pub fn distance(&self, p: DVec3) -> f64 {
-        // Beyond any blend, so that the first solid stands as it is.
+        // Beyond any blend, so that the first solid is added unchanged.
         let mut d = 1e9;
         for piece in &self.pieces {
-            // Where a solid is out of reach, joining or carving it would return the same number: most are, nearly everywhere.
+            // Adding or carving a solid out of reach leaves the distance unchanged; at most points, most solids are out
+            // of reach.
             if piece.is_beyond(p, piece.blend + if piece.carved { -d } else { d }) {
                 continue;
             }
@@ -82,7 +83,7 @@ impl Body {
         d
     }
 
-    /// Direction in which the hair at `p` lies, not yet in the skin's plane: the solids' combs, weighted by how near they are.
+    /// Returns the comb direction at `p`, not yet projected onto the surface: the solids' combs, weighted by nearness.
     pub fn comb(&self, p: DVec3) -> DVec3 {
         let added = self.pieces.iter().filter(|piece| !piece.carved);
         let near: Vec<(f64, &Piece)> = added.map(|piece| (piece.solid.distance(p), piece)).collect();
@@ -99,17 +100,18 @@ impl Body {
     }
 }
 
-/// What is kept of a surface in several pieces.
+/// Components to keep when a surface has several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keep {
-    /// The one with the most triangles: the others are hollows inside an animal.
+    /// Component with the most triangles; the others are hollows inside an animal.
     Largest,
-    /// Every piece.
+    /// All components.
     All,
 }
 
-/// The closed mesh of the surface on which `field` is 0 inside the box from `low` to `high`, vertices on the surface: first on cubes of `cell`
-/// metres, which must be finer than the thinnest part, then remeshed to `sizing`.
+/// Returns the closed mesh of the zero set of `field` inside the box from `low` to `high`, vertices on the surface. The
+/// surface is first meshed on cubes of `cell` metres, which must be finer than the thinnest part. The result is then
+/// remeshed to `sizing`.
 pub fn mesh(
     field: &dyn Fn(DVec3) -> f64,
     [low, high]: [DVec3; 2],
@@ -128,27 +130,29 @@ pub fn mesh(
     Ok(mesh)
 }
 
-/// The hull of the spheres of radius `ra` at `a` and `rb` at `b`.
+/// Returns the hull of the spheres of radius `ra` at `a` and `rb` at `b`.
 pub fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64) -> Solid {
     Solid::RoundCone { a, b, ra, rb }
 }
 
-/// The same pressed flat along x: `share` times as wide. Its axis lies in a plane of y and z.
+/// Returns the hull of two spheres flattened along x to `share` of its width. Its axis must lie in a yz-plane.
 pub fn oval(a: DVec3, ra: f64, b: DVec3, rb: f64, share: f64) -> Solid {
     Solid::Oval { a, b, ra, rb, across: DVec3::X, share }
 }
 
-/// The smooth line through `points` (place and radius) as one solid, in `steps` pieces between neighbours.
+/// Returns the smooth line through `points` (position and radius) as one solid, with `steps` segments between
+/// neighbours.
 pub fn chain(points: &[(DVec3, f64)], steps: usize) -> Solid {
     Solid::Chain { line: curve(points, steps) }
 }
 
-/// An ellipsoid with half lengths `radii` along the columns of `axes`.
+/// Returns an ellipsoid with half lengths `radii` along the columns of `axes`.
 pub fn ellipsoid(centre: DVec3, radii: DVec3, axes: DMat3) -> Solid {
     Solid::Ellipsoid { centre, radii, axes }
 }
 
-/// A smooth line through `points` (place and radius) in `steps` pieces between neighbours: Catmull and Rom's spline, straight on at the ends.
+/// Returns a smooth line through `points` (position and radius) with `steps` segments between neighbours: a Catmull-Rom
+/// spline, straight at the ends.
 pub fn curve(points: &[(DVec3, f64)], steps: usize) -> Vec<(DVec3, f64)> {
     let vector = |k: usize| points[k].0.extend(points[k].1);
     let last = points.len() - 1;
@@ -166,8 +170,8 @@ pub fn curve(points: &[(DVec3, f64)], steps: usize) -> Vec<(DVec3, f64)> {
     line
 }
 
-/// Signed distance to an almond between two arcs, `over` and `under` the line from corner to corner, which is 2 * `half` wide: the opening
-/// between two lids.
+/// Returns the signed distance to an almond shape, the opening between two eyelids. Its two arcs rise `over` above and
+/// drop `under` below the line between the corners, which are 2 * `half` apart.
 pub fn almond(q: DVec2, half: f64, over: f64, under: f64) -> f64 {
     let arc = |q: DVec2, height: f64| {
         let radius = (half * half + height * height) / (2.0 * height);
@@ -178,31 +182,31 @@ pub fn almond(q: DVec2, half: f64, over: f64, under: f64) -> f64 {
     arc(q - shift, over).max(arc(DVec2::new(q.x, -q.y) + shift, under))
 }
 
-/// 1 at 0, nearly 0 beyond `width` on both sides, smooth.
+/// Returns a smooth bump: 1 at 0, nearly 0 beyond `width` on both sides.
 pub fn bump(x: f64, width: f64) -> f64 {
     let q = 2.0 * x / width;
     let q = 1.0 + q * q;
     1.0 / (q * q)
 }
 
-/// Mirror image across the plane x = 0.
+/// Mirrors `v` across the plane x = 0.
 pub fn mirror(v: DVec3) -> DVec3 {
     DVec3::new(-v.x, v.y, v.z)
 }
 
-/// `v` for `side` +1, its mirror image for -1.
+/// Returns `v` if `side` is +1, its mirror image if -1.
 pub fn on_side(side: f64, v: DVec3) -> DVec3 {
     if side > 0.0 { v } else { mirror(v) }
 }
 
-/// Rotation about x that turns +Z down by the angle whose sine and cosine are given in the ratio `sin : cos`.
+/// Returns the rotation about x that turns +Z down by the angle whose sine and cosine have the ratio `sin : cos`.
 pub fn pitch(sin: f64, cos: f64) -> DMat3 {
     let length = (sin * sin + cos * cos).sqrt();
     let (s, c) = (sin / length, cos / length);
     DMat3::from_cols(DVec3::X, DVec3::new(0.0, c, s), DVec3::new(0.0, -s, c))
 }
 
-/// 0 below `low`, 1 above `high`, smooth between.
+/// Returns a smooth step: 0 below `low`, 1 above `high`.
 pub fn ramp(low: f64, high: f64, x: f64) -> f64 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -1,10 +1,12 @@
 //! Texture coordinates in which hair grows evenly: v along the comb, u to its right, both in one world scale.
 //!
-//! The mesh is cut into charts, and each chart's coordinates are the least-squares answer to "gradient of u = S / scale,
-//! gradient of v = T / scale", where T is the comb in the face's plane and S = T x N; that is one Poisson problem per
-//! coordinate with the cotangent Laplacian (Praun, Finkelstein and Hoppe 2000 in the area-weighted form; Lengyel 2001).
-//! Charts grow from single faces by pairwise merging, longest shared border first, as long as no face of the merged chart
-//! is stretched, turned away from the comb or flipped beyond the bounds. Charts may overlap in the texture: hair tiles repeat.
+//! The mesh is cut into charts. The coordinates of a chart are the least-squares solution of "gradient of u = S /
+//! scale, gradient of v = T / scale". T is the comb in the face's plane and S = T x N. Each coordinate is one Poisson
+//! problem with the cotangent Laplacian (Praun, Finkelstein and Hoppe 2000 in the area-weighted form; Lengyel 2001).
+//!
+//! Charts grow from single faces by pairwise merging, longest shared border first. A merge is refused if a face would
+//! be stretched, turned away from the comb or flipped beyond the bounds. Charts may overlap in the texture because hair
+//! tiles repeat.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +15,7 @@ use glam::DVec3;
 
 use super::trimesh::{TriMesh, find};
 
-/// Bounds that every triangle of a chart keeps.
+/// Bounds that every triangle of a chart must satisfy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChartParams {
     /// World length of one unit of texture coordinates, metres.
@@ -35,26 +37,27 @@ impl Default for ChartParams {
 /// A vertex of the charted mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChartVertex {
-    /// Index of its position in the mesh.
+    /// Index into the mesh's positions.
     pub position: u32,
     /// Texture coordinates.
     pub uv: [f64; 2],
 }
 
-/// A mesh whose vertices are split along chart borders.
+/// Mesh whose vertices are split along chart borders.
 #[derive(Clone, Debug, Default)]
 pub struct Atlas {
     /// Vertices.
     pub vertices: Vec<ChartVertex>,
     /// Triangles in the mesh's order.
     pub triangles: Vec<[u32; 3]>,
-    /// Chart of every triangle.
+    /// Chart of each triangle.
     pub chart_of: Vec<u32>,
     /// Number of charts.
     pub charts: usize,
 }
 
-/// Charts the closed manifold `mesh`, combed by `comb` (any length, not necessarily in the surface's plane).
+/// Computes the charts of the closed manifold `mesh`, combed by `comb` (any length, not necessarily in the surface's
+/// plane).
 pub fn make(mesh: &TriMesh, comb: &dyn Fn(DVec3) -> DVec3, params: &ChartParams) -> anyhow::Result<Atlas> {
     let neighbours = mesh.neighbours().map_err(|(a, b)| {
         anyhow::anyhow!("edge ({a}, {b}) is not shared by exactly two triangles; charts need a closed mesh")
@@ -80,26 +83,26 @@ pub fn make(mesh: &TriMesh, comb: &dyn Fn(DVec3) -> DVec3, params: &ChartParams)
     charter.finish()
 }
 
-/// What charting knows of a triangle.
+/// Per-triangle data for charting.
 struct Face {
     area: f64,
     corners: [DVec3; 3],
     /// Gradients of the three hat functions, 1 / metres.
     hats: [DVec3; 3],
     normal: DVec3,
-    /// Unit comb in the face's plane: the wanted v direction.
+    /// Unit comb in the face's plane: the target v direction.
     t: DVec3,
-    /// Unit wanted u direction, t x normal.
+    /// Unit target u direction, t x normal.
     s: DVec3,
 }
 
 impl Face {
-    /// The undistorted map of this one face.
+    /// Returns the undistorted texture coordinates of this face alone.
     fn own_uv(&self, scale: f64) -> [[f64; 2]; 3] {
         self.corners.map(|p| [(p - self.corners[0]).dot(self.s) / scale, (p - self.corners[0]).dot(self.t) / scale])
     }
 
-    /// Rows of the scaled map in the basis (s, t): u along s, u along t, v along s, v along t.
+    /// Returns the rows of the scaled Jacobian in the basis (s, t): u along s, u along t, v along s, v along t.
     fn jacobian(&self, uv: &[[f64; 2]; 3], scale: f64) -> [f64; 4] {
         let gradient = |k: usize| (0..3).fold(DVec3::ZERO, |sum, i| sum + self.hats[i] * uv[i][k]) * scale;
         let (u, v) = (gradient(0), gradient(1));
@@ -115,11 +118,12 @@ fn faces(mesh: &TriMesh, neighbours: &[[u32; 3]], comb: &dyn Fn(DVec3) -> DVec3)
             let (area, normal) = (0.5 * double.length(), double.normalize_or_zero());
             let hats = [0, 1, 2].map(|i| normal.cross(corners[(i + 2) % 3] - corners[(i + 1) % 3]) / (2.0 * area));
             let wanted = comb((corners[0] + corners[1] + corners[2]) / 3.0).normalize_or_zero();
-            // Its length is the confidence: short where the comb stands on the skin.
+            // The length is the confidence: short where the comb is nearly perpendicular to the surface.
             Face { area, corners, hats, normal, t: wanted - normal * wanted.dot(normal), s: DVec3::ZERO }
         })
         .collect();
-    // Diffusion lets unsure faces (nose, paws, rump) follow their neighbours, and leaves as few whirls as the shape allows.
+    // Diffusion lets uncertain faces (nose, paws, rump) follow their neighbours, and leaves as few whirls as the shape
+    // allows.
     let wanted: Vec<DVec3> = faces.iter().map(|f| f.t * f.t.length()).collect();
     for _ in 0..60 {
         let next: Vec<DVec3> = (0..faces.len())
@@ -145,12 +149,12 @@ struct Charter<'a> {
     neighbours: Vec<[u32; 3]>,
     faces: Vec<Face>,
     params: ChartParams,
-    /// Faces of each chart; charts that were merged away are empty.
+    /// Faces of each chart; empty for a chart that was merged into another.
     members: Vec<Vec<u32>>,
     chart_of: Vec<u32>,
-    /// Texture coordinates of every face's corners.
+    /// Texture coordinates of each face's corners.
     uv: Vec<[[f64; 2]; 3]>,
-    /// Scratch: place of a face in the chart being solved, else `u32::MAX`.
+    /// Scratch buffer: index of a face within the chart being solved, else `u32::MAX`.
     local: Vec<u32>,
 }
 
@@ -162,14 +166,15 @@ impl Charter<'_> {
         (c[(k + 1) % 3] - c[k]).length()
     }
 
-    /// Edge of `g` that faces `f`, so that corner k of `f` and corner `edge + 1` of `g` coincide.
+    /// Returns the edge of `g` shared with `f`, such that corner k of `f` and corner `edge + 1` of `g` coincide.
     fn edge_towards(&self, g: u32, f: u32, k: usize) -> usize {
         let start = self.mesh.triangles[f as usize][k];
         let corners = self.mesh.triangles[g as usize];
         (0..3).find(|&j| corners[(j + 1) % 3] == start && self.neighbours[g as usize][j] == f).unwrap_or(0)
     }
 
-    /// Joins the corners of `chart` that meet across its inner edges; returns the vertex of every corner and their number.
+    /// Joins the corners of `chart` that meet across its inner edges; returns the vertex of each corner and the number
+    /// of vertices.
     fn chart_vertices(&mut self, chart: &[u32]) -> (Vec<[u32; 3]>, usize) {
         for (i, &f) in chart.iter().enumerate() {
             self.local[f as usize] = i as u32;
@@ -210,7 +215,7 @@ impl Charter<'_> {
         (corners, count as usize)
     }
 
-    /// Least squares over one connected chart, from `start`; `None` where a bound is broken.
+    /// Solves the least-squares problem of one connected chart, from `start`; returns `None` if a bound is violated.
     fn solve(&mut self, chart: &[u32], start: &CornerUvs) -> Option<CornerUvs> {
         let (corners, count) = self.chart_vertices(chart);
         let scale = self.params.metres_per_uv;
@@ -265,7 +270,8 @@ impl Charter<'_> {
         }
     }
 
-    /// Borders between charts: total length and the mean jump of the coordinates from the lower to the higher chart.
+    /// Returns the borders between charts: total length and mean jump of the coordinates from the lower to the higher
+    /// chart.
     fn borders(&self) -> BTreeMap<(u32, u32), (f64, [f64; 2])> {
         let mut borders: BTreeMap<(u32, u32), (f64, [f64; 2])> = BTreeMap::new();
         for f in 0..self.faces.len() as u32 {
@@ -326,7 +332,7 @@ impl Charter<'_> {
                     refused.insert((a, b));
                     continue;
                 };
-                // A new number, so that no refusal of the old charts sticks to the merged one.
+                // A new index, so that earlier refusals of the two charts do not apply to the merged one.
                 let id = self.members.len() as u32;
                 for &f in &both {
                     self.chart_of[f as usize] = id;
@@ -352,7 +358,7 @@ impl Charter<'_> {
             .normalize_or_zero()
     }
 
-    /// Hands teeth of the borders, faces with two edges in another chart, to that chart, where the bounds allow it.
+    /// Moves border teeth (faces with two edges in another chart) to that chart, if the bounds allow it.
     fn smooth_borders(&mut self) {
         for _ in 0..4 {
             let mut moved = 0;
@@ -367,7 +373,7 @@ impl Charter<'_> {
                 let mut grown = self.members[other as usize].clone();
                 grown.push(f);
                 let mut start = self.current(&grown);
-                // Only a start for the solver: the new face continues a neighbour's coordinates.
+                // Initial guess for the solver: the new face continues a neighbour's coordinates.
                 if let (Some(last), Some(k)) = (start.last_mut(), around.iter().position(|&c| c == other)) {
                     let g = self.neighbours[f as usize][k];
                     let e = self.edge_towards(g, f, k);
@@ -385,7 +391,7 @@ impl Charter<'_> {
                 break;
             }
         }
-        // Donors keep the coordinates they had; solving them again takes up what they lost.
+        // Charts that gave up faces still have their old coordinates; solving again adapts them to the loss.
         for c in 0..self.members.len() {
             let members = self.members[c].clone();
             let start = self.current(&members);
@@ -395,12 +401,12 @@ impl Charter<'_> {
         }
     }
 
-    /// Shifts every chart so that its coordinates continue those of the neighbour it shares the longest border with: hair
-    /// runs on across such a seam.
+    /// Shifts every chart so that its coordinates continue those of the neighbour with the longest shared border. Hair
+    /// is continuous across such a seam.
     fn align(&mut self) {
         let mut borders: Vec<_> = self.borders().into_iter().collect();
         borders.sort_by(|x, y| y.1.0.total_cmp(&x.1.0).then(x.0.cmp(&y.0)));
-        // Kruskal's spanning tree, with each chart's shift relative to its root kept flat.
+        // Kruskal's spanning tree; each chart's shift is stored relative to its root.
         let mut group: Vec<u32> = (0..self.members.len() as u32).collect();
         let mut shift = vec![[0.0; 2]; self.members.len()];
         for ((a, b), (_, jump)) in borders {
@@ -451,9 +457,9 @@ impl Charter<'_> {
     }
 }
 
-/// Solves the sum of the triangles' 3x3 systems by conjugate gradients with the diagonal as preconditioner, from `x`.
+/// Solves the sum of the triangles' 3x3 systems from `x` by conjugate gradients with the diagonal as preconditioner.
 ///
-/// The matrix is singular (constants), the right side sums to zero, so the iteration stays in the solvable space.
+/// The matrix is singular (constants). The right-hand side sums to zero, so the iteration stays in the solvable space.
 fn conjugate_gradients(corners: &[[u32; 3]], locals: &[[[f64; 3]; 3]], rhs: &[f64], x: &mut [f64]) {
     let apply = |x: &[f64]| {
         let mut y = vec![0.0; x.len()];
@@ -496,23 +502,23 @@ fn conjugate_gradients(corners: &[[u32; 3]], locals: &[[[f64; 3]; 3]], rhs: &[f6
     }
 }
 
-/// Singular values of `[a b; c d]`, the larger first.
+/// Returns the singular values of `[a b; c d]`, the larger first.
 pub fn singular_values([a, b, c, d]: [f64; 4]) -> (f64, f64) {
     let (p, q) = ((a + d) * (a + d) + (c - b) * (c - b), (a - d) * (a - d) + (b + c) * (b + c));
     let (p, q) = (0.5 * p.sqrt(), 0.5 * q.sqrt());
     (p + q, (p - q).abs())
 }
 
-/// Quality of texture coordinates.
+/// Quality measures of texture coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChartReport {
     /// Area-weighted mean of (σ1/σ2 + σ2/σ1)/2 − 1.
     pub angle_distortion: f64,
     /// Area-weighted mean of (σ1σ2 + 1/(σ1σ2))/2 − 1 after the global scale that makes the total areas equal.
     pub area_distortion: f64,
-    /// Triangles with a determinant that is not positive.
+    /// Number of triangles whose determinant is not positive.
     pub flipped_triangles: usize,
-    /// Length of edges whose sides disagree, over the square root of the mesh's area; each edge once.
+    /// Total length of edges whose two sides disagree, each edge once, divided by the square root of the mesh's area.
     pub seam_length_ratio: f64,
     /// World length of one unit of texture coordinates that makes the total areas equal, metres.
     pub metres_per_uv: f64,

@@ -1,6 +1,6 @@
 //! The crane: a red-crowned crane, 1.5 m to the top of its head, on the plane y = 0, facing +Z.
 //!
-//! White with a black neck and a tuft of black drooping plumes over its tail; long legs, a neck like an S.
+//! White, with a black neck and a tuft of drooping black plumes over its tail; long legs and an S-shaped neck.
 
 use glam::{DMat3, DVec3, DVec4, dvec3 as v};
 
@@ -15,7 +15,7 @@ use super::{
     trimesh::TriMesh,
 };
 
-/// Metres of skin in one unit of texture coordinates.
+/// World length of one unit of texture coordinates, metres.
 const METRES_PER_UV: f64 = 0.15;
 const PLUMES: usize = 1;
 const NECK: usize = 2;
@@ -24,7 +24,7 @@ const BEAK: usize = 4;
 const LEG: usize = 5;
 const EYE: usize = 6;
 
-/// Middle line and radius of the neck, from the breast to the head.
+/// Returns the centre line and radius of the neck, from the breast to the head.
 fn neck() -> Vec<(DVec3, f64)> {
     let line = [
         (v(0.0, 0.9, 0.16), 0.1),
@@ -37,7 +37,7 @@ fn neck() -> Vec<(DVec3, f64)> {
     curve(&line, 3)
 }
 
-/// Middle lines and radii of the plumes that hang over the tail.
+/// Returns the centre lines and radii of the plumes over the tail.
 fn plumes() -> Vec<Vec<(DVec3, f64)>> {
     let plume = |x: f64, out: f64, end: DVec3| {
         let line = [
@@ -57,18 +57,18 @@ fn plumes() -> Vec<Vec<(DVec3, f64)>> {
     ]
 }
 
-/// Centre and radii of an eye.
+/// Returns the centre and radii of an eye.
 fn eye(side: f64) -> (DVec3, DVec3) {
     (v(side * 0.029, 1.487, 0.36), DVec3::splat(0.009))
 }
 
-/// The body without the eyes.
+/// Returns the body without the eyes.
 pub fn body() -> Body {
     let mut body = Body::empty(0.02);
     let back = Comb::Along(v(0.0, -0.3, -0.95));
     let down = Comb::Along(v(0.0, -1.0, -0.1));
 
-    // A drop: breast, back, rump; and the folded wings, whose lower edges stand off.
+    // A drop (breast, back, rump) and the folded wings, whose lower edges stick out.
     body.add(ellipsoid(v(0.0, 0.865, -0.04), v(0.145, 0.16, 0.32), pitch(-0.16, 1.0)), 0.05, back);
     body.add(ellipsoid(v(0.0, 0.865, 0.13), v(0.125, 0.14, 0.15), pitch(-0.5, 1.0)), 0.06, back);
     body.add(cone(v(0.0, 0.84, -0.2), 0.1, v(0.0, 0.79, -0.37), 0.045), 0.05, back);
@@ -119,7 +119,7 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     body::mesh(&|p| body.distance(p), bounds, 0.0085, sizing, Keep::Largest)
 }
 
-/// The skin cut into its materials.
+/// Splits the mesh surface into materials.
 pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     let surface = |p: DVec3| body.distance(p);
     let mut regions = Regions::new(mesh);
@@ -138,7 +138,7 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     regions
 }
 
-/// The whole model.
+/// Returns the whole model.
 pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let regions = regions(&body, body_mesh(&body)?);

@@ -18,10 +18,10 @@ const HEAD: u8 = 4;
 const LEGS: [Leg; 2] =
     [Leg { upper: 5, lower: 6, cannon: None, foot: 7 }, Leg { upper: 8, lower: 9, cannon: None, foot: 10 }];
 
-/// Bound wholly to the head: the eyes.
+/// Weights bound only to the head: the eyes.
 pub const HEAD_ONLY: Weights = bound_to(HEAD);
 
-/// Knee, which the feathers hide, hock, ankle and the end of the middle toe of the left leg.
+/// Joints of the left leg: knee (hidden by the feathers), hock, ankle and the end of the middle toe.
 pub const LEG: [DVec3; 4] = [
     DVec3::new(0.068, 0.78, 0.04),
     DVec3::new(0.068, 0.425, -0.075),
@@ -29,9 +29,9 @@ pub const LEG: [DVec3; 4] = [
     DVec3::new(0.07, 0.0, 0.115),
 ];
 
-/// Seconds of one cycle of `Walk`: two steps.
+/// Duration of one cycle of `Walk` (two steps), seconds.
 pub const CYCLE_S: f64 = 1.2;
-/// How far one cycle of `Walk` goes, metres; the clip itself stays in its place.
+/// Distance covered by one cycle of `Walk`, metres; the clip itself is in place.
 pub const CYCLE_M: f64 = 0.66;
 
 fn bones() -> Vec<Bone> {
@@ -54,23 +54,23 @@ fn bones() -> Vec<Bone> {
     bones
 }
 
-/// The feet: joint, and where in the model the foot's tip rests.
+/// Returns the feet: joint, and rest position of the foot's tip in the model.
 pub fn feet() -> Vec<(usize, DVec3)> {
     gait::feet(&bones(), &LEGS)
 }
 
-/// Joints in rest pose.
+/// Returns the joints in rest pose.
 pub fn skeleton() -> Vec<Joint> {
     rig::skeleton(&bones())
 }
 
-/// Skin weights for the vertices of `mesh`.
+/// Returns the skin weights for the vertices of `mesh`.
 pub fn weights(mesh: &TriMesh) -> Vec<Weights> {
     rig::weights(mesh, &bones(), 0.012, 4)
 }
 
-/// A walk, looping and in place: the head waits while the body goes on, then it is thrust forwards, once a step. It goes [`CYCLE_M`] metres
-/// in [`CYCLE_S`] seconds.
+/// Returns a walk, looping and in place: once a step, the head waits while the body moves on, then it is thrust
+/// forwards. One cycle covers [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
 pub fn walk() -> Clip {
     gait::clip("Walk", &bones(), CYCLE_S, 24, &stride)
 }

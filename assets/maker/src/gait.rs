@@ -1,7 +1,7 @@
-//! Gaits: clips from footfalls. Feet are led along their paths, and the legs' joints follow by inverse kinematics, so that a foot on the
-//! ground moves backwards exactly as fast as the animal would go forwards.
+//! Gaits: clips generated from footfalls. Feet follow prescribed paths and the leg joints follow by inverse kinematics,
+//! so a foot on the ground moves backwards exactly as fast as the animal advances.
 //!
-//! Everything that carries a foot turns about x alone: a leg is solved in its plane of y and z, where a turn is a product of
+//! Joints that carry a foot turn about x only: a leg is solved in its yz-plane, where a rotation is a product of
 //! complex numbers `y + i z`. Necks, ears and tails may turn about any axis.
 
 use core::f64::consts::PI;
@@ -13,72 +13,72 @@ use super::{
     rig::{Bone, rotations, turn},
 };
 
-/// A pose of a skeleton, changed from rest step by step: parents before children.
+/// Pose of a skeleton, changed from rest step by step: parents before children.
 pub struct Pose<'a> {
     bones: &'a [Bone],
-    /// Turn about x against the parent, degrees; positive lowers what points forwards.
+    /// Rotation of each joint about x relative to the parent, degrees; positive lowers what points forwards.
     pitch_deg: Vec<f64>,
-    /// Further turns, before the one about x.
+    /// Further rotations, applied before the one about x.
     turns: Vec<DQuat>,
-    /// How far the root is from its rest, metres.
+    /// Offset of the root from rest, metres.
     shift: DVec3,
 }
 
-/// A leg: the joints that are solved, from the body down.
+/// Leg: its joints for inverse kinematics, from the body down.
 #[derive(Clone, Copy, Debug)]
 pub struct Leg {
     /// Joint of the thigh or the upper arm.
     pub upper: u8,
-    /// Joint of the shank or the forearm.
+    /// Joint of the lower leg or the forearm.
     pub lower: u8,
-    /// Joint of a third bone, bent by hand.
+    /// Joint of a third bone, bent explicitly by [`Foot::cannon_deg`].
     pub cannon: Option<u8>,
-    /// Joint of the foot; the end of its bone is what touches the ground.
+    /// Joint of the foot; the end of its bone touches the ground.
     pub foot: u8,
 }
 
-/// Where a foot is: offset of its tip from rest, metres, and its turn about x in the world, degrees.
+/// Target of a foot: offset of its tip from rest, metres, and rotation about x in the world, degrees.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Foot {
-    /// Up.
+    /// Upward offset.
     pub up: f64,
-    /// Forwards.
+    /// Forward offset.
     pub forwards: f64,
-    /// Heel up is positive.
+    /// Rotation about x; positive raises the heel.
     pub pitch_deg: f64,
-    /// Bend of the third bone against rest, degrees.
+    /// Bend of the third bone relative to rest, degrees.
     pub cannon_deg: f64,
 }
 
-/// Footfalls of one leg. Phases are shares of the cycle.
+/// Footfalls of one leg. Phases are fractions of the cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// Phase at which the foot comes down.
     pub touch: f64,
-    /// Share of the cycle that it stays down.
+    /// Fraction of the cycle during which the foot is on the ground.
     pub duty: f64,
-    /// Where it comes down, forwards of its rest, metres.
+    /// Forward offset from rest at touchdown, metres.
     pub front: f64,
-    /// How far the animal goes in a cycle, metres.
+    /// Distance the animal covers in a cycle, metres.
     pub stride: f64,
-    /// How high the tip is lifted, metres.
+    /// Height to which the tip is lifted, metres.
     pub lift: f64,
 }
 
 impl Step {
-    /// Phase since the foot came down, 0..1; below [`Step::duty`] it is on the ground.
+    /// Returns the phase since touchdown, 0..1; the foot is on the ground while it is below [`Step::duty`].
     pub fn since(&self, phase: f64) -> f64 {
         let since = phase - self.touch;
         since - libm::floor(since)
     }
 
-    /// The foot's place at `phase`, without its turns.
+    /// Returns the foot's offset at `phase`, without its rotations.
     pub fn foot(&self, phase: f64) -> Foot {
         let since = self.since(phase);
         if since <= self.duty {
             return Foot { forwards: self.front - self.stride * since, ..Foot::default() };
         }
-        // It leaves and comes down with the speed of the ground, so that it neither jerks nor scuffs.
+        // The foot leaves the ground and lands at ground speed, so that it neither jerks nor slides.
         let air = 1.0 - self.duty;
         let s = (since - self.duty) / air;
         let (back, slope) = (self.front - self.stride * self.duty, -self.stride * air);
@@ -90,13 +90,13 @@ impl Step {
     }
 }
 
-/// The feet of `legs`: joint, and where in the model the foot's tip rests.
+/// Returns the feet of `legs`: joint, and rest position of the foot's tip in the model.
 pub fn feet<'a>(bones: &[Bone], legs: impl IntoIterator<Item = &'a Leg>) -> Vec<(usize, DVec3)> {
     legs.into_iter().map(|leg| (usize::from(leg.foot), bones[leg.foot as usize].to)).collect()
 }
 
-/// A smooth periodic curve through `keys` (phase in 0..1, ascending, and value) at `phase`: cubic pieces whose slope at a key is that of
-/// the line between its neighbours.
+/// Evaluates a smooth periodic curve through `keys` (ascending phase in 0..1, and value) at `phase`. The pieces are
+/// cubic; the slope at a key is that of the line between its neighbours.
 pub fn cycle(keys: &[(f64, f64)], phase: f64) -> f64 {
     let n = keys.len() as i64;
     let key = |k: i64| {
@@ -116,12 +116,12 @@ pub fn cycle(keys: &[(f64, f64)], phase: f64) -> f64 {
         + slope(from, after) * (s3 - s2)
 }
 
-/// A sine of one period in a cycle, from 0 at `start`.
+/// Returns a sine with one period per cycle, 0 at `start`.
 pub fn wave(phase: f64, start: f64) -> f64 {
     libm::sin(2.0 * PI * (phase - start))
 }
 
-/// `y + i z` of a vector.
+/// Returns `y + i z` of a vector.
 fn plane(v: DVec3) -> DVec2 {
     DVec2::new(v.y, v.z)
 }
@@ -145,18 +145,18 @@ impl Pose<'_> {
         self.shift += by;
     }
 
-    /// Turns a joint about x, degrees; positive lowers what points forwards.
+    /// Rotates a joint about x, degrees; positive lowers what points forwards.
     pub fn pitch(&mut self, joint: u8, degrees: f64) {
         self.pitch_deg[joint as usize] += degrees;
     }
 
-    /// Turns a joint about another axis, degrees; not for joints that carry a leg.
+    /// Rotates a joint about another axis, degrees; not for joints that carry a leg.
     pub fn turn(&mut self, joint: u8, axis: DVec3, degrees: f64) {
         let own = &mut self.turns[joint as usize];
         *own = turn(axis, degrees) * *own;
     }
 
-    /// Place of a joint in the plane, metres, and its turn in the world, radians.
+    /// Returns the position of a joint in the yz-plane, metres, and its rotation in the world, radians.
     fn world(&self, joint: u8) -> (DVec2, f64) {
         let bone = &self.bones[joint as usize];
         let own = self.pitch_deg[joint as usize] * PI / 180.0;
@@ -169,7 +169,8 @@ impl Pose<'_> {
         }
     }
 
-    /// Bends a leg so that its foot is where `foot` says, or as near as the leg is long; returns by how much it falls short, metres.
+    /// Bends a leg so that its foot reaches `foot`, or as near as the leg's length allows; returns the remaining
+    /// distance, metres.
     pub fn lead(&mut self, leg: &Leg, foot: Foot) -> f64 {
         let radians = PI / 180.0;
         let bone = |joint: u8| self.bones[joint as usize];
@@ -177,7 +178,7 @@ impl Pose<'_> {
         let tip = plane(end.to) + DVec2::new(foot.up, foot.forwards);
         let heel = tip - turned(plane(end.to - end.from), foot.pitch_deg * radians);
 
-        // With its third bone bent, the lower leg is a straight line from the middle joint to the foot's.
+        // With its third bone bent, the lower leg is treated as a straight line from the middle joint to the foot's.
         let bent = foot.cannon_deg * radians;
         let below = match leg.cannon.map(bone) {
             Some(cannon) => plane(cannon.from - lower.from) + turned(plane(end.from - cannon.from), bent),
@@ -191,7 +192,7 @@ impl Pose<'_> {
         let way = heel - carrier;
         let (a, b, wanted) = (above.length(), below.length(), way.length());
         let distance = wanted.clamp((a - b).abs() * 1.001, (a + b) * 0.9999);
-        // The middle joint bends to the side to which it is bent at rest.
+        // The middle joint bends to the same side as at rest.
         let side = above.perp_dot(plane(end.from - lower.from)).signum();
         let corner = libm::acos(((a * a + distance * distance - b * b) / (2.0 * a * distance)).clamp(-1.0, 1.0));
         let upper_turn = angle(way) - side * corner - angle(above);
@@ -214,7 +215,8 @@ impl Pose<'_> {
     }
 }
 
-/// A clip of one cycle in `frames` even steps: `pose` bends the resting skeleton for a phase in 0..1. The last key is the first again.
+/// Builds a clip of one cycle in `frames` even steps; `pose` bends the resting skeleton for a phase in 0..1. The last
+/// key equals the first.
 pub fn clip(name: &str, bones: &[Bone], seconds: f64, frames: usize, pose: &dyn Fn(f64, &mut Pose<'_>)) -> Clip {
     let poses: Vec<Pose<'_>> = (0..=frames)
         .map(|k| {

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 /// Up to four joints with their weights, which sum to one.
 pub type Weights = [(u8, f64); 4];
 
-/// A model ready to be written.
+/// Model ready to be written.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Name of scene, mesh and node.
@@ -17,13 +17,13 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Primitives of the one mesh.
     pub primitives: Vec<Primitive>,
-    /// Joints, parents before children, the first one the root.
+    /// Joints, parents before children; the first is the root.
     pub skeleton: Option<Vec<Joint>>,
-    /// Clips; they need a skeleton.
+    /// Clips; they require a skeleton.
     pub clips: Vec<Clip>,
 }
 
-/// A material with constant factors.
+/// Material with constant factors.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// Name.
@@ -47,7 +47,7 @@ pub struct Primitive {
     pub normals: Vec<DVec3>,
     /// Texture coordinates.
     pub uvs: Vec<[f64; 2]>,
-    /// Linear colours, and in the fourth the length of the hair as a share of the longest; all 0..=1.
+    /// Linear colours; the fourth component is the hair length as a share of the longest. All 0..=1.
     pub colors: Vec<DVec4>,
     /// Joints and weights; written only with a skeleton.
     pub weights: Vec<Weights>,
@@ -55,7 +55,7 @@ pub struct Primitive {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A joint in rest pose without rotation or scale.
+/// Joint in rest pose without rotation or scale.
 #[derive(Clone, Debug)]
 pub struct Joint {
     /// Name.
@@ -68,12 +68,12 @@ pub struct Joint {
     pub world: DVec3,
 }
 
-/// An animation.
+/// Animation clip.
 #[derive(Clone, Debug)]
 pub struct Clip {
     /// Name.
     pub name: String,
-    /// One sampler each.
+    /// Channels, one sampler each.
     pub channels: Vec<Channel>,
 }
 
@@ -84,22 +84,22 @@ pub struct Channel {
     pub joint: usize,
     /// Animated property.
     pub target: Target,
-    /// Between the keys.
+    /// Interpolation between the keys.
     pub interpolation: Interpolation,
-    /// Seconds, ascending.
+    /// Key times, seconds, ascending.
     pub times: Vec<f64>,
     /// Flat values: 4 (rotation, xyzw) or 3 (scale, translation) per key; three such triples per key for cubic splines.
     pub values: Vec<f64>,
 }
 
-/// An animated property.
+/// Animated property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// Unit quaternion.
+    /// Rotation, unit quaternion.
     Rotation,
     /// Scale.
     Scale,
-    /// Place relative to the parent, metres.
+    /// Position relative to the parent, metres.
     Translation,
 }
 
@@ -113,7 +113,7 @@ pub enum Interpolation {
 }
 
 impl Primitive {
-    /// An empty primitive.
+    /// Creates an empty primitive.
     pub fn new(name: &str, material: usize) -> Self {
         Self {
             name: name.into(),
@@ -127,12 +127,12 @@ impl Primitive {
         }
     }
 
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// Whether there are no vertices.
+    /// Returns true if there are no vertices.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
@@ -147,7 +147,7 @@ impl Primitive {
     }
 }
 
-/// Appends little-endian floats; with the bounds of `width`-tuples where glTF asks for them.
+/// Appends little-endian floats, with the bounds of `width`-tuples if `bounded`, as glTF requires for some accessors.
 fn push_floats(buffer: &mut Buffer, values: &[f64], width: usize, target: Option<ViewTarget>, bounded: bool) -> usize {
     let floats: Vec<f32> = values.iter().map(|&x| x as f32).collect();
     let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -160,7 +160,8 @@ fn flat(vectors: &[DVec3]) -> Vec<f64> {
     vectors.iter().flat_map(DVec3::to_array).collect()
 }
 
-/// Weights as 16-bit fractions that sum to exactly one: what rounding leaves over goes to the largest, which comes first.
+/// Quantises weights to 16-bit fractions that sum to exactly one; the rounding remainder is added to the largest, which
+/// comes first.
 fn quantise_weights(weights: &Weights) -> [u16; 4] {
     let mut q = weights.map(|(_, w)| (w * 65535.0).round() as u16);
     let rest: u16 = q[1..].iter().sum();
@@ -169,7 +170,7 @@ fn quantise_weights(weights: &Weights) -> [u16; 4] {
 }
 
 impl Model {
-    /// The bytes of a .glb file.
+    /// Returns the bytes of a .glb file.
     pub fn to_glb(&self) -> anyhow::Result<Vec<u8>> {
         let mut buffer = Buffer::default();
         let primitives =

@@ -1,7 +1,7 @@
 //! The hare: a brown hare sitting upright, 0.48 m to the tips of its ears, on the plane y = 0, facing +Z.
 //!
-//! The body is a smooth union of round cones and ellipsoids. Every solid also carries the way its hair is combed, so that
-//! the comb field, the coat's colours and the skeleton all come from the same list.
+//! The body is a smooth union of round cones and ellipsoids. Every solid carries its comb direction, so the comb field,
+//! the fur colours and the skeleton all come from the same list.
 
 use glam::{DMat3, DVec3, dvec3 as v};
 
@@ -17,7 +17,7 @@ use super::{
     trimesh::TriMesh,
 };
 
-/// The hare's body without eyes and nose.
+/// Returns the hare's body without eyes and nose.
 pub fn body() -> Body {
     let mut body = Body::empty(0.008);
     let back = Comb::Along(v(0.0, -0.55, -0.83));
@@ -82,12 +82,12 @@ pub fn body() -> Body {
     body
 }
 
-/// Centre and radii of an eye.
+/// Returns the centre and radii of an eye.
 fn eye(side: f64) -> (DVec3, DVec3) {
     (v(side * 0.0295, 0.323, 0.088), v(0.0095, 0.012, 0.0125))
 }
 
-/// The coat's colour at a point of the skin, linear RGB.
+/// Returns the fur colour at a point of the mesh surface, linear RGB.
 fn coat(p: DVec3, n: DVec3) -> DVec3 {
     let back = v(0.17, 0.105, 0.058);
     let flank = v(0.42, 0.26, 0.13);
@@ -97,12 +97,12 @@ fn coat(p: DVec3, n: DVec3) -> DVec3 {
 
     // Darker along the spine, lighter down the flanks.
     let mut c = flank.lerp(back, ramp(-0.15, 0.7, n.y - 0.35 * n.z));
-    // Belly, the inside of the legs, throat: pale where the skin looks down or forward low on the body.
+    // Belly, inside of the legs, throat: pale where the surface faces down, or forward low on the body.
     let below = ramp(0.1, 0.75, -n.y) * ramp(0.3, 0.24, p.y);
     c = c.lerp(cream, below);
     let chest = ramp(0.35, 0.9, n.z) * ramp(0.036, 0.014, p.x.abs()) * ramp(0.25, 0.2, p.y) * ramp(0.02, 0.05, p.z);
     c = c.lerp(cream, chest * 0.85);
-    // Rusty breast and nape, as brown hares have.
+    // Reddish breast and nape, as in brown hares.
     let breast = ramp(0.17, 0.21, p.y) * ramp(0.28, 0.24, p.y);
     c = c.lerp(rust, breast * 0.55);
     // Head: pale lips and chin, pale ring round the eye.
@@ -130,8 +130,8 @@ fn coat(p: DVec3, n: DVec3) -> DVec3 {
     c.lerp(rust, ramp(0.02, 0.008, p.y) * 0.4)
 }
 
-/// Length of the hair at a point of the skin as a share of the longest: short on the face, the ears and the feet, and none to
-/// speak of round the eyes.
+/// Returns the hair length at a point of the mesh surface as a share of the longest: short on the face, the ears and
+/// the feet, almost none round the eyes.
 fn hair_length(p: DVec3) -> f64 {
     let mut length = 1.0;
     let mut shorten = |to: f64, share: f64| length += (f64::min(to, length) - length) * share;
@@ -158,7 +158,7 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     )
 }
 
-/// The whole model.
+/// Returns the whole model.
 pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let mesh = body_mesh(&body)?;

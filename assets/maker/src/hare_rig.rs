@@ -9,9 +9,9 @@ use super::{
     trimesh::TriMesh,
 };
 
-/// Root, tip and unit facing direction of an ear; `side` is +1 for the hare's left ear (towards +X).
+/// Returns the root, tip and unit facing direction of an ear; `side` is +1 for the hare's left ear (towards +X).
 pub fn ear(side: f64) -> [DVec3; 3] {
-    // The left ear stands a little higher and more forward than the right one: a listening hare.
+    // The left ear is slightly higher and further forward than the right one: a listening hare.
     let (tip_height, lean) = if side > 0.0 { (0.482, 0.033) } else { (0.475, 0.010) };
     [
         DVec3::new(side * 0.0165, 0.341, 0.05),
@@ -36,12 +36,12 @@ const FORELEGS: [Leg; 2] =
 const HIND_LEGS: [Leg; 2] =
     [Leg { upper: 17, lower: 18, cannon: None, foot: 19 }, Leg { upper: 20, lower: 21, cannon: None, foot: 22 }];
 
-/// Bound wholly to the head: eyes and nose.
+/// Weights bound only to the head: eyes and nose.
 pub const HEAD_ONLY: Weights = bound_to(HEAD);
 
-/// Seconds of one hop of `Walk`.
+/// Duration of one hop of `Walk`, seconds.
 pub const HOP_S: f64 = 0.8;
-/// How far one hop of `Walk` goes, metres; the clip itself stays in its place.
+/// Distance covered by one hop of `Walk`, metres; the clip itself is in place.
 pub const HOP_M: f64 = 0.48;
 
 fn bones() -> Vec<Bone> {
@@ -54,7 +54,7 @@ fn bones() -> Vec<Bone> {
         bone("hips", None, v(0.0, 0.075, -0.075), v(0.0, 0.09, -0.07)),
         bone("spine", Some(HIPS), v(0.0, 0.125, -0.055), v(0.0, 0.17, -0.03)),
         bone("chest", Some(SPINE), v(0.0, 0.175, 0.0), v(0.0, 0.215, 0.02)),
-        // A leaf, so that its breathing scale reaches neither neck nor legs.
+        // A leaf joint, so that its breathing scale affects neither neck nor legs.
         bone("ribs", Some(CHEST), v(0.0, 0.165, 0.02), v(0.0, 0.185, 0.055)),
         bone("neck", Some(CHEST), v(0.0, 0.235, 0.035), v(0.0, 0.275, 0.05)),
         bone("head", Some(NECK), v(0.0, 0.295, 0.06), v(0.0, 0.3, 0.12)),
@@ -86,27 +86,28 @@ fn bones() -> Vec<Bone> {
     bones
 }
 
-/// The feet: joint, and where in the model the foot's tip rests.
+/// Returns the feet: joint, and rest position of the foot's tip in the model.
 pub fn feet() -> Vec<(usize, DVec3)> {
     gait::feet(&bones(), FORELEGS.iter().chain(&HIND_LEGS))
 }
 
-/// Joints in rest pose.
+/// Returns the joints in rest pose.
 pub fn skeleton() -> Vec<Joint> {
     rig::skeleton(&bones())
 }
 
-/// Skin weights for the vertices of `mesh`.
+/// Returns the skin weights for the vertices of `mesh`.
 pub fn weights(mesh: &TriMesh) -> Vec<Weights> {
     rig::weights(mesh, &bones(), 0.0032, 4)
 }
 
-/// Keys about one axis: seconds and degrees.
+/// Creates rotation keys about one axis: seconds and degrees.
 fn about(joint: u8, axis: DVec3, keys: &[(f64, f64)]) -> Channel {
     rotations(joint, keys.iter().map(|&(t, degrees)| (t, turn(axis, degrees))))
 }
 
-/// Two seconds, looping: one ear flicks, the other sways, the head nods a little, the ribs breathe twice.
+/// Returns a looping clip of two seconds: one ear flicks, the other sways, the head nods slightly, the ribs breathe
+/// twice.
 pub fn ear_breath() -> Clip {
     let twitch = [(0.0, 0.0), (0.3, 0.0), (0.42, 16.0), (0.54, -5.0), (0.68, 9.0), (0.9, 0.0), (2.0, 0.0)];
     let flick = [(0.0, 0.0), (0.36, 0.0), (0.48, 14.0), (0.62, -8.0), (0.78, 5.0), (1.0, 0.0), (2.0, 0.0)];
@@ -114,7 +115,7 @@ pub fn ear_breath() -> Clip {
     let bend = [(0.0, 0.0), (0.6, 4.0), (1.1, 0.0), (1.6, -7.0), (2.0, 0.0)];
     let nod = [(0.0, 0.0), (0.7, 1.5), (1.4, -1.0), (2.0, 0.0)];
     let wag = [(0.0, 0.0), (1.1, 0.0), (1.2, 10.0), (1.32, -8.0), (1.45, 0.0), (2.0, 0.0)];
-    // Cubic spline keys hold in-tangent, value, out-tangent; flat tangents at the turning points make an even breath.
+    // Cubic spline keys hold in-tangent, value, out-tangent; flat tangents at the turning points give even breathing.
     let breath = |x: f64| [[0.0; 3], [1.0 + x, 1.0 + 0.5 * x, 1.0 + x], [0.0; 3]];
     let ribs = [0.0, 0.045, 0.0, 0.045, 0.0];
     Clip {
@@ -137,14 +138,15 @@ pub fn ear_breath() -> Clip {
     }
 }
 
-/// One hop, looping and in place: from the hind feet into the stretched leap, onto the forefeet, and the hind feet swing past
-/// them on the outside. It goes [`HOP_M`] metres in [`HOP_S`] seconds.
+/// Returns one hop, looping and in place. The hind feet push into the stretched leap, the forefeet land, and the hind
+/// feet swing past them on the outside. One hop covers [`HOP_M`] metres in [`HOP_S`] seconds.
 pub fn walk() -> Clip {
     gait::clip("Walk", &bones(), HOP_S, 24, &hop)
 }
 
 fn hop(phase: f64, pose: &mut Pose<'_>) {
-    // The back: gathered and round when the hind feet come down (phase 0), stretched in the leap (0.45), nose down on the forefeet.
+    // The back: gathered and round at hind touchdown (phase 0), stretched in the leap (0.45), nose down on the
+    // forefeet.
     let pitch = cycle(&[(0.0, 36.0), (0.2, 31.0), (0.36, 27.0), (0.5, 34.0), (0.66, 44.0), (0.84, 42.0)], phase);
     let bend = cycle(&[(0.0, 14.0), (0.2, 6.0), (0.4, -6.0), (0.6, 0.0), (0.8, 12.0)], phase);
     let height =
@@ -155,7 +157,7 @@ fn hop(phase: f64, pose: &mut Pose<'_>) {
     pose.pitch(SPINE, bend);
     pose.pitch(CHEST, bend + 6.0);
     let carried = pitch + 2.0 * bend + 6.0;
-    // The head keeps its height and looks ahead; the ears trail, later than the back that moves them.
+    // The head keeps its height and looks ahead; the ears trail behind the motion of the back.
     pose.pitch(NECK, 0.25 * (30.0 - carried));
     pose.pitch(HEAD, 0.75 * (14.0 - carried));
     let ears = cycle(&[(0.0, -52.0), (0.25, -40.0), (0.5, -62.0), (0.75, -48.0)], phase);

@@ -1,8 +1,9 @@
-//! The head: a study of a human head with neck and shoulders, life size and 0.38 m high, cut flat on the plane y = 0, looking along +Z.
+//! The head: a study of a human head with neck and shoulders, life size and 0.38 m high, cut flat on the plane y = 0,
+//! facing +Z.
 //!
-//! Made for hair: the hairy part of the skull, brows and the rims of the upper lids are materials of their own. Measures are means of adult
-//! faces (Farkas 1994, "Anthropometry of the Head and Face"), between those of women and men: vertex to chin 0.23 m, breadth of the skull
-//! 0.15 m, of the cheekbones 0.132 m, of the jaw 0.1 m, distance of the pupils 0.063 m.
+//! Made for hair: the scalp, the brows and the rims of the upper lids have separate materials. Measures are means of
+//! adult faces (Farkas 1994, "Anthropometry of the Head and Face"), between those of women and men. Vertex to chin is
+//! 0.23 m. Breadths: skull 0.15 m, cheekbones 0.132 m, jaw 0.1 m. The pupils are 0.063 m apart.
 
 use glam::{DMat3, DVec3, DVec4, dvec2, dvec3 as v};
 
@@ -23,10 +24,10 @@ const SCALP: usize = 1;
 const BROW: usize = 2;
 const LASH: usize = 3;
 const EYE: usize = 4;
-/// For a while, while the mesh is cut.
+/// Temporary material of the lips while the mesh is cut.
 const LIPS: usize = 5;
 
-/// The whorl, from which hair is combed away.
+/// Hair whorl; hair is combed away from it.
 const WHORL: DVec3 = DVec3::new(0.0, 0.42, -0.07);
 
 /// Centre of the left eye, and its radius.
@@ -35,21 +36,22 @@ const EYE_RADIUS: f64 = 0.0127;
 /// Radius of the lids' outer side.
 const LID_RADIUS: f64 = 0.0143;
 
-/// Half the width of the opening between the lids, and its heights over and under the line of its corners.
+/// Half the width of the opening between the lids, and its heights above and below the line between its corners.
 const LIDS: [f64; 3] = [0.0139, 0.0053, 0.0045];
 
-/// Where the nose's sides, ears and so on are combed: down.
+/// Comb direction of the sides of the nose, the ears and similar parts: down.
 const DOWN: Comb = Comb::Along(DVec3::new(0.0, -1.0, -0.1));
 
-/// Below 0 between the lids of the nearer eye, seen from the front, metres: two arcs that meet in the corners of the eye.
+/// Returns a value below 0 between the lids of the nearer eye, seen from the front, metres. The opening is bounded by
+/// two arcs that meet in the corners of the eye.
 fn opening(p: DVec3) -> f64 {
     let [half, over, under] = LIDS;
     let q = dvec2(p.x.abs() - EYE_AT.x, p.y - EYE_AT.y);
-    // The outer corner lies a little higher.
+    // The outer corner is slightly higher.
     almond(dvec2(-q.x, q.y - 0.055 * q.x), half, over, under)
 }
 
-/// Depth of the line between the lips, metres.
+/// Returns the depth of the line between the lips, metres.
 fn parting(p: DVec3) -> f64 {
     let x = p.x.abs() / MOUTH;
     if x > 1.2 || p.z < 0.06 {
@@ -58,10 +60,10 @@ fn parting(p: DVec3) -> f64 {
     0.0022 * bump(p.y - 0.192 - 0.001 * (1.0 - x * x), 0.0036) * ramp(1.04, 0.8, x) * ramp(0.06, 0.068, p.z)
 }
 
-/// Signed distance of the skin, roughly.
+/// Returns the approximate signed distance to the mesh surface.
 fn field(body: &Body, p: DVec3) -> f64 {
     let d = body.distance(p) + parting(p);
-    // Between the lids the skin steps back behind the eye's ball.
+    // Between the lids, the surface recedes behind the eyeball.
     let at = v(p.x.abs(), p.y, p.z) - EYE_AT;
     if at.length_squared() > 0.0009 || at.z < 0.0 {
         return d;
@@ -74,11 +76,11 @@ fn field(body: &Body, p: DVec3) -> f64 {
     smooth_max(d, -hole, 0.0012)
 }
 
-/// The head without its eyes, lids closed.
+/// Returns the head without its eyes, lids closed.
 pub fn body() -> Body {
     let mut body = Body::empty(0.008);
     let hair = Comb::From(WHORL);
-    // Skull: vault, forehead, back of the head; face: the middle, the arch of the teeth, the chin and the floor of the mouth.
+    // Skull: vault, forehead, back of the head; face: the middle, the dental arch, the chin and the floor of the mouth.
     body.add(ellipsoid(v(0.0, 0.298, -0.012), v(0.0745, 0.082, 0.094), DMat3::IDENTITY), 0.02, hair);
     body.add(ellipsoid(v(0.0, 0.306, 0.03), v(0.0615, 0.058, 0.0575), DMat3::IDENTITY), 0.03, hair);
     body.add(ellipsoid(v(0.0, 0.255, -0.048), v(0.062, 0.058, 0.052), DMat3::IDENTITY), 0.03, hair);
@@ -98,12 +100,12 @@ pub fn body() -> Body {
     for side in [1.0, -1.0] {
         ear(&mut body, side);
     }
-    // The cut on which it stands.
+    // The flat cut at the base.
     body.carve(ellipsoid(v(0.0, -8.0, -0.03), DVec3::splat(8.0), DMat3::IDENTITY), 0.014, DOWN);
     body
 }
 
-/// Cheekbone, jaw and the muscles on them.
+/// Adds the cheekbone, the jaw and the muscles on them.
 fn bones(body: &mut Body, side: f64) {
     let m = |p: DVec3| on_side(side, p);
     // Cheekbone and its arch to the ear.
@@ -119,13 +121,14 @@ fn neck(body: &mut Body) {
     let m = on_side;
     body.add(oval(v(0.0, 0.22, -0.03), 0.051, v(0.0, 0.125, -0.034), 0.0505, 0.93), 0.03, DOWN);
     body.add(cone(v(0.0, 0.125, -0.034), 0.047, v(0.0, 0.04, -0.052), 0.058), 0.02, DOWN);
-    // The larynx, hardly to be seen.
+    // The larynx, barely visible.
     body.add(cone(v(0.0, 0.135, 0.003), 0.011, v(0.0, 0.095, -0.006), 0.012), 0.025, DOWN);
     // Chest and back.
     body.add(ellipsoid(v(0.0, -0.008, -0.04), v(0.145, 0.08, 0.072), DMat3::IDENTITY), 0.05, DOWN);
     for side in [1.0, -1.0] {
         let out = Comb::Along(m(side, v(0.8, -0.6, 0.0)));
-        // Trapezius, from the back of the head over the shoulder; shoulder; collar bone; the strap from behind the ear to the breastbone.
+        // Trapezius, from the back of the head over the shoulder; shoulder; collar bone; the muscle from behind the ear
+        // to the breastbone.
         body.add(cone(m(side, v(0.02, 0.19, -0.056)), 0.022, m(side, v(0.045, 0.086, -0.066)), 0.026), 0.035, DOWN);
         body.add(cone(m(side, v(0.045, 0.085, -0.065)), 0.026, m(side, v(0.14, 0.034, -0.052)), 0.025), 0.045, out);
         body.add(ellipsoid(m(side, v(0.155, -0.012, -0.046)), v(0.044, 0.06, 0.05), DMat3::IDENTITY), 0.04, out);
@@ -146,7 +149,7 @@ fn neck(body: &mut Body) {
     }
 }
 
-/// Brow, socket and closed lids.
+/// Adds the brow, the eye socket and the closed lids.
 fn orbit(body: &mut Body, side: f64) {
     let m = |p: DVec3| on_side(side, p);
     let brow = [
@@ -157,7 +160,7 @@ fn orbit(body: &mut Body, side: f64) {
     ];
     body.add(chain(&brow.map(|(p, r)| (m(p), r)), 3), 0.016, DOWN);
     body.carve(ellipsoid(m(v(0.0325, 0.266, 0.089)), v(0.0215, 0.0115, 0.0165), DMat3::IDENTITY), 0.016, DOWN);
-    // What fills the socket round the eye, and the lids over it.
+    // Soft tissue in the socket round the eye, and the lids over it.
     let soft = m(EYE_AT + v(0.0035, -0.0005, -0.0045));
     body.add(ellipsoid(soft, v(0.0205, 0.0135, 0.0125), DMat3::IDENTITY), 0.008, DOWN);
     body.add(ellipsoid(m(EYE_AT), DVec3::splat(LID_RADIUS), DMat3::IDENTITY), 0.005, DOWN);
@@ -203,9 +206,9 @@ fn lips(body: &mut Body) {
     body.carve(ellipsoid(v(0.0, 0.1765, 0.0955), v(0.017, 0.0045, 0.011), DMat3::IDENTITY), 0.014, DOWN);
 }
 
-/// An ear's frame: its middle, and as columns the ways to the front, up and out of its face.
+/// Returns an ear's frame: its centre, and as columns the directions to the front, up and out of its face.
 fn ear_frame(side: f64) -> (DVec3, DMat3) {
-    // Its plane stands off the skull by a quarter of a right angle, and leans back.
+    // The ear's plane is angled off the skull by a quarter of a right angle, and leans back.
     let up = v(0.1, 0.97, -0.22).normalize();
     let out = v(0.87, -0.05, 0.46);
     let out = (out - up * out.dot(up)).normalize();
@@ -217,11 +220,11 @@ fn ear_frame(side: f64) -> (DVec3, DMat3) {
 fn ear(body: &mut Body, side: f64) {
     let (middle, axes) = ear_frame(side);
     let at = |front: f64, up: f64, out: f64| middle + axes * v(front, up, out);
-    // Shell: a plate with a lobe, bedded in the skull.
+    // Outer ear: a plate with a lobe, embedded in the skull.
     let leaf = |a, ra, b, rb| Solid::Leaf { a, b, ra, rb, normal: axes.z_axis, rim: 0.0026 };
     body.add(leaf(at(-0.001, 0.012, -0.002), 0.0165, at(0.006, -0.02, -0.002), 0.0085), 0.004, DOWN);
     body.add(ellipsoid(at(0.006, 0.0, -0.009), v(0.012, 0.02, 0.01), axes), 0.008, DOWN);
-    // Rim, from the bowl over the top to the lobe; the fold within it.
+    // Rim, from the bowl over the top to the lobe; the fold inside it.
     let rim = [
         (at(0.011, 0.003, 0.001), 0.0022),
         (at(0.0145, 0.014, 0.002), 0.0026),
@@ -242,19 +245,20 @@ fn ear(body: &mut Body, side: f64) {
         (at(-0.001, -0.0145, 0.0025), 0.0028),
     ];
     body.add(chain(&fold, 3), 0.003, DOWN);
-    // Bowl, and the flap before it.
+    // Bowl, and the flap in front of it.
     body.carve(ellipsoid(at(0.002, -0.001, 0.0045), v(0.0075, 0.0095, 0.0068), axes), 0.003, DOWN);
     body.add(ellipsoid(at(0.012, -0.006, 0.0005), v(0.0042, 0.0058, 0.004), axes), 0.004, DOWN);
 }
 
-/// Distance to an ear's plate, metres.
+/// Returns the distance to an ear's plate, metres.
 fn to_ear(p: DVec3) -> f64 {
     let (middle, axes) = ear_frame(1.0);
     let q = axes.transpose() * (v(p.x.abs(), p.y, p.z) - middle);
     ((q - v(0.0, 0.002, 0.0)) / v(0.0205, 0.034, 0.017)).length() * 0.02 - 0.02
 }
 
-/// Greatest edge length at a place, metres: small about the eyes, the brows and the mouth, whose outlines tell a face.
+/// Returns the greatest edge length at a point, metres: small near the eyes, the brows and the mouth, whose outlines
+/// define a face.
 fn fineness(p: DVec3) -> f64 {
     let to = |at: DVec3| (v(p.x.abs(), p.y, p.z) - at).length();
     let grow = |finest: f64, distance: f64| finest + 0.3 * distance.max(0.0);
@@ -272,9 +276,9 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     body::mesh(&surface, bounds, 0.0022, sizing, Keep::Largest)
 }
 
-/// Below 0 where hair grows on the skull.
+/// Returns a value below 0 where hair grows on the skull.
 fn scalp(p: DVec3) -> f64 {
-    // Height of the hairline over the cosine of the way round the head, from the nape to the forehead.
+    // Height of the hairline as a function of the cosine of the angle round the head, from the nape to the forehead.
     let z = p.z + 0.012;
     let around = z / (p.x * p.x + z * z).sqrt().max(1e-6);
     let line = [
@@ -298,31 +302,31 @@ fn scalp(p: DVec3) -> f64 {
     (height - p.y).max(0.004 - to_ear(p))
 }
 
-/// Distance to the brows seen from the front, tapering arches, metres.
+/// Returns the distance to the brows (tapering arches) seen from the front, metres.
 fn brow_distance(p: DVec3) -> f64 {
     let line = [(0.0138, 0.2868, 0.0031), (0.0265, 0.2905, 0.0038), (0.041, 0.291, 0.003), (0.0545, 0.2838, 0.001)];
     let line = Solid::Chain { line: curve(&line.map(|(x, y, r)| (v(x, y, 0.0), r)), 4) };
     line.distance(v(p.x.abs(), p.y, 0.0))
 }
 
-/// Below 0 on the brows.
+/// Returns a value below 0 on the brows.
 fn brow(p: DVec3) -> f64 {
     brow_distance(p).max(0.03 - p.z)
 }
 
-/// Below 0 on the rim of an upper lid, 2 mm wide.
+/// Returns a value below 0 on the rim of an upper lid, 2 mm wide.
 fn lash(p: DVec3) -> f64 {
     let q = v(p.x.abs(), p.y, p.z) - EYE_AT;
     let over = 0.0012 + 0.1 * q.x.abs() - q.y;
     (opening(p) - 0.0021).max(-0.0001 - opening(p)).max(over).max(EYE_RADIUS + 0.0004 - q.length()).max(0.004 - q.z)
 }
 
-/// The skin cut into its materials, the same on both sides.
+/// Splits the mesh surface into materials, symmetric across x = 0.
 pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     let surface = |p: DVec3| field(body, p);
     let mut regions = Regions::new(mesh);
     regions.paint(SCALP, &scalp, &surface);
-    // The border of the lips' red, along which the mesh is cut as between materials; all of it stays skin.
+    // The mesh is also cut along the border of the red of the lips; both sides keep the skin's material.
     regions.paint(LIPS, &|p| -lips_border(p), &surface);
     for material in &mut regions.materials {
         *material = if *material == LIPS { SKIN } else { *material };
@@ -332,7 +336,7 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     mirrored(regions, &surface)
 }
 
-/// How far within the lips' red a point lies, metres; negative outside of it.
+/// Returns the distance of a point inside the red of the lips to its border, metres; negative outside.
 fn lips_border(p: DVec3) -> f64 {
     let x = p.x.abs() / MOUTH;
     let arch = 1.0 - x * x;
@@ -341,18 +345,18 @@ fn lips_border(p: DVec3) -> f64 {
     (top - p.y).min(p.y - bottom).min(p.z - 0.06)
 }
 
-/// The skin's colour, linear RGB.
+/// Returns the skin colour, linear RGB.
 fn color(material: usize, p: DVec3) -> DVec4 {
     let (skin, red, lip) = (v(0.62, 0.37, 0.27), v(0.62, 0.24, 0.17), v(0.45, 0.155, 0.13));
     let near = |at: DVec3, radius: f64| ramp(radius, 0.25 * radius, (v(p.x.abs(), p.y, p.z) - at).length());
     let mut color = skin;
-    // Warmer where blood is near: cheeks, tip of the nose, ears, chin.
+    // Warmer where blood is near the surface: cheeks, tip of the nose, ears, chin.
     color = color.lerp(red, 0.3 * near(v(0.042, 0.226, 0.062), 0.032));
     color = color.lerp(red, 0.3 * near(v(0.0, 0.226, 0.11), 0.016));
     color = color.lerp(red, 0.35 * ramp(0.003, -0.006, to_ear(p)));
     color = color.lerp(red, 0.12 * near(v(0.0, 0.165, 0.085), 0.02));
     color = color.lerp(lip, ramp(-0.0003, 0.0007, lips_border(p)));
-    // Shade in the nostrils and between the lids, as hairs and depth would make it.
+    // Darker in the nostrils and between the lids, to imitate hairs and depth.
     color = color.lerp(v(0.1, 0.035, 0.025), 0.8 * near(v(0.0064, 0.218, 0.0955), 0.005));
     if p.z > 0.05 {
         color = color.lerp(v(0.36, 0.17, 0.13), 0.45 * ramp(0.0016, 0.0, opening(p)));
@@ -366,12 +370,12 @@ fn color(material: usize, p: DVec3) -> DVec4 {
     .extend(1.0)
 }
 
-/// An eye: a ball with rings about the axis of its gaze, which part pupil, iris and white.
+/// Adds an eye: a ball with rings about its gaze axis, which separate pupil, iris and white.
 fn push_eye(to: &mut Primitive, side: f64) {
     const SEGMENTS: u32 = 28;
     let white = v(0.74, 0.7, 0.67);
     let (iris, limbus, pupil) = (v(0.16, 0.085, 0.035), v(0.035, 0.02, 0.012), DVec3::splat(0.004));
-    // Degrees from the gaze, and the colour there: doubled where it changes at once.
+    // Angle from the gaze, degrees, and colour; an angle is listed twice where the colour changes abruptly.
     let rings = [
         (0.0, pupil),
         (10.5, pupil),
@@ -392,7 +396,7 @@ fn push_eye(to: &mut Primitive, side: f64) {
     let radians = core::f64::consts::PI / 180.0;
     for (degrees, color) in rings {
         let (s, c) = (libm::sin(degrees * radians), libm::cos(degrees * radians));
-        // The cornea stands out over the iris.
+        // The cornea bulges over the iris.
         let bulge = 0.0007 * ramp(30.0, 0.0, degrees);
         for k in 0..=SEGMENTS {
             let turn = core::f64::consts::TAU * f64::from(k % SEGMENTS) / f64::from(SEGMENTS);
@@ -416,7 +420,7 @@ fn push_eye(to: &mut Primitive, side: f64) {
     }
 }
 
-/// The whole model.
+/// Returns the whole model.
 pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let regions = regions(&body, body_mesh(&body)?);

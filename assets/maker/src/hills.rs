@@ -1,9 +1,9 @@
-//! The hills: a landscape for ink, in the manner of shan shui. Three ridges of steep round peaks stand behind each other, and before them
-//! lies a gentle ground with a path. 1 unit is 1 m; y is up.
+//! The hills: a landscape for ink in the shan shui style. Three ridges of steep round peaks rise one behind another,
+//! behind gentle ground with a path. 1 unit is 1 m; y is up.
 //!
-//! Animals walk on the path, along x: it runs through the whole ground from x = -40 to 40 round z = 0, flat at y = 0 for |z| < 1.6. The
-//! picture is taken from +z. The ridges: `near` round z = -24 up to 9 m, `middle` round z = -60 up to 24 m, `far` round z = -125 up to 46 m.
-//! Every ridge is closed and reaches below the ground.
+//! Animals walk on the path, along x. It crosses the whole ground from x = -40 to 40 near z = 0, flat at y = 0 for |z|
+//! < 1.6. The scene is viewed from +z. The ridges: `near` around z = -24 up to 9 m, `middle` around z = -60 up to 24 m,
+//! `far` around z = -125 up to 46 m. Every ridge is closed and reaches below the ground.
 
 use glam::{DMat3, DVec3, DVec4, dvec3 as v};
 
@@ -19,7 +19,7 @@ use super::{
     trimesh::TriMesh,
 };
 
-/// Metres of ground in one unit of texture coordinates.
+/// World length of one unit of texture coordinates, metres.
 const METRES_PER_UV: f64 = 4.0;
 
 /// A ridge of peaks.
@@ -29,12 +29,12 @@ struct Ridge {
     behind: f64,
     /// Depth and width of the folds in the rock, metres.
     fold: (f64, f64),
-    /// Edges of the box: half its width, height and half its depth, metres.
+    /// Size of the box: half its width, height and half its depth, metres.
     size: DVec3,
-    /// Cubes of the first mesh, metres.
+    /// Cell size of the first mesh, metres.
     cell: f64,
     sizing: Sizing,
-    /// Where its peaks stand (x, and z before the ridge's middle), how high they are and their radius at the foot, metres.
+    /// Peaks: x, z relative to the ridge's centre, height and radius at the foot, metres.
     peaks: &'static [[f64; 4]],
 }
 
@@ -105,7 +105,7 @@ const FAR: Ridge = Ridge {
     ],
 };
 
-/// Smooth and uneven, about -1..1, with bumps of about one unit: three sines in crossed directions.
+/// Returns smooth noise in about -1..1, with bumps of about one unit: three sines in crossed directions.
 fn uneven(p: DVec3) -> f64 {
     let sine = |x: f64| libm::sin(x);
     let a = sine(1.31 * p.x + 0.7 * p.y + 0.4 * sine(0.9 * p.z + 1.3));
@@ -119,7 +119,7 @@ impl Ridge {
         let mut body = Body::empty(self.cell);
         let down = Comb::Along(v(0.0, -1.0, 0.0));
         for (k, &[x, before, height, radius]) in self.peaks.iter().enumerate() {
-            // A steep shaft that leans a little, a round head, a lower shoulder on one side, and a foot that spreads.
+            // A steep shaft that leans slightly, a round head, a lower shoulder on one side, and a widening foot.
             let z = before - self.behind;
             let side = if k % 2 == 0 { 1.0 } else { -1.0 };
             let lean = v(0.12 * side * radius, 0.0, -0.05 * radius);
@@ -136,10 +136,10 @@ impl Ridge {
         body
     }
 
-    /// The rock's surface: the peaks with folds that run down, and cut off below the ground.
+    /// Returns the signed distance to the rock: the peaks with downward folds, cut off below the ground.
     fn distance(&self, body: &Body, p: DVec3) -> f64 {
         let (depth, width) = self.fold;
-        // Folds are long downwards, and die out at the foot.
+        // Folds are elongated downwards, and fade out at the foot.
         let folds = uneven(v(p.x, 0.28 * p.y, p.z) / width * 3.0) + 0.45 * uneven(v(p.z, 0.5 * p.y, p.x) / width * 6.5);
         let folded = body.distance(p) + 0.6 * depth * folds * ramp(-0.5, 3.0 * width, p.y + width);
         let below = -2.6 * self.cell - p.y;
@@ -167,19 +167,20 @@ impl Ridge {
     }
 }
 
-/// Pale at the foot, where mist lies, darker towards the top and where the rock is steep; linear RGB.
+/// Returns the rock colour, linear RGB: pale at the foot, where mist is, darker towards the top and on steep rock.
 fn rock(p: DVec3, n: DVec3, high: f64) -> DVec4 {
     let dark = 0.55 + 0.45 * ramp(0.8, 0.1, n.y);
     let mist = ramp(0.35 * high, 0.0, p.y);
     DVec3::splat((0.62 - 0.42 * dark).max(0.05)).lerp(DVec3::splat(0.8), mist).extend(1.0)
 }
 
-/// Middle of the path at `x`, metres.
+/// Returns the middle of the path at `x`, metres.
 fn path_middle(x: f64) -> f64 {
     0.35 * libm::sin(0.21 * x + 0.6) + 0.2 * libm::sin(0.53 * x)
 }
 
-/// Height of the ground, metres: flat where animals walk, a hand lower before it, gentle waves that rise towards the hills.
+/// Returns the height of the ground, metres: flat on the path, a hand lower in front of it, gentle waves rising towards
+/// the hills.
 fn ground_height(x: f64, z: f64) -> f64 {
     let away = ramp(1.6, 7.0, z.abs());
     let waves = uneven(v(0.16 * x, 0.0, 0.21 * z)) + 0.25 * uneven(v(0.7 * x, 3.0, 0.8 * z));
@@ -187,7 +188,7 @@ fn ground_height(x: f64, z: f64) -> f64 {
     away * side
 }
 
-/// The ground and the path on it: a sheet that widens with the distance.
+/// Returns the ground and the path on it: a sheet that widens with distance.
 fn ground() -> Vec<Primitive> {
     const ROWS: [f64; 29] = [
         14.0, 10.0, 7.0, 5.0, 3.6, 2.6, 1.9, 1.2, 0.7, 0.0, -0.7, -1.2, -1.9, -2.6, -3.6, -5.0, -7.0, -9.5, -13.0,
@@ -226,7 +227,7 @@ fn ground() -> Vec<Primitive> {
     skin.charted(&regions, &atlas, &["ground", "path"], &weights)
 }
 
-/// The whole model.
+/// Returns the whole model.
 pub fn model() -> anyhow::Result<Model> {
     let mut primitives = ground();
     for (k, ridge) in [NEAR, MIDDLE, FAR].iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The legs of hoofed animals: their bones, and their steps.
+//! Legs of hoofed animals: bones and steps.
 
 use glam::DVec3;
 
@@ -8,18 +8,18 @@ use super::{
     rig::Bone,
 };
 
-/// A leg whose four bones begin with the one of number `first`.
+/// Returns a leg of four consecutive bones, the first with index `first`.
 pub const fn leg(first: u8) -> Leg {
     Leg { upper: first, lower: first + 1, cannon: Some(first + 2), foot: first + 3 }
 }
 
-/// A pair of legs.
+/// Pair of legs.
 pub struct Pair<'a> {
-    /// Number of the bone that they hang on.
+    /// Index of the parent bone.
     pub parent: u8,
-    /// Joints of the left one from above, then the hoof's front end, metres.
+    /// Joints of the left leg from above, then the front end of the hoof, metres.
     pub places: &'a [DVec3; 5],
-    /// Radius of the flesh round each bone, metres.
+    /// Radius of the flesh around each bone, metres.
     pub thickness: [f64; 4],
 }
 
@@ -42,36 +42,36 @@ pub fn add_legs(bones: &mut Vec<Bone>, fore: &Pair<'_>, hind: &Pair<'_>) {
     }
 }
 
-/// Phases at which hooves touch the ground, of the forelegs and of the hind legs, left and right.
+/// Touchdown phases of the hooves: forelegs, then hind legs; left, then right.
 pub type Touches = [[f64; 2]; 2];
 
-/// Four beats, of which each goes on while the next begins: left hind, left fore, right hind, right fore.
+/// Walk of four overlapping beats: left hind, left fore, right hind, right fore.
 pub const WALK: Touches = [[0.25, 0.75], [0.0, 0.5]];
-/// The hind legs one after the other, then the forelegs; then all four are in the air.
+/// Gallop: the hind legs one after the other, then the forelegs, then a phase with all four in the air.
 pub const GALLOP: Touches = [[0.34, 0.49], [0.0, 0.13]];
 
-/// Share of the cycle that the keys of tilt and bend take a hoof to be on the ground.
+/// Fraction of the cycle on the ground that the keys of tilt and bend assume.
 const KEYED_DUTY: f64 = 0.62;
 
-/// How an animal goes.
+/// Gait of an animal.
 pub struct Gait {
-    /// When its hooves touch the ground.
+    /// Touchdown phases of the hooves.
     pub touches: Touches,
-    /// Share of the cycle that each is on the ground.
+    /// Fraction of the cycle that each hoof is on the ground.
     pub duty: f64,
-    /// How far a cycle goes, metres.
+    /// Distance covered in a cycle, metres.
     pub stride: f64,
-    /// How far before its rest a hoof touches the ground, metres.
+    /// Forward offset from rest at touchdown, metres.
     pub front: f64,
-    /// How high hooves are lifted, metres.
+    /// Height to which hooves are lifted, metres.
     pub lift: f64,
-    /// Tilt of a hoof that has left the ground, at first and later, degrees.
+    /// Tilt of a hoof just after it leaves the ground, and later, degrees.
     pub tilt: [f64; 2],
     /// Bend of the cannon of a foreleg and of a hind leg in the air, degrees.
     pub bend: [f64; 2],
 }
 
-/// Leads the legs of a pose, fore and hind, through a gait.
+/// Moves the legs of a pose, fore and hind, according to a gait.
 pub fn lead(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], gait: &Gait) {
     let ([fore_bend, hind_bend], [fore_touches, hind_touches]) = (gait.bend, gait.touches);
     for (legs, bend, touches) in [

@@ -1,8 +1,8 @@
-//! Writes the project's own models: `cargo run -p pelage-assets -- [--out DIR] [--preview DIR] [--only NAME]`.
+//! Writes the models of this project: `cargo run -p pelage-assets -- [--out DIR] [--preview DIR] [--only NAME]`.
 //!
-//! `--out` (default `assets` of this checkout) receives hare.glb and the other models in `models`, zebra.png and the other patterns in
-//! `patterns`; `--preview` also receives a picture of each model and of each of its clips; `--only` makes one model and no pattern.
-//! Figures about the models go to stdout.
+//! `--out` (default: `assets` of this checkout) receives hare.glb and the other models in `models`, zebra.png and the
+//! other patterns in `patterns`. `--preview` receives a picture of each model and of each of its clips. `--only` makes
+//! one model and no pattern. Statistics of the models go to stdout.
 
 use std::path::PathBuf;
 

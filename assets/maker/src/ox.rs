@@ -1,7 +1,8 @@
-//! The ox: a water buffalo, 1.45 m at the withers and 2.7 m long without its tail, walking weight low, its head before it and its horns swept back,
-//! on the plane y = 0, facing +Z.
+//! The ox: a water buffalo, 1.45 m at the withers and 2.7 m long without its tail, on the plane y = 0, facing +Z. Its
+//! walking posture is low, with the head forward and the horns swept back.
 //!
-//! Made for ink: the outline is what tells it. Belly, dewlap and withers are heavy against thin legs, which stand apart in every view.
+//! Made for ink: the outline identifies it. Belly, dewlap and withers are heavy against thin legs, which are separate
+//! in every view.
 
 use glam::{DMat3, DVec3, DVec4, dvec3 as v};
 
@@ -16,7 +17,7 @@ use super::{
     trimesh::TriMesh,
 };
 
-/// Metres of skin in one unit of texture coordinates.
+/// World length of one unit of texture coordinates, metres.
 const METRES_PER_UV: f64 = 0.3;
 const HIDE: usize = 0;
 const HORN: usize = 1;
@@ -24,10 +25,10 @@ const HOOF: usize = 2;
 const MUZZLE: usize = 3;
 const EYE: usize = 4;
 
-/// The end of the nose, from which hair is combed away.
+/// End of the nose; hair is combed away from it.
 const NOSE: DVec3 = DVec3::new(0.0, 0.64, 1.74);
 
-/// Middle line and radius of a horn, from inside the head to its tip.
+/// Returns the centre line and radius of a horn, from inside the head to its tip.
 fn horn(side: f64) -> Vec<(DVec3, f64)> {
     // A crescent that leaves the head sideways and turns back and up, clear of the neck.
     let line = [
@@ -41,7 +42,7 @@ fn horn(side: f64) -> Vec<(DVec3, f64)> {
     curve(&line, 3).into_iter().map(|(p, radius)| (on_side(side, p), radius)).collect()
 }
 
-/// Distance to the horns, metres; without what is inside the head.
+/// Returns the distance to the horns, metres, without the part inside the head.
 pub fn to_horns(p: DVec3) -> f64 {
     let near = [1.0, -1.0].into_iter().flat_map(|side| {
         let line = horn(side);
@@ -50,12 +51,12 @@ pub fn to_horns(p: DVec3) -> f64 {
     near.fold(f64::MAX, f64::min).max(0.15 - p.x.abs())
 }
 
-/// Centre and radii of an eye.
+/// Returns the centre and radii of an eye.
 fn eye(side: f64) -> (DVec3, DVec3) {
     (v(side * 0.128, 0.975, 1.415), v(0.024, 0.033, 0.038))
 }
 
-/// The body with its horns, without the eyes.
+/// Returns the body with its horns, without the eyes.
 pub fn body() -> Body {
     let mut body = Body::empty(0.05);
     let back = Comb::Along(v(0.0, -0.45, -0.9));
@@ -136,13 +137,13 @@ pub fn body() -> Body {
     body
 }
 
-/// Pastern and a hoof that stands on the ground before it, wider below.
+/// Adds the pastern and a hoof in front of it on the ground, wider at the bottom.
 fn hoof(body: &mut Body, fetlock: DVec3, toe: DVec3) {
     let down = Comb::Along(v(0.0, -1.0, 0.3));
     let middle = v(toe.x, 0.0, toe.z - 0.06);
     body.add(cone(fetlock, 0.056, middle + v(0.0, 0.075, 0.0), 0.06), 0.03, down);
     body.add(cone(middle + v(0.0, 0.062, -0.012), 0.064, middle + v(0.0, 0.046, 0.022), 0.068), 0.02, down);
-    // Flat below: the ground cuts it.
+    // Flat at the bottom: cut by the ground.
     body.carve(ellipsoid(middle + v(0.0, -0.6, 0.0), DVec3::splat(0.6), DMat3::IDENTITY), 0.006, down);
 }
 
@@ -158,19 +159,19 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     )
 }
 
-/// The skin cut into its materials.
+/// Splits the mesh surface into materials.
 pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     let surface = |p: DVec3| body.distance(p);
     let mut regions = Regions::new(mesh);
     regions.paint(HORN, &|p| to_horns(p) - 0.012, &surface);
     regions.paint(HOOF, &|p| p.y - 0.088, &surface);
-    // The end of the nose, square to its bridge.
+    // The end of the nose, perpendicular to its bridge.
     regions.paint(MUZZLE, &|p| (p - v(0.0, 0.79, 1.57)).dot(v(0.0, 0.646, -0.763)), &surface);
     regions
 }
 
-/// The hide's colour, linear RGB, and how long its hair is: grey-black, paler on the
-/// legs below the knees.
+/// Returns the hide's colour, linear RGB, and its hair length as a share of the longest: grey-black, paler on the legs
+/// below the knees.
 fn hide(p: DVec3, n: DVec3) -> DVec4 {
     let (dark, pale) = (v(0.075, 0.068, 0.064), v(0.26, 0.23, 0.2));
     let mut color = dark.lerp(v(0.13, 0.115, 0.105), ramp(-0.2, 0.8, n.y) * ramp(0.6, 1.2, p.y));
@@ -181,7 +182,7 @@ fn hide(p: DVec3, n: DVec3) -> DVec4 {
     color.extend(length)
 }
 
-/// The whole model.
+/// Returns the whole model.
 pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let regions = regions(&body, body_mesh(&body)?);

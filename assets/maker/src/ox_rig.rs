@@ -21,10 +21,10 @@ const TAILS: [u8; 3] = [7, 8, 9];
 const FORELEGS: [Leg; 2] = [leg(10), leg(14)];
 const HIND_LEGS: [Leg; 2] = [leg(18), leg(22)];
 
-/// Bound wholly to the head: eyes and horns.
+/// Weights bound only to the head: eyes and horns.
 pub const HEAD_ONLY: Weights = bound_to(HEAD);
 
-/// Shoulder, elbow, knee, fetlock and the hoof's front end of the left foreleg.
+/// Joints of the left foreleg: shoulder, elbow, knee, fetlock and the front end of the hoof.
 pub const FORELEG: [DVec3; 5] = [
     DVec3::new(0.23, 1.02, 0.56),
     DVec3::new(0.235, 0.72, 0.43),
@@ -33,7 +33,7 @@ pub const FORELEG: [DVec3; 5] = [
     DVec3::new(0.205, 0.0, 0.57),
 ];
 
-/// Hip, stifle, hock, fetlock and the hoof's front end of the left hind leg.
+/// Joints of the left hind leg: hip, stifle, hock, fetlock and the front end of the hoof.
 pub const HIND_LEG: [DVec3; 5] = [
     DVec3::new(0.17, 1.02, -0.6),
     DVec3::new(0.235, 0.72, -0.42),
@@ -50,9 +50,9 @@ pub const TAIL: [DVec3; 4] = [
     DVec3::new(0.0, 0.54, -1.06),
 ];
 
-/// Seconds of one cycle of `Walk`.
+/// Duration of one cycle of `Walk`, seconds.
 pub const CYCLE_S: f64 = 1.6;
-/// How far one cycle of `Walk` goes, metres; the clip itself stays in its place.
+/// Distance covered by one cycle of `Walk`, metres; the clip itself is in place.
 pub const CYCLE_M: f64 = 1.1;
 
 fn bones() -> Vec<Bone> {
@@ -79,17 +79,17 @@ fn bones() -> Vec<Bone> {
     bones
 }
 
-/// The feet: joint, and where in the model the foot's tip rests.
+/// Returns the feet: joint, and rest position of the foot's tip in the model.
 pub fn feet() -> Vec<(usize, DVec3)> {
     gait::feet(&bones(), FORELEGS.iter().chain(&HIND_LEGS))
 }
 
-/// Joints in rest pose.
+/// Returns the joints in rest pose.
 pub fn skeleton() -> Vec<Joint> {
     rig::skeleton(&bones())
 }
 
-/// Skin weights for the vertices of `mesh`; horns, where `is_horn`, are bound to the head.
+/// Returns the skin weights for the vertices of `mesh`; where `is_horn`, vertices are bound to the head.
 pub fn weights(mesh: &TriMesh, is_horn: &dyn Fn(DVec3) -> bool) -> Vec<Weights> {
     let mut weights = rig::weights(mesh, &bones(), 0.02, 5);
     for (own, &p) in weights.iter_mut().zip(&mesh.positions) {
@@ -100,13 +100,14 @@ pub fn weights(mesh: &TriMesh, is_horn: &dyn Fn(DVec3) -> bool) -> Vec<Weights> 
     weights
 }
 
-/// A walk of four beats, looping and in place: left hind, left fore, right hind, right fore. It goes [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
+/// Returns a walk of four beats, looping and in place: left hind, left fore, right hind, right fore. One cycle covers
+/// [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
 pub fn walk() -> Clip {
     gait::clip("Walk", &bones(), CYCLE_S, 32, &stride)
 }
 
 fn stride(phase: f64, pose: &mut Pose<'_>) {
-    // Twice a cycle the weight sinks onto a pair of legs; the back follows a little, the heavy head more and later.
+    // Twice a cycle the weight sinks onto a pair of legs; the back follows slightly, the heavy head more and later.
     let beat = |start: f64| wave(2.0 * phase, start);
     pose.shift(DVec3::new(0.0, -0.035 + 0.012 * beat(0.1), 0.01 * beat(0.3)));
     pose.pitch(HIPS, 0.8 * beat(0.2));

@@ -1,4 +1,4 @@
-//! Patterns of coats: small pictures that repeat both ways.
+//! Fur patterns: small images that repeat in both directions.
 
 use super::body::ramp;
 use glam::DVec2;
@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 /// Width and height, texels.
 pub const SIDE: u32 = 192;
 
-/// Black stripes across white, wavy, of uneven width and forked here and there.
+/// Returns black stripes across white, wavy, of uneven width and occasionally forked.
 pub fn zebra() -> RgbImage {
     paint(|p| {
         let wave = 0.20 * libm::sin(TAU * p.y)
@@ -20,7 +20,7 @@ pub fn zebra() -> RgbImage {
     })
 }
 
-/// A tabby cat's coat: narrow brown stripes across tan, wavy, of uneven width and broken off here and there.
+/// Returns a tabby pattern: narrow brown stripes across tan, wavy, of uneven width and occasionally interrupted.
 pub fn tabby() -> RgbImage {
     paint(|p| {
         let wave = 0.10 * libm::sin(TAU * p.y)
@@ -34,14 +34,14 @@ pub fn tabby() -> RgbImage {
     })
 }
 
-/// All of them, with the names of their files in `patterns`.
+/// Returns all patterns with their file names in `patterns`.
 pub fn all() -> [(&'static str, RgbImage); 3] {
     [("zebra", zebra()), ("spots", spots()), ("tabby", tabby())]
 }
 
-/// Dark spots of uneven size on white.
+/// Returns dark spots of uneven size on white.
 pub fn spots() -> RgbImage {
-    // One spot in each cell of a grid, in any place of it: even enough to look grown, and never a square.
+    // One spot at a random position in each cell of a grid: even enough to look natural, never a visible square.
     const CELLS: i64 = 7;
     let spot = |x: i64, y: i64| {
         let key = (x.rem_euclid(CELLS) * CELLS + y.rem_euclid(CELLS)) as u64;
@@ -59,7 +59,7 @@ pub fn spots() -> RgbImage {
         let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy)));
         let inside = around.map(|(dx, dy)| {
             let (place, radius, turn) = spot(q.x.floor() as i64 + dx, q.y.floor() as i64 + dy);
-            // Not quite round: an egg, turned any way.
+            // Not quite round: an egg shape at a random angle.
             let way = q - place;
             let angle = libm::atan2(way.y, way.x) + turn;
             let radius = radius * (1.0 + 0.14 * libm::cos(2.0 * angle) + 0.06 * libm::cos(3.0 * angle + turn));

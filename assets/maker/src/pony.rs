@@ -1,6 +1,8 @@
-//! The pony: a stocky pony of the Shetland kind, 1 m high at the withers, standing square on the plane y = 0, facing +Z.
+//! The pony: a stocky pony of the Shetland type, 1 m high at the withers, standing square on the plane y = 0, facing
+//! +Z.
 //!
-//! Made for long hair on a short coat: its skin has materials of their own where mane, forelock and tail grow, which look like the rest of it.
+//! Made for long hair over short fur. Where mane, forelock and tail grow, the mesh has separate materials that look
+//! like the rest.
 
 use glam::{DMat3, DVec3, DVec4, dvec2, dvec3 as v};
 
@@ -22,40 +24,41 @@ const TAIL: usize = 3;
 const HOOF: usize = 4;
 const EYE: usize = 5;
 
-/// The poll, between the ears: where coordinates of the head begin.
+/// Poll, between the ears: origin of the head's coordinates.
 const POLL: DVec3 = DVec3::new(0.0, 1.225, 0.6);
 /// Unit direction from the poll along the face, and out of the forehead.
 const ALONG: DVec3 = DVec3::new(0.0, -0.743, 0.669_294_4);
 const OUT: DVec3 = DVec3::new(0.0, 0.669_294_4, 0.743);
 
-/// A point of the head: sideways, along the face from the poll, and out of the forehead, metres.
+/// Returns a point of the head from its coordinates: sideways, along the face from the poll, and out of the forehead,
+/// metres.
 fn head(x: f64, s: f64, t: f64) -> DVec3 {
     POLL + v(x, 0.0, 0.0) + ALONG * s + OUT * t
 }
 
-/// The head's coordinates of a point.
+/// Returns the head's coordinates of a point.
 fn on_head(p: DVec3) -> DVec3 {
     v(p.x, (p - POLL).dot(ALONG), (p - POLL).dot(OUT))
 }
 
-/// Axes of the head as columns: sideways, along the face, out of the forehead.
+/// Returns the axes of the head as columns: sideways, along the face, out of the forehead.
 fn head_axes() -> DMat3 {
     DMat3::from_cols(DVec3::NEG_X, ALONG, OUT)
 }
 
-/// Centre and radii of an eye.
+/// Returns the centre and radii of an eye.
 fn eye(side: f64) -> (DVec3, DVec3) {
     (head(side * 0.0595, 0.148, 0.033), DVec3::splat(EYE_RADIUS))
 }
 
 const EYE_RADIUS: f64 = 0.021;
 
-/// Where an eye looks: outwards, a little forwards.
+/// Returns the gaze direction of an eye: outwards, slightly forwards.
 fn gaze(side: f64) -> DVec3 {
     (v(side, 0.0, 0.0) + ALONG * 0.2 + OUT * 0.32).normalize()
 }
 
-/// Line of the crest from the withers to the poll, with the radius of the fat under it.
+/// Returns the line of the crest from the withers to the poll, with the radius of the fat under it.
 fn crest() -> Vec<(DVec3, f64)> {
     let line = [
         (v(0.0, 0.925, 0.1), 0.03),
@@ -67,17 +70,17 @@ fn crest() -> Vec<(DVec3, f64)> {
     curve(&line, 4)
 }
 
-/// The dock, from inside the croup to its end.
+/// Returns the dock, from inside the croup to its end.
 fn dock() -> Vec<(DVec3, f64)> {
     curve(&pony_rig::TAIL.map(|(p, radius)| (p, radius)), 3)
 }
 
-/// Distance to a line of round cones, metres.
+/// Returns the distance to a line of round cones, metres.
 fn to_line(line: Vec<(DVec3, f64)>, p: DVec3) -> f64 {
     Solid::Chain { line }.distance(p)
 }
 
-/// Signed distance of the skin, roughly.
+/// Returns the approximate signed distance to the mesh surface.
 fn field(body: &Body, p: DVec3) -> f64 {
     let d = body.distance(p);
     if p.z < 0.5 || p.y < 0.8 {
@@ -86,7 +89,7 @@ fn field(body: &Body, p: DVec3) -> f64 {
     // The mouth: a fold between the lips.
     let q = on_head(p);
     let d = d + 0.0035 * bump(q.z - MOUTH, 0.013) * ramp(0.345, 0.37, q.y);
-    // Between the lids the skin steps back behind the eye's ball.
+    // Between the lids, the surface recedes behind the eyeball.
     let (opening, at) = opening(p);
     if at.length_squared() > 0.002 || at.z < 0.0 {
         return d;
@@ -95,10 +98,11 @@ fn field(body: &Body, p: DVec3) -> f64 {
     smooth_max(d, -hole, 0.003)
 }
 
-/// Where the lips meet, out of the forehead as the head's coordinates say.
+/// Height of the line between the lips, out of the forehead in the head's coordinates.
 const MOUTH: f64 = -0.0375;
 
-/// Below 0 between the lids of the nearer eye, metres; and the point as that eye sees it: to the front, up, and out along its gaze.
+/// Returns a value below 0 between the lids of the nearer eye, metres, and the point in that eye's frame: to the front,
+/// up, and out along its gaze.
 fn opening(p: DVec3) -> (f64, DVec3) {
     let (centre, _) = eye(1.0);
     let out = gaze(1.0);
@@ -108,7 +112,7 @@ fn opening(p: DVec3) -> (f64, DVec3) {
     (almond(dvec2(at.x, at.y + 0.1 * at.x), 0.0186, 0.0124, 0.0094), at)
 }
 
-/// The body without the eyes.
+/// Returns the body without the eyes.
 pub fn body() -> Body {
     let mut body = Body::empty(0.03);
     trunk(&mut body);
@@ -130,7 +134,7 @@ fn trunk(body: &mut Body) {
     body.add(ellipsoid(v(0.0, 0.91, 0.14), v(0.06, 0.085, 0.2), pitch(0.06, 1.0)), 0.11, back);
     body.add(cone(v(0.0, 0.85, 0.08), 0.1, v(0.0, 0.852, -0.3), 0.115), 0.1, back);
     body.add(ellipsoid(v(0.0, 0.812, -0.335), v(0.165, 0.172, 0.215), pitch(-0.2, 1.0)), 0.1, back);
-    // Neck, flat from the sides, and its crest.
+    // Neck, flattened at the sides, and its crest.
     let neck = Comb::Along(v(0.0, -0.75, -0.66));
     body.add(oval(v(0.0, 0.86, 0.27), 0.182, v(0.0, 0.99, 0.435), 0.146, 0.52), 0.12, neck);
     body.add(oval(v(0.0, 0.99, 0.435), 0.146, v(0.0, 1.12, 0.555), 0.112, 0.52), 0.04, neck);
@@ -174,7 +178,7 @@ fn hind_leg(body: &mut Body, side: f64) {
     hoof(body, fetlock, toe);
 }
 
-/// The straight bone with the sinews behind it, and the joint below.
+/// Adds the cannon bone with the sinews behind it, and the joint below.
 fn cannon(body: &mut Body, top: DVec3, fetlock: DVec3) {
     let down = Comb::Along(v(0.0, -1.0, -0.05));
     body.add(cone(top, 0.0355, fetlock + v(0.0, 0.01, 0.006), 0.03), 0.025, down);
@@ -182,7 +186,7 @@ fn cannon(body: &mut Body, top: DVec3, fetlock: DVec3) {
     body.add(ellipsoid(fetlock, v(0.034, 0.036, 0.038), DMat3::IDENTITY), 0.02, down);
 }
 
-/// Pastern and hoof: a cone cut by the ground, its front as steep as the pastern.
+/// Adds the pastern and hoof: a cone cut by the ground, its front as steep as the pastern.
 fn hoof(body: &mut Body, fetlock: DVec3, toe: DVec3) {
     let down = Comb::Along(v(0.0, -1.0, 0.4));
     let middle = v(toe.x, 0.0, toe.z - 0.052);
@@ -191,7 +195,7 @@ fn hoof(body: &mut Body, fetlock: DVec3, toe: DVec3) {
     body.carve(ellipsoid(middle + v(0.0, -1.5, 0.0), DVec3::splat(1.5), DMat3::IDENTITY), 0.004, down);
 }
 
-/// Head and ears.
+/// Adds the head and ears.
 fn face(body: &mut Body) {
     let comb = Comb::From(head(0.0, 0.46, 0.03));
     let axes = head_axes();
@@ -211,7 +215,7 @@ fn face(body: &mut Body) {
         body.add(ball(x(0.028), 0.215, -0.022, v(0.026, 0.075, 0.042)), 0.045, comb);
         body.add(ball(x(0.046), 0.148, 0.026, v(0.027, 0.045, 0.034)), 0.03, comb);
         body.add(ball(x(0.054), 0.132, 0.053, v(0.023, 0.036, 0.02)), 0.025, comb);
-        // Nostril: a wing, hollowed.
+        // Nostril: a hollowed wing.
         body.add(ball(x(0.032), 0.372, 0.02, v(0.02, 0.028, 0.02)), 0.02, comb);
         let turned = DMat3::from_cols(DVec3::NEG_X, (ALONG - OUT * 0.5).normalize(), (OUT + ALONG * 0.5).normalize());
         body.carve(ellipsoid(head(x(0.046), 0.384, 0.018), v(0.013, 0.018, 0.008), turned), 0.008, comb);
@@ -223,7 +227,7 @@ fn face(body: &mut Body) {
     }
 }
 
-/// An ear: a leaf, hollowed on its face.
+/// Adds an ear: a leaf, hollowed on its face.
 fn ear(body: &mut Body, side: f64) {
     let m = |p: DVec3| on_side(side, p);
     let [root, tip] = pony_rig::EAR.map(m);
@@ -241,7 +245,7 @@ fn ear(body: &mut Body, side: f64) {
     body.carve(ellipsoid(at(0.5) + normal * 0.017, v(0.0165, 0.047, 0.019), axes), 0.008, comb);
 }
 
-/// Greatest edge length at a place, metres: small about eyes, nostrils and mouth, and where long hair grows.
+/// Returns the greatest edge length at a point, metres: small near eyes, nostrils and mouth, and where long hair grows.
 fn fineness(p: DVec3) -> f64 {
     let q = on_head(p);
     let grow = |finest: f64, distance: f64| finest + 0.35 * distance.max(0.0);
@@ -261,27 +265,27 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     body::mesh(&|p| field(body, p), bounds, 0.008, sizing, Keep::Largest)
 }
 
-/// Below 0 in the strip along the crest on which the mane grows, 4 cm wide.
+/// Returns a value below 0 in the strip along the crest on which the mane grows, 4 cm wide.
 fn mane(p: DVec3) -> f64 {
     let along = p.z.max(0.0);
     (p.x.abs() - 0.02).max(to_line(crest(), p) - 0.05).max(0.15 - along).max((p - POLL).dot(v(0.0, 0.45, 0.9)) + 0.022)
 }
 
-/// Below 0 between the ears, where the forelock grows.
+/// Returns a value below 0 between the ears, where the forelock grows.
 fn forelock(p: DVec3) -> f64 {
     let q = on_head(p);
     let (x, s) = (q.x / 0.027, (q.y - 0.036) / 0.034);
     (((x * x + s * s).sqrt() - 1.0) * 0.027).max(0.02 - q.z)
 }
 
-/// Below 0 on the dock.
+/// Returns a value below 0 on the dock.
 fn tail(p: DVec3) -> f64 {
     let [(root, _), (bend, _), ..] = pony_rig::TAIL;
     let way = (bend - root).normalize();
     (to_line(dock(), p) - 0.014).max(0.042 - (p - root).dot(way))
 }
 
-/// The skin cut into its materials, the same on both sides.
+/// Splits the mesh surface into materials, symmetric across x = 0.
 pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     let surface = |p: DVec3| field(body, p);
     let mut regions = Regions::new(mesh);
@@ -297,12 +301,13 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     mirrored(regions, &surface)
 }
 
-/// The coat's colour, linear RGB, and how long its hair is as a share of the longest: a chestnut with a mealy muzzle, belly and legs.
+/// Returns the fur colour, linear RGB, and the hair length as a share of the longest: a chestnut with a mealy muzzle,
+/// belly and legs.
 fn coat(p: DVec3, n: DVec3) -> DVec4 {
     let (chestnut, dark) = (v(0.33, 0.115, 0.034), v(0.2, 0.06, 0.018));
     let (mealy, skin) = (v(0.6, 0.38, 0.2), v(0.085, 0.06, 0.052));
     let mut color = chestnut.lerp(dark, 0.6 * ramp(0.35, 1.0, n.y) * ramp(0.75, 0.95, p.y));
-    // Belly, the insides of the legs, and what of the legs is below knee and hock.
+    // Belly, insides of the legs, and the legs below knee and hock.
     let inside = ramp(0.3, 0.8, -n.x * p.x.signum()) * ramp(0.6, 0.5, p.y);
     color = color.lerp(mealy, 0.65 * (ramp(0.45, 0.95, -n.y) * ramp(0.75, 0.6, p.y)).max(inside));
     color = color.lerp(mealy, 0.35 * ramp(0.34, 0.16, p.y));
@@ -312,9 +317,9 @@ fn coat(p: DVec3, n: DVec3) -> DVec4 {
     if q.y > -0.2 && p.z > 0.5 {
         let on_face = ramp(0.0, 0.14, q.y + 0.8 * (q.z + 0.05));
         shorten(0.5, on_face);
-        // Not what lies beyond the chin: the throat.
+        // Excludes what is behind the chin: the throat.
         let muzzle = ramp(-0.15, -0.11, q.z);
-        // Muzzle and chin pale, then bare dark skin about nostrils and lips.
+        // Muzzle and chin pale, then bare dark skin around nostrils and lips.
         color = color.lerp(mealy, 0.9 * ramp(0.3, 0.36, q.y - 0.3 * q.z) * muzzle);
         let nostril = (p - head(0.046 * p.x.signum(), 0.384, 0.018)).length();
         let lips = ramp(0.012, 0.003, (q.z - MOUTH).abs()) * ramp(0.34, 0.37, q.y);
@@ -339,7 +344,7 @@ fn coat(p: DVec3, n: DVec3) -> DVec4 {
     color.extend(length)
 }
 
-/// The whole model.
+/// Returns the whole model.
 pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let regions = regions(&body, body_mesh(&body)?);

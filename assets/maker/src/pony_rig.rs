@@ -22,10 +22,10 @@ const TAILS: [u8; 2] = [8, 9];
 const FORELEGS: [Leg; 2] = [leg(10), leg(14)];
 const HIND_LEGS: [Leg; 2] = [leg(18), leg(22)];
 
-/// Bound wholly to the head: eyes.
+/// Weights bound only to the head: eyes.
 pub const HEAD_ONLY: Weights = bound_to(HEAD);
 
-/// Shoulder, elbow, knee, fetlock and the hoof's front end of the left foreleg.
+/// Joints of the left foreleg: shoulder, elbow, knee, fetlock and the front end of the hoof.
 pub const FORELEG: [DVec3; 5] = [
     DVec3::new(0.122, 0.69, 0.4),
     DVec3::new(0.12, 0.575, 0.27),
@@ -34,7 +34,7 @@ pub const FORELEG: [DVec3; 5] = [
     DVec3::new(0.104, 0.0, 0.395),
 ];
 
-/// Hip, stifle, hock, fetlock and the hoof's front end of the left hind leg.
+/// Joints of the left hind leg: hip, stifle, hock, fetlock and the front end of the hoof.
 pub const HIND_LEG: [DVec3; 5] = [
     DVec3::new(0.095, 0.75, -0.33),
     DVec3::new(0.118, 0.59, -0.22),
@@ -43,7 +43,7 @@ pub const HIND_LEG: [DVec3; 5] = [
     DVec3::new(0.1, 0.0, -0.385),
 ];
 
-/// Root, bend and end of the dock, and its radius there.
+/// Root, bend and end of the dock, and its radius at each.
 pub const TAIL: [(DVec3, f64); 3] = [
     (DVec3::new(0.0, 0.905, -0.485), 0.033),
     (DVec3::new(0.0, 0.868, -0.57), 0.025),
@@ -53,13 +53,13 @@ pub const TAIL: [(DVec3, f64); 3] = [
 /// Root and tip of the left ear.
 pub const EAR: [DVec3; 2] = [DVec3::new(0.05, 1.242, 0.632), DVec3::new(0.078, 1.335, 0.652)];
 
-/// Seconds of one cycle of `Walk`.
+/// Duration of one cycle of `Walk`, seconds.
 pub const CYCLE_S: f64 = 1.1;
-/// How far one cycle of `Walk` goes, metres; the clip itself stays in its place.
+/// Distance covered by one cycle of `Walk`, metres; the clip itself is in place.
 pub const CYCLE_M: f64 = 0.9;
-/// Seconds of one cycle of `Gallop`.
+/// Duration of one cycle of `Gallop`, seconds.
 pub const GALLOP_S: f64 = 0.48;
-/// How far one cycle of `Gallop` goes, metres; the clip itself stays in its place.
+/// Distance covered by one cycle of `Gallop`, metres; the clip itself is in place.
 pub const GALLOP_M: f64 = 2.5;
 
 fn bones() -> Vec<Bone> {
@@ -86,22 +86,23 @@ fn bones() -> Vec<Bone> {
     bones
 }
 
-/// The feet: joint, and where in the model the foot's tip rests.
+/// Returns the feet: joint, and rest position of the foot's tip in the model.
 pub fn feet() -> Vec<(usize, DVec3)> {
     gait::feet(&bones(), FORELEGS.iter().chain(&HIND_LEGS))
 }
 
-/// Joints in rest pose.
+/// Returns the joints in rest pose.
 pub fn skeleton() -> Vec<Joint> {
     rig::skeleton(&bones())
 }
 
-/// Skin weights for the vertices of `mesh`.
+/// Returns the skin weights for the vertices of `mesh`.
 pub fn weights(mesh: &TriMesh) -> Vec<Weights> {
     rig::weights(mesh, &bones(), 0.012, 6)
 }
 
-/// A walk of four beats, looping and in place: left hind, left fore, right hind, right fore. It goes [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
+/// Returns a walk of four beats, looping and in place: left hind, left fore, right hind, right fore. One cycle covers
+/// [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
 pub fn walk() -> Clip {
     gait::clip("Walk", &bones(), CYCLE_S, 32, &stride)
 }
@@ -128,13 +129,14 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
     hoofs::lead(phase, pose, [FORELEGS, HIND_LEGS], &walk);
 }
 
-/// A gallop, looping and in place. It goes [`GALLOP_M`] metres in [`GALLOP_S`] seconds.
+/// Returns a gallop, looping and in place. One cycle covers [`GALLOP_M`] metres in [`GALLOP_S`] seconds.
 pub fn gallop() -> Clip {
     gait::clip("Gallop", &bones(), GALLOP_S, 32, &bound)
 }
 
 fn bound(phase: f64, pose: &mut Pose<'_>) {
-    // Once a cycle it flies, gathered: highest where no hoof is down, nose up while the hind legs push, nose down while the forelegs bear it.
+    // Once a cycle the animal is airborne, gathered: highest when no hoof is down, nose up while the hind legs push,
+    // nose down while the forelegs carry it.
     pose.shift(DVec3::new(0.0, -0.055 + 0.04 * wave(phase, 0.62), 0.0));
     pose.pitch(HIPS, 5.0 * wave(phase, 0.3));
     pose.pitch(SPINE, -4.0 * wave(phase, 0.62));
@@ -146,7 +148,7 @@ fn bound(phase: f64, pose: &mut Pose<'_>) {
         pose.pitch(ear, -24.0);
         pose.turn(ear, DVec3::Z, side * (2.0 + 3.0 * wave(phase, 0.3)));
     }
-    // The dock is lifted.
+    // Raise the dock.
     for (k, joint) in TAILS.into_iter().enumerate() {
         pose.pitch(joint, [34.0, 14.0][k] + 5.0 * wave(phase, 0.2 + 0.1 * k as f64));
     }

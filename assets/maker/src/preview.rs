@@ -1,4 +1,5 @@
-//! Pictures for the eye: the model from three sides in its vertex colours, and with its texture coordinates as a checker.
+//! Preview pictures: the model from three sides in its vertex colours, and with its texture coordinates as a checker
+//! pattern.
 
 use glam::{DMat3, DVec3};
 use image::{Rgb, RgbImage};
@@ -11,9 +12,9 @@ use super::{
 const PANEL: u32 = 480;
 const PAPER: Rgb<u8> = Rgb([205, 208, 214]);
 
-/// Three views above, the same three with checkered texture coordinates below; 1440 x 960 pixels.
+/// Draws three views, and below them the same three with checkered texture coordinates; 1440 x 960 pixels.
 ///
-/// In the checker the squares are a quarter of a unit wide, red grows with u and green with v inside each unit.
+/// Checker squares are a quarter of a unit wide; within each unit, red grows with u and green with v.
 pub fn draw(model: &Model) -> RgbImage {
     let mut picture = RgbImage::from_pixel(3 * PANEL, 2 * PANEL, PAPER);
     // Front left, side, back: direction from the model to the eye.
@@ -27,18 +28,18 @@ pub fn draw(model: &Model) -> RgbImage {
     picture
 }
 
-/// Lowest and highest corner.
+/// Returns the lowest and highest corner of the bounding box.
 fn bounds(model: &Model) -> (DVec3, DVec3) {
     let points = || model.primitives.iter().flat_map(|p| &p.positions);
     (points().fold(DVec3::MAX, |m, &p| m.min(p)), points().fold(DVec3::MIN, |m, &p| m.max(p)))
 }
 
-/// A square of the picture.
+/// Square area of the picture.
 struct Panel {
     left: u32,
     top: u32,
     side: u32,
-    /// The box that fills it.
+    /// Bounding box that fills the panel.
     frame: (DVec3, DVec3),
 }
 
@@ -60,7 +61,7 @@ impl Panel {
                     DVec3::new(half + q.x, half - q.y, q.z)
                 });
                 let area = (p[1] - p[0]).cross(p[2] - p[0]).z;
-                // The picture's y points down, so that front faces have negative area.
+                // The picture's y axis points down, so front faces have negative area.
                 if area >= 0.0 {
                     continue;
                 }
@@ -100,7 +101,7 @@ impl Panel {
 
 const FRAME: u32 = 320;
 
-/// A clip in eight even moments from the side, and below them the same from the front left; 2560 x 640 pixels.
+/// Draws a clip at eight evenly spaced moments: from the side, and below from the front left; 2560 x 640 pixels.
 pub fn draw_clip(model: &Model, clip: &Clip) -> RgbImage {
     let mut picture = RgbImage::from_pixel(8 * FRAME, 2 * FRAME, PAPER);
     let seconds = clip.channels.iter().filter_map(|c| c.times.last().copied()).fold(0.0, f64::max);

@@ -1,4 +1,5 @@
-//! Materials on a closed mesh: triangles are cut along the level sets of functions, so that materials meet in smooth lines.
+//! Materials on a closed mesh: triangles are cut along the level sets of functions, so that materials meet in smooth
+//! lines.
 
 use std::collections::BTreeMap;
 
@@ -6,24 +7,24 @@ use glam::DVec3;
 
 use super::{body::mirror, sdf::project, trimesh::TriMesh};
 
-/// A mesh with a material for each triangle, 0 to begin with.
+/// Mesh with a material per triangle, initially 0.
 #[derive(Clone, Debug)]
 pub struct Regions {
     /// The mesh; cutting adds vertices and keeps it closed.
     pub mesh: TriMesh,
-    /// Material of every triangle.
+    /// Material of each triangle.
     pub materials: Vec<usize>,
 }
 
 impl Regions {
-    /// The whole mesh in material 0.
+    /// Assigns material 0 to the whole mesh.
     pub fn new(mesh: TriMesh) -> Self {
         let materials = vec![0; mesh.triangles.len()];
         Self { mesh, materials }
     }
 
-    /// Gives `material` to the skin where `level` is negative. New vertices are put onto the zero set of `surface`. Regions painted after
-    /// each other must not touch.
+    /// Assigns `material` to the surface where `level` is negative. New vertices are projected onto the zero set of
+    /// `surface`. Regions painted one after another must not touch.
     pub fn paint(&mut self, material: usize, level: &dyn Fn(DVec3) -> f64, surface: &dyn Fn(DVec3) -> f64) {
         let mut values: Vec<f64> = self.mesh.positions.iter().map(|&p| level(p)).collect();
         self.snap(&mut values, surface);
@@ -38,7 +39,7 @@ impl Regions {
                 }
                 continue;
             }
-            // The corner that is alone on its side comes first; with a corner on the border, it is the one before that.
+            // The first corner is the one alone on its side; if a corner is on the border, the corner before that one.
             let first = if signs.contains(&0) {
                 (signs.iter().position(|s| *s == 0).unwrap_or(0) + 2) % 3
             } else {
@@ -76,9 +77,9 @@ impl Regions {
         }
     }
 
-    /// Moves vertices that lie near the border onto it, so that cutting leaves no slivers.
+    /// Moves vertices near the border onto it, so that cutting leaves no slivers.
     fn snap(&mut self, values: &mut [f64], surface: &dyn Fn(DVec3) -> f64) {
-        // Per vertex the nearest crossing of its edges: share of the edge, and where.
+        // Per vertex, the nearest border crossing of its edges: fraction of the edge, and position.
         let mut nearest: BTreeMap<u32, (f64, DVec3)> = BTreeMap::new();
         for t in &self.mesh.triangles {
             for k in 0..3 {
@@ -104,7 +105,8 @@ impl Regions {
     }
 }
 
-/// The side x >= 0 of a painted closed mesh and its mirror image, painted alike: a closed mesh that is the same on both sides to the last bit.
+/// Joins the half x >= 0 of a painted closed mesh with its mirror image, materials included. The result is closed and
+/// exactly symmetric.
 pub fn mirrored(mut halves: Regions, surface: &dyn Fn(DVec3) -> f64) -> Regions {
     const LOST: usize = usize::MAX;
     halves.paint(LOST, &|p| p.x, surface);

@@ -1,7 +1,9 @@
-//! Isotropic remeshing on an implicit surface: split long edges, collapse short ones, flip towards valence six, relax in the
-//! tangent plane and step back onto the surface (Botsch and Kobbelt 2004, "A Remeshing Approach to Multiresolution
-//! Modeling"). Against quadric decimation it costs some accuracy per triangle, but gives the even, well-shaped triangles
-//! that texture charts and skinning want; and its vertices lie exactly on the surface.
+//! Isotropic remeshing on an implicit surface: split long edges, collapse short ones, flip towards valence six, relax
+//! in the tangent plane and project back onto the surface (Botsch and Kobbelt 2004, "A Remeshing Approach to
+//! Multiresolution Modeling").
+//!
+//! Compared with quadric decimation it is less accurate per triangle. It gives the even, well-shaped triangles that
+//! texture charts and skinning need, and its vertices are exactly on the surface.
 
 use std::collections::BTreeSet;
 
@@ -12,20 +14,21 @@ use super::{
     trimesh::TriMesh,
 };
 
-/// The wanted edge length over the surface.
+/// Target edge lengths over the surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Sizing {
-    /// Wanted distance between an edge's middle and the surface, metres.
+    /// Target distance between an edge's midpoint and the surface, metres.
     pub sagitta: f64,
     /// Least edge length, metres.
     pub shortest: f64,
     /// Greatest edge length, metres.
     pub longest: f64,
-    /// Greatest edge length at a place, metres, below `shortest` too: for places where more is to be seen than the curvature tells.
+    /// Greatest edge length at a point, metres; may be below `shortest`. For areas with more detail than their
+    /// curvature shows.
     pub local: fn(DVec3) -> f64,
 }
 
-/// No place is finer than its curvature asks for.
+/// Returns no local limit: the edge length follows from the curvature alone.
 pub fn even(_: DVec3) -> f64 {
     f64::MAX
 }
@@ -47,10 +50,10 @@ struct Work<'a> {
     positions: Vec<DVec3>,
     /// Corner indices; a removed triangle has three equal ones.
     triangles: Vec<[u32; 3]>,
-    /// Triangles round each vertex, unordered.
+    /// Triangles around each vertex, unordered.
     fans: Vec<Vec<u32>>,
     field: &'a dyn Fn(DVec3) -> f64,
-    /// Greatest distance between surface and triangles that a change may leave, metres.
+    /// Greatest distance allowed between surface and triangles after a change, metres.
     tolerance: f64,
 }
 
@@ -91,7 +94,7 @@ impl<'a> Work<'a> {
         directed.filter(|(a, b)| a < b).collect()
     }
 
-    /// The two triangles that hold the edge `(a, b)`: first the one where b follows a.
+    /// Returns the two triangles of the edge `(a, b)`: first the one in which b follows a.
     fn wings(&self, a: u32, b: u32) -> Option<(u32, u32)> {
         let holds = |t: u32, from, to| {
             let c = self.triangles[t as usize];
@@ -107,8 +110,8 @@ impl<'a> Work<'a> {
         corners.into_iter().find(|&v| v != a && v != b).unwrap_or(a)
     }
 
-    /// Wanted edge length at every vertex: the chord whose sagitta at the sharpest normal curvature is the wanted one,
-    /// smoothed so that neighbours differ little.
+    /// Returns the target edge length at each vertex: the chord with the target sagitta at the sharpest normal
+    /// curvature, smoothed so that neighbours differ little.
     fn edge_lengths(&self, sizing: Sizing) -> Vec<f64> {
         let step = 2e-3;
         let curvature_length = |p: DVec3| {
@@ -126,7 +129,7 @@ impl<'a> Work<'a> {
                 .clamp(sizing.shortest, sizing.longest)
                 .min((sizing.local)(p))
         };
-        // Most vertices of the first mesh are soon collapsed, and nobody asks what they want.
+        // Most vertices of the first mesh are soon collapsed; their target lengths are not needed.
         let length = |(&p, fan): (&DVec3, &Vec<u32>)| if fan.is_empty() { 0.0 } else { curvature_length(p) };
         let mut wanted: Vec<f64> = self.positions.iter().zip(&self.fans).map(length).collect();
         for _ in 0..3 {
@@ -153,7 +156,7 @@ impl<'a> Work<'a> {
             self.positions.push(project(self.field, (pa + pb) * 0.5, 8));
             wanted.push(target);
             self.fans.push(Vec::new());
-            // Each wing keeps the half at `a`; the half at `b` is a new triangle.
+            // Each of the two triangles keeps the half at `a`; the half at `b` is a new triangle.
             for t in [left, right] {
                 let old = self.triangles[t as usize];
                 let new = self.triangles.len() as u32;
@@ -177,8 +180,8 @@ impl<'a> Work<'a> {
                 continue;
             }
             let (ring_a, ring_b) = (self.ring(a), self.ring(b));
-            // Link condition: exactly the two wing tips are common, else the surface would pinch. Valence three at a tip
-            // would fold onto itself.
+            // Link condition: `a` and `b` must share exactly the two opposite corners, else the surface would pinch.
+            // With valence three at such a corner it would fold onto itself.
             let tips = [self.opposite(left, a, b), self.opposite(right, a, b)];
             if ring_a.intersection(&ring_b).count() != 2 || tips.iter().any(|&c| self.fans[c as usize].len() <= 3) {
                 continue;
@@ -191,7 +194,7 @@ impl<'a> Work<'a> {
             if ring_a.union(&ring_b).any(too_long) || self.turns(a, b, middle) || self.turns(b, a, middle) {
                 continue;
             }
-            // Without this, thin parts such as ears wear away at their rims.
+            // Without this check, thin parts such as ears erode at their rims.
             if self.fan_error(a, b, middle).max(self.fan_error(b, a, middle)) > self.tolerance {
                 continue;
             }
@@ -213,7 +216,8 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Whether a triangle at `v`, apart from those at `other`, would turn by more than 45 degrees when `v` moves to `to`.
+    /// Returns true if moving `v` to `to` would rotate one of its triangles by more than 45 degrees, ignoring those
+    /// that contain `other`.
     fn turns(&self, v: u32, other: u32, to: DVec3) -> bool {
         self.fans[v as usize].iter().map(|&t| self.triangles[t as usize]).filter(|c| !c.contains(&other)).any(|c| {
             let face = |p: [DVec3; 3]| (p[1] - p[0]).cross(p[2] - p[0]);
@@ -223,13 +227,14 @@ impl<'a> Work<'a> {
         })
     }
 
-    /// Greatest distance from the surface to the middles of a triangle and of its edges.
+    /// Returns the greatest distance from the surface to the midpoints of a triangle and of its edges.
     fn error(&self, p: [DVec3; 3]) -> f64 {
         let middles = [(p[0] + p[1]) * 0.5, (p[1] + p[2]) * 0.5, (p[2] + p[0]) * 0.5, (p[0] + p[1] + p[2]) / 3.0];
         middles.into_iter().fold(0.0, |worst, m| (self.field)(m).abs().max(worst))
     }
 
-    /// The same over the triangles round `v`, apart from those at `other`, if `v` were at `to`.
+    /// Returns the greatest [`Self::error`] of the triangles around `v` if `v` were at `to`, ignoring those that
+    /// contain `other`.
     fn fan_error(&self, v: u32, other: u32, to: DVec3) -> f64 {
         let fan = self.fans[v as usize].iter().map(|&t| self.triangles[t as usize]).filter(|c| !c.contains(&other));
         let moved = |c: [u32; 3]| c.map(|w| if w == v { to } else { self.position(w) });
@@ -254,7 +259,8 @@ impl<'a> Work<'a> {
                 (p[1] - p[0]).cross(p[2] - p[0])
             };
             let old = (area(self.triangles[left as usize]) + area(self.triangles[right as usize])).normalize_or_zero();
-            // Both new triangles must look the way the old pair did, and the edge must not cut a corner of the surface.
+            // Both new triangles must face the same direction as the old pair, and the edge must not cut a corner of
+            // the surface.
             let smooth = |t: [u32; 3]| area(t).normalize_or_zero().dot(old) > 0.8;
             let off = |t: [u32; 3]| self.error(t.map(|v| self.position(v)));
             let before = off(self.triangles[left as usize]).max(off(self.triangles[right as usize]));
@@ -271,7 +277,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Moves every vertex towards the area-weighted middle of its triangles, within the tangent plane.
+    /// Moves each vertex towards the area-weighted centre of its triangles, within the tangent plane.
     fn relax(&mut self) {
         let moved: Vec<DVec3> = (0..self.positions.len())
             .map(|v| {
@@ -296,7 +302,7 @@ impl<'a> Work<'a> {
             if self.turns(v, u32::MAX, to) {
                 continue;
             }
-            // What it was is asked only where it may excuse what it becomes: few places.
+            // The error before the move is computed only if the error after it is too large, which is rare.
             let after = self.fan_error(v, u32::MAX, to);
             if after <= self.tolerance || after <= self.fan_error(v, u32::MAX, self.position(v)) {
                 self.positions[v as usize] = to;

@@ -1,4 +1,4 @@
-//! Skeletons from bones: joints in rest pose, skin weights, and the keys of clips.
+//! Skeletons built from bones: joints in rest pose, skin weights, and keys of clips.
 
 use std::collections::BTreeSet;
 
@@ -9,33 +9,33 @@ use super::{
     trimesh::TriMesh,
 };
 
-/// Bound wholly to one joint.
+/// Returns weights bound to one joint only.
 pub const fn bound_to(joint: u8) -> Weights {
     [(joint, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]
 }
 
-/// A bone: the segment of the body that a joint moves.
+/// Bone: the segment of the body that a joint moves.
 #[derive(Clone, Copy, Debug)]
 pub struct Bone {
     /// Name of its joint.
     pub name: &'static str,
-    /// Index of the parent's bone, which comes earlier.
+    /// Index of the parent bone, which comes earlier.
     pub parent: Option<u8>,
-    /// The joint, metres.
+    /// Position of the joint, metres.
     pub from: DVec3,
-    /// The far end, metres.
+    /// Position of the far end, metres.
     pub to: DVec3,
-    /// Radius of the flesh round it, metres: nearer skin is all the bone's own.
+    /// Radius of the flesh around the bone, metres; surface within it has distance 0 to the bone.
     pub thickness: f64,
 }
 
 impl Bone {
-    /// A bone of joint `name` from `from` to `to`.
+    /// Creates a bone of joint `name` from `from` to `to`.
     pub const fn new(name: &'static str, parent: Option<u8>, from: DVec3, to: DVec3, thickness: f64) -> Self {
         Self { name, parent, from, to, thickness }
     }
 
-    /// Distance of `p` to the flesh, metres; 0 inside.
+    /// Returns the distance of `p` to the flesh, metres; 0 inside.
     fn distance(&self, p: DVec3) -> f64 {
         let along = self.to - self.from;
         let t = ((p - self.from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
@@ -43,7 +43,7 @@ impl Bone {
     }
 }
 
-/// Joints in rest pose: translations only, so that every inverse bind matrix is a translation too.
+/// Returns the joints in rest pose: translations only, so that every inverse bind matrix is a translation too.
 pub fn skeleton(bones: &[Bone]) -> Vec<Joint> {
     let joint = |bone: &Bone| {
         let origin = bone.parent.map_or(DVec3::ZERO, |p| bones[p as usize].from);
@@ -57,8 +57,8 @@ pub fn skeleton(bones: &[Bone]) -> Vec<Joint> {
     bones.iter().map(joint).collect()
 }
 
-/// Skin weights: each vertex belongs to near bones by the inverse fourth power of the distance (plus `softness` metres), then
-/// smoothed over the mesh as often as `rounds` says.
+/// Computes skin weights: near bones are weighted by the inverse fourth power of the distance (plus `softness` metres).
+/// The weights are then smoothed over the mesh `rounds` times.
 pub fn weights(mesh: &TriMesh, bones: &[Bone], softness: f64, rounds: usize) -> Vec<Weights> {
     let own = |&p: &DVec3| {
         let near = |bone: &Bone| {
@@ -106,7 +106,7 @@ fn normalise(row: &mut [f64]) {
 fn four_largest(row: &[f64]) -> Weights {
     let mut order: Vec<usize> = (0..row.len()).collect();
     order.sort_by(|&a, &b| row[b].total_cmp(&row[a]));
-    // Weights under one per cent move nothing that one could see.
+    // Weights under one per cent have no visible effect.
     let kept: Vec<usize> = order.into_iter().take(4).filter(|&j| row[j] > 0.01).collect();
     let sum: f64 = kept.iter().map(|&j| row[j]).sum();
     let mut weights = [(0, 0.0); 4];
@@ -116,14 +116,14 @@ fn four_largest(row: &[f64]) -> Weights {
     weights
 }
 
-/// Turn about a unit axis.
+/// Returns the rotation about a unit axis.
 pub fn turn(axis: DVec3, degrees: f64) -> DQuat {
     let half = degrees * core::f64::consts::PI / 360.0;
     let (s, c) = (libm::sin(half), libm::cos(half));
     DQuat::from_xyzw(axis.x * s, axis.y * s, axis.z * s, c)
 }
 
-/// Linear keys of a joint's rotation: seconds and turn.
+/// Creates linear keys of a joint's rotation: seconds and rotation.
 pub fn rotations(joint: u8, keys: impl IntoIterator<Item = (f64, DQuat)>) -> Channel {
     let (times, turns): (Vec<f64>, Vec<DQuat>) = keys.into_iter().unzip();
     Channel {

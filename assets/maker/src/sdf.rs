@@ -1,15 +1,15 @@
 //! Implicit shapes: signed distances (negative inside) of a few solids, and their smooth union and difference.
 //!
-//! Everything here uses only `+ - * /` and square roots, so that the same source gives the same bits on every machine.
-//! The ellipsoid is not an exact distance, only a function with the right zero set and a gradient of order one; [`project`]
-//! therefore walks with Newton steps divided by the squared gradient.
+//! Only `+ - * /` and square roots are used, so that the same source gives the same bits on every machine. The
+//! ellipsoid's function is not an exact distance: it has the correct zero set and a gradient of order one. [`project`]
+//! therefore uses Newton steps divided by the squared gradient.
 
 use glam::{DMat3, DVec3};
 
-/// A solid, in metres.
+/// Solid, in metres.
 #[derive(Clone, Debug)]
 pub enum Solid {
-    /// Axis lengths `radii` along the columns of `axes` around `centre`.
+    /// Ellipsoid around `centre` with half lengths `radii` along the columns of `axes`.
     Ellipsoid {
         /// Centre.
         centre: DVec3,
@@ -18,7 +18,7 @@ pub enum Solid {
         /// Orthonormal axes as columns.
         axes: DMat3,
     },
-    /// The hull of two spheres.
+    /// Hull of two spheres.
     RoundCone {
         /// Centre of the first sphere.
         a: DVec3,
@@ -29,31 +29,32 @@ pub enum Solid {
         /// Radius at `b`.
         rb: f64,
     },
-    /// The hull of two spheres, pressed flat: everything along `across` is `share` times as far from `a`.
+    /// Hull of two spheres, flattened: offsets from `a` along `across` are scaled by `share`.
     Oval {
-        /// Centre of the first sphere, which pressing leaves where it is.
+        /// Centre of the first sphere, which flattening does not move.
         a: DVec3,
-        /// Centre of the second sphere, after pressing.
+        /// Centre of the second sphere, after flattening.
         b: DVec3,
-        /// Radius at `a`, before pressing.
+        /// Radius at `a`, before flattening.
         ra: f64,
-        /// Radius at `b`, before pressing.
+        /// Radius at `b`, before flattening.
         rb: f64,
-        /// Unit direction of pressing.
+        /// Unit direction of flattening.
         across: DVec3,
-        /// Width along `across` against that of the spheres, above 0 and at most 1.
+        /// Width along `across` relative to the spheres, above 0 and at most 1.
         share: f64,
     },
-    /// The hulls of neighbouring spheres of a line, as one solid: joined one after another, their blends would swell where they meet.
+    /// Hulls of neighbouring spheres of a line, as one solid. Added one by one, their blends would bulge at the joints.
     Chain {
         /// Centres and radii, at least two.
         line: Vec<(DVec3, f64)>,
     },
-    /// A plate with the outline of a round cone, in the plane through `a` with unit normal `normal`, with a half-round rim.
+    /// Plate with the outline of a round cone, in the plane through `a` with unit normal `normal`, with a half-round
+    /// rim.
     Leaf {
         /// Centre of the outline's first circle.
         a: DVec3,
-        /// Centre of its second circle, in the plane.
+        /// Centre of the outline's second circle, in the plane.
         b: DVec3,
         /// Radius at `a`.
         ra: f64,
@@ -67,8 +68,8 @@ pub enum Solid {
 }
 
 impl Solid {
-    /// Middle and radius of a ball that holds the solid, and the least that [`Solid::distance`] grows by for each metre away from the ball;
-    /// inside the ball it is never lower than that of the ball itself.
+    /// Returns a bounding sphere (centre, radius) and the least growth of [`Solid::distance`] per metre away from the
+    /// sphere. Inside the sphere, the distance is never below that of the sphere itself.
     pub fn bound(&self) -> (DVec3, f64, f64) {
         match *self {
             Self::Chain { ref line } => {
@@ -86,14 +87,14 @@ impl Solid {
         }
     }
 
-    /// Signed distance of `p` (approximate, see the module's text).
+    /// Returns the signed distance of `p` (approximate, see the module documentation).
     pub fn distance(&self, p: DVec3) -> f64 {
         match *self {
             Self::Ellipsoid { centre, radii, axes } => {
                 let q = axes.transpose() * (p - centre);
                 let k0 = (q / radii).length();
                 let k1 = (q / (radii * radii)).length();
-                // At the centre both vanish; any value not above the smallest radius is right there.
+                // Both vanish at the centre, where any value up to minus the smallest radius is valid.
                 if k1 < 1e-9 { -radii.min_element() } else { k0 * (k0 - 1.0) / k1 }
             }
             Self::RoundCone { a, b, ra, rb } => round_cone(p, a, b, ra, rb),
@@ -106,7 +107,8 @@ impl Solid {
                 let (foot, radius) = round_cone_foot(wide, a, b, ra, rb);
                 let away = wide - foot;
                 let length = away.length();
-                // Divided by its own slope, the wide distance is right near the skin: blends stay as wide as asked for.
+                // Divided by its own slope, the scaled distance is accurate near the surface, so blends keep their
+                // requested width.
                 let slope = away + across * (away.dot(across) * (1.0 / share - 1.0));
                 (length - radius) * length / slope.length().max(1e-12)
             }
@@ -119,18 +121,18 @@ impl Solid {
     }
 }
 
-/// Distance to the hull of two spheres.
+/// Returns the distance to the hull of two spheres.
 fn round_cone(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> f64 {
     let (foot, radius) = round_cone_foot(p, a, b, ra, rb);
     (p - foot).length() - radius
 }
 
-/// Centre and radius of the sphere that `p` is nearest to, of the family between two spheres. With `h` along the axis and `q` across it,
-/// the foot satisfies `(h - t l) / distance = (ra - rb) / l`, hence the closed form of `t`.
+/// Returns the centre and radius of the sphere nearest to `p` in the family between two spheres. With `h` along the
+/// axis and `q` across it, the foot satisfies `(h - t l) / distance = (ra - rb) / l`, hence the closed form of `t`.
 fn round_cone_foot(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> (DVec3, f64) {
     let length = (b - a).length();
     if length <= (ra - rb).abs() {
-        // One sphere holds the other.
+        // One sphere contains the other.
         return if ra > rb { (a, ra) } else { (b, rb) };
     }
     let axis = (b - a) / length;
@@ -141,25 +143,25 @@ fn round_cone_foot(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> (DVec3, f6
     (a + (b - a) * t, ra + (rb - ra) * t)
 }
 
-/// Minimum of two distances, rounded where they differ by less than `k` metres.
+/// Returns the minimum of two distances, rounded where they differ by less than `k` metres.
 pub fn smooth_min(a: f64, b: f64, k: f64) -> f64 {
     let h = (k - (a - b).abs()).max(0.0) / k;
     a.min(b) - h * h * k * 0.25
 }
 
-/// Maximum of two distances, rounded like [`smooth_min`].
+/// Returns the maximum of two distances, rounded like [`smooth_min`].
 pub fn smooth_max(a: f64, b: f64, k: f64) -> f64 {
     -smooth_min(-a, -b, k)
 }
 
-/// Gradient of `field` at `p` by central differences of 0.1 mm.
+/// Returns the gradient of `field` at `p` by central differences of 0.1 mm.
 pub fn gradient(field: &dyn Fn(DVec3) -> f64, p: DVec3) -> DVec3 {
     let e = 1e-4;
     let along = |axis: DVec3| (field(p + axis * e) - field(p - axis * e)) / (2.0 * e);
     DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
 }
 
-/// Outward unit normal of the level set through `p`.
+/// Returns the outward unit normal of the level set through `p`.
 pub fn normal(field: &dyn Fn(DVec3) -> f64, p: DVec3) -> DVec3 {
     gradient(field, p).normalize_or(DVec3::Y)
 }

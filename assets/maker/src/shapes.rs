@@ -1,5 +1,5 @@
-//! The torus and the torus knot: tubes round a closed curve, with texture coordinates that repeat a whole number of times
-//! both round the tube (u) and along it (v), so that hair tiles close without a seam; and balls for eyes.
+//! The torus and the torus knot: tubes around a closed curve. Their texture coordinates repeat a whole number of times
+//! around the tube (u) and along it (v), so that hair tiles close without a seam. Also spheres for eyes.
 
 use core::f64::consts::TAU;
 
@@ -10,17 +10,17 @@ use super::{
     rig::bound_to,
 };
 
-/// Metres of skin in one unit of texture coordinates: of torus, knot and hare, and of the balls of all models.
+/// World length of one unit of texture coordinates, metres: of torus, knot and hare, and of the eyes of all models.
 pub const METRES_PER_UV: f64 = 0.1;
 
-/// A ring of 0.4 m with a tube of 0.16 m: 19 x 15 quads, 570 triangles.
+/// Returns a torus, 0.4 m across with a tube of 0.16 m: 19 x 15 quads, 570 triangles.
 pub fn torus() -> Model {
     let (ring, tube) = (0.2, 0.08);
     let at = move |t: f64| DVec3::new(libm::sin(t) * ring, tube, libm::cos(t) * ring);
     model("Torus", &tube_along(&at, tube, 19, 15, [0.42, 0.24, 0.12]))
 }
 
-/// A (2, 3) torus knot about 0.55 m wide with a tube of 0.09 m: 120 x 12 quads, 2 880 triangles.
+/// Returns a (2, 3) torus knot about 0.55 m wide with a tube of 0.09 m: 120 x 12 quads, 2 880 triangles.
 pub fn knot() -> Model {
     let at = |t: f64| {
         let r = 0.15 + 0.075 * libm::cos(3.0 * t);
@@ -39,15 +39,16 @@ fn model(name: &str, primitive: &Primitive) -> Model {
     }
 }
 
-/// A tube of `radius` metres round the closed curve `at`, whose period is 2 pi, in `rings` even steps of `sides` vertices.
+/// Builds a tube of `radius` metres around the closed curve `at`, whose period is 2 pi, in `rings` even steps of
+/// `sides` vertices.
 fn tube_along(at: &dyn Fn(f64) -> DVec3, radius: f64, rings: usize, sides: usize, color: [f64; 3]) -> Primitive {
     let (parameters, length) = even_steps(at, rings);
     let points: Vec<DVec3> = parameters.iter().map(|&t| at(t)).collect();
     let step = 1e-4;
     let tangents: Vec<DVec3> = parameters.iter().map(|&t| (at(t + step) - at(t - step)).normalize()).collect();
 
-    // Parallel transport: each normal is the last one turned with the tangent (here: projected, which is the same to second
-    // order for small steps, and exact enough because the remaining twist is measured and spread evenly).
+    // Parallel transport: each normal is the previous one, rotated with the tangent. Here it is projected, which is the
+    // same to second order for small steps; the remaining twist is measured and distributed evenly.
     let mut normals = vec![tangents[0].any_orthonormal_vector()];
     for i in 1..=rings {
         let (last, tangent) = (normals[i - 1], tangents[i % rings]);
@@ -64,7 +65,8 @@ fn tube_along(at: &dyn Fn(f64) -> DVec3, radius: f64, rings: usize, sides: usize
         let (p, tangent) = (points[i % rings], tangents[i % rings]);
         for j in 0..=sides {
             let round = j as f64 / sides as f64;
-            // Minus the twist: the last ring then meets the first. The seam's two copies come from the same numbers.
+            // Subtract the twist, so that the last ring meets the first. Both copies of the seam are computed from the
+            // same numbers.
             let (i0, j0) = (i % rings, (j % sides) as f64 / sides as f64);
             let angle = j0 * TAU - twist * i0 as f64 / rings as f64;
             // side x tangent = normal: u, v and the outward normal are right-handed.
@@ -85,7 +87,8 @@ fn tube_along(at: &dyn Fn(f64) -> DVec3, radius: f64, rings: usize, sides: usize
     primitive
 }
 
-/// Parameters of `count` points at even distances along the closed curve, and its length, from 4 096 chords.
+/// Returns the parameters of `count` points at even distances along the closed curve, and its length, from 4 096
+/// chords.
 fn even_steps(at: &dyn Fn(f64) -> DVec3, count: usize) -> (Vec<f64>, f64) {
     let chords = 4096_usize;
     let parameter = |k: usize| k as f64 / chords as f64 * TAU;
@@ -108,7 +111,8 @@ fn even_steps(at: &dyn Fn(f64) -> DVec3, count: usize) -> (Vec<f64>, f64) {
     (parameters, length)
 }
 
-/// Two balls of material `material` with `n` cells along an edge, for an eye on each side, which `eye` gives centre and radii of.
+/// Builds two spheres of material `material` with `n` cells along a cube edge, an eye on each side. `eye` returns the
+/// centre and radii for a side.
 pub fn eyes(material: usize, eye: impl Fn(f64) -> (DVec3, DVec3), n: u32, weights: Weights) -> Primitive {
     let mut eyes = Primitive::new("eyes", material);
     for side in [1.0, -1.0] {
@@ -118,7 +122,7 @@ pub fn eyes(material: usize, eye: impl Fn(f64) -> (DVec3, DVec3), n: u32, weight
     eyes
 }
 
-/// Adds a ball: a cube with `n` cells along an edge, blown up, so that no triangle is a sliver.
+/// Adds a sphere: a cube with `n` cells along an edge, inflated, so that no triangle is a sliver.
 pub fn push_ball(to: &mut Primitive, centre: DVec3, radii: DVec3, n: u32, weights: Weights) {
     let faces = [
         [DVec3::X, DVec3::Y, DVec3::Z],

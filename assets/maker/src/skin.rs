@@ -1,4 +1,5 @@
-//! From a painted mesh to the primitives of a model: normals of the surface, hair-tile coordinates, colours and weights.
+//! Conversion of a painted mesh to the primitives of a model: surface normals, hair-tile coordinates, colours and
+//! weights.
 
 use glam::{DVec3, DVec4};
 
@@ -10,28 +11,28 @@ use super::{
     trimesh::TriMesh,
 };
 
-/// What the skin takes from the body under it.
+/// Functions of the body that determine its mesh surface.
 pub struct Skin<'a> {
     /// Signed distance of the body.
     pub field: &'a dyn Fn(DVec3) -> f64,
-    /// Where hair is combed to.
+    /// Comb direction at a point.
     pub comb: &'a dyn Fn(DVec3) -> DVec3,
-    /// Linear colour, and length of the hair as a share of the longest, of a material at a point with this normal.
+    /// Linear colour and hair length (share of the longest) of a material, at a point with a normal.
     pub color: &'a dyn Fn(usize, DVec3, DVec3) -> DVec4,
-    /// Metres of skin in one unit of texture coordinates.
+    /// World length of one unit of texture coordinates, metres.
     pub metres_per_uv: f64,
 }
 
 impl Skin<'_> {
-    /// One primitive for each of `names`, whose place is the material's number, with the triangles painted with it. `weights` belong to
-    /// the mesh's vertices.
+    /// Builds one primitive per name; the index in `names` is the material. Each has the triangles painted with that
+    /// material. `weights` belong to the mesh's vertices.
     pub fn primitives(&self, regions: &Regions, names: &[&str], weights: &[Weights]) -> anyhow::Result<Vec<Primitive>> {
         let params = ChartParams { metres_per_uv: self.metres_per_uv, ..ChartParams::default() };
         let atlas = charts::make(&regions.mesh, self.comb, &params)?;
         Ok(self.charted(regions, &atlas, names, weights))
     }
 
-    /// The same with given coordinates.
+    /// Builds the primitives as [`Self::primitives`] does, with given texture coordinates.
     pub fn charted(&self, regions: &Regions, atlas: &Atlas, names: &[&str], weights: &[Weights]) -> Vec<Primitive> {
         let mesh = &regions.mesh;
         let normals = self.normals(mesh);
@@ -58,8 +59,8 @@ impl Skin<'_> {
         primitives
     }
 
-    /// The surface's normals. In a crease narrower than the triangles, where the surface's own points away from one of them, it is bent until
-    /// it points away from none.
+    /// Returns the surface normals. In a crease narrower than the triangles, a normal may point away from one of its
+    /// faces. It is then adjusted until it agrees with all faces.
     pub fn normals(&self, mesh: &TriMesh) -> Vec<DVec3> {
         let mut fans = vec![Vec::new(); mesh.positions.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -70,7 +71,7 @@ impl Skin<'_> {
         }
         let bent = |(&p, fan): (&DVec3, &Vec<DVec3>)| {
             let mut n = normal(self.field, p);
-            // As a perceptron learns: towards the face that it fits worst.
+            // As in perceptron learning: move towards the face with the worst fit.
             for _ in 0..64 {
                 let worst = fan.iter().copied().min_by(|a, b| a.dot(n).total_cmp(&b.dot(n)));
                 match worst.filter(|face| face.dot(n) < 0.15) {

@@ -1,4 +1,4 @@
-//! A closed triangle mesh with the adjacency that remeshing and charting need.
+//! Closed triangle mesh with the adjacency needed for remeshing and charting.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
-    /// The zero set of `field` inside the box, by naive surface nets on cubes of `cell` metres (Gibson 1998).
+    /// Meshes the zero set of `field` inside the box by naive surface nets on cubes of `cell` metres (Gibson 1998).
     pub fn from_field(field: &dyn Fn(DVec3) -> f64, low: DVec3, high: DVec3, cell: f64) -> Self {
         let count = ((high - low) / cell).ceil();
         let size = [count.x as u32 + 1, count.y as u32 + 1, count.z as u32 + 1];
@@ -37,18 +37,18 @@ impl TriMesh {
         Self { positions, triangles }
     }
 
-    /// Corner positions of triangle `t`.
+    /// Returns the corner positions of triangle `t`.
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
         self.triangles[t].map(|v| self.positions[v as usize])
     }
 
-    /// Twice the area of triangle `t` times its outward unit normal.
+    /// Returns twice the area of triangle `t` times its outward unit normal.
     pub fn area_normal(&self, t: usize) -> DVec3 {
         let [a, b, c] = self.corners(t);
         (b - a).cross(c - a)
     }
 
-    /// For each triangle the triangles across the edges (0,1), (1,2), (2,0).
+    /// Returns, for each triangle, the triangles across the edges (0,1), (1,2), (2,0).
     ///
     /// Returns the first undirected edge that is not shared by exactly two oppositely directed triangles as an error.
     pub fn neighbours(&self) -> Result<Vec<[u32; 3]>, (u32, u32)> {
@@ -113,11 +113,12 @@ impl TriMesh {
     }
 }
 
-/// Surface nets pinch where signs alternate round a cell's face, as where a slanting limb just grazes it: the smallest of the four then
-/// changes its sign. `size` counts the samples along x, y and z.
+/// Removes alternating signs around a cell's face by changing the sign of the smallest of the four samples. Surface
+/// nets pinch there, for example where a slanting limb just touches the face. `size` is the number of samples along x,
+/// y and z.
 fn part_diagonals(samples: &mut [f32], size: [usize; 3]) {
     let steps = [1, size[0], size[0] * size[1]];
-    // A changed sample may make a neighbouring face alternate; a few rounds are enough.
+    // A changed sample may cause alternation on a neighbouring face; a few rounds are enough.
     for _ in 0..8 {
         let mut changed = false;
         for at in 0..samples.len() {
@@ -143,7 +144,7 @@ fn part_diagonals(samples: &mut [f32], size: [usize; 3]) {
     }
 }
 
-/// Representative of `v` in a union-find forest, halving the path on the way.
+/// Returns the representative of `v` in a union-find forest, halving the path on the way.
 pub fn find(root: &mut [u32], mut v: u32) -> u32 {
     while root[v as usize] != v {
         root[v as usize] = root[root[v as usize] as usize];

@@ -1,10 +1,10 @@
-//! How much memory and time a command may need, before it has ever run and after.
+//! Memory and time estimates of commands, before and after their first run.
 
 use super::kind::Kind;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What commands have needed when they ran last, by the names of their tasks.
+/// Measured cost of the last run of each command, by task name.
 pub type History = BTreeMap<String, Known>;
 
 /// Time and memory of a command.
@@ -20,12 +20,12 @@ pub struct Known {
 const MIB: f64 = 1024.0 * 1024.0;
 
 impl Known {
-    /// What to expect of a command that has never run. The figures are of the models of bake/docs/herd.md, rounded up, on one core of two and lavapipe; the
-    /// first run puts true ones in their place.
+    /// Estimates the cost of a command that has never run. The figures are from the models of bake/docs/herd.md,
+    /// rounded up, on one core of two and lavapipe. The first run replaces them with measured values.
     ///
-    /// * `model_bytes`: of the model's own file
-    /// * `pixels`: of all pictures
-    /// * `samples`: of all pixels, millions
+    /// * `model_bytes`: size of the model's file
+    /// * `pixels`: number of pixels of all pictures
+    /// * `samples`: number of samples of all pixels, millions
     pub fn guess(kind: Kind, model_bytes: u64, pixels: f64, samples: f64) -> Self {
         let model = model_bytes as f64 / MIB;
         let (seconds, mib) = match kind {

@@ -1,4 +1,4 @@
-//! What a herd file may say.
+//! Contents of a herd file.
 
 use super::found::{Found, NAME};
 use super::pattern::{Patterns, base};
@@ -7,36 +7,36 @@ use pelage_stage::{StageError, TomlText};
 use serde::{Deserialize, Deserializer};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is wanted of which models, word for word as the file has it.
+/// Herd file, exactly as parsed: which outputs to make of which models.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HerdFile {
-    /// What the report is called.
+    /// Title of the report.
     pub title: Option<String>,
-    /// Which models there are; at least one.
+    /// Models; at least one.
     #[serde(default, rename = "model")]
     pub models: Vec<Models>,
-    /// With which recipe each is baked.
+    /// Rules that select the recipe of each model.
     #[serde(default, rename = "recipe")]
     pub recipes: Vec<RecipeRule>,
-    /// Which are baked more than once.
+    /// Variants, for models that are baked more than once.
     #[serde(default, rename = "variant")]
     pub variants: Vec<Variant>,
     /// Pictures of each package.
     #[serde(default, rename = "view")]
     pub views: Vec<View>,
-    /// Speed against accuracy.
+    /// Charts of speed against accuracy.
     #[serde(default, rename = "chart")]
     pub charts: Vec<Chart>,
-    /// Pictures over time.
+    /// Sequences: pictures over time.
     #[serde(default, rename = "sequence")]
     pub sequences: Vec<Sequence>,
-    /// All patterns among these.
+    /// Compiled patterns of all tables.
     #[serde(skip)]
     pub rules: Rules,
 }
 
-/// One word or several.
+/// List of words, written as one string or an array.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Words(pub Vec<String>);
 
@@ -55,7 +55,7 @@ impl<'de> Deserialize<'de> for Words {
     }
 }
 
-/// All models.
+/// Returns the pattern of all models.
 fn all() -> Words {
     Words(vec!["**".into()])
 }
@@ -64,42 +64,44 @@ fn all() -> Words {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Models {
-    /// Patterns of their paths, from the herd file's folder.
+    /// Patterns of their paths, relative to the herd file's folder.
     pub files: Words,
-    /// Patterns of those that are none.
+    /// Patterns of files to exclude.
     #[serde(default)]
     pub except: Words,
-    /// They may name files outside their own folders.
+    /// Whether the models may reference files outside their own folders.
     #[serde(default)]
     pub allow_outside: bool,
 }
 
-/// `[[recipe]]`: a rule; of several that fit the last one's file counts, and all their changes, in their order.
+/// `[[recipe]]`: a rule. Of several rules that match, the last one's file is used, and the changes of all of them, in
+/// order.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecipeRule {
-    /// For which models.
+    /// Patterns of the models that the rule applies to.
     #[serde(default = "all")]
     pub models: Words,
-    /// The recipe, from the herd file's folder. `{name}` in it stands for the name of the model's file; then the rule fits where there is such a recipe.
+    /// Recipe file, relative to the herd file's folder. `{name}` in it is replaced by the name of the model's file; the
+    /// rule's file then applies only if it exists.
     pub file: Option<String>,
     /// Keys of the recipe and their values.
     #[serde(default)]
     pub set: toml::Table,
 }
 
-/// `[[variant]]`: models that fit are baked once for each variant, and not without one.
+/// `[[variant]]`: models that match are baked once per variant, and not without one.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variant {
-    /// What it is called; its packages are called so, too.
+    /// Name of the variant, used in the names of its packages.
     pub name: String,
-    /// For which models.
+    /// Patterns of the models that the variant applies to.
     #[serde(default = "all")]
     pub models: Words,
-    /// A recipe in place of that of the rules.
+    /// Recipe that replaces the one of the rules.
     pub file: Option<String>,
-    /// Changes beside those of the rules.
+    /// Changes in addition to those of the rules.
     #[serde(default)]
     pub set: toml::Table,
 }
@@ -108,59 +110,59 @@ pub struct Variant {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct View {
-    /// What it is called; its pictures are called so, too.
+    /// Name of the view, used in the names of its pictures.
     pub name: String,
-    /// Of which models.
+    /// Patterns of the models to draw.
     #[serde(default = "all")]
     pub models: Words,
-    /// Pixels: `"256x256"`.
+    /// Size in pixels: `"256x256"`.
     pub size: Option<String>,
-    /// As `--camera` has it; without it the model is framed.
+    /// Camera, as in `--camera`; by default the model is framed.
     pub camera: Option<String>,
-    /// As `--orbit` has it.
+    /// Orbit, as in `--orbit`.
     pub orbit: Option<String>,
-    /// As `--look-at` has it.
+    /// Target, as in `--look-at`.
     pub look_at: Option<String>,
-    /// A look, from the herd file's folder.
+    /// Look file, relative to the herd file's folder.
     pub look: Option<String>,
     /// Keys of the look and their values.
     #[serde(default)]
     pub set: toml::Table,
-    /// Clip of the animation.
+    /// Animation clip.
     pub clip: Option<String>,
-    /// Time in it, seconds.
+    /// Time in the clip, seconds.
     pub time: Option<f64>,
-    /// Frames of it are timed, so many.
+    /// Number of frames to time.
     pub bench: Option<u32>,
-    /// The true picture beside it.
+    /// Ray-traced reference picture to compare with.
     pub truth: Option<Truth>,
 }
 
-/// `[view.truth]`: the same traced, and how far the picture is from it.
+/// `[view.truth]`: the same view ray traced, and the difference of the picture from it.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Truth {
     /// Samples per pixel.
     pub samples: Option<u32>,
-    /// In how many parts it is traced.
+    /// Number of parts that are traced separately.
     pub parts: Option<u32>,
-    /// As `--fibre` has it.
+    /// Fibre model, as in `--fibre`.
     pub fibre: Option<String>,
-    /// As `--bounces` has it.
+    /// Bounces, as in `--bounces`.
     pub bounces: Option<u32>,
-    /// Largest mean FLIP that is no fault.
+    /// Largest mean FLIP to accept.
     pub max_flip: Option<f64>,
 }
 
-/// `[[chart]]`: a chart of each model, or one without any.
+/// `[[chart]]`: a chart of each matching model, or a single one without a model.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chart {
-    /// As `pelage chart` has it.
+    /// Topic, as in `pelage chart`.
     pub topic: String,
-    /// Of which models; none without it.
+    /// Patterns of the models to chart; without it, one chart without a model.
     pub models: Option<Words>,
-    /// In how many shares its rows are measured.
+    /// Number of shares in which its rows are measured.
     pub shares: Option<u32>,
 }
 
@@ -168,41 +170,41 @@ pub struct Chart {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sequence {
-    /// What it is called; its folder is called so, too.
+    /// Name of the sequence, used for its folder.
     pub name: String,
-    /// Of which models.
+    /// Patterns of the models to draw.
     #[serde(default = "all")]
     pub models: Words,
-    /// The view whose look and camera it has.
+    /// View that supplies look and camera.
     pub view: Option<String>,
-    /// Clip of the animation, in place of the view's.
+    /// Animation clip; replaces the view's.
     pub clip: Option<String>,
-    /// How many pictures.
+    /// Number of pictures.
     pub frames: u32,
-    /// Pictures a second.
+    /// Pictures per second.
     pub fps: Option<u32>,
-    /// In how many shares they are drawn.
+    /// Number of shares in which they are drawn.
     pub shares: Option<u32>,
-    /// The camera goes once around.
+    /// Whether the camera makes one full turn.
     #[serde(default)]
     pub auto_rotate: bool,
-    /// The light goes once around.
+    /// Whether the light makes one full turn.
     #[serde(default)]
     pub turn_light: bool,
 }
 
-/// Most parts or shares of one thing: more would do nothing but begin.
+/// Largest number of parts or shares: with more, start-up would dominate.
 const MOST_SHARES: u32 = 1000;
 
-/// A key, and what is wrong with it.
+/// Key, and the error at it.
 pub(super) type Fault = (String, String);
 
 impl HerdFile {
-    /// Reads a herd file. What only the commands know to be wrong, [`Self::read`] finds.
+    /// Parses a herd file. Errors that need knowledge of the commands are found by [`Self::read`].
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] with line and key for what means nothing, and what contradicts something else.
+    /// [`BakeError::Input`] with line and key for invalid or contradictory content.
     pub fn parse(source: TomlText<'_>) -> Result<Self, BakeError> {
         let mut file: Self = source.parse().map_err(input)?;
         let fault = |(key, reason): Fault| Self::fault(source, &key, reason);
@@ -211,16 +213,17 @@ impl HerdFile {
         file.numbers_fault().map_or(Ok(file), |found| Err(fault(found)))
     }
 
-    /// An error at a key of the file, with its line.
+    /// Creates an error at a key of the file, with its line.
     pub fn fault(source: TomlText<'_>, key: &str, reason: String) -> BakeError {
         input(source.fault(key, reason))
     }
 
-    /// What of it does nothing, as a message each: patterns that fit no model, and recipes by name of which none is there.
+    /// Returns a warning for each entry without effect: patterns that match no model, and recipes by name that no model
+    /// has.
     ///
-    /// * `source`: what it was read from
-    /// * `models`: those that it found
-    /// * `is_file`: whether a file is there, from its folder
+    /// * `source`: source of the herd file, for messages
+    /// * `models`: models that were found
+    /// * `is_file`: returns whether a file exists, relative to the herd file's folder
     pub fn idle(&self, source: TomlText<'_>, models: &[Found], is_file: &dyn Fn(&str) -> bool) -> Vec<String> {
         let rules = &self.rules;
         let fits = |patterns: &Patterns| models.iter().any(|model| patterns.fits(&model.path));
@@ -247,7 +250,7 @@ impl HerdFile {
         idle.into_iter().map(|(key, reason)| Self::fault(source, &key, reason).to_string()).collect()
     }
 
-    /// The recipes that it names, each with its key and the models that it is for.
+    /// Returns the recipe files that are named, each with its key and the patterns of its models.
     pub fn recipe_files(&self) -> impl Iterator<Item = (String, &String, &Patterns)> {
         let rules = self.recipes.iter().map(|rule| &rule.file).zip(&self.rules.recipes).enumerate();
         let variants = self.variants.iter().map(|variant| &variant.file).zip(&self.rules.variants).enumerate();
@@ -256,7 +259,7 @@ impl HerdFile {
         all.filter_map(|(key, (file, patterns))| Some((key, file.as_ref()?, patterns)))
     }
 
-    /// The first name that cannot be.
+    /// Returns the first invalid name.
     fn names_fault(&self) -> Option<Fault> {
         if self.models.is_empty() {
             return Some(("".into(), "found no models, expected [[model]] with files = \"animals/**/*.glb\"".into()));
@@ -276,7 +279,7 @@ impl HerdFile {
             .or_else(|| names("sequence", self.sequences.iter().map(|s| s.name.as_str()).collect()))
     }
 
-    /// The first number, or view, that cannot be.
+    /// Returns the first invalid number or unknown view.
     fn numbers_fault(&self) -> Option<Fault> {
         let views: Vec<&str> = self.views.iter().map(|view| view.name.as_str()).collect();
         let shares = |key: String, shares: Option<u32>| {
@@ -312,30 +315,31 @@ impl HerdFile {
         None
     }
 
-    /// The folders that its models are in, from the file's own, each with the key of the first patterns that look there.
+    /// Returns the folders of its models, relative to the file's own, each with the key of the first patterns that
+    /// search there.
     pub fn folders(&self) -> BTreeMap<String, String> {
         let of = |(i, models): (usize, &Models)| {
             models.files.0.iter().map(|pattern| (base(pattern), format!("model[{i}].files"))).collect::<Vec<_>>()
         };
-        // Of those that have the same folder the first is to be kept.
+        // Reversed, so that the first entry of a folder is kept.
         self.models.iter().enumerate().rev().flat_map(of).collect()
     }
 }
 
-/// The patterns of a herd file, ready to be held against many paths.
+/// Compiled patterns of a herd file, for matching many paths.
 #[derive(Clone, Debug, Default)]
 pub struct Rules {
     models: Vec<Patterns>,
     pub(super) recipes: Vec<Patterns>,
     pub(super) variants: Vec<Patterns>,
     pub(super) views: Vec<Patterns>,
-    /// `None` for a chart without a model.
+    /// Patterns of each chart; `None` for a chart without a model.
     pub(super) charts: Vec<Option<Patterns>>,
     pub(super) sequences: Vec<Patterns>,
 }
 
 impl Rules {
-    /// Reads the patterns of a file, or says which of them is none.
+    /// Compiles the patterns of a file, or returns the first invalid one.
     fn of(file: &HerdFile) -> Result<Self, Fault> {
         let rules = |table: &str, words: Vec<&Words>| {
             let patterns = |(i, words): (usize, &Words)| patterns(format!("{table}[{i}].models"), words);
@@ -358,13 +362,13 @@ impl Rules {
         })
     }
 
-    /// Which `[[model]]` a path is of, if any.
+    /// Returns the index of the `[[model]]` that a path belongs to, if any.
     pub fn model(&self, path: &str) -> Option<usize> {
         self.models.iter().position(|patterns| patterns.fits(path))
     }
 }
 
-/// At least one pattern.
+/// Compiles a list of patterns, at least one.
 fn patterns(key: String, words: &Words) -> Result<Patterns, Fault> {
     if words.0.is_empty() {
         return Err((key, "found no pattern, expected at least one".into()));
@@ -372,7 +376,7 @@ fn patterns(key: String, words: &Words) -> Result<Patterns, Fault> {
     Patterns::new(&words.0).map_err(|reason| (key, reason))
 }
 
-/// Those of `all` whose patterns fit a path.
+/// Returns the items of `all` whose patterns match a path.
 pub(super) fn fitting<'a, T>(
     all: &'a [T],
     rules: &'a [Patterns],

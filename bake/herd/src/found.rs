@@ -2,20 +2,20 @@
 
 use std::path::Path;
 
-/// Stands for the name of a model's file, without its extension, in the name of a recipe.
+/// Placeholder in a recipe's name for the name of the model's file, without its extension.
 pub const NAME: &str = "{name}";
 
-/// A model on disk.
+/// Model on disk.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Found {
-    /// From the herd file's folder, with slashes.
+    /// Path relative to the herd file's folder, with slashes.
     pub path: String,
-    /// Of the file.
+    /// Size of the file, bytes.
     pub bytes: u64,
 }
 
 impl Found {
-    /// A file of its own name: [`NAME`] stands for that.
+    /// Returns `file` with [`NAME`] replaced by the name of the model's file.
     pub(super) fn named(&self, file: &str) -> String {
         file.replace(NAME, &Path::new(&self.path).file_stem().unwrap_or_default().to_string_lossy())
     }

@@ -1,4 +1,4 @@
-//! What commands of a herd do.
+//! Kinds of commands of a herd.
 
 use serde::Serialize;
 
@@ -14,13 +14,13 @@ pub enum Kind {
     Inspect,
     /// Draw a picture.
     Render,
-    /// Trace the true picture.
+    /// Trace a reference picture.
     Truth,
-    /// Trace a part of the true picture.
+    /// Trace a part of a reference picture.
     Part,
-    /// Merge parts of a true picture.
+    /// Merge parts of a reference picture.
     Merge,
-    /// Compare a picture with the true one.
+    /// Compare a picture with the reference picture.
     Compare,
     /// Draw a share of a sequence.
     Sequence,

@@ -1,7 +1,8 @@
-//! Many models at once: what a herd file asks for, as a graph of commands for engines that people already run.
+//! Batch processing of many models: turns a herd file into a graph of commands for existing execution engines.
 //!
-//! Nothing here runs anything. [`file`](HerdFile) reads what is wanted, [`plan`](Plan) says which commands that takes, what each reads and writes and how
-//! much memory it may need, [`ninja`] and [`slurm`] write it down for those engines, and [`report`](Report) puts what became of it on one page.
+//! Nothing here runs a command. [`file`](HerdFile) reads the request, [`plan`](Plan) computes the commands with their
+//! inputs, outputs and expected memory. [`ninja`] and [`slurm`] write the plan for those engines, and
+//! [`report`](Report) summarises the results on one page.
 
 mod estimate;
 mod file;

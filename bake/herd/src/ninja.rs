@@ -1,35 +1,36 @@
-//! A plan as Ninja reads it.
+//! Ninja build files of a plan.
 
 use super::kind::Kind;
 use super::plan::{Plan, Task};
 use super::shell::{shell_line, shell_word};
 use std::fmt::Write as _;
 
-/// Variables of the environment that say how many threads a command has beside its options: one, because cores are for several commands at once, and what is
-/// drawn by software takes all of them otherwise.
+/// Environment variables that set the number of threads of a command, besides its options. The value is one, because
+/// several commands run at once and software rendering would use all cores otherwise.
 pub const THREADS: [&str; 2] = ["RAYON_NUM_THREADS", "LP_NUM_THREADS"];
 
-/// How Ninja shall begin a line about a command (`NINJA_STATUS`): how many are over of how many.
+/// Prefix of Ninja's status lines (`NINJA_STATUS`): finished and total commands.
 pub const STATUS: &str = "[%f/%t] ";
 
-/// How many commands run at once.
+/// Concurrency limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
-    /// Commands at once, at least 1.
+    /// Number of concurrent commands, at least 1.
     pub jobs: u32,
-    /// Commands at once that need more memory than [`Self::light_bytes`], at least 1.
+    /// Number of concurrent commands that need more memory than [`Self::light_bytes`], at least 1.
     pub heavy: u32,
-    /// What a command may need that is none of these.
+    /// Largest memory of a command that is not heavy, bytes.
     pub light_bytes: u64,
-    /// What one of them needs that does not even fit alone; 0 where all do.
+    /// Memory of the largest command if it exceeds the total, bytes; 0 if all fit.
     pub too_large: u64,
 }
 
 impl Room {
-    /// As many commands as cores and memory allow: half of the memory is shared by those that need little, and the other half by those that need more.
+    /// Computes the limits that cores and memory allow. Half of the memory is shared by light commands, the other half
+    /// by heavy ones.
     ///
-    /// * `jobs`: at most so many
-    /// * `memory_bytes`: for all of them
+    /// * `jobs`: maximum number of concurrent commands
+    /// * `memory_bytes`: total memory
     pub fn of(tasks: &[&Task], jobs: u32, memory_bytes: u64) -> Self {
         let jobs = jobs.max(1);
         let light_bytes = memory_bytes / 2 / u64::from(jobs);
@@ -45,21 +46,21 @@ impl Room {
     }
 }
 
-/// What a build file says beside the plan.
+/// Settings of a build file besides the plan.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings<'a> {
-    /// The program, as an absolute path.
+    /// Absolute path of the program.
     pub tool: &'a str,
-    /// Folder of what was made before.
+    /// Cache folder.
     pub cache: Option<&'a str>,
-    /// Where Ninja keeps its own files.
+    /// Folder of Ninja's own files.
     pub own: &'a str,
-    /// How many at once.
+    /// Concurrency limits.
     pub room: Room,
 }
 
-/// The build file of those tasks. What they read and none of them makes has to be there. It names no target for all of them: Ninja looks through all inputs of
-/// one each time that one of them is made.
+/// Returns the build file of `tasks`. Inputs that none of the tasks makes must exist. The file has no target for all
+/// tasks: Ninja would check all of that target's inputs whenever one of them is made.
 pub fn text(tasks: &[&Task], settings: &Settings<'_>) -> String {
     let Settings { tool, cache, own, room } = settings;
     let mut text = format!(
@@ -84,7 +85,7 @@ pub fn text(tasks: &[&Task], settings: &Settings<'_>) -> String {
         let rule = if task.depfile.is_some() { "read" } else { "run" };
         let inputs: String = task.inputs.iter().map(|input| format!(" {}", path(input))).collect();
         let _ = writeln!(text, "build {}{aside}: {rule}{inputs} | {}", files.join(" "), path(tool));
-        // The tool's own name is the rule's.
+        // The first word is the tool's name, which the rule supplies.
         let words = task.command(*cache);
         let _ = writeln!(text, "  words = {}\n  task = {}", value(&shell_line(&words[1..])), value(&task.name));
         let _ = task.depfile.iter().try_for_each(|depfile| writeln!(text, "  depfile = {}", value(depfile)));
@@ -95,12 +96,12 @@ pub fn text(tasks: &[&Task], settings: &Settings<'_>) -> String {
     text
 }
 
-/// The tasks of a plan that may run at the same time: not those that are timed, which want a quiet machine.
+/// Returns the tasks of a plan that may run concurrently: all but benchmarks, which need an idle machine.
 pub fn untimed(plan: &Plan) -> Vec<&Task> {
     plan.tasks.iter().filter(|task| task.kind != Kind::Bench).collect()
 }
 
-/// A path in a build line.
+/// Escapes a path for a build line.
 fn path(path: &str) -> String {
     let mut word = String::new();
     for letter in path.chars() {
@@ -112,7 +113,7 @@ fn path(path: &str) -> String {
     word
 }
 
-/// The value of a variable.
+/// Escapes the value of a variable.
 fn value(text: &str) -> String {
     text.replace('$', "$$").replace('\n', "$\n")
 }

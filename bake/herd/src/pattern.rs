@@ -1,8 +1,8 @@
-//! Patterns of paths: `animals/**/*.glb`.
+//! Path patterns: `animals/**/*.glb`.
 
 use fast_glob::glob_match;
 
-/// Patterns of which one has to fit, and others of which none may.
+/// Patterns of which at least one must match, and exclusions of which none may.
 #[derive(Clone, Debug, Default)]
 pub struct Patterns {
     fit: Vec<String>,
@@ -10,25 +10,26 @@ pub struct Patterns {
 }
 
 impl Patterns {
-    /// Reads patterns. `*` stands for letters of a name, `**` for folders; a pattern without a slash is one of names, in whatever folder.
+    /// Parses patterns. `*` matches characters within a name, `**` matches folders. A pattern without a slash matches
+    /// names in any folder.
     ///
     /// # Errors
     ///
-    /// Which of them is none, and why.
+    /// Invalid pattern, and the reason.
     pub fn new(fit: &[String]) -> Result<Self, String> {
         Ok(Self { fit: matchers(fit)?, except: Vec::new() })
     }
 
-    /// The same, but for what fits one of `except`.
+    /// Adds exclusions: paths that match one of `except` do not match.
     ///
     /// # Errors
     ///
-    /// As [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn but(self, except: &[String]) -> Result<Self, String> {
         Ok(Self { except: matchers(except)?, ..self })
     }
 
-    /// Whether a path fits, as it is written from the herd file's folder, with slashes.
+    /// Returns true if a path matches, written relative to the herd file's folder, with slashes.
     pub fn fits(&self, path: &str) -> bool {
         let any = |patterns: &[String]| patterns.iter().any(|pattern| glob_match(pattern, path));
         any(&self.fit) && !any(&self.except)
@@ -43,7 +44,7 @@ fn matcher(pattern: &str) -> Result<String, String> {
     let whole = if pattern.contains('/') { pattern.to_owned() } else { format!("**/{pattern}") };
     let whole = whole.strip_prefix("./").unwrap_or(&whole);
     for (open, close) in [('[', ']'), ('{', '}')] {
-        // A bracket behind a backslash, or one inside the others, is rare in paths; a pattern that has one is taken as it is.
+        // Escaped or nested brackets are rare in paths; patterns with them are not checked.
         if !whole.contains('\\') && whole.matches(open).count() > whole.matches(close).count() {
             return Err(format!("{pattern:?}: the bracket `{open}` is never closed by `{close}`"));
         }
@@ -51,14 +52,14 @@ fn matcher(pattern: &str) -> Result<String, String> {
     Ok(whole.to_owned())
 }
 
-/// The folder that all paths of a pattern are in, as far as it names one; empty for the herd file's own.
+/// Returns the longest fixed folder prefix of a pattern; empty for the herd file's own folder.
 pub fn base(pattern: &str) -> String {
     let mut steps: Vec<&str> = pattern.split('/').collect();
-    // What is left is a name.
+    // The last step is a name.
     steps.pop();
     let plain = steps.iter().take_while(|step| !step.contains(['*', '?', '[', '{'])).count();
     let base = steps[..plain].join("/");
-    // An absolute pattern begins with nothing before its slash.
+    // The first step of an absolute pattern is empty.
     if base.is_empty() && pattern.starts_with('/') { "/".into() } else { base }
 }
 

@@ -1,4 +1,4 @@
-//! The commands that a herd takes, and what each reads and writes.
+//! Commands of a herd with their inputs and outputs.
 
 use super::estimate::{History, Known};
 use super::file::{Chart, HerdFile, Sequence, Truth, Variant, View, fitting};
@@ -11,26 +11,26 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// What a plan is made of.
+/// Input of a plan.
 #[derive(Clone, Copy)]
 pub struct Told<'a> {
-    /// The herd file's name and text, for messages.
+    /// Name and text of the herd file, for messages.
     pub source: TomlText<'a>,
-    /// What it says.
+    /// Parsed herd file.
     pub file: &'a HerdFile,
-    /// The models, in the order of their paths.
+    /// Models, in the order of their paths.
     pub models: &'a [Found],
-    /// The folder that everything is written into, from the herd file's.
+    /// Output folder, relative to the herd file's folder.
     pub out: &'a str,
-    /// Keys of looks that mean nothing to a truth, such as `fur.layers`.
+    /// Keys of looks without effect on a reference picture, such as `fur.layers`.
     pub only_drawn: &'a [&'a str],
-    /// What commands have needed before.
+    /// Measured cost of earlier runs.
     pub history: &'a History,
-    /// Whether a file is there, from the herd file's folder.
+    /// Returns whether a file exists, relative to the herd file's folder.
     pub is_file: &'a dyn Fn(&str) -> bool,
 }
 
-/// A command of a herd, with its inputs and outputs.
+/// Command of a herd, with its inputs and outputs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Task {
@@ -44,15 +44,15 @@ pub struct Task {
     pub view: Option<String>,
     /// Arguments after `pelage`.
     pub words: Vec<String>,
-    /// Files that it reads; its depfile lists the ones that it finds itself.
+    /// Input files known in advance; the depfile lists those that the command discovers itself.
     pub inputs: Vec<String>,
-    /// Files that it writes.
+    /// Output files.
     pub outputs: Vec<String>,
-    /// File that its record is written to.
+    /// File of its record.
     pub record: String,
-    /// File that lists everything it has read.
+    /// Depfile: lists all files that the command has read.
     pub depfile: Option<String>,
-    /// Whether it is a part of something large, which several machines share.
+    /// Whether the task is a part of a large job that several machines share.
     #[serde(skip)]
     pub part: bool,
     /// Expected time and memory.
@@ -60,7 +60,7 @@ pub struct Task {
 }
 
 impl Task {
-    /// All words of its command, with those that builds want. Timings are never kept.
+    /// Returns the whole command line, including the options for builds. Timings and `inspect` are never cached.
     pub fn command(&self, cache: Option<&str>) -> Vec<String> {
         let mut words = vec!["pelage".to_owned()];
         words.extend(self.words.iter().cloned());
@@ -78,7 +78,7 @@ impl Task {
     }
 }
 
-/// A model in one variant: a row of the report.
+/// Model in one variant: a row of the report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
@@ -94,35 +94,35 @@ pub struct Row {
     pub package: String,
 }
 
-/// All of it.
+/// Whole plan of a herd.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Plan {
-    /// The folder that everything is written into, from the herd file's.
+    /// Output folder, relative to the herd file's folder.
     pub out: String,
-    /// The models.
+    /// Rows: models in their variants.
     pub rows: Vec<Row>,
-    /// The commands; what one reads is made by one before it.
+    /// Commands, in dependency order.
     pub tasks: Vec<Task>,
 }
 
 impl Plan {
-    /// Where a herd keeps what is nobody's result.
+    /// Returns the folder of internal files of a herd.
     pub fn own_folder(out: &str) -> String {
         join(out, ".herd")
     }
 
-    /// A file without the folder that all of them are in.
+    /// Returns a file's path relative to the output folder.
     pub fn inside<'a>(&self, file: &'a str) -> &'a str {
         file.strip_prefix(self.out.as_str()).unwrap_or(file).trim_start_matches('/')
     }
 
-    /// Which task makes each file.
+    /// Returns the index of the task that makes each file.
     pub fn makers(&self) -> BTreeMap<&str, usize> {
         self.tasks.iter().enumerate().flat_map(|(i, task)| task.outputs.iter().map(move |o| (o.as_str(), i))).collect()
     }
 }
 
-/// A path below another.
+/// Joins a folder and a name.
 pub(super) fn join(folder: &str, name: &str) -> String {
     if folder.is_empty() || folder == "." {
         name.to_owned()
@@ -131,11 +131,11 @@ pub(super) fn join(folder: &str, name: &str) -> String {
     }
 }
 
-/// Says which commands a herd takes.
+/// Computes the commands of a herd.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] in the herd file: no model fits, or two of one name.
+/// [`BakeError::Input`] in the herd file: no model matches, or two outputs have the same name.
 pub fn plan(told: &Told<'_>) -> Result<Plan, BakeError> {
     if told.models.is_empty() {
         return Err(fault(told, "model", "no file fits these patterns, expected at least one model".into()));
@@ -180,7 +180,8 @@ fn fault(told: &Told<'_>, key: &str, reason: String) -> BakeError {
     HerdFile::fault(told.source, key, reason)
 }
 
-/// Names of models: their paths without what leads out of the herd's folder, and without extensions where these do not tell models apart.
+/// Returns the names of models: their paths without leading `..` and the like, and without extensions unless these are
+/// needed to distinguish models.
 fn names(models: &[Found]) -> Vec<String> {
     let inside = |path: &str| {
         let steps: Vec<&str> = path.split('/').filter(|step| !matches!(*step, "" | "." | "..")).collect();
@@ -192,25 +193,25 @@ fn names(models: &[Found]) -> Vec<String> {
     models.iter().map(|m| Some(stem(&m.path)).filter(|s| count[s] == 1).unwrap_or_else(|| inside(&m.path))).collect()
 }
 
-/// Adds the tasks of one model in one variant.
+/// Builder of the tasks of one model in one variant.
 struct Planner<'a, 'p> {
     told: &'a Told<'a>,
     plan: &'p mut Plan,
     model: &'a Found,
-    /// What its files are called.
+    /// Base name of its files.
     called: &'a str,
 }
 
-/// A model that is charted: as it is baked.
+/// Model of a chart, as it is baked.
 struct Charted<'a> {
     row: usize,
-    /// The model, and its recipe.
+    /// Paths of the model and its recipe.
     inputs: &'a [String],
-    /// Words that say the recipe.
+    /// Arguments that specify the recipe.
     making: &'a [String],
 }
 
-/// A task before its record and depfile have names.
+/// Task before its record and depfile have names.
 #[derive(Default)]
 struct Draft {
     kind: Kind,
@@ -219,11 +220,11 @@ struct Draft {
     words: Vec<String>,
     inputs: Vec<String>,
     outputs: Vec<String>,
-    /// Stands for it among the herd's own files.
+    /// Base path of its record and depfile in the herd's internal folder.
     place: String,
-    /// Whether it may read files that nobody knows yet.
+    /// Whether it may read files that are not known in advance.
     finds_more: bool,
-    /// Whether it is a part of something large, which goes apart.
+    /// Whether it is a part of a large job that several machines share.
     part: bool,
     pixels: f64,
     samples: f64,
@@ -233,12 +234,12 @@ fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
-/// Words without the keys that they come from.
+/// Returns the arguments without their keys.
 fn options(words: Vec<Word>) -> impl Iterator<Item = String> {
     words.into_iter().map(|(_, word)| word)
 }
 
-/// Pixels of a size such as `256x256`; those of the default where there is none.
+/// Returns the number of pixels of a size such as `256x256`, or of the default size.
 fn pixels(size: Option<&str>) -> f64 {
     let sides = size.and_then(|size| size.split_once(['x', 'X']));
     let sides = sides.and_then(|(w, h)| Some(w.trim().parse::<f64>().ok()? * h.trim().parse::<f64>().ok()?));
@@ -284,7 +285,7 @@ impl Planner<'_, '_> {
         }
         let mut bake = words(&["bake", path, "-o", &package]);
         bake.extend(making.iter().cloned());
-        // Cores are for several commands at once.
+        // One thread, because several commands run at once.
         bake.extend(words(&["--threads", "1"]));
         let inputs: Vec<String> = [path.to_owned()].into_iter().chain(recipe.clone()).collect();
         let row = self.plan.rows.len();
@@ -328,7 +329,7 @@ impl Planner<'_, '_> {
         }
     }
 
-    /// A recipe by its name, in which [`NAME`] stands for the model's: then it counts where there is such a file.
+    /// Resolves a recipe file. If [`NAME`] occurs in it, the model's name replaces it, and the file must exist.
     fn recipe_file(&self, file: &str) -> Option<String> {
         if !file.contains(NAME) {
             return Some(file.to_owned());
@@ -336,7 +337,7 @@ impl Planner<'_, '_> {
         Some(self.model.named(file)).filter(|file| (self.told.is_file)(file))
     }
 
-    /// What a picture of a package reads, as far as anybody knows.
+    /// Returns the known inputs of a picture of a package.
     fn seen(view: &View, package: &str) -> Vec<String> {
         [package.to_owned()].into_iter().chain(view.look.clone()).collect()
     }
@@ -372,7 +373,7 @@ impl Planner<'_, '_> {
         self.add(Draft { words: command, inputs: vec![picture, traced], outputs: vec![map], ..compared }, Some(row));
     }
 
-    /// The true picture of a view, in one piece or in parts; its file.
+    /// Adds the reference picture of a view, in one piece or in parts; returns its file.
     fn truth(&mut self, view: &View, truth: &Truth, row: usize, package: &str) -> String {
         let (told, called) = (self.told, self.called);
         let place = format!("truths/{called}.{}", view.name);
@@ -429,7 +430,7 @@ impl Planner<'_, '_> {
         let pattern = self.out(&format!("{folder}/%04d.png"));
         let (count, shares) = (sequence.frames, sequence.shares.unwrap_or(1));
         for share in 0..shares {
-            // As even as whole pictures can be.
+            // Distributed as evenly as whole pictures allow.
             let at = |share: u32| (u64::from(count) * u64::from(share) / u64::from(shares)) as u32;
             let (first, end) = (at(share), at(share + 1));
             let mut command = words(&["render", package, "-o", &pattern]);

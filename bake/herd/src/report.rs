@@ -1,4 +1,4 @@
-//! What became of a herd, on one page.
+//! Report of a herd's results, on one page.
 
 use super::kind::Kind;
 use super::plan::{Plan, Row, Task};
@@ -8,61 +8,61 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
-/// The page; its data are put into it.
+/// Template of the page, with placeholders for its data.
 const PAGE: &str = include_str!("report.html");
 
-/// What became of a command, as it has recorded itself.
+/// Outcome of a command, from its record.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub struct Became {
-    /// How it ended.
+    /// Exit code.
     pub exit_code: u8,
-    /// Wall-clock.
+    /// Wall-clock time, seconds.
     pub seconds: f64,
-    /// Its largest memory, where the system says so.
+    /// Peak memory, bytes; `None` where the system does not report it.
     pub peak_bytes: Option<u64>,
-    /// It was made before, and taken from a cache.
+    /// Whether the result is a cache hit.
     #[serde(default)]
     pub cached: bool,
-    /// Its result.
+    /// Result of the command.
     #[serde(default)]
     pub result: Value,
-    /// Why there is none.
+    /// Error message, if it failed.
     pub error: Option<String>,
 }
 
-/// The exit code of a comparison that found more than its limit.
+/// Exit code of a comparison whose difference exceeds its limit.
 const DIFFERENT: u8 = 7;
 
-/// Whether all is well with a task.
+/// State of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// It is done.
+    /// Finished.
     Done,
-    /// It found a difference above its limit.
+    /// Difference above its limit.
     Differs,
-    /// It failed.
+    /// Failed.
     Failed,
-    /// It did not run, because something before it failed.
+    /// Not run, because a task that it depends on failed.
     Missing,
 }
 
-/// What became of all of them.
+/// Outcomes of all tasks of a plan.
 #[derive(Clone, Debug)]
 pub struct Report<'a> {
     plan: &'a Plan,
     became: &'a [Option<Became>],
-    /// Of each task.
+    /// State of each task.
     pub states: Vec<State>,
 }
 
 impl<'a> Report<'a> {
-    /// Reads what became of the tasks of a plan, in its order; `None` for one that left no word.
+    /// Computes the states of a plan's tasks from their outcomes, in its order; `None` for a task without a record.
     pub fn new(plan: &'a Plan, became: &'a [Option<Became>]) -> Self {
         let mut broken: BTreeSet<&str> = BTreeSet::new();
         let mut states = Vec::new();
         for (task, became) in plan.tasks.iter().zip(became) {
             let state = match became {
-                // What was made of what is not there any more is of a run before.
+                // Output made from missing inputs is left over from an earlier run.
                 _ if task.inputs.iter().any(|input| broken.contains(input.as_str())) => State::Missing,
                 None => State::Missing,
                 Some(Became { exit_code: 0, .. }) => State::Done,
@@ -77,12 +77,12 @@ impl<'a> Report<'a> {
         Self { plan, became, states }
     }
 
-    /// How many tasks are in that state.
+    /// Returns the number of tasks in a state.
     pub fn count(&self, state: State) -> usize {
         self.states.iter().filter(|found| **found == state).count()
     }
 
-    /// Tasks that failed or found a difference: number, exit code and why. The former first.
+    /// Returns the tasks that failed, then those with a difference: index, exit code and reason.
     pub fn failures(&self) -> Vec<(usize, u8, String)> {
         let of = |state: State| {
             let tasks = self.states.iter().enumerate().filter(move |(_, found)| **found == state);
@@ -94,15 +94,16 @@ impl<'a> Report<'a> {
         of(State::Failed).chain(of(State::Differs)).collect()
     }
 
-    /// The page.
+    /// Returns the page.
     ///
-    /// * `title`: what the herd is called
-    /// * `adapter`: what has drawn, where something has
-    /// * `picture`: a small copy of a picture as an address of its own, `data:image/jpeg;base64,…`; `None` where there is no such file
+    /// * `title`: title of the report
+    /// * `tool`: name and version of the tool
+    /// * `picture`: returns a small copy of a picture as a data URL, `data:image/jpeg;base64,…`; `None` if the file
+    ///   does not exist
     ///
     /// # Errors
     ///
-    /// [`BakeError::Internal`] where its data cannot be written.
+    /// [`BakeError::Internal`] if the data cannot be serialized.
     pub fn page(
         &self,
         title: &str,
@@ -191,12 +192,12 @@ impl<'a> Report<'a> {
     }
 }
 
-/// What a model is called with its variant.
+/// Returns the name of a model with its variant.
 fn called(row: &Row) -> String {
     row.variant.as_ref().map_or_else(|| row.name.clone(), |variant| format!("{}.{variant}", row.name))
 }
 
-/// Why a task is not done.
+/// Returns the reason that a task is not done.
 fn why(task: &Task, became: Option<&Became>) -> String {
     let Some(became) = became else { return "it left no word".into() };
     if let Some(error) = &became.error {
@@ -212,12 +213,12 @@ fn why(task: &Task, became: Option<&Became>) -> String {
     if limits.is_empty() { format!("{} ended with {}", task.name, became.exit_code) } else { limits.join("; ") }
 }
 
-/// Letters as HTML has them.
+/// Escapes text for HTML.
 fn text(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// What is known of a row.
+/// Data of a row.
 struct RowData<'a, 'r> {
     report: &'r Report<'a>,
     tasks: &'r [usize],
@@ -318,7 +319,7 @@ impl RowData<'_, '_> {
         names.map(of).collect()
     }
 
-    /// Of all its parts.
+    /// Returns the time of a reference picture, all its parts included, seconds.
     fn truth_seconds(&self, view: Option<&str>) -> f64 {
         let tasks = self.tasks.iter().filter(|i| {
             let task = &self.report.plan.tasks[**i];
@@ -328,7 +329,7 @@ impl RowData<'_, '_> {
     }
 }
 
-/// Levels of detail as `inspect` has them.
+/// Returns the levels of detail from the result of `inspect`.
 fn levels(inspect: &Value) -> Vec<Value> {
     let what = |level: &Value| match level["step"].as_u64().unwrap_or(0) {
         0 => "the coat alone".to_owned(),
@@ -388,7 +389,7 @@ mod tests {
         });
         let baked = json!({ "bytes": 7, "warnings": ["odd"] });
         let fox = [became(0, baked), became(0, json!({ "adapter": "a" })), became(0, json!({})), became(7, flip)];
-        // What the wolf's pictures say is of a run before.
+        // The records of the wolf's pictures are left over from an earlier run.
         let wolf = [became(3, Value::Null), became(0, json!({})), became(0, json!({})), None];
         let all: Vec<_> = fox.into_iter().chain(wolf).collect();
         let report = Report::new(&plan, &all);

@@ -1,7 +1,8 @@
-//! A plan as Slurm runs it: stages of shards, each an array job whose tasks run Ninja on a few commands.
+//! Slurm jobs of a plan: stages of shards, each an array job whose tasks run Ninja on a few commands.
 //!
-//! A task of Slurm takes about a second to begin, and a command often no longer than that: so a shard has several. Ninja knows in each what is done and what
-//! is not, wherever a node died. No two shards write the same file, and each has a log of its own.
+//! A Slurm task takes about a second to start, often as long as a command, so a shard contains several commands. Ninja
+//! knows which commands of a shard are done, even after a node failure. No two shards write the same file, and each has
+//! its own log.
 
 use super::kind::Kind;
 use super::ninja::{STATUS, THREADS};
@@ -9,44 +10,45 @@ use super::plan::Plan;
 use super::shell::shell_word;
 use std::collections::BTreeMap;
 
-/// Shards that may run at the same time; a stage begins when the one before is over.
+/// Shards that may run concurrently; a stage starts when the one before has finished.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stage {
-    /// What it is called.
+    /// Name of the stage.
     pub name: &'static str,
-    /// Its shards, in the order of their numbers.
+    /// Shards, in the order of their numbers.
     pub shards: Vec<Shard>,
 }
 
-/// Commands that one task of an array runs.
+/// Commands that one task of an array job runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shard {
-    /// Its number in its stage.
+    /// Number within the stage.
     pub number: usize,
-    /// Numbers of its tasks.
+    /// Indices of its tasks in the plan.
     pub tasks: Vec<usize>,
 }
 
-/// In which shard each task was, by their names: Ninja knows what is done where it was done.
+/// Shard of each task in an earlier run, by task name; Ninja's state is kept per shard.
 pub type Placed = BTreeMap<String, usize>;
 
-/// What a shard asks of the farm.
+/// Resources requested from Slurm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Demand {
-    /// Memory of the dearest command, and a half more.
+    /// Memory of the largest command plus half, and 256 MiB.
     pub mebibytes: u64,
-    /// Minutes of all its commands one after another, three times over, and a few for a slow start.
+    /// Three times the duration of all commands in sequence, plus five minutes for a slow start.
     pub minutes: u64,
 }
 
-/// Names of the stages, in their order: models and pictures; parts of large things; what is made of the parts; and what is timed, alone on a node.
+/// Names of the stages, in order: models and pictures; parts of large jobs; results assembled from the parts;
+/// benchmarks, alone on a node.
 const STAGES: [&str; 4] = ["models", "parts", "wholes", TIMED];
 
-/// The stage whose shards want a node for themselves.
+/// Stage whose shards need exclusive nodes.
 pub const TIMED: &str = "timed";
 
-/// Divides a plan into stages, and those into shards of about as many seconds as `seconds`. All commands of one model are in one shard of their stage, and
-/// those that were in one before stay there.
+/// Divides a plan into stages, and those into shards of about `seconds` seconds. All commands of one model are in one
+/// shard of their stage. Commands with a shard in `known` stay there.
 pub fn stages(plan: &Plan, seconds: f64, known: &Placed) -> Vec<Stage> {
     let makers = plan.makers();
     let mut stage_of = vec![0_usize; plan.tasks.len()];
@@ -56,7 +58,7 @@ pub fn stages(plan: &Plan, seconds: f64, known: &Placed) -> Vec<Stage> {
         stage_of[i] = match task.kind {
             Kind::Bench => 3,
             _ if task.part => 1,
-            // What is made of parts waits for all of them.
+            // Results assembled from parts wait for all of them.
             _ if before == 1 => 2,
             _ => before,
         };
@@ -64,7 +66,7 @@ pub fn stages(plan: &Plan, seconds: f64, known: &Placed) -> Vec<Stage> {
     let stage = |(number, name): (usize, &'static str)| {
         let mut of_row: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
         for (i, task) in plan.tasks.iter().enumerate().filter(|(i, _)| stage_of[*i] == number) {
-            // Parts of one thing go apart; that is what they are for.
+            // Parts of one job go to different shards, to run in parallel.
             let row = if number == 1 { Some(plan.rows.len() + i) } else { task.row };
             of_row.entry(row).or_default().push(i);
         }
@@ -90,44 +92,44 @@ pub fn stages(plan: &Plan, seconds: f64, known: &Placed) -> Vec<Stage> {
     STAGES.into_iter().enumerate().map(stage).filter(|stage| !stage.shards.is_empty()).collect()
 }
 
-/// In which shard each task is.
+/// Returns the shard of each task.
 pub fn known(plan: &Plan, stages: &[Stage]) -> Placed {
     let shards = stages.iter().flat_map(|stage| &stage.shards);
     let tasks = shards.flat_map(|shard| shard.tasks.iter().map(|task| (*task, shard.number)));
     tasks.map(|(task, shard)| (plan.tasks[task].name.clone(), shard)).collect()
 }
 
-/// What the shards of a stage ask for; all tasks of an array ask for the same.
+/// Returns the resources of the shards of a stage; all tasks of an array request the same.
 pub fn demand(plan: &Plan, stage: &Stage) -> Demand {
     let expected = |shard: &'_ Shard| shard.tasks.iter().map(|i| plan.tasks[*i].expected).collect::<Vec<_>>();
     let shards: Vec<_> = stage.shards.iter().map(expected).collect();
     let peak = shards.iter().flatten().map(|known| known.peak_bytes).max().unwrap_or(0);
     let seconds = shards.iter().map(|all| all.iter().map(|known| known.seconds).sum()).fold(0.0, f64::max);
-    // Files that are read and written count as memory on many farms.
+    // Many clusters count page cache as memory.
     Demand { mebibytes: ((peak + peak / 2) >> 20) + 256, minutes: (3.0 * seconds / 60.0).ceil() as u64 + 5 }
 }
 
-/// How a stage is run.
+/// Parameters of a stage's job script.
 #[derive(Clone, Copy, Debug)]
 pub struct Script<'a> {
-    /// Its name.
+    /// Name of the stage.
     pub stage: &'a str,
-    /// The folder that commands run in, absolute.
+    /// Absolute working directory of the commands.
     pub folder: &'a str,
-    /// Where its build files are, from there, as `models-0.ninja`.
+    /// Folder of its build files, relative to `folder`; files are named like `models-0.ninja`.
     pub files: &'a str,
-    /// How often what failed is tried again.
+    /// Number of retries of failed commands.
     pub retries: u32,
     /// Further options of `sbatch`.
     pub options: &'a [String],
-    /// What it asks for.
+    /// Requested resources.
     pub demand: Demand,
-    /// It wants a node for itself.
+    /// Whether it needs exclusive nodes.
     pub exclusive: bool,
 }
 
 impl Script<'_> {
-    /// The script of an array job: task `$SLURM_ARRAY_TASK_ID` runs the build file of that number in `shards`.
+    /// Returns the script of an array job: task `$SLURM_ARRAY_TASK_ID` runs the build file of that number in `shards`.
     pub fn text(&self) -> String {
         let Self { stage, folder, files, retries, options, demand, exclusive } = self;
         let (folder, files) = (shell_word(folder), shell_word(files));
@@ -213,7 +215,7 @@ mod tests {
             stages.iter().flat_map(|stage| &stage.shards).flat_map(|shard| shard.tasks.clone()).collect();
         all.sort_unstable();
         assert_eq!(all, (0..plan.tasks.len()).collect::<Vec<_>>());
-        // Whatever commands turn out to need, they stay where they were; what is new comes into shards of its own.
+        // Known commands stay in their shards whatever their cost; new ones get new shards.
         let known = known(&plan, &stages);
         plan.tasks.iter_mut().for_each(|task| task.expected.seconds = 1.0);
         assert_eq!(super::stages(&plan, 60.0, &known), stages);

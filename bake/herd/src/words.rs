@@ -1,21 +1,21 @@
-//! What the tables of a herd file are on a command line, and whether a command takes it.
+//! Conversion of herd file tables to command-line arguments, and their validation.
 
 use super::file::{Fault, HerdFile, Sequence, Truth, View};
 use pelage_import::BakeError;
 use pelage_stage::TomlText;
 
-/// Who knows which words commands take.
+/// Validators of command-line arguments.
 #[derive(Clone, Copy)]
 pub struct Judge<'a> {
-    /// Keys of looks that mean nothing to a truth, such as `fur.layers`.
+    /// Keys of looks without effect on a reference picture, such as `fur.layers`.
     pub only_drawn: &'a [&'a str],
-    /// Why `pelage` refuses such a command line, if it does.
+    /// Returns the reason that `pelage` refuses a command line, if it does.
     pub refusal: &'a dyn Fn(&[String]) -> Option<String>,
-    /// Why `bake --set` refuses such a change, if it does.
+    /// Returns the reason that `bake --set` refuses a change, if it does.
     pub recipe: &'a dyn Fn(&str) -> Option<String>,
 }
 
-/// A key of a table, and the word that it is on a command line.
+/// Key of a table, and its command-line argument.
 pub(super) type Word = (String, String);
 
 fn word(key: &str, option: &str, value: Option<impl ToString>) -> Option<Word> {
@@ -23,7 +23,7 @@ fn word(key: &str, option: &str, value: Option<impl ToString>) -> Option<Word> {
 }
 
 impl View {
-    /// Its options as `render` has them.
+    /// Returns the options for `render`.
     pub(super) fn words(&self) -> Vec<Word> {
         let words = [
             word("size", "size", self.size.as_ref()),
@@ -39,7 +39,7 @@ impl View {
         words.into_iter().flatten().chain(sets).collect()
     }
 
-    /// As [`Self::words`], without keys of the look that mean nothing to a truth.
+    /// Returns [`Self::words`] without keys of the look that have no effect on a reference picture.
     pub(super) fn traced(&self, only_drawn: &[&str]) -> Vec<Word> {
         let drawn = |word: &Word| word.0.strip_prefix("set.").is_some_and(|key| only_drawn.contains(&key));
         self.words().into_iter().filter(|word| !drawn(word)).collect()
@@ -47,7 +47,7 @@ impl View {
 }
 
 impl Truth {
-    /// Its options as `reference` has them.
+    /// Returns the options for `reference`.
     pub(super) fn words(&self) -> Vec<Word> {
         let words = [
             word("samples", "samples", self.samples),
@@ -59,25 +59,25 @@ impl Truth {
 }
 
 impl Sequence {
-    /// Its options as `render` has them, beside those of its view.
+    /// Returns the options for `render`, in addition to those of the view.
     pub(super) fn words(&self) -> Vec<Word> {
         word("fps", "fps", self.fps).into_iter().collect()
     }
 }
 
-/// Words that change a recipe, as `bake` has them.
+/// Returns the options of `bake` that change a recipe.
 pub(super) fn sets(table: &toml::Table) -> impl Iterator<Item = String> {
     assignments(table).into_iter().flat_map(|set| ["--set".to_owned(), set])
 }
 
-/// Tables as the command line has them: `hair.length_m=0.02`.
+/// Flattens tables to command-line assignments: `hair.length_m=0.02`.
 fn assignments(table: &toml::Table) -> Vec<String> {
     fn add(prefix: &str, table: &toml::Table, all: &mut Vec<String>) {
         for (key, value) in table {
             let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
             match value {
                 toml::Value::Table(inner) => add(&key, inner, all),
-                // Words are typed without their quotes.
+                // Strings are written without their quotes.
                 toml::Value::String(word) => all.push(format!("{key}={word}")),
                 other => all.push(format!("{key}={other}")),
             }
@@ -85,7 +85,7 @@ fn assignments(table: &toml::Table) -> Vec<String> {
     }
     let mut all = Vec::new();
     add("", table, &mut all);
-    // Builds differ in whether a table keeps its order, and a command must not.
+    // Sorted, because whether tables keep their order depends on the build.
     all.sort();
     all
 }
@@ -95,18 +95,18 @@ fn key_of(assignment: &str) -> &str {
 }
 
 impl HerdFile {
-    /// Reads a herd file, and holds its words against the commands that have them.
+    /// Reads a herd file, and validates its values with the commands that take them.
     ///
     /// # Errors
     ///
-    /// As [`Self::parse`]; [`BakeError::Input`] with line and key, too, for what a command would refuse.
+    /// Same as [`Self::parse`]; also [`BakeError::Input`] with line and key for values that a command would refuse.
     pub fn read(source: TomlText<'_>, judge: &Judge<'_>) -> Result<Self, BakeError> {
         let file = Self::parse(source)?;
         let fault = file.words_fault(judge);
         fault.map_or(Ok(file), |(key, reason)| Err(Self::fault(source, &key, reason)))
     }
 
-    /// The first word that a command would refuse.
+    /// Returns the first value that a command would refuse.
     fn words_fault(&self, judge: &Judge<'_>) -> Option<Fault> {
         let recipes = self.recipes.iter().enumerate().map(|(i, rule)| (format!("recipe[{i}]"), &rule.set));
         let variants = self.variants.iter().enumerate().map(|(i, variant)| (format!("variant[{i}]"), &variant.set));
@@ -115,7 +115,7 @@ impl HerdFile {
             .or_else(|| self.trials(judge.only_drawn).into_iter().find_map(|trial| trial.fault(judge.refusal)))
     }
 
-    /// Commands that have all words of the file between them which a command line can judge.
+    /// Returns trial commands that together contain all values of the file that a command line can validate.
     fn trials(&self, only_drawn: &[&str]) -> Vec<Trial> {
         let render = ["render", "a.pelage", "-o", "a.png"];
         let reference = ["reference", "a.pelage", "-o", "a.png"];
@@ -143,10 +143,10 @@ impl HerdFile {
     }
 }
 
-/// A command that would refuse a word which is wrong.
+/// Command line that validates values of one table.
 struct Trial {
     command: Vec<String>,
-    /// The table that its words are of.
+    /// Table that its values come from.
     place: String,
     words: Vec<Word>,
 }
@@ -164,13 +164,13 @@ impl Trial {
             refusal(&command.iter().cloned().chain(words).collect::<Vec<_>>())
         };
         let alone = |word: &Word| refused(std::slice::from_ref(word)).map(|why| (format!("{place}.{}", word.0), why));
-        // All is well with nearly all of them, and that takes one look.
+        // Nearly all values are valid, and this checks all of them at once.
         let together = refused(words)?;
         Some(words.iter().find_map(alone).unwrap_or_else(|| (place.clone(), together)))
     }
 }
 
-/// The first key of a recipe that means nothing, or cannot be that.
+/// Returns the first recipe key that is unknown or has an invalid value.
 fn recipe_fault(place: &str, set: &toml::Table, judge: &Judge<'_>) -> Option<Fault> {
     assignments(set).iter().find_map(|set| Some((format!("{place}.set.{}", key_of(set)), (judge.recipe)(set)?)))
 }

@@ -1,22 +1,23 @@
-//! Accessors (glTF 2.0, section 3.6.2), read with every range checked against the bytes there are.
+//! Accessors (glTF 2.0, section 3.6.2); every range is checked against the available bytes.
 
 use super::elements::{Component, Elements, WHOLE, width_of};
 use super::json::At;
 use super::source::Source;
 use crate::BakeError;
 
-/// Bytes of an accessor without data: as many positions as a package may have vertices.
+/// Maximum size of an accessor without data, bytes: as many positions as a package may have vertices.
 const MAX_ZEROS: u64 = 12 << 24;
 
 impl<'a> Source<'a, '_> {
-    /// Number of elements of the accessor that `reference` names, without reading them.
+    /// Returns the number of elements of the accessor that `reference` names, without reading them.
     pub fn accessor_count(&self, reference: &At<'a>) -> Result<u64, BakeError> {
         let (_, at) = self.root.referred("accessors", reference)?;
         at.require("count")?.unsigned()
     }
 
-    /// Reads the accessor that `reference` names. Faults of the accessor stand at the accessor; one of a wrong type, compared
-    /// with `widths` and `components`, stands at the reference.
+    /// Reads the accessor that `reference` names.
+    ///
+    /// Errors point at the accessor; a type that does not match `widths` and `components` is reported at the reference.
     pub fn accessor(
         &mut self,
         reference: &At<'a>,
@@ -55,7 +56,7 @@ impl<'a> Source<'a, '_> {
                 }
                 packed(view.bytes, offset, stride, size, count).map_err(|reason| at.fault(reason))?
             }
-            // Without a view the elements are zero. No bytes of the file bound their number, so this does.
+            // Without a view the elements are zero. The file's size does not limit their number, so `MAX_ZEROS` does.
             None => {
                 let bytes = count.checked_mul(size as u64).filter(|bytes| *bytes <= MAX_ZEROS);
                 let limit = MAX_ZEROS / size as u64;
@@ -72,7 +73,7 @@ impl<'a> Source<'a, '_> {
         Ok(elements)
     }
 
-    /// Sparse storage: single elements that replace the ones read before.
+    /// Applies sparse storage: replaces single elements of `elements`.
     fn replace_sparse(&mut self, sparse: &At<'a>, elements: &mut Elements) -> Result<(), BakeError> {
         let count = sparse.require("count")?.unsigned()?;
         let size = elements.width * elements.component.size();
@@ -102,7 +103,7 @@ impl<'a> Source<'a, '_> {
     }
 }
 
-/// Copies `count` elements of `size` bytes out of `bytes`.
+/// Copies `count` elements of `size` bytes, `stride` bytes apart, out of `bytes`.
 fn packed(bytes: &[u8], offset: u64, stride: usize, size: usize, count: u64) -> Result<Vec<u8>, String> {
     let have = bytes.len() as u64;
     let need = match count {

@@ -1,13 +1,13 @@
-//! Angles of vectors, the same bits on every platform: glam asks `std`, which asks the system's library.
+//! Angles between vectors with the same bits on every platform: glam uses `std`, which uses the system's math library.
 
 use glam::{DVec3, Mat2, Vec2};
 
-/// The angle between two vectors of any length, 0..=π; NaN where one has none.
+/// Returns the angle between two vectors of any length, 0..=π; NaN if either has length 0.
 pub fn between(a: DVec3, b: DVec3) -> f64 {
     libm::acos((a.dot(b) / (a.length_squared() * b.length_squared()).sqrt()).clamp(-1.0, 1.0))
 }
 
-/// The rotation by `angle_rad` from x towards y.
+/// Returns the rotation by `angle_rad` from x towards y.
 pub fn rotation(angle_rad: f32) -> Mat2 {
     let (sin, cos) = libm::sincosf(angle_rad);
     Mat2::from_cols(Vec2::new(cos, sin), Vec2::new(-sin, cos))

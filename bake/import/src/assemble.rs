@@ -1,4 +1,4 @@
-//! From nodes with meshes to one mesh: baked to world space where nothing moves, else bound to joints.
+//! Assembly of the meshes of all nodes into one mesh: in world space if nothing moves, else bound to joints.
 
 use super::clips;
 use super::drawn;
@@ -19,19 +19,20 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// A mesh as one node shows it.
+/// A mesh as shown by one node.
 struct Instance<'a> {
     /// Node of the document; `None` in a document without nodes.
     node: Option<usize>,
-    /// Number of the skin.
+    /// Index of the skin.
     skin: Option<usize>,
-    /// Names of node and mesh, without empty ones.
+    /// Names of the node and the mesh, without empty ones.
     names: Vec<String>,
     primitives: Rc<Vec<Primitive<'a>>>,
 }
 
 impl Instance<'_> {
-    /// Adds its morph targets to those of the model, and says which of them is its first. Without node, as without targets, it has none.
+    /// Adds the instance's morph targets to those of the model and returns the index of the first; `None` without a
+    /// node or targets.
     fn first_target(
         &self,
         tree: &Tree<'_>,
@@ -51,7 +52,7 @@ impl Instance<'_> {
     }
 }
 
-/// Reads the scene.
+/// Reads the scene of a glTF document into a `Model`.
 pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) -> Result<Model, BakeError> {
     let tree = Tree::read(source)?;
     let root = Mat4::from_scale(Vec3::splat(options.unit_m));
@@ -68,7 +69,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         within_limits(&primitive.at, vertices, indices)?;
     }
 
-    // Every node that a vertex may follow, if the model turns out to move.
+    // Every node that a vertex may follow if the model moves.
     let mut followed = Vec::new();
     for instance in &instances {
         for primitive in instance.primitives.iter() {
@@ -124,7 +125,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     })
 }
 
-/// The nodes that have a name, in their order: children after their parents.
+/// Returns the named nodes in tree order, parents first.
 fn named(tree: &Tree<'_>, world: &[Mat4]) -> Vec<NamedPlace> {
     let place = |node: &usize| NamedPlace {
         name: tree.nodes[*node].at.name().to_owned(),
@@ -135,7 +136,7 @@ fn named(tree: &Tree<'_>, world: &[Mat4]) -> Vec<NamedPlace> {
     tree.order.iter().filter(of_document).map(place).filter(is_one).collect()
 }
 
-/// Reads the mesh of each node of the scene; one that several nodes show alike is read once.
+/// Reads the mesh of each node of the scene; a mesh that several nodes show in the same form is read once.
 fn instances<'a>(
     source: &mut Source<'a, '_>,
     tree: &Tree<'a>,
@@ -175,13 +176,15 @@ fn instances<'a>(
     Ok(instances)
 }
 
-/// Those that are not empty.
+/// Returns the names that are not empty.
 fn names<const N: usize>(names: [&str; N]) -> Vec<String> {
     names.into_iter().filter(|name| !name.is_empty()).map(str::to_owned).collect()
 }
 
-/// A document without nodes is a library of meshes, of which a viewer shows nothing. A file with one animal in it and no scene is
-/// more likely to come from a careless exporter, so all meshes are shown where they are.
+/// Reads all meshes of a document without nodes, where they are.
+///
+/// By the specification such a document is a library of meshes and shows nothing. A file with one animal and no scene
+/// more likely comes from a careless exporter.
 fn library<'a>(source: &mut Source<'a, '_>, gathered: &mut Gathered) -> Result<Vec<Instance<'a>>, BakeError> {
     let Some(meshes) = source.root.get("meshes") else { return Ok(Vec::new()) };
     source.warn("the file has no nodes; all its meshes are shown as they are");
@@ -195,7 +198,7 @@ fn library<'a>(source: &mut Source<'a, '_>, gathered: &mut Gathered) -> Result<V
     Ok(instances)
 }
 
-/// First joint and number of joints that a primitive can follow.
+/// Returns the first joint and the number of joints that a primitive can follow.
 fn joint_range<'a>(
     joints: &mut Joints,
     tree: &Tree<'a>,
@@ -210,7 +213,8 @@ fn joint_range<'a>(
     }
 }
 
-/// Numbers the nodes that joints hang on and their ancestors, parents first. A unit other than a metre becomes a root of its own.
+/// Numbers the nodes of the joints and their ancestors, parents first. A unit other than a metre adds a root node of
+/// its own.
 fn number_nodes(tree: &Tree<'_>, joints: &Joints, options: &ImportOptions) -> (Vec<Option<u32>>, Vec<Node>) {
     let mut kept = vec![false; tree.nodes.len()];
     for (node, _) in &joints.list {
@@ -244,18 +248,18 @@ fn number_nodes(tree: &Tree<'_>, joints: &Joints, options: &ImportOptions) -> (V
     (numbers, nodes)
 }
 
-/// Where the vertices of a primitive go.
+/// Placement of a primitive's vertices.
 #[derive(Clone, Copy)]
 enum Placed {
-    /// To world space, for good.
+    /// Baked to world space by this matrix.
     At(Mat4),
-    /// They stay, and follow joints `first .. first + count`.
+    /// Kept in mesh space, bound to joints `first .. first + count`.
     Bound { first: usize, count: usize },
 }
 
 struct Builder<'a> {
     mesh: Mesh,
-    /// The primitive and the vertices of each part.
+    /// Primitive and vertex range of each part.
     places: Vec<(At<'a>, Range<usize>)>,
     /// Whether the normals of each part come from the file.
     authored: Vec<bool>,
@@ -300,7 +304,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Appends the joints and weights of each vertex.
+/// Appends the joints and weights of each vertex to `skin`.
 fn bind(primitive: &Primitive<'_>, first: usize, count: usize, skin: &mut Vec<SkinVertex>) -> Result<(), BakeError> {
     let Some(influences) = primitive.influences.as_ref() else {
         let rigid = SkinVertex { joints: [first as u16, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] };
@@ -326,7 +330,7 @@ fn bind(primitive: &Primitive<'_>, first: usize, count: usize, skin: &mut Vec<Sk
     Ok(())
 }
 
-/// Transforms of finite numbers may leave the range of floats.
+/// Checks that all positions at rest are finite: transforms of finite numbers may overflow.
 fn check_finite(rest: &RestPose, places: &[(At<'_>, Range<usize>)]) -> Result<(), BakeError> {
     for (at, vertices) in places {
         let positions = &rest.positions[vertices.clone()];

@@ -7,11 +7,13 @@ use crate::BakeError;
 use pelage_formats::{Channel, Clip, Interpolation, Limits, MorphChannel, Property};
 use std::collections::BTreeMap;
 
-/// Clips, and the curves in them that move morph targets.
+/// Clips, and their curves that drive morph weights.
 pub(super) type Clips = (Vec<Clip>, Vec<MorphChannel>);
 
-/// Reads all clips. Only channels that move a node with a number in `numbers` (from the document's nodes to the package's), or the weights of a node with
-/// morph targets (its number in the document, the first of them and how many), are kept, and only clips with such a channel.
+/// Reads all clips. Clips without any kept channel are dropped. Kept channels move:
+///
+/// * a node with a number in `numbers` (document index to package index)
+/// * the weights of a node in `morphed` (document node, index of its first target, number of targets)
 pub(super) fn read<'a>(
     source: &mut Source<'a, '_>,
     numbers: &[Option<u32>],
@@ -85,29 +87,29 @@ fn replaces(channel: &At<'_>) -> String {
     format!("{} moves the same property as a channel before; it replaces that", channel.place)
 }
 
-/// What a channel moves.
+/// Target property of a channel.
 enum Moves {
     Node(Property),
-    /// The weights of its node's morph targets.
+    /// Weights of the node's morph targets.
     Weights,
 }
 
-/// How many numbers a value of a curve has.
+/// Size of one value of a curve.
 #[derive(Clone, Copy)]
 enum Width {
     Property(Property),
-    /// One for each of so many morph targets, each an element of its own.
+    /// Number of morph targets; each weight is stored as an element of its own.
     Weights(usize),
 }
 
-/// Keys and what lies between them.
+/// Keyframes and their interpolation.
 struct Curve {
     interpolation: Interpolation,
     times: Vec<f32>,
     values: Vec<f32>,
 }
 
-/// Node of the document and what of it a channel moves, or `None` for one that is left out.
+/// Returns the target node (document index) and property of a channel, or `None` if the channel is left out.
 fn target<'a>(source: &mut Source<'a, '_>, channel: &At<'a>, clip: &str) -> Result<Option<(usize, Moves)>, BakeError> {
     let target = channel.require("target")?;
     let path = target.require("path")?;
@@ -170,7 +172,7 @@ fn read_curve<'a>(
         let (found, expected) = (elements.count, times.len() * per_key);
         return Err(output.fault(format!("has {found} elements, expected {expected} for {} keys", times.len())));
     }
-    // Rotations and weights in integers are fractions of 1 by definition; other integers only where the accessor says so.
+    // Integer rotations and weights are fractions of 1 by definition; other integers only if the accessor says so.
     let values = elements.reals(fractions && elements.component != Component::F32);
     if let Some(i) = values.iter().position(|v| !v.is_finite()) {
         return Err(output.fault(format!("element {} is not finite, expected finite numbers", i / width)));
@@ -179,7 +181,7 @@ fn read_curve<'a>(
     Ok(Curve { interpolation, times, values })
 }
 
-/// Drops keys that do not come after the key before them.
+/// Drops keys whose time is not after that of the previous key.
 fn rising<'a>(
     source: &mut Source<'a, '_>,
     input: &At<'a>,

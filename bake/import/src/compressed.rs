@@ -1,4 +1,4 @@
-//! Primitives packed with KHR_draco_mesh_compression.
+//! Decoding of primitives compressed with KHR_draco_mesh_compression.
 
 use super::elements::{Component, Elements, width_of};
 use super::json::At;
@@ -7,8 +7,8 @@ use crate::BakeError;
 use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
 use pelage_formats::Limits;
 
-/// Unpacks the primitive at `primitive`, whose extension stands at `at`: puts the elements of its accessors into
-/// [`Source::supplied`] and gives the corners of its triangles.
+/// Decodes the primitive at `primitive`, whose extension is at `at`. Puts the elements of its accessors into
+/// [`Source::supplied`] and returns the corners of its triangles.
 pub(super) fn unpack_primitive<'a>(
     source: &mut Source<'a, '_>,
     primitive: &At<'a>,
@@ -43,7 +43,7 @@ pub(super) fn unpack_primitive<'a>(
             )));
         }
         source.count_unpacked(at, (points * width * 4) as u64)?;
-        // Floats hold all integers that glTF uses here: joints, and normalized fractions of 16 bits.
+        // Floats represent all integers that glTF uses here exactly: joints, and normalized fractions of 16 bits.
         let values = attribute.read_f32s(points, width);
         source.supplied.insert(index, Elements::from_reals(&values, width, component, accessor.flag("normalized")?));
     }

@@ -1,34 +1,34 @@
-//! What kind of file it is, and the two chunks of a GLB (glTF 2.0, chapter 4 "GLB File Format Specification").
+//! Detection of the file format, and the two chunks of a GLB (glTF 2.0, chapter 4 "GLB File Format Specification").
 //!
-//! What is in a file decides, not its name: exporters and people name files wrongly. Only where a text begins with nothing that
-//! tells (a comment, an empty line, a slip in its first statement) does the name `.obj` count.
+//! The contents decide, not the name: files are often named wrongly. The extension `.obj` counts only if the beginning
+//! of a text does not identify it (a comment, an empty line, a mistake in its first statement).
 
 use super::notes::Notes;
 use super::obj;
 use crate::BakeError;
 use std::path::Path;
 
-/// The formats that can be read.
+/// File formats that can be read.
 #[derive(Debug, PartialEq)]
 pub(super) enum Kind<'a> {
     Gltf(Container<'a>),
     Obj,
 }
 
-/// The parts of a glTF file.
+/// Parts of a glTF file.
 #[derive(Debug, PartialEq)]
 pub(super) struct Container<'a> {
     pub json: &'a [u8],
-    /// Where `json` begins in the file.
+    /// Byte offset of `json` in the file.
     pub json_offset: usize,
-    /// The BIN chunk of a GLB.
+    /// BIN chunk of a GLB.
     pub bin: Option<&'a [u8]>,
 }
 
 const CONVERT: &str =
     "expected glTF 2.0 (.gltf or .glb) or OBJ; other formats can be converted, for example with Blender's glTF export";
 
-/// Tells the format of `bytes`, and splits them if it is glTF.
+/// Detects the format of `bytes`, and splits glTF into its parts.
 pub(super) fn split<'a>(file: &str, bytes: &'a [u8], notes: &mut Notes) -> Result<Kind<'a>, BakeError> {
     let fail = |at: usize, reason: String| {
         Err(BakeError::Input { file: file.to_owned(), place: format!("byte {at}"), reason })
@@ -67,7 +67,7 @@ fn has_extension(file: &str, extension: &str) -> bool {
     Path::new(file).extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// Type and contents.
+/// Type and contents of a GLB chunk.
 type Chunk<'a> = ([u8; 4], &'a [u8]);
 
 fn split_glb<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>, (usize, String)> {
@@ -103,7 +103,7 @@ fn split_glb<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>, (u
     }
     let mut at = 20 + json.len();
     let mut bin = None;
-    // The binary chunk must come second; kinds that are not known are skipped wherever they stand.
+    // The binary chunk must come second; unknown chunk types are skipped anywhere.
     while at < length {
         let (kind, body) = chunk(at)?;
         match &kind {
@@ -115,7 +115,7 @@ fn split_glb<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>, (u
         }
         at += 8 + body.len();
     }
-    // The standard pads with spaces; some exporters use zeros.
+    // The standard pads with spaces; some exporters pad with zeros.
     let padding = json.iter().rev().take_while(|b| **b == 0).count();
     Ok(Container { json: &json[..json.len() - padding], json_offset: 20, bin })
 }

@@ -1,4 +1,4 @@
-//! Attributes have one element per vertex.
+//! Checks of the number of elements of attributes: one per vertex.
 
 use super::elements::REAL;
 use super::json::At;
@@ -17,7 +17,7 @@ pub(super) fn same_count<'a>(
     Ok(source.accessor(reference, widths, REAL)?.reals(normalized))
 }
 
-/// Checks the number of elements of an attribute, before they are read.
+/// Checks the number of elements of an attribute before they are read.
 pub(super) fn check_count<'a>(source: &Source<'a, '_>, reference: &At<'a>, vertices: usize) -> Result<(), BakeError> {
     let found = source.accessor_count(reference)?;
     if found == vertices as u64 {

@@ -1,7 +1,7 @@
-//! Lines and empty nodes that somebody drew into a model to say how its hair is combed.
+//! Lines and empty nodes in a model that define the comb direction of its hair.
 //!
-//! In Blender that is a curve made a mesh, or an empty with a single arrow. Its exporter turns local z, along which the arrow points, into y of the
-//! node; so an empty node points along its own +y.
+//! In Blender these are curves converted to meshes, or empties displayed as single arrows. Blender's exporter turns
+//! local z, along which the arrow points, into the node's y; an empty node therefore points along its own +y.
 
 use super::elements::REAL;
 use super::json::At;
@@ -15,20 +15,21 @@ use crate::BakeError;
 use crate::mesh::DrawnComb;
 use glam::{Mat4, Vec3};
 
-/// What names of such nodes and meshes begin with, in any case.
+/// Prefix of the names of such nodes and meshes, in any case.
 const COMB: &str = "comb";
 
-/// Whether lines of a node or mesh of that name say how hair is combed.
+/// Returns whether lines of a node or mesh with this name define the comb direction.
 pub(super) fn combs(name: &str) -> bool {
     name.get(..COMB.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(COMB))
 }
 
-/// Whether an empty node of that name does: what a joint of a cock's comb may be called does not.
+/// Returns whether an empty node with this name defines the comb direction; stricter than `combs`, because a joint of a
+/// cock's comb may begin with the same word.
 fn points(name: &str) -> bool {
     combs(name) && name.chars().nth(COMB.len()).is_none_or(|next| matches!(next, '_' | '.' | '-' | ' '))
 }
 
-/// Reads them, in world space at rest.
+/// Reads the comb lines and empties of a document, in world space at rest.
 ///
 /// * `world`: transforms of all nodes at rest
 pub(super) fn drawn<'a>(
@@ -41,7 +42,7 @@ pub(super) fn drawn<'a>(
     let mut found = Vec::new();
     let mut counted = Counted::default();
     if tree.nodes.is_empty() {
-        // As the rest of such a file: all meshes where they are.
+        // Without nodes all meshes are shown where they are, as in the rest of the import.
         let meshes = source.root.get("meshes").map(|meshes| meshes.entries()).transpose()?;
         for mesh in meshes.into_iter().flatten().filter(|mesh| combs(mesh.name())) {
             let place = |_: usize, p: Vec3| Some(root.transform_point3(p));
@@ -78,7 +79,7 @@ pub(super) fn drawn<'a>(
     Ok(found)
 }
 
-/// One per node: whether it is a joint of a skin.
+/// Returns for each node whether it is a joint of a skin.
 fn joint_nodes<'a>(source: &Source<'a, '_>, tree: &Tree<'a>) -> Result<Vec<bool>, BakeError> {
     let mut are = vec![false; tree.nodes.len()];
     let Some(skins) = source.root.get("skins") else { return Ok(are) };
@@ -99,7 +100,7 @@ fn read_empty(source: &mut Source<'_, '_>, at: &At<'_>, world: Mat4, found: &mut
     }
 }
 
-/// The primitives of a mesh that hold lines and have places.
+/// Returns the primitives of a mesh that hold lines and have positions.
 fn line_primitives<'a>(mesh: &At<'a>) -> Result<Vec<At<'a>>, BakeError> {
     let mut found = Vec::new();
     for at in mesh.require("primitives")?.entries()? {
@@ -111,7 +112,7 @@ fn line_primitives<'a>(mesh: &At<'a>) -> Result<Vec<At<'a>>, BakeError> {
     Ok(found)
 }
 
-/// Reads the lines of a primitive; `place` puts a vertex, by its number and its position, into the world.
+/// Reads the lines of a primitive; `place` maps a vertex (index, position) to world space.
 fn read_lines<'a>(
     source: &mut Source<'a, '_>,
     counted: &mut Counted,
@@ -140,12 +141,12 @@ fn read_lines<'a>(
     Ok(())
 }
 
-/// Points with the direction of the line at each, from its first point to its last; `None` where it has none.
+/// Returns the points with the direction of the line at each, from first to last; `None` if the line has no length.
 fn along(points: &[Vec3]) -> Option<Vec<(Vec3, Vec3)>> {
     let last = points.len().checked_sub(1).filter(|last| *last > 0)?;
     let mut directions = (0..=last).map(|i| (points[(i + 1).min(last)] - points[i.saturating_sub(1)]).try_normalize());
     let first = directions.clone().flatten().next()?;
-    // Where a line turns back on itself it goes on as it went.
+    // Where a line doubles back on itself, the previous direction is kept.
     let mut before = first;
     let directions: Vec<Vec3> = directions
         .by_ref()
@@ -157,7 +158,8 @@ fn along(points: &[Vec3]) -> Option<Vec<(Vec3, Vec3)>> {
     Some(points.iter().copied().zip(directions).collect())
 }
 
-/// For each vertex of a primitive the matrix that its joints move it by at rest; `None` where it has no joints and follows its node.
+/// Returns for each vertex of a primitive the matrix of its joints at rest; `None` if the primitive has no joints and
+/// follows its node.
 fn skinned<'a>(
     source: &mut Source<'a, '_>,
     at: &At<'a>,

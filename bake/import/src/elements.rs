@@ -1,4 +1,4 @@
-//! The elements of an accessor once they are read: tightly packed, as stored.
+//! Elements of an accessor after reading: tightly packed, as stored.
 
 use super::json::At;
 use crate::BakeError;
@@ -47,25 +47,25 @@ impl Component {
     }
 }
 
-/// The elements of an accessor, tightly packed, as stored.
+/// Elements of an accessor, tightly packed, as stored.
 #[derive(Debug)]
 pub(super) struct Elements {
     pub count: usize,
-    /// Components of an element.
+    /// Number of components of an element.
     pub width: usize,
     pub component: Component,
     pub normalized: bool,
     pub bytes: Vec<u8>,
 }
 
-/// The component types of floating-point data: floats, and what KHR_mesh_quantization adds.
+/// Component types of floating-point data: floats, and the types that KHR_mesh_quantization adds.
 pub(super) const REAL: &[Component] = &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
 
-/// The component types of indices.
+/// Component types of indices.
 pub(super) const WHOLE: &[Component] = &[Component::U8, Component::U16, Component::U32];
 
 impl Elements {
-    /// Elements of `width` numbers each, to be stored as `component`: integers as they are, not as fractions.
+    /// Packs elements of `width` numbers each, stored as `component`: integers are stored by value, not as fractions.
     pub fn from_reals(values: &[f32], width: usize, component: Component, normalized: bool) -> Self {
         let bytes = match component {
             Component::F32 => values.iter().flat_map(|v| v.to_le_bytes()).collect(),
@@ -78,8 +78,8 @@ impl Elements {
         Self { count: values.len() / width, width, component, normalized, bytes }
     }
 
-    /// As floats; integers are divided by their maximum where the accessor says `normalized` or `always` is set
-    /// (glTF 2.0, section 3.11).
+    /// Returns all components as floats. Integers are divided by their maximum if the accessor says `normalized` or if
+    /// `always` is set (glTF 2.0, section 3.11).
     pub fn reals(&self, always: bool) -> Vec<f32> {
         let fraction = self.normalized || always;
         let over = |x: f32, max: f32| if fraction { (x / max).max(-1.0) } else { x };
@@ -93,7 +93,7 @@ impl Elements {
         }
     }
 
-    /// As whole numbers. Only for the types in [`WHOLE`].
+    /// Returns all components as whole numbers; only for the types in [`WHOLE`].
     pub fn wholes(&self) -> Vec<u32> {
         match self.component {
             Component::U8 | Component::I8 => self.map(|b| u8::from_le_bytes(b).into()),
@@ -108,12 +108,12 @@ impl Elements {
     }
 }
 
-/// Groups a flat list into vectors of `N`.
+/// Groups a flat list into arrays of `N` numbers.
 pub(super) fn grouped<const N: usize>(flat: &[f32]) -> impl ExactSizeIterator<Item = [f32; N]> + '_ {
     flat.as_chunks::<N>().0.iter().copied()
 }
 
-/// Components of an element of the type at `at`.
+/// Returns the number of components of an element of the type at `at`.
 pub(super) fn width_of(at: &At<'_>) -> Result<usize, BakeError> {
     Ok(match at.string()? {
         "SCALAR" => 1,
@@ -121,7 +121,7 @@ pub(super) fn width_of(at: &At<'_>) -> Result<usize, BakeError> {
         "VEC3" => 3,
         "VEC4" => 4,
         "MAT4" => 16,
-        // Their columns are padded to four bytes; nothing that is read here uses them.
+        // Columns of these types are padded to four bytes; no attribute read here uses them.
         "MAT2" | "MAT3" => return Err(at.expected("SCALAR, VEC2, VEC3, VEC4 or MAT4 here")),
         _ => return Err(at.expected("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
     })

@@ -1,50 +1,51 @@
-//! The error type of the offline crates: importer, baker, truth and herd.
+//! Error type of the offline crates: importer, baker, truth and herd.
 
 use pelage_formats::FormatError;
 use std::path::PathBuf;
 
-/// What stopped a bake, by who is at fault. Each variant says which file, where in it, what was found and what was expected.
+/// Error of an offline crate, by cause. Each variant says which file, where in it, what was found and what was
+/// expected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BakeError {
-    /// The file system refused (exit code 2).
+    /// A file system operation failed (exit code 2).
     #[error("{}: cannot {action}: {source}", path.display())]
     Io {
-        /// The file or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What was tried: `read`, `write`, `create`, `rename`, …
+        /// Attempted operation: `read`, `write`, `create`, `rename`, …
         action: &'static str,
-        /// The system's answer.
+        /// Error returned by the system.
         source: std::io::Error,
     },
-    /// A model, image, recipe or unpacked folder is not what it should be (exit code 3).
+    /// A model, image, recipe or unpacked folder is invalid (exit code 3).
     #[error("{file}: {place}: {reason}")]
     Input {
-        /// The file as the user named it.
+        /// File as named by the user.
         file: String,
-        /// Byte offset (`byte 20`), JSON pointer (`/meshes/0/primitives/1`), line of an OBJ (`line 7`), or recipe key with line
-        /// (`line 3, hair.length_m`).
+        /// Position in the file: byte offset (`byte 20`), JSON pointer (`/meshes/0/primitives/1`), line of an OBJ
+        /// (`line 7`), or recipe key with line (`line 3, hair.length_m`).
         place: String,
-        /// What was found and what was expected, and where it helps, what to do.
+        /// Found and expected, and a remedy where there is one.
         reason: String,
     },
     /// A package is damaged, too new, or not a package (exit code 3).
     #[error("{file}: {source}")]
     Package {
-        /// The file as the user named it.
+        /// File as named by the user.
         file: String,
         /// Section, offset, found and expected.
         source: FormatError,
     },
-    /// A stage was called with parameters outside their range (exit code 3 when they came from a recipe).
+    /// A stage was called with parameters outside their range (exit code 3 if they came from a recipe).
     #[error("{what}: {reason}")]
     Params {
-        /// The parameter, as in the recipe: `hair.length_m`.
+        /// Parameter as in the recipe: `hair.length_m`.
         what: &'static str,
-        /// What was found and what was expected.
+        /// Found and expected.
         reason: String,
     },
-    /// Something that should not happen, whatever the input (exit code 5).
+    /// Internal error, independent of the input (exit code 5).
     #[error("internal error, please report it: {0}")]
     Internal(String),
 }

@@ -1,9 +1,9 @@
-//! Which required extensions can be read, and what to do about the others.
+//! Required extensions: which can be read, and how to convert the others.
 
 use super::source::Source;
 use crate::BakeError;
 
-/// Extensions that are read, or that change nothing about shape, base colour and motion.
+/// Extensions that are read, or that do not affect shape, base colour and motion.
 const READABLE: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -22,7 +22,7 @@ const READABLE: &[&str] = &[
     "MSFT_packing_normalRoughnessMetallic",
 ];
 
-/// How to get rid of an extension that cannot be read.
+/// Returns advice on how to remove an extension that cannot be read.
 pub(super) fn conversion(name: &str) -> &'static str {
     match name {
         "KHR_meshopt_compression" => "decode it with `gltf-transform cp in.glb out.glb`, or run gltfpack without -c",
@@ -34,13 +34,13 @@ pub(super) fn conversion(name: &str) -> &'static str {
 }
 
 impl Source<'_, '_> {
-    /// Fails where the model requires an extension that cannot be read; names each.
+    /// Fails if the model requires extensions that cannot be read; names each.
     pub fn check_extensions(&mut self) -> Result<(), BakeError> {
         let Some(list) = self.root.get("extensionsRequired") else { return Ok(()) };
         let mut unreadable = Vec::new();
         for at in list.entries()? {
             let name = at.string()?;
-            // Materials are read for their base colour only; all other material extensions leave that alone.
+            // Only the base colour of materials is read; all other material extensions leave it unchanged.
             if !READABLE.contains(&name) && !name.starts_with("KHR_materials_") {
                 unreadable.push((at.clone(), format!("{}: {}", super::json::shorten(name), conversion(name))));
             }

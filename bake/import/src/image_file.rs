@@ -1,14 +1,15 @@
-//! Image files in: PNG and JPEG, of no more texels and no more memory than an image of a model or a recipe may take.
+//! Reading of PNG and JPEG images, with limits on texels and memory.
 
 use crate::mesh::Image;
 use pelage_formats::Limits;
 use std::io::Cursor;
 
-/// All images of a model together have at most this many texels (one of 16 384², or sixteen of 4096²): 1 GiB decoded.
-/// A few kilobytes of PNG can claim as much.
+/// Maximum number of texels of all images of a model together (one image of 16 384², or sixteen of 4096²): 1 GiB
+/// decoded. PNG files of a few kilobytes can claim as much.
 pub const MAX_TEXELS: u64 = 1 << 28;
 
-/// Decodes a PNG or JPEG of at most `texels_left` texels; else says why it cannot, to follow the image's name in a sentence.
+/// Decodes a PNG or JPEG of at most `texels_left` texels. The error continues a sentence that begins with the image's
+/// name.
 pub fn decode_image(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
     let png_or_jpeg = match image::guess_format(bytes) {
         Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg)) => Ok(format),
@@ -34,11 +35,11 @@ fn broken(error: image::ImageError) -> String {
 
 type Reader<'a> = image::ImageReader<Cursor<&'a [u8]>>;
 
-/// A decoder that takes no more memory than an image may, with the image's width and height; else says why not, as [`decode_image`] does.
+/// Returns a decoder with limited memory, and the image's width and height. Errors read as those of [`decode_image`].
 pub fn bounded_reader(bytes: &[u8], format: image::ImageFormat) -> Result<(Reader<'_>, u32, u32), String> {
     let side = Limits::default().texture_size;
     let reader = || image::ImageReader::with_format(Cursor::new(bytes), format);
-    // Only the header is read for this; the limits of the decoder would say less than the messages below.
+    // Reads the header only; errors of the decoder's own limits would be less precise than those below.
     let mut header = reader();
     header.no_limits();
     let (width, height) = header.into_dimensions().map_err(broken)?;
@@ -48,7 +49,7 @@ pub fn bounded_reader(bytes: &[u8], format: image::ImageFormat) -> Result<(Reade
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(side);
     limits.max_image_height = Some(side);
-    // Sixteen bits per channel need twice the eight that are kept.
+    // Images of 16 bits per channel need twice the memory of the 8 bits kept.
     limits.max_alloc = Some(8 * MAX_TEXELS);
     let mut pixels = reader();
     pixels.limits(limits);

@@ -1,16 +1,17 @@
-//! A JSON value that knows where it stands, so that every complaint can carry a JSON pointer (RFC 6901).
+//! JSON values that know their position, so that every error can name a JSON pointer (RFC 6901).
 //!
-//! The importer walks the plain JSON tree instead of a typed glTF document: a typed one is refused as a whole, without a
-//! pointer, for a slip in a camera or a light that fur never looks at, and it cannot hold files that the specification allows
-//! (an animation channel without a target node, a scene without nodes). Only what is used is read, and it is checked as read.
+//! The importer walks the plain JSON tree instead of a typed glTF document. A typed document is rejected as a whole,
+//! without a pointer, for a mistake in a camera or light that fur never uses. Nor can it represent all files that the
+//! specification allows (an animation channel without a target node, a scene without nodes). Only what is used is read,
+//! and it is checked as it is read.
 
 use crate::BakeError;
 use serde_json::Value;
 
-/// A value and its place.
+/// A JSON value and its position.
 #[derive(Clone, Debug)]
 pub(super) struct At<'a> {
-    /// The model file, as the user named it.
+    /// Name of the model file, as given by the user.
     pub file: &'a str,
     pub value: &'a Value,
     /// JSON pointer of `value`; empty for the root.
@@ -20,25 +21,25 @@ pub(super) struct At<'a> {
 type Result<T> = std::result::Result<T, BakeError>;
 
 impl<'a> At<'a> {
-    /// The root of a document.
+    /// Wraps the root of a document.
     pub fn root(file: &'a str, value: &'a Value) -> Self {
         Self { file, value, place: String::new() }
     }
 
-    /// An error at this place.
+    /// Returns an error at this position.
     pub fn fault(&self, reason: impl Into<String>) -> BakeError {
         let place = if self.place.is_empty() { "/".to_owned() } else { self.place.clone() };
         BakeError::Input { file: self.file.to_owned(), place, reason: reason.into() }
     }
 
-    /// The member `key`, if present. `null` counts as absent: some exporters write it for "none".
+    /// Returns the member `key`, if present. `null` counts as absent: some exporters write it for "none".
     pub fn get(&self, key: &str) -> Option<At<'a>> {
         let value = self.value.get(key).filter(|v| !v.is_null())?;
         let key = key.replace('~', "~0").replace('/', "~1");
         Some(At { file: self.file, value, place: format!("{}/{key}", self.place) })
     }
 
-    /// The member `key`, which must be there.
+    /// Returns the member `key`, or an error if absent.
     pub fn require(&self, key: &str) -> Result<At<'a>> {
         match self.value {
             Value::Object(_) => {
@@ -48,51 +49,51 @@ impl<'a> At<'a> {
         }
     }
 
-    /// Names of all members, in the order of the file.
+    /// Returns the names of all members, in the order of the file.
     pub fn keys(&self) -> impl Iterator<Item = &'a str> {
         self.value.as_object().into_iter().flat_map(|map| map.keys().map(String::as_str))
     }
 
-    /// Number of entries of an array.
+    /// Returns the number of entries of an array.
     pub fn len(&self) -> Result<usize> {
         self.value.as_array().map(Vec::len).ok_or_else(|| self.expected("an array"))
     }
 
-    /// Entry `index` of an array.
+    /// Returns entry `index` of an array.
     pub fn entry(&self, index: usize) -> Option<At<'a>> {
         let value = self.value.as_array()?.get(index)?;
         Some(At { file: self.file, value, place: format!("{}/{index}", self.place) })
     }
 
-    /// All entries of an array.
+    /// Returns all entries of an array.
     pub fn entries(&self) -> Result<impl Iterator<Item = At<'a>> + use<'a>> {
         let values = self.value.as_array().ok_or_else(|| self.expected("an array"))?;
         let (file, place) = (self.file, self.place.clone());
         Ok(values.iter().enumerate().map(move |(i, value)| At { file, value, place: format!("{place}/{i}") }))
     }
 
-    /// A whole number that is not negative. `5.0` counts as 5, as in JSON Schema.
+    /// Reads a non-negative whole number. `5.0` counts as 5, as in JSON Schema.
     pub fn unsigned(&self) -> Result<u64> {
         if let Some(n) = self.value.as_u64() {
             return Ok(n);
         }
-        // Beyond 2^53 a float no longer names one whole number.
+        // Above 2^53 a float no longer represents each whole number.
         let whole = self.value.as_f64().filter(|f| f.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(f));
         whole.map(|f| f as u64).ok_or_else(|| self.expected("a whole number >= 0"))
     }
 
-    /// A number, or `default` where the member `key` is absent.
+    /// Reads the non-negative whole number `key`, or returns `default` if it is absent.
     pub fn unsigned_or(&self, key: &str, default: u64) -> Result<u64> {
         self.get(key).map_or(Ok(default), |at| at.unsigned())
     }
 
-    /// A finite number.
+    /// Reads a finite number.
     pub fn number(&self) -> Result<f32> {
         let found = self.value.as_f64().ok_or_else(|| self.expected("a number"))? as f32;
         if found.is_finite() { Ok(found) } else { Err(self.expected("a number within the range of 32-bit floats")) }
     }
 
-    /// An array of exactly `N` finite numbers.
+    /// Reads an array of exactly `N` finite numbers.
     pub fn numbers<const N: usize>(&self) -> Result<[f32; N]> {
         let found = self.len()?;
         if found != N {
@@ -105,22 +106,23 @@ impl<'a> At<'a> {
         Ok(out)
     }
 
-    /// A string.
+    /// Reads a string.
     pub fn string(&self) -> Result<&'a str> {
         self.value.as_str().ok_or_else(|| self.expected("a string"))
     }
 
-    /// `true` or `false`, or `false` where the member `key` is absent.
+    /// Reads the boolean `key`; false if it is absent.
     pub fn flag(&self, key: &str) -> Result<bool> {
         self.get(key).map_or(Ok(false), |at| at.value.as_bool().ok_or_else(|| at.expected("true or false")))
     }
 
-    /// The member `name` if it is a string; names are labels, never worth an error.
+    /// Returns the member `name`, or an empty string if it is absent or not a string: names are labels and never cause
+    /// an error.
     pub fn name(&self) -> &'a str {
         self.value.get("name").and_then(Value::as_str).unwrap_or_default()
     }
 
-    /// What the array `list` of this (root) object holds at the number found in `reference`.
+    /// Returns the index in `reference`, and the entry of the (root) object's array `list` at that index.
     pub fn referred(&self, list: &str, reference: &At<'a>) -> Result<(usize, At<'a>)> {
         let index = reference.unsigned()?;
         let array = self.get(list);
@@ -129,7 +131,7 @@ impl<'a> At<'a> {
         found.ok_or_else(|| reference.fault(format!("is {index}, expected less than {count}, the number of {list}")))
     }
 
-    /// An error that says what was found here instead.
+    /// Returns an error that says what was found instead of `expected`.
     pub fn expected(&self, expected: &str) -> BakeError {
         let found = match self.value {
             Value::Null => "null".to_owned(),
@@ -143,7 +145,7 @@ impl<'a> At<'a> {
     }
 }
 
-/// At most 60 characters of text from a file, without control characters, for messages.
+/// Shortens text from a file to at most 60 characters, without control characters, for messages.
 pub(super) fn shorten(text: &str) -> String {
     let clean = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let mut out: String = text.chars().take(60).map(clean).collect();
@@ -163,7 +165,7 @@ pub(super) fn parse(file: &str, json: &[u8], offset: usize) -> Result<Value> {
             let start = line_starts.take(error.line()).last().unwrap_or(0);
             at = (start + error.column().saturating_sub(1)).min(json.len());
         }
-        // The parser appends its own line and column; the column of a text of one line is no help, the byte is.
+        // The parser appends line and column. In a text of one line only the byte offset helps.
         let text = error.to_string();
         let text = text.split(" at line ").next().unwrap_or_default();
         let place = format!("byte {}", offset + at);

@@ -1,22 +1,25 @@
-//! Model files in: glTF 2.0, as `.gltf` or `.glb`, and Wavefront OBJ.
+//! Import of model files: glTF 2.0, as `.gltf` or `.glb`, and Wavefront OBJ.
 //!
-//! [`import`] reads bytes and touches no file; buffers, images and material files that the model names come through a callback. Of an
-//! OBJ it reads the shape at rest, with base colours (`obj`). Of a glTF it reads, in this order: the container, required extensions, the node tree, the meshes of the scene with their materials, skins, clips;
-//! and puts them together ([`Model`]).
+//! [`import`] reads bytes and accesses no file; buffers, images and material files that the model names come through a
+//! callback. From an OBJ it reads the shape at rest, with base colours (`obj`). From a glTF it reads, in this order:
+//! the container, required extensions, the node tree, the meshes of the scene with their materials, skins and clips.
+//! The result is a [`Model`].
 //!
-//! * Where any mesh of the scene has a skin, or a clip moves a node that a mesh hangs on, every vertex gets joints (rigid parts:
-//!   one, their node) and stays in mesh space. Else everything is placed in world space and there is no animation.
-//! * Missing normals are computed smooth, without creases (glTF asks for flat ones, which tear a coat of fur open).
-//! * Vertices of a skin without any weight follow the first joint that they name; of more than four, the largest four count.
-//! * Parts that the scene or the rest pose mirrors, or that face against their normals, are turned around.
-//! * Lines of nodes and meshes whose name begins with `comb`, and empty nodes named `comb` or `comb_…`, say how hair is combed ([`crate::mesh::DrawnComb`]);
-//!   other lines are left out.
-//! * Morph targets are applied at their default weights, and what each adds from there is kept ([`crate::mesh::MorphRows`]); then every vertex has
-//!   joints. In a document without nodes they rest.
+//! * If a mesh of the scene has a skin, or a clip moves a mesh, every vertex gets joints and stays in mesh space. Rigid
+//!   parts have their node as the only joint. Else everything is placed in world space, without animation.
+//! * Missing normals are computed smooth, without creases (glTF requires flat ones, which would split the fur at every
+//!   edge).
+//! * Vertices of a skin without any weight follow the first joint that they name; of more than four weights, the
+//!   largest four are kept.
+//! * Parts that are mirrored by the scene or the rest pose, or that face against their normals, are flipped.
+//! * Lines of nodes and meshes whose name begins with `comb`, and empty nodes named `comb` or `comb_…`, define the comb
+//!   direction ([`crate::mesh::DrawnComb`]); other lines are left out.
+//! * Morph targets are applied at their default weights, and the remaining deltas are kept
+//!   ([`crate::mesh::MorphRows`]); then every vertex has joints. In a document without nodes morph targets do not move.
 //!
-//! All that is repaired, left out or guessed is told in [`Model::warnings`]. What cannot be is an error that names the place as
-//! a byte offset, a JSON pointer or a line, with what was found and what was expected. No number of the file is trusted before it is
-//! checked against the bytes there are, or against [`pelage_formats::Limits`].
+//! Repairs, omissions and guesses are reported in [`Model::warnings`]. Invalid input is an error that names its
+//! position (byte offset, JSON pointer or line), what was found and what was expected. Every number of a file is
+//! checked against the available bytes, or against [`pelage_formats::Limits`], before it is used.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
 
@@ -65,15 +68,16 @@ pub use notes::input_record;
 pub use options::ImportOptions;
 pub use source::{Resolve, path_as_uri};
 
-/// Reads a glTF 2.0 or OBJ model from `bytes`; what the file is shows in its contents, and only where they leave it open in its name.
+/// Reads a glTF 2.0 or OBJ model from `bytes`. The format is detected from the contents, and from the name only if they
+/// are ambiguous.
 ///
-/// `file` is the name for messages. `resolve` fetches the bytes behind a relative URI (percent-encoded: as written in a glTF); of a file that has more
-/// than the given number, the first so many.
+/// `file` is the name for messages. `resolve` fetches the bytes behind a relative URI (percent-encoded: as written in a
+/// glTF); if there are more than the given number, it returns only that many.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] with byte offset, JSON pointer or line for everything wrong with the model or a file that it names,
-/// [`BakeError::Params`] for options outside their range.
+/// [`BakeError::Input`] with byte offset, JSON pointer or line for everything wrong with the model or a file that it
+/// names, [`BakeError::Params`] for options outside their range.
 pub fn import<'r>(
     file: &str,
     bytes: &[u8],
@@ -97,15 +101,16 @@ pub fn import<'r>(
     Ok(model)
 }
 
-/// Reads the lines of a glTF 2.0 scene as strands, with the records of all files that were read. Lines that share vertices are one strand, which begins where its
-/// lines do.
+/// Reads the lines of a glTF 2.0 scene as strands, with the records of all files that were read. Lines that share
+/// vertices form one strand, in the direction of its lines.
 ///
-/// The arguments are those of [`import`]. Positions are in world space and in the file's unit; the attributes `_RADIUS` and `COLOR_0` are read where all lines have
-/// them.
+/// The arguments are those of [`import`]. Positions are in world space and in the file's unit; the attributes `_RADIUS`
+/// and `COLOR_0` are read if all lines have them.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] as [`import`], also for a scene without lines, an odd number of ends of lines, and a point that is not finite.
+/// [`BakeError::Input`] as for [`import`], also for a scene without lines, an odd number of line ends, and a point that
+/// is not finite.
 pub fn import_strands<'r>(
     file: &str,
     bytes: &[u8],
@@ -125,7 +130,7 @@ pub fn import_strands<'r>(
     Ok((guides, inputs))
 }
 
-/// A document that this code can read.
+/// Opens a parsed document; checks its version and required extensions.
 fn readable<'a, 'r>(
     file: &'a str,
     document: &'a Value,

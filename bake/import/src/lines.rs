@@ -11,12 +11,12 @@ use crate::guides::Guides;
 use crate::guides::lines::joined;
 use glam::{DMat4, Mat4, Vec3};
 
-/// Topology of a primitive (glTF 2.0, section 3.7.2.1).
+/// Topologies of a primitive (glTF 2.0, section 3.7.2.1).
 const LINES: u64 = 1;
 const LINE_LOOP: u64 = 2;
 const LINE_STRIP: u64 = 3;
 
-/// What reading lines adds up to.
+/// Running totals of the lines read.
 #[derive(Default)]
 pub(super) struct Counted {
     vertices: u64,
@@ -24,7 +24,7 @@ pub(super) struct Counted {
 }
 
 impl Counted {
-    /// Counts a primitive before anything of it is read: many primitives may share accessors, and many nodes a mesh.
+    /// Counts a primitive before any of it is read: many primitives may share accessors, and many nodes a mesh.
     pub(super) fn charge<'a>(
         &mut self,
         source: &Source<'a, '_>,
@@ -38,14 +38,14 @@ impl Counted {
     }
 }
 
-/// What a scene adds up to.
+/// Strands and counts gathered from a scene.
 #[derive(Default)]
 struct Found {
     guides: Guides,
     counted: Counted,
-    /// Primitives of anything but lines.
+    /// Number of primitives that are not lines.
     others: usize,
-    /// Whether a primitive has no radii, or no colours.
+    /// Whether any primitive lacks radii, and colours.
     lacks: [bool; 2],
 }
 
@@ -55,7 +55,7 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
     let world = tree.world(Mat4::IDENTITY);
     let mut found = Found::default();
     if tree.nodes.is_empty() {
-        // As a model without nodes: all meshes where they are.
+        // Without nodes all meshes are shown where they are, as in models.
         if let Some(meshes) = source.root.get("meshes") {
             for at in meshes.entries()? {
                 read_mesh(source, &mut found, &at, Mat4::IDENTITY)?;
@@ -66,7 +66,8 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
         let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else { continue };
         let (_, mesh) = source.root.referred("meshes", &reference)?;
-        // A skin places vertices itself (glTF 2.0, section 3.7.3.3): at rest, mostly where they are.
+        // A skin places vertices itself (glTF 2.0, section 3.7.3.3). At rest that is mostly where they are, so its
+        // joints are ignored.
         let placed = if at.get("skin").is_some() { Mat4::IDENTITY } else { world[node] };
         read_mesh(source, &mut found, &mesh, placed)?;
     }
@@ -152,7 +153,7 @@ fn read_primitive<'a>(
     Ok(())
 }
 
-/// Vertices of each strand.
+/// Returns the vertices of each strand of a primitive.
 pub(super) fn strands_of(at: &At<'_>, mode: u64, indices: &[u32], points: &[Vec3]) -> Result<Vec<Vec<u32>>, BakeError> {
     if mode != LINES {
         let ring = indices.first().filter(|_| mode == LINE_LOOP);
@@ -164,7 +165,8 @@ pub(super) fn strands_of(at: &At<'_>, mode: u64, indices: &[u32], points: &[Vec3
     }
     let mut lines = pairs.to_vec();
     if at.get("indices").is_none() {
-        // Without indices no two lines share a vertex: one goes on from the other where it begins at the very same place.
+        // Without indices no two lines share a vertex: a line continues the previous one if it begins at exactly the
+        // same position.
         for k in 1..lines.len() {
             if points[lines[k - 1][1] as usize] == points[lines[k][0] as usize] {
                 lines[k][0] = lines[k - 1][1];

@@ -1,4 +1,4 @@
-//! Materials: base-colour factor, texture and its coordinates, cut-out alpha, gloss.
+//! Materials: base-colour factor, texture and its coordinates, cut-out alpha, roughness and metalness.
 
 use super::extensions::conversion;
 use super::json::At;
@@ -10,28 +10,28 @@ use crate::mesh::{Image, Material};
 use glam::{Affine2, Mat2, Vec2};
 use std::collections::BTreeMap;
 
-/// How a material reads texture coordinates.
+/// Texture coordinates of a material: set and transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TextureCoords {
-    /// The set `TEXCOORD_<n>`, or `None` for a material without texture: any will do.
+    /// Index `n` of the set `TEXCOORD_<n>`; `None` for a material without texture, which accepts any set.
     pub set: Option<u32>,
-    /// KHR_texture_transform.
+    /// KHR_texture_transform of the coordinates.
     pub transform: Affine2,
 }
 
-/// The materials and images that the parts use, in the order of first use.
+/// Materials and images that the parts use, in the order of first use.
 #[derive(Debug, Default)]
 pub(super) struct Materials {
     pub materials: Vec<Material>,
     pub images: Vec<Image>,
     texels: u64,
-    /// From the document's number (`None`: the default material) to ours.
+    /// Document index (`None`: the default material) to index in `materials`.
     known: BTreeMap<Option<usize>, (usize, TextureCoords)>,
     known_images: BTreeMap<usize, usize>,
 }
 
 impl Materials {
-    /// Number and texture coordinates of the material that a primitive names.
+    /// Returns the index and texture coordinates of the material that a primitive names.
     pub fn read<'a>(
         &mut self,
         source: &mut Source<'a, '_>,
@@ -68,7 +68,7 @@ impl Materials {
                 _ => return Err(mode.expected("OPAQUE, MASK or BLEND")),
             }
         }
-        // The diffuse colour of the older specular-glossiness model is the same thing under other names.
+        // The diffuse colour of the older specular-glossiness model has the same meaning under other names.
         let specular = at.get("extensions").and_then(|e| e.get("KHR_materials_pbrSpecularGlossiness"));
         let (base, factor, texture) = match (at.get("pbrMetallicRoughness"), specular) {
             (None, Some(specular)) => (Some(specular), "diffuseFactor", "diffuseTexture"),
@@ -91,7 +91,7 @@ impl Materials {
         Ok(coords)
     }
 
-    /// Number of the decoded image behind the texture that `reference` names.
+    /// Returns the index of the decoded image behind the texture that `reference` names.
     fn image<'a>(&mut self, source: &mut Source<'a, '_>, reference: &At<'a>) -> Result<usize, BakeError> {
         let (_, texture) = source.root.referred("textures", reference)?;
         let Some(reference) = texture.get("source") else {
@@ -125,8 +125,11 @@ impl Materials {
     }
 }
 
-/// How rough and how metallic a material is. Where a texture says it, the factors are but its upper ends, and nothing is known. A material that says
-/// nothing at all would be metal by the specification, which no author meant.
+/// Reads roughness and metalness; both stay unknown if a texture provides them, because the factors are then only upper
+/// bounds.
+///
+/// A material without `pbrMetallicRoughness` also keeps both unknown: by the specification it would be metal, which no
+/// author intends.
 fn gloss(at: &At<'_>, material: &mut Material) -> Result<(), BakeError> {
     let Some(base) = at.get("pbrMetallicRoughness") else { return Ok(()) };
     if base.get("metallicRoughnessTexture").is_none() {
@@ -137,8 +140,8 @@ fn gloss(at: &At<'_>, material: &mut Material) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// KHR_texture_transform: scale, then turn, then shift. The extension turns coordinates counter-clockwise as seen on the image,
-/// whose v axis points down.
+/// Reads KHR_texture_transform: scale, then rotation, then offset. The extension rotates coordinates counter-clockwise
+/// as seen on the image, whose v axis points down.
 fn texture_transform(at: &At<'_>) -> Result<Affine2, BakeError> {
     let offset: Vec2 = at.get("offset").map_or(Ok([0.0; 2]), |v| v.numbers())?.into();
     let scale: Vec2 = at.get("scale").map_or(Ok([1.0; 2]), |v| v.numbers())?.into();

@@ -1,4 +1,4 @@
-//! The model as `import` hands it on: one triangle mesh, its materials, images and motions.
+//! Output of `import`: one triangle mesh, its materials, images and motions.
 
 use glam::{Mat3, Vec2, Vec3};
 use pelage_formats::meaning::{skin_matrix, transform_normal};
@@ -9,65 +9,66 @@ use pelage_formats::{Animation, InputRecord, Pose, SkinVertex};
 pub struct Model {
     /// All primitives of the scene in one mesh.
     pub mesh: Mesh,
-    /// Materials; at least one where the mesh has a part.
+    /// Materials; at least one if the mesh has a part.
     pub materials: Vec<Material>,
-    /// Base-colour images that a material uses, decoded.
+    /// Decoded base-colour images that the materials use.
     pub images: Vec<Image>,
-    /// Named nodes of the scene: joints, and what authors mark places with. Of an OBJ none.
+    /// Named nodes of the scene: joints and authors' markers. Empty for an OBJ.
     pub nodes: Vec<NamedPlace>,
-    /// Where somebody drew into the model how its hair is combed. Of an OBJ none.
+    /// Comb lines and comb markers drawn in the model. Empty for an OBJ.
     pub combs: Vec<DrawnComb>,
-    /// Skeleton and clips. Present where anything moves; then every vertex has an entry in [`Mesh::skin`].
+    /// Skeleton and clips. Present if anything moves; then every vertex has an entry in [`Mesh::skin`].
     pub animation: Option<Animation>,
-    /// What morph targets do to vertices, of a model whose [`Animation::morphs`] has some.
+    /// Morph target deltas of the vertices; empty if [`Animation::morphs`] has no targets.
     pub morph_rows: MorphRows,
-    /// The files that were read, in the order of reading.
+    /// Files that were read, in the order of reading.
     pub inputs: Vec<InputRecord>,
-    /// What was repaired, left out or guessed.
+    /// Warnings: repairs, omissions and guesses.
     pub warnings: Vec<String>,
 }
 
-/// A place with a name.
+/// A named position.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NamedPlace {
-    /// Not empty. Several may have the same.
+    /// Name, not empty, not necessarily unique.
     pub name: String,
-    /// World space at rest, metres.
+    /// Position in world space at rest, metres.
     pub position_ws: Vec3,
 }
 
-/// A line along which hair is combed, or one place of it that an empty node marks.
+/// A line along which hair is combed, or one position and direction given by an empty node.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawnComb {
-    /// Name of its node or mesh.
+    /// Name of the node or mesh.
     pub name: String,
-    /// Places in the order of the line with the direction there, world space at rest, metres; at least one, directions of unit length.
+    /// Positions along the line with the comb direction at each, world space at rest, metres; at least one, directions
+    /// of unit length.
     pub places: Vec<(Vec3, Vec3)>,
 }
 
 /// A triangle mesh as separate streams, one entry per vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Positions: mesh space where `skin` is not empty, else world space.
+    /// Positions: in mesh space if `skin` is not empty, else in world space.
     pub positions: Vec<Vec3>,
     /// Unit normals in the same space, outward.
     pub normals: Vec<Vec3>,
-    /// The model's texture coordinates; zero in parts without.
+    /// Texture coordinates of the model; zero in parts without.
     pub uvs: Vec<Vec2>,
     /// Vertex colours, linear RGBA 0..=255; white in parts without.
     pub colors: Vec<[u8; 4]>,
     /// Joints and weights (normalised), or empty.
     pub skin: Vec<SkinVertex>,
-    /// What morph targets do to each vertex: index into [`MorphRows`]. Empty where there are none.
+    /// Index of each vertex into [`MorphRows`]. Empty without morph targets.
     pub morph_rows: Vec<u32>,
     /// Corner indices, counter-clockwise seen from outside in the posed rest state.
     pub triangles: Vec<[u32; 3]>,
-    /// Runs of triangles with one material, covering `triangles` in order.
+    /// Ranges of triangles with one material, covering `triangles` in order.
     pub parts: Vec<MeshPart>,
 }
 
 impl Mesh {
-    /// Copies vertex `v` to the end of all streams and returns the copy's number.
+    /// Copies vertex `v` to the end of all streams and returns the index of the copy.
     pub fn copy_vertex(&mut self, v: usize) -> u32 {
         self.positions.push(self.positions[v]);
         self.normals.push(self.normals[v]);
@@ -79,31 +80,31 @@ impl Mesh {
     }
 }
 
-/// What morph targets do to vertices: many vertices may share a row.
+/// Rows of morph target deltas; many vertices may share a row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MorphRows(pub Vec<Vec<RowDelta>>);
 
-/// What a morph target of weight 1 adds to a vertex that it finds at weight 0.
+/// Delta that a morph target of weight 1 adds to a vertex stored at weight 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowDelta {
     /// Index into the targets of [`Animation::morphs`].
     pub target: u32,
-    /// In mesh space.
+    /// Delta of the position, in mesh space.
     pub position: Vec3,
-    /// To a normal of unit length; `None` where the file does not say.
+    /// Delta of a unit normal; `None` if the file has none.
     pub normal: Option<Vec3>,
 }
 
-/// A run of triangles that came from one primitive.
+/// A range of triangles that came from one primitive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshPart {
-    /// Where it stands in the input, for messages: `mesh 0 "body", primitive 1`.
+    /// Location in the input, for messages: `mesh 0 "body", primitive 1`.
     pub source: String,
-    /// Names of the node and the mesh that it belongs to, of an OBJ those of its object and group. Empty names are left out.
+    /// Names of the part's node and mesh (OBJ: object and group), without empty ones.
     pub names: Vec<String>,
     /// Index into [`Model::materials`].
     pub material: usize,
-    /// First triangle.
+    /// Index of the first triangle.
     pub first_triangle: usize,
     /// Number of triangles.
     pub triangle_count: usize,
@@ -111,42 +112,42 @@ pub struct MeshPart {
     pub has_uvs: bool,
 }
 
-/// What `import` keeps of a material.
+/// Material properties that `import` reads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// Name, may be empty.
+    /// Name, possibly empty.
     pub name: String,
     /// Linear RGBA factor.
     pub base_color: [f32; 4],
     /// Index into [`Model::images`].
     pub base_color_image: Option<usize>,
-    /// Alpha below which the skin is cut away (glTF `MASK`).
+    /// Alpha below which the surface is cut away (glTF `MASK`).
     pub alpha_cutoff: Option<f32>,
-    /// Whether back faces show.
+    /// Whether back faces are visible.
     pub double_sided: bool,
-    /// How rough it is, 0 a mirror to 1 dull (glTF `roughnessFactor`). `None` where the file does not say it in one number.
+    /// Roughness, 0 (mirror) to 1 (dull), glTF `roughnessFactor`. `None` if the file does not give it as one number.
     pub roughness: Option<f32>,
-    /// How metallic it is, 0..=1 (glTF `metallicFactor`), likewise.
+    /// Metalness, 0..=1 (glTF `metallicFactor`). `None` if the file does not give it as one number.
     pub metallic: Option<f32>,
-    /// What of the file's material this is; `None` is all of it, or the rest.
+    /// Part of the file's material that this one covers; `None` for all of it, or the rest.
     pub feature: Option<Feature>,
 }
 
-/// A part of a body where no hair grows, which shares its material with other parts or whose material's name does not tell.
+/// A hairless part of a body that shares its material with other parts, or whose material's name does not identify it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Feature {
     /// The tip of the nose.
     Nose,
-    /// What is painted around the eyes, between lids and eyeballs.
+    /// Painted area around the eyes, between lids and eyeballs.
     EyeRims,
     /// Claws.
     Claws,
-    /// What a node or a mesh of that name shows.
+    /// Surface shown by a node or mesh with this name.
     Named(String),
 }
 
 impl Feature {
-    /// Its name behind that of the material.
+    /// Returns the suffix that identifies the feature in a material's name.
     pub fn name(&self) -> &str {
         match self {
             Self::Nose => "nose",
@@ -158,14 +159,14 @@ impl Feature {
 }
 
 impl Material {
-    /// Its name, and behind a slash that of its feature: `Black/nose`.
+    /// Returns the material's name, with its feature after a slash: `Black/nose`.
     pub fn full_name(&self) -> String {
         self.feature.as_ref().map_or_else(|| self.name.clone(), |feature| format!("{}/{}", self.name, feature.name()))
     }
 }
 
 impl Default for Material {
-    /// White, opaque, one-sided, without a name: what glTF says of a primitive that names no material.
+    /// Returns a white, opaque, one-sided material without a name: glTF's default for a primitive without material.
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -187,16 +188,17 @@ pub struct Image {
     pub width: u32,
     /// Height, texels.
     pub height: u32,
-    /// `width * height` RGBA8 texels, straight alpha, row-major from the top; colours are sRGB-encoded.
+    /// Pixels: `width * height` RGBA8 texels, straight alpha, row-major from the top; colours are sRGB-encoded.
     pub rgba: Vec<u8>,
 }
 
-/// Positions and normals in world space at rest: no clip playing. All lengths of a bake are judged here, in metres.
+/// Positions and normals in world space at rest, with no clip playing. All lengths of a bake refer to this pose, in
+/// metres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestPose {
-    /// One per vertex.
+    /// Positions, one per vertex.
     pub positions: Vec<Vec3>,
-    /// One per vertex, unit length.
+    /// Unit normals, one per vertex.
     pub normals: Vec<Vec3>,
 }
 

@@ -1,12 +1,13 @@
-//! EXT_meshopt_compression: the codecs for vertices, triangles and index lists, and the filters (the extension's appendices A and B).
+//! EXT_meshopt_compression: the codecs for vertices, triangles and index lists, and the filters (the extension's
+//! appendices A and B).
 //!
-//! Every read is checked, so that any bytes give an error or an answer. What comes out is bounded by what goes in: a byte of input makes
-//! at most 64 bytes of vertices, or one triangle.
+//! Every read is checked: any bytes give an error or a result. The input bounds the output: a byte of input yields at
+//! most 64 bytes of vertices, or one triangle.
 
-/// Why bytes cannot be decoded, to follow "is compressed with meshopt".
+/// Reason why bytes cannot be decoded; continues "is compressed with meshopt".
 pub(super) type Fault = String;
 
-/// Bytes read from the front.
+/// Cursor over bytes, read from the front.
 struct Reader<'a> {
     rest: &'a [u8],
 }
@@ -24,7 +25,7 @@ impl<'a> Reader<'a> {
         Ok(self.take(1)?[0])
     }
 
-    /// A number in groups of seven bits, the lowest first; 32 bits need five groups.
+    /// Reads a number in groups of seven bits, lowest first; 32 bits need five groups.
     fn varint(&mut self) -> Result<u32, Fault> {
         let mut value = 0;
         for shift in (0..35).step_by(7) {
@@ -38,7 +39,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Takes off the header byte and the `tail` bytes at the end, which are returned.
+/// Strips the header byte and the last `tail` bytes, and returns the reader and these bytes.
 fn frame<'a>(bytes: &'a [u8], header: u8, tail: usize) -> Result<(Reader<'a>, &'a [u8]), Fault> {
     let Some((found, rest)) = bytes.split_first() else { return Err("and empty".into()) };
     if *found != header {
@@ -57,19 +58,20 @@ fn end(reader: &Reader<'_>) -> Result<(), Fault> {
     }
 }
 
-/// Undoes the mapping of small numbers of either sign to small numbers without.
+/// Undoes zigzag encoding, which maps small signed numbers to small unsigned ones.
 fn unzigzag(v: u32) -> u32 {
     (v >> 1) ^ (v & 1).wrapping_neg()
 }
 
-/// Elements of the blocks that vertices come in: a multiple of a group, at most 256, in at most 8 KiB.
+/// Limits of vertex blocks: a block has a multiple of `GROUP` elements (the last is padded), at most 256, in at most 8
+/// KiB.
 const BLOCK_BYTES: usize = 8192;
 const BLOCK_ELEMENTS: usize = 256;
 const GROUP: usize = 16;
 
 /// Decodes `count` elements of `stride` bytes (mode `ATTRIBUTES`). `stride` is a multiple of 4, 4..=256.
 pub(super) fn decode_vertices(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, Fault> {
-    // The first element, which all deltas start from, stands at the very end, after zeros that make it 32 bytes.
+    // The first element, from which all deltas start, is at the very end, after zeros that pad it to 32 bytes.
     let (mut reader, tail) = frame(bytes, 0xa0, stride.max(32))?;
     let mut last = tail[tail.len() - stride..].to_vec();
     let most = ((BLOCK_BYTES / stride) & !(GROUP - 1)).min(BLOCK_ELEMENTS);
@@ -81,7 +83,7 @@ pub(super) fn decode_vertices(bytes: &[u8], count: usize, stride: usize) -> Resu
         let start = out.len();
         for k in 0..stride {
             decode_bytes(&mut reader, &mut deltas[..elements.next_multiple_of(GROUP)])?;
-            // Only now that the first channel has been there: its bytes bound what is allocated.
+            // Allocated only after the first channel was read: its bytes bound the allocation.
             out.resize(start + elements * stride, 0);
             for (element, delta) in out[start..].chunks_exact_mut(stride).zip(&deltas) {
                 last[k] = last[k].wrapping_add(unzigzag((*delta).into()) as u8);
@@ -94,7 +96,7 @@ pub(super) fn decode_vertices(bytes: &[u8], count: usize, stride: usize) -> Resu
     Ok(out)
 }
 
-/// One byte of each element of a block, in groups of 16, each with 0, 2, 4 or 8 bits a byte.
+/// Decodes one byte of each element of a block, in groups of 16 with 0, 2, 4 or 8 bits per byte.
 fn decode_bytes(reader: &mut Reader<'_>, out: &mut [u8]) -> Result<(), Fault> {
     let groups = out.len() / GROUP;
     let header = reader.take(groups.div_ceil(4))?;
@@ -115,7 +117,7 @@ fn decode_bytes(reader: &mut Reader<'_>, out: &mut [u8]) -> Result<(), Fault> {
         for (i, slot) in group.iter_mut().enumerate() {
             let shift = 8 - bits * (1 + (i % per_byte) as u32);
             let value = (packed[i / per_byte] >> shift) & escape;
-            // The largest number says that the byte itself follows the group.
+            // The largest value is an escape: the byte itself follows the group.
             *slot = if value == escape { reader.byte()? } else { value };
         }
     }
@@ -143,14 +145,14 @@ impl<T: Copy> Recent<T> {
     }
 }
 
-/// Where the indices of triangles come from.
+/// State of the triangle decoder: sources of vertex indices.
 struct Triangles<'a> {
     data: Reader<'a>,
     edges: Recent<[u32; 2]>,
     vertices: Recent<u32>,
-    /// The smallest index that has not occurred.
+    /// Smallest index not yet used.
     next: u32,
-    /// The last index that was written out.
+    /// Last index stored explicitly.
     last: u32,
 }
 
@@ -166,7 +168,8 @@ impl Triangles<'_> {
         Ok(self.last)
     }
 
-    /// A vertex by its code: new, written out, or a recent one. The flag says whether it joins the recent ones.
+    /// Returns a vertex by its code: new, explicit, or a recent one. The flag says whether to push it to the recent
+    /// ones.
     fn vertex(&mut self, code: u8) -> Result<(u32, bool), Fault> {
         Ok(match code {
             0 => (self.fresh(), true),
@@ -175,7 +178,7 @@ impl Triangles<'_> {
         })
     }
 
-    /// A triangle on a recent edge.
+    /// Decodes a triangle on a recent edge.
     fn on_edge(&mut self, code: u8) -> Result<[u32; 3], Fault> {
         let [a, b] = self.edges.get(usize::from(code >> 4));
         let (c, new) = match code & 15 {
@@ -199,9 +202,9 @@ impl Triangles<'_> {
         Ok([a, b, c])
     }
 
-    /// A triangle on no recent edge; the codes of its corners.
+    /// Decodes a triangle without a recent edge, from the codes of its corners.
     fn free(&mut self, a: u8, b: u8, c: u8) -> Result<[u32; 3], Fault> {
-        // New ones are numbered before any index that is written out is read.
+        // New vertices are numbered before any explicit index is read.
         let mut corners = [(0, false); 3];
         for (corner, code) in corners.iter_mut().zip([a, b, c]).filter(|(_, code)| *code != 15) {
             *corner = self.vertex(code)?;
@@ -242,7 +245,7 @@ pub(super) fn decode_triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, F
             code => {
                 let pair = state.data.byte()?;
                 if pair == 0 {
-                    // Numbering starts again.
+                    // Numbering restarts.
                     state.next = 0;
                 }
                 state.free(if code == 0xfe { 0 } else { 15 }, pair >> 4, pair & 15)?
@@ -270,9 +273,9 @@ pub(super) fn decode_indices(bytes: &[u8], count: usize) -> Result<Vec<u32>, Fau
     Ok(out)
 }
 
-/// Undoes what a filter did to decoded vertices, in place.
+/// Undoes a filter on decoded vertices, in place.
 ///
-/// * `OCTAHEDRAL`, stride 4 or 8: unit vectors of signed normalized integers; the fourth component stays
+/// * `OCTAHEDRAL`, stride 4 or 8: unit vectors of signed normalized integers; the fourth component is unchanged
 /// * `QUATERNION`, stride 8
 /// * `EXPONENTIAL`, any stride: floats as 24 bits of mantissa and 8 of exponent
 pub(super) fn unfilter(name: &str, stride: usize, bytes: &mut [u8]) -> Result<(), Fault> {
@@ -296,7 +299,7 @@ pub(super) fn unfilter(name: &str, stride: usize, bytes: &mut [u8]) -> Result<()
             for v in bytes.as_chunks_mut::<4>().0 {
                 let bits = i32::from_le_bytes(*v);
                 let (exponent, mantissa) = (bits >> 24, (bits << 8) >> 8);
-                // 2^e has no float for the smallest exponents; the extension keeps encoders from them.
+                // 2^e is not a float for the smallest exponents; the extension forbids encoders to use them.
                 *v = (mantissa as f32 * f32::from_bits(((exponent + 127) as u32) << 23)).to_le_bytes();
             }
         }
@@ -314,7 +317,8 @@ fn from_shorts(v: [i16; 4]) -> [u8; 8] {
     [a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]]
 }
 
-/// A unit vector times `max`, rounded, from its octahedral projection; the third number is 1 in the same units.
+/// Returns a unit vector times `max`, rounded, from its octahedral projection; `one` is the value of 1 in the same
+/// units.
 fn octahedral([x, y, one]: [f32; 3], max: f32) -> [f32; 3] {
     let z = one - x.abs() - y.abs();
     // The lower half is folded outwards.
@@ -325,9 +329,9 @@ fn octahedral([x, y, one]: [f32; 3], max: f32) -> [f32; 3] {
     [x, y, z].map(|c| (c * scale).round())
 }
 
-/// A quaternion of 16-bit integers from its three smallest components.
+/// Returns a quaternion of 16-bit integers from its three smallest components.
 fn quaternion([x, y, z, w]: [i16; 4]) -> [u8; 8] {
-    // The two lowest bits of the last number say which component is missing; with them set it is the unit of the others.
+    // The two lowest bits of `w` say which component is missing; with both set, `w` is the unit of the others.
     let unit = f32::from(w | 3);
     let scale = std::f32::consts::FRAC_1_SQRT_2 / unit;
     let parts = [x, y, z].map(|c| f32::from(c) * scale);

@@ -1,4 +1,4 @@
-//! Morph targets (glTF 2.0, section 3.7.2.2): at their default weights in the vertices, and what each weight adds.
+//! Morph targets (glTF 2.0, section 3.7.2.2): applied at their default weights, with the deltas that each weight adds.
 
 use super::counts::same_count;
 use super::json::{At, shorten};
@@ -9,12 +9,12 @@ use glam::Vec3;
 use pelage_formats::{MorphDelta, MorphTarget};
 use std::collections::BTreeMap;
 
-/// Most targets of a model: what a package holds.
+/// Maximum number of morph targets of a model: the limit of a package.
 const MOST_TARGETS: usize = 1 << 12;
-/// Most entries of all targets: as many as a section holds.
+/// Maximum number of deltas of all targets: the limit of a section.
 const MOST_ENTRIES: u64 = (256 << 20) / size_of::<MorphDelta>() as u64;
 
-/// The targets of a mesh as a node shows it.
+/// Names and default weights of the morph targets of a mesh as shown by a node.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Targets {
     names: Vec<String>,
@@ -22,14 +22,14 @@ pub(super) struct Targets {
 }
 
 impl Targets {
-    /// Of a mesh, with the weights of its node where it has some.
+    /// Reads the targets of a mesh, with the node's weights if it has any.
     pub(super) fn of(mesh: &At<'_>, node_weights: Option<&At<'_>>) -> Result<Self, BakeError> {
         let list = node_weights.cloned().or_else(|| mesh.get("weights"));
         let weights = match &list {
             Some(list) => list.entries()?.map(|w| w.number()).collect::<Result<Vec<f32>, _>>()?,
             None => Vec::new(),
         };
-        // No part of glTF itself, but what all exporters write.
+        // Not part of glTF itself, but written by all exporters.
         let names = mesh.get("extras").and_then(|extras| extras.get("targetNames"));
         let names =
             names.and_then(|list| Some(list.entries().ok()?.map(|name| name.string().unwrap_or_default().to_owned())));
@@ -37,17 +37,18 @@ impl Targets {
     }
 }
 
-/// What the targets of a primitive do to its vertices.
+/// Morph targets of a primitive: deltas of its vertices.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Morph {
     pub(super) targets: Targets,
     /// Number of targets.
     pub(super) count: usize,
-    /// One per vertex; targets are numbered as in the mesh.
+    /// Deltas of each vertex; target indices are those of the mesh.
     rows: Vec<Vec<RowDelta>>,
 }
 
-/// Adds the morph targets of a primitive at their default weights, and says what each does from there. `entries` counts those of the whole model.
+/// Applies the morph targets of a primitive at their default weights, and returns their deltas from there. `entries`
+/// counts the deltas of the whole model.
 pub(super) fn read<'a>(
     source: &mut Source<'a, '_>,
     at: &At<'a>,
@@ -103,7 +104,7 @@ pub(super) fn read<'a>(
                 normals[v] += normal * weight;
             }
         }
-        // Normals are made unit length, and what is added to them shrinks with them.
+        // Normals are normalised later; their deltas are scaled by the same factor.
         let length = normals.as_deref().map_or(1.0, |normals| normals[v].length());
         if length > 0.0 && length.is_finite() {
             row.iter_mut().for_each(|delta| delta.normal = delta.normal.map(|normal| normal / length));
@@ -116,26 +117,27 @@ pub(super) fn read<'a>(
     Ok(Some(Morph { targets: Targets { names, weights }, count, rows }))
 }
 
-/// The targets of a whole model.
+/// Morph targets of the whole model.
 #[derive(Debug)]
 pub(super) struct Gathered {
-    /// In the order of the package.
+    /// Targets in the order of the package.
     pub(super) targets: Vec<MorphTarget>,
     rows: MorphRows,
-    /// Rows that are there already, by their bits.
+    /// Indices of existing rows, by their bits.
     known: BTreeMap<Vec<u32>, u32>,
-    /// Node of the document, first of its targets and their number.
+    /// Document node, index of its first target, and number of targets.
     pub(super) of_nodes: Vec<(usize, u32, u32)>,
 }
 
 impl Gathered {
-    /// None yet. Row 0 is that of a vertex that no target moves.
+    /// Returns an empty collection. Row 0 belongs to vertices that no target moves.
     pub(super) fn new() -> Self {
         let known = BTreeMap::from([(Vec::new(), 0)]);
         Self { targets: Vec::new(), rows: MorphRows(vec![Vec::new()]), known, of_nodes: Vec::new() }
     }
 
-    /// Adds the targets of a node, number `node` of the document and `number` of the package; says which is the first.
+    /// Adds the targets of a node, with index `node` in the document and `number` in the package; returns the index of
+    /// the first.
     pub(super) fn add_node(&mut self, at: &At<'_>, node: usize, number: u32, morph: &Morph) -> Result<u32, BakeError> {
         let first = self.targets.len();
         if first + morph.count > MOST_TARGETS {
@@ -154,7 +156,7 @@ impl Gathered {
         Ok(first as u32)
     }
 
-    /// Appends the rows of a primitive's vertices, whose targets begin at `first`.
+    /// Appends the rows of a primitive's vertices, whose targets begin at index `first`.
     pub(super) fn add_rows(&mut self, morph: Option<(&Morph, u32)>, vertices: usize, mesh: &mut Mesh) {
         let Some((morph, first)) = morph else {
             mesh.morph_rows.extend(std::iter::repeat_n(0, vertices));
@@ -176,7 +178,7 @@ impl Gathered {
         }
     }
 
-    /// What all of it comes to; the mesh has no rows where there are no targets.
+    /// Returns the targets and rows; without targets, removes the rows of the mesh.
     pub(super) fn finish(self, mesh: &mut Mesh) -> (Vec<MorphTarget>, MorphRows) {
         if self.targets.is_empty() {
             mesh.morph_rows = Vec::new();

@@ -1,26 +1,26 @@
-//! Normals where the file has none, or none that can be used.
+//! Computation of normals where the file has none, or unusable ones.
 //!
-//! glTF 2.0 asks for flat normals on a primitive without any. Shells of fur grow along the normals, so a crease would tear the
-//! coat open along every edge: the importer computes smooth ones instead, from all triangles that meet in a position (also
-//! across primitives of a mesh), each weighted by its angle there (Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal
-//! Facets", Journal of Graphics Tools 3(1), 1998), so that it does not matter how a polygon was cut into triangles; and never any
-//! creases.
+//! glTF 2.0 requires flat normals on a primitive without any. Fur shells grow along the normals, so creases would split
+//! the fur along every edge. The importer computes smooth normals without any creases instead, from all triangles that
+//! meet in a position (also across primitives of a mesh). Each is weighted by its angle there: the result does not
+//! depend on the triangulation of polygons. Source: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal
+//! Facets", Journal of Graphics Tools 3(1), 1998.
 
 use super::notes::Notes;
 use crate::angle::between;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// Normals of the file may be this far from unit length (quantised to 8 bits) without a warning.
+/// Tolerance for the length of the file's normals (quantised to 8 bits) before a warning.
 const ROUNDING: f64 = 0.02;
 
-/// A part of a mesh whose normals are to be completed.
+/// Part of a mesh whose normals are to be completed.
 pub(super) struct Shape<'m> {
-    /// For messages.
+    /// Name in messages.
     pub label: &'m str,
     pub positions: &'m [Vec3],
     pub triangles: &'m [[u32; 3]],
-    /// As the file has them, or empty; afterwards one of unit length per position. Zero stands for one that is missing.
+    /// Normals of the file, or empty; afterwards one unit normal per position. Zero marks a missing one.
     pub normals: &'m mut Vec<Vec3>,
 }
 
@@ -55,7 +55,7 @@ pub(super) fn complete(notes: &mut Notes, shapes: &mut [Shape<'_>]) {
     if wanted.is_empty() {
         return;
     }
-    // Only looked up, never walked: the order of a hash map cannot reach the result.
+    // The map is only looked up, never iterated: its order cannot affect the result.
     let mut welded: HashMap<[u32; 3], DVec3> = HashMap::new();
     for i in &wanted {
         let shape = &shapes[*i];
@@ -67,7 +67,8 @@ pub(super) fn complete(notes: &mut Notes, shapes: &mut [Shape<'_>]) {
     }
     for i in &wanted {
         let shape = &mut shapes[*i];
-        // Where the sum vanishes (both sides of a sheet meet in one position), the widest corner at the vertex itself decides.
+        // Where the sum vanishes (both sides of a sheet meet in one position), the widest corner at the vertex itself
+        // is used.
         let mut own = vec![DVec3::ZERO; shape.positions.len()];
         for triangle in shape.triangles {
             for (corner, normal) in triangle.iter().zip(corner_normals(shape.positions, triangle)) {
@@ -80,14 +81,16 @@ pub(super) fn complete(notes: &mut Notes, shapes: &mut [Shape<'_>]) {
         for (v, normal) in shape.normals.iter_mut().enumerate().filter(|(_, n)| **n == Vec3::ZERO) {
             let sum = welded.get(&key(shape.positions[v])).copied().unwrap_or_default();
             let sum = if sum.length() > 1e-6 * own[v].length() { sum } else { own[v] };
-            // A vertex of degenerate triangles only has no direction of its own; it covers no area either.
+            // A vertex of degenerate triangles only has no direction of its own, and covers no area.
             *normal = sum.try_normalize().unwrap_or(DVec3::Y).as_vec3();
         }
     }
 }
 
-/// The normal of a triangle at each of its corners, as long as the angle there; zero where the triangle has no area. Double precision:
-/// animals stored a hundred times too small have triangles whose squared lengths come close to the end of single.
+/// Returns the normal of a triangle at each of its corners, scaled by the angle there; zero if the triangle has no
+/// area.
+///
+/// Computes in f64: squared lengths of triangles in animals stored a hundred times too small approach the limit of f32.
 fn corner_normals(positions: &[Vec3], triangle: &[u32; 3]) -> [DVec3; 3] {
     let p = triangle.map(|i| positions[i as usize].as_dvec3());
     let Some(normal) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else { return [DVec3::ZERO; 3] };
@@ -97,7 +100,7 @@ fn corner_normals(positions: &[Vec3], triangle: &[u32; 3]) -> [DVec3; 3] {
     })
 }
 
-/// Bits of a position, the same for 0 and −0.
+/// Returns the bits of a position, equal for 0 and −0.
 fn key(position: Vec3) -> [u32; 3] {
     position.to_array().map(|x| (x + 0.0).to_bits())
 }

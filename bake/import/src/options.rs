@@ -1,13 +1,13 @@
-//! How to read a model.
+//! Options of an import.
 
 use crate::BakeError;
 use pelage_params::Field as _;
 use std::ops::RangeInclusive;
 
-/// How to read a model.
+/// Options for reading a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImportOptions {
-    /// Length of one unit of the model, metres, in [`ImportOptions::UNIT_M`]; default 1.
+    /// Length of one unit of the model, metres; range [`ImportOptions::UNIT_M`], default 1.
     pub unit_m: f32,
 }
 
@@ -21,7 +21,7 @@ impl ImportOptions {
     /// Range of `unit_m`.
     pub const UNIT_M: RangeInclusive<f32> = 1e-6..=1e6;
 
-    /// Checks the ranges.
+    /// Checks that the options are in range.
     ///
     /// # Errors
     ///

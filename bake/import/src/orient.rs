@@ -1,4 +1,4 @@
-//! Which way triangles face once posed: outward, as their normals say.
+//! Orientation of triangles once posed: outward, as their normals say.
 
 use super::notes::Notes;
 use super::scene::mirrors;
@@ -8,11 +8,11 @@ use glam::DVec3;
 use pelage_formats::meaning::skin_matrix;
 use pelage_formats::{Animation, Pose};
 
-/// Turns parts inside out that the skeleton's rest pose mirrors, then those whose triangles still face against their normals.
+/// Flips parts that the skeleton's rest pose mirrors, then parts whose triangles still face against their normals.
 ///
-/// glTF 2.0 (section 3.5.2) turns the winding with the sign of the node's determinant; for joints it says nothing, and the
-/// determinant of the blended matrix is the same thing for a skin. `authored` says for each part whether its normals come from
-/// the file: computed ones follow the winding and cannot contradict it.
+/// glTF 2.0 (section 3.5.2) flips the winding by the sign of the node's determinant. It says nothing about joints; the
+/// determinant of the blended matrix plays the same role for a skin. `authored` says for each part whether its normals
+/// come from the file: computed ones follow the winding and cannot contradict it.
 pub(super) fn face_outward(
     notes: &mut Notes,
     mesh: &mut Mesh,
@@ -44,7 +44,7 @@ pub(super) fn face_outward(
     }
 }
 
-/// Parts facing against their normals by more than this share of their area are turned; sheets with two sides stay about 0.
+/// Threshold of the mean cosine below which a part is flipped; two-sided sheets stay near 0.
 const AGAINST: f64 = -0.25;
 
 fn flip(triangles: &mut [[u32; 3]]) {
@@ -53,7 +53,8 @@ fn flip(triangles: &mut [[u32; 3]]) {
     }
 }
 
-/// Area-weighted mean of the cosine between triangles and the normals of their corners: 1 agree, -1 against.
+/// Returns the area-weighted mean cosine between triangles and the normals of their corners: 1 if they agree, -1 if
+/// opposite.
 fn facing(triangles: &[[u32; 3]], rest: &RestPose) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
     for triangle in triangles {

@@ -10,27 +10,27 @@ use crate::BakeError;
 use glam::{Vec2, Vec3};
 use pelage_formats::Limits;
 
-/// One primitive of triangles, in mesh space, with the default morph weights applied.
+/// A primitive of triangles, in mesh space, with the default morph weights applied.
 #[derive(Debug)]
 pub(super) struct Primitive<'a> {
-    /// Where it stands, for errors.
+    /// Position in the file, for errors.
     pub at: At<'a>,
-    /// Where it stands, for people.
+    /// Readable description, for warnings.
     pub label: String,
     /// Index into [`Materials::materials`].
     pub material: usize,
     pub positions: Vec<Vec3>,
-    /// Unit length.
+    /// Unit normals.
     pub normals: Vec<Vec3>,
-    /// Whether the file has the normals, not the importer computed them.
+    /// Whether the normals come from the file; else the importer computed them.
     pub has_normals: bool,
     pub uvs: Vec<Vec2>,
     pub has_uvs: bool,
     pub colors: Vec<[u8; 4]>,
-    /// Four joints of the skin and their weights; `None` for a primitive that follows its node.
+    /// Four joints of the skin per vertex, with their weights; `None` for a primitive that follows its node.
     pub influences: Option<Vec<weights::Influence>>,
     pub triangles: Vec<[u32; 3]>,
-    /// What its morph targets add from there; `None` for one without.
+    /// Deltas of its morph targets; `None` without targets.
     pub morph: Option<morphs::Morph>,
 }
 
@@ -38,27 +38,27 @@ pub(super) struct Primitive<'a> {
 pub(super) struct MeshUse<'a> {
     pub index: usize,
     pub at: At<'a>,
-    /// Morph weights of the node, which go before the mesh's own.
+    /// Morph weights of the node, which override the mesh's own.
     pub weights: Option<At<'a>>,
     pub skinned: bool,
-    /// Whether its lines, if it has some, say how hair is combed.
+    /// Whether lines of the mesh define the comb direction of hair.
     pub combs: bool,
 }
 
-/// What reading meshes adds up to.
+/// Running totals and materials of the meshes read.
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
     pub materials: Materials,
-    /// Primitives that were left out.
+    /// Number of primitives left out.
     pub skipped: usize,
     vertices: u64,
     indices: u64,
-    /// Entries of morph targets.
+    /// Number of morph target deltas.
     morphed: u64,
 }
 
 impl Gathered {
-    /// Counts a primitive before anything of it is read: primitives may share accessors, so a small file can unfold into any
+    /// Counts a primitive before any of it is read: primitives may share accessors, so a small file can expand to any
     /// amount of memory.
     fn charge<'a>(&mut self, source: &Source<'a, '_>, at: &At<'a>) -> Result<(), BakeError> {
         let position = at.get("attributes").and_then(|a| a.get("POSITION"));
@@ -69,12 +69,12 @@ impl Gathered {
     }
 }
 
-/// Whether primitives of that mode hold lines (glTF 2.0, section 3.7.2.1, "Topology").
+/// Returns whether primitives of that mode hold lines (glTF 2.0, section 3.7.2.1, "Topology").
 pub(super) fn are_lines(mode: u64) -> bool {
     (1..=3).contains(&mode)
 }
 
-/// Fails where a model grows past the limits of a package.
+/// Fails if a model exceeds the limits of a package.
 pub(super) fn within_limits(at: &At<'_>, vertices: u64, indices: u64) -> Result<(), BakeError> {
     let limits = Limits::default();
     if vertices <= limits.vertices.into() && indices <= limits.indices.into() {
@@ -84,7 +84,7 @@ pub(super) fn within_limits(at: &At<'_>, vertices: u64, indices: u64) -> Result<
     Err(at.fault(format!("takes the model to {vertices} vertices and {indices} indices, expected at most {v} and {i}")))
 }
 
-/// Reads all primitives of a mesh that hold triangles; what is left out is warned of and counted.
+/// Reads all primitives of a mesh that hold triangles; others are counted and reported.
 pub(super) fn read_mesh<'a>(
     source: &mut Source<'a, '_>,
     gathered: &mut Gathered,
@@ -144,7 +144,7 @@ fn read_primitive<'a>(
         return Ok(None);
     };
     let mut positions = vectors(&source.accessor(&position_at, &[3], REAL)?.reals(false));
-    // Packed triangles are triangles whatever they were before.
+    // Draco data holds triangles, whatever the original mode.
     let mode = if unpacked.is_some() { 4 } else { mode };
     let indices = match unpacked {
         Some(indices) => in_range(at, indices, positions.len())?,
@@ -188,7 +188,7 @@ fn read_primitive<'a>(
     }))
 }
 
-/// The extension of a primitive that has Draco data and no plain data beside it.
+/// Returns the extension of a primitive that has Draco data and no uncompressed data.
 fn draco_only<'a>(source: &Source<'a, '_>, at: &At<'a>) -> Option<At<'a>> {
     let extension = at.get("extensions")?.get("KHR_draco_mesh_compression")?;
     let position = at.get("attributes").and_then(|a| a.get("POSITION"));
@@ -197,7 +197,7 @@ fn draco_only<'a>(source: &Source<'a, '_>, at: &At<'a>) -> Option<At<'a>> {
     (!plain).then_some(extension)
 }
 
-/// The vertices of a primitive in the order in which it names them.
+/// Returns the vertices of a primitive in index order.
 pub(super) fn indices_of<'a>(source: &mut Source<'a, '_>, at: &At<'a>, vertices: usize) -> Result<Vec<u32>, BakeError> {
     match at.get("indices") {
         Some(reference) => in_range(at, source.accessor(&reference, &[1], WHOLE)?.wholes(), vertices),
@@ -215,11 +215,11 @@ pub(super) fn vectors(flat: &[f32]) -> Vec<Vec3> {
     grouped::<3>(flat).map(Vec3::from).collect()
 }
 
-/// Corner indices of each triangle (glTF 2.0, section 3.7.2.1, "Topology").
+/// Returns the corner indices of each triangle (glTF 2.0, section 3.7.2.1, "Topology").
 fn triangulate(mode: u64, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         5 => {
-            // Every other triangle of a strip has its last two corners swapped, so that all face the same way.
+            // The last two corners of every second triangle of a strip are swapped, so that all face the same side.
             let corner = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
             indices.windows(3).enumerate().map(corner).collect()
         }
@@ -231,7 +231,7 @@ fn triangulate(mode: u64, indices: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// The texture coordinates that the material uses, transformed; without a texture the first set there is.
+/// Reads the transformed texture coordinates of the material; without a texture the first set present.
 fn read_uvs<'a>(
     source: &mut Source<'a, '_>,
     attributes: &At<'a>,
@@ -278,10 +278,10 @@ fn read_colors<'a>(
     })
 }
 
-/// Width and numbers of an attribute of colours.
+/// Returns the width and the numbers of a colour attribute.
 pub(super) fn color_reals<'a>(source: &mut Source<'a, '_>, reference: &At<'a>) -> Result<(usize, Vec<f32>), BakeError> {
     let elements = source.accessor(reference, &[3, 4], REAL)?;
-    // Integer colours are fractions of 1 whether the file says `normalized` or, against the rules, does not.
+    // Integer colours are fractions of 1, even if the file, against the rules, does not say `normalized`.
     Ok((elements.width, elements.reals(elements.component != Component::F32)))
 }
 

@@ -11,33 +11,33 @@ use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Quat, Vec3};
 pub(super) struct TreeNode<'a> {
     pub at: At<'a>,
     pub parent: Option<usize>,
-    /// To the parent's space.
+    /// Transform to the parent's space.
     pub local: Mat4,
     /// `local` as translation, rotation and scale; without shear.
     pub trs: (Vec3, Quat, Vec3),
-    /// What of its mesh is seen.
+    /// Visibility of its mesh.
     pub shows: Shows,
 }
 
-/// What is seen of a node's mesh.
+/// Visibility of a node's mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shows {
-    /// The mesh, where the node is.
+    /// Shown at the node.
     Mesh,
-    /// Nothing here: its instances show it.
+    /// Shown by the node's instances only.
     Instances,
-    /// It is such an instance, a child of the node whose mesh it shows, and no node of the document.
+    /// Shown by this node, an instance: a child of the node with the mesh, not a node of the document.
     Instance,
 }
 
-/// All nodes of the document.
+/// Node tree of the document.
 #[derive(Debug)]
 pub(super) struct Tree<'a> {
-    /// As numbered in the document; behind those the instances that `EXT_mesh_gpu_instancing` makes of them.
+    /// Nodes as numbered in the document, followed by the instances that `EXT_mesh_gpu_instancing` creates.
     pub nodes: Vec<TreeNode<'a>>,
     /// All nodes, parents first, siblings in the order of the document.
     pub order: Vec<usize>,
-    /// The nodes of the scene, parents first.
+    /// Nodes of the scene, parents first.
     pub scene: Vec<usize>,
 }
 
@@ -78,7 +78,7 @@ impl<'a> Tree<'a> {
         let roots: Vec<usize> = (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
         let order = walk(&roots, &children);
         if order.len() < nodes.len() {
-            // Every node has at most one parent, so what the roots do not reach goes round in a circle.
+            // Every node has at most one parent, so nodes that the roots do not reach form a cycle.
             let mut reached = vec![false; nodes.len()];
             order.iter().for_each(|i| reached[*i] = true);
             let lost = reached.iter().position(|r| !r).unwrap_or_default();
@@ -88,12 +88,12 @@ impl<'a> Tree<'a> {
         Ok(Self { nodes, order, scene })
     }
 
-    /// The nodes of the scene whose mesh is seen, if they have one, parents first.
+    /// Returns the nodes of the scene whose mesh (if any) is shown, parents first.
     pub fn shown(&self) -> impl Iterator<Item = usize> {
         self.scene.iter().copied().filter(|node| self.nodes[*node].shows != Shows::Instances)
     }
 
-    /// Transforms to world space, one per node, under `root`.
+    /// Returns the transforms to world space, one per node, under `root`.
     pub fn world(&self, root: Mat4) -> Vec<Mat4> {
         let mut world = vec![root; self.nodes.len()];
         for i in &self.order {
@@ -103,13 +103,13 @@ impl<'a> Tree<'a> {
         world
     }
 
-    /// `node` and its ancestors.
+    /// Returns `node` and its ancestors.
     pub fn lineage(&self, node: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(node), |i| self.nodes.get(*i).and_then(|n| n.parent))
     }
 }
 
-/// Depth-first order below `roots`, without recursion: trees may be deep.
+/// Returns the depth-first order below `roots`, without recursion: trees may be deep.
 fn walk(roots: &[usize], children: &[Vec<usize>]) -> Vec<usize> {
     let mut order = Vec::new();
     let mut open: Vec<usize> = roots.iter().rev().copied().collect();
@@ -120,7 +120,8 @@ fn walk(roots: &[usize], children: &[Vec<usize>]) -> Vec<usize> {
     order
 }
 
-/// Roots of the default scene, or of the first; `None` without scenes: then all roots of the document are shown.
+/// Returns the roots of the default scene, or of the first; `None` without scenes: then all roots of the document are
+/// shown.
 fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Result<Option<Vec<usize>>, BakeError> {
     let root = source.root.clone();
     let scene = match root.get("scene") {
@@ -147,14 +148,15 @@ fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Resul
     Ok(Some(roots))
 }
 
-/// A transform, and the same as translation, rotation and scale without shear.
+/// A matrix and its decomposition into translation, rotation and scale, without shear.
 type Transform = (Mat4, (Vec3, Quat, Vec3));
 
-/// Copies of meshes in a document at most. Each may follow a joint of its own, of which a skin has no more.
+/// Maximum number of mesh instances in a document. Each may follow a joint of its own, and a skin has at most as many
+/// joints.
 const MOST_INSTANCES: usize = 1 << 16;
 
-/// Where `EXT_mesh_gpu_instancing` shows the mesh of a node, in the node's space; `None` without it, and where it means nothing. At most
-/// `most` are there.
+/// Reads the transforms of a node's instances (`EXT_mesh_gpu_instancing`), in the node's space; more than `most` are an
+/// error. `None` without the extension, without a mesh, and with a skin.
 fn instances<'a>(source: &mut Source<'a, '_>, node: &At<'a>, most: usize) -> Result<Option<Vec<Transform>>, BakeError> {
     let Some(at) = node.get("extensions").and_then(|all| all.get("EXT_mesh_gpu_instancing")) else { return Ok(None) };
     if node.get("mesh").is_none() {
@@ -165,7 +167,7 @@ fn instances<'a>(source: &mut Source<'a, '_>, node: &At<'a>, most: usize) -> Res
         return Ok(None);
     }
     let attributes = at.require("attributes")?;
-    // What else there may be, such as `_ID`, is the application's.
+    // Other attributes, such as `_ID`, are left to the application.
     let [translation, rotation, scale] = ["TRANSLATION", "ROTATION", "SCALE"].map(|name| attributes.get(name));
     let mut count: Option<(u64, &'static str)> = None;
     for (reference, name) in [(&translation, "TRANSLATION"), (&rotation, "ROTATION"), (&scale, "SCALE")] {
@@ -205,14 +207,14 @@ fn instances<'a>(source: &mut Source<'a, '_>, node: &At<'a>, most: usize) -> Res
     Ok(Some(places.collect()))
 }
 
-/// A rotation of length 1, and its length before; `None` for one that turns to nowhere. In double precision: the squares of small numbers vanish in
-/// single.
+/// Returns a rotation normalised to length 1, and its previous length; `None` if it has none. Computes in f64: squares
+/// of small numbers vanish in f32.
 fn unit(q: [f32; 4]) -> Option<(Quat, f64)> {
     let length = q.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt();
     (length > 1e-12).then(|| (Quat::from_array(q.map(|x| (f64::from(x) / length) as f32)), length))
 }
 
-/// Reads the transform of a node, as matrix and as translation, rotation, scale.
+/// Reads the transform of a node as a matrix and as translation, rotation and scale.
 fn transform(at: &At<'_>, source: &mut Source<'_, '_>) -> Result<Transform, BakeError> {
     if let Some(matrix_at) = at.get("matrix") {
         let matrix = Mat4::from_cols_array(&matrix_at.numbers::<16>()?);
@@ -247,7 +249,8 @@ fn transform(at: &At<'_>, source: &mut Source<'_, '_>) -> Result<Transform, Bake
     Ok((Mat4::from_scale_rotation_translation(scale, rotation, translation), (translation, rotation, scale)))
 }
 
-/// Splits an affine matrix. A mirroring goes to the z axis; a collapsed axis keeps a scale of zero and some direction.
+/// Decomposes an affine matrix. A reflection is assigned to the z axis; a collapsed axis gets a scale of zero and an
+/// arbitrary direction.
 fn decompose(matrix: Mat4) -> (Vec3, Quat, Vec3) {
     let m = DMat4::from_cols_array(&matrix.to_cols_array().map(f64::from));
     let [cx, cy, cz] = [m.x_axis.truncate(), m.y_axis.truncate(), m.z_axis.truncate()];
@@ -257,7 +260,7 @@ fn decompose(matrix: Mat4) -> (Vec3, Quat, Vec3) {
         .or_else(|| unit(cy.any_orthogonal_vector()))
         .or_else(|| unit(cz.any_orthogonal_vector()));
     let x = x.unwrap_or(DVec3::X);
-    // What is left of y once its part along x is gone; where nothing is left, z says where y was.
+    // Rest of y after removing its part along x; if nothing remains, derived from z.
     let y = unit_or_none(cy - x * x.dot(cy), cy.length()).or_else(|| unit_or_none(cz.cross(x), cz.length()));
     let y = y.unwrap_or_else(|| x.any_orthonormal_vector());
     let z = x.cross(y);
@@ -270,7 +273,7 @@ fn unit_or_none(v: DVec3, of: f64) -> Option<DVec3> {
     if v.length() > 1e-9 * of { v.try_normalize() } else { None }
 }
 
-/// How far the parts are from the matrix, relative to its largest axis.
+/// Returns the difference between the parts and the matrix, relative to its largest axis.
 fn shear(matrix: Mat4, (translation, rotation, scale): (Vec3, Quat, Vec3)) -> f32 {
     let back = Mat3::from_mat4(Mat4::from_scale_rotation_translation(scale, rotation, translation));
     let linear = Mat3::from_mat4(matrix);
@@ -279,7 +282,7 @@ fn shear(matrix: Mat4, (translation, rotation, scale): (Vec3, Quat, Vec3)) -> f3
     if size > 0.0 { difference / size } else { 0.0 }
 }
 
-/// Whether a matrix turns left hands into right hands. In double precision: the product of three small scales vanishes in single.
+/// Returns whether a matrix mirrors. Computes in f64: the product of three small scales vanishes in f32.
 pub(super) fn mirrors(matrix: &Mat4) -> bool {
     DMat4::from_cols_array(&matrix.to_cols_array().map(f64::from)).determinant() < 0.0
 }

@@ -1,4 +1,4 @@
-//! Skins: joints and inverse bind matrices, and the list of joints of the whole model.
+//! glTF skins: joints and inverse bind matrices, and the list of joints of the whole model.
 
 use super::elements::{Component, grouped};
 use super::json::At;
@@ -7,12 +7,12 @@ use crate::BakeError;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-/// A skin of the document.
+/// A glTF skin of the document.
 #[derive(Debug)]
 pub(super) struct Skin {
-    /// Nodes of the document.
+    /// Joints, as nodes of the document.
     pub joints: Vec<usize>,
-    /// One per joint, column-major.
+    /// Inverse bind matrices, one per joint, column-major.
     pub inverse_binds: Vec<[f32; 16]>,
 }
 
@@ -40,7 +40,7 @@ impl Skin {
                     return Err(reference.fault(format!("element {i} is not finite, expected finite numbers")));
                 }
                 *slot = matrix;
-                // The last row is [0, 0, 0, 1] by definition; some files hold rounding there.
+                // The last row is [0, 0, 0, 1] by definition; some files have rounding errors there.
                 (slot[3], slot[7], slot[11], slot[15]) = (0.0, 0.0, 0.0, 1.0);
             }
         }
@@ -48,26 +48,26 @@ impl Skin {
     }
 }
 
-/// What a vertex can follow.
+/// Owner of joints that a vertex can follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Owner {
-    /// All joints of a skin.
+    /// A skin, with all its joints.
     Skin(usize),
-    /// A node, rigidly.
+    /// A node, followed rigidly.
     Node(usize),
 }
 
-/// The joints of the model: those of each skin, and one for each node with a rigid mesh.
+/// Joints of the model: those of each skin, and one for each node with a rigid mesh.
 #[derive(Debug, Default)]
 pub(super) struct Joints {
-    /// Node of the document and inverse bind matrix.
+    /// Document node and inverse bind matrix of each joint.
     pub list: Vec<(usize, [f32; 16])>,
     first: BTreeMap<Owner, usize>,
     skins: BTreeMap<usize, Skin>,
 }
 
 impl Joints {
-    /// The skin that `reference` names, and its number.
+    /// Reads the skin that `reference` names, once, and returns its index.
     pub fn skin<'a>(&mut self, source: &mut Source<'a, '_>, reference: &At<'a>) -> Result<usize, BakeError> {
         let (index, at) = source.root.referred("skins", reference)?;
         if let Entry::Vacant(slot) = self.skins.entry(index) {
@@ -76,20 +76,20 @@ impl Joints {
         Ok(index)
     }
 
-    /// Joints of a skin that was read: node of the document and inverse bind matrix.
+    /// Returns the joints of a skin that was read: document node and inverse bind matrix.
     pub fn binds(&self, skin: usize) -> Vec<(usize, [f32; 16])> {
         let skin = self.skins.get(&skin);
         skin.into_iter().flat_map(|s| s.joints.iter().copied().zip(s.inverse_binds.iter().copied())).collect()
     }
 
-    /// Number of the first joint of a skin, and how many it has.
+    /// Returns the index of the first joint of a skin, and the number of its joints.
     pub fn of_skin(&mut self, at: &At<'_>, skin: usize) -> Result<(usize, usize), BakeError> {
         let entries = self.binds(skin);
         let count = entries.len();
         Ok((self.add(at, Owner::Skin(skin), entries)?, count))
     }
 
-    /// Number of the joint of a node that carries a rigid mesh.
+    /// Returns the index of the joint of a node with a rigid mesh.
     pub fn of_node(&mut self, at: &At<'_>, node: usize) -> Result<usize, BakeError> {
         self.add(at, Owner::Node(node), vec![(node, IDENTITY)])
     }

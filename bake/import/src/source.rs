@@ -1,4 +1,4 @@
-//! The bytes behind a model: buffers, buffer views, URIs, and the record of what was read.
+//! Binary data of a model: buffers, buffer views, URIs, and the record of what was read.
 
 use super::elements::Elements;
 use super::json::{At, shorten};
@@ -11,7 +11,7 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_perc
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Bytes that a path in a URI writes with a percent sign (RFC 3986, section 2.3).
+/// Bytes that are percent-encoded in a path of a URI (RFC 3986, section 2.3).
 const OUTSIDE_PATHS: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'-').remove(b'.').remove(b'_').remove(b'~');
 
 /// Returns a relative path with slashes as a URI.
@@ -19,19 +19,19 @@ pub fn path_as_uri(path: &str) -> String {
     utf8_percent_encode(path, OUTSIDE_PATHS).to_string()
 }
 
-/// Everything that is unpacked of a model, bytes: many views can name the same packed bytes.
+/// Maximum size of all decompressed data of a model, bytes: many views can name the same compressed bytes.
 pub(super) const MAX_UNPACKED: u64 = 1 << 30;
 
-/// Fetches the bytes of a relative URI, the first so many where there are more.
+/// Callback that fetches the bytes of a relative URI, at most the given number.
 pub type Resolve<'r> = dyn FnMut(&str, u64) -> Result<Vec<u8>, BakeError> + 'r;
 
-/// The most that is read of a file beside the model that does not say its length, bytes: an image or a material file.
+/// Maximum size of a file beside the model whose length the model does not declare, bytes: an image or a material file.
 pub(super) const MAX_BESIDE: u64 = 256 << 20;
 
-/// Everything that is read from files beside a glTF, bytes: many buffers can name the same large file.
+/// Maximum size of all files beside a glTF, bytes: many buffers can name the same large file.
 const MAX_FILES: u64 = 2 << 30;
 
-/// Fetches a file of at most [`MAX_BESIDE`] bytes; else says why there is none, to follow its name in a sentence.
+/// Fetches a file of at most [`MAX_BESIDE`] bytes. The error continues a sentence that begins with the file's name.
 pub(super) fn beside(uri: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
     let bytes = resolve(uri, MAX_BESIDE + 1).map_err(why_unreadable)?;
     if bytes.len() as u64 > MAX_BESIDE {
@@ -47,15 +47,15 @@ pub(super) struct Source<'a, 'r> {
     bin: Option<&'a [u8]>,
     resolve: &'r mut Resolve<'r>,
     buffers: BTreeMap<usize, Cow<'a, [u8]>>,
-    /// Buffer views that were packed.
+    /// Buffer views that were decompressed.
     pub unpacked: BTreeMap<usize, Vec<u8>>,
-    /// Elements of accessors that have no bytes of their own, each for the next to read it.
+    /// Elements of accessors without bytes of their own; the next read of an accessor removes its entry.
     pub supplied: BTreeMap<usize, Elements>,
-    /// Bytes of all that was unpacked.
+    /// Size of all decompressed data, bytes.
     unpacked_bytes: u64,
-    /// Bytes of all files that were read.
+    /// Size of all buffer files read, bytes.
     file_bytes: u64,
-    /// Warnings, and what was read.
+    /// Warnings, and records of the files read.
     pub notes: Notes,
 }
 
@@ -83,18 +83,18 @@ impl<'a, 'r> Source<'a, 'r> {
         }
     }
 
-    /// Notes what was repaired, left out or guessed.
+    /// Records a repair, omission or guess.
     pub fn warn(&mut self, text: impl Into<String>) {
         self.notes.warn(text);
     }
 
-    /// Notes a file or an embedded image.
+    /// Records a file or an embedded image.
     pub fn record(&mut self, role: &str, name: &str, bytes: &[u8]) {
         self.notes.record(role, name, bytes);
     }
 
-    /// What `uri` stands for: the data in it, or the file it names, of which the first `declared` bytes count where the model says how many there
-    /// are. `role` is for the record.
+    /// Returns the data in `uri`, or the contents of the file that it names, at most `declared` bytes if the model
+    /// gives a length. `role` is stored in the record.
     pub fn uri(&mut self, at: &At<'a>, role: &str, declared: Option<u64>) -> Result<Vec<u8>, BakeError> {
         let uri = at.string()?;
         if let Some(data) = uri.get(..5).filter(|s| s.eq_ignore_ascii_case("data:")).and_then(|_| uri.get(5..)) {
@@ -115,7 +115,7 @@ impl<'a, 'r> Source<'a, 'r> {
         };
         let bytes =
             fetched.map_err(|cause| at.fault(format!("names the {role} file \"{}\": {cause}", shorten(uri))))?;
-        // Images go once they are decoded; buffers stay.
+        // Images are dropped after decoding; buffers are kept.
         self.file_bytes += declared.map_or(0, |_| bytes.len() as u64);
         let name = percent_decode_str(uri).decode_utf8().unwrap_or(Cow::Borrowed(uri));
         self.record(role, &name, &bytes);
@@ -146,11 +146,11 @@ impl<'a, 'r> Source<'a, 'r> {
         Ok(index)
     }
 
-    /// Adds to what is unpacked of the model, bytes.
+    /// Adds to the size of the model's decompressed data, bytes.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] at `at` where that is too much.
+    /// [`BakeError::Input`] at `at` above `MAX_UNPACKED`.
     pub fn count_unpacked(&mut self, at: &At<'_>, bytes: u64) -> Result<(), BakeError> {
         self.unpacked_bytes = self.unpacked_bytes.saturating_add(bytes);
         if self.unpacked_bytes > MAX_UNPACKED {
@@ -159,7 +159,7 @@ impl<'a, 'r> Source<'a, 'r> {
         Ok(())
     }
 
-    /// The bytes that `at` names by `buffer`, `byteOffset` and `byteLength`.
+    /// Returns the bytes that `at` names by `buffer`, `byteOffset` and `byteLength`.
     pub fn range(&mut self, at: &At<'a>) -> Result<&[u8], BakeError> {
         let index = self.buffer(&at.require("buffer")?)?;
         let (offset, length) = (at.unsigned_or("byteOffset", 0)?, at.require("byteLength")?.unsigned()?);
@@ -169,7 +169,7 @@ impl<'a, 'r> Source<'a, 'r> {
         }
         let end = offset.saturating_add(length);
         if end > have {
-            // What lies beyond the end may be unused: each accessor is checked against the bytes there are.
+            // The missing bytes may be unused: each accessor is checked against the available ones.
             self.warn(format!("{} reaches to byte {end} of buffer {index}, which has {have}", at.place));
         }
         let buffer = self.buffers.get(&index).map(Cow::as_ref).unwrap_or_default();
@@ -177,7 +177,7 @@ impl<'a, 'r> Source<'a, 'r> {
     }
 }
 
-/// The data of a `data:` URI (RFC 2397) behind the scheme.
+/// Decodes the data of a `data:` URI (RFC 2397) after the scheme.
 fn decode_data(data: &str) -> Result<Vec<u8>, String> {
     let (header, body) =
         data.split_once(',').ok_or("is a data URI without a comma, expected data:[type][;base64],data")?;

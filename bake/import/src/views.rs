@@ -1,18 +1,18 @@
-//! Buffer views (glTF 2.0, section 3.6.1), plain or packed with EXT_meshopt_compression.
+//! Buffer views (glTF 2.0, section 3.6.1), plain or compressed with EXT_meshopt_compression.
 
 use super::json::At;
 use super::meshopt;
 use super::source::Source;
 use crate::BakeError;
 
-/// The bytes of a buffer view.
+/// Bytes of a buffer view.
 pub(super) struct View<'b> {
     pub bytes: &'b [u8],
     pub stride: Option<usize>,
 }
 
 impl<'a> Source<'a, '_> {
-    /// The bytes of the buffer view that `reference` names.
+    /// Returns the bytes of the buffer view that `reference` names.
     pub fn view(&mut self, reference: &At<'a>) -> Result<View<'_>, BakeError> {
         let (index, at) = self.root.referred("bufferViews", reference)?;
         let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);
@@ -27,7 +27,7 @@ impl<'a> Source<'a, '_> {
     }
 }
 
-/// The bytes of a buffer view, unpacked as its extension (at `at`) says; `length` is what the view says they are.
+/// Decompresses a buffer view by its extension (at `at`); `length` is the size that the view declares.
 fn unpack_view<'a>(source: &mut Source<'a, '_>, at: &At<'a>, length: u64) -> Result<Vec<u8>, BakeError> {
     let count_at = at.require("count")?;
     let (count, stride) = (count_at.unsigned()?, at.require("byteStride")?.unsigned()?);

@@ -1,4 +1,4 @@
-//! Skin weights of a primitive: any number of sets in, four joints per vertex out.
+//! Skin weights of a primitive: reads any number of sets, keeps four joints per vertex.
 
 use super::counts::{check_count, same_count};
 use super::elements::{WHOLE, grouped};
@@ -9,10 +9,11 @@ use crate::BakeError;
 /// Four joints of a skin (indices into its `joints`) and their weights, which sum to 1.
 pub(super) type Influence = ([u32; 4], [f32; 4]);
 
-/// Weights of a vertex that sum to less than this far from 1 are rounding (u8 weights: four halves of 1/255), not worth a warning.
+/// Deviation of a vertex's weight sum from 1 that counts as rounding (u8 weights: four halves of 1/255) and causes no
+/// warning.
 const ROUNDING: f64 = 0.01;
 
-/// Sets of four that are looked at: 32 joints per vertex.
+/// Maximum number of sets of four that are read: 32 joints per vertex.
 const MAX_SETS: u32 = 8;
 
 /// Reads `JOINTS_n` and `WEIGHTS_n`, keeps the four largest weights of each vertex and scales them to sum to 1.

@@ -1,5 +1,5 @@
-//! Seconds of the surface stage against the number of triangles: a knotted tube from a thousand triangles to a third of a million,
-//! and the growth between steps, to be compared with n log n.
+//! Seconds of the surface stage against the number of triangles: a knotted tube from a thousand triangles to a third of
+//! a million, and the growth between steps, to be compared with n log n.
 //!
 //! `cargo bench --workspace --bench surface -- MODEL…` measures models as well; paths are relative to `bake/`.
 #![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]

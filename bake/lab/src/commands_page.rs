@@ -1,5 +1,5 @@
-//! The command line as a page of Markdown, and the results of `--json` as JSON schemas, generated from their definitions.
-//! It is a hidden subcommand, because only the binary has these.
+//! The command line as a page of Markdown, and the results of `--json` as JSON schemas, generated from their
+//! definitions. It is a hidden subcommand, because only the binary has these.
 
 use clap::{Arg, ArgAction, Command};
 use pelage_params::wrap;

@@ -1,8 +1,9 @@
 //! How far drawn lines are from those that should be there.
 //!
-//! Precision is the share of drawn pixels that a true line is near, recall the share of the true lines' pixels that a drawn one is near (Rijsbergen 1979). Near is
-//! within some pixels, middle to middle, by the exact distance. A drawn line counts by the pixel in its middle: hand in where features were found,
-//! if that is known, else [`Mask::core`] of the ink. Without that, a stroke that is meant to be wide would be wrong by its width.
+//! Precision is the share of drawn pixels that a true line is near, recall the share of the true lines' pixels that a
+//! drawn one is near (Rijsbergen 1979). Near is within some pixels, middle to middle, by the exact distance. A drawn
+//! line counts by the pixel in its middle: hand in where features were found, if that is known, else [`Mask::core`] of
+//! the ink. Without that, a stroke that is meant to be wide would be wrong by its width.
 
 use crate::truth::{LineKind, VisibleLines};
 use pelage_bake::mask::{Mask, Stroke};

@@ -1,12 +1,14 @@
 //! Flicker: how much a picture changes from one frame to the next where the things in it only move.
 //!
-//! For each pixel of a frame whose ray meets the skin, the point it meets (triangle and weights) is looked up on the skin of the next frame and
-//! projected into that frame's picture. Where the point is seen there as well, both greys should be the same but for light and view; their mean absolute
-//! difference is the flicker. It is 0 for a texture that is tied to the surface and large for one that is tied to the screen. The motion is that of the
-//! mesh itself and not estimated from the pictures, so that what swims cannot pass for motion.
+//! For each pixel of a frame whose ray meets the skin, the point it meets (triangle and weights) is looked up on the
+//! skin of the next frame and projected into that frame's picture. Where the point is seen there as well, both greys
+//! should be the same but for light and view; their mean absolute difference is the flicker. It is 0 for a texture that
+//! is tied to the surface and large for one that is tied to the screen. The motion is that of the mesh itself and not
+//! estimated from the pictures, so that what swims cannot pass for motion.
 //!
-//! Contours move over the surface even when nothing flickers, because they depend on the view. So what is a line in both frames, and what is none in either, is
-//! told apart from where a line comes or goes; and what is compared is one way to draw against another on the same motion, not a figure against 0.
+//! Contours move over the surface even when nothing flickers, because they depend on the view. So what is a line in
+//! both frames, and what is none in either, is told apart from where a line comes or goes; and what is compared is one
+//! way to draw against another on the same motion, not a figure against 0.
 
 use glam::DVec2;
 use pelage_bake::mask::Mask;
@@ -77,7 +79,8 @@ impl Flicker {
     }
 }
 
-/// How far before a point of the skin something may lie without hiding it, as a share of the distance between the eye and the point.
+/// How far before a point of the skin something may lie without hiding it, as a share of the distance between the eye
+/// and the point.
 const SLACK: f64 = 1e-4;
 
 /// Flicker between two neighbouring frames of one model.

@@ -37,7 +37,8 @@ fn wave(x: f64, y: f64) -> f64 {
     0.5 + 0.25 * (1.8 * x).sin() + 0.25 * (1.4 * y + 0.5).cos()
 }
 
-/// A picture of the square at `place` with the wave as its texture, which has been moved by `slip`; around it a grey of a fifth.
+/// A picture of the square at `place` with the wave as its texture, which has been moved by `slip`; around it a grey of
+/// a fifth.
 fn picture(place: DVec3, slip: DVec3) -> Vec<f32> {
     let pixel = |i: u32| {
         let (x, y) = (f64::from(i % SIZE.0) + 0.5, f64::from(i / SIZE.0) + 0.5);
@@ -83,7 +84,8 @@ fn a_texture_on_the_surface_does_not_and_one_on_the_screen_does() {
         let (glued, screen) = (glued.mean().unwrap(), screen.mean().unwrap());
         assert!(screen > 0.05 && glued < share * screen, "{glued} on the surface, {screen} on the screen");
     }
-    // At the square's own border a pixel mixes with what is beside it; away from there nothing but the lookup between four pixels is left.
+    // At the square's own border a pixel mixes with what is beside it; away from there nothing but the lookup between
+    // four pixels is left.
     assert!(glued.lines.mean().unwrap() < 0.002, "{glued:?}");
     assert_eq!(glued.surface.count, 400);
     // The lines' pixels stay where they are in the picture while the square moves on by three.

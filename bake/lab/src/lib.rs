@@ -1,4 +1,5 @@
-//! The laboratory: charts of accuracy against cost, drivers of what fails, and the printed forms of the papers. It is not published.
+//! The laboratory: charts of accuracy against cost, drivers of what fails, and the printed forms of the papers. It is
+//! not published.
 
 pub mod chart;
 pub mod command;

@@ -1,7 +1,8 @@
-//! What a fibre scatters of a light that is a spherical Gaussian, as it is printed (after Xu 2011): Gaussians in place of what light does around the fibre.
+//! What a fibre scatters of a light that is a spherical Gaussian, as it is printed (after Xu 2011): Gaussians in place
+//! of what light does around the fibre.
 //!
-//! R is a sum of powers of cos(φ/2), TT one Gaussian about π, and TRT two about its caustics and one between them, of which only one is left from η′ = 2 on. It stands here to
-//! be measured; pelage draws with none of it.
+//! R is a sum of powers of cos(φ/2), TT one Gaussian about π, and TRT two about its caustics and one between them, of
+//! which only one is left from η′ = 2 on. It stands here to be measured; pelage draws with none of it.
 
 use crate::least_squares::least_squares;
 use glam::DVec3;

@@ -1,5 +1,5 @@
-//! What a model consists of, read from its package: how large it is, its materials and where they are, its joints and clips. What `bake` and `inspect`
-//! say of it.
+//! Contents of a model, read from its package: size, materials and their positions, joints and clips. Shown by `bake`
+//! and `inspect`.
 
 use glam::Vec3;
 use pelage_bake::stages::size;
@@ -142,7 +142,7 @@ impl Anatomy {
     }
 }
 
-/// The triangles of a material, at rest.
+/// Triangles of a material, at rest.
 struct Found {
     triangles: u64,
     area: f64,
@@ -164,12 +164,12 @@ impl Found {
     }
 }
 
-/// The mean base colour, `#rrggbb` in sRGB.
+/// Returns the mean base colour, `#rrggbb` in sRGB.
 fn color(package: &Package<'_>, material: usize) -> Result<String, FormatError> {
     let [r, g, b, _] = package.manifest().materials[material].base_color;
     let mut mean = Vec3::new(r, g, b);
     if let Some(view) = package.base_color_texture(material)? {
-        // The last level is the mean of all texels. One that does not decode leaves the factor.
+        // The last level is the mean of all texels. If a texture does not decode, the factor alone is used.
         let texels = decode_texture(&view, view.levels - 1, 0).unwrap_or_else(|_| vec![255; 4]);
         mean *= Vec3::new(srgb_to_linear(texels[0]), srgb_to_linear(texels[1]), srgb_to_linear(texels[2]));
     }

@@ -1,4 +1,4 @@
-//! The sky behind a picture.
+//! Sky background of a picture.
 
 use super::exit::Failure;
 use super::sky::Sky;
@@ -8,7 +8,7 @@ use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_stage::{Background, Look};
 use pelage_truth::TrueCamera;
 
-/// Refuses a sky behind the picture where nothing is one.
+/// Refuses a sky background if the look has no sky.
 ///
 /// # Errors
 /// [`Failure::Usage`] says what is missing.
@@ -20,7 +20,8 @@ pub fn check(look: &Look) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Lays a picture of that look, sRGB-encoded with straight alpha, over the sky, turned `turn_deg` on, where the look wants it behind.
+/// Composites a picture of the look, sRGB-encoded with straight alpha, over the sky, rotated by another `turn_deg`, if
+/// the look has a sky background.
 pub fn lay_over_sky(look: &Look, sky: Option<&Sky>, pixels: &mut RgbaImage, camera: &TrueCamera, turn_deg: f32) {
     let Some(sky) = sky.filter(|_| look.picture.background == Some(Background::Sky)) else { return };
     let ways = camera.ways(pixels.dimensions());

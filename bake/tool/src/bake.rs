@@ -1,4 +1,4 @@
-//! `pelage bake`: a model into a package.
+//! `pelage bake`: bakes a model into a package.
 
 use super::anatomy::Anatomy;
 use super::errand::Errand;
@@ -37,30 +37,30 @@ use std::time::Instant;
 /// Bake a glTF or OBJ model into a package
 #[derive(Clone, Debug, clap::Args)]
 pub struct BakeArgs {
-    /// The model: .glb, .gltf or .obj
+    /// Model: .glb, .gltf or .obj
     #[arg(value_name = "MODEL")]
     model: PathBuf,
-    /// The package to write
+    /// Package to write
     #[arg(long, short, value_name = "PKG")]
     output: PathBuf,
     #[command(flatten)]
     recipe: RecipeArgs,
-    /// Threads to use, by default one per core; the package is the same with any number
+    /// Threads to use; does not change the package [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(flatten)]
     pictures: PictureArgs,
     #[command(flatten)]
     limits: LimitArgs,
-    /// Write the whole recipe of this bake, with comments and what was chosen, to start from: the same model with it gives the same package, byte for
-    /// byte, which is therefore without evidence of how limits chose
+    /// Write the full recipe of this bake, with comments and all chosen values, as a starting point. Baking the same
+    /// model with it gives the same package, byte for byte; the package therefore has no evidence of how limits chose
     #[arg(long, value_name = "R.toml")]
     write_recipe: Option<PathBuf>,
 }
 
 impl BakeArgs {
-    /// What the package depends on, and where it goes. What is chosen by measuring is another thing each time, and a recipe that is written names images
-    /// from where it lies.
+    /// Returns the dependencies and outputs of the bake for the cache. A bake with limits is not cached, because
+    /// measurements differ each time. Nor is one that writes a recipe, which names images relative to its own folder.
     pub fn errand(&self) -> Option<Errand> {
         if !self.limits.limits().is_empty() || self.write_recipe.is_some() {
             return None;
@@ -70,20 +70,21 @@ impl BakeArgs {
     }
 }
 
-/// Limits of a bake: with any of them, layers, tile and fins are chosen by measuring instead of taken from the recipe.
+/// Limits of a bake; with any of them, layers, tile and fins are chosen by measuring instead of read from the recipe.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 struct LimitArgs {
-    /// Choose the cheapest layers, tile and fins whose error against the true pictures is at most this: mean FLIP, lost outline and lost contrast, weighed
-    /// so that a picture that has all its hair has about its mean FLIP, 0.01 to 0.1
+    /// Choose the cheapest layers, tile and fins whose error against the reference pictures is at most this. The error
+    /// combines mean FLIP, lost outline and lost contrast; for a picture with all its hair it is about the mean FLIP.
+    /// Useful values: 0.01 to 0.1
     #[arg(long, value_name = "E", value_parser = positive, allow_hyphen_values = true)]
     max_error: Option<f64>,
-    /// Choose among those whose frame takes at most so many milliseconds on this machine's adapter
+    /// Choose among settings whose frame takes at most this time on this machine's adapter, milliseconds
     #[arg(long, value_name = "MS", value_parser = positive, allow_hyphen_values = true)]
     max_frame_ms: Option<f64>,
-    /// Choose among those whose package has at most so many bytes
+    /// Choose among settings whose package has at most this size, bytes
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     max_bytes: Option<u64>,
-    /// Measure every setting instead of those that seem worth it: slow, to check the choice
+    /// Measure every setting instead of only the promising ones; slow, to verify the choice
     #[arg(long)]
     exhaustive: bool,
 }
@@ -94,23 +95,23 @@ impl LimitArgs {
     }
 }
 
-/// A recipe on the command line.
+/// Recipe on the command line.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct RecipeArgs {
-    /// The recipe; what it leaves out has its default
+    /// Recipe file; missing keys have their defaults
     #[arg(long, value_name = "R.toml")]
     pub recipe: Option<PathBuf>,
-    /// Change one key of the recipe, such as hair.length_m=0.02; may be given several times
+    /// Change one key of the recipe, such as hair.length_m=0.02; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// The model may name files outside its own folder, such as ../textures/fox.png. Without it none of those is opened, whatever the model says and wherever
-    /// links in its folder lead
+    /// Allow the model to reference files outside its own folder, such as ../textures/fox.png. Without this option no
+    /// such file is opened, whether named by the model or reached through links in its folder
     #[arg(long)]
     pub allow_outside: bool,
 }
 
 impl RecipeArgs {
-    /// The recipe with all changes, and the record of its file.
+    /// Reads the recipe with all changes, and the record of its file.
     pub fn read(&self) -> Result<(Recipe, Option<InputRecord>), BakeError> {
         let mut input = None;
         let mut recipe = match &self.recipe {
@@ -126,13 +127,14 @@ impl RecipeArgs {
         Ok((recipe, input))
     }
 
-    /// The images that the recipe's maps name. Their paths begin at the recipe's folder; those of `--set` also where the command runs.
+    /// Reads the images that the recipe's maps name. Paths are relative to the recipe's folder; those of `--set` may
+    /// also be relative to the working directory.
     pub fn images(&self, recipe: &Recipe) -> Result<MapImages, BakeError> {
         let file = self.recipe.as_ref().map_or("--set".to_owned(), |path| path.display().to_string());
         io::read_map_images(&file, &|name| self.image_path(name), recipe)
     }
 
-    /// Where the image of a name is.
+    /// Returns the path of an image by its name.
     pub fn image_path(&self, name: &str) -> PathBuf {
         let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let beside = folder.join(name);
@@ -143,7 +145,8 @@ impl RecipeArgs {
         }
     }
 
-    /// An error with where its value stands: stages name the key of a recipe alone. Without a recipe the value follows from the model.
+    /// Adds the source of the value to an error; stages name only the key of a recipe. Without a recipe the value is
+    /// derived from the model.
     pub fn placed(&self, model: &str, error: BakeError) -> BakeError {
         let BakeError::Params { what, reason } = error else { return error };
         let set = self.set.iter().any(|assignment| assignment.split('=').next().is_some_and(|key| key.trim() == what));
@@ -155,12 +158,12 @@ impl RecipeArgs {
         BakeError::Input { file, place: what.to_owned(), reason }
     }
 
-    /// Which files the model may name.
+    /// Returns which files the model may reference.
     pub fn reach(&self) -> Reach {
         if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
     }
 
-    /// Why a change of `--set` cannot be made, if it cannot.
+    /// Returns the reason that a change of `--set` is invalid, if it is.
     pub fn refusal(assignment: &str) -> Option<String> {
         let args = Self { recipe: None, set: vec![assignment.to_owned()], allow_outside: false };
         args.apply_to(&mut Recipe::default()).err().map(|error| match error {
@@ -169,14 +172,14 @@ impl RecipeArgs {
         })
     }
 
-    /// Makes the changes of `--set` to a recipe.
+    /// Applies the changes of `--set` to a recipe.
     pub fn apply_to(&self, recipe: &mut Recipe) -> Result<(), BakeError> {
         self.set.iter().try_for_each(|assignment| {
             let Some(named) = Named::of(assignment).filter(Named::is_absolute) else { return recipe.set(assignment) };
             let mut changed = recipe.clone();
             let known = |recipe: &Recipe| recipe.images().iter().any(|(_, name)| *name == named.name);
             if changed.set(&named.by_name()).is_err() || !known(&changed) {
-                // It is no image that this key takes.
+                // This key does not take an image.
                 return recipe.set(assignment);
             }
             if known(recipe) {
@@ -190,12 +193,13 @@ impl RecipeArgs {
     }
 }
 
-/// An image that `--set key=PATH#channel` may name.
+/// Image that `--set key=PATH#channel` may name.
 struct Named<'a> {
     key: &'a str,
     path: &'a Path,
     channel: &'a str,
-    /// As the recipe has it: an absolute path would tie the package to this machine, and stands there without its folders.
+    /// Name in the recipe: for an absolute path only the file name, because a path would tie the package to this
+    /// machine.
     name: &'a str,
 }
 
@@ -213,7 +217,7 @@ impl<'a> Named<'a> {
         self.path.is_absolute()
     }
 
-    /// The assignment with the file's name alone.
+    /// Returns the assignment with the file name in place of the path.
     fn by_name(&self) -> String {
         format!("{}={}{}", self.key, self.name, self.channel)
     }
@@ -268,15 +272,15 @@ pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// A finished bake with what the command has to say about it.
+/// Finished bake, with the information that the command reports.
 struct Done {
     baked: Baked,
     stages: Vec<StageTime>,
-    /// How its settings were chosen, for scripts and for people.
+    /// Choice of its settings: evidence and figures for scripts, text for people.
     choice: Option<(Choice, Vec<Judged>, String)>,
-    /// Whether it was said before the work that the package will be large.
+    /// Whether the size of a large package was already reported before the bake.
     told_size: bool,
-    /// The recipe to write.
+    /// Text of the recipe to write.
     recipe: Option<String>,
 }
 
@@ -295,12 +299,12 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let asked = recipe.clone();
     let placed = |error| args.recipe.placed(&file, error);
-    // What was chosen of the tile before the bake.
+    // Values of the tile chosen before the bake.
     let mut tile = InTile::default();
     let mut choice: Option<(Choice, Vec<Judged>, String)> = None;
     if !limits.is_empty() {
         watch.begin("choose");
-        // Settings that are tried differ in their texels, and not in their tile.
+        // The settings to try differ in their texels, not in their tile.
         tile = metric::in_tile(&recipe, &groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref())))
             .map_err(placed)?;
         let recipe_of_tile = tile.recipe.clone();
@@ -346,10 +350,10 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     Ok(Done { baked, stages: watch.finish(), choice, told_size: large.is_some(), recipe: written })
 }
 
-/// Packages of more bytes than this are told: an application loads them for a while, and a page for longer.
+/// Size above which a package is reported as large, bytes: it is slow to load, especially in web pages.
 const LARGE: u64 = 32 << 20;
 
-/// Says before the work if the layers alone will make a large package.
+/// Returns a note before the bake if the layers alone will make a large package.
 fn large_layers(recipe: &Recipe) -> Option<String> {
     let SliceParams { layers, tile_texels: n, .. } = recipe.slice;
     let bytes = shell_bytes(&recipe.slice, &recipe.pack, has_coat(recipe), recipe.visibility.enabled);
@@ -361,7 +365,7 @@ fn large_layers(recipe: &Recipe) -> Option<String> {
     })
 }
 
-/// Says of what most of a large package consists.
+/// Returns a note that names the largest part of a large package.
 fn large_package(package: &Package<'_>) -> Result<Option<String>, FormatError> {
     let all = package.bytes().len() as u64;
     if all <= LARGE {
@@ -380,7 +384,7 @@ fn large_package(package: &Package<'_>) -> Result<Option<String>, FormatError> {
     )))
 }
 
-/// Times the stages and shows which one runs.
+/// Timer of the stages; shows the current one.
 #[derive(Debug)]
 pub struct StageWatch<'a> {
     output: &'a mut Output,
@@ -389,22 +393,22 @@ pub struct StageWatch<'a> {
 }
 
 impl<'a> StageWatch<'a> {
-    /// Before the first stage.
+    /// Creates the timer, before the first stage.
     pub fn new(output: &'a mut Output) -> Self {
         Self { output, stages: Vec::new(), begun: Instant::now() }
     }
 
-    /// Where the stages count, for the display.
+    /// Returns the step counter of the stages, for the display.
     pub fn steps(&self) -> Arc<Steps> {
         self.output.steps()
     }
 
-    /// Where a stage shows its own progress.
+    /// Returns the output for a stage's own progress.
     pub fn output(&mut self) -> &mut Output {
         self.output
     }
 
-    /// Ends the stage before, if any, and begins another.
+    /// Ends the previous stage, if any, and begins another.
     pub fn begin(&mut self, stage: &'static str) {
         self.end();
         self.output.progress(stage);
@@ -418,7 +422,7 @@ impl<'a> StageWatch<'a> {
         }
     }
 
-    /// Ends the last stage.
+    /// Ends the last stage; returns the times of all.
     pub fn finish(mut self) -> Vec<StageTime> {
         self.end();
         self.stages

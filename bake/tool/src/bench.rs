@@ -1,4 +1,4 @@
-//! `pelage bench`: how long every pass of a package takes on this machine's adapter.
+//! `pelage bench`: times every pass of a package on this machine's adapter.
 
 use super::exit::{Exit, Failure};
 use super::look_args::SamplesArgs;
@@ -15,11 +15,11 @@ use std::path::PathBuf;
 
 /// Time every pass of a package on this machine's adapter
 ///
-/// It draws one sample per pixel unless --samples says otherwise. Options of sequences (--fps, --auto-rotate, --turn-light) are those of `render` alone: here
-/// every frame is the next of the clip.
+/// Draws one sample per pixel unless --samples is given. The sequence options (--fps, --auto-rotate, --turn-light)
+/// apply to `render` only: here every frame is the next one of the clip.
 #[derive(Clone, Debug, clap::Args)]
 pub struct BenchArgs {
-    /// The package
+    /// Package to time
     #[arg(value_name = "PKG")]
     package: PathBuf,
     #[command(flatten)]
@@ -57,7 +57,7 @@ pub struct BenchResult<'a> {
     layers: u32,
     /// Copies of the model.
     instances: usize,
-    /// Layers drawn in a frame, all copies, skins excluded.
+    /// Layers drawn in a frame, all copies, mesh surfaces excluded.
     drawn_layers: u64,
     /// Fur drawn for each copy.
     detail: Vec<FurDetail>,
@@ -73,9 +73,9 @@ struct PassTime {
     fragments: Option<u64>,
 }
 
-/// Frames before the timed ones: pipelines, caches and clocks settle.
+/// Untimed frames before the timed ones, until pipelines, caches and clocks have settled.
 const WARM_UP: u32 = 3;
-/// Timed frames where `--frames` says nothing.
+/// Default number of timed frames, without `--frames`.
 const FRAMES: u32 = 30;
 
 /// Runs the subcommand.
@@ -95,7 +95,7 @@ pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
     let mut times = Vec::new();
     for index in 0..WARM_UP + frames {
         output.progress(&format!("frame {index} of {}", WARM_UP + frames));
-        // A clip plays at 60 frames a second, so that every frame poses anew, as it would in an application.
+        // A clip plays at 60 frames per second, so that every frame updates the pose, as in an application.
         let clock_s = scene.params.time_s + Meter::FRAME_S;
         scene.advance(view.time_s + index as f32 / 60.0, clock_s, view.look.hair_motion());
         let frame = meter.measure(&mut scene)?;
@@ -129,7 +129,7 @@ fn report(
     let unshadowed = Spread::of(times.iter().map(|t| t.unshadowed));
     let maps_ms = median(PassId::LAYER_SHADOW) + median(PassId::SHADOW_WIDTH);
     let shadowed = pelage_stage::is_shadowed(scene);
-    // Ratios of one frame each, so that noise that lasts longer than a frame falls out.
+    // Ratios are computed per frame, so that noise that lasts longer than a frame cancels.
     let over_unshadowed = Spread::of(times.iter().filter(|_| shadowed).map(|t| t.frame / t.unshadowed));
     let maps_of = |t: &FrameTimes| t.of(PassId::LAYER_SHADOW) + t.of(PassId::SHADOW_WIDTH);
     let over_frame = Spread::of(times.iter().filter(|_| shadowed).map(|t| maps_of(t) / t.frame));

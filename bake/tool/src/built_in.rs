@@ -1,4 +1,4 @@
-//! The models that come with the binary, so that a first look needs no files.
+//! Models embedded in the binary, so that a first try needs no files.
 
 use super::exit::Failure;
 use pelage_bake::recipe::Recipe;
@@ -6,7 +6,7 @@ use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 
-/// A model and its recipe.
+/// Model and its recipe.
 #[derive(Debug)]
 pub struct BuiltIn {
     /// Name without extension, as in the repository's `assets/`.
@@ -15,14 +15,14 @@ pub struct BuiltIn {
     recipe: &'static str,
 }
 
-/// A hare that breathes.
+/// Hare that breathes.
 pub const HARE: BuiltIn = BuiltIn {
     name: "hare",
     glb: include_bytes!("../built_in/hare.glb"),
     recipe: include_str!("../built_in/hare.toml"),
 };
 
-/// A torus.
+/// Torus.
 pub const TORUS: BuiltIn = BuiltIn {
     name: "torus",
     glb: include_bytes!("../built_in/torus.glb"),
@@ -30,17 +30,17 @@ pub const TORUS: BuiltIn = BuiltIn {
 };
 
 impl BuiltIn {
-    /// Name for messages.
+    /// Returns the file name for messages.
     pub fn file(&self) -> String {
         format!("{}.glb", self.name)
     }
 
-    /// Its recipe.
+    /// Returns its recipe.
     pub fn recipe(&self) -> Result<Recipe, Failure> {
         Ok(Recipe::parse(&format!("{}.toml", self.name), self.recipe)?)
     }
 
-    /// The model, imported as `recipe` says.
+    /// Imports the model with the options of `recipe`.
     pub fn import(&self, recipe: &Recipe) -> Result<Model, Failure> {
         let mut no_files =
             |uri: &str, _: u64| Err(BakeError::Internal(format!("a built-in model names the file {uri}")));

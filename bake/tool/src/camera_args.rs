@@ -1,28 +1,31 @@
-//! From where a picture is seen: the arguments of `render`, `bench`, `reference` and `doctor`.
+//! Camera options of `render`, `bench`, `reference` and `doctor`.
 
 use pelage_stage::{Framing, Orbit, Viewpoint};
 
-/// Options of whatever looks at a model.
+/// Camera options of all commands that view a model.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct CameraArgs {
-    /// Eye and target in metres, height of the view in degrees: ex,ey,ez/tx,ty,tz/fov
+    /// Eye and target in metres, vertical field of view in degrees: ex,ey,ez/tx,ty,tz/fov
     ///
-    /// Without it the camera frames from the front left what will be drawn: all copies or models, with their fur, along their paths, and of a clip its whole
-    /// length, which is posed twenty times a second. It is the same camera for fur, ink and bare skin. `render` says which it was.
+    /// Without it the camera frames everything to be drawn, from the front left: all copies or models, with their fur,
+    /// along their paths. Clips are framed over their whole length, posed twenty times per second. The camera is the
+    /// same for fur, ink and bare models. `render` prints it.
     #[arg(long, value_name = "EYE/TARGET/FOV", allow_hyphen_values = true, conflicts_with_all = ["orbit", "look_at"])]
     pub camera: Option<Viewpoint>,
-    /// Frames from there, in degrees: azimuth 0 is in front, 90 at the model's left, elevation up to 90 above; a zoom over 1 goes nearer
+    /// Frame from this direction, in degrees: azimuth 0 is in front, 90 at the model's left, elevation up to 90 above;
+    /// zoom above 1 moves closer
     ///
-    /// The zoom is how many times as large the nearest side stands in the picture.
+    /// Zoom is the factor by which the nearest side is enlarged in the picture.
     #[arg(long, value_name = "AZ,EL[,ZOOM]", allow_hyphen_values = true)]
     pub orbit: Option<Orbit>,
-    /// Frames what belongs to a material or joint of that name, and what hangs on the joint; * and ? stand for any characters and for one
+    /// Frame only the material or joint of this name, including the joint's descendants; * matches any characters, ? a
+    /// single one
     #[arg(long, value_name = "MATERIAL|JOINT")]
     pub look_at: Option<String>,
 }
 
 impl CameraArgs {
-    /// What a camera is that is not given.
+    /// Returns the framing, used if no camera is given.
     pub fn framing(&self) -> Framing {
         Framing { orbit: self.orbit, look_at: self.look_at.clone(), all_around: false }
     }

@@ -1,4 +1,4 @@
-//! `pelage compare`: how much two pictures differ.
+//! `pelage compare`: measures the difference of two pictures.
 
 use super::errand::Errand;
 use super::exit::{Exit, Failure};
@@ -10,49 +10,49 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Compare two pictures of one size: FLIP, RMSE, PSNR and the difference of coverage
+/// Compare two pictures of the same size: FLIP, RMSE, PSNR and difference of coverage
 ///
-/// Exits with 7 where a limit is given and the pictures differ by more, and with 0 otherwise.
+/// Exits with 7 if a limit is given and exceeded, otherwise with 0.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CompareArgs {
-    /// A picture: PNG of 8 or 16 bits, or EXR
+    /// Picture: PNG of 8 or 16 bits, or EXR
     #[arg(value_name = "A")]
     a: PathBuf,
-    /// Another one of the same size
+    /// Second picture, of the same size
     #[arg(value_name = "B")]
     b: PathBuf,
-    /// Write FLIP of each pixel as a PNG, black for 0 to yellow for 1
+    /// Write the FLIP of each pixel as a PNG, black for 0 to yellow for 1
     #[arg(long, short, value_name = "PNG")]
     output: Option<PathBuf>,
-    /// What transparent pictures are laid over for FLIP: sRGB red,green,blue of 0 to 255
+    /// Background of transparent pictures for FLIP: sRGB red,green,blue, 0 to 255 each
     #[arg(long, value_name = "R,G,B", default_value = "128,128,128")]
     over: Rgb,
-    /// Pixels in a degree of sight, for FLIP; 67 is a 4K screen 0.7 m wide from 0.7 m away
+    /// Pixels per degree of the field of vision, for FLIP; 67 is a 4K screen 0.7 m wide, viewed from 0.7 m
     #[arg(long, value_name = "N", default_value_t = CompareParams::default().pixels_per_degree, value_parser = parse_pixels_per_degree)]
     pixels_per_degree: f32,
-    /// Largest mean FLIP that is no difference
+    /// Fail (exit code 7) if the mean FLIP exceeds this
     #[arg(long, value_name = "E", value_parser = parse_limit)]
     max_flip: Option<f64>,
-    /// Largest root mean square of the difference in linear light that is none
+    /// Fail (exit code 7) if the RMSE in linear light exceeds this
     #[arg(long, value_name = "E", value_parser = parse_limit)]
     max_rmse: Option<f64>,
-    /// Largest mean difference of alpha that is none
+    /// Fail (exit code 7) if the mean difference of alpha exceeds this
     #[arg(long, value_name = "E", value_parser = parse_limit)]
     max_coverage: Option<f64>,
-    /// Least peak signal-to-noise ratio that is no difference, decibels
+    /// Fail (exit code 7) if the peak signal-to-noise ratio is below this, decibels
     #[arg(long, value_name = "DB", value_parser = parse_limit)]
     min_psnr: Option<f64>,
 }
 
 impl CompareArgs {
-    /// What the comparison depends on, and where its map goes.
+    /// Returns the dependencies and outputs of the comparison for the cache.
     pub fn errand(&self) -> Option<Errand> {
         let args = Self { output: self.output.as_deref().map(Errand::name), ..self.clone() };
         Some(Errand::new("compare", &args, &self.output.iter().collect::<Vec<_>>()))
     }
 }
 
-/// sRGB-encoded red, green, blue of 0 to 255 on the command line.
+/// Colour on the command line: sRGB-encoded red, green, blue, 0 to 255 each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rgb(pub [u8; 3]);
 
@@ -72,7 +72,7 @@ fn parse_limit(text: &str) -> Result<f64, String> {
 }
 
 fn parse_pixels_per_degree(text: &str) -> Result<f32, String> {
-    // Beyond, filters are wider than any picture, or narrower than its pixels.
+    // Outside this range, filters are wider than any picture, or narrower than a pixel.
     let number = text.parse().ok().filter(|x: &f32| (1.0..=1000.0).contains(x));
     number.ok_or("expected a number from 1 to 1000".into())
 }
@@ -96,14 +96,14 @@ pub struct CompareResult {
     output: Option<String>,
 }
 
-/// A limit of a comparison.
+/// Limit of a comparison.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Limit {
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["--max-flip", "--max-rmse", "--max-coverage", "--min-psnr"])))]
     option: &'static str,
     bound: f64,
-    /// Value measured; null for the infinite ratio of equal pictures.
+    /// Measured value; null for the infinite ratio of equal pictures.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     found: f64,
     exceeded: bool,

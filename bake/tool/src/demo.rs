@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Bake and draw the built-in hare and torus; needs no input
 #[derive(Clone, Debug, clap::Args)]
 pub struct DemoArgs {
-    /// Folder for packages and pictures; made where it is missing
+    /// Folder for packages and pictures; created if missing
     #[arg(long, short, value_name = "DIR", default_value = "pelage-demo")]
     output: PathBuf,
 }
@@ -30,18 +30,18 @@ pub struct DemoResult {
     pictures: Vec<String>,
 }
 
-/// The models, and a clip and a moment of it to draw besides the rest pose.
+/// Models, each with a clip and a time in it to draw besides the rest pose.
 const MODELS: [(BuiltIn, Option<(&str, f32)>); 2] = [(HARE, Some(("EarBreath", 0.5))), (TORUS, None)];
 
-/// The hare's gait in ink: a clip, and how many pictures show it once. Its length is divided evenly, so that they loop.
+/// Gait of the hare in ink: clip, and number of pictures in one loop, evenly spaced in time.
 const GAIT: (&str, u32) = ("Walk", 16);
 
-/// A quiet studio grey, sRGB.
+/// Neutral studio grey, sRGB.
 const BACKGROUND: [u8; 3] = [204, 209, 217];
 
 /// Runs the subcommand.
 pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
-    // Before anything is written: a machine that cannot draw the pictures keeps nothing of them.
+    // First, so that a machine without a usable adapter writes no files.
     let gpu = Gpu::open()?;
     make_folder(&args.output)?;
     let (mut packages, mut pictures) = (Vec::new(), Vec::new());
@@ -79,7 +79,7 @@ fn bake(model: &BuiltIn, output: &mut Output) -> Result<Baked, Failure> {
     Ok(baked)
 }
 
-/// A clip in ink as numbered pictures in `folder`, which is made; their names.
+/// Draws a clip in ink as numbered pictures in `folder`, which is created; returns their names.
 fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) -> Result<Vec<String>, Failure> {
     let (clip, count) = GAIT;
     let package = file.open()?;
@@ -99,7 +99,7 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
     Ok(pictures)
 }
 
-/// The pictures of a model: in ink, with fur, without, and in motion.
+/// Returns the views of a model: in ink, with fur, without, and in motion.
 fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, View)> {
     let furry = View::sized((834, 834)).with(|look| {
         look.picture.samples = Samples(4);

@@ -1,4 +1,4 @@
-//! `pelage doctor`: what a package will cost on a screen, and what to change.
+//! `pelage doctor`: predicts the cost of a package on screen, and recommends changes.
 
 use super::camera_args::CameraArgs;
 use super::doctor_trial::try_advice;
@@ -13,13 +13,14 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Predict what a package costs on a screen, without a GPU, and say which recipe line to change
+/// Predict the cost of a package on screen, without a GPU, and recommend recipe changes
 ///
-/// Every layer of the model at rest is rasterised and counted. `pelage bench` measures what that takes on an adapter. Where there is an adapter,
-/// advice is tried: what makes the picture less like the true one is left out.
+/// Every layer of the model at rest is rasterised and counted; `pelage bench` measures the actual time on an adapter.
+/// If there is an adapter, recommendations are tested: those that increase the difference from the reference picture
+/// are dropped.
 #[derive(Clone, Debug, clap::Args)]
 pub struct DoctorArgs {
-    /// The package
+    /// Package to examine
     #[arg(value_name = "PKG")]
     package: PathBuf,
     /// Size of the picture, pixels
@@ -27,10 +28,10 @@ pub struct DoctorArgs {
     size: Size,
     #[command(flatten)]
     camera: CameraArgs,
-    /// Copies in the picture, each seen as large
+    /// Copies in the picture, each at the same size
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     instances: u32,
-    /// Width and height of the shadow maps, texels; 0 for no shadows
+    /// Width and height of the shadow maps, texels; 0 disables shadows
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(0..=8192))]
     shadow_map: u32,
 }
@@ -45,7 +46,7 @@ pub struct DoctorResult<'a> {
     /// Copies of the model, each at the same size.
     instances: u32,
     camera: DoctorCamera,
-    /// Pixels covered by the skin of one copy.
+    /// Pixels covered by the mesh surface of one copy.
     skin_pixels: u64,
     /// Pixels with at least one layer of fur.
     fur_pixels: u64,
@@ -64,7 +65,7 @@ pub struct DoctorResult<'a> {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DoctorCamera {
     eye: [f32; 3],
-    /// Point in the middle of the picture, metres.
+    /// Point at the centre of the picture, metres.
     target: [f32; 3],
     /// Height of the view, degrees.
     fov_deg: f32,

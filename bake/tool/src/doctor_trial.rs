@@ -1,4 +1,4 @@
-//! Advice of the doctor, tried: the picture with and without each change, beside the true one.
+//! Tests of the doctor's recommendations: the picture with and without each change, against the reference picture.
 
 use super::exit::Failure;
 use super::output::Output;
@@ -12,15 +12,17 @@ use pelage_stage::{Gpu, NamedPackage};
 use pelage_truth::doctor::{Advice, ErrorChange, is_harmless};
 use pelage_truth::likeness::Likeness;
 
-/// Rays through all pixels of the true picture: some seconds on any machine. Noise that is left is the same in all comparisons.
+/// Ray budget over all pixels of the reference picture: some seconds on any machine. The remaining noise is the same in
+/// all comparisons.
 const RAYS: u64 = 1 << 22;
 
-/// Draws what can be tried, one change on top of the other in the order of `advice`, and drops what makes the picture worse. Advice stays as it is,
-/// unmeasured, where nothing can be drawn: without an adapter, in a picture of more than [`RAYS`] pixels, of a package that cannot be sliced anew.
+/// Tests the recommendations by drawing, cumulatively in the order of `advice`, and drops those that make the picture
+/// worse. Advice is returned unmeasured if nothing can be drawn: without an adapter, for a picture of more than
+/// [`RAYS`] pixels, or if the package cannot be resliced.
 ///
 /// # Errors
 ///
-/// Those of drawing, once there is an adapter.
+/// Errors of drawing, once there is an adapter.
 pub fn try_advice(
     file: &NamedPackage<'static>,
     view: &View,
@@ -36,7 +38,7 @@ pub fn try_advice(
     let package = file.open()?;
     let mut recipe = Recipe::recorded(&file.name, &package.manifest().recipe)?;
     let truth = Truth::new(file, view)?;
-    // More than the judge of a bake takes would be no truer.
+    // More samples than the recipe's judge uses would not be more accurate.
     let samples = samples.min(u64::from(recipe.judge.samples)) as u32;
     let mut show = |done: u64, all: u64| output.progress_of(done as usize, all as usize, "pixels of the true picture");
     let traced = Picture::from(&truth::encode(&truth.picture(view, samples, &mut show), view.look.background()));

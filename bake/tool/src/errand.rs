@@ -1,4 +1,4 @@
-//! What build systems and farms want of every command: which files it reads, what became of it, and that nothing is made twice.
+//! Build-system support around every command: dependency files, records of the outcome, and the cache.
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, Said};
@@ -15,23 +15,25 @@ use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Options of every subcommand for who calls it from a build.
+/// Options of every subcommand for build systems.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct ErrandArgs {
-    /// Write a rule of Make that names every file which the command has read, those that a model or a scene names included: Ninja, Make and CMake read it
+    /// Write a Make rule that lists every file that the command has read, including those named by a model or a scene;
+    /// Ninja, Make and CMake read it
     #[arg(long, value_name = "FILE", global = true, help_heading = "Builds and farms")]
     depfile: Option<PathBuf>,
-    /// Write what became of the command as JSON, also where it failed: its words, exit code, seconds, largest memory, and its result or error
+    /// Write the outcome of the command as JSON, also if it fails: command line, exit code, seconds, peak memory, and
+    /// result or error
     #[arg(long, value_name = "FILE", global = true, help_heading = "Builds and farms")]
     record: Option<PathBuf>,
-    /// Take what was made of the same files by the same tool and arguments from a folder, which many may share, and keep there what is made: for bake, render,
-    /// reference, merge, compare and sky. What is measured is never kept
+    /// Reuse and store results in this cache folder, which may be shared. A result is reused for the same files, tool
+    /// and arguments. Applies to bake, render, reference, merge, compare and sky; measurements are never cached
     #[arg(long, value_name = "DIR", global = true, help_heading = "Builds and farms")]
     cache: Option<PathBuf>,
 }
 
 impl ErrandArgs {
-    /// The folder of what was made before.
+    /// Returns the cache folder.
     pub fn cache(&self) -> Option<&Path> {
         self.cache.as_deref()
     }
@@ -41,23 +43,24 @@ impl ErrandArgs {
     }
 }
 
-/// A command that makes the same files each time.
+/// Deterministic command, whose outputs can be cached.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Errand {
-    /// Its arguments, without the folders that it writes into and what changes nothing.
+    /// Arguments, without output folders and options that do not change the outputs.
     arguments: String,
-    /// The folders that it writes into.
+    /// Output folders.
     folders: Vec<PathBuf>,
 }
 
 impl Errand {
-    /// A command by its name and arguments, of which the `outputs` are left with their names alone.
+    /// Creates the cache description of a command from its name and arguments, in which `outputs` must be reduced to
+    /// their file names.
     pub fn new(command: &str, args: &impl Debug, outputs: &[&PathBuf]) -> Self {
         let folders = outputs.iter().map(|output| output.parent().unwrap_or(Path::new("")).to_owned()).collect();
         Self { arguments: format!("{command} {args:?}"), folders }
     }
 
-    /// The name of a file without its folder.
+    /// Returns the name of a file without its folder.
     pub fn name(output: impl AsRef<Path>) -> PathBuf {
         output.as_ref().file_name().unwrap_or_default().into()
     }
@@ -66,14 +69,14 @@ impl Errand {
         Sha256::new().chain_update(tool).chain_update(&self.arguments).finalize().into()
     }
 
-    /// In which folder a file is, and its name there.
+    /// Returns the index of a file's folder, and its name there.
     fn place(&self, path: &Path) -> Option<(usize, String)> {
         let folder = self.folders.iter().position(|folder| path.parent() == Some(folder))?;
         Some((folder, path.file_name()?.to_str()?.to_owned()))
     }
 }
 
-/// Runs a command, and does around it what the options say.
+/// Runs a command with the dependency file, record and cache that the options ask for.
 pub fn run(
     args: &ErrandArgs,
     errand: Option<&Errand>,
@@ -85,8 +88,8 @@ pub fn run(
     }
     let began = Instant::now();
     if let Some(record) = &args.record {
-        // Whoever finds a record has to know that it is of this run: a command that is killed leaves none. What cannot be removed cannot be written either,
-        // and is told then.
+        // Removed first, so that a record is always of this run: a command that is killed leaves none. If removal
+        // fails, so will writing, which reports the error.
         let _ = std::fs::remove_file(record);
     }
     let cache = args.cache.as_deref().zip(errand).and_then(|(folder, errand)| Kitchen::open(folder, errand, output));
@@ -110,9 +113,9 @@ pub fn run(
         }
     };
     if let (Some(path), Ok(_)) = (&args.depfile, &result) {
-        // What a command has written itself it does not depend on, also where it looked at it again.
+        // A command does not depend on its own outputs, even if it read them again.
         read.retain(|path| !written.contains(path));
-        // A rule needs something that it makes: of a command without results, what says that it has run.
+        // A rule needs a target: for a command without outputs, the record, or else the depfile itself.
         let targets =
             if written.is_empty() { vec![args.record.clone().unwrap_or_else(|| path.clone())] } else { written };
         result = result.and_then(|exit| {
@@ -121,16 +124,16 @@ pub fn run(
     }
     if let Some(path) = &args.record {
         let recorded = CommandRecord::of(&result, output.said(), began.elapsed().as_secs_f64(), cached).write(path);
-        // An error of the command is what its user has to know first.
+        // An error of the command takes precedence over one of writing the record.
         result = result.and_then(|exit| recorded.map(|()| exit).map_err(Into::into));
     }
     result
 }
 
-/// Files with their bytes.
+/// Files with their contents.
 type Files = Vec<(PathBuf, Vec<u8>)>;
 
-/// A cache, and what is looked for in it.
+/// Cache access for one command.
 struct Kitchen<'a> {
     cache: Cache,
     errand: &'a Errand,
@@ -138,7 +141,8 @@ struct Kitchen<'a> {
 }
 
 impl<'a> Kitchen<'a> {
-    /// `None` where the tool cannot be told from others; a cache is never a reason to fail.
+    /// Opens the cache; returns `None` if the tool cannot be identified, because a cache must never be a reason to
+    /// fail.
     fn open(folder: &Path, errand: &'a Errand, output: &Output) -> Option<Self> {
         let cache = Cache::new(folder);
         let tool = std::env::current_exe().map_err(|error| error.to_string());
@@ -151,7 +155,7 @@ impl<'a> Kitchen<'a> {
         }
     }
 
-    /// What was made, and the bytes of its files with their places.
+    /// Looks up a cached result; returns it with the paths and contents of its files.
     fn find(&self) -> Option<(Found, Files)> {
         let found = self.cache.find(&self.key, &mut answer)?;
         let file =
@@ -160,14 +164,14 @@ impl<'a> Kitchen<'a> {
         Some((found, files))
     }
 
-    /// Keeps what a command has made.
+    /// Stores the outputs of a command.
     fn keep(&self, traffic: &Traffic, exit: Exit, output: &Output) {
         let Said { result: Some((text, json)), notes } = output.said() else { return };
         let file = |written: &traffic::Written| {
             let (folder, name) = self.errand.place(&written.path)?;
             Some(KeptFile { folder, name, shown: shown(&written.path), sha256: hex(&written.digest) })
         };
-        // What went elsewhere could not be put there again.
+        // Files written outside the output folders could not be restored.
         let Some(files) = traffic.written.iter().map(file).collect::<Option<Vec<_>>>() else { return };
         if traffic.in_part {
             return;
@@ -180,7 +184,7 @@ impl<'a> Kitchen<'a> {
     }
 }
 
-/// What this machine answers.
+/// Returns a property of this machine that a result depends on.
 fn answer(what: &str) -> Option<String> {
     match what {
         ADAPTER => pelage_stage::Gpu::adapter_in_words().ok(),
@@ -188,14 +192,14 @@ fn answer(what: &str) -> Option<String> {
     }
 }
 
-/// What draws on this machine.
+/// Name of the property that identifies the graphics adapter.
 pub const ADAPTER: &str = "adapter";
 
 fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// Writes the files of a command that ran before, and says what it said.
+/// Writes the files of a cached result, and prints its notes and result.
 fn serve(kept: &Kept, files: &[(PathBuf, Vec<u8>)], output: &mut Output) -> Result<Exit, Failure> {
     let whole: Vec<(&Path, &[u8])> = files.iter().map(|(path, bytes)| (path.as_path(), bytes.as_slice())).collect();
     io::write_all_atomic(&whole)?;
@@ -212,7 +216,7 @@ fn serve(kept: &Kept, files: &[(PathBuf, Vec<u8>)], output: &mut Output) -> Resu
     Ok(Exit::of(kept.exit).unwrap_or(Exit::Done))
 }
 
-/// Puts another word in the place of every string that is `old`.
+/// Replaces every string that equals `old`.
 fn rename(value: &mut Value, old: &str, new: &str) {
     match value {
         Value::String(text) if text == old => new.clone_into(text),
@@ -222,7 +226,7 @@ fn rename(value: &mut Value, old: &str, new: &str) {
     }
 }
 
-/// Record of a command, written with `--record` by every subcommand, also if it failed.
+/// Record of a command, written by every subcommand with `--record`, even on failure.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CommandRecord {
@@ -274,7 +278,7 @@ impl CommandRecord {
     }
 }
 
-/// Writes the record of a command line that is refused, where its words ask for one.
+/// Writes the record of a refused command line, if it has `--record`.
 pub fn record_refusal(why: &str) -> Result<(), BakeError> {
     match record_asked(std::env::args_os()) {
         Some(path) => CommandRecord::new(words(), Exit::Usage, Some(why.to_owned())).write(&path),
@@ -282,12 +286,13 @@ pub fn record_refusal(why: &str) -> Result<(), BakeError> {
     }
 }
 
-/// The words of this process.
+/// Returns the arguments of this process.
 fn words() -> Vec<String> {
     std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
 }
 
-/// What `--record` says among words that are no command. A word behind it that looks like an option is none of its own, as clap has it.
+/// Returns the value of `--record` in a command line that does not parse. As in clap, a following word that looks like
+/// an option is not its value.
 fn record_asked(words: impl Iterator<Item = OsString>) -> Option<PathBuf> {
     let mut words = words.take_while(|word| word != "--");
     while let Some(word) = words.next() {
@@ -301,24 +306,24 @@ fn record_asked(words: impl Iterator<Item = OsString>) -> Option<PathBuf> {
     None
 }
 
-/// The most memory that this process has had, where the system says so.
+/// Returns the peak memory of this process, if the system reports it.
 fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
 }
 
-/// A rule of Make: the files that were written depend on those that were read, and there is no need of a rule for these.
+/// Formats a Make rule: the files written depend on the files read, each of which gets an empty rule.
 fn rule(written: &[PathBuf], read: &[PathBuf]) -> String {
     let words = |paths: &[PathBuf]| paths.iter().map(|path| make_word(&shown(path))).collect::<Vec<_>>();
     let (targets, sources) = (words(written), words(read));
     let mut text = format!("{}: \\\n  {}\n", targets.join(" "), sources.join(" \\\n  "));
-    // A file that has gone is no error then: whatever named it is read again.
+    // With an empty rule, a deleted file is not an error; the command that named it is run again.
     sources.iter().for_each(|source| text += &format!("\n{source}:\n"));
     text
 }
 
-/// A path as Make and Ninja read it.
+/// Escapes a path for Make and Ninja.
 fn make_word(path: &str) -> String {
     let mut word = String::new();
     for letter in path.chars() {

@@ -1,4 +1,4 @@
-//! How a run ends: the only place where errors become exit codes.
+//! Exit codes; errors become exit codes only here.
 
 use pelage_import::BakeError;
 use pelage_stage::StageError;
@@ -7,24 +7,24 @@ use std::process::ExitCode;
 /// Exit codes of `pelage`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// Everything was done; also a reader of stdout that went away.
+    /// Success; also if the reader of stdout closed it.
     Done = 0,
-    /// The command line is not understood.
+    /// Invalid command line.
     Usage = 1,
-    /// The file system refused.
+    /// File system error.
     FileSystem = 2,
-    /// A model, recipe, package or folder is not what it should be.
+    /// Invalid model, recipe, package or folder.
     BadInput = 3,
     /// No usable graphics adapter.
     NoAdapter = 4,
-    /// A fault of pelage.
+    /// Bug in pelage.
     Internal = 5,
-    /// `validate` found faults, a comparison differences, `chart stability` a broken bound.
+    /// Faults found by `validate`, differences found by a comparison, or a bound exceeded in `chart stability`.
     Differences = 7,
 }
 
 impl Exit {
-    /// All codes, each with a word for the end of a help text and what it means.
+    /// All codes, each with a word for the end of a help text, and its meaning.
     pub const ALL: [(Self, &str, &str); 7] = [
         (Self::Done, "done", "Everything was done, or a reader of standard output went away."),
         (Self::Usage, "usage", "The command line is not understood."),
@@ -48,12 +48,12 @@ impl Exit {
         ),
     ];
 
-    /// The one with that code.
+    /// Returns the variant with a code.
     pub fn of(code: u8) -> Option<Self> {
         Self::ALL.iter().map(|(exit, ..)| *exit).find(|exit| *exit as u8 == code)
     }
 
-    /// All of them in a line, for the end of a help text.
+    /// Returns all codes in one line, for the end of a help text.
     pub fn summary() -> String {
         let codes = Self::ALL.map(|(exit, word, _)| format!("{} {word}", exit as u8));
         format!("Exit codes: {}.", codes.join("; "))
@@ -66,31 +66,31 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// Why a subcommand stopped.
+/// Error of a subcommand.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// Options that clap cannot judge on its own contradict each other or the package.
+    /// Contradictory options that clap cannot detect: with each other or with the package.
     #[error("{0}")]
     Usage(String),
-    /// The library refused.
+    /// Error of the library.
     #[error(transparent)]
     Bake(#[from] BakeError),
-    /// No graphics adapter can be used; the detail says what was tried.
+    /// No usable graphics adapter; the detail lists what was tried.
     #[error("no usable graphics adapter: {0}\n{NO_ADAPTER_HELP}")]
     NoAdapter(String),
-    /// There is no screen for a window; the text says what that takes.
+    /// No display for a window; the text says what is required.
     #[cfg(feature = "view")]
     #[error("{0}")]
     NoWindow(String),
     /// Writing to stdout failed.
     #[error("standard output: cannot write: {0}")]
     Stdout(std::io::Error),
-    /// A panic, which the hook has reported.
+    /// Panic, already reported by the hook.
     #[error("internal error")]
     Panicked,
 }
 
-/// What to install, for [`Failure::NoAdapter`].
+/// Installation advice for [`Failure::NoAdapter`].
 const NO_ADAPTER_HELP: &str = "\
 pelage draws with Vulkan, Metal or Direct3D 12. Install your graphics card's driver, or a software one:
   Debian, Ubuntu: apt-get install mesa-vulkan-drivers
@@ -104,7 +104,7 @@ impl From<StageError> for Failure {
         match error {
             StageError::Input { file, place, reason } => BakeError::Input { file, place, reason }.into(),
             StageError::Package { file, source } => BakeError::Package { file, source }.into(),
-            // What can be asked of a stage is an option of the command line.
+            // Requests to a stage correspond to command-line options.
             StageError::Asked { what, reason } => Self::Usage(format!("--{what}: {reason}")),
             StageError::Params(text) => Self::Usage(text),
             StageError::NoAdapter(text) => Self::NoAdapter(text),
@@ -115,14 +115,14 @@ impl From<StageError> for Failure {
 }
 
 impl Failure {
-    /// The exit code, as `bake/docs/commands.md` promises it.
+    /// Returns the exit code, as documented in `bake/docs/commands.md`.
     pub fn exit(&self) -> Exit {
         match self {
             Self::Usage(_) => Exit::Usage,
             Self::Bake(error) => match error {
                 BakeError::Io { .. } => Exit::FileSystem,
                 BakeError::Input { .. } | BakeError::Package { .. } | BakeError::Params { .. } => Exit::BadInput,
-                // `Internal`, and any variant that this table has not been taught.
+                // `Internal`, and any future variant.
                 _ => Exit::Internal,
             },
             Self::NoAdapter(_) => Exit::NoAdapter,

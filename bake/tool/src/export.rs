@@ -1,4 +1,4 @@
-//! `pelage export`: strands and skin as files that other programs read.
+//! `pelage export`: writes strands and mesh as files for other programs.
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
@@ -19,40 +19,40 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Write a package's strands and its skin for other programs
+/// Export a package's strands and mesh for other programs
 #[derive(Clone, Debug, clap::Args)]
 pub struct ExportArgs {
-    /// The package
+    /// Package to export
     #[arg(value_name = "PKG")]
     package: PathBuf,
-    /// Where the strands go: .txt (a line x y z radius per point, a blank line between strands), .pbrt, .glb, .hair or
-    /// .usda (curves that Blender opens as hair); all but .txt name the groups of strands, and so does --json
+    /// Strands to write: .txt (a line x y z radius per point, a blank line between strands), .pbrt, .glb, .hair or
+    /// .usda (curves that Blender opens as hair). All but .txt name the groups of strands, and so does --json
     #[arg(long, value_name = "FILE", required_unless_present = "mesh")]
     strands: Option<PathBuf>,
-    /// Where the posed skin goes: .obj, and beside it its materials as .mtl
+    /// Posed mesh to write: .obj; its materials go into a .mtl file beside it
     #[arg(long, value_name = "OBJ")]
     mesh: Option<PathBuf>,
-    /// Write only the strands of that group, such as coat; may be given again
+    /// Write only the strands of this group, such as coat; may be repeated
     #[arg(long = "group", value_name = "NAME")]
     groups: Vec<String>,
     /// Write only every N-th strand
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
-    /// Write at most so many strands, spread evenly over the skin
+    /// Write at most this many strands, spread evenly over the mesh surface
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_strands: Option<u32>,
-    /// Clip of the animation, by name; without it the model stands at rest
+    /// Animation clip, by name [default: the rest pose]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
     /// Time in the clip, seconds
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = parse_seconds, allow_hyphen_values = true)]
     time: f32,
-    /// Size of the picture that the camera in the --json result is for, pixels
+    /// Size of the picture for the camera in the --json result, pixels
     #[arg(long, value_name = "WxH", default_value = "834x424")]
     size: Size,
 }
 
-/// Files written, and the strands and skin in them.
+/// Files written, and the strands and mesh in them.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExportResult<'a> {
@@ -62,7 +62,7 @@ pub struct ExportResult<'a> {
     groups: Vec<StrandGroup<'a>>,
     /// Straight segments of the strands after simplification.
     segments: usize,
-    /// Strands on the whole skin.
+    /// Strands on the whole mesh surface.
     of_strands: u64,
     groom: GroomReport,
     vertices: usize,
@@ -164,7 +164,7 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// A text of so many points has 100 MB or more.
+/// Number of points above which a text file exceeds 100 MB.
 const MANY_POINTS: usize = 2_000_000;
 
 impl<'a> StrandGroup<'a> {
@@ -189,7 +189,7 @@ impl<'a> StrandGroup<'a> {
 }
 
 impl ExportArgs {
-    /// The groups that are asked for.
+    /// Returns the requested groups.
     fn chosen<'a>(&self, curves: &'a Curves) -> Result<Cow<'a, Curves>, Failure> {
         if self.groups.is_empty() {
             return Ok(Cow::Borrowed(curves));
@@ -207,7 +207,7 @@ impl ExportArgs {
         Ok(Cow::Owned(curves.only(&names)))
     }
 
-    /// So many of them as are asked for.
+    /// Thins the strands to the requested number.
     fn thinned<'a>(&self, curves: &'a Curves) -> Cow<'a, Curves> {
         let every = self.every as usize;
         let kept = curves.len().div_ceil(every);
@@ -224,7 +224,7 @@ fn strand_format(path: &Path) -> Result<StrandFormat, Failure> {
     })
 }
 
-/// The .mtl file beside an .obj file.
+/// Returns the path of the .mtl file beside an .obj file.
 fn beside(path: &Path) -> Result<PathBuf, Failure> {
     match path.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("obj") => Ok(path.with_extension("mtl")),

@@ -1,4 +1,4 @@
-//! `pelage sky`: a panorama as few lights.
+//! `pelage sky`: fits a small set of lights to an environment map.
 
 use super::errand::Errand;
 use super::exit::{Exit, Failure};
@@ -11,24 +11,25 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Take a sky or a room for few lights: what `--environment` does to a panorama, as a file that an application can ship, edit, turn and blend
+/// Fit a small set of lights to an environment map, as `--environment` does, and write them as a file. Applications can
+/// ship, edit, turn and blend such a file
 ///
-/// They are what is even all around, lobes that are spread about a direction, and a sun, where one dominates.
+/// The lights are a constant ambient term, lobes around directions, and a sun if one dominates.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SkyArgs {
-    /// The panorama, equirectangular in linear radiance (.hdr, .exr), or lights that are to be checked and written anew (.toml)
+    /// Environment map, equirectangular in linear radiance (.hdr, .exr), or lights to validate and rewrite (.toml)
     #[arg(value_name = "SKY")]
     input: PathBuf,
-    /// The lights, in TOML
+    /// Lights to write, in TOML
     #[arg(long, short, value_name = "TOML")]
     output: PathBuf,
-    /// Most lobes
+    /// Maximum number of lobes
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=32))]
     lobes: u32,
-    /// Colour of a level ground, sRGB, that sends back what comes from above, in place of all that lies below the horizon
+    /// sRGB colour of a level ground that reflects the light from above; replaces everything below the horizon
     #[arg(long, value_name = "COLOR", value_parser = parse_ground)]
     ground: Option<[f32; 3]>,
-    /// Least share of all light, 0 to 1, that a sun has to have to be a light of its own; 1 keeps it among the lobes
+    /// Least share of the total light for a sun to become a separate light, 0 to 1; 1 keeps it among the lobes
     #[arg(long, value_name = "SHARE", default_value_t = FitParams::default().sun, value_parser = parse_share)]
     sun: f64,
 }
@@ -62,7 +63,7 @@ struct SkySun {
 }
 
 impl SkyArgs {
-    /// What the lights depend on, and where they go.
+    /// Returns the dependencies and outputs of the fit for the cache.
     pub fn errand(&self) -> Option<Errand> {
         let args = Self { output: Errand::name(&self.output), ..self.clone() };
         Some(Errand::new("sky", &args, &[&self.output]))

@@ -1,4 +1,4 @@
-//! `pelage groom`: groom maps as images to paint on.
+//! `pelage groom`: writes groom maps as images to paint on.
 
 use super::bake::RecipeArgs;
 use super::exit::{Exit, Failure};
@@ -14,35 +14,36 @@ use pelage_import::ImportOptions;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Write what varies over a model, such as the length of its hair, as an image to paint on
+/// Write a groom map, such as the hair length over a model, as an image to paint on
 ///
-/// The image has what a bake of the same recipe would take, and is read back with --set groom.length=map.png or a recipe that says so. It lies over the
-/// model's own texture coordinates; where those are missing over an atlas that depends on the model alone, and is read back with groom.coordinates=atlas.
-/// Painted on in Krita or any other program, or in Blender on the mesh of --mesh, it changes the hair where it was painted.
+/// The image holds the values that a bake of the same recipe would use. It is read back with --set
+/// groom.length=map.png, or by a recipe with that key. It uses the model's own texture coordinates. Where those are
+/// missing it uses an atlas that depends only on the model, and is read back with groom.coordinates=atlas. Paint it in
+/// Krita or any other program, or in Blender on the mesh of --mesh, to change the hair there.
 #[derive(Clone, Debug, clap::Args)]
 pub struct GroomArgs {
-    /// The model: .glb, .gltf or .obj
+    /// Model: .glb, .gltf or .obj
     #[arg(value_name = "MODEL")]
     model: PathBuf,
-    /// What is written: a key of `[groom]`
+    /// Key of `[groom]` to write
     #[arg(long, value_name = "KEY", value_parser = quantity_words())]
     map: String,
-    /// The image to write, .png
+    /// Image to write, .png
     #[arg(long, short, value_name = "PNG")]
     output: PathBuf,
     #[command(flatten)]
     recipe: RecipeArgs,
-    /// What the image lies over: the model's own texture coordinates or the atlas. Left out, what the recipe says, and the atlas where a part with hair has
-    /// no coordinates
+    /// Texture coordinates of the image: the model's own or the atlas [default: as in the recipe; the atlas if a part
+    /// with hair has no coordinates]
     #[arg(long, value_name = "WHAT", value_parser = ["model", "atlas"])]
     coordinates: Option<String>,
     /// Width and height of the image, texels
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=8192))]
     texels: u32,
-    /// The mesh that the image lies over, to paint on: .obj, or .glb, which wears the image
+    /// Write the mesh to paint on: .obj, or .glb with the image as its texture
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
-    /// Threads to use, by default one per core; the image is the same with any number
+    /// Threads to use; does not change the image [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
@@ -55,7 +56,7 @@ pub struct GroomResult {
     files: Vec<String>,
     /// Key of `[groom]`.
     map: &'static str,
-    /// Texture coordinates that the image lies over.
+    /// Texture coordinates of the image.
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["model", "atlas"])))]
     coordinates: &'static str,
     texels: u32,
@@ -70,7 +71,7 @@ fn quantity_words() -> clap::builder::PossibleValuesParser {
     Quantity::ALL.map(Quantity::key).into()
 }
 
-/// Above this share of the range a map is said to be too coarse for its mesh.
+/// Share of the range above which a map is reported as too coarse for its mesh.
 const COARSE: f32 = 1.0 / 255.0;
 
 /// Runs the subcommand.
@@ -125,7 +126,7 @@ pub fn run(args: &GroomArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// The map, and the names of the model's materials.
+/// Evaluates the map; returns it with the names of the model's materials.
 fn evaluate(args: &GroomArgs, quantity: Quantity, output: &mut Output) -> Result<(GroomMap, Vec<String>), Failure> {
     let (recipe, _) = args.recipe.read()?;
     output.progress("import");

@@ -1,4 +1,4 @@
-//! `pelage inspect`: what is inside a package.
+//! `pelage inspect`: shows the contents of a package.
 
 use super::anatomy::Anatomy;
 use super::exit::{Exit, Failure};
@@ -11,10 +11,10 @@ use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Show what is inside a package: sections, textures, counts, memory, recipe, quality figures
+/// Show the contents of a package: sections, textures, counts, memory, recipe, quality figures
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
-    /// The package
+    /// Package to inspect
     #[arg(value_name = "PKG")]
     package: PathBuf,
 }
@@ -188,7 +188,7 @@ impl<'a> InspectResult<'a> {
     }
 }
 
-/// Prints the limits of a bake, the trials, and the settings chosen.
+/// Prints the limits of a bake, the trials, and the chosen settings.
 fn choice_rows(choice: &Choice, row: &mut dyn FnMut(&str, String)) {
     let limits = [
         ("max_error", choice.limits.max_error.map(Value::from)),

@@ -1,6 +1,7 @@
-//! What is done of a long job, kept beside its result until that is whole: a run that was killed goes on where it stopped.
+//! Journal of a long job, stored beside its result until that is complete; a run that was killed resumes from it.
 //!
-//! A file of JSON, an object a line: `{"key": …, …}` with what [`Entry`] has besides. Lines with another key are of another job, and a line that was cut off is none.
+//! The file contains one JSON object per line: `{"key": …, …}` with the fields of [`Entry`]. Lines with a different key
+//! belong to a different job; a truncated line is ignored.
 
 use super::exit::Failure;
 use pelage_bake::hexadecimal::hex;
@@ -14,9 +15,9 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// A piece of the job that is done; in JSON an object without `key`.
+/// Finished piece of a job; in JSON an object without `key`.
 pub trait Entry: Serialize + DeserializeOwned {
-    /// Which piece it is.
+    /// Returns the number of the piece.
     fn number(&self) -> usize;
 }
 
@@ -27,7 +28,7 @@ struct Line<T> {
     entry: T,
 }
 
-/// The pieces so far.
+/// Journal of finished pieces.
 #[derive(Debug)]
 pub struct Journal<T> {
     path: PathBuf,
@@ -38,10 +39,10 @@ pub struct Journal<T> {
 }
 
 impl<T: Entry> Journal<T> {
-    /// Reads what an earlier run left at `path`.
+    /// Opens the journal that an earlier run may have left at `path`.
     ///
-    /// * `key`: stands for everything that a piece depends on beside its number
-    /// * `restart`: forgets what is there
+    /// * `key`: hash of everything that a piece depends on besides its number
+    /// * `restart`: discards existing entries
     pub fn open(path: PathBuf, key: &str, restart: bool) -> Result<Self, Failure> {
         let text = match std::fs::read_to_string(&path) {
             Ok(text) if !restart => text,
@@ -51,7 +52,7 @@ impl<T: Entry> Journal<T> {
         };
         let (ours, others) = entries(&text, key);
         let mut journal = Self { path, key: key.to_owned(), entries: BTreeMap::new(), others, file: None };
-        // Written anew, so that it holds what counts and nothing that was cut off.
+        // Rewritten, so that it contains only valid entries.
         if !text.is_empty() || restart {
             journal.remove()?;
         }
@@ -59,29 +60,30 @@ impl<T: Entry> Journal<T> {
         Ok(journal)
     }
 
-    /// Takes the pieces that another run has left in a file of its own, which stays as it is: how many of them are of other jobs.
+    /// Imports pieces from another run's journal file, which is not modified; returns the number of its pieces that
+    /// belong to other jobs.
     pub fn take(&mut self, path: &Path) -> Result<usize, Failure> {
         let (ours, others) = entries::<T>(&read_text(path, "rows that `pelage chart --part` has left")?, &self.key);
         self.entries.extend(ours.into_iter().map(|entry| (entry.number(), entry)));
         Ok(others)
     }
 
-    /// The file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// A piece, where an earlier run has done it.
+    /// Returns a piece that an earlier run has finished, if any.
     pub fn get(&self, number: usize) -> Option<&T> {
         self.entries.get(&number)
     }
 
-    /// How many pieces of other jobs were there, and are not any more.
+    /// Returns the number of pieces of other jobs that were discarded.
     pub fn others(&self) -> usize {
         self.others
     }
 
-    /// Notes a piece down; when this returns, it outlives the process.
+    /// Appends a piece; once this returns, it survives the process.
     pub fn add(&mut self, entry: T) -> Result<(), Failure> {
         let line = Line { key: self.key.clone(), entry };
         let mut bytes = serde_json::to_vec(&line).map_err(|error| BakeError::Internal(error.to_string()))?;
@@ -98,8 +100,8 @@ impl<T: Entry> Journal<T> {
         Ok(())
     }
 
-    /// Removes the journal where `written`, the pieces of the result that is now whole, are all that it holds. A run for a few pieces must not take from a
-    /// whole one what that has done so far.
+    /// Removes the journal if it contains only pieces in `written`, those of the finished result. A run for a few
+    /// pieces must not discard the progress of a full one.
     pub fn finish(mut self, written: &[usize]) -> Result<(), Failure> {
         if self.entries.keys().all(|number| written.contains(number)) { self.remove() } else { Ok(()) }
     }
@@ -113,7 +115,7 @@ impl<T: Entry> Journal<T> {
     }
 }
 
-/// The pieces of one job in a journal, and how many of others are in it.
+/// Returns the pieces of one job in a journal, and the number of pieces of other jobs.
 fn entries<T: Entry>(text: &str, key: &str) -> (Vec<T>, usize) {
     let whole = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
     let lines = whole.filter_map(|line| serde_json::from_str::<Line<T>>(line).ok());
@@ -125,27 +127,29 @@ fn io_error(path: &Path, action: &'static str, source: io::Error) -> BakeError {
     BakeError::Io { path: path.to_owned(), action, source }
 }
 
-/// A digest that stands for everything that a job depends on; of the tool it knows already.
+/// Hash of everything that a job depends on; always includes the tool.
 pub struct Key(Sha256);
 
 impl Key {
-    /// Another version or build of the tool gives another key.
+    /// Creates a key that differs between versions and builds of the tool.
     pub fn of_build() -> Self {
         Self::of_version().and(build())
     }
 
-    /// As [`Self::new`], wherever the tool is installed: its program is hashed, which takes a moment.
+    /// Creates a key like [`Self::of_build`], but independent of where the tool is installed: its program is hashed,
+    /// which takes a moment.
     pub fn of_program() -> Self {
         let program = std::env::current_exe().and_then(|program| digest(&program, u64::MAX));
         Self::of_version().and(program.unwrap_or_default())
     }
 
-    /// Another version of the tool gives another key: for what machines put together that each have a tool of their own.
+    /// Creates a key that differs only between versions of the tool: for results combined from machines with their own
+    /// builds.
     pub fn of_version() -> Self {
         Self(Sha256::new()).and(env!("CARGO_PKG_VERSION"))
     }
 
-    /// With something else.
+    /// Adds a part to the hash.
     pub fn and(mut self, part: impl AsRef<[u8]>) -> Self {
         let part = part.as_ref();
         self.0.update((part.len() as u64).to_le_bytes());
@@ -153,13 +157,13 @@ impl Key {
         self
     }
 
-    /// The digest, as hexadecimal digits.
+    /// Returns the hash, hexadecimal.
     pub fn finish(self) -> String {
         hex(&self.0.finalize())
     }
 }
 
-/// Tells one build of a version from another, for those who change what is made; empty where the system does not say.
+/// Returns a string that distinguishes builds of a version, for developers; empty if the system does not report it.
 fn build() -> String {
     let file = std::env::current_exe().and_then(std::fs::metadata);
     file.map_or_else(|_| String::new(), |file| format!("{} {:?}", file.len(), file.modified().ok()))

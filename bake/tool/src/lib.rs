@@ -1,6 +1,7 @@
 //! The command line: subcommands, one file each, with shared exit codes and output.
 //!
-//! It is a library so that the laboratory (`bake/lab`) can add `chart` to the same command line; its items are no public API.
+//! It is a library so that the laboratory (`bake/lab`) can add `chart` to the same command line; its items are not a
+//! public API.
 
 mod anatomy;
 mod backdrop;
@@ -84,7 +85,7 @@ pub use look_args::LABORATORY;
 #[doc(hidden)]
 pub use schemas::{ResultSchema, results};
 
-/// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
+/// Real-time fur for glTF characters: bake a model into a package, inspect packages, draw them.
 #[derive(Debug, Parser)]
 #[command(name = "pelage", version, after_help = Exit::summary())]
 struct Cli<C: Commands> {
@@ -94,28 +95,28 @@ struct Cli<C: Commands> {
     command: C,
 }
 
-/// The subcommands of a binary.
+/// Subcommands of a binary.
 pub trait Commands: Subcommand {
-    /// Runs one.
+    /// Runs a subcommand.
     ///
     /// # Errors
     ///
-    /// The failure that decides the exit code.
+    /// The failure that determines the exit code.
     fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure>;
 
-    /// Inputs, options and outputs of a subcommand whose outputs depend on nothing else.
+    /// Returns the inputs, options and outputs of a subcommand whose outputs depend on nothing else.
     fn errand(&self) -> Option<errand::Errand>;
 }
 
-/// The command line around a subcommand.
+/// Command line around a subcommand.
 pub struct Invocation<'a> {
-    /// The folder of what was made before.
+    /// Cache folder.
     #[doc(hidden)]
     pub cache: Option<&'a Path>,
-    /// Why a command line is refused, if it is.
+    /// Returns the reason that a command line is refused, if it is.
     #[doc(hidden)]
     pub refusal: fn(&[String]) -> Option<String>,
-    /// The definition of all subcommands.
+    /// Returns the definition of all subcommands.
     #[doc(hidden)]
     pub definition: fn() -> clap::Command,
 }
@@ -123,7 +124,7 @@ pub struct Invocation<'a> {
 /// Options of every subcommand.
 #[derive(Clone, Debug, Default, Args)]
 struct Global {
-    /// Print nothing but errors, and the object of --json
+    /// Print only errors, and the object of --json
     #[arg(long, short, global = true)]
     quiet: bool,
     /// Print exactly one JSON object on stdout instead of text (schemas: bake/docs/schemas.json)
@@ -133,7 +134,7 @@ struct Global {
     errand: errand::ErrandArgs,
 }
 
-/// The subcommands of `pelage`.
+/// Subcommands of `pelage`.
 #[derive(Debug, Subcommand)]
 #[allow(missing_docs, reason = "clap shows the doc comment of each struct of arguments")]
 pub enum Command {
@@ -222,13 +223,14 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
     exit.into()
 }
 
-/// Starts the process again with `XDG_RUNTIME_DIR` where it is not set: Mesa looks for a Wayland display there whenever it opens an adapter, and on
-/// servers it complains on stderr about the variable. Where that fails, Mesa complains.
+/// Restarts the process with `XDG_RUNTIME_DIR` set, if it is not. Mesa looks for a Wayland display there whenever it
+/// opens an adapter, and on servers it complains on stderr if the variable is missing. If the restart fails, Mesa
+/// complains.
 #[cfg(target_os = "linux")]
 fn spare_mesa_a_missing_variable() {
     use std::os::unix::process::CommandExt as _;
     const NAME: &str = "XDG_RUNTIME_DIR";
-    // A folder without displays. It is absolute, as Mesa asks for, so that this happens once.
+    // A folder without displays. It is absolute, as Mesa requires, so that this happens only once.
     const NOWHERE: &str = "/nonexistent";
     if std::env::var_os(NAME).is_some_and(|folder| Path::new(&folder).is_absolute()) {
         return;
@@ -242,7 +244,7 @@ fn spare_mesa_a_missing_variable() {
     let _ = command.args(arguments).env(NAME, NOWHERE).exec();
 }
 
-/// What clap found wrong and what it expected, in a line, without its advice.
+/// Returns clap's message in one line: the error and what was expected, without advice.
 fn said_in_a_line(error: &clap::Error) -> String {
     let message = error.to_string();
     let lines = message.lines().take_while(|line| !line.trim().is_empty());
@@ -251,7 +253,7 @@ fn said_in_a_line(error: &clap::Error) -> String {
     hint(error).map_or_else(|| line.to_owned(), |hint| format!("{line}; {hint}"))
 }
 
-/// Where to find a subcommand that this build lacks.
+/// Returns a hint for a subcommand that this build lacks.
 fn hint(error: &clap::Error) -> Option<&'static str> {
     match error.get(ContextKind::InvalidSubcommand) {
         Some(ContextValue::String(name)) => match name.as_str() {
@@ -263,18 +265,18 @@ fn hint(error: &clap::Error) -> Option<&'static str> {
     }
 }
 
-/// Why a command line is refused, if it is.
+/// Returns the reason that a command line is refused, if it is.
 fn refusal<C: Commands>(words: &[String]) -> Option<String> {
     let error = Cli::<C>::try_parse_from(words).err()?;
     error.use_stderr().then(|| said_in_a_line(&error))
 }
 
-/// Runs `body`; a panic in it is an internal error that the hook has reported already.
+/// Runs `body`; a panic in it becomes an internal error, which the hook has already reported.
 fn catch(body: impl FnOnce() -> Result<Exit, Failure>) -> Result<Exit, Failure> {
     panic::catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Failure::Panicked))
 }
 
-/// Reports a failure and says how the process ends.
+/// Reports a failure and returns the exit code.
 fn finish(result: Result<Exit, Failure>, output: &mut Output) -> Exit {
     match result {
         Ok(exit) => exit,
@@ -286,7 +288,7 @@ fn finish(result: Result<Exit, Failure>, output: &mut Output) -> Exit {
     }
 }
 
-/// Help, version, or a command line that clap refuses. Its own exit code for the last is 2, ours is 1.
+/// Prints help, version or clap's error. clap's exit code for an error is 2, ours is 1.
 fn usage(error: &clap::Error) -> Exit {
     if !error.use_stderr() {
         return match error.print() {
@@ -294,7 +296,7 @@ fn usage(error: &clap::Error) -> Exit {
             _ => Exit::Done,
         };
     }
-    // With stderr closed there is nobody to tell.
+    // If stderr is closed, the error cannot be reported.
     let _ = error.print();
     if let Some(hint) = hint(error) {
         output::to_stderr(&format!("note: {hint}\n"));
@@ -308,16 +310,17 @@ fn usage(error: &clap::Error) -> Exit {
     Exit::Usage
 }
 
-/// On INT, TERM and HUP removes what is half-written and ends, as a process that such a signal killed: 128 and the number of INT.
+/// Installs a handler for INT, TERM and HUP that removes temporary files and exits with the code of a process killed by
+/// INT, 128 plus its number.
 fn install_signal_handler() {
-    // Should the system refuse, signals end the process as they do without a handler.
+    // If the system refuses, signals end the process as they do without a handler.
     let _ = ctrlc::set_handler(|| {
         let _nothing_is_finished_any_more = unfinished::remove_all();
         std::process::exit(130);
     });
 }
 
-/// One line instead of a backtrace: where it happened and what to do about it.
+/// Installs a panic hook that prints one line instead of a backtrace: the location and what to do.
 fn install_panic_hook() {
     panic::set_hook(Box::new(|info| {
         let payload = info.payload();

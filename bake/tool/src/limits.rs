@@ -1,4 +1,4 @@
-//! `pelage bake` with limits: the search of `pelage_truth::decide` over pictures of this machine's adapter.
+//! `pelage bake` with limits: runs the search of `pelage_truth::decide` on pictures drawn by this machine's adapter.
 
 use super::exit::Failure;
 use super::machine::measured_on;
@@ -14,40 +14,42 @@ use pelage_truth::likeness::Likeness;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// What the evidence may add to a package, bytes: part of every measured size, so that a package with it keeps its limit.
+/// Bytes reserved for the evidence in a package; added to every measured size, so that a package with evidence keeps
+/// its limit.
 const EVIDENCE_BYTES: u64 = 16 << 10;
 
 /// Figures of a trial.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Judged {
-    /// Mean FLIP against the true pictures, 0 to 1.
+    /// Mean FLIP against the reference pictures, 0 to 1.
     pub flip: f64,
-    /// Mean absolute difference of coverage within the height of the fur of the true outline, 0 to 1.
+    /// Mean absolute difference of coverage within one fur height of the reference outline, 0 to 1.
     pub outline: f64,
-    /// Ratio of local contrast to the contrast of the true pictures, above 0.
+    /// Ratio of local contrast to the contrast of the reference pictures, above 0.
     pub contrast: f64,
     /// Lower and upper quartile of the frame time, milliseconds; equal if the frame was timed once.
     pub frame_ms_quartiles: [f64; 2],
 }
 
-/// What was chosen, and why.
+/// Chosen setting, and the reasons.
 pub struct Chosen {
     /// The recipe with the chosen setting.
     pub recipe: Recipe,
-    /// For the manifest.
+    /// Evidence for the manifest.
     pub choice: Choice,
-    /// What the package does not keep of the trials, for scripts: one of each, in their order.
+    /// Figures of the trials that the package does not store, in their order, for scripts.
     pub judged: Vec<Judged>,
-    /// For people.
+    /// Explanation for people.
     pub text: String,
 }
 
-/// Chooses the setting that `limits` ask for. Where their bytes hold none with single strands, it is chosen among those without.
+/// Chooses the setting that meets `limits`. If the size limit excludes all settings with single strands, those without
+/// are searched.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`], exit code 3, where no setting meets them; it names the nearest.
+/// [`BakeError::Input`], exit code 3, if no setting meets them; the message names the nearest.
 pub fn choose(
     file: &str,
     source: Source<'_>,
@@ -59,10 +61,10 @@ pub fn choose(
     limits.validate()?;
     recipe.validate()?;
     let gpu = Gpu::open()?;
-    // As applications draw by default: a setting with more layers than the fur has pixels costs bytes alone.
+    // Drawn as applications draw by default: more layers than the fur has pixels only cost bytes.
     let judge = ShellJudge::new(source, recipe, &gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
     let adapter = measured_on(&gpu.info.name);
-    // The true pictures are the same with single strands and without.
+    // The reference pictures are the same with and without single strands.
     let of = |recipe: &Recipe, output: &mut Output| search(&judge, &adapter, recipe, limits, exhaustive, output);
     let found = of(recipe, output)?;
     if found.decision.meets || found.decision.binding != Some(Figure::Bytes) || !recipe.strands.enabled {
@@ -73,15 +75,15 @@ pub fn choose(
     of(&without, output)?.chosen(file, limits, true)
 }
 
-/// What a search found.
+/// Result of a search.
 struct Found {
     recipe: Recipe,
     decision: Decision,
-    /// One of each trial.
+    /// Comparison of each trial with the reference pictures.
     likenesses: Vec<Likeness>,
-    /// Of the evidence, what does not depend on the trials.
+    /// Part of the evidence that does not depend on the trials.
     evidence: Choice,
-    /// Of all settings there are.
+    /// Number of all settings.
     settings: usize,
 }
 
@@ -108,13 +110,13 @@ fn search(
         views: judge.view_words(),
         ..Choice::default()
     };
-    // Trials are in the order in which they were measured.
+    // Trials are in the order of their measurement.
     let likenesses = counted.likenesses;
     Ok(Found { recipe: recipe.clone(), decision, likenesses, evidence, settings: space.settings().len() })
 }
 
 impl Found {
-    /// What becomes of the bake; `left_out`: it has no strands because of the limits.
+    /// Converts the result for the bake; `left_out`: single strands were disabled to meet the limits.
     fn chosen(self, file: &str, limits: &Limits, left_out: bool) -> Result<Chosen, Failure> {
         let Self { recipe, decision, likenesses, evidence, settings } = self;
         let mut text = describe(&decision, &likenesses, limits, &evidence.adapter, settings);
@@ -135,12 +137,12 @@ impl Found {
     }
 }
 
-/// The judge with a progress display.
+/// Judge with a progress display.
 struct Counted<'a, 'o> {
     judge: &'a ShellJudge<'a>,
     recipe: &'a Recipe,
     output: &'o mut Output,
-    /// Of what was measured, in its order.
+    /// Comparisons, in the order of measurement.
     likenesses: Vec<Likeness>,
 }
 
@@ -169,7 +171,7 @@ fn judged((trial, likeness): (&Trial, &Likeness)) -> Judged {
     Judged { flip, outline, contrast, frame_ms_quartiles: [low, high] }
 }
 
-/// The limits as they were given.
+/// Returns the limits as given.
 fn asked(limits: &Limits) -> String {
     let words = Figure::ALL.iter().filter_map(|f| Some(format!("{} {}", f.option(), limits.of(*f)?)));
     words.collect::<Vec<_>>().join(" ")

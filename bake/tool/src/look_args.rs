@@ -1,4 +1,4 @@
-//! How the picture looks, on the command line: `--look`, and a flag for each knob that has a short form.
+//! Look options of the command line: `--look`, and a flag for each knob that has a short form.
 
 use super::exit::Failure;
 use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
@@ -9,21 +9,21 @@ use pelage_params::Control;
 use pelage_stage::{Look, ParamError, SAMPLES, SHORT_FORMS, ShortForm};
 use std::path::Path;
 
-/// Options about the look.
+/// Look options.
 #[derive(Clone, Debug, Default)]
 pub struct LookArgs {
-    /// Of `--look`, in their order.
+    /// Values of `--look`, in order.
     looks: Vec<String>,
-    /// Flags and what they were given.
+    /// Flags and their values.
     flags: Vec<(&'static ShortForm, String)>,
 }
 
 impl LookArgs {
-    /// Changes `look` as the options say: looks in their order, then flags.
+    /// Applies the options to `look`: looks in their order, then flags.
     ///
     /// # Errors
     ///
-    /// A look file that cannot be read or says something wrong.
+    /// Unreadable or invalid look file.
     pub fn apply(&self, look: &mut Look) -> Result<(), Failure> {
         for word in &self.looks {
             if is_assignment(word) {
@@ -38,22 +38,22 @@ impl LookArgs {
         Ok(())
     }
 
-    /// What the options themselves say, files left aside: the keys that flags and `key=value` set.
+    /// Returns the look of the options alone, without files: the keys set by flags and `key=value`.
     pub fn typed(&self) -> Look {
         let mut look = Look::default();
-        // All of it was checked when it was parsed.
+        // All values were validated when parsed.
         self.looks.iter().filter(|word| is_assignment(word)).for_each(|word| drop(look.set(word)));
         self.flags.iter().for_each(|(short, word)| drop(short.apply(&mut look, word)));
         look
     }
 
-    /// Whether that flag is among the options.
+    /// Returns true if a flag was given.
     pub fn has(&self, flag: &str) -> bool {
         self.flags.iter().any(|(short, _)| short.flag == flag)
     }
 }
 
-/// The option `--samples` of the commands that draw with an adapter; `reference` has one of its own, which allows more.
+/// `--samples` of the commands that draw with an adapter; `reference` has its own, with a larger range.
 #[derive(Clone, Debug, Args)]
 pub struct SamplesArgs {
     #[arg(
@@ -67,11 +67,11 @@ pub struct SamplesArgs {
 }
 
 impl SamplesArgs {
-    /// Changes `look` as the option says.
+    /// Applies the option to `look`.
     ///
     /// # Errors
     ///
-    /// Another number than 1 or 4.
+    /// Number other than 1 or 4.
     pub fn apply(&self, look: &mut Look) -> Result<(), Failure> {
         let Some(word) = &self.samples else { return Ok(()) };
         SAMPLES.apply(look, word).map_err(|error| Failure::Usage(format!("--samples: {}", error.reason)))
@@ -85,23 +85,23 @@ fn read(path: &Path, look: &mut Look) -> Result<(), Failure> {
     look.read_in(folder, &text).map_err(|error| input(&path.display().to_string(), error).into())
 }
 
-/// What a look file should be, in words.
+/// Description of a look file for messages.
 pub const LOOK: &str = "a look in TOML";
 
 fn input(file: &str, error: ParamError) -> BakeError {
     BakeError::Input { file: file.to_owned(), place: error.place(), reason: error.reason }
 }
 
-/// `key=value`, and not the name of a file.
+/// Returns true for `key=value`, false for a file name.
 fn is_assignment(word: &str) -> bool {
     let key = word.split_once('=').map(|(key, _)| key.trim());
     key.is_some_and(|key| key.chars().all(|c| c.is_ascii_alphanumeric() || c == '.' || c == '_'))
 }
 
-/// Heading of the flags that only the laboratory's build has.
+/// Heading of the flags that exist only in the laboratory's build.
 pub const LABORATORY: &str = "Laboratory";
 
-/// An argument for a short form, with meaning, range and default of its knob.
+/// Creates the argument of a short form, with meaning, range and default of its knob.
 fn argument(short: &'static ShortForm) -> Arg {
     let arg = Arg::new(short.flag)
         .long(short.flag)
@@ -110,7 +110,7 @@ fn argument(short: &'static ShortForm) -> Arg {
         .action(if short.repeats { ArgAction::Append } else { ArgAction::Set });
     let arg = match short.key.split_once('.') {
         Some(("ink", _)) => arg.help_heading("Ink style"),
-        // A build without printed forms reads their flags to say where they are.
+        // A build without printed forms accepts their flags in order to say which build has them.
         Some(("study", _)) => arg.help_heading(LABORATORY).hide(short.knob().is_none()),
         _ => arg,
     };
@@ -118,7 +118,7 @@ fn argument(short: &'static ShortForm) -> Arg {
     arg.help(help(short)).value_parser(parser(short))
 }
 
-/// Meaning of a short form's knob, and what clap does not say itself.
+/// Returns the meaning of a short form's knob, and the details that clap does not show.
 pub fn help(short: &ShortForm) -> String {
     let Some(knob) = short.knob() else { return String::new() };
     let mut help = knob.doc.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -132,7 +132,7 @@ pub fn help(short: &ShortForm) -> String {
     });
     let range = match control {
         Control::Number { least, most, whole: true, .. } => Some(format!("{least}..={most}")),
-        // The knob holds an f32: more digits than that has are noise.
+        // The knob holds an f32; further digits are noise.
         Control::Number { least, most, .. } => Some(format!("{}..={}", least as f32, most as f32)),
         _ => None,
     };
@@ -147,7 +147,7 @@ pub fn help(short: &ShortForm) -> String {
     help
 }
 
-/// Takes the words that a short form's knob can be set to.
+/// Creates a parser of the values of a short form's knob.
 pub fn parser(short: &'static ShortForm) -> ValueParser {
     match short.knob().map(|knob| (knob.control)()) {
         Some(Control::Toggle) => PossibleValuesParser::new(["on", "off"]).into(),
@@ -165,7 +165,7 @@ pub fn parser(short: &'static ShortForm) -> ValueParser {
     }
 }
 
-/// A look file or an assignment, of which the latter can be checked.
+/// Validates a value of `--look`: a look file, or an assignment, which is checked.
 fn look_word(word: &str) -> Result<String, String> {
     if is_assignment(word) {
         Look::default().set(word).map_err(|error| error.to_string())?;

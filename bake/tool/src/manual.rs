@@ -1,4 +1,4 @@
-//! `pelage manual`, hidden: what packages of the tool install beside the binary.
+//! `pelage manual`, hidden: writes the files that packages of the tool install beside the binary.
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
@@ -12,12 +12,12 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, clap::Args)]
 #[command(hide = true)]
 pub struct ManualArgs {
-    /// Where man1, bash-completion, zsh and fish go
+    /// Folder for man1, bash-completion, zsh and fish
     #[arg(value_name = "DIR")]
     folder: PathBuf,
 }
 
-/// Where each shell looks for completions, below `share`.
+/// Completion paths of each shell, below `share`.
 const COMPLETIONS: [(Shell, &str); 3] = [
     (Shell::Bash, "bash-completion/completions/pelage"),
     (Shell::Zsh, "zsh/site-functions/_pelage"),

@@ -1,4 +1,4 @@
-//! `pelage merge`: the picture of the parts that several machines have traced.
+//! `pelage merge`: combines the parts of a picture that several machines have traced.
 
 use super::errand::Errand;
 use super::exit::{Exit, Failure};
@@ -10,18 +10,19 @@ use pelage_truth::TracedPart;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Put the parts of a reference together, which `pelage reference --part K/N` has traced: the same bytes as in one piece
+/// Combine the parts of a reference picture traced by `pelage reference --part K/N`; gives the same bytes as in one
+/// piece
 #[derive(Clone, Debug, clap::Args)]
 pub struct MergeArgs {
     /// All parts of one picture, in any order
     #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
-    /// The picture to write: .png as `reference` writes it, or .exr with linear colours times alpha
+    /// Picture to write: .png as `reference` writes it, or .exr with linear colours times alpha
     #[arg(long, short, value_name = "PNG|EXR")]
     output: PathBuf,
 }
 
-/// A picture that was put together from its parts.
+/// Picture combined from its parts.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MergeResult {
@@ -39,7 +40,7 @@ pub struct MergeResult {
 }
 
 impl MergeArgs {
-    /// What the picture depends on, and where it goes.
+    /// Returns the dependencies and outputs of the merge for the cache.
     pub fn errand(&self) -> Option<Errand> {
         let args = Self { output: Errand::name(&self.output), ..self.clone() };
         Some(Errand::new("merge", &args, &[&self.output]))

@@ -1,6 +1,6 @@
-//! The mesh of a package as a binary glTF file that other tools open, and back, bit for bit.
+//! Conversion of a package's mesh to a binary glTF file for other tools, and back, bit for bit.
 //!
-//! One primitive per part of the manifest; all share one set of vertex accessors. What glTF has no word for travels as
+//! Each part of the manifest is a primitive; all share one set of vertex accessors. Data without a glTF equivalent are
 //! application-specific attributes, which glTF 2.0 (section 3.7.2.1) marks with an underscore: `_FUR_HEIGHT`, `_LEAN`,
 //! `_TILE_UV` and `_GROOM`.
 
@@ -10,12 +10,13 @@ use pelage_glb::{Buffer, Component, ViewTarget, bounds, container};
 use pelage_import::BakeError;
 use serde_json::{Value, json};
 
-/// One vertex attribute; returns its accessor.
+/// Adds a vertex attribute; returns its accessor.
 fn attribute<T: Pod>(buffer: &mut Buffer, values: &[T], component: Component, kind: &str, more: Value) -> usize {
     buffer.push(bytemuck::cast_slice(values), Some(ViewTarget::Vertices), component, kind, values.len(), more)
 }
 
-/// Writes `mesh` as .glb; `None` for a mesh without vertices or triangles, or of more than 4 GiB, which glTF cannot hold.
+/// Writes `mesh` as .glb. Returns `None` for a mesh that glTF cannot hold: without vertices or triangles, or of more
+/// than 4 GiB.
 pub fn write(mesh: &MeshData, manifest: &Manifest) -> Option<Vec<u8>> {
     if mesh.geometry.is_empty() || mesh.indices.is_empty() {
         return None;
@@ -82,15 +83,15 @@ pub fn write(mesh: &MeshData, manifest: &Manifest) -> Option<Vec<u8>> {
         "bufferViews": bin.layout.views,
         "buffers": [{ "byteLength": bin.bytes.len() }],
     });
-    // glTF forbids empty lists.
+    // glTF forbids empty arrays.
     if !materials.is_empty() {
         document["materials"] = materials.into();
     }
     container(&document, &bin.bytes).ok()
 }
 
-/// Reads what [`fn@write`] wrote, also after an edit: primitives of the first mesh one after the other, in vertex sets of their own
-/// where they do not share accessors.
+/// Reads the output of [`fn@write`], possibly edited: the primitives of the first mesh in order. Primitives that do not
+/// share accessors get their own vertices.
 pub fn read(file: &str, bytes: &[u8]) -> Result<MeshData, BakeError> {
     let (document, bin) = parse_container(file, bytes)?;
     let glb = Glb { file, document: &document, bin };
@@ -152,7 +153,7 @@ fn parse_container<'a>(file: &str, bytes: &'a [u8]) -> Result<(Value, &'a [u8]),
     Ok((document, chunk(20 + json.len(), b"BIN\0")?))
 }
 
-/// A parsed file.
+/// Parsed file.
 struct Glb<'a> {
     file: &'a str,
     document: &'a Value,
@@ -173,7 +174,7 @@ impl Glb<'_> {
         if self.document.pointer(pointer).is_some() { self.number(pointer) } else { Ok(default) }
     }
 
-    /// Elements of the accessor whose index stands at `pointer`.
+    /// Returns the elements of the accessor whose index is at `pointer`.
     fn accessor<T: Pod + Zeroable>(
         &self,
         pointer: &str,
@@ -207,7 +208,7 @@ impl Glb<'_> {
             let from = i.checked_mul(stride)?.checked_add(offset)?;
             data.get(from..from.checked_add(size_of::<T>())?).map(bytemuck::pod_read_unaligned)
         };
-        // A stride of zero would let a short view stand for any count.
+        // With a stride of zero, a short view could claim any count.
         if stride < size_of::<T>() || (count > 0 && element(count - 1).is_none_or(|_: T| false)) {
             return Err(self.fail(&at, format!("{count} elements reach past the {length} bytes of {view}")));
         }
@@ -249,7 +250,7 @@ impl Glb<'_> {
         Ok(())
     }
 
-    /// [`Self::accessor`] of exactly `count` elements.
+    /// Returns [`Self::accessor`] of exactly `count` elements.
     fn sized<T: Pod>(
         &self,
         pointer: &str,

@@ -12,58 +12,58 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Where a subcommand's words go.
+/// Output of a subcommand.
 #[derive(Debug)]
 pub struct Output {
     quiet: bool,
     json: bool,
-    /// A whole result was written: then a later failure must not add a second JSON object.
+    /// Whether a complete result was written; a later failure must not add a second JSON object.
     done: bool,
-    /// What is being done.
+    /// Current work.
     work: Arc<Mutex<Work>>,
-    /// Where stages count their steps.
+    /// Step counter of the stages.
     steps: Arc<Steps>,
-    /// Who shows the work.
+    /// Progress display.
     shown: Option<Shown>,
-    /// What was said since somebody listens.
+    /// Result and notes since [`Self::listen`].
     said: Mutex<Option<Said>>,
 }
 
-/// What a command has said, for who keeps it.
+/// Recorded output of a command.
 #[derive(Clone, Debug, Default)]
 pub struct Said {
-    /// Its result, for people and for scripts.
+    /// Result, as text and as JSON.
     pub result: Option<(String, serde_json::Value)>,
-    /// Its notes, also where it was quiet.
+    /// Notes, including those that `--quiet` suppressed.
     pub notes: Vec<String>,
 }
 
 #[derive(Debug)]
 enum Shown {
-    /// A terminal; with the template that the bar has.
+    /// Progress bar on a terminal, with its template.
     Bar(ProgressBar, &'static str),
-    /// Lines on what is no terminal.
+    /// Lines, if stderr is not a terminal.
     Lines(#[expect(dead_code, reason = "it tells until it is dropped")] Herald),
 }
 
-/// Templates of the progress: of work that counts nothing or by itself, and of steps that the command counts.
+/// Progress templates: without a count or with a count of its own, and for steps counted by the command.
 const DOING: &str = "{spinner} {msg} {elapsed}{left}";
 const STEPS: &str = "{bar:30} {msg} {elapsed}{left}";
 
 impl Output {
-    /// `quiet` silences everything but errors and JSON, `json` makes stdout one JSON object.
+    /// Creates the output. `quiet` suppresses everything but errors and JSON; `json` makes stdout one JSON object.
     pub fn new(quiet: bool, json: bool) -> Self {
         let steps = Arc::new(Steps::new());
         let work = Arc::new(Mutex::new(Work::new(steps.clone())));
         Self { quiet, json, done: false, work, steps, shown: None, said: Mutex::default() }
     }
 
-    /// Whether stdout is one JSON object.
+    /// Returns true if stdout is one JSON object.
     pub fn is_json(&self) -> bool {
         self.json
     }
 
-    /// Prints the result: `result` as JSON with `--json`, else the lines of `text` unless quiet.
+    /// Prints the result: `result` as JSON with `--json`, otherwise `text` unless quiet.
     pub fn result(&mut self, text: &str, result: &impl Serialize) -> Result<(), Failure> {
         self.end_progress();
         let json = serde_json::to_value(result).map_err(|error| BakeError::Internal(error.to_string()))?;
@@ -72,7 +72,7 @@ impl Output {
             (false, true) => String::new(),
             (false, false) => text.to_owned(),
         };
-        // Of no lines there is none.
+        // Empty text has no line end.
         if !bytes.is_empty() && !bytes.ends_with('\n') {
             bytes.push('\n');
         }
@@ -84,7 +84,7 @@ impl Output {
         stdout.write_all(bytes.as_bytes()).and_then(|()| stdout.flush()).map_err(Failure::Stdout)
     }
 
-    /// Says something on stderr, unless quiet.
+    /// Prints a note on stderr, unless quiet.
     pub fn note(&self, text: &str) {
         if let Some(said) = &mut *self.heard() {
             said.notes.push(text.to_owned());
@@ -98,12 +98,12 @@ impl Output {
         }
     }
 
-    /// From now on what is said is kept.
+    /// Starts recording the result and notes.
     pub fn listen(&self) {
         *self.heard() = Some(Said::default());
     }
 
-    /// What was said since [`Self::listen`].
+    /// Returns the result and notes recorded since [`Self::listen`].
     pub fn said(&self) -> Said {
         self.heard().clone().unwrap_or_default()
     }
@@ -112,18 +112,19 @@ impl Output {
         self.said.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where stages count their steps, so that [`Self::progress`] shows how far they are.
+    /// Returns the step counter of the stages, from which [`Self::progress`] shows the progress.
     pub fn steps(&self) -> Arc<Steps> {
         self.steps.clone()
     }
 
-    /// Shows what is being done: on a terminal as it goes, else a line now and then.
+    /// Shows the current work: continuously on a terminal, otherwise as occasional lines.
     pub fn progress(&mut self, doing: &str) {
         self.work().begin(doing);
         self.show(doing, DOING, None);
     }
 
-    /// As [`Self::progress`], that `done` of `total` steps are over, and how long the others may take: as long as those since the first call.
+    /// Shows the progress like [`Self::progress`]: `done` of `total` steps, and the estimated time for the rest, based
+    /// on the steps since the first call.
     pub fn progress_of(&mut self, done: usize, total: usize, doing: &str) {
         let (done, total) = (done as u64, total as u64);
         self.work().count(done, total, doing);
@@ -154,12 +155,12 @@ impl Output {
         }
         if *shown != template {
             *shown = template;
-            // The templates are constants; should indicatif refuse one, its default will do.
+            // The templates are constants; if indicatif refuses one, its default is used.
             let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner());
             let work = work.clone();
             let left = move |_: &ProgressState, out: &mut dyn fmt::Write| {
                 let left = work.lock().unwrap_or_else(PoisonError::into_inner).left(Instant::now());
-                // Onto the display's own buffer, which takes all.
+                // The display's own buffer accepts all writes.
                 let _ = out.write_str(&left);
             };
             bar.set_style(style.with_key("left", left));
@@ -167,14 +168,14 @@ impl Output {
         bar.set_message(doing.to_owned());
     }
 
-    /// Ends the progress, as [`Self::result`] does: nothing of it stays on a terminal.
+    /// Ends the progress display, as [`Self::result`] does; clears it from a terminal.
     pub fn end_progress(&mut self) {
         if let Some(Shown::Bar(bar, _)) = self.shown.take() {
             bar.finish_and_clear();
         }
     }
 
-    /// Reports a failure: on stderr, and with `--json` as the one object on stdout.
+    /// Reports a failure on stderr, and with `--json` as the single object on stdout.
     pub fn failure(&mut self, exit: Exit, failure: &Failure) {
         self.end_progress();
         if exit == Exit::Done {
@@ -191,7 +192,7 @@ impl Output {
     /// Prints an [`ErrorResult`].
     pub fn error_object(&mut self, exit: Exit, message: &str) {
         let error = ErrorObject { exit_code: exit as u8, message: message.to_owned() };
-        // The failure is being reported already; a stdout that fails as well changes nothing.
+        // A failure is already being reported; a failing stdout changes nothing.
         let _ = self.result("", &ErrorResult { error });
     }
 }
@@ -212,12 +213,12 @@ struct ErrorObject {
     message: String,
 }
 
-/// Writes to stderr; nobody is left to tell when that fails.
+/// Writes to stderr; errors are ignored, because they cannot be reported.
 pub fn to_stderr(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Fails early where the folder that `file` shall be written into does not exist.
+/// Fails early if the parent folder of `file` does not exist.
 pub fn require_parent(file: &Path) -> Result<(), Failure> {
     let parent = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if parent.is_dir() {
@@ -232,13 +233,13 @@ pub fn require_parent(file: &Path) -> Result<(), Failure> {
     Err(BakeError::Io { path: parent.to_owned(), action: "write into", source }.into())
 }
 
-/// Makes a folder that results are put in, with those above it, unless it is there.
+/// Creates a folder for results and its parents, if missing.
 pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     let fail = |source| BakeError::Io { path: folder.to_owned(), action: "create", source };
     std::fs::create_dir_all(folder).map_err(|source| fail(source).into())
 }
 
-/// Bytes for people: `1.5 MiB`.
+/// Formats a number of bytes for people: `1.5 MiB`.
 pub fn human_bytes(bytes: u64) -> String {
     let mut value = bytes as f64;
     for unit in ["B", "KiB", "MiB"] {

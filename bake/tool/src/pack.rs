@@ -1,4 +1,4 @@
-//! `pelage pack`: an unpacked folder as a package again.
+//! `pelage pack`: converts an unpacked folder back to a package.
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
@@ -13,13 +13,14 @@ use serde_json::Value;
 use std::io;
 use std::path::PathBuf;
 
-/// Put an unpacked folder together; without edits the package is the one that was unpacked, byte for byte
+/// Pack an unpacked folder; without edits the package is identical to the one unpacked, byte for byte
 ///
-/// Mesh data is taken from mesh.glb, skeleton and clips from animation.json, strands and guides from the .hair files: as many strands and points as before. The recipe in recipe.toml says how the fur was made and makes none: an edit that
-/// says another fur than the folder holds is refused.
+/// Mesh data come from mesh.glb, skeleton and clips from animation.json, strands and guides from the .hair files, whose
+/// numbers of strands and points must not change. recipe.toml only records how the fur was made: an edit that describes
+/// different fur than the folder holds is refused.
 #[derive(Debug, clap::Args)]
 pub struct PackArgs {
-    /// Folder that `pelage unpack` wrote
+    /// Folder written by `pelage unpack`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// Package to write
@@ -27,7 +28,7 @@ pub struct PackArgs {
     package: PathBuf,
 }
 
-/// A package that was written.
+/// Package that was written.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PackResult {
@@ -62,7 +63,7 @@ pub fn run(args: &PackArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Notes what an editor of the folder may not expect: files that were not used, a recipe that does not read.
+/// Prints notes that may surprise an editor of the folder: unused files, an unreadable recipe.
 fn report_leftovers(args: &PackArgs, bytes: &[u8], output: &Output) {
     let document: Value = std::fs::read(args.folder.join(unpacked::MANIFEST))
         .ok()

@@ -8,12 +8,12 @@ use pelage_stage::PackageSource;
 use std::path::Path;
 use std::path::PathBuf;
 
-/// Reads a file that should be a package; opens nothing yet.
+/// Reads a file that should be a package, without opening it.
 pub fn read(path: &Path) -> Result<NamedPackage<'static>, Failure> {
     Ok(NamedPackage::new(path.display().to_string(), read_file(path)?))
 }
 
-/// The packages in and below a folder: scenes name them.
+/// Folder of the packages that scenes name, including subfolders.
 pub struct Folder<'a>(pub &'a Path);
 
 impl PackageSource for Folder<'_> {
@@ -25,7 +25,7 @@ impl PackageSource for Folder<'_> {
 
     fn identity(&self, path: &str) -> PathBuf {
         let path = self.0.join(path);
-        // What cannot be found is said where it is read.
+        // A missing file is reported where it is read.
         std::fs::canonicalize(&path).unwrap_or(path)
     }
 }

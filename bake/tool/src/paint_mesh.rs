@@ -1,4 +1,4 @@
-//! The mesh that a groom map lies over, for programs in which it is painted on.
+//! Mesh of a groom map, for painting in other programs.
 
 use super::exit::Failure;
 use glam::{Vec2, Vec3};
@@ -9,20 +9,20 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// How a mesh is written.
+/// File format of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
-    /// Wavefront OBJ, without materials' colours.
+    /// Wavefront OBJ, without material colours.
     Obj,
-    /// Binary glTF, which wears the map.
+    /// Binary glTF, with the map as its texture.
     Glb,
 }
 
 impl MeshFormat {
-    /// The format that a name ends in.
+    /// Returns the format of a file name extension.
     ///
     /// # Errors
-    /// [`Failure::Usage`] for any other.
+    /// [`Failure::Usage`] for any other extension.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension() {
             Some(extension) if extension.eq_ignore_ascii_case("obj") => Ok(Self::Obj),
@@ -32,13 +32,13 @@ impl MeshFormat {
     }
 }
 
-/// The bytes of the mesh at rest, in metres, with the map's coordinates.
+/// Returns the file of the mesh at rest, in metres, with the map's texture coordinates.
 ///
 /// * `materials`: names of the model's materials
 /// * `png`: the map
 ///
 /// # Errors
-/// [`BakeError::Internal`] for a mesh of more bytes than the format can count.
+/// [`BakeError::Internal`] for a mesh larger than the format allows.
 pub fn write(format: MeshFormat, map: &GroomMap, materials: &[String], png: &[u8]) -> Result<Vec<u8>, Failure> {
     match format {
         MeshFormat::Obj => Ok(obj(map, materials).into_bytes()),
@@ -46,7 +46,7 @@ pub fn write(format: MeshFormat, map: &GroomMap, materials: &[String], png: &[u8
     }
 }
 
-/// A name without spaces that no other material has.
+/// Returns a material name without spaces that is unique.
 fn plain_name(materials: &[String], material: usize) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
     let name: String = materials.get(material).map_or("", String::as_str).chars().map(plain).collect();
@@ -62,7 +62,7 @@ fn obj(map: &GroomMap, materials: &[String]) -> String {
         let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
     }
     for uv in &mesh.uvs {
-        // OBJ counts rows of an image from below.
+        // Image rows count from the bottom in OBJ.
         let _ = writeln!(text, "vt {} {}", uv.x, 1.0 - uv.y);
     }
     for n in &rest.normals {

@@ -1,4 +1,4 @@
-//! `pelage bake --for-size` and `--for-distance`: layers and tile for pictures that are known beforehand.
+//! `pelage bake --for-size` and `--for-distance`: chooses layers and tile for known pictures.
 
 use super::exit::Failure;
 use super::view::View;
@@ -12,42 +12,43 @@ use pelage_stage::{NamedPackage, Size, Viewpoint};
 use pelage_truth::doctor;
 use pelage_truth::doctor::OnScreen;
 
-/// Pictures that a bake is for.
+/// Options that describe the pictures that a bake is for.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct PictureArgs {
-    /// Choose layers and tile for pictures of that size which the model fills: as many layers and texels as the fur has pixels where it is nearest
+    /// Choose layers and tile for pictures of this size that the model fills: as many layers and texels as the fur has
+    /// pixels at its nearest point
     #[arg(long, value_name = "WxH", conflicts_with_all = ["max_error", "max_frame_ms", "max_bytes"])]
     pub for_size: Option<Size>,
-    /// Choose them for pictures which the model comes as near to as that, metres, and no nearer: as high as --for-size says, or else 424 pixels, through the
-    /// lens of the default camera
+    /// Choose layers and tile for pictures that the model approaches to this distance, metres, and no closer. The
+    /// picture height is that of --for-size, or 424 pixels; the lens is the default camera's
     #[arg(long, value_name = "M", value_parser = positive, allow_hyphen_values = true,
         conflicts_with_all = ["max_error", "max_frame_ms", "max_bytes"])]
     pub for_distance: Option<f64>,
 }
 
-/// A number above 0, as an option has it.
+/// Parses a number above 0.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or("expected a number above 0".into())
 }
 
 impl PictureArgs {
-    /// Whether nothing is known of the pictures.
+    /// Returns true if no option was given.
     pub fn is_empty(&self) -> bool {
         self.for_size.is_none() && self.for_distance.is_none()
     }
 
-    /// The options as they may be typed; empty where there are none.
+    /// Returns the options as typed; empty without options.
     pub fn words(&self) -> String {
         let size = self.for_size.map(|Size { width, height, .. }| format!("--for-size {width}x{height}"));
         let distance = self.for_distance.map(|distance_m| format!("--for-distance {distance_m}"));
         size.into_iter().chain(distance).collect::<Vec<_>>().join(" ")
     }
 
-    /// The recipe with layers and tile for such pictures. What decides them is found by a bake of the coarsest tile.
+    /// Returns the recipe with layers and tile for the pictures, determined by a bake with the coarsest tile.
     ///
     /// # Errors
     ///
-    /// As [`pipeline::bake`].
+    /// Same as [`pipeline::bake`].
     pub fn fit(&self, told: Told<'_>, model: &Model) -> Result<InTile, Failure> {
         let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
         let mut coarse = metric::in_tile(told.recipe, &bounds)?.recipe;
@@ -80,7 +81,7 @@ impl PictureArgs {
         Ok(InTile { recipe, ..done })
     }
 
-    /// What it was chosen for, and what was chosen.
+    /// Returns a description of the pictures and of the chosen values.
     pub fn said(&self, slice: &SliceParams) -> String {
         let Size { width, height, .. } = self.for_size.unwrap_or(View::default().look.picture.size);
         let from = self.for_distance.map_or_else(String::new, |distance_m| format!(" from {distance_m} m"));
@@ -89,10 +90,10 @@ impl PictureArgs {
     }
 }
 
-/// Pixels after which a tile may be seen to repeat.
+/// Period below which a repeating tile may be visible, pixels.
 const PERIOD_PX: f64 = 96.0;
 
-/// Texels of a tile of hair that is to be as wide as a texel: so many that the tile does not repeat after few pixels, and no more.
+/// Returns the texels of a tile whose hair is one texel wide: just enough that the tile does not visibly repeat.
 ///
 /// * `hair_px`: width of a hair, pixels
 fn texels_of_period(hair_px: f64) -> u32 {

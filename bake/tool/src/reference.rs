@@ -1,4 +1,4 @@
-//! `pelage reference`: the true picture of a package, traced strand by strand.
+//! `pelage reference`: traces the reference picture of a package, strand by strand.
 
 use super::backdrop::lay_over_sky;
 use super::errand::Errand;
@@ -24,39 +24,42 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Trace the true picture of a package: every strand one by one, no layers, no adapter
+/// Trace a reference picture of a package: every strand individually, without layers or adapter
 ///
-/// It takes the options of `render` but those that say how layers are drawn (it has none) and those of sequences: one picture a run, at --time.
+/// Takes the options of `render`, except those for drawing layers and those for sequences. One picture per run, at
+/// --time.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ReferenceArgs {
-    /// The package
+    /// Package to trace
     #[arg(value_name = "PKG")]
     package: PathBuf,
-    /// The picture to write: .png as `render` writes it, or .exr with linear colours times alpha
+    /// Picture to write: .png as `render` writes it, or .exr with linear colours times alpha
     #[arg(long, short, value_name = "PNG|EXR")]
     output: PathBuf,
-    /// Samples per pixel: the error falls with their square root
+    /// Samples per pixel; the error falls with their square root
     #[arg(long, alias = "spp", value_name = "N", default_value_t = 64,
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     samples: u32,
-    /// How hair is lit: as `render` lights it, or `exact`, by light that goes from fibre to fibre. Packages with `shading.model = "marschner"` are `exact`
-    /// anyway, but with `--scattering off`
+    /// How hair is lit: as `render` lights it, or `exact`, with light passing between fibres. Packages with
+    /// `shading.model = "marschner"` are always `exact`, except with `--scattering off`
     #[arg(long, value_name = "HOW", default_value = "package")]
     fibre: FibreTruth,
-    /// How often light meets hair or skin at most, where it goes from fibre to fibre; 1 is what comes from the lights by one fibre [default: 64]
+    /// Maximum number of times that light meets hair or mesh surface, for light passing between fibres; 1 is light from
+    /// the lights by a single fibre [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     bounces: Option<u32>,
-    /// Threads; by default one per core. The picture is the same with any number
+    /// Threads to use; does not change the picture [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Trace part K alone of N, from 1, as dear as the others, into a .part file: `pelage merge` makes the picture of all of them, bit for bit as in one piece
+    /// Trace only part K of N, from 1, all of equal cost, into a .part file; `pelage merge` combines all parts into the
+    /// picture, bit for bit as in one piece
     #[arg(long, value_name = "K/N", value_parser = parse_part)]
     part: Option<Part>,
     #[command(flatten)]
     view: ViewArgs,
 }
 
-/// `3/16`, from 1.
+/// Parses `3/16`, from 1.
 fn parse_part(text: &str) -> Result<Part, String> {
     let (number, of) = share(text)
         .filter(|(_, of)| *of <= MOST_PARTS)
@@ -64,27 +67,27 @@ fn parse_part(text: &str) -> Result<Part, String> {
     Ok(Part { number: number - 1, of })
 }
 
-/// Beyond that a part of a large picture is a square.
+/// Largest number of parts; with more, a part of a large picture would be a single square.
 const MOST_PARTS: u32 = 10_000;
 
 impl ReferenceArgs {
-    /// What the picture depends on, and where it goes.
+    /// Returns the dependencies and outputs of the trace for the cache.
     pub fn errand(&self) -> Option<Errand> {
         let args = Self { output: Errand::name(&self.output), threads: None, ..self.clone() };
         Some(Errand::new("reference", &args, &[&self.output]))
     }
 }
 
-/// How the hair of a reference is lit.
+/// Lighting of hair in a reference picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum FibreTruth {
-    /// As the package says
+    /// Lit as the package says
     Package,
-    /// By light that goes from fibre to fibre
+    /// With light passing between fibres
     Exact,
 }
 
-/// A traced picture, and what it took.
+/// Traced picture and its cost.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReferenceResult {
@@ -92,7 +95,7 @@ pub struct ReferenceResult {
     width: u32,
     height: u32,
     spp: u32,
-    /// Strands on the whole skin.
+    /// Strands on the whole mesh surface.
     strands: u64,
     /// Straight segments of the strands after simplification.
     segments: u64,
@@ -144,7 +147,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
         show(done, total);
         ControlFlow::Continue(())
     };
-    // Nobody breaks off.
+    // Never cancelled.
     let picture = pool.install(|| truth.portion(&view, &portion, &mut going_on)).unwrap_or_default();
     let seconds = start.elapsed().as_secs_f64();
     let camera = truth.camera(&view);
@@ -172,26 +175,26 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
 }
 
 impl ReferenceArgs {
-    /// Stands for everything that the picture depends on, whichever part of it is traced where.
+    /// Returns a key of everything that the picture depends on, the same for all parts and machines.
     fn identity(&self, file: &NamedPackage<'_>, view: &View) -> String {
         let args = (self.samples, self.fibre, self.bounces);
         Key::of_version().and(format!("{args:?} {view:?}")).and(&file.bytes).finish()
     }
 }
 
-/// What a PNG shows.
+/// Returns the pixels of a PNG.
 fn shown(picture: &TracedPicture, view: &View, camera: &TrueCamera) -> RgbaImage {
     let mut pixels = encode(picture, view.look.background());
     lay_over_sky(&view.look, view.sky.as_deref(), &mut pixels, camera, 0.0);
     pixels
 }
 
-/// The file of a picture, PNG.
+/// Encodes a picture as a PNG file.
 pub fn png(pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
     encoded(|bytes| pixels.write_to(bytes, image::ImageFormat::Png))
 }
 
-/// The file of what was traced, EXR: it holds colours times alpha, as the picture does; a background is another picture's matter.
+/// Encodes a traced picture as an EXR file: colours times alpha, without background.
 pub fn exr(picture: &TracedPicture) -> Result<Vec<u8>, Failure> {
     let flat: Vec<f32> = picture.pixels.iter().flatten().copied().collect();
     let image = image::Rgba32FImage::from_raw(picture.width, picture.height, flat)
@@ -252,7 +255,7 @@ fn report(
 pub struct CameraResult {
     /// Position of the eye, metres.
     eye: [f32; 3],
-    /// Point in the middle of the picture, metres.
+    /// Point at the centre of the picture, metres.
     target: [f32; 3],
     /// Up direction of the picture.
     up: [f32; 3],
@@ -271,7 +274,7 @@ impl From<&TrueCamera> for CameraResult {
     }
 }
 
-/// Flags that say how the fast path shall draw, and whether to name one is too much even if it asks for the default.
+/// Flags that control only `render`'s drawing. The boolean: refuse the flag even if it asks for the default.
 const FAST_PATH: [(&str, bool); 9] = [
     ("layers", true),
     ("fins", true),
@@ -284,15 +287,15 @@ const FAST_PATH: [(&str, bool); 9] = [
     ("shadow-shrink", false),
 ];
 
-/// Keys of looks that say how the fast path shall draw, and mean nothing to the truth.
+/// Returns the keys of looks that control only `render`'s drawing, and have no effect on a reference picture.
 #[cfg(feature = "herd")]
 pub fn only_drawn() -> Vec<&'static str> {
     let of = |(flag, _): &(&str, bool)| SHORT_FORMS.iter().find(|short| short.flag == *flag).map(|short| short.key);
     FAST_PATH.iter().filter_map(of).collect()
 }
 
-/// Refuses arguments that say how the fast path shall draw: the truth has nothing that they could change. A look file may say so: `render` reads it
-/// as well.
+/// Refuses arguments that control only `render`'s drawing, because the reference ignores them. They are accepted in a
+/// look file, which `render` reads as well.
 fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
     let (typed, default) = (args.look.typed(), Look::default());
     let changed = |key: &Knob| key.value(&typed) != key.value(&default);
@@ -309,19 +312,19 @@ fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
     }
 }
 
-/// What kind of file the picture becomes.
+/// File format of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// As `render` writes it.
+    /// PNG, as `render` writes it.
     Png,
-    /// Linear colours times alpha.
+    /// EXR with linear colours times alpha.
     Exr,
-    /// A part of it.
+    /// Part of a picture.
     Part(Part),
 }
 
 impl Format {
-    /// That of a whole picture, by the file's name.
+    /// Returns the format of a whole picture, by its file name.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         match extension(path).as_str() {
             "png" => Ok(Self::Png),

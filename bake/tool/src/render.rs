@@ -1,4 +1,4 @@
-//! `pelage render`: a package or a scene into a picture, or over time into many.
+//! `pelage render`: draws a package or a scene into a picture, or over time into many.
 
 use super::errand::{ADAPTER, Errand};
 use super::exit::{Exit, Failure};
@@ -18,23 +18,26 @@ use pelage_stage::{Cast, Gpu, Look, NamedPackage, StageError};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Draw a package or a scene into a PNG, or over time into numbered ones or a video
+/// Draw a package or a scene into a PNG, or over time into numbered PNGs or a video
 ///
-/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; its table `look` says how the picture looks, as a look file does.
-/// assets/scenes has one with comments. What the arguments say goes before what the file says. Its `sequence` counts for numbered pictures and videos; a plain
-/// name is one picture, at --time.
+/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; its table `look` has
+/// the keys of a look file. assets/scenes has one with comments. Arguments override the scene file. Its `sequence`
+/// applies to numbered pictures and videos; a plain file name is one picture, at --time.
 ///
-/// Numbered pictures that were interrupted go on where they stopped: beside them stands a journal, OUTPUT.pictures.jsonl, until the last is drawn. A picture
-/// that was made from other packages, with another scene, other arguments, another tool or adapter is drawn anew, and so is one that is missing or was changed.
+/// Interrupted numbered pictures resume where they stopped: a journal, OUTPUT.pictures.jsonl, is stored beside them
+/// until the last is drawn. A picture is redrawn if it is missing or changed, or if packages, scene, arguments, tool or
+/// adapter differ.
 ///
-/// A video is Y4M: 4:4:4, BT.709, limited range. The format does not say which matrix, so tell its reader:
-/// pelage render fox.pelage --clip Walk --frames 96 -o - | ffmpeg -i - -vf setparams=colorspace=bt709:color_primaries=bt709 walk.mp4
+/// A video is Y4M: 4:4:4, BT.709, limited range. The format does not store the matrix, so specify it to the reader:
+/// pelage render fox.pelage --clip Walk --frames 96 -o - | ffmpeg -i - -vf
+/// setparams=colorspace=bt709:color_primaries=bt709 walk.mp4
 #[derive(Clone, Debug, clap::Args)]
 pub struct RenderArgs {
-    /// The package, or a scene file that ends in .toml
+    /// Package, or a scene file that ends in .toml
     #[arg(value_name = "PKG|SCENE")]
     input: PathBuf,
-    /// The picture to write; with --frames, %04d in it stands for the picture's number, from 0. A name that ends in .y4m is a video, and - is one on stdout; what is transparent is white there
+    /// Picture to write. With --frames, %04d is replaced by the picture's number, from 0. A name that ends in .y4m is a
+    /// video, and - writes a video to stdout; transparent pixels are white there
     #[arg(long, short, value_name = "PNG|Y4M|-")]
     output: PathBuf,
     /// Pictures per second of the clip, with --frames [default: 24]
@@ -42,16 +45,16 @@ pub struct RenderArgs {
     fps: Option<u32>,
     #[command(flatten)]
     samples: SamplesArgs,
-    /// The light goes once around the vertical axis while the pictures last, with --frames
+    /// Turn the light once around the vertical axis over the sequence, with --frames
     #[arg(long)]
     turn_light: bool,
-    /// The camera goes once around the vertical axis through its target while the pictures last, with --frames
+    /// Turn the camera once around the vertical axis through its target over the sequence, with --frames
     ///
-    /// Where no camera is given, it stands so far off that nothing leaves the picture from any side. With --turn-light the light goes along, as though the model
-    /// stood on a turntable before both.
+    /// Unless a camera is given, it is far enough away that nothing leaves the picture from any side. With --turn-light
+    /// the light turns along, as if the model were on a turntable.
     #[arg(long)]
     auto_rotate: bool,
-    /// Draws all numbered pictures, also those that are there from a run that was interrupted
+    /// Draw all numbered pictures, including those left by an interrupted run
     #[arg(long)]
     restart: bool,
     #[command(flatten)]
@@ -100,14 +103,14 @@ struct RenderedScene<'a> {
 }
 
 impl RenderArgs {
-    /// What the pictures depend on, and where they go.
+    /// Returns the dependencies and outputs of the pictures for the cache.
     pub fn errand(&self) -> Option<Errand> {
         let args = Self { output: Errand::name(&self.output), restart: false, ..self.clone() };
         (self.output != Path::new("-")).then(|| Errand::new("render", &args, &[&self.output]))
     }
 }
 
-/// Refuses arguments that make no sense beside a scene.
+/// Refuses arguments that are invalid with a scene.
 fn refuse_beside(file: &str, args: &ViewArgs) -> Result<(), Failure> {
     for (name, given) in [
         ("--clip", args.clip.is_some()),
@@ -123,10 +126,10 @@ fn refuse_beside(file: &str, args: &ViewArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Pictures per second where nothing says how many.
+/// Default pictures per second.
 const FPS: u32 = 24;
 
-/// What is drawn: one package, or a scene of several.
+/// Subject of the pictures: one package, or a scene of several.
 enum Subject {
     Package(NamedPackage<'static>),
     Scene(Box<Scene>),
@@ -156,7 +159,7 @@ impl Subject {
         }
     }
 
-    /// Stands for what is drawn, beside what a picture depends on in any case.
+    /// Adds the subject to the key of a picture.
     fn key(&self, key: Key) -> Key {
         let key = key.and(self.scene().map_or("", |scene| &scene.file.text));
         self.packages().iter().fold(key, |key, file| key.and(&file.bytes))
@@ -175,7 +178,8 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.output == Path::new("-") && output.is_json() {
         return Err(Failure::Usage("--json: standard output is the video with -o -, expected one of them".into()));
     }
-    // What is wrong with the output's name is said before anything is read. Look files are read once, after the scene: one may be a pipe.
+    // An invalid output name is reported before anything is read. Look files are read once, after the scene, because
+    // one may be a pipe.
     Sink::new(&args.output, args.view.frames, None)?;
     output.progress("loading");
     let subject = Subject::read(&args.input)?;
@@ -188,7 +192,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     args.samples.apply(&mut view.look)?;
     let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
     let of_scene = scene.and_then(|s| s.file.frames());
-    // A picture alone is at rest; the first of several has lived through what comes before it.
+    // A single picture is at rest; the first of several has simulated the time before it.
     let of_range = |frames: Frames| frames.of.or(of_scene).unwrap_or(frames.end.max(2));
     let frames = args.view.frames.map(of_range).or(of_scene).filter(|_| sink.is_sequence());
     if let Some(range) = args.view.frames.filter(|range| frames.is_some_and(|count| range.end > count)) {

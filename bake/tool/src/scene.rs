@@ -1,4 +1,4 @@
-//! Scene files on disk, with the packages and the look that they name.
+//! Scene files on disk, with their packages and look.
 
 use super::exit::Failure;
 use super::look_args;
@@ -8,22 +8,22 @@ use pelage_formats::MAGIC;
 use pelage_stage::{LoadedScene, Look, SceneFile};
 use std::path::Path;
 
-/// A scene file with its packages.
+/// Scene file with its packages.
 pub struct Scene {
-    /// The file.
+    /// Parsed file.
     pub file: SceneFile,
-    /// Its packages, and who stands where.
+    /// Packages, and positions and poses of all instances.
     pub loaded: LoadedScene,
-    /// How it says that it wants to be seen.
+    /// Look of the scene.
     pub look: Look,
 }
 
 impl Scene {
-    /// Reads all of it; `bytes` are those of the file at `path`.
+    /// Reads a scene and its packages; `bytes` are the contents of the file at `path`.
     ///
     /// # Errors
     ///
-    /// Line and key of what is wrong with the scene, or the file that it names.
+    /// Line and key of an error in the scene, or the file that it names.
     pub fn read(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
         let file = SceneFile::parse(&path.display().to_string(), bytes)?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -38,7 +38,7 @@ impl Scene {
     }
 }
 
-/// Whether the bytes of a file speak of models and are no package: whatever its name is, every scene has a model.
+/// Returns true if the bytes are a scene and not a package. The file name is ignored; every scene has a `[[model]]`.
 pub fn speaks_of_models(bytes: &[u8]) -> bool {
     !bytes.starts_with(&MAGIC) && std::str::from_utf8(bytes).is_ok_and(|text| text.contains("[[model]]"))
 }

@@ -1,4 +1,4 @@
-//! Where the pictures of `render` go: one file, numbered files, or a video.
+//! Output of `render`: one file, numbered files, or a video.
 
 use super::exit::Failure;
 use super::journal::{Entry, Journal, Key};
@@ -15,43 +15,43 @@ use sha2::{Digest as _, Sha256};
 use std::io::{self, BufWriter, IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 
-/// What is behind transparent pixels of a video that has no background: Y4M knows no transparency.
+/// Background of videos without one, because Y4M has no transparency.
 const WHITE: [u8; 3] = [255; 3];
 
-/// Where pictures go.
+/// Destination of pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sink {
-    /// One picture.
+    /// Single picture.
     Picture(PathBuf),
-    /// Numbered ones; the journal of a run that was interrupted stands beside them.
+    /// Numbered pictures; the journal of an interrupted run is beside them.
     Numbered {
-        /// The number of the first.
+        /// Number of the first picture.
         first: usize,
-        /// A name for each.
+        /// Name of each picture.
         names: Vec<PathBuf>,
-        /// The journal's.
+        /// Path of the journal.
         journal: PathBuf,
     },
-    /// A Y4M file.
+    /// Y4M file.
     Video(PathBuf),
     /// Y4M on stdout.
     Stdout,
 }
 
-/// What has become of the pictures.
+/// Drawn pictures.
 #[derive(Debug)]
 pub struct Drawn {
-    /// Of each picture.
+    /// Results of each picture.
     pub pictures: Vec<Picture>,
-    /// How many of them an earlier run had drawn.
+    /// Number of pictures kept from an earlier run.
     pub skipped: usize,
 }
 
 impl Sink {
-    /// What `-o` means.
+    /// Interprets `-o`.
     ///
     /// * `frames`: `--frames`
-    /// * `sequence`: how many the scene file asks for, where its pictures are numbered or a video
+    /// * `sequence`: number of pictures in the scene file's sequence, for numbered pictures or a video
     pub fn new(output: &Path, frames: Option<Frames>, sequence: Option<u32>) -> Result<Self, Failure> {
         let video = output == Path::new("-") || is_video(output);
         if video && frames.is_some_and(|frames| frames.count().is_none()) {
@@ -65,7 +65,7 @@ impl Sink {
             require_parent(output)?;
             return Ok(Self::Video(output.to_owned()));
         }
-        // What is written is PNG: under the name of another format no program would open it.
+        // The contents are PNG; with another extension no program would open them.
         if let Some(other) = output.extension().filter(|e| !e.eq_ignore_ascii_case("png")) {
             let other = other.to_string_lossy();
             return Err(Failure::Usage(format!(
@@ -80,7 +80,7 @@ impl Sink {
         };
         let names = names(output, frames)?;
         let mut journal = output.as_os_str().to_owned();
-        // Several machines may draw ranges of one sequence into one folder; each notes down its own.
+        // Several machines may draw ranges of one sequence into one folder; each has its own journal.
         if frames.count().is_none() {
             journal.push(format!(".{}-{}", frames.first, frames.end));
         }
@@ -88,12 +88,12 @@ impl Sink {
         Ok(Self::Numbered { first: frames.first as usize, names, journal: journal.into() })
     }
 
-    /// Whether it holds as many pictures as a sequence has.
+    /// Returns true if it holds all pictures of a sequence.
     pub fn is_sequence(&self) -> bool {
         !matches!(self, Self::Picture(_))
     }
 
-    /// The files that are written.
+    /// Returns the files that are written.
     pub fn files(&self) -> Vec<String> {
         let display = |path: &PathBuf| path.display().to_string();
         match self {
@@ -105,8 +105,8 @@ impl Sink {
 
     /// Draws all pictures into it.
     ///
-    /// * `key`: stands for everything that they depend on, for numbered ones
-    /// * `restart`: draws also what is there from a run before
+    /// * `key`: hash of everything that they depend on, for numbered pictures
+    /// * `restart`: redraws existing pictures of an earlier run
     pub fn fill(&self, shoot: &mut Shoot, key: Key, restart: bool, output: &mut Output) -> Result<Drawn, Failure> {
         let pictures = match self {
             Self::Picture(path) => {
@@ -128,11 +128,11 @@ impl Sink {
     }
 }
 
-/// A picture of a numbered sequence, in the journal.
+/// Entry of the journal for a picture of a numbered sequence.
 #[derive(Debug, Serialize, Deserialize)]
 struct Noted {
     picture: usize,
-    /// Of the file, in hexadecimal: one that was changed since is drawn anew.
+    /// SHA-256 of the file, hexadecimal; a file changed since is redrawn.
     sha256: String,
     #[serde(flatten)]
     drawn: Picture,
@@ -156,7 +156,7 @@ fn numbered(
     restart: bool,
     output: &mut Output,
 ) -> Result<Drawn, Failure> {
-    // A sequence may have a folder of its own, or one a picture.
+    // A sequence may have its own folder, or a folder per picture.
     for folder in names.iter().chain([&journal.to_owned()]).filter_map(|name| name.parent()) {
         if !folder.as_os_str().is_empty() && !folder.is_dir() {
             make_folder(folder)?;
@@ -168,7 +168,7 @@ fn numbered(
         output.note(&format!("{} pictures of {what}", journal.others()));
     }
     let digest = |bytes: &[u8]| hex(&Sha256::digest(bytes));
-    // Not by what notes down the files that pictures are made of.
+    // Read without the I/O trace, which records the inputs of pictures.
     let there =
         |noted: &Noted| std::fs::read(&names[noted.picture - first]).is_ok_and(|bytes| digest(&bytes) == noted.sha256);
     let numbers: Vec<usize> = (first..first + names.len()).collect();
@@ -204,7 +204,7 @@ fn numbered(
 fn video(path: &Path, shoot: &mut Shoot, output: &mut Output) -> Result<Vec<Picture>, Failure> {
     let mut result = Ok(Vec::new());
     let written = write_atomic_with(path, |out| {
-        // What fails may be the file or the drawing; only the first is said in terms of the file.
+        // Either the file or the drawing may fail; only an error of the file is reported with its path.
         match film(out, shoot, output) {
             Err(Failure::Stdout(error)) => Err(error),
             other => {
@@ -219,7 +219,7 @@ fn video(path: &Path, shoot: &mut Shoot, output: &mut Output) -> Result<Vec<Pict
     Ok(pictures)
 }
 
-/// Draws a video into `out`, whose errors are [`Failure::Stdout`].
+/// Draws a video into `out`; write errors are [`Failure::Stdout`].
 fn film(out: &mut dyn Write, shoot: &mut Shoot, output: &mut Output) -> Result<Vec<Picture>, Failure> {
     let (width, height) = shoot.size();
     let background = shoot.background().unwrap_or(WHITE);
@@ -234,12 +234,12 @@ fn film(out: &mut dyn Write, shoot: &mut Shoot, output: &mut Output) -> Result<V
     Ok(pictures)
 }
 
-/// File names of numbered pictures.
+/// Returns the file names of numbered pictures.
 fn names(output: &Path, Frames { first, end, .. }: Frames) -> Result<Vec<PathBuf>, Failure> {
     let text = output.to_str().ok_or_else(|| Failure::Usage(format!("-o {}: not UTF-8", output.display())))?;
     let pattern = match text.split_once('%') {
         Some((head, tail)) => {
-            // %d is as many digits as the number has.
+            // %d uses as many digits as the number has.
             let digits = |d: &str| if d.is_empty() { Some(1) } else { d.parse::<usize>().ok() };
             let digits = tail.split_once('d').and_then(|(d, rest)| Some((digits(d)?, rest)));
             let Some((width @ 1..=9, rest)) = digits else {
@@ -275,10 +275,10 @@ mod tests {
         assert_eq!(list("%04d.png", Some(2), None).ok(), Some(vec!["0000.png".to_owned(), "0001.png".to_owned()]));
         assert_eq!(list("walk.png", Some(1), None).ok(), Some(vec!["walk_0000.png".to_owned()]));
         assert!(list("a%s.png", Some(1), None).is_err());
-        // A scene's sequence is for names with numbers; a plain name is one picture of it.
+        // A scene's sequence applies to numbered names; a plain name is one picture.
         assert_eq!(list("%1d.png", None, Some(2)).ok(), Some(vec!["0.png".to_owned(), "1.png".to_owned()]));
         assert_eq!(list("%d.png", Some(1), Some(2)).ok(), Some(vec!["0.png".to_owned()]));
-        // A picture has one number, and is a PNG.
+        // A picture's name has one number, and is a PNG.
         let error = list("%04d/%04d.png", Some(1), None).unwrap_err().to_string();
         assert!(error.contains("found another % behind %04d, expected one number pattern"), "{error}");
         for name in ["a.jpg", "a.PNG.exr", "b/%04d.webp"] {

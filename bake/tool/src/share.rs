@@ -1,6 +1,6 @@
-//! A share of something that several machines do.
+//! Parsing of shares of a job divided among machines.
 
-/// Reads `3/16`: which share, from 1, and of how many, where both are numbers that can be.
+/// Parses `3/16`: number of the share, from 1, and number of shares; `None` if invalid.
 pub fn share(text: &str) -> Option<(u32, u32)> {
     let (number, of) = text.split_once('/')?;
     let both = (number.trim().parse().ok()?, of.trim().parse().ok()?);

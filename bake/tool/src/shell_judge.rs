@@ -1,4 +1,5 @@
-//! A model at several settings beside its true pictures: what `pelage chart shells` and a bake with limits measure.
+//! Comparison of a model at several settings with its reference pictures, for `pelage chart shells` and a bake with
+//! limits.
 
 use super::exit::Failure;
 use super::staged::{pixels, stage_of};
@@ -29,70 +30,71 @@ pub struct Measured {
     pub rmse: f64,
     /// Mean absolute difference of alpha.
     pub coverage_error: f64,
-    /// The fastest frame of the slowest view.
+    /// Time of the fastest frame of the slowest view, milliseconds.
     pub frame_ms: f64,
-    /// Fragment shader runs of that frame; `None` where the adapter does not count them.
+    /// Fragment shader invocations of that frame; `None` if the adapter does not count them.
     pub fragments: Option<u64>,
-    /// Layers that frame draws, the skin not counted.
+    /// Layers drawn in that frame, skin excluded.
     pub layers: u32,
-    /// Triangles of the mesh that frame draws.
+    /// Mesh triangles drawn in that frame.
     pub triangles: u32,
     /// Size of the package.
     pub package_bytes: u64,
     /// Textures, buffers and shadow maps on the device.
     pub gpu_bytes: u64,
-    /// Seconds of the bake.
+    /// Duration of the bake, seconds.
     pub bake_s: f64,
 }
 
-/// What packages are made from.
+/// Source of the packages.
 #[derive(Clone, Copy)]
 pub enum Source<'a> {
-    /// A model as it was read.
+    /// Imported model.
     Model {
-        /// As the user named it.
+        /// File name as given by the user.
         file: &'a str,
-        /// Its name in the package.
+        /// Name in the package.
         name: &'a str,
         /// The model.
         model: &'a Model,
-        /// The images that the recipe names.
+        /// Images that the recipe names.
         images: &'a MapImages,
     },
-    /// A model that was baked once, to be sliced anew: other layers, tiles and fins of it are quick.
+    /// Model that was baked once, for reslicing: changes of layers, tile and fins are fast.
     Baked {
-        /// Its name in the package.
+        /// Name in the package.
         name: &'a str,
-        /// The bake.
+        /// Baked data.
         slicer: &'a Slicer<'a>,
     },
-    /// A package, to be sliced anew.
+    /// Package, for reslicing.
     Package(&'a NamedPackage<'static>),
 }
 
-/// A view with its true picture.
+/// View with its reference picture.
 struct TrueView {
     view: View,
     picture: Picture,
-    /// Height of the fur in it, pixels.
+    /// Height of the fur in the view, pixels.
     fur_px: f64,
 }
 
-/// Bakes settings of one model, draws them and compares them with the truth.
+/// Judge of settings of one model: bakes, draws and compares them with the reference pictures.
 pub struct ShellJudge<'a> {
     source: Source<'a>,
     views: Vec<TrueView>,
-    /// How much of what a recipe has is drawn.
+    /// Level of detail to draw.
     detail: LookDetail,
     gpu: Gpu,
     meter: Meter,
 }
 
 impl<'a> ShellJudge<'a> {
-    /// Traces the true pictures: the views, size and samples of the recipe's `[judge]`. They do not depend on how the strands are sliced.
+    /// Traces the reference pictures: views, size and samples are those of the recipe's `[judge]`. They do not depend
+    /// on how strands are sliced.
     ///
-    /// * `detail`: how much of what a setting has is drawn
-    /// * `doing`: is told what is going on
+    /// * `detail`: level of detail to draw
+    /// * `doing`: progress callback
     pub fn new(
         source: Source<'a>,
         recipe: &Recipe,
@@ -107,7 +109,7 @@ impl<'a> ShellJudge<'a> {
         Ok(Self { detail, ..Self::of_views(source, &truth, size, &views, recipe.judge.samples, gpu, doing) })
     }
 
-    /// Traces the true pictures of that size, pixels, from those cameras, with so many samples per pixel.
+    /// Traces the reference pictures of a size in pixels, from given cameras, with a number of samples per pixel.
     pub fn of_views(
         source: Source<'a>,
         truth: &Truth,
@@ -123,7 +125,7 @@ impl<'a> ShellJudge<'a> {
             let picture = truth.picture(&view, samples, &mut |done, all| {
                 doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
-            // Through bytes, as the pictures that it is compared with.
+            // Quantised to bytes, like the pictures that it is compared with.
             let picture = Picture::from(&truth::encode(&picture, view.look.background()));
             let fur_px = truth.fur_px(&view);
             views.push(TrueView { view, picture, fur_px });
@@ -131,24 +133,24 @@ impl<'a> ShellJudge<'a> {
         Self { source, views, detail: EVERYTHING, gpu: gpu.clone(), meter: Meter::new(gpu) }
     }
 
-    /// Layers, skin counted, beyond which the pictures do not change where as many are drawn as the fur has pixels.
+    /// Returns the number of layers, skin included, above which pictures with automatic detail do not change.
     pub fn most_layers(&self, recipe: &Recipe) -> u32 {
         let highest = self.views.iter().map(|view| view.fur_px).fold(0.0, f64::max);
         let gaps = (highest / f64::from(recipe.detail.gap_px)).ceil();
         if recipe.detail.enabled { (gaps as u32).saturating_add(1) } else { u32::MAX }
     }
 
-    /// Where the milliseconds come from, as `pelage bench` has it.
+    /// Returns the source of the frame times, as in `pelage bench`.
     pub fn timing(&self) -> &'static str {
         self.meter.clock().word()
     }
 
-    /// The views, as arguments of `pelage render`.
+    /// Returns the views as arguments of `pelage render`.
     pub fn view_words(&self) -> Vec<String> {
         self.views.iter().filter_map(|of| of.view.camera).map(|camera| format!("--camera {camera}")).collect()
     }
 
-    /// Bakes a recipe, draws it from all views, times it and compares it with the truth.
+    /// Bakes a recipe, draws and times it from all views, and compares it with the reference pictures.
     pub fn measure(&self, recipe: &Recipe) -> Result<(Measured, Likeness), Failure> {
         let begun = Instant::now();
         let file = self.source.bake(recipe)?;
@@ -157,7 +159,8 @@ impl<'a> ShellJudge<'a> {
         Ok((Measured { bake_s, ..measured }, likeness))
     }
 
-    /// Draws so much of a package from all views, times it and compares it with the truth. What a bake takes is not measured.
+    /// Draws and times a package from all views at a level of detail, and compares it with the reference pictures. The
+    /// bake is not timed.
     pub fn measure_drawn(&self, file: &NamedPackage<'_>, detail: LookDetail) -> Result<(Measured, Likeness), Failure> {
         let mut scene: Option<Stage> = None;
         let (mut sum, mut likenesses) = (Measured::default(), Vec::new());
@@ -200,7 +203,7 @@ impl<'a> ShellJudge<'a> {
         Ok((measured, Likeness::mean(&likenesses)))
     }
 
-    /// Times recipes in turns: [`ROUNDS`] times each of them from all views, the slowest view counts.
+    /// Times recipes in alternation: each of them [`ROUNDS`] times from all views; the slowest view counts.
     pub fn time_in_turns(&self, recipes: &[Recipe]) -> Result<Vec<FrameTime>, Failure> {
         let Some(first) = self.views.first() else { return Ok(vec![FrameTime::default(); recipes.len()]) };
         let stage = |recipe: &Recipe| self.stage(&self.source.bake(recipe)?, &first.view, self.detail);
@@ -211,7 +214,7 @@ impl<'a> ShellJudge<'a> {
                 let mut slowest = 0.0_f64;
                 for TrueView { view, .. } in &self.views {
                     view.camera.into_iter().for_each(|camera| stage.look_from(camera));
-                    // What the frame before left in the caches is another setting's.
+                    // The previous frame left another setting's data in the caches.
                     self.meter.frame(stage)?;
                     let mut fastest = f64::INFINITY;
                     for _ in 0..FRAMES {
@@ -225,31 +228,31 @@ impl<'a> ShellJudge<'a> {
         Ok(rounds.into_iter().map(FrameTime::of).collect())
     }
 
-    /// Height of a package's fur in the first view, pixels, as the runtime goes by: at the nearest point of the model. `None` where the package
-    /// has no levels of detail, or the eye is within the model's bounds.
+    /// Returns the height of a package's fur in the first view at the nearest point of the model, pixels, computed as
+    /// in the runtime. `None` if the package has no levels of detail, or the eye is within the model's bounds.
     pub fn fur_px(&self, file: &NamedPackage<'_>) -> Result<Option<f32>, Failure> {
         let Some(TrueView { view, .. }) = self.views.first() else { return Ok(None) };
         let frame = self.stage(file, view, LookDetail::Auto)?.draw()?;
         Ok(frame.report().instances.first().and_then(|drawn| drawn.fur_px).filter(|px| px.is_finite()))
     }
 
-    /// A package with so much of its fur in layers, also where strands would take their place.
+    /// Creates a stage of a package at a level of detail; fur is drawn in layers even where strands would replace them.
     fn stage(&self, file: &NamedPackage<'_>, view: &View, detail: LookDetail) -> Result<Stage, Failure> {
         let view = view.clone().with(|look| (look.fur.detail, look.fur.hair) = (detail, LookHair::Shells));
         Ok(stage_of(file, &view, || Ok(self.gpu.clone()))?)
     }
 }
 
-/// All that a setting has is drawn: that is what settings differ in.
+/// Full detail, because settings differ only there.
 const EVERYTHING: LookDetail = LookDetail::Full;
 
-/// Turns in which settings are timed: enough for quartiles.
+/// Number of rounds in which settings are timed: enough for quartiles.
 const ROUNDS: usize = 7;
-/// Frames of a view in a turn, of which the fastest counts: what else the machine does only adds.
+/// Frames of a view in a round, of which the fastest counts, because other load only adds time.
 const FRAMES: usize = 2;
 
 impl Source<'_> {
-    /// A package by `recipe`.
+    /// Bakes a package with `recipe`.
     pub fn bake(&self, recipe: &Recipe) -> Result<NamedPackage<'static>, Failure> {
         match *self {
             Self::Model { file, name, model, images } => {
@@ -265,7 +268,7 @@ impl Source<'_> {
     }
 }
 
-/// The recipe's views; left empty, two that frame the model.
+/// Returns the recipe's views; if empty, two that frame the model.
 pub fn cameras(recipe: &Recipe, truth: &Truth) -> Vec<Viewpoint> {
     if !recipe.judge.views.is_empty() {
         return recipe.judge.views.clone();

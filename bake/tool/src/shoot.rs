@@ -1,4 +1,4 @@
-//! Pictures of a stage, one moment after another.
+//! Pictures of a stage at successive times.
 
 use super::backdrop::lay_over_sky;
 use super::exit::Failure;
@@ -17,20 +17,21 @@ use pelage_truth::{Lens, TrueCamera};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Moments a second that what swings lives through at least: as many as it takes steps, so that 12, 24, 30 and 60 pictures a second see the same.
+/// Minimum simulation rate of moving hair, per second. Equal to its step rate, so that 12, 24, 30 and 60 pictures per
+/// second show the same motion.
 const LIVED_PER_S: u32 = hair_motion::STEPS_PER_S as u32;
 
-/// What a picture turned out to be.
+/// Measurements of a picture.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Picture {
     /// Pixels with any opacity.
     pub covered_pixels: u64,
-    /// Mean luminance of the covered pixels, linear, 0..=1; 0 where none is.
+    /// Mean luminance of the covered pixels, linear, 0..=1; 0 without covered pixels.
     pub mean_luminance: f64,
-    /// The report of the frame that it was drawn from; of a sequence, that of the first alone.
+    /// Reports of the passes of its frame; in a sequence only for the first picture.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub passes: Vec<PassRun>,
-    /// What is drawn of each copy's fur; of a sequence, that of the first alone.
+    /// Fur drawn for each copy; in a sequence only for the first picture.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detail: Vec<FurDetail>,
 }
@@ -45,37 +46,37 @@ pub struct PassRun {
     reason: String,
 }
 
-/// A scene, and the moments at which pictures are taken of it.
+/// Scene, and the times at which pictures of it are taken.
 pub struct Shoot {
-    /// With its device.
+    /// Stage, with its device.
     pub scene: Stage,
-    /// How it is looked at.
+    /// View of the scene.
     pub view: View,
-    /// From where, before the camera goes around.
+    /// Camera, before `auto_rotate`.
     pub shot: Shot,
-    /// The key light as it stands.
+    /// Key light, before `turn_light`.
     pub light: Light,
-    /// The light, and the environment with it, goes once around while the pictures last.
+    /// Whether the light and the environment make one full turn over the sequence.
     pub turn_light: bool,
-    /// The camera goes once around the vertical axis through its target while the pictures last.
+    /// Whether the camera makes one full turn around the vertical axis through its target over the sequence.
     pub auto_rotate: bool,
-    /// The first picture that is drawn, of which more is told.
+    /// First picture to draw; reported in more detail.
     pub first: usize,
-    /// Pictures of the whole.
+    /// Number of pictures in the whole sequence.
     pub count: usize,
-    /// Of them a second.
+    /// Pictures per second.
     pub fps: u32,
-    /// The last moment that hair lived through; `None` where it has lived through none.
+    /// Last simulated moment of the hair; `None` before the simulation starts.
     pub lived: Option<i64>,
 }
 
 impl Shoot {
-    /// Width and height, pixels.
+    /// Returns the width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
         self.view.size()
     }
 
-    /// What is behind everything, sRGB-encoded; `None` for nothing.
+    /// Returns the background, sRGB-encoded; `None` for transparency.
     pub fn background(&self) -> Option<[u8; 3]> {
         self.view.look.background()
     }
@@ -109,23 +110,26 @@ impl Shoot {
         if let Some(camera) = of_frame(&self.scene.params.camera) {
             lay_over_sky(&self.view.look, self.view.sky.as_deref(), &mut pixels, &camera, turn_deg);
         }
-        // A long sequence of a large crowd would fill memory and journal with what nobody is told.
+        // Details of all pictures of a long sequence with a large crowd would fill memory and journal, and are not
+        // shown.
         let told =
             if index == self.first { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
         Ok((told, pixels))
     }
 
-    /// Moments from one picture to the next: what swings lives through [`LIVED_PER_S`] and more, however few pictures there are.
+    /// Returns the number of simulated moments per picture: at least [`LIVED_PER_S`] per second, however few pictures
+    /// there are.
     fn moments(&self) -> i64 {
         i64::from(LIVED_PER_S.div_ceil(self.fps))
     }
 
-    /// The time of a moment; those before the first picture are below 0.
+    /// Returns the time of a moment; negative before the first picture.
     fn time_s(&self, moment: i64) -> f32 {
         self.view.time_s + moment as f32 / (self.moments() as f32 * self.fps as f32)
     }
 
-    /// Goes to picture `index`: hair lives through a second before the first, and through all that come before this one, also where those are drawn already.
+    /// Advances to picture `index`. Hair is simulated for a second before the first picture, and through all previous
+    /// ones, even if those are already drawn.
     fn live_until(&mut self, index: usize) -> Result<(), Failure> {
         let motion = self.view.look.hair_motion().filter(|motion| self.scene.may_move_hair(motion));
         let begins_s = f64::from(self.view.time_s);
@@ -144,7 +148,7 @@ impl Shoot {
         Ok(())
     }
 
-    /// Stands for everything that a picture depends on beside its number and what is drawn.
+    /// Returns a key of everything that a picture depends on, except its number and the subject.
     pub fn key(&self) -> Key {
         let key =
             Key::of_build().and(self.scene.gpu.in_words()).and(format!("{:?}", self.view)).and(self.fps.to_le_bytes());
@@ -155,7 +159,7 @@ impl Shoot {
     }
 }
 
-/// The camera of a frame for what is reckoned pixel by pixel; a stage makes none that has no lens.
+/// Returns the camera of a frame for per-pixel computations; a stage creates only cameras with a lens.
 fn of_frame(camera: &Camera) -> Option<TrueCamera> {
     let lens = match camera.projection {
         Projection::Perspective { fov_y_rad, .. } => Lens::Perspective { fov_y_rad },
@@ -165,21 +169,21 @@ fn of_frame(camera: &Camera) -> Option<TrueCamera> {
     Some(TrueCamera::from_view(camera.view_from_world, lens))
 }
 
-/// Draws the scene as it stands into a PNG file.
+/// Draws the scene in its current state into a PNG file.
 pub fn draw(scene: &mut Stage, path: &Path) -> Result<Picture, Failure> {
     let (picture, pixels) = picture(scene)?;
     write_png(path, &pixels)?;
     Ok(picture)
 }
 
-/// Writes a picture, and returns the bytes of the file.
+/// Writes a picture; returns the contents of the file.
 pub fn write_png(path: &Path, pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
     let bytes = encode_png(pixels)?;
     io::write_atomic(path, &bytes)?;
     Ok(bytes)
 }
 
-/// Draws the scene as it stands: what it turned out to be, and its pixels, sRGB-encoded with straight alpha.
+/// Draws the scene in its current state; returns measurements and pixels, sRGB-encoded with straight alpha.
 fn picture(scene: &mut Stage) -> Result<(Picture, RgbaImage), Failure> {
     let frame = scene.draw()?;
     let pixels = staged::pixels(scene)?;
@@ -192,7 +196,7 @@ fn picture(scene: &mut Stage) -> Result<(Picture, RgbaImage), Failure> {
     Ok((picture, pixels))
 }
 
-/// A light carried around the world's vertical axis.
+/// Rotates a light around the world's vertical axis.
 fn turned(light: Light, angle_rad: f32) -> Light {
     let turn = Quat::from_rotation_y(angle_rad);
     match light {
@@ -203,7 +207,7 @@ fn turned(light: Light, angle_rad: f32) -> Light {
     }
 }
 
-/// Mean luminance (Rec. 709) of the pixels with any opacity.
+/// Returns the mean luminance (Rec. 709) of the pixels with any opacity.
 fn mean_luminance(pixels: &RgbaImage) -> f64 {
     let covered = || pixels.pixels().filter(|p| p.0[3] > 0);
     let of = |p: &image::Rgba<u8>| {

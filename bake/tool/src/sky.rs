@@ -1,4 +1,4 @@
-//! The light from all around that a look names, read and fitted.
+//! Environment map named by a look, read and fitted.
 
 use super::exit::Failure;
 use glam::{DQuat, DVec3};
@@ -14,10 +14,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::OnceLock;
 
-/// Reads a file of light from all around as lights.
+/// Reads an environment map as lights.
 ///
 /// # Errors
-/// Which file, where in it, and what is wrong.
+/// Message with the file, the location in it, and the error.
 #[cfg(feature = "view")]
 pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRead {
     let of = read(path, lobes, ground).map_err(|error| error.to_string())?;
@@ -25,12 +25,12 @@ pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRea
     Ok(Arc::new(sky.lights()))
 }
 
-/// Reads a file of light from all around, over a ground where there is one.
+/// Reads an environment map, with a ground if one is given.
 fn read(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> Result<SkyFile, BakeError> {
     SkyFile::read(path)?.over_ground(ground, lobes as usize)
 }
 
-/// An environment as its look says it.
+/// Environment of a look.
 #[derive(Debug)]
 pub struct Sky {
     of: SkyFile,
@@ -48,10 +48,10 @@ impl PartialEq for Sky {
 }
 
 impl Sky {
-    /// Reads what the look names; `None` where it names nothing.
+    /// Reads the environment that the look names; `None` if it names none.
     ///
     /// # Errors
-    /// A file that cannot be read or is no sky.
+    /// Unreadable file, or one that is not an environment.
     pub fn of(look: &Look) -> Result<Option<Self>, Failure> {
         let Some(source) = &look.environment.sky else { return Ok(None) };
         let of = match &source.of {
@@ -63,7 +63,7 @@ impl Sky {
         Ok(Some(Self { of, yaw_deg, strength, lobes, fitted: OnceLock::new() }))
     }
 
-    /// How near few lights come to a panorama; `None` for lights that were said as such.
+    /// Returns the fit of lights to a panorama; `None` for lights given directly.
     pub fn fitted(&self) -> Option<&Fitted> {
         let fit = || match &self.of {
             SkyFile::Panorama(panorama) => Some(panorama.fit(FitParams { lobes: self.lobes, ..FitParams::default() })),
@@ -72,7 +72,7 @@ impl Sky {
         self.fitted.get_or_init(fit).as_ref()
     }
 
-    /// As lights, as the file has them.
+    /// Returns the lights without the look's rotation and strength.
     pub fn lights(&self) -> Environment {
         match (&self.of, self.fitted()) {
             (SkyFile::Lights(lights), _) => lights.clone(),
@@ -80,12 +80,13 @@ impl Sky {
         }
     }
 
-    /// The same turned and as bright as the look says.
+    /// Returns the lights with the look's rotation and strength.
     pub fn environment(&self) -> Environment {
         self.lights().turned(self.yaw_deg).times(self.strength)
     }
 
-    /// Radiance from a direction of length 1, linear RGB, with the sky turned `turn_deg` on; the sun of lights is not seen.
+    /// Returns the radiance from a unit direction, linear RGB, with the sky rotated by another `turn_deg`; the sun of
+    /// lights is not visible.
     pub fn seen(&self, towards: DVec3, turn_deg: f32) -> DVec3 {
         let inside = DQuat::from_rotation_y(-f64::from(self.yaw_deg + turn_deg).to_radians()) * towards;
         let radiance = match &self.of {
@@ -95,7 +96,8 @@ impl Sky {
         radiance * f64::from(self.strength)
     }
 
-    /// For paths: a panorama as it is, with its sun in it; else lights, and their sun beside them.
+    /// Returns the environment for path tracing: a panorama unchanged, with its sun in it; otherwise lights, and their
+    /// sun separately.
     pub fn truth(&self) -> (TrueSky, Option<Sun>) {
         match &self.of {
             SkyFile::Panorama(panorama) => (TrueSky::of_panorama(panorama.clone(), self.yaw_deg, self.strength), None),

@@ -1,4 +1,4 @@
-//! What the arguments come to on a [`Stage`].
+//! Construction of a [`Stage`] from the arguments.
 
 use super::exit::Failure;
 use super::view::View;
@@ -7,7 +7,7 @@ use pelage_runtime::{Frame, InstanceDetail};
 use pelage_stage::{Cast, Gpu, NamedPackage, Stage, StageError};
 use serde::{Deserialize, Serialize};
 
-/// The model of a package, or a crowd of it, on the device that `open_gpu` gives.
+/// Creates a stage of a package's model, or a crowd of it, on the device that `open_gpu` returns.
 pub fn stage_of(
     file: &NamedPackage<'_>,
     view: &View,
@@ -16,7 +16,7 @@ pub fn stage_of(
     stage(&crowd(file, view)?, view, open_gpu)
 }
 
-/// A cast on the device that `open_gpu` gives.
+/// Creates a stage of a cast on the device that `open_gpu` returns.
 pub fn stage(
     cast: &Cast<'_>,
     view: &View,
@@ -25,14 +25,15 @@ pub fn stage(
     Stage::new(cast, &view.look.picture(), view.frame_params(), view.time_s, open_gpu)
 }
 
-/// The canvas as a picture: sRGB-encoded, straight alpha.
+/// Reads the canvas: sRGB-encoded, straight alpha.
 pub fn pixels(stage: &Stage) -> Result<RgbaImage, Failure> {
     let (width, height) = stage.canvas.size();
     RgbaImage::from_raw(width, height, stage.canvas.read(&stage.gpu)?)
         .ok_or_else(|| StageError::Device("the canvas was read back short".into()).into())
 }
 
-/// The model of one package, or a crowd of it, at the clip and from the camera of `view`. Without one, the camera frames all of it.
+/// Creates the cast of one package, or a crowd of it, with the clip and camera of `view`. Without a camera, all of it
+/// is framed.
 pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, StageError> {
     let package = file.open()?;
     let framing = (&view.framing, view.look.aspect());
@@ -60,9 +61,9 @@ pub struct FurDetail {
     triangles: u32,
     /// Opacity of the fins, 0 to 1.
     fins: f32,
-    /// Opacity of the far coat, 0 to 1.
+    /// Opacity of the fur's appearance from afar, 0 to 1.
     coat: f32,
-    /// Height of the fur on screen with `--detail auto`, pixels; null if the eye is among the hair.
+    /// Height of the fur on screen with `--detail auto`, pixels; null if the eye is inside the fur.
     fur_px: Option<f32>,
 }
 

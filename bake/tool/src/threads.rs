@@ -1,9 +1,9 @@
-//! The threads that a subcommand works on.
+//! Thread pool of a subcommand.
 
 use super::exit::Failure;
 use pelage_import::BakeError;
 
-/// A pool of that many threads, or one per core.
+/// Creates a pool of `threads` threads, by default one per core.
 pub fn pool(threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = threads {

@@ -1,4 +1,5 @@
-//! The picture that `render` comes near to: the same view of the same package, with its strands traced one by one. No adapter is needed.
+//! Reference pictures: the same view of the same package as `render`, with its strands traced individually. Needs no
+//! adapter.
 
 use super::exit::Failure;
 use super::view::View;
@@ -12,21 +13,21 @@ use pelage_import::BakeError;
 use pelage_stage::{KeyLight, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
 use pelage_truth::{Lens, Portion, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene};
 
-/// A package in one pose and style, ready to be traced from any side and in any light.
+/// Package in one pose and style, ready to be traced from any camera and in any light.
 pub struct Truth {
-    /// Strands and skin.
+    /// Strands and mesh surface.
     pub scene: TrueScene,
-    /// What became of the tile's strands.
+    /// Report of growing the tile's strands.
     pub report: GroomReport,
     scattering: Option<TrueScattering>,
-    /// It counts whatever a look says.
+    /// Whether the scattering applies whatever the look says.
     forced: bool,
     outline: Vec<Vec3>,
     height_m: f32,
 }
 
 impl Truth {
-    /// Lets the strands of the package in `file` grow on its skin, at the moment of the clip and in the style that `view` names.
+    /// Grows the strands of the package in `file` on its mesh surface, at the clip time and in the style of `view`.
     pub fn new(file: &NamedPackage<'_>, view: &View) -> Result<Self, Failure> {
         let package = &file.open()?;
         let manifest = package.manifest();
@@ -63,17 +64,20 @@ impl Truth {
         })
     }
 
-    /// Eye, target and height of the view in degrees that frame the model from the direction `towards`, in a picture of the view's size.
+    /// Returns the eye, target and vertical field of view in degrees that frame the model from the direction `towards`,
+    /// in a picture of the view's size.
     pub fn framed(&self, view: &View, towards: Vec3) -> Viewpoint {
         pelage_stage::framing::frame(&self.outline, self.height_m, view.look.aspect(), towards)
     }
 
-    /// Height of the fur in the picture of that view, pixels: at the median of the skin's distances from the eye. 0 where nothing is before the eye.
+    /// Returns the height of the fur in the view's picture, pixels, at the median distance of the mesh surface from the
+    /// eye. 0 if nothing is in front of the eye.
     pub fn fur_px(&self, view: &View) -> f64 {
         f64::from(self.height_m) * self.px_per_m(view)
     }
 
-    /// Pixels that a metre has in the picture of that view: at the median of the skin's distances from the eye. 0 where nothing is before the eye.
+    /// Returns the pixels per metre in the view's picture, at the median distance of the mesh surface from the eye. 0
+    /// if nothing is in front of the eye.
     pub fn px_per_m(&self, view: &View) -> f64 {
         let Viewpoint { eye, target, fov_deg } = view.viewpoint(&self.outline, self.height_m);
         let (eye, forward) = (eye.as_dvec3(), (target - eye).normalize_or_zero().as_dvec3());
@@ -86,18 +90,18 @@ impl Truth {
         f64::from(view.size().1) / view_m
     }
 
-    /// The camera that `render` has for that view.
+    /// Returns the camera that `render` uses for the view.
     pub fn camera(&self, view: &View) -> TrueCamera {
         true_camera(view.viewpoint(&self.outline, self.height_m))
     }
 
-    /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
-    /// for. `progress` gets the pixels that are done and all of them.
+    /// Traces a picture with the view's size, camera, lights and terms and `spp` samples per pixel. Clip, time and
+    /// style are fixed by [`Self::new`]. `progress` receives the finished and total pixels.
     pub fn picture(&self, view: &View, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
         self.scene.picture(&self.camera(view), &self.lighting(view), view.size(), spp, progress)
     }
 
-    /// A portion alone of the same picture; `None` where `progress` breaks off.
+    /// Traces only a portion of the same picture; `None` if `progress` cancels.
     pub fn portion(
         &self,
         view: &View,
@@ -109,10 +113,11 @@ impl Truth {
 }
 
 impl Truth {
-    /// Lights hair as fibres that scatter it, whatever the look and the package say: with the package's own fibres, or human hair where it has none.
+    /// Lights hair as scattering fibres, whatever the look and the package say: with the package's own fibres, or human
+    /// hair if it has none.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] for fibres that the truth does not know; packages have none such.
+    /// [`BakeError::Internal`] for fibres that the reference does not support; packages have none such.
     pub fn scatter(&mut self, bounces: u32) -> Result<(), Failure> {
         let scattering = self.scattering.take().map_or_else(|| TrueScattering::new(Fibre::default(), 1), Ok)?;
         self.scattering = Some(scattering.with_bounces(bounces));
@@ -120,12 +125,12 @@ impl Truth {
         Ok(())
     }
 
-    /// How fibres scatter light; `None` for a package that does not know.
+    /// Returns the scattering of the fibres; `None` for a package without fibres.
     pub fn scattering(&self) -> Option<&TrueScattering> {
         self.scattering.as_ref()
     }
 
-    /// The lights of a look, and how hair is lit.
+    /// Returns the lights of a look, and the lighting of hair.
     fn lighting(&self, view: &View) -> TrueLighting {
         let look = &view.look;
         let scattering = match look.fur.scattering {
@@ -138,7 +143,7 @@ impl Truth {
     }
 }
 
-/// The fibres of a package's strands: those of its coat, and of its groups of hair.
+/// Returns the fibres of a package's strands: of its fur and of its groups of hair.
 fn scattering(
     info: &FibreInfo,
     groups: &[HairGroup],
@@ -149,7 +154,7 @@ fn scattering(
     let mut all = TrueScattering::new(first, TrueScattering::BOUNCES)?;
     for run in curves.groups() {
         let group = groups.iter().position(|group| group.name == run.name).and_then(|i| info.of_groups.get(i));
-        // A bare material may name a fibre that no coat is.
+        // A bare material may name a fibre that no fur has.
         let furred = || skin.materials.iter().filter(|material| material.furred).map(|material| &material.fibre);
         let of_coat = || furred().find(|fibre| skin.coat_of(**fibre) == run.name);
         let fibre =
@@ -159,7 +164,7 @@ fn scattering(
     Ok(all)
 }
 
-/// The lights of a look, and what of the lighting equation it leaves out.
+/// Returns the lights of a look, and the terms of the lighting equation that it disables.
 fn lighting(view: &View) -> TrueLighting {
     let look = &view.look;
     let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
@@ -186,7 +191,7 @@ fn lighting(view: &View) -> TrueLighting {
     }
 }
 
-/// A camera of `render` for the truths.
+/// Converts a camera of `render` for tracing.
 pub fn true_camera(Viewpoint { eye, target, fov_deg }: Viewpoint) -> TrueCamera {
     TrueCamera {
         eye_ws: eye,
@@ -196,7 +201,7 @@ pub fn true_camera(Viewpoint { eye, target, fov_deg }: Viewpoint) -> TrueCamera 
     }
 }
 
-/// The picture as `render` writes it: sRGB-encoded, straight alpha, or laid over `background` (sRGB).
+/// Encodes the picture as `render` does: sRGB-encoded, straight alpha, or composited over `background` (sRGB).
 pub fn encode(picture: &TracedPicture, background: Option<[u8; 3]>) -> image::RgbaImage {
     let behind = background.map(|rgb| rgb.map(srgb_to_linear));
     image::RgbaImage::from_fn(picture.width, picture.height, |x, y| {
@@ -227,7 +232,7 @@ mod tests {
         let picture = TracedPicture { width: 2, height: 2, pixels, ..TracedPicture::default() };
         let straight = encode(&picture, None);
         assert_eq!(straight.get_pixel(0, 0).0, [0; 4]);
-        // 0.5 of the light is byte 188.
+        // Half the light is byte 188.
         assert_eq!(straight.get_pixel(1, 0).0, [255, 188, 0, 128]);
         assert_eq!(straight.get_pixel(0, 1).0, [255, 188, 0, 255]);
         let over = encode(&picture, Some([255, 0, 0]));

@@ -1,4 +1,4 @@
-//! `pelage unpack`: a package as a folder of files that other tools open.
+//! `pelage unpack`: converts a package to a folder of files for other tools.
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
@@ -12,19 +12,20 @@ use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Take a package apart: manifest as JSON, textures as .ktx2, mesh as .glb, strands as .hair; `pelage pack` puts it together again
+/// Unpack a package: manifest as JSON, textures as .ktx2, mesh as .glb, strands as .hair; `pelage pack` is the inverse
 ///
-/// Guides of hair stand in hair_0_NAME.hair where the skin at rest has them, the strands of the tile in strands.hair as on flat skin: metres, y up. What such
-/// files cannot say is in hair.json and strands.json beside them.
+/// Hair guides are in hair_0_NAME.hair, at their positions on the mesh at rest. The strands of the tile are in
+/// strands.hair, as on a flat surface. Units are metres, y up. Data that such files cannot hold are in hair.json and
+/// strands.json beside them.
 #[derive(Debug, clap::Args)]
 pub struct UnpackArgs {
-    /// The package
+    /// Package to unpack
     #[arg(value_name = "PKG")]
     package: PathBuf,
-    /// Folder to write; made if missing, replaced if it holds an unpacked package and nothing else
+    /// Folder to write; created if missing, replaced if it contains only an unpacked package
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Write into a folder that holds other things, over files of the same names
+    /// Write into a folder that contains other files, overwriting files of the same names
     #[arg(long)]
     force: bool,
 }
@@ -64,7 +65,7 @@ fn fail(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Failure 
     move |source| BakeError::Io { path: path.to_owned(), action, source }.into()
 }
 
-/// Writes all files or none: into a folder beside the target, which then takes the target's name.
+/// Writes all files or none: into a temporary folder beside the target, which is then renamed.
 fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failure> {
     let target = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
     let exists = target.exists();
@@ -84,11 +85,11 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
     builder.prefix(".pelage-").suffix(".tmp");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
-    // Removed with all that is left in it when this function returns.
+    // Removed with its remaining contents when this function returns.
     let work = builder.tempdir_in(parent).map_err(fail(parent, "create a folder in"))?;
     let fresh = work.path().join("new");
     std::fs::create_dir(&fresh).map_err(fail(&fresh, "create"))?;
-    // Until the files are whole; then it may for a moment hold what is being replaced.
+    // Until the files are complete; after that the folder may briefly hold the old contents.
     let unfinished = Unfinished::new(work.path());
     for (name, bytes) in files {
         let path = fresh.join(name);
@@ -102,7 +103,7 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
         let old = work.path().join("old");
         std::fs::rename(&target, &old).map_err(fail(folder, "replace"))?;
         return std::fs::rename(&fresh, &target).map_err(|error| {
-            // Best effort: the error that is reported is the first one.
+            // Best effort: the first error is the one that is reported.
             let _ = std::fs::rename(&old, &target);
             fail(folder, "replace")(error)
         });
@@ -114,7 +115,7 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
     Ok(())
 }
 
-/// Whether the folder is empty, or holds a manifest of `unpack` and only files that it names.
+/// Returns true if the folder is empty, or contains only a manifest of `unpack` and files that it names.
 fn is_replaceable(folder: &Path) -> io::Result<bool> {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder)? {

@@ -1,10 +1,14 @@
-//! A package as a folder of files: what `unpack` writes and `pack` reads. Plain data in, plain data out.
+//! Package as a folder of files: written by `unpack`, read by `pack`. Works on plain data, without file access.
 //!
-//! `manifest.json` holds the manifest and the list of sections with the file of each; `recipe.toml` the recipe, which the
-//! manifest leaves out so that it stands in one place; `<name>.ktx2` the textures; `mesh.glb` the mesh; `animation.json`
-//! skeleton and clips; `strands.hair` the strands of the tile and `hair_<k>_<name>.hair` the guides of a group, with `strands.json` and
-//! `hair.json` beside them; `fins.bin` the fins and `ink.bin` the ink style, as `FORMAT.md` lays out their sections; `section_<k>_<TAG>.bin`
-//! sections that this version does not know, or cannot write in another form without loss.
+//! * `manifest.json`: the manifest and the list of sections with the file of each
+//! * `recipe.toml`: the recipe, which the manifest omits to avoid a duplicate
+//! * `<name>.ktx2`: the textures
+//! * `mesh.glb`: the mesh
+//! * `animation.json`: skeleton and clips
+//! * `strands.hair`, `strands.json`: the strands of the tile
+//! * `hair_<k>_<name>.hair`, `hair.json`: the guides of each group
+//! * `fins.bin`, `ink.bin`: the fins and the ink style, as `FORMAT.md` defines their sections
+//! * `section_<k>_<TAG>.bin`: sections that this version does not know, or cannot write in another form without loss
 
 mod hair;
 mod json;
@@ -26,29 +30,30 @@ use pelage_import::BakeError;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 
-/// The file that every unpacked folder has.
+/// Name of the file that every unpacked folder has.
 pub const MANIFEST: &str = "manifest.json";
 const RECIPE: &str = "recipe.toml";
 const MESH: &str = "mesh.glb";
 const ANIMATION: &str = "animation.json";
 const FINS: &str = "fins.bin";
 const INK: &str = "ink.bin";
-/// Key and value that mark the folder's form.
+/// Key and value that identify the version of the folder's layout.
 const FORM: (&str, u64) = ("pelage_unpacked", 3);
-/// Key of the package's version, so that a package of an older version is packed as one again.
+/// Key of the package's format version, so that an old package is packed in its own version.
 const VERSION: &str = "format_version";
-/// SHA-256 of recipe.toml as it was unpacked, by which `pack` knows an edited one. Folders of older versions do not have it.
+/// Key of the SHA-256 of recipe.toml as unpacked, by which `pack` detects edits; missing in folders of older versions.
 const RECIPE_DIGEST: &str = "recipe_sha256";
-/// Where the recipe said another fur than the package has when it was unpacked: that may stay so. Folders of older versions do not have it.
+/// Key of the list of disagreements between recipe and package at the time of unpacking; these may remain. Missing in
+/// folders of older versions.
 const RECIPE_DISAGREES: &str = "recipe_disagrees";
 
 /// Key of the `.hair` files of a section.
 const STRANDS: &str = "strands";
 
-/// Gives a file's contents by its name, `None` where there is no such file.
+/// Returns the contents of a file by name, `None` if it does not exist.
 pub type Read<'a> = dyn FnMut(&str) -> Result<Option<Vec<u8>>, BakeError> + 'a;
 
-/// Takes a package apart. `name` is the package's file, for messages.
+/// Unpacks a package. `name` is the package's file, for messages.
 pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError> {
     let damaged = |source| BakeError::Package { file: name.to_owned(), source };
     let internal = |e: serde_json::Error| BakeError::Internal(format!("writing JSON: {e}"));
@@ -72,7 +77,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
                     let mut value = serde_json::to_value(&*animation).map_err(internal)?;
                     shorten_floats(&mut value);
                     let text = to_text(&value);
-                    // What moves morph targets is in a section of its own.
+                    // The motion of morph targets has its own section.
                     let own = Animation { morphs: MorphMotion::default(), ..(*animation).clone() };
                     let same = parse::<Animation>(ANIMATION, text.as_bytes()).is_ok_and(|back| back == own);
                     same.then(|| alone((ANIMATION.to_owned(), text.into_bytes())))
@@ -85,7 +90,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
             },
             Tag::HAIR => {
                 let groups = package.hair_groups().map_err(damaged)?;
-                // What has another tag in older versions has no groups.
+                // A section with another tag in older versions has no groups.
                 if groups.is_empty() { None } else { hair::write(&groups, &RestSkin::of(package).map_err(damaged)?)? }
             }
             Tag::FINS if package.fins().map_err(damaged)?.is_some() => Some(alone((FINS.to_owned(), bytes.to_vec()))),
@@ -116,7 +121,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
         "manifest": manifest_to_json(manifest).map_err(internal)?,
     });
     files.insert(0, (MANIFEST.to_owned(), to_text(&document).into_bytes()));
-    // The promise of `unpack` is that `pack` undoes it: kept here, where the package is still at hand.
+    // `pack` must be the inverse of `unpack`; this is checked here, while the package is available.
     let back = pack(name, &mut |file| {
         let found = files.iter().find(|(name, _)| name == file);
         Ok(found.map(|(_, bytes)| bytes.clone()))
@@ -127,7 +132,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
     Ok(files)
 }
 
-/// Puts a package together. `folder` is its name for messages, `read` gives its files.
+/// Packs a folder. `folder` is its name for messages, `read` returns its files.
 pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     let path = |file: &str| std::path::Path::new(folder).join(file).display().to_string();
     let fail = |file: &str, place: &str, reason: String| BakeError::Input {
@@ -149,7 +154,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     let edited = document[RECIPE_DIGEST] != digest_of(&recipe);
     let manifest = manifest_from_json(&path(MANIFEST), document["manifest"].take(), recipe)?;
     if edited {
-        // The recipe says how the fur was made. Nothing is made here, so an edit could only make it say something else.
+        // The recipe only records how the fur was made; an edit could make that record wrong.
         Recipe::recorded(&path(RECIPE), &manifest.recipe)?;
     }
     let advice = "`pelage pack` makes no fur: take the edit back, or bake the model with this recipe";
@@ -184,9 +189,9 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     })?;
     let list = list.as_array().ok_or_else(|| fail(MANIFEST, "/sections", format!("found {list}, expected a list")))?;
     let mut sections = Vec::new();
-    // Textures by their files' names, in order: what the manifest's list is checked against below.
+    // Textures by file name, in order; compared with the manifest's list below.
     let mut textures = 0;
-    // Where hair on guides stands among the sections, and its files.
+    // Position of hair guides among the sections, and their files.
     let mut guides = None;
     for (index, entry) in list.iter().enumerate() {
         let at = format!("/sections/{index}");
@@ -208,7 +213,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         }
         known_keys(&path(MANIFEST), &at, entry, &keys)?;
         let plain = |name: &&str| !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':', '\0']);
-        // The contents of the file that the manifest names there.
+        // Returns the contents of the file named in the manifest.
         let mut named = |value: &Value, at: String| {
             let file = value
                 .as_str()
@@ -267,7 +272,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
             Some(Tag::INK) => INK,
             _ => MANIFEST,
         };
-        // Byte offsets would be those of a package that does not exist.
+        // Byte offsets are omitted, because they would refer to a package that does not exist.
         let reason = match error {
             FormatError::Content { reason, .. } => reason,
             other => other.to_string(),
@@ -275,7 +280,8 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         fail(file, "contents", reason)
     };
     if let Some((index, described, found)) = guides {
-        // Guides stand on the skin at rest, which the package without them has. How they move says nothing without them.
+        // Guides need the mesh surface at rest, which the package without them provides. Their motion is meaningless
+        // without them.
         let skin = sections.iter().filter(|section| !matches!(section, Content::Bytes(Tag::HAIR_MOTION, _)));
         let without = assemble(version, manifest.clone(), skin.map(Content::lent)).map_err(faulty)?;
         let skin = Package::open(&without, &Limits::default()).and_then(|package| RestSkin::of(&package));
@@ -285,14 +291,14 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     assemble(version, manifest, sections).map_err(faulty)
 }
 
-/// Checks one texture by itself, so that a fault is placed in its file and not in the package to be.
+/// Checks one texture separately, so that a fault is reported with its file and not with the future package.
 fn check_texture(file: &str, bytes: &[u8]) -> Result<(), BakeError> {
     const NAME: &str = "texture";
     let named = Manifest { textures: vec![TextureEntry { name: NAME.into() }], ..Manifest::default() };
     let write = |manifest, section| assemble(FORMAT_VERSION, manifest, [section]);
     let Err(error) = write(named, Content::Texture(bytes.into())) else { return Ok(()) };
-    // Where the texture began: an unknown section behind a manifest of the same length stands at the same byte. A name in a
-    // list takes eight bytes of length and its letters.
+    // Start of the texture: an unknown section after a manifest of the same length has the same offset. A name in a
+    // list takes eight bytes of length plus its letters.
     let same_length = Manifest { generator: " ".repeat(8 + NAME.len()), ..Manifest::default() };
     let same = write(same_length, Content::Bytes(Tag(*b"same"), bytes.into())).unwrap_or_default();
     let base = Package::open(&same, &Limits::default()).ok().and_then(|p| p.sections().get(1).map(|s| s.offset));
@@ -315,13 +321,13 @@ fn digest_of(recipe: &str) -> String {
     hex(&Sha256::digest(recipe))
 }
 
-/// The name of a section's file when its bytes are kept as they are.
+/// Returns the file name of a section that is kept as raw bytes.
 fn raw_name(index: usize, tag: Tag) -> String {
     let safe: String = tag.0.iter().map(|b| if b.is_ascii_alphanumeric() { char::from(*b) } else { '_' }).collect();
     format!("section_{index}_{safe}.bin")
 }
 
-/// A tag as text where it is text, else as four numbers.
+/// Converts a tag to text if possible, otherwise to four numbers.
 fn tag_to_json(tag: Tag) -> Value {
     match std::str::from_utf8(&tag.0) {
         Ok(text) if tag.0.iter().all(u8::is_ascii_graphic) => text.into(),
@@ -337,7 +343,7 @@ fn tag_from_json(value: &Value) -> Option<Tag> {
     bytes.try_into().ok().map(Tag)
 }
 
-/// The manifest without its recipe, hashes as hexadecimal digits.
+/// Converts the manifest without its recipe to JSON, hashes as hexadecimal digits.
 fn manifest_to_json(manifest: &Manifest) -> serde_json::Result<Value> {
     let mut value = serde_json::to_value(manifest)?;
     if let Some(object) = value.as_object_mut() {
@@ -377,7 +383,7 @@ fn manifest_from_json(file: &str, value: Value, recipe: String) -> Result<Manife
     Ok(manifest)
 }
 
-/// All files that an unpacked folder with this `manifest.json` has; empty where it is no such document.
+/// Returns all files of an unpacked folder with this `manifest.json`; empty if it is not such a document.
 pub fn files_of(document: &Value) -> Vec<String> {
     let (true, Some(sections)) = (document[FORM.0] == FORM.1, document["sections"].as_array()) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! `pelage validate`: every fault of a package, with its place.
+//! `pelage validate`: lists every fault of a package, with its location.
 
 use super::exit::{Exit, Failure};
 use super::output::Output;
@@ -11,12 +11,13 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Check everything in a package and list each fault with its section and byte offset
+/// Check a package and list each fault with its section and byte offset
 ///
-/// Says of each fault whether the runtime refuses to draw the package because of it. Exits with 0 for a sound package, 7 where faults were found, and 3 where the file is no package or of a newer version.
+/// For each fault, reports whether the runtime refuses to draw the package because of it. Exits with 0 for a valid
+/// package, 7 if faults were found, and 3 if the file is not a package or has a newer version.
 #[derive(Debug, clap::Args)]
 pub struct ValidateArgs {
-    /// The package
+    /// Package to check
     #[arg(value_name = "PKG")]
     package: PathBuf,
 }
@@ -37,7 +38,7 @@ pub struct ValidateResult<'a> {
 struct Fault {
     /// Tag of the section, or `head` for header and table.
     section: String,
-    /// Byte of the package; null if the fault has no place.
+    /// Byte offset in the package; null if the fault has no location.
     offset: Option<u64>,
     message: String,
     /// Whether the runtime refuses to draw the package because of the fault.
@@ -70,14 +71,14 @@ fn find(file: &NamedPackage<'_>) -> Result<Vec<Fault>, Failure> {
     let limits = Limits::default();
     let package = match Package::open(&file.bytes, &limits) {
         Ok(package) => package,
-        // Not a package, or nothing that this version could judge.
+        // Not a package, or one that this version cannot validate.
         Err(e @ (FormatError::Magic { .. } | FormatError::Version { .. })) => return Err(file.fault(e).into()),
         Err(e) if file.bytes.len() < MAGIC.len() => return Err(file.fault(e).into()),
         Err(e) => return Ok(vec![fault(&e, None, true)]),
     };
     let drawing = package.drawing_faults();
     let mut found = Package::validate(&file.bytes, &limits);
-    // What no renderer can draw, though the format allows it.
+    // Faults that the format allows, but that make a package impossible to draw.
     found.extend(drawing.iter().filter(|e| !found.contains(e)).cloned().collect::<Vec<_>>());
     let mut faults: Vec<_> = found.iter().map(|e| fault(e, Some(&package), drawing.contains(e))).collect();
     let recipe = &package.manifest().recipe;
@@ -96,7 +97,7 @@ fn fault(error: &FormatError, package: Option<&Package<'_>>, stops_drawing: bool
         let sections = package.map(Package::sections).unwrap_or_default();
         sections.iter().find(|s| (s.offset..s.offset + s.length).contains(&at)).map(|s| s.tag)
     };
-    // Errors of the container carry no tag: where the byte lies in a section it is named, else it is header or table.
+    // Errors of the container have no tag: the section is the one that contains the byte, otherwise header or table.
     let tag = error.section().or_else(|| offset.and_then(holds)).unwrap_or(Tag::HEAD);
     Fault { section: tag.to_string(), offset, message: error.to_string(), stops_drawing }
 }

@@ -1,4 +1,4 @@
-//! How a package or a scene is looked at: what the arguments of `render` and `bench` come to.
+//! View of a package or a scene, from the arguments that `render` and `bench` share.
 
 use super::backdrop;
 use super::camera_args::CameraArgs;
@@ -13,24 +13,24 @@ use pelage_stage::{
 };
 use std::sync::Arc;
 
-/// How a package is looked at; what the arguments that `render` and `bench` share come to.
+/// View of a package, from the arguments that `render` and `bench` share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// Picture, light and style.
     pub look: Look,
-    /// Light from all around that the look names.
+    /// Environment map that the look names.
     pub sky: Option<Arc<Sky>>,
-    /// From where; `None` frames what is drawn.
+    /// Camera; `None` frames what is drawn.
     pub camera: Option<Viewpoint>,
-    /// How it is framed.
+    /// Framing, used without a camera.
     pub framing: Framing,
     /// Name of the clip; `None` shows the rest pose.
     pub clip: Option<String>,
-    /// The clip that the pose goes over to from that, and how far.
+    /// Clip to blend to, and the amount.
     pub blend: Option<Blend>,
-    /// Morph targets that are at weights of their own.
+    /// Weights of individual morph targets.
     pub morphs: Vec<MorphWeight>,
-    /// Moment of the clips, seconds; they loop.
+    /// Time in the clips, seconds; they loop.
     pub time_s: f32,
     /// Copies of the model, at least 1.
     pub crowd: u32,
@@ -53,11 +53,11 @@ impl Default for View {
 }
 
 impl View {
-    /// What the arguments say over `look`.
+    /// Applies the arguments to `look`.
     ///
     /// # Errors
     ///
-    /// A look file, or the sky that it names, that cannot be read or says something wrong.
+    /// Unreadable or invalid look file, or sky that it names.
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
         backdrop::check(&look)?;
@@ -67,47 +67,47 @@ impl View {
         Ok(view.seen_from(&args.camera))
     }
 
-    /// The same from where the arguments say.
+    /// Returns the view with the camera of the arguments.
     pub fn seen_from(self, args: &CameraArgs) -> Self {
         Self { camera: args.camera, framing: args.framing(), ..self }
     }
 
-    /// The same with changes to its look.
+    /// Returns the view with a changed look.
     pub fn with(mut self, change: impl FnOnce(&mut Look)) -> Self {
         change(&mut self.look);
         self
     }
 
-    /// The default view in a picture of that size, pixels.
+    /// Returns the default view with a picture size in pixels.
     pub fn sized((width, height): (u32, u32)) -> Self {
         Self::default().with(|look| look.picture.size = Size { width, height })
     }
 
-    /// What a frame is told of it.
+    /// Returns the parameters of a frame.
     pub fn frame_params(&self) -> FrameParams {
         let mut look = self.look.clone();
         if let Some(sky) = &self.sky {
-            // It was read with the look.
+            // The lights were read with the look.
             let _ = look.take_lights(&mut |_, _, _| Ok(Arc::new(sky.lights())));
         }
         look.frame_params()
     }
 
-    /// Width and height of the picture, pixels.
+    /// Returns the width and height of the picture, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.look.picture.size.width, self.look.picture.size.height)
     }
 
-    /// The view's own camera, or one that frames the `outline` of a model with hair of `height_m`.
+    /// Returns the view's own camera, or one that frames the `outline` of a model with hair of `height_m`.
     pub fn viewpoint(&self, outline: &[Vec3], height_m: f32) -> Viewpoint {
         self.camera.unwrap_or_else(|| self.framing.view(outline, height_m, self.look.aspect()))
     }
 
-    /// What the skeleton of a model does; `package` is `file` opened.
+    /// Returns the clips that pose the model's skeleton; `package` is `file` opened.
     ///
     /// # Errors
     ///
-    /// A clip that is not there, a damaged package.
+    /// Unknown clip, damaged package.
     pub fn layers(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<ClipLayer>, StageError> {
         let layer = |name: Option<&str>, share: f32| {
             let playing = Playing::named(file, package, name)?;
@@ -118,11 +118,11 @@ impl View {
         Ok(wholly.into_iter().chain(over.flatten()).collect())
     }
 
-    /// Morph targets of a model that are at weights of their own; `package` is `file` opened.
+    /// Returns the weights of individual morph targets; `package` is `file` opened.
     ///
     /// # Errors
     ///
-    /// A target that is not there, a damaged package.
+    /// Unknown target, damaged package.
     pub fn morph_weights(
         &self,
         file: &NamedPackage<'_>,
@@ -132,11 +132,11 @@ impl View {
         self.morphs.iter().map(found).collect()
     }
 
-    /// What of one model the view frames; `package` is `file` opened.
+    /// Returns the points of a model that the view frames; `package` is `file` opened.
     ///
     /// # Errors
     ///
-    /// A clip or a part that is not there, a damaged package.
+    /// Unknown clip or part, damaged package.
     pub fn outline(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<Vec3>, StageError> {
         let (clip, part) = (find_clip(file, package, self.clip.as_deref())?, self.framing.look_at.as_deref());
         let points = outline(file, package, clip, part)?;

@@ -1,4 +1,4 @@
-//! What `render`, `bench` and `reference` share: the look, the camera, and what is drawn when.
+//! Options shared by `render`, `bench` and `reference`: look, camera, clip and time.
 
 use super::camera_args::CameraArgs;
 use super::look_args::LookArgs;
@@ -12,47 +12,48 @@ pub struct ViewArgs {
     /// Time in the clip, seconds
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = parse_seconds, allow_hyphen_values = true)]
     pub time: f32,
-    /// Clip of the animation, by name; without it the model stands at rest
+    /// Animation clip, by name [default: the rest pose]
     #[arg(long, value_name = "NAME")]
     pub clip: Option<String>,
-    /// Another clip that the pose goes over to from --clip, or from rest, and how far, 0 to 1
+    /// Second clip to blend to, from --clip or the rest pose, and the amount, 0 to 1
     #[arg(long, value_name = "NAME:SHARE")]
     pub blend: Option<Blend>,
-    /// A morph target that is at this weight whatever the clips do; may be given several times
+    /// Weight of a morph target, overriding the clips; may be repeated
     #[arg(long, value_name = "NAME:WEIGHT", allow_hyphen_values = true)]
     pub morph: Vec<MorphWeight>,
     /// Copies of the model, side by side on a grid
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub crowd: u32,
-    /// Frames: numbered pictures of `render`, timed frames of `bench`. A..B, or A..B/N, are the pictures A to B - 1 of a sequence of B, or N, as a machine
-    /// draws them that shares it with others; as many as the scene says, where it says so
+    /// Frames: numbered pictures of `render`, timed frames of `bench`. A..B draws only pictures A to B - 1 of a
+    /// sequence of B, and A..B/N of a sequence of N, to share a sequence among machines. A scene's own length takes
+    /// precedence over B
     #[arg(long, value_name = "N|A..B[/N]")]
     pub frames: Option<Frames>,
     #[command(flatten)]
     pub look: LookArgs,
 }
 
-/// Pictures of a sequence.
+/// Range of pictures of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frames {
-    /// The first of them, from 0.
+    /// First picture, from 0.
     pub first: u32,
-    /// The one behind the last.
+    /// End of the range, exclusive.
     pub end: u32,
-    /// How many the whole sequence has, where that was said.
+    /// Length of the whole sequence, if given.
     pub of: Option<u32>,
 }
 
 impl Frames {
-    /// Most pictures of a sequence.
+    /// Largest number of pictures of a sequence.
     const MOST: u32 = 100_000;
 
-    /// All of a sequence of `count`.
+    /// Returns the whole of a sequence of `count` pictures.
     pub fn all(count: u32) -> Self {
         Self { first: 0, end: count, of: Some(count) }
     }
 
-    /// Their number, where all of a sequence are meant.
+    /// Returns the number of pictures if the range is a whole sequence.
     pub fn count(self) -> Option<u32> {
         (self.of == Some(self.end) && self.first == 0).then_some(self.end)
     }
@@ -82,12 +83,12 @@ impl FromStr for Frames {
     }
 }
 
-/// A clip that a pose goes over to.
+/// Clip to blend to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blend {
-    /// Its name.
+    /// Name of the clip.
     pub clip: String,
-    /// How far, 0..=1.
+    /// Amount, 0..=1.
     pub share: f32,
 }
 
@@ -102,12 +103,12 @@ impl FromStr for Blend {
     }
 }
 
-/// A morph target and its weight.
+/// Morph target and its weight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MorphWeight {
-    /// Its name.
+    /// Name of the target.
     pub target: String,
-    /// Finite.
+    /// Weight; finite.
     pub weight: f32,
 }
 
@@ -122,7 +123,7 @@ impl FromStr for MorphWeight {
     }
 }
 
-/// A finite number.
+/// Parses a finite number of seconds.
 pub fn parse_seconds(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|s: &f32| s.is_finite()).ok_or("expected a number of seconds".into())
 }

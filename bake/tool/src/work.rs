@@ -1,4 +1,4 @@
-//! What is being done, how far it is, and how long it may still take; told a line now and then where no terminal shows it.
+//! Progress of the current work and its remaining time; printed as occasional lines without a terminal.
 
 use pelage_bake::steps::Steps;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -6,39 +6,39 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Silence before the first line: most commands are done by then.
+/// Delay before the first line; most commands are done by then.
 const FIRST_LINE: Duration = Duration::from_secs(5);
-/// Between two lines.
+/// Time between two lines.
 const NEXT_LINE: Duration = Duration::from_secs(15);
 
-/// The work that runs.
+/// Current work.
 #[derive(Debug)]
 pub struct Work {
-    /// When the command began.
+    /// Start of the command.
     since: Instant,
     doing: String,
-    /// When this began.
+    /// Start of the current work.
     begun: Instant,
-    /// Steps that were over when the work began (an earlier run did them), those that are over now, and all.
+    /// Steps already finished at the start (by an earlier run), steps finished now, and total.
     counted: Option<(u64, u64, u64)>,
-    /// Counted by the stage itself; used where `counted` is not.
+    /// Step counter of the stage itself; used if `counted` is `None`.
     steps: Arc<Steps>,
 }
 
 impl Work {
-    /// Before any work; `steps` is what stages count with.
+    /// Creates the progress before any work; `steps` is the counter of the stages.
     pub fn new(steps: Arc<Steps>) -> Self {
         let now = Instant::now();
         Self { since: now, doing: String::new(), begun: now, counted: None, steps }
     }
 
-    /// Other work begins, of which nobody knows how long it is unless it counts steps.
+    /// Begins other work, of unknown length unless it counts steps.
     pub fn begin(&mut self, doing: &str) {
         self.steps.begin(0);
         (self.doing, self.begun, self.counted) = (doing.to_owned(), Instant::now(), None);
     }
 
-    /// `done` of `total` steps are over.
+    /// Records that `done` of `total` steps are finished.
     pub fn count(&mut self, done: u64, total: u64, doing: &str) {
         match &mut self.counted {
             Some((_, now, all)) if *all == total => *now = done,
@@ -47,7 +47,7 @@ impl Work {
         self.doing = doing.to_owned();
     }
 
-    /// `, 12 of 64, 8 s left`; empty where nobody counts, and without the time until one step is over.
+    /// Formats `, 12 of 64, 8 s left`; empty without a count. The time is omitted until one step is finished.
     pub fn left(&self, now: Instant) -> String {
         let counted = self.counted.or_else(|| self.steps.so_far().map(|(done, total)| (0, done, total)));
         let Some((first, done, total)) = counted else { return String::new() };
@@ -60,28 +60,28 @@ impl Work {
         format!(", {done} of {total}, about {} left", span(rest))
     }
 
-    /// The whole line, with the time since the command began: `20 s: slice, 12 of 64, about 8 s left`.
+    /// Formats the whole line, with the time since the start of the command: `20 s: slice, 12 of 64, about 8 s left`.
     pub fn line(&self, now: Instant) -> String {
         let spent = now.saturating_duration_since(self.since).as_secs_f64();
         format!("{}: {}{}", span(spent), self.doing, self.left(now))
     }
 }
 
-/// Seconds for people: `8 s`, `12 min`.
+/// Formats seconds for people: `8 s`, `12 min`.
 fn span(seconds: f64) -> String {
     if seconds < 120.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
 }
 
-/// Tells the work's line after [`FIRST_LINE`] and every [`NEXT_LINE`], until it is dropped.
+/// Printer of the work's line, after [`FIRST_LINE`] and then every [`NEXT_LINE`], until it is dropped.
 #[derive(Debug)]
 pub struct Herald {
-    /// Dropped first: that ends the thread.
+    /// Dropped first, which ends the thread.
     end: Option<mpsc::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Herald {
-    /// Begins to tell of `work`, a line at a time, with `write`. A machine that cannot start another thread is not told.
+    /// Starts printing the lines of `work` with `write`. If no thread can be started, nothing is printed.
     pub fn new(work: Arc<Mutex<Work>>, write: fn(&str)) -> Self {
         let (end, ended) = mpsc::channel();
         let tell = move || {
@@ -100,7 +100,7 @@ impl Drop for Herald {
     fn drop(&mut self) {
         drop(self.end.take());
         if let Some(thread) = self.thread.take() {
-            // It only waits and writes; should it have panicked, the work goes on.
+            // The thread only waits and writes; if it has panicked, the work continues.
             let _ = thread.join();
         }
     }

@@ -1,4 +1,5 @@
-//! `pelage bake --write-recipe`: the whole recipe of a bake, what it chose included, as a file that gives the same package.
+//! `pelage bake --write-recipe`: writes the full recipe of a bake, including its choices, as a file that gives the same
+//! package.
 
 use super::exit::Failure;
 use super::output::require_parent;
@@ -15,7 +16,7 @@ use pelage_import::input_record;
 use pelage_truth::decide::{Figure, Limits};
 use std::path::{Path, PathBuf};
 
-/// Where the file would lie: links followed as far as it is there.
+/// Returns the canonical path of the file, with links resolved as far as it exists.
 fn place(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let beside = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
@@ -23,9 +24,9 @@ fn place(path: &Path) -> PathBuf {
     path.canonicalize().ok().or_else(beside).unwrap_or_else(absolute)
 }
 
-/// Fails early where the recipe cannot be written, or would take the place of another file of the bake.
+/// Fails early if the recipe cannot be written, or would overwrite another file of the bake.
 ///
-/// * `recipe`: the one that is read, if any: it has its author's words, which the written one has not
+/// * `recipe`: the recipe file that is read, if any; it may contain comments, which the written one would lose
 pub fn require_place(path: &Path, model: &Path, package: &Path, recipe: Option<&Path>) -> Result<(), Failure> {
     require_parent(path)?;
     let others = [("the model", Some(model)), ("the package", Some(package)), ("the recipe that is read", recipe)];
@@ -38,9 +39,9 @@ pub fn require_place(path: &Path, model: &Path, package: &Path, recipe: Option<&
     Ok(())
 }
 
-/// Fails where the recipe, lying at `path`, would not find the very files that it names.
+/// Fails if the recipe at `path` would not find the same files that it names.
 ///
-/// * `images`: these files as they were read for the bake
+/// * `images`: these files as read for the bake
 pub fn require_files(path: &Path, recipe: &Recipe, images: &MapImages) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let refuse = |found: String| {
@@ -59,38 +60,38 @@ pub fn require_files(path: &Path, recipe: &Recipe, images: &MapImages) -> Result
     }
 }
 
-/// What stands above a key that nobody said.
+/// Comment above a key that the user did not set.
 const BY_BAKE: &str = "chosen by the bake";
 
-/// The options that let a bake choose, as they may be typed; empty where there are none.
+/// Returns the options with which a bake chooses, as typed; empty without any.
 pub fn options(limits: &Limits, pictures: &PictureArgs) -> String {
     let limits = Figure::ALL.iter().filter_map(|figure| Some(format!("{} {}", figure.option(), limits.of(*figure)?)));
     let pictures = Some(pictures.words()).filter(|words| !words.is_empty());
     limits.chain(pictures).collect::<Vec<_>>().join(" ")
 }
 
-/// What a recipe was, and what the options of the command made of it.
+/// Recipe as given, and as changed by the options of the command.
 pub struct Chosen<'a> {
     /// Name of the model, for people.
     pub model: &'a str,
-    /// The recipe as it was given.
+    /// Recipe as given.
     pub asked: &'a Recipe,
-    /// The same with what options of the command chose.
+    /// Recipe with the choices of the options.
     pub recipe: &'a Recipe,
-    /// These [`options`].
+    /// Options, from [`options`].
     pub options: &'a str,
 }
 
 impl Chosen<'_> {
-    /// Makes of a package the one that a bake by the written recipe gives, and returns that recipe.
+    /// Changes a package into the one that a bake with the written recipe gives, and returns that recipe.
     ///
-    /// * `path`: where the recipe will lie
-    /// * `inputs`: the files of the model, as the package records them
-    /// * `images`: the files that the recipe names
+    /// * `path`: path of the recipe to write
+    /// * `inputs`: files of the model, as the package records them
+    /// * `images`: files that the recipe names
     ///
     /// # Errors
     ///
-    /// As [`Self::text`].
+    /// Same as [`Self::text`].
     pub fn put_into(
         &self,
         baked: &mut Baked,
@@ -108,14 +109,14 @@ impl Chosen<'_> {
         Ok(text)
     }
 
-    /// The recipe: every key with its meaning, and above those that were chosen by what.
+    /// Returns the recipe: every key with its meaning, and for chosen keys the source of the choice.
     ///
-    /// * `recorded`: the recipe as the package has it, in which what it left open is filled in
-    /// * `decisions`: what the bake chose where the recipe is silent
+    /// * `recorded`: recipe of the package, with all unset keys filled in
+    /// * `decisions`: choices of the bake for unset keys
     ///
     /// # Errors
     ///
-    /// [`BakeError::Internal`] where the line of a decision is no line of a recipe.
+    /// [`BakeError::Internal`] if the line of a decision is not a line of a recipe.
     fn text(&self, recorded: &str, decisions: &[Decision]) -> Result<String, BakeError> {
         let mut recipe = Recipe::recorded("the package's recipe", recorded)?;
         for Decision { what, line, .. } in decisions {

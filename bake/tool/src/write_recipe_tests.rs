@@ -1,4 +1,4 @@
-//! The text of a written recipe, and where it may lie.
+//! Tests of a written recipe's text, and of its path.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::*;
@@ -12,7 +12,7 @@ fn what_was_chosen_is_said_above_its_line_and_counts() {
     let asked = Recipe::parse("r.toml", "[hair]\ncoat = \"wool\"\nlean = 0.25\n").unwrap();
     let mut fitted = asked.clone();
     fitted.slice.layers = 11;
-    // What the bake filled in without a word of its own.
+    // Value filled in by the bake without a decision.
     let mut recorded = fitted.clone();
     (recorded.hair.length_m, recorded.ink.fur) = (Some(0.031), Some(0.0));
     let decisions = [Decision::of_length("length of hair", "hair.length_m", 0.031)];

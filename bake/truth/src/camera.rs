@@ -1,29 +1,29 @@
-//! Where the truths are seen from: rays out of a camera, and points back into its picture.
+//! Camera of a traced picture: rays from pixels, and projection of points back into the picture.
 
 use glam::{DVec2, DVec3, Mat4, Vec3};
 
-/// From where a scene is seen. Width over height is that of the picture.
+/// Camera pose and lens. The aspect ratio is that of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrueCamera {
-    /// World space, metres.
+    /// Position of the eye in world space, metres.
     pub eye_ws: Vec3,
-    /// What is in the middle of the picture; not the eye.
+    /// Point in the middle of the picture; must differ from the eye.
     pub target_ws: Vec3,
-    /// What is up in the picture; not along the view.
+    /// Up direction of the picture; must not be parallel to the view.
     pub up_ws: Vec3,
-    /// What the picture's height is of.
+    /// Projection, with the height of the view.
     pub lens: Lens,
 }
 
-/// How far a camera sees up and down.
+/// Projection and height of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
-    /// Far things are smaller.
+    /// Perspective projection.
     Perspective {
-        /// Height of the view, radians, above 0 and below π.
+        /// Vertical field of view, radians, above 0 and below π.
         fov_y_rad: f32,
     },
-    /// Far things are as large as near ones.
+    /// Parallel projection.
     Orthographic {
         /// Height of the view, metres.
         height_m: f32,
@@ -31,7 +31,7 @@ pub enum Lens {
 }
 
 impl TrueCamera {
-    /// The camera of that view matrix: world to view space, y up and −z forward, without scale.
+    /// Returns the camera of a view matrix: world to view space, y up and −z forward, without scale.
     pub fn from_view(view_from_world: Mat4, lens: Lens) -> Self {
         let world_from_view = view_from_world.inverse();
         let eye_ws = world_from_view.w_axis.truncate();
@@ -39,27 +39,28 @@ impl TrueCamera {
         Self { eye_ws, target_ws, up_ws: world_from_view.y_axis.truncate(), lens }
     }
 
-    /// Where it looks to at each place of a picture of that many pixels.
+    /// Returns the view directions of a picture of `size` pixels.
     pub fn ways(&self, size: (u32, u32)) -> Ways {
         Ways(RayCaster::new(self, size))
     }
 }
 
-/// Where a camera looks to.
+/// View directions of a camera.
 pub struct Ways(RayCaster);
 
 impl Ways {
-    /// Unit vector from the eye through a place of the picture, pixels from its upper left corner.
+    /// Returns the unit vector from the eye through a point of the picture, pixels from its upper left corner.
     pub fn towards(&self, at: DVec2) -> DVec3 {
         self.0.ray(at).1
     }
 }
 
-/// The rays of a camera.
+/// Rays of a camera.
 pub struct RayCaster {
     origin: DVec3,
     forward: DVec3,
-    /// From the middle of the picture to its right and upper edge: at distance 1 for a perspective, metres for a parallel projection.
+    /// Vectors from the middle of the picture to its right and upper edge: at distance 1 for a perspective, in metres
+    /// for a parallel projection.
     right: DVec3,
     up: DVec3,
     size: DVec2,
@@ -67,7 +68,7 @@ pub struct RayCaster {
 }
 
 impl RayCaster {
-    /// Rays of a camera through a picture of that size, pixels.
+    /// Prepares rays of a camera through a picture of that size, pixels.
     pub fn new(camera: &TrueCamera, (width, height): (u32, u32)) -> Self {
         let origin = camera.eye_ws.as_dvec3();
         let forward = (camera.target_ws.as_dvec3() - origin).normalize_or(DVec3::NEG_Z);
@@ -81,7 +82,7 @@ impl RayCaster {
         Self { origin, forward, right: right * half * aspect, up: right.cross(forward) * half, size, parallel }
     }
 
-    /// Through a point of the picture, pixels from its upper left corner: origin and unit direction.
+    /// Returns the ray through a point of the picture, pixels from its upper left corner: origin and unit direction.
     pub fn ray(&self, at: DVec2) -> (DVec3, DVec3) {
         let at = at / self.size * 2.0 - 1.0;
         let aside = self.right * at.x - self.up * at.y;
@@ -92,8 +93,8 @@ impl RayCaster {
         }
     }
 
-    /// Where a point lies in the picture, pixels from its upper left corner, and how far before the eye along the view, metres; `None` where it is not
-    /// before the eye of a perspective.
+    /// Projects a point into the picture: pixels from its upper left corner, and depth along the view, metres; `None`
+    /// for a point not in front of a perspective camera.
     pub fn place(&self, point_ws: DVec3) -> Option<(DVec2, f64)> {
         let from = point_ws - self.origin;
         let depth = self.depth(point_ws);
@@ -106,7 +107,7 @@ impl RayCaster {
         Some(((at + 1.0) * 0.5 * self.size, depth))
     }
 
-    /// The ray that meets a point: origin, unit direction, and the way to the point, metres.
+    /// Returns the ray that meets a point: origin, unit direction, and distance to the point, metres.
     pub fn ray_to(&self, point_ws: DVec3) -> (DVec3, DVec3, f64) {
         let from = point_ws - self.origin;
         if self.parallel {
@@ -117,17 +118,17 @@ impl RayCaster {
         (self.origin, from / distance, distance)
     }
 
-    /// How far before the eye a point lies along the view, metres; below zero behind it.
+    /// Returns the depth of a point along the view, metres; negative behind the eye.
     pub fn depth(&self, point_ws: DVec3) -> f64 {
         (point_ws - self.origin).dot(self.forward)
     }
 
-    /// Whether far things are as large as near ones.
+    /// Returns whether the projection is parallel.
     pub fn is_parallel(&self) -> bool {
         self.parallel
     }
 
-    /// Picture, pixels.
+    /// Returns the size of the picture, pixels.
     pub fn size(&self) -> DVec2 {
         self.size
     }

@@ -1,12 +1,13 @@
-//! Rays against tapering hairs: the hull of two balls.
+//! Intersection of rays with tapering hairs: the hull of two balls.
 
 use glam::{DVec3, Vec3};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
-/// A straight piece of a strand: all balls whose middle runs from `from` to `to` and whose radius runs along.
+/// A straight piece of a strand: the union of all balls with centre and radius interpolated between the two ends.
 ///
-/// Stored in f32 and tested in f64: the ray of a far camera loses a thin hair in f32, and the test is not what takes time.
+/// Stored in f32 and tested in f64: in f32 the ray of a far camera misses a thin hair, and the test does not dominate
+/// the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Capsule {
     pub(super) from: Vec3,
@@ -17,7 +18,7 @@ pub(super) struct Capsule {
 
 impl Boundable for Capsule {
     fn aabb(&self) -> Aabb {
-        // Rays come in f32: their rounding must not miss the box.
+        // Rays come in f32; the padding keeps their rounding from missing the box.
         let pad = |p: Vec3, radius: f32| radius + 1e-6 * (1.0 + p.abs().max_element());
         let (a, b) = (pad(self.from, self.from_radius), pad(self.to, self.to_radius));
         Aabb::new((self.from - a).min(self.to - b).to_vec3a(), (self.from + a).max(self.to + b).to_vec3a())
@@ -25,13 +26,14 @@ impl Boundable for Capsule {
 }
 
 impl Capsule {
-    /// Where a ray enters, in lengths of `way`, which is of unit length; infinity where it misses, and where it starts within or behind.
+    /// Returns the distance along the unit vector `way` at which a ray enters; infinity if it misses, starts inside, or
+    /// starts beyond.
     ///
     /// The sides are the cone that touches both balls (after Quilez, "round cone intersection").
     pub(super) fn enter(&self, origin: DVec3, way: DVec3) -> f64 {
         let (a, b) = (self.from.as_dvec3(), self.to.as_dvec3());
         let (ra, rb) = (f64::from(self.from_radius), f64::from(self.to_radius));
-        // From the point of the ray nearest to the first end, so that what cancels below is small.
+        // Measured from the ray's point nearest to the first end, to reduce cancellation below.
         let start = (a - origin).dot(way);
         let from = origin + way * start;
         let (axis, oa, ob) = (b - a, from - a, from - b);
@@ -45,7 +47,7 @@ impl Capsule {
             if rest > 0.0 { -half - rest.sqrt() } else { f64::INFINITY }
         };
         if slant <= 0.0 {
-            // One ball holds the other.
+            // One ball contains the other.
             let enter = if ra > rb { ball(oa, ra) } else { ball(ob, rb) };
             return ahead(start + enter);
         }
@@ -64,7 +66,7 @@ impl Capsule {
         ahead(start + ball(oa, ra).min(ball(ob, rb)))
     }
 
-    /// How far along the axis the middle of the ball lies that touches the surface at `point`, 0..=1.
+    /// Returns the position of `point` along the axis, 0..=1, by orthogonal projection.
     pub(super) fn share_at(&self, point: DVec3) -> f64 {
         let (a, axis) = (self.from.as_dvec3(), (self.to - self.from).as_dvec3());
         let length = axis.length_squared();
@@ -83,8 +85,10 @@ fn ahead(distance: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Distance from a point to the hull of the two balls: the least over all balls between them. Along the axis the distance to a ball's
-    /// middle is convex and its radius is linear, so that thirds that cannot hold the least may be dropped.
+    /// Returns the distance from a point to the hull of the two balls: the minimum over all balls between them.
+    ///
+    /// Along the axis the distance to a ball's centre is convex and its radius is linear, so ternary search finds the
+    /// minimum.
     fn outside(capsule: &Capsule, p: DVec3) -> f64 {
         let ball = |t: f64| {
             let middle = capsule.from.as_dvec3().lerp(capsule.to.as_dvec3(), t);
@@ -120,7 +124,7 @@ mod tests {
                 if enter.is_finite() {
                     hits += 1;
                     assert!(outside(capsule, origin + way * enter).abs() < 1e-4, "{capsule:?}, ray {i}");
-                    // Nothing of it lies before.
+                    // No part of the capsule is before the entry point.
                     let before = (0..50).map(|k| outside(capsule, origin + way * (enter * f64::from(k) / 50.0)));
                     assert!(before.fold(f64::INFINITY, f64::min) > -1e-9, "{capsule:?}, ray {i}");
                     assert!(!capsule.enter(origin, -way).is_finite());

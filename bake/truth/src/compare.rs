@@ -1,8 +1,9 @@
-//! How much two pictures differ: FLIP, RMSE, PSNR and the difference of coverage.
+//! Comparison of two pictures: FLIP, RMSE, PSNR and the difference of coverage.
 //!
-//! FLIP is what a person sees who flips between the two: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström, M. Fairchild,
-//! *FLIP: A Difference Evaluator for Alternating Images*, HPG 2020, by its authors' own code. It knows opaque pictures of eight bits, so both are
-//! laid over a background first. The other figures are of the pictures as they are, in linear light.
+//! FLIP estimates the difference that a person sees who alternates between the two: P. Andersson, J. Nilsson, T.
+//! Akenine-Möller, M. Oskarsson, K. Åström, M. Fairchild, *FLIP: A Difference Evaluator for Alternating Images*, HPG
+//! 2020, by its authors' own code. FLIP compares opaque 8-bit pictures, so both are laid over a background first. The
+//! other figures compare the pictures as they are, in linear light.
 
 use image::{Rgb, RgbImage, RgbaImage};
 use nv_flip::FlipImageRgb8;
@@ -10,14 +11,14 @@ use pelage_bake::picture::{Picture, encode_png};
 use pelage_import::BakeError;
 use serde::Serialize;
 
-/// How pictures are looked at.
+/// Viewing conditions of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompareParams {
-    /// What transparent pictures are laid over for FLIP, sRGB-encoded (default the middle grey 128, 128, 128). The darker or brighter it is than fur,
-    /// the more an error of the outline counts.
+    /// Background of transparent pictures for FLIP, sRGB-encoded (default middle grey 128, 128, 128). The more its
+    /// brightness differs from the fur, the more outline errors count.
     pub over: [u8; 3],
-    /// Pixels in a degree of the viewer's sight, above 0 (default 67: a 4K screen 0.7 m wide, from 0.7 m away). Fewer are coarser pixels, whose errors
-    /// are seen better.
+    /// Pixels per degree of the viewer's field of view, above 0 (default 67: a 4K screen 0.7 m wide, seen from 0.7 m).
+    /// Fewer mean coarser pixels, whose errors are more visible.
     pub pixels_per_degree: f32,
 }
 
@@ -31,23 +32,25 @@ impl Default for CompareParams {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FlipFigures {
-    /// Mean over the picture: the one figure that its authors recommend.
+    /// Mean over the picture, the figure that FLIP's authors recommend.
     pub mean: f64,
-    /// Mean over the pixels of which either picture covers some; does not depend on how much of the picture is empty. 0 where neither covers any.
+    /// Mean over the pixels that either picture covers, independent of the empty part of the picture. 0 if neither
+    /// covers any.
     pub covered: f64,
-    /// Half of the sum of all pixels' errors comes from pixels with a larger error than this.
+    /// Weighted median: half of the sum of all errors comes from pixels with a larger error.
     pub weighted_median: f64,
-    /// Largest of all pixels.
+    /// Maximum over all pixels.
     pub max: f64,
 }
 
-/// How much two pictures differ.
+/// Difference of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
-    /// FLIP: the difference that a person sees.
+    /// FLIP: the perceived difference.
     pub flip: FlipFigures,
-    /// Root of the mean squared difference of premultiplied linear red, green and blue over all pixels; 1 is black against white.
+    /// Root mean square difference of premultiplied linear red, green and blue over all pixels; 1 for black against
+    /// white.
     pub rmse: f64,
     /// Peak signal-to-noise ratio, decibels: −20 log10 of `rmse`. Infinite for equal pictures; null in JSON.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
@@ -56,19 +59,19 @@ pub struct Comparison {
     pub coverage: f64,
 }
 
-/// FLIP of each pixel.
+/// FLIP value of each pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMap {
-    /// Pixels across.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height, pixels.
     pub height: u32,
-    /// `width * height` values of 0..=1, row-major from the top.
+    /// FLIP values, `width * height` numbers of 0..=1, row-major from the top.
     pub values: Vec<f32>,
 }
 
 impl FlipMap {
-    /// The map in the colours *magma*, from black for 0 to a pale yellow for 1.
+    /// Returns the map in *magma* colours, from black for 0 to a pale yellow for 1.
     pub fn magma(&self) -> RgbImage {
         let table = nv_flip::magma_lut().to_vec();
         RgbImage::from_fn(self.width, self.height, |x, y| {
@@ -78,22 +81,22 @@ impl FlipMap {
         })
     }
 
-    /// [`Self::magma`] as PNG.
+    /// Encodes [`Self::magma`] as PNG.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Internal`] should the encoder refuse.
+    /// [`BakeError::Internal`] if the encoder fails.
     pub fn png(&self) -> Result<Vec<u8>, BakeError> {
         encode_png(&self.magma())
     }
 }
 
-/// Compares two pictures of sRGB-encoded bytes with straight alpha, as PNG has them, at the default pixels per degree. The order of the two makes no
-/// difference to any figure but by rounding.
+/// Compares two pictures of sRGB-encoded bytes with straight alpha, as stored in PNG, at the default pixels per degree.
+/// Swapping the two changes figures only by rounding.
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] where their sizes differ.
+/// [`BakeError::Params`] if their sizes differ.
 pub fn compare(a: &RgbaImage, b: &RgbaImage, over: [u8; 3]) -> Result<(Comparison, FlipMap), BakeError> {
     compare_pictures(&a.into(), &b.into(), &CompareParams { over, ..CompareParams::default() })
 }
@@ -102,7 +105,7 @@ pub fn compare(a: &RgbaImage, b: &RgbaImage, over: [u8; 3]) -> Result<(Compariso
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] where their sizes differ, or they have no pixels.
+/// [`BakeError::Params`] if their sizes differ, or they have no pixels.
 pub fn compare_pictures(a: &Picture, b: &Picture, params: &CompareParams) -> Result<(Comparison, FlipMap), BakeError> {
     if (a.width, a.height) != (b.width, b.height) || a.pixels.len() != b.pixels.len() || a.pixels.is_empty() {
         let size = |p: &Picture| format!("{}x{}", p.width, p.height);
@@ -134,7 +137,7 @@ fn flip(a: &Picture, b: &Picture, params: &CompareParams) -> FlipMap {
     FlipMap { width, height, values: map.to_vec() }
 }
 
-/// Figures of a map, summed in f64: the library's own sums of f32 lose digits over a large picture.
+/// Computes the figures of a map, summed in f64: the library's f32 sums lose digits over a large picture.
 fn figures(map: &FlipMap, covered: impl Fn(usize) -> bool) -> FlipFigures {
     let values = || map.values.iter().map(|v| f64::from(*v));
     let mean = |sum: f64, count: usize| sum / count.max(1) as f64;

@@ -6,7 +6,7 @@ use nv_flip::{FlipImageFloat, FlipPool};
 
 const GREY: [u8; 3] = [128; 3];
 
-/// Hair of a kind: strokes of two colours on nothing.
+/// Draws a hair-like test picture: strokes of two colours on a transparent background.
 fn strokes(width: u32, height: u32, shift: u32) -> RgbaImage {
     RgbaImage::from_fn(width, height, |x, y| match (x + y / 3 + shift) % 7 {
         _ if x < width / 4 => Rgba([0; 4]),
@@ -29,20 +29,20 @@ fn black_against_white_is_one() {
     let of = |byte: u8| RgbaImage::from_pixel(40, 30, Rgba([byte, byte, byte, 255]));
     let (c, map) = compare(&of(0), &of(255), GREY).unwrap();
     assert!((c.rmse - 1.0).abs() < 1e-6 && c.psnr_db.abs() < 1e-5 && c.coverage == 0.0, "{c:?}");
-    // The measure's own bound, which it reaches for what no eye can miss.
+    // The measure reaches its own bound for an error that no eye can miss.
     assert!(c.flip.mean > 0.95 && c.flip.max <= 1.0 && c.flip.covered == c.flip.mean, "{c:?}");
     let yellow = map.magma().get_pixel(20, 15).0;
     assert!(yellow[0] > 240 && yellow[1] > 220 && yellow[2] > 150, "{yellow:?}");
 }
 
-/// The negative control: each kind of error is found by the figures that it concerns.
+/// Checks, as a negative control, that each kind of error raises the figures that it concerns.
 #[test]
 fn what_differs_is_found() {
     let a = strokes(96, 64, 0);
     let figures = |b: &RgbaImage| compare(&a, b, GREY).unwrap().0;
     let moved = figures(&strokes(96, 64, 1));
     assert!(moved.flip.mean > 0.05 && moved.rmse > 0.02 && moved.psnr_db < 35.0, "{moved:?}");
-    // What is empty in both does not count where only what is covered shall: a quarter of the picture.
+    // Pixels empty in both do not count in `covered`; a quarter of the picture is covered.
     let ratio = moved.flip.covered / moved.flip.mean;
     assert!((1.2..1.4).contains(&ratio), "{ratio}");
     assert!(moved.flip.mean < moved.flip.weighted_median && moved.flip.weighted_median < moved.flip.max);
@@ -54,7 +54,7 @@ fn what_differs_is_found() {
     one.put_pixel(50, 30, Rgba([255, 0, 0, 255]));
     let one = figures(&one);
     assert!(one.flip.max > 0.2 && one.flip.mean < 0.01 && one.rmse > 0.0 && one.psnr_db.is_finite(), "{one:?}");
-    // A small error is seen, a larger one more.
+    // A small error is visible, a larger one more so.
     let brighter = |by: u8| {
         let mut b = a.clone();
         b.pixels_mut().for_each(|p| (0..3).for_each(|i| p.0[i] = p.0[i].saturating_add(by)));
@@ -83,7 +83,7 @@ fn the_background_is_seen_only_where_pictures_are_transparent() {
 fn figures_are_those_of_the_library() {
     let (c, map) = compare(&strokes(120, 80, 0), &strokes(120, 80, 2), GREY).unwrap();
     let mut pool = FlipPool::from_image(&FlipImageFloat::with_data(map.width, map.height, &map.values));
-    // Its sums are of f32.
+    // The library sums in f32.
     assert!((c.flip.mean - f64::from(pool.mean())).abs() < 1e-5);
     assert!((c.flip.weighted_median - f64::from(pool.get_percentile(0.5, true))).abs() < 1e-3);
     assert_eq!(c.flip.max, f64::from(pool.max_value()));
@@ -103,6 +103,6 @@ fn coarser_pixels_are_seen_better() {
 fn pictures_of_two_sizes_are_refused() {
     let error = compare(&strokes(8, 8, 0), &strokes(8, 9, 0), GREY).map(|_| ());
     assert!(error.as_ref().is_err_and(|e| e.to_string().contains("8x8 and 8x9")), "{error:?}");
-    // One pixel is a picture.
+    // A picture of one pixel is valid.
     assert!(compare(&strokes(1, 1, 0), &strokes(1, 1, 0), GREY).is_ok());
 }

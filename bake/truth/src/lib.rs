@@ -1,14 +1,16 @@
-//! The slow truths that light in fur is measured against. Nothing of a bake depends on them.
+//! Reference renderings of light in fur, slow, for comparison. No bake depends on them.
 //!
-//! * [`TrueScene`]: the strands of [`pelage_bake::strands`], traced: what a whole picture should look like, by Yang's equation or, with
-//!   [`TrueScattering`], by light that goes from fibre to fibre.
-//! * [`compare`], [`likeness`]: how far a picture is from its truth. [`decide`]: the search for a setting within limits.
+//! * [`TrueScene`]: the strands of [`pelage_bake::strands`], ray traced: the correct picture, by Yang's equation or,
+//!   with [`TrueScattering`], by light paths from fibre to fibre.
+//! * [`compare`], [`likeness`]: error of a picture against its reference. [`decide`]: the search for a setting within
+//!   limits.
 //! * [`doctor`]: the cost of a package, and advice.
 //!
-//! The laboratory (`bake/lab`) has further truths that only charts need.
+//! The laboratory (`bake/lab`) has further references that only charts need.
 //!
-//! They share with the fast paths the strands, the layers and the mesh that both read, and what `pelage_formats::meaning` says of them: where a
-//! posed vertex stands, and a point of its hair. Else they share no code: an error that both had would not show.
+//! They share with the fast paths the strands, the layers and the mesh that both read, and the definitions of
+//! `pelage_formats::meaning`: the position of a posed vertex, and of a point of its hair. They share no other code: an
+//! error in shared code would not show.
 
 mod camera;
 mod capsules;
@@ -39,8 +41,8 @@ use glam::DVec2;
 use pelage_bake::noise::{hash, uniform};
 use std::f64::consts::FRAC_PI_4;
 
-/// `samples` points of the unit square, rounded up to a square number: one anywhere in each cell of a square grid. The same for the same
-/// `seed`.
+/// Returns at least `samples` stratified points of the unit square: one random point in each cell of a square grid.
+/// Deterministic in `seed`.
 pub fn stratified(seed: u64, samples: u32) -> impl ExactSizeIterator<Item = DVec2> {
     let side = samples_per_side(samples);
     (0..side * side).map(move |i| {
@@ -49,12 +51,12 @@ pub fn stratified(seed: u64, samples: u32) -> impl ExactSizeIterator<Item = DVec
     })
 }
 
-/// At least 1, and little enough that its square is a `u32`.
+/// Returns the side of the grid: at least 1, and small enough that its square is a `u32`.
 fn samples_per_side(samples: u32) -> u32 {
     (f64::from(samples).sqrt().ceil() as u32).clamp(1, 1 << 12)
 }
 
-/// The unit square onto the unit disc, keeping areas and neighbours (Shirley and Chiu 1997).
+/// Maps the unit square to the unit disc, preserving areas and adjacency (Shirley and Chiu 1997).
 pub fn disc(square: DVec2) -> DVec2 {
     let p = 2.0 * square - 1.0;
     if p == DVec2::ZERO {
@@ -65,7 +67,8 @@ pub fn disc(square: DVec2) -> DVec2 {
     radius * DVec2::from_angle(angle)
 }
 
-/// A seed for a place, so that neighbouring places do not share their jitter: shared jitter is a pattern, and no noise.
+/// Returns a seed for a position. Neighbouring positions must not share their jitter, which would show as a pattern
+/// instead of noise.
 pub fn seed_of(place: &[f64]) -> u64 {
     place.iter().fold(0x5eed, |seed, x| hash(seed, x.to_bits()))
 }

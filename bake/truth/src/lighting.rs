@@ -1,14 +1,16 @@
-//! Yang 2006, eq. (3), at what a ray meets: written from the paper, without the runtime's code.
+//! Yang 2006, eq. (3), at a ray's hit point, implemented from the paper, without the runtime's code.
 //!
-//! Hair gets ka · γ(h) · C + (kd · C · sin^pd(T, L) + ks · sin^ps(T, H)) · Attenu_Back · V, where T is the direction of the strand itself, h its
-//! exact share of the fur's height, and V whether the light is seen past all strands and the skin: 0 or 1 for one point of the light.
+//! Hair gets ka · γ(h) · C + (kd · C · sin^pd(T, L) + ks · sin^ps(T, H)) · Attenu_Back · V. T is the direction of the
+//! strand itself, h its exact share of the fur's height. V is the visibility of the light past all strands and the mesh
+//! surface: 0 or 1 for one point of the light.
 //!
-//! **Furred skin.** What shows between the hairs is the undercoat that bake paints as layer 0: hair of the roots' colour, too short to be seen
-//! one by one. Each sample of it meets the root of one strand of the tile, drawn at random, and is lit as that root would be, so that the mean
-//! over samples is the mean over strands. Where the groom thins hair out or it has no length, as much bare skin shows instead. Were the skin
-//! between the hairs bare instead, coats would have pale skin shining through that no package has.
+//! **Furred surface.** Between the hairs the undercoat is visible, which bake paints as layer 0: hair of the roots'
+//! colour, too short to be seen one by one. Each sample of it is lit as the root of one random strand of the tile, so
+//! that the mean over samples is the mean over strands. Where the groom thins hair out or it has no length, bare
+//! surface shows in proportion. Without the undercoat pale surface would shine through the fur, which no package shows.
 //!
-//! **Bare skin** follows Lambert's law with the same constants, so that it is as bright as the fur beside it: ka · C + kd · C · max(N·L, 0) · V.
+//! **Bare surface** follows Lambert's law with the same constants, so that it is as bright as the fur beside it: ka · C
+//! + kd · C · max(N·L, 0) · V.
 
 use super::disc;
 use super::scattering::TrueScattering;
@@ -21,19 +23,19 @@ use pelage_bake::strands::Skin;
 use pelage_formats::Shading;
 use pelage_formats::meaning::tile_axes_f64;
 
-/// A light of the traced picture.
+/// A light of a traced picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TrueLight {
-    /// From one direction everywhere.
+    /// Distant light with one direction everywhere.
     Directional {
-        /// Towards the light, of any length above 0.
+        /// Direction towards the light, of any length above 0.
         towards_light_ws: Vec3,
         /// Linear RGB.
         color: Vec3,
     },
-    /// From one place. It does not fall with distance.
+    /// Light at one position. It does not fall off with distance.
     Point {
-        /// Metres.
+        /// Position in world space, metres.
         position_ws: Vec3,
         /// Linear RGB.
         color: Vec3,
@@ -47,7 +49,7 @@ impl TrueLight {
         }
     }
 
-    /// Unit direction from a point towards the middle of the light, and how far that is, metres.
+    /// Returns the unit direction from a point towards the middle of the light, and its distance, metres.
     pub(super) fn seen_from(&self, point_ws: DVec3) -> (DVec3, f64) {
         match *self {
             Self::Directional { towards_light_ws, .. } => {
@@ -61,37 +63,40 @@ impl TrueLight {
     }
 }
 
-/// How hair and skin are lit.
+/// Lighting of fur and surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueLighting {
-    /// The light that throws shadows; ambient light has its colour.
+    /// Light that casts shadows; ambient light has its colour.
     pub key: TrueLight,
-    /// Width of a penumbra over the distance from what throws the shadow, 0..: the key light is a disc of that size.
-    /// Shadow rays go to a point of it that is drawn anew for each sample; directions in the equation go to its middle.
+    /// Width of a penumbra divided by the distance from the occluder, 0..: the key light is a disc of that size. Shadow
+    /// rays go to a random point of it for each sample; directions in the equation go to its middle.
     pub penumbra: f64,
-    /// Lights without shadow.
+    /// Further lights, shadowed only by strands, and only with `fill_shadows`.
     pub fill: Vec<TrueLight>,
-    /// γ: ambient light fades towards the skin.
+    /// Whether ambient light fades towards the roots: γ.
     pub ambient_attenuation: bool,
-    /// Attenu_Back: the light ends behind the body.
+    /// Whether light fades behind the body: Attenu_Back.
     pub back_attenuation: bool,
-    /// Strands throw shadows of the key light.
+    /// Whether strands cast shadows from the key light.
     pub hair_shadows: bool,
-    /// Strands throw shadows of the other lights, too; skin never does.
+    /// Whether strands cast shadows from the other lights; the mesh surface never does.
     pub fill_shadows: bool,
-    /// The skin throws shadows.
+    /// Whether the mesh surface casts shadows from the key light.
     pub skin_shadows: bool,
-    /// Nothing but bare skin is shown, whose light is rolled off: with L its strongest channel and F that of all lights from straight above, it is
-    /// divided by 1 + L (F − 1) / F where F is more than 1, so that white skin is at most 1.
+    /// Whether the light of bare surface is rolled off, for pictures that show nothing else.
+    ///
+    /// If F is more than 1, the light is divided by 1 + L (F − 1) / F, so that a white surface is at most 1. L is its
+    /// strongest channel, F that of all lights from straight above.
     pub rolled_off: bool,
-    /// Light goes from hair to hair: not this equation holds, but paths do. Attenuations, and constants but for ka, have no meaning then.
+    /// Scattering from hair to hair along light paths, in place of this equation. Attenuations, and constants other
+    /// than ka, are then unused.
     pub scattering: Option<TrueScattering>,
-    /// Light from all around, in place of ambient light. Strands and skin throw its shadows.
+    /// Environment map, in place of ambient light. Strands and surface cast its shadows.
     pub sky: Option<TrueSky>,
 }
 
 impl TrueLighting {
-    /// A light as the papers have it, with all shadows and attenuations, and nothing else.
+    /// Returns a light as in the papers, with all shadows and attenuations, and nothing else.
     pub fn of(key: TrueLight) -> Self {
         Self {
             key,
@@ -109,17 +114,17 @@ impl TrueLighting {
     }
 }
 
-/// Constants and the tile's roots: what lights need to know besides the scene.
+/// Constants and root directions of a tile.
 pub(super) struct Material {
     pub(super) dry: Shading,
     pub(super) wet: Shading,
-    /// Roots of dry and of wet hair, in the frame of the tile.
+    /// Root directions of dry and of wet hair, in the tile's frame.
     pub(super) roots: [Vec<DVec3>; 2],
     /// Colour of the undercoat, dry and wet.
     pub(super) root_colors: [DVec3; 2],
 }
 
-/// Directions of all strands of a tile at their roots, unit length, in the tile's frame.
+/// Returns the directions of all strands of a tile at their roots, unit length, in the tile's frame.
 pub(super) fn root_directions(strands: &Strands) -> Vec<DVec3> {
     let direction = |i: usize| match strands.points[strands.range(i)] {
         [root, next, ..] => (next - root).as_dvec3().try_normalize(),
@@ -128,16 +133,16 @@ pub(super) fn root_directions(strands: &Strands) -> Vec<DVec3> {
     (0..strands.len()).filter_map(direction).collect()
 }
 
-/// One sample of light: what is to be lit, and its random numbers.
+/// Light sample: scene, lighting, and the seed of its random numbers.
 pub(super) struct Sample<'a> {
     pub(super) tracer: &'a Tracer,
     pub(super) material: &'a Material,
     pub(super) lighting: &'a TrueLighting,
-    /// Seed of all that is drawn for this sample.
+    /// Seed of all random numbers of this sample.
     pub(super) seed: u64,
 }
 
-/// A hair at the place that is lit.
+/// Properties of a hair at the shaded point.
 struct Hair {
     color: DVec3,
     tangent: DVec3,
@@ -147,7 +152,7 @@ struct Hair {
 }
 
 impl Sample<'_> {
-    /// Linear RGB that leaves `hit` at `place_ws` towards the eye. `shadow_rays` counts.
+    /// Returns the linear RGB radiance from `hit` at `place_ws` towards the eye. Adds to `shadow_rays`.
     pub(super) fn light(&self, hit: &Hit, place_ws: DVec3, to_eye: DVec3, shadow_rays: &mut u64) -> DVec3 {
         if let Some(scattering) = &self.lighting.scattering {
             return self.path(scattering, hit, place_ws, to_eye, shadow_rays);
@@ -210,7 +215,7 @@ impl Sample<'_> {
         self.tracer.skin.material(triangle).furred && !self.material.roots[0].is_empty()
     }
 
-    /// How much of a point of the skin the undercoat hides, and how much of that is wet, 0..=1.
+    /// Returns the share of a surface point that the undercoat hides, and the wet share of that, 0..=1.
     pub(super) fn undercoat(&self, triangle: usize, weights: DVec3) -> (f64, f64) {
         if !self.has_undercoat(triangle) {
             return (0.0, 0.0);
@@ -251,16 +256,16 @@ impl Sample<'_> {
         sum
     }
 
-    /// Light that comes everywhere alike.
+    /// Returns the ambient light.
     fn ambient(&self) -> DVec3 {
         if self.lighting.sky.is_some() { DVec3::ZERO } else { self.lighting.key.color() }
     }
 
-    /// A light as strong as one direction of the sky stands for, and whether it is seen: 1 or 0.
+    /// Returns a light equivalent to one random direction of the environment map, and its visibility, 1 or 0.
     fn of_sky(&self, place_ws: DVec3, start: Start) -> Option<(TrueLight, f64)> {
         let sky = self.lighting.sky.as_ref()?;
         let (way, likely) = sky.draw([self.draw(4), self.draw(5)])?;
-        // A light of colour 1 brings an irradiance of π.
+        // A light of colour 1 causes an irradiance of π.
         let color = (sky.radiance(way) / (likely * std::f64::consts::PI)).as_vec3();
         let visible = self.tracer.is_lit(place_ws, way, f64::INFINITY, start, (true, true));
         Some((TrueLight::Directional { towards_light_ws: way.as_vec3(), color }, f64::from(visible)))
@@ -284,7 +289,7 @@ impl Sample<'_> {
         color * sum / (1.0 + rolled)
     }
 
-    /// Whether the key light's point of this sample is seen: 1 or 0.
+    /// Returns the visibility of this sample's point of the key light: 1 or 0.
     fn visibility(&self, place_ws: DVec3, start: Start, shadow_rays: &mut u64) -> f64 {
         let past = (self.lighting.hair_shadows, self.lighting.skin_shadows);
         if past == (false, false) {
@@ -297,20 +302,20 @@ impl Sample<'_> {
         f64::from(self.tracer.is_lit(place_ws, way, reach, start, past))
     }
 
-    /// A point of the key light's disc, whose middle lies along `axis`.
+    /// Returns the direction to a point of the key light's disc, whose middle is along `axis`.
     pub(super) fn on_disc(&self, axis: DVec3, even: DVec2) -> DVec3 {
         let (side, up) = axis.any_orthonormal_pair();
         let on_disc = disc(even) * (0.5 * self.lighting.penumbra);
         (axis + side * on_disc.x + up * on_disc.y).normalize_or(axis)
     }
 
-    /// Uniform in 0..1.
+    /// Returns random number `what` of this sample, uniform in 0..1.
     fn draw(&self, what: u64) -> f64 {
         f64::from(uniform(hash(self.seed, 0x71a5), what))
     }
 }
 
-/// Normal, tangent and bitangent of the skin at a point, world space, unit length.
+/// Returns normal, tangent and bitangent of the mesh surface at a point, world space, unit length.
 pub(super) fn frame(skin: &Skin, triangle: usize, weights: DVec3) -> [DVec3; 3] {
     let corners = skin.corners(triangle);
     let sum = |of: [DVec3; 3]| of[0] * weights.x + of[1] * weights.y + of[2] * weights.z;

@@ -1,28 +1,33 @@
-//! How far a picture of fur is from the true one, in one figure that lost hair raises.
+//! Error of a picture of fur against the true one, in one figure that rises when hair is lost.
 //!
-//! Mean FLIP alone is blind to it: bare skin under a ghost of an outline has the right colours on the mean, and once was preferred to four times the
-//! layers with fins. Three things are therefore measured, each against the true picture:
+//! Mean FLIP alone cannot detect lost hair: a bare body under a ghost of an outline has the right colours on average,
+//! and was once ranked above four times the layers with fins. Three quantities are therefore measured, each against the
+//! true picture:
 //!
 //! * `flip`: mean FLIP over all pixels ([`super::compare`]), 0..=1
-//! * `outline`: mean absolute difference of coverage, pixel by pixel, in the ring: the pixels within the fur's projected height of the true outline,
-//!   on either side of it; 0..=1. Pixel by pixel, because a line that stands off the body covers as much on the mean as hair does
-//! * `contrast`: local contrast of the picture over that of the truth; 1 is the same, less is blurred or bare. Local contrast is the standard
-//!   deviation of luminance in the 9 by 9 pixels about a pixel, of those that both pictures cover by half; the mean of it over all such pixels
+//! * `outline`: mean absolute difference of coverage, pixel by pixel, in the ring: the pixels within the fur's
+//!   projected height of the true outline, on either side of it; 0..=1. A comparison pixel by pixel is needed because a
+//!   line detached from the body covers as much on average as hair does
+//! * `contrast`: local contrast of the picture over that of the truth; 1 is the same, less is blurred or bare. Local
+//!   contrast is the standard deviation of luminance in the 9 by 9 pixels around a pixel, of those that both pictures
+//!   cover by half; the mean of it over all such pixels
 //!
-//! The error is the mean over all pixels of the picture of what each adds:
+//! The error is the mean over all pixels of the sum:
 //!
 //! ```text
 //! error = 0.4 · flip + 1.6 · ring · outline + 0.2 · covered · (1 − min(contrast, 1 / contrast))
 //! ```
 //!
-//! with `ring` and `covered` the shares of the picture, 0..=1, that the ring has and that both cover by half. It has no unit and lies within
-//! 0..=2.2; faithful pictures of a whole animal have 0.01 to 0.06. Like mean FLIP it falls with the share of the picture that the animal covers.
+//! `ring` and `covered` are the shares of the picture, 0..=1, in the ring and covered by half in both. The error has no
+//! unit and is in 0..=2.2; faithful pictures of a whole animal have 0.01 to 0.06. Like mean FLIP it falls with the
+//! share of the picture that the animal covers.
 //!
-//! The weights are calibrated on pairs of pictures that a person ranks at a glance (`tests/golden/likeness/pairs.txt`). A missing pixel of outline weighs
-//! as much as four of the largest FLIP: strands that are all there, but not in the same pixels, leave 0.02 to 0.1 in the ring, and a ghost only a third
-//! more than that, while FLIP can be a sixth smaller for it. Contrast is what is left to tell a blurred coat from a crisp one with the same outline, and
-//! may not make up for a lost outline: few layers of a fine tile are crisp. As a whole the weights are scaled so that the built-in hare with its recipe
-//! has the same error as mean FLIP, 0.018: a limit that was found with mean FLIP asks for much the same where no hair is lost.
+//! The weights are calibrated on pairs of pictures that a person ranks at a glance (`tests/golden/likeness/pairs.txt`).
+//! A missing pixel of outline weighs as much as four of the largest FLIP. Complete strands that cover other pixels
+//! leave 0.02 to 0.1 in the ring; a ghost leaves only a third more, while its FLIP can be a sixth smaller. Contrast
+//! distinguishes blurred fur from crisp fur with the same outline. It may not compensate for a lost outline: few layers
+//! of a fine tile are crisp. The weights are scaled so that the built-in hare with its recipe has the same error as
+//! mean FLIP, 0.018. A limit found with mean FLIP thus means much the same if no hair is lost.
 
 use super::compare::{CompareParams, Comparison, compare_pictures};
 use pelage_bake::mask::Mask;
@@ -31,33 +36,33 @@ use pelage_import::BakeError;
 
 /// Weight of mean FLIP.
 const FLIP: f64 = 0.4;
-/// Weight of a pixel of the ring.
+/// Weight of a pixel in the ring.
 const OUTLINE: f64 = 1.6;
-/// Weight of contrast in a pixel that both cover.
+/// Weight of contrast in a pixel that both pictures cover.
 const CONTRAST: f64 = 0.2;
 
-/// Pixels from the middle of a window to its edge.
+/// Distance from the middle of a window to its edge, pixels.
 const REACH: usize = 4;
-/// From this much coverage on a pixel is the animal.
+/// Coverage from which a pixel belongs to the animal.
 const COVERED: f32 = 0.5;
-/// The ring is at least this wide on either side, pixels: the outline of short fur is not sharp either.
+/// Minimum width of the ring on either side, pixels: the outline of short fur is not sharp either.
 const LEAST_RING_PX: f64 = 2.0;
 
-/// What the error is made of, and the error.
+/// Error of a picture against the truth, with its components.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Likeness {
-    /// The one figure, 0 for equal pictures; see the [module](self).
+    /// Total error, 0 for equal pictures; see the [module](self).
     pub error: f64,
     /// Mean FLIP, 0..=1.
     pub flip: f64,
     /// Mean absolute difference of coverage in the ring, 0..=1; 0 without a ring.
     pub outline: f64,
-    /// Local contrast over that of the truth, above 0; 1 where there is none to compare.
+    /// Local contrast over that of the truth, above 0; 1 if there is none to compare.
     pub contrast: f64,
 }
 
 impl Likeness {
-    /// Of equal pictures.
+    /// Likeness of equal pictures.
     pub const SAME: Self = Self { error: 0.0, flip: 0.0, outline: 0.0, contrast: 1.0 };
 
     /// Compares a picture with the true one.
@@ -66,13 +71,14 @@ impl Likeness {
     ///
     /// # Errors
     ///
-    /// [`BakeError::Params`] where their sizes differ, or they have no pixels.
+    /// [`BakeError::Params`] if their sizes differ, or they have no pixels.
     pub fn of(picture: &Picture, truth: &Picture, fur_px: f64) -> Result<Self, BakeError> {
         let (compared, _) = compare_pictures(picture, truth, &CompareParams::default())?;
         Ok(Self::of_compared(&compared, picture, truth, fur_px))
     }
 
-    /// [`Self::of`] two pictures whose comparison, with [`CompareParams::default`], is known already: FLIP takes longest.
+    /// Computes [`Self::of`] for two pictures whose comparison, with [`CompareParams::default`], is already known: FLIP
+    /// takes longest.
     pub fn of_compared(compared: &Comparison, picture: &Picture, truth: &Picture, fur_px: f64) -> Self {
         let flip = compared.flip.mean;
         let pixels = truth.pixels.len() as f64;
@@ -95,7 +101,7 @@ impl Likeness {
         }
     }
 
-    /// The mean of several views; [`Self::SAME`] of none.
+    /// Returns the mean of several views; [`Self::SAME`] for none.
     pub fn mean(views: &[Self]) -> Self {
         if views.is_empty() {
             return Self::SAME;
@@ -110,7 +116,7 @@ impl Likeness {
     }
 }
 
-/// The pixels within `reach` pixels of the outline of `truth`, on either side.
+/// Returns a mask of the pixels within `reach` pixels of the outline of `truth`, on either side.
 fn ring(truth: &Picture, reach: f64) -> Vec<bool> {
     let (width, height) = (truth.width, truth.height);
     let far_from = |covered: bool| {
@@ -120,17 +126,17 @@ fn ring(truth: &Picture, reach: f64) -> Vec<bool> {
     far_from(true).iter().zip(far_from(false)).map(|(outside, inside)| outside.max(inside) <= reach).collect()
 }
 
-/// One over the other, both at least a step of eight bits: flat colour has no contrast to compare.
+/// Returns the ratio of two contrasts, each at least one 8-bit step: flat colour has no contrast to compare.
 fn ratio(found: f64, expected: f64) -> f64 {
     const STEP: f64 = 1.0 / 255.0;
     found.max(STEP) / expected.max(STEP)
 }
 
-/// Mean over the pixels of `inside` of the standard deviation of luminance, sRGB-encoded, 0..=1, in the window about each, of those pixels of it that are
-/// inside. Windows of which less than half is inside are left out.
+/// Returns the mean local contrast over the pixels of `inside`: the standard deviation of luminance, sRGB-encoded,
+/// 0..=1, over the pixels of the window around each that are inside. Windows with less than half inside are left out.
 fn local_contrast(picture: &Picture, inside: &[bool]) -> f64 {
     let (width, height) = (picture.width as usize, picture.height as usize);
-    // Under half a pixel of what it is laid over; the same for both pictures.
+    // At most half of a pixel is background; the same for both pictures.
     let bytes = picture.over(CompareParams::default().over);
     let luminance = |c: &[u8]| {
         let [r, g, b] = [c[0], c[1], c[2]].map(|byte| f64::from(byte) / 255.0);
@@ -151,7 +157,7 @@ fn local_contrast(picture: &Picture, inside: &[bool]) -> f64 {
     total / f64::from(count.max(1))
 }
 
-/// The sum of each value's window of `2 * REACH + 1` values each way, as far as it lies in the picture.
+/// Returns the sum of each value's window of `2 * REACH + 1` values each way, clipped to the picture.
 fn window_sums(values: &[[f64; 3]], width: usize, height: usize) -> Vec<[f64; 3]> {
     let add = |a: [f64; 3], b: &[f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
     let window = |at: usize, length: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(length);
@@ -167,8 +173,8 @@ mod tests {
     use super::*;
     use pelage_bake::noise::uniform;
 
-    /// A disc of noisy fur of so many pixels' radius with a border of single hairs, 64 by 64 pixels; `texel`: colour and coverage by index of the pixel
-    /// and distance from the middle.
+    /// Draws a disc of noisy fur with a border of single hairs, 64 by 64 pixels; `texel`: colour and coverage by pixel
+    /// index and distance from the middle.
     fn disc(texel: impl Fn(u64, f64) -> (f32, f32)) -> Picture {
         let pixels = (0..64 * 64_u32).map(|i| {
             let (x, y) = (f64::from(i % 64) - 31.5, f64::from(i / 64) - 31.5);
@@ -178,7 +184,7 @@ mod tests {
         Picture { width: 64, height: 64, pixels: pixels.collect() }
     }
 
-    /// Coverage of single hairs between skin of 18 and tips of 26 pixels.
+    /// Returns the coverage of single hairs between the body at 18 pixels and tips at 26 pixels.
     fn hairs(i: u64, r: f64) -> f32 {
         if r < 18.0 || r < 26.0 && uniform(3, i) < 0.6 { 1.0 } else { 0.0 }
     }
@@ -201,7 +207,7 @@ mod tests {
         assert!(Likeness::of(&nothing, &other, 8.0).is_err());
     }
 
-    /// What each part is of, and that it has the documented weight.
+    /// Checks what each component measures, and that it has the documented weight.
     #[test]
     fn every_part_sees_its_own_loss() {
         let bald = against_fur(|i, r| (fur(i, r).0, if r < 18.0 { 1.0 } else { 0.0 }));
@@ -222,12 +228,12 @@ mod tests {
         }
         let skin = disc(|_, r| (0.0, if r < 18.0 { 1.0 } else { 0.0 }));
         let missing = covered - skin.pixels.iter().filter(|p| p[3] > 0.0).count() as f64 / skin.pixels.len() as f64;
-        // The ring ends eight pixels within the outline of single hairs: all of the missing hair is in it.
+        // The ring ends eight pixels inside the outline of single hairs, so it contains all of the missing hair.
         let expected = 0.4 * bald.flip + 1.6 * missing;
         assert!((bald.error - expected).abs() < 0.003, "{bald:?}, {expected}");
     }
 
-    /// A ghost: skin, a gap, and a closed line where the tips end, beside hair that is all there and soft.
+    /// Compares a ghost (body, a gap, and a closed line where the tips end) with complete, soft hair.
     #[test]
     fn a_detached_outline_is_worse_than_soft_hair() {
         let ghost = against_fur(|_, r| (0.3, if (18.0..22.0).contains(&r) || r >= 26.0 { 0.0 } else { 1.0 }));
@@ -236,7 +242,7 @@ mod tests {
         assert!(ghost.error > 1.3 * soft.error, "{ghost:?}, {soft:?}");
     }
 
-    /// The ring has the fur's height on both sides of the outline, and two pixels at least.
+    /// Checks that the ring extends by the fur's height on both sides of the outline, and at least two pixels.
     #[test]
     fn the_ring_is_as_wide_as_the_fur() {
         let solid = disc(|_, r| (0.3, if r < 20.0 { 1.0 } else { 0.0 }));

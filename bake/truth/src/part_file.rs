@@ -1,62 +1,63 @@
-//! A part of a traced picture as a file, so that several machines can trace one.
+//! File format for a part of a traced picture, so that several machines can trace one.
 //!
-//! A line that says what it is, a line of JSON that says of which picture, the pixels of its squares one after another, and a SHA-256 of all that. A pixel is
-//! what was traced, four floats, and what a PNG holds of it, four bytes: whoever puts parts together needs to know nothing of what is behind.
+//! A file has a line with the format's name, a line of JSON that identifies the picture, the pixels of its squares, and
+//! a SHA-256 of all that. A pixel is the traced value, four floats, and its value in a PNG, four bytes. Parts can thus
+//! be joined without knowing the background.
 
 use super::picture::{Part, Rays, Square, TracedPicture};
 use image::RgbaImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
-/// The first line of such a file.
+/// First line of a file.
 const MAGIC: &[u8] = b"pelage part 1\n";
-/// Bytes of the hash at the end.
+/// Size of the hash at the end, bytes.
 const HASH: usize = 32;
-/// Bytes of a pixel.
+/// Size of a pixel, bytes.
 const PIXEL: usize = 20;
-/// Of a picture as large as can be traced.
+/// Maximum number of pixels of the whole picture.
 const MOST_PIXELS: u64 = 8192 * 8192;
 
-/// A part of a picture.
+/// A traced part of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TracedPart {
-    /// Of which picture.
+    /// Description of the whole picture and of the part.
     pub of: OfPicture,
-    /// Its traced pixels; all others are empty.
+    /// Traced pixels of the part; all others are empty.
     pub traced: TracedPicture,
-    /// The same as a PNG has them.
+    /// The same pixels as stored in a PNG.
     pub shown: RgbaImage,
 }
 
-/// What a part says of the whole.
+/// Description of a picture and one of its parts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OfPicture {
-    /// Stands for everything that a pixel depends on.
+    /// Identifier of all that a pixel depends on.
     pub picture: String,
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
     /// Samples per pixel.
     pub spp: u32,
-    /// Which part this is, from 0.
+    /// Index of the part, from 0.
     pub part: u32,
-    /// Of how many.
+    /// Number of parts.
     pub parts: u32,
-    /// Whether something is behind the picture.
+    /// Whether the picture has a background.
     pub background: bool,
-    /// Rays from the eye.
+    /// Number of rays from the eye.
     pub primary_rays: u64,
-    /// Rays to the lights.
+    /// Number of rays to the lights.
     pub shadow_rays: u64,
 }
 
 impl TracedPart {
-    /// The bytes of its file.
+    /// Encodes the part as a file.
     pub fn encode(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
-        // Numbers and a word: JSON has all of them.
+        // Numbers and a string always serialise to JSON.
         bytes.extend(serde_json::to_vec(&self.of).unwrap_or_default());
         bytes.push(b'\n');
         for at in places(&self.of) {
@@ -69,11 +70,11 @@ impl TracedPart {
         bytes
     }
 
-    /// Reads a file.
+    /// Decodes a file.
     ///
     /// # Errors
     ///
-    /// Where in it something is wrong, and what.
+    /// Position in the file, and the reason.
     pub fn decode(bytes: &[u8]) -> Result<Self, (String, String)> {
         let wrong = |place: &str, reason: String| (place.to_owned(), reason);
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
@@ -118,11 +119,11 @@ impl TracedPart {
         Ok(Self { of, traced, shown })
     }
 
-    /// Lays another part of the same picture into this one.
+    /// Adds another part of the same picture to this one.
     ///
     /// # Errors
     ///
-    /// Why it is none.
+    /// The reason, if it belongs to another picture.
     pub fn add(&mut self, other: &Self) -> Result<(), String> {
         let whole = |of: &OfPicture| OfPicture { part: 0, primary_rays: 0, shadow_rays: 0, ..of.clone() };
         let (here, there) = (whole(&self.of), whole(&other.of));
@@ -147,7 +148,7 @@ impl TracedPart {
     }
 }
 
-/// Where the pixels of a part are in a picture, in the order of its file.
+/// Returns the indices of a part's pixels in the picture, in the order of its file.
 fn places(of: &OfPicture) -> Vec<usize> {
     let squares = Part { number: of.part, of: of.parts }.squares((of.width, of.height));
     let width = of.width as usize;

@@ -1,11 +1,12 @@
-//! Light that goes on from hair to hair: paths from the eye, along which fibres scatter as [`pelage_formats::meaning::scattering::near`] has it and skin
-//! as Lambert's law has it.
+//! Path tracing of light from hair to hair: fibres scatter as in [`pelage_formats::meaning::scattering::near`], the
+//! mesh surface by Lambert's law.
 //!
-//! A light of colour 1 brings an irradiance of π, so that a white surface square to it has radiance 1, as the lighting equation has it. Ambient light is
-//! an even sky of radiance ka times the key light's colour, where there is no other: what leaves all there is meets it.
+//! A light of colour 1 causes an irradiance of π, so that a white surface facing it has radiance 1, as in the lighting
+//! equation. Without an environment map, ambient light is a uniform sky of radiance ka times the key light's colour,
+//! which every escaping path meets.
 //!
-//! A fibre absorbs as much as makes a deep coat of its colour ([`colour::absorption`]). Light enters a strand and leaves it at one place: it is thin
-//! against all that is about it.
+//! A fibre's absorption gives dense fur its colour ([`colour::absorption`]). Light enters and leaves a strand at one
+//! point: strands are thin compared with their surroundings.
 
 use super::lighting::{Sample, TrueLight, frame, vector};
 use super::scattering::TrueScattering;
@@ -17,19 +18,20 @@ use pelage_formats::meaning::scattering::near;
 use pelage_formats::meaning::scattering::{Angles, colour};
 use std::f64::consts::{PI, TAU};
 
-/// Bounces after which paths that carry little end by chance, so that the mean stays right.
+/// Number of bounces after which paths of little weight end at random (Russian roulette, unbiased).
 const SURE_BOUNCES: u32 = 4;
-/// Most of the light that skin gives back.
+/// Maximum albedo of the mesh surface.
 const MOST_OF_SKIN: f64 = 0.98;
 
-/// Where light is scattered.
+/// Scattering at a hit point.
 enum Met<'a> {
     Hair { hit: near::Hit<'a>, tip: DVec3, to_eye: DVec3 },
     Skin { albedo: DVec3, normal: DVec3 },
 }
 
 impl Sample<'_> {
-    /// Linear RGB that leaves `hit` at `place_ws` towards the eye along all paths. `shadow_rays` counts those to the lights, and those that go on.
+    /// Returns the linear RGB radiance from `hit` at `place_ws` towards the eye along all paths. `shadow_rays` counts
+    /// rays to the lights and continued paths.
     pub(super) fn path(
         &self,
         scattering: &TrueScattering,
@@ -69,7 +71,7 @@ impl Sample<'_> {
             let Some((next, distance)) = self.tracer.first_from(place, way, start) else {
                 sum += left
                     * self.lighting.sky.as_ref().map_or(ambient, |sky| {
-                        // The sky's own directions have brought the rest of it.
+                        // The rest comes from the sky's own samples.
                         let (ours, other) = (met.likely(way), sky.likely(way));
                         sky.radiance(way) * (ours / (ours + other))
                     });
@@ -88,7 +90,8 @@ impl Sample<'_> {
         sum
     }
 
-    /// Direction of a light from a place, drawn from its disc where it is the key light, and whether it is seen.
+    /// Returns the direction of a light from a point and its visibility. For the key light the direction is a random
+    /// one to its disc.
     fn seen_light(&self, light: &TrueLight, key: bool, place: DVec3, start: Start, aside: [f64; 2]) -> (DVec3, bool) {
         let (axis, distance) = light.seen_from(place);
         let way = if key { self.on_disc(axis, aside.into()) } else { axis };
@@ -97,8 +100,8 @@ impl Sample<'_> {
         (way, self.tracer.is_lit(place, way, distance / axis.dot(way), start, (hair, skin)))
     }
 
-    /// What is scattered to the eye of the sky's light from one of the directions that it has drawn, weighed against what scattering draws (Veach and Guibas 1995, the
-    /// balance heuristic).
+    /// Returns the light of one sampled sky direction that is scattered to the eye, weighted against the sampling of
+    /// the scattering (Veach and Guibas 1995, the balance heuristic).
     fn seen_sky(&self, sky: &TrueSky, met: &Met<'_>, place: DVec3, start: Start, even: [f64; 2]) -> DVec3 {
         let Some((way, likely)) = sky.draw(even) else { return DVec3::ZERO };
         let value = met.value(way);
@@ -131,7 +134,7 @@ impl Sample<'_> {
                 let skin = &self.tracer.skin;
                 let base = skin.base_color(triangle, weights).truncate().as_dvec3();
                 let normal = frame(skin, triangle, weights)[0] * if front { 1.0 } else { -1.0 };
-                // Below hair lies the undercoat: a mat of it, of the roots' colour.
+                // Below hair is the undercoat: a matte layer of the roots' colour.
                 let (coat, wetness) = self.undercoat(triangle, weights);
                 let [dry, wet] = self.material.root_colors;
                 let albedo = base * DVec3::ONE.lerp(dry.lerp(wet, wetness), coat);
@@ -142,19 +145,19 @@ impl Sample<'_> {
 }
 
 impl Met<'_> {
-    /// What is scattered to the eye of light from a direction, a steradian, its cosine applied.
+    /// Returns the scattering to the eye of light from a direction, per steradian, cosine included.
     fn value(&self, way: DVec3) -> DVec3 {
         match self {
             Self::Hair { hit, tip, to_eye } => {
                 let angles = Angles::between(*tip, way, *to_eye);
-                // The fibre has the azimuth of the light from the eye's.
+                // The fibre expects the azimuth of the light relative to the eye's.
                 hit.value(angles.from, -angles.phi).0.into()
             }
             Self::Skin { albedo, normal } => *albedo * (normal.dot(way).max(0.0) / PI),
         }
     }
 
-    /// How likely [`Self::draw`] takes a direction, a steradian.
+    /// Returns the probability density with which [`Self::draw`] chooses a direction, per steradian.
     fn likely(&self, way: DVec3) -> f64 {
         match self {
             Self::Hair { hit, tip, to_eye } => {
@@ -165,7 +168,7 @@ impl Met<'_> {
         }
     }
 
-    /// A direction that light may come from, and what is scattered from there over how likely it was drawn.
+    /// Samples a direction of incoming light; returns it with its scattering divided by the probability density.
     fn draw(&self, even: [f64; 4]) -> (DVec3, DVec3) {
         match self {
             Self::Hair { hit, tip, to_eye } => {

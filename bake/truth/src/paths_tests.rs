@@ -7,7 +7,7 @@ use pelage_formats::Shading;
 use pelage_formats::meaning::scattering::{Angles, Around, Fibre, colour};
 use pelage_stage::sky::{Environment, LightLobe, Panorama};
 
-/// A tangle of strands of that colour in a ball of 1 m.
+/// Returns a tangle of strands of that colour in a ball of 1 m.
 fn tangle(color: Vec3, count: u64) -> Curves {
     let mut curves = Curves::default();
     let vector = |seed: u64| Vec3::from_array([0, 1, 2].map(|i| 2.0 * uniform(seed, i) - 1.0));
@@ -34,7 +34,7 @@ fn lighting(sun: f32, bounces: u32) -> TrueLighting {
     TrueLighting { scattering, ..TrueLighting::of(key) }
 }
 
-/// Mean light of what is covered, of a picture.
+/// Traces a picture and returns the mean light of its covered part.
 fn mean(curves: Curves, ambient: f32, lighting: &TrueLighting, size: u32, spp: u32) -> Vec3 {
     let shading = Shading { ambient: [ambient; 3], ..Shading::default() };
     let scene = TrueScene::new(curves, Skin::default(), None, shading).unwrap();
@@ -43,17 +43,17 @@ fn mean(curves: Curves, ambient: f32, lighting: &TrueLighting, size: u32, spp: u
     (sum.truncate() / sum.w).as_vec3()
 }
 
-/// What absorbs nothing under light that is even all around cannot be told from it.
+/// Checks that non-absorbing hair under a uniform sky cannot be distinguished from it.
 #[test]
 fn a_white_tangle_vanishes_in_an_even_sky() {
-    // The sky has the key light's colour, and the key light is hidden: bounces without end, light without loss.
+    // The sky has the key light's colour, and the key light is hidden: unlimited bounces, no loss of light.
     let found = mean(tangle(Vec3::ONE, 300), 1.0, &lighting(1.0, 1_000), 48, 64);
     let alone = mean(tangle(Vec3::ONE, 300), 0.0, &lighting(1.0, 1_000), 48, 64);
     let sky = found - alone;
     assert!((sky - Vec3::ONE).abs().max_element() < 0.005, "{sky}");
 }
 
-/// More bounces only add light, and to light hair much of it.
+/// Checks that more bounces only add light, and add much of it to light-coloured hair.
 #[test]
 fn light_hair_is_lit_by_other_hair() {
     let sum = |bounces| mean(tangle(Vec3::new(0.9, 0.5, 0.05), 1_500), 0.0, &lighting(1.0, bounces), 32, 32);
@@ -63,14 +63,16 @@ fn light_hair_is_lit_by_other_hair() {
     assert!(gain.x > 4.0 && gain.z < 4.0 && gain.x > gain.y && gain.y > gain.z, "{gain}");
 }
 
-/// One fibre, seen from afar, sends the eye what the fibre's own formula says: its sides, tip and root are where they belong.
+/// Checks that one fibre, integrated over its width, sends to a distant eye the light of the fibre's own formula, with
+/// sides, tip and root where they belong.
 #[test]
 fn a_fibre_over_its_width_is_the_fibre_from_afar() {
     let fibre = Fibre { tilt: 0.1, ..Fibre::default() };
     let color = Vec3::new(0.6, 0.3, 0.1);
     let scattering = TrueScattering::new(fibre, 1).unwrap();
     let Around::Rough(scale) = fibre.around else { unreachable!() };
-    // From nearby the section is that of θo, from afar that of θd: light comes so that both are nearly one.
+    // The near formula uses the section of θo, the far one that of θd; the lights are chosen so that both are almost
+    // the same.
     for light in [Vec3::new(0.06, 0.3, 0.5), Vec3::new(-0.06, -0.2, 0.4), Vec3::new(0.03, 0.1, -0.9)] {
         let mut curves = Curves::default();
         let point = |x| CurvePoint {
@@ -92,7 +94,8 @@ fn a_fibre_over_its_width_is_the_fibre_from_afar() {
     }
 }
 
-/// What absorbs nothing vanishes in an even sky, whether it is drawn from or only met; and a bright window is met by all as its lobe is.
+/// Checks that non-absorbing hair vanishes in a uniform sky, whether the sky is sampled or only hit. A bright window
+/// must have the same effect as an equal lobe.
 #[test]
 fn skies_light_a_tangle_from_where_they_are_bright() {
     let under = |sky: TrueSky, color: Vec3, spp: u32| {
@@ -102,7 +105,7 @@ fn skies_light_a_tangle_from_where_they_are_bright() {
     let even = TrueSky::of_environment(Environment::constant([1.0, 0.5, 2.0]));
     let found = under(even, Vec3::ONE, 64) / Vec3::new(1.0, 0.5, 2.0);
     assert!((found - 1.0).abs().max_element() < 0.01, "{found}");
-    // The same light as a picture and as a lobe, of hair that absorbs.
+    // The same light as a panorama and as a lobe, on absorbing hair.
     let lobe = LightLobe { towards: [0.3, 0.4, 0.8], width_deg: 10.0, radiance: [20.0; 3] };
     let window = Environment { lobes: vec![lobe], ..Environment::default() };
     let picture = Panorama::painted((256, 128), |way| window.radiance(way)).unwrap();

@@ -1,4 +1,4 @@
-//! The true picture of a package: its strands and skin, traced.
+//! Ray-traced picture of a package: its strands and mesh surface.
 
 use super::camera::{RayCaster, TrueCamera};
 use super::lighting::{Material, Sample, TrueLighting, root_directions};
@@ -13,7 +13,7 @@ use pelage_import::BakeError;
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 
-/// Width and height of the squares that the picture is traced in, pixels.
+/// Side of the squares that the picture is traced in, pixels.
 const SQUARE: u32 = 16;
 /// Squares between two calls of the progress callback.
 const BATCH: usize = 32;
@@ -21,38 +21,39 @@ const BATCH: usize = 32;
 /// A traced picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TracedPicture {
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
-    /// Linear RGB times alpha, and alpha: the share of samples that met anything. Row-major from the top; colours may exceed 1.
+    /// Premultiplied linear RGB, and alpha: the share of samples that hit anything. Row-major from the top; colours may
+    /// exceed 1.
     pub pixels: Vec<[f32; 4]>,
-    /// What it took.
+    /// Number of rays traced.
     pub rays: Rays,
 }
 
-/// Rays of a picture.
+/// Numbers of rays of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rays {
-    /// From the eye.
+    /// Rays from the eye.
     pub primary: u64,
-    /// To the key light.
+    /// Shadow rays; for light paths also the continued ones.
     pub shadow: u64,
 }
 
-/// Strands and skin, ready to be traced.
+/// Strands and mesh surface, ready for ray tracing.
 pub struct TrueScene {
     pub(super) tracer: Tracer,
     material: Material,
 }
 
 impl TracedPicture {
-    /// How many pixels anything covers.
+    /// Returns the number of covered pixels.
     pub fn covered(&self) -> usize {
         self.pixels.iter().filter(|p| p[3] > 0.0).count()
     }
 
-    /// Takes in another picture of the same size, of other samples: `[self, other]` are the shares of all samples that each has.
+    /// Mixes in another picture of the same size, of other samples; `[self, other]` are their shares of all samples.
     pub fn mix(&mut self, other: &Self, [own, new]: [f32; 2]) {
         for (pixel, more) in self.pixels.iter_mut().zip(&other.pixels) {
             *pixel = std::array::from_fn(|i| own * pixel[i] + new * more[i]);
@@ -63,13 +64,13 @@ impl TracedPicture {
 }
 
 impl TrueScene {
-    /// Builds the trees.
+    /// Builds the acceleration structures.
     ///
-    /// * `hair`: the tile that the strands are copies of, for the undercoat; `None` leaves furred skin bare
+    /// * `hair`: the tile that the strands are copies of, for the undercoat; `None` leaves furred surfaces bare
     /// * `shading`: of `hair.strands`
     ///
     /// # Errors
-    /// [`BakeError::Internal`] for places that are not finite.
+    /// [`BakeError::Internal`] for positions that are not finite.
     pub fn new(curves: Curves, skin: Skin, hair: Option<&TileHair>, shading: Shading) -> Result<Self, BakeError> {
         let wet = hair.and_then(|h| h.wet.as_ref());
         let directions =
@@ -87,24 +88,26 @@ impl TrueScene {
         Ok(Self { tracer: Tracer::new(curves, skin)?, material })
     }
 
-    /// The strands.
+    /// Returns the strands.
     pub fn curves(&self) -> &Curves {
         &self.tracer.curves
     }
 
-    /// The skin.
+    /// Returns the mesh surface.
     pub fn skin(&self) -> &Skin {
         &self.tracer.skin
     }
 
-    /// Bytes in memory for each strand: its points, its pieces and their tree.
+    /// Returns the memory per strand, bytes: its points, its segments and their tree.
     pub fn bytes_per_strand(&self) -> f64 {
         self.tracer.bytes_per_strand()
     }
 
-    /// Traces a picture of `width` × `height` pixels with `spp` samples each, spread over the pixel's square (box filter).
+    /// Traces a picture of `width` × `height` pixels with `spp` samples each, spread over the pixel's square (box
+    /// filter).
     ///
-    /// `progress` gets the pixels that are done and all of them. The same arguments give the same picture on any number of threads.
+    /// `progress` receives the numbers of finished and of all pixels. The same arguments give the same picture on any
+    /// number of threads.
     pub fn picture(
         &self,
         camera: &TrueCamera,
@@ -118,12 +121,14 @@ impl TrueScene {
             ControlFlow::Continue(())
         };
         let whole = self.portion(camera, lighting, (width, height), &Portion::of_samples(0..spp), &mut going_on);
-        // Nobody breaks off.
+        // Never cancelled here.
         whole.unwrap_or_default()
     }
 
-    /// As [`Self::picture`], of a portion alone; all other pixels are empty. The mean of pictures of other samples, each weighed by its samples, is one of
-    /// them all; those of a picture's parts have its pixels, to the last bit. Ends without a picture where `progress` breaks off.
+    /// Traces a portion of [`Self::picture`]; all other pixels are empty.
+    ///
+    /// The mean of pictures of disjoint samples, weighted by their numbers, equals the picture of all samples; parts
+    /// have the picture's pixels, to the last bit. Returns `None` if `progress` cancels.
     pub fn portion(
         &self,
         camera: &TrueCamera,
@@ -197,68 +202,70 @@ impl TrueScene {
     }
 }
 
-/// What is traced of a picture.
+/// Portion of a picture to trace.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Portion {
-    /// Which samples of each pixel.
+    /// Range of samples of each pixel.
     pub samples: Range<u32>,
-    /// Which pixels.
+    /// Part of the picture's pixels.
     pub part: Part,
 }
 
 impl Portion {
-    /// Those samples of all pixels.
+    /// Returns these samples of all pixels.
     pub fn of_samples(samples: Range<u32>) -> Self {
         Self { samples, part: Part::default() }
     }
 }
 
-/// One of the parts that a picture is divided into: small squares from all over it, so that each part is about as dear as the others.
+/// Part of a picture: small squares from all over it, so that all parts take about the same time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// Which one, from 0.
+    /// Index of the part, from 0.
     pub number: u32,
-    /// How many there are, at least 1.
+    /// Number of parts, at least 1.
     pub of: u32,
 }
 
 impl Default for Part {
-    /// The whole picture.
+    /// Returns the whole picture as one part.
     fn default() -> Self {
         Self { number: 0, of: 1 }
     }
 }
 
-/// A small square of a picture, cut off at its edges.
+/// A small square of a picture, clipped to its edges.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Square {
-    /// Its columns.
+    /// Range of columns.
     pub columns: Range<u32>,
-    /// Its rows.
+    /// Range of rows.
     pub rows: Range<u32>,
 }
 
 impl Square {
-    /// How many pixels it has.
+    /// Returns the number of pixels.
     pub fn pixels(&self) -> u64 {
         self.columns.len() as u64 * self.rows.len() as u64
     }
 }
 
 impl Part {
-    /// The squares of this part of a picture of `width` × `height` pixels. Every pixel is in one square of one part.
+    /// Returns the squares of this part of a picture of `width` × `height` pixels. Every pixel is in one square of one
+    /// part.
     pub fn squares(&self, (width, height): (u32, u32)) -> Vec<Square> {
         let along = |count: u32, i: u32| SQUARE * i..(SQUARE * (i + 1)).min(count);
         let rows = 0..height.div_ceil(SQUARE);
         rows.flat_map(|y| (0..width.div_ceil(SQUARE)).map(move |x| (x, y)))
-            // Along diagonals, so that no part has whole columns.
+            // Assigned along diagonals, so that no part has whole columns.
             .filter(|(x, y)| (x + y) % self.of == self.number)
             .map(|(x, y)| Square { columns: along(width, x), rows: along(height, y) })
             .collect()
     }
 }
 
-/// Point number `i` of a sequence that covers the unit square evenly however far it goes (Roberts 2018, "R2"), shifted round.
+/// Returns point `i` of a sequence that covers the unit square evenly at any length (Roberts 2018, "R2"), shifted with
+/// wrap-around.
 fn spread(i: u32, shift: DVec2) -> DVec2 {
     // Powers of the reciprocal of the plastic number, the root of x³ = x + 1.
     const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);

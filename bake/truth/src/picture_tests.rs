@@ -4,7 +4,7 @@ use crate::{Lens, TrueLight};
 use glam::{Vec3, Vec4};
 use pelage_bake::strands::{CurvePoint, SkinMaterial, SkinPoint};
 
-/// A straight strand of even radius whose skin faces the eye.
+/// Adds a straight strand of constant radius whose surface normal faces the eye.
 fn strand(curves: &mut Curves, from: Vec3, to: Vec3, radius_m: f32) {
     let point = |position_ws, height| CurvePoint {
         position_ws,
@@ -20,7 +20,7 @@ fn scene(curves: Curves) -> TrueScene {
     TrueScene::new(curves, Skin::default(), None, Shading::default()).unwrap()
 }
 
-/// Two metres of the plane z = 0, seen from the front.
+/// Returns a camera that shows two metres of the plane z = 0 from the front.
 fn camera() -> TrueCamera {
     TrueCamera {
         eye_ws: Vec3::new(0.0, 0.0, 5.0),
@@ -38,7 +38,7 @@ fn trace(scene: &TrueScene, lighting: &TrueLighting, size: u32, spp: u32) -> Tra
     scene.picture(&camera(), lighting, (size, size), spp, &mut |_, _| ())
 }
 
-/// Covered area, square metres, of a square picture of 2 m.
+/// Returns the covered area, square metres, of a square picture of 2 m.
 fn covered(picture: &TracedPicture) -> f64 {
     let mean = picture.pixels.iter().map(|p| f64::from(p[3])).sum::<f64>() / picture.pixels.len() as f64;
     4.0 * mean
@@ -49,7 +49,7 @@ fn a_strand_covers_its_outline() {
     for (from, to, radius) in [
         (Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.01f32),
         (Vec3::new(-0.6, -0.3, 0.5), Vec3::new(0.5, 0.4, -0.5), 0.003),
-        // Towards the eye: a disc.
+        // Pointing at the eye: a disc.
         (Vec3::new(0.1, 0.2, -0.5), Vec3::new(0.1, 0.2, 0.5), 0.1),
     ] {
         let mut curves = Curves::default();
@@ -63,14 +63,14 @@ fn a_strand_covers_its_outline() {
     }
 }
 
-/// Opaque things thrown at random let through exp(−τ), where τ is the sum of what each covers over the whole area.
+/// Checks that random opaque strands transmit exp(−τ), where τ is the sum of their projected areas over the whole area.
 #[test]
 fn a_block_of_random_strands_lets_the_exponential_through() {
     for tau in [0.3, 1.0, 2.0] {
         let (radius, length) = (0.004f32, 0.2f32);
         let mut curves = Curves::default();
         let mut covered_by_each = 0.0;
-        // Strands begin anywhere in a box somewhat larger than what is seen, so that its middle is filled evenly.
+        // Strands begin anywhere in a box larger than the view, so that its middle is filled uniformly.
         let (side, mut seed) = (2.6f64, 0u64);
         while covered_by_each < tau * side * side {
             let mut draw = || {
@@ -89,14 +89,14 @@ fn a_block_of_random_strands_lets_the_exponential_through() {
     }
 }
 
-/// Equation (3) by hand, where everything in it is simple.
+/// Checks equation (3) against a calculation by hand, in simple cases.
 #[test]
 fn a_strand_is_lit_as_the_equation_says() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-3.0, 0.0, 0.0), Vec3::new(3.0, 0.0, 0.0), 2.0);
     let k = Shading::default();
     let at_center = |curves: &Curves, lighting: &TrueLighting| {
-        // So near that the light comes from the same side everywhere.
+        // So close that the light direction is the same everywhere.
         let camera = TrueCamera { lens: Lens::Orthographic { height_m: 1e-4 }, ..camera() };
         let picture = scene(curves.clone()).picture(&camera, lighting, (1, 1), 4, &mut |_, _| ());
         Vec3::from_slice(&picture.pixels[0][..3])
@@ -105,33 +105,34 @@ fn a_strand_is_lit_as_the_equation_says() {
     let gamma = k.ambient_floor + (1.0 - k.ambient_floor) * 0.5;
     let (ambient, full) = (0.35 * gamma * color, 1.2 * color + 0.18);
     let near = |found: Vec3, expected: Vec3| assert!(found.distance(expected) < 1e-5, "{found}, expected {expected}");
-    // The light is behind the eye: T is square to L and to H.
+    // The light is behind the eye: T is perpendicular to L and to H.
     near(at_center(&curves, &lighting()), ambient + full);
-    // Along the hair there is no sine, and H stands at 45 degrees to it.
+    // Light along the hair has a sine of 0, and H is at 45 degrees to it.
     let from = |x: f32, y: f32, z: f32| TrueLighting {
         key: TrueLight::Directional { towards_light_ws: Vec3::new(x, y, z), color: Vec3::ONE },
         ..lighting()
     };
     near(at_center(&curves, &from(1.0, 0.0, 0.0)), ambient + 0.18 * 0.5f32.powf(15.0));
-    // 60 degrees to the hair, from behind as far as Attenu_Back halves.
+    // Light at 60 degrees to the hair, from behind, where Attenu_Back is one half.
     let back = TrueLighting { hair_shadows: false, ..from(0.5, (1.0f32 - 0.25 - 0.0225).sqrt(), -0.15) };
     let half = (Vec3::new(0.5, (1.0f32 - 0.25 - 0.0225).sqrt(), -0.15) + Vec3::Z).normalize();
     let lit = 1.2 * color * 0.75 + 0.18 * (1.0 - half.x * half.x).powf(15.0);
     near(at_center(&curves, &back), ambient + 0.5 * lit);
-    // Terms can be left out.
+    // Terms can be switched off.
     near(at_center(&curves, &TrueLighting { ambient_attenuation: false, ..lighting() }), 0.35 * color + full);
     near(at_center(&curves, &TrueLighting { back_attenuation: false, ..back.clone() }), ambient + lit);
-    // A lamp at a place, and one without shadow.
+    // A point light, and a light without shadow.
     let lamp = TrueLight::Point { position_ws: Vec3::new(0.0, 0.0, 4.0), color: Vec3::new(1.0, 0.0, 2.0) };
     near(at_center(&curves, &TrueLighting { key: lamp, ..lighting() }), (ambient + full) * Vec3::new(1.0, 0.0, 2.0));
     near(at_center(&curves, &TrueLighting { fill: vec![lighting().key], ..lighting() }), ambient + 2.0 * full);
 
-    // Another strand before the light takes all of it, unless hair throws no shadow; one behind a lamp takes none.
+    // A strand before the light blocks all of it, unless hair shadows are off; a strand behind a point light blocks
+    // nothing.
     strand(&mut curves, Vec3::new(-9.0, 0.0, 8.0), Vec3::new(9.0, 0.0, 8.0), 2.0);
     near(at_center(&curves, &lighting()), ambient);
     near(at_center(&curves, &TrueLighting { hair_shadows: false, ..lighting() }), ambient + full);
     near(at_center(&curves, &TrueLighting { key: lamp, ..lighting() }), (ambient + full) * Vec3::new(1.0, 0.0, 2.0));
-    // A disc half behind the edge of a hair is half as bright.
+    // A disc light half hidden by the edge of a hair is half as bright.
     let mut edge = Curves::default();
     strand(&mut edge, Vec3::new(-3.0, 0.0, 0.0), Vec3::new(3.0, 0.0, 0.0), 0.001);
     strand(&mut edge, Vec3::new(-90.0, -50.0, 60.0), Vec3::new(90.0, -50.0, 60.0), 50.0);
@@ -146,7 +147,7 @@ fn a_strand_is_lit_as_the_equation_says() {
     assert!((mean - (ambient + 0.5 * full).x).abs() < 0.02, "{mean}");
 }
 
-/// A quad of skin at height z, seen from the front.
+/// Returns a quad at height z, seen from the front.
 fn skin(z: f64, material: SkinMaterial) -> Skin {
     let vertex = |x: f64, y: f64| SkinPoint {
         position_ws: DVec3::new(x, y, z),
@@ -200,10 +201,10 @@ fn skin_is_bare_or_an_undercoat() {
     ] {
         assert!((found[0] - expected).abs() < 1e-5 && found[3] == 1.0, "{found:?}, expected {expected}");
     }
-    // What is less opaque than its cut-off is not there.
+    // Surface below its alpha cut-off is not there.
     let cut = SkinMaterial { alpha_cutoff: Some(0.7), ..bare.clone() };
     assert_eq!(shade(cut, 1.0), [0.0; 4]);
-    // From behind, one side is not there and two are lit by what shines on the back.
+    // From behind a single-sided surface is invisible, and a double-sided one is lit by light on its back.
     let behind = |double_sided: bool| {
         let mut skin = skin(0.0, SkinMaterial { double_sided, ..bare.clone() });
         skin.triangles.iter_mut().for_each(|t| t.swap(1, 2));
@@ -218,7 +219,7 @@ fn skin_is_bare_or_an_undercoat() {
 fn skin_throws_shadows_on_hair() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-0.5, 0.0, -1.0), Vec3::new(0.5, 0.0, -1.0), 0.5);
-    // The strand hides behind the skin from the light, and is seen from below.
+    // The surface hides the strand from the light; seen from below.
     let camera = TrueCamera { eye_ws: Vec3::new(0.0, 0.0, -5.0), ..camera() };
     let scene = TrueScene::new(curves, skin(0.0, SkinMaterial::default()), None, Shading::default()).unwrap();
     let center = |lighting: TrueLighting| scene.picture(&camera, &lighting, (3, 3), 4, &mut |_, _| ()).pixels[4][0];
@@ -227,7 +228,8 @@ fn skin_throws_shadows_on_hair() {
     assert!((dark - ambient).abs() < 1e-5 && lit > dark + 0.1, "{dark} {lit}");
 }
 
-/// The error of a picture falls with the number of samples: by 1/√n for random ones, a little faster for evenly spread ones.
+/// Checks that the error of a picture falls with the number of samples: as 1/√n for random ones, slightly faster for
+/// evenly spread ones.
 #[test]
 fn noise_falls_with_the_square_root_of_the_samples() {
     let mut curves = Curves::default();

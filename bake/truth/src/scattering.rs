@@ -1,38 +1,41 @@
-//! What paths of light need to know of the fibres that they meet.
+//! Fibre data for light paths.
 
 use pelage_formats::meaning::scattering::{Around, Fibre, Keeps};
 use pelage_import::BakeError;
 
-/// Hair as fibres that scatter light to each other, in place of Yang 2006, eq. (3), which knows one of them at a time.
+/// Hair as fibres that scatter light to each other, in place of Yang 2006, eq. (3), which treats each fibre alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueScattering {
     fibres: Vec<TrueFibre>,
-    /// For each run of strands its name, the first behind it, and which fibre they are; those behind all are the first fibre.
+    /// Runs of strands: name, index after the last strand, and index of the fibre; strands after all runs have the
+    /// first fibre.
     runs: Vec<(String, u32, usize)>,
     bounces: u32,
 }
 
-/// A fibre that can be met from nearby.
+/// Fibre with data for scattering at close range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TrueFibre {
     pub(super) fibre: Fibre,
-    /// Scale of the logistic distribution around it, radians.
+    /// Scale of its azimuthal logistic distribution, radians.
     pub(super) scale: f64,
 }
 
 impl TrueScattering {
-    /// How often light meets hair and skin where nobody says it: enough for white coats.
+    /// Default number of bounces on hair and surface: enough for white fur.
     pub const BOUNCES: u32 = 64;
 
-    /// Of strands that are all that fibre. Light meets hair or skin at most `bounces` times, at least 1: 1 is what comes from the lights by one fibre.
+    /// Creates scattering for strands that all have that fibre. Light hits hair or surface at most `bounces` times, at
+    /// least 1: 1 is direct light scattered by one fibre.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] for a fibre that cannot be met from nearby: one that is smooth all around, or that does not keep energy.
+    /// [`BakeError::Internal`] for a fibre without close-range scattering: one that is smooth all around, or that does
+    /// not conserve energy.
     pub fn new(fibre: Fibre, bounces: u32) -> Result<Self, BakeError> {
         Ok(Self { fibres: vec![near(fibre)?], runs: Vec::new(), bounces: bounces.max(1) })
     }
 
-    /// The same where strands from the end of the last run up to `end`, which have that name, are another fibre.
+    /// Adds another fibre for the strands from the end of the last run up to `end`, which have that name.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -42,25 +45,25 @@ impl TrueScattering {
         Ok(self)
     }
 
-    /// The same with as many bounces, at least 1.
+    /// Sets the number of bounces, at least 1.
     pub fn with_bounces(self, bounces: u32) -> Self {
         Self { bounces: bounces.max(1), ..self }
     }
 
-    /// The fibre of a strand.
+    /// Returns the fibre of a strand.
     pub(super) fn of_strand(&self, strand: u32) -> &TrueFibre {
         let run = self.runs.partition_point(|(_, end, _)| *end <= strand);
         &self.fibres[self.runs.get(run).map_or(0, |(.., fibre)| *fibre)]
     }
 
-    /// The fibre of strands of that name, and the scale of its logistic distribution around it, radians.
+    /// Returns the fibre of strands of that name, and the scale of its azimuthal logistic distribution, radians.
     pub fn of_group(&self, name: &str) -> (Fibre, f64) {
         let number = self.runs.iter().find(|(run, ..)| run == name).map_or(0, |(.., fibre)| *fibre);
         let TrueFibre { fibre, scale } = self.fibres[number];
         (fibre, scale)
     }
 
-    /// Most times that light meets something.
+    /// Returns the maximum number of bounces.
     pub fn bounces(&self) -> u32 {
         self.bounces
     }

@@ -1,11 +1,12 @@
-//! Light from all around for paths: a panorama, or the even light and lobes that it was taken for. Directions are drawn where it is bright.
+//! Environment map for light paths: a panorama, or the uniform light and lobes fitted to it. Directions are sampled by
+//! brightness.
 
 use glam::DVec3;
 use pelage_formats::meaning::environment::brightness;
 use pelage_stage::sky::{Environment, Panorama};
 use std::sync::Arc;
 
-/// What shines from all around, in place of ambient light.
+/// Environment light, in place of ambient light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueSky {
     of: Arc<Source>,
@@ -14,12 +15,12 @@ pub struct TrueSky {
 #[derive(Debug, PartialEq)]
 struct Source {
     light: Light,
-    /// By what directions are drawn: a panorama itself, or one of the lobes.
+    /// Picture by which directions are sampled: the panorama itself, or one painted from the lobes.
     picture: Panorama,
-    /// Sum of all rows up to each, and in each row of all columns up to each.
+    /// Cumulative sums of the rows; `columns` has those within each row.
     rows: Vec<f64>,
     columns: Vec<f64>,
-    /// Turn about the vertical, radians.
+    /// Rotation about the vertical, radians.
     yaw: f64,
     strength: f64,
 }
@@ -30,18 +31,18 @@ enum Light {
     Lobes(Environment),
 }
 
-/// Width and height of the picture of lobes.
+/// Width and height of the picture painted from lobes, pixels.
 const OF_LOBES: (u32, u32) = (128, 64);
 
 impl TrueSky {
-    /// A panorama, turned about the vertical as [`Environment::turned`] turns, and so many times as bright.
+    /// Returns the light of a panorama, rotated about the vertical as by [`Environment::turned`], times `strength`.
     pub fn of_panorama(panorama: Panorama, yaw_deg: f32, strength: f32) -> Self {
         Self::new(Light::Picture, panorama, yaw_deg, strength)
     }
 
-    /// The even light and the lobes of an environment; its sun is a light of its own.
+    /// Returns the uniform light and the lobes of an environment; its sun is a separate light.
     pub fn of_environment(environment: Environment) -> Self {
-        // Of that size there is a picture.
+        // Painting succeeds at this size.
         let picture = Panorama::painted(OF_LOBES, |way| environment.radiance(way)).unwrap_or_default();
         Self::new(Light::Lobes(environment), picture, 0.0, 1.0)
     }
@@ -65,7 +66,7 @@ impl TrueSky {
         Self { of: Arc::new(source) }
     }
 
-    /// Radiance from a direction of length 1, linear RGB.
+    /// Returns the radiance from a unit direction, linear RGB.
     pub fn radiance(&self, from: DVec3) -> DVec3 {
         let of = &*self.of;
         let inside = turned(from, -of.yaw);
@@ -79,7 +80,8 @@ impl TrueSky {
         light * of.strength
     }
 
-    /// A direction drawn by two even numbers in 0..1, and how likely it was, a steradian; `None` where all is black.
+    /// Samples a direction from two uniform numbers in 0..1; returns it with its probability density, per steradian.
+    /// `None` if all is black.
     pub fn draw(&self, even: [f64; 2]) -> Option<(DVec3, f64)> {
         let of = &*self.of;
         let (width, _) = of.picture.size();
@@ -94,7 +96,7 @@ impl TrueSky {
         Some((turned(way, of.yaw), self.likely_in(x as u32, y as u32)))
     }
 
-    /// How likely a direction is drawn, a steradian.
+    /// Returns the probability density of a sampled direction, per steradian.
     pub fn likely(&self, way: DVec3) -> f64 {
         let (x, y) = self.of.picture.pixel(turned(way, -self.of.yaw));
         self.likely_in(x, y)
@@ -106,18 +108,18 @@ impl TrueSky {
     }
 }
 
-/// How often a pixel is drawn.
+/// Returns the sampling weight of a pixel.
 fn weight(light: DVec3) -> f64 {
     brightness(light)
 }
 
-/// Turned about the vertical, from +x towards −z.
+/// Rotates about the vertical, from +x towards −z.
 fn turned(way: DVec3, yaw: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(yaw);
     DVec3::new(way.x * cos + way.z * sin, way.y, way.z * cos - way.x * sin)
 }
 
-/// Which of `sums`, each the sum of all up to it, holds a place, and how far in it that is, 0..1.
+/// Returns the index in the cumulative `sums` that contains a value, and the position within it, 0..1.
 fn pick(sums: &[f64], place: f64) -> (usize, f64) {
     let at = sums.partition_point(|sum| *sum <= place).min(sums.len() - 1);
     let before = if at > 0 { sums[at - 1] } else { 0.0 };
@@ -131,7 +133,8 @@ mod tests {
     use super::*;
     use pelage_bake::noise::uniform;
 
-    /// The mean of light over how likely it was drawn is all of it, with little noise; what is drawn is as likely as it says.
+    /// Checks that the mean of light over probability is all of the light, with little noise, and that samples match
+    /// their stated probability.
     #[test]
     fn directions_are_drawn_where_light_is() {
         let panorama = Panorama::painted((96, 48), |way| {
@@ -146,13 +149,13 @@ mod tests {
         for i in 0..COUNT {
             let (way, likely) = sky.draw([0, 1].map(|n| uniform(i, n).into())).unwrap();
             assert!((way.length() - 1.0).abs() < 1e-9 && likely > 0.0);
-            // On an edge between pixels either may be asked.
+            // On an edge between pixels either may be used.
             let asked = sky.likely(way);
             assert!((asked / likely - 1.0).abs() < 1e-9 || asked > 0.0, "{asked} {likely}");
             sum += sky.radiance(way) / likely / COUNT as f64;
         }
         assert!((sum / whole / 2.0 - 1.0).abs().max_element() < 0.02, "{sum}, expected twice {whole}");
-        // It is turned from +x towards −z, as models are.
+        // Rotated from +x towards −z, as models are.
         let window = turned(DVec3::new(0.6, 0.0, 0.8), 30_f64.to_radians());
         assert!(sky.radiance(window).x > 80.0 && sky.radiance(-window).x < 1.0);
         let lobes = TrueSky::of_environment(Environment::gradient([1.0; 3], [0.5; 3]));

@@ -1,4 +1,4 @@
-//! The light on the strands that an eye sees: what maps of strands' shadows should hold.
+//! Reference for strand shadow maps: the light on the visible strands.
 
 use super::camera::{RayCaster, TrueCamera};
 use super::lighting::TrueLight;
@@ -8,25 +8,26 @@ use super::{seed_of, stratified};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// A place of a strand that an eye sees.
+/// A visible point of a strand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenStrand {
-    /// On the axis of the strand, metres in world space.
+    /// Nearest point on the strand's axis, metres in world space.
     pub axis_ws: DVec3,
-    /// Along the strand, unit length.
+    /// Direction along the strand, unit length.
     pub tangent: DVec3,
-    /// Towards the eye, unit length.
+    /// Direction towards the eye, unit length.
     pub to_eye: DVec3,
-    /// Of the strand here, metres.
+    /// Radius of the strand at this point, metres.
     pub radius_m: f64,
     strand: u32,
 }
 
-/// How far the rays of a place start from it along its strand, radii: a map tells no nearer places from each other.
+/// Extent of the ray origins along the strand to either side, radii: a map cannot resolve less.
 const ALONG: f64 = 4.0;
 
 impl TrueScene {
-    /// The strands that a camera sees in the middle of every `step`th pixel of a picture of `size` pixels, row by row. `step` 0 counts as 1.
+    /// Returns the strands that a camera sees in the middle of every `step`th pixel of a picture of `size` pixels, row
+    /// by row. `step` 0 counts as 1.
     pub fn seen_strands(&self, camera: &TrueCamera, size: (u32, u32), step: u32) -> Vec<SeenStrand> {
         let (rays, step) = (RayCaster::new(camera, size), step.max(1));
         let rows: Vec<u32> = (0..size.1).step_by(step as usize).collect();
@@ -47,8 +48,11 @@ impl TrueScene {
         rows.par_iter().flat_map_iter(row).collect()
     }
 
-    /// Share of a light that reaches a place of a strand past all others, 0..=1: of that many rays, rounded up to a square number, from the side that the
-    /// eye sees, over its width and four radii up and down, as [`TrueScene::picture`] has it. `None` where the skin hides the light.
+    /// Returns the share of a light that reaches a point of a strand past all others, 0..=1; `None` if the mesh surface
+    /// hides the light.
+    ///
+    /// Casts `rays` rays, rounded up to a square number, as in [`TrueScene::picture`]. They start on the side that the
+    /// eye sees, over its width and four radii up and down.
     pub fn light_on_strand(&self, at: &SeenStrand, light: &TrueLight, rays: u32) -> Option<f64> {
         let start = Start { strand: Some(at.strand), triangle: None };
         let (way, reach) = light.seen_from(at.axis_ws);

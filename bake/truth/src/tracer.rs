@@ -1,4 +1,4 @@
-//! Strands and skin as things that rays meet.
+//! Ray intersection with strands and mesh surface.
 
 use super::capsules::Capsule;
 use glam::DVec3;
@@ -11,38 +11,41 @@ use pelage_bake::strands::Skin;
 use pelage_import::BakeError;
 use std::time::Duration;
 
-/// How far off the skin shadow rays start from it, radii of the scene: far above the rounding of f64, far below a hair.
+/// Offset of shadow rays from the mesh surface, radii of the scene: far above the rounding of f64, far below a hair.
 const LIFT: f64 = 1e-7;
-/// Barycentric coordinates below zero by less than this still hit, so that no ray slips between triangles.
+/// Tolerance for negative barycentric coordinates, so that no ray slips between triangles.
 const SEAM: f64 = 1e-9;
 
-/// What a ray meets first.
+/// First intersection of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Hit {
-    /// A strand: index of its first point and the share of the way to the next, and the strand's own index.
+    /// A strand: index of the point before the hit, position as a share of the segment to the next, and the strand's
+    /// own index.
     Hair { point: usize, share: f64, strand: u32 },
-    /// The skin: triangle and weights of its corners.
+    /// The mesh surface: triangle and weights of its corners.
     Skin { triangle: usize, weights: DVec3, front: bool },
 }
 
-/// What shadow rays leave out: what they start on.
+/// Origin of a shadow ray: the strand or triangle that it ignores.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Start {
     pub(super) strand: Option<u32>,
     pub(super) triangle: Option<usize>,
 }
 
-/// Strands and skin with their trees. Rays come and go in world space; inside, lengths are radii of the scene about its middle, so that f32 has all
-/// its digits where they are needed, for models of a millimetre as for those of a hundred metres.
+/// Strands and mesh surface with their acceleration structures.
+///
+/// Rays are given and returned in world space. Inside, lengths are radii of the scene about its middle, so that f32 has
+/// full precision for models of a millimetre as for those of a hundred metres.
 pub(super) struct Tracer {
     pub(super) curves: Curves,
     pub(super) skin: Skin,
-    /// In the order of the tree's leaves.
+    /// Strand segments, in the order of the tree's leaves.
     capsules: Vec<Capsule>,
-    /// First point and strand of each.
+    /// Index of the first point, and strand, of each segment.
     pieces: Vec<(u32, u32)>,
     hair: Option<CwBvh>,
-    /// In the order of the tree's leaves.
+    /// Triangles, in the order of the tree's leaves.
     facets: Vec<Facet>,
     skin_tree: Option<CwBvh>,
     center: DVec3,
@@ -81,7 +84,7 @@ impl Tracer {
         let hair = (!capsules.is_empty())
             .then(|| build_cwbvh(&capsules, BvhBuildParams::fast_build(), &mut Duration::default()));
         if let Some(tree) = &hair {
-            // The order of the leaves: neighbours in space are neighbours in memory.
+            // Leaf order: neighbours in space are neighbours in memory.
             capsules = tree.primitive_indices.iter().map(|i| capsules[*i as usize]).collect();
             pieces = tree.primitive_indices.iter().map(|i| pieces[*i as usize]).collect();
         }
@@ -96,12 +99,12 @@ impl Tracer {
         Ok(Self { curves, skin, capsules, pieces, hair, facets, skin_tree, center, radius })
     }
 
-    /// Half the diagonal of the box about all there is, metres; 1 where that is nothing.
+    /// Returns half the diagonal of the scene's bounding box, metres; 1 if that is zero.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Bytes in memory for each strand: points, pieces and tree.
+    /// Returns the memory per strand, bytes: points, segments and tree.
     pub fn bytes_per_strand(&self) -> f64 {
         let tree = self.hair.as_ref().map_or(0, |t| size_of_val(&t.nodes[..]) + size_of_val(&t.primitive_indices[..]));
         let bytes = tree
@@ -112,12 +115,12 @@ impl Tracer {
         bytes as f64 / self.curves.len().max(1) as f64
     }
 
-    /// What a ray from the eye meets first, and its distance in metres. `way` is of unit length.
+    /// Returns the first intersection of a ray from the eye, and its distance in metres. `way` has unit length.
     pub fn first(&self, origin_ws: DVec3, way: DVec3) -> Option<(Hit, f64)> {
         self.first_from(origin_ws, way, Start::default())
     }
 
-    /// The same of a ray that goes on from `start`, which it does not meet again.
+    /// Returns the first intersection of a ray that continues from `start`, which it cannot hit again.
     pub fn first_from(&self, origin_ws: DVec3, way: DVec3, start: Start) -> Option<(Hit, f64)> {
         let (mut origin, skipped) = self.enter_scene(origin_ws, way)?;
         if start.triangle.is_some() {
@@ -161,10 +164,10 @@ impl Tracer {
         best.0.map(|hit| (hit, (skipped + best.1) * self.radius))
     }
 
-    /// Whether a ray reaches the light. `way` is of unit length, `reach_m` infinite for a distant light.
+    /// Returns whether a ray reaches the light. `way` has unit length; `reach_m` is infinite for a distant light.
     ///
-    /// Skin hides from both sides. A strand does not hide the light from itself: for a thin hair, how much light its round meets is what the
-    /// lighting equation's sine says, and the half of it that the eye does not see counts as well.
+    /// The surface occludes from both sides. A strand does not occlude itself: the lighting equation's sine accounts
+    /// for the lit part of a thin hair's circumference, including the half that the eye does not see.
     pub fn is_lit(&self, origin_ws: DVec3, way: DVec3, reach_m: f64, start: Start, past: (bool, bool)) -> bool {
         let (past_hair, past_skin) = past;
         let mut origin = (origin_ws - self.center) / self.radius;
@@ -195,11 +198,11 @@ impl Tracer {
         })
     }
 
-    /// The ray moved up to the scene's sphere, and the way to there; `None` where it passes by.
+    /// Moves the ray's origin to the scene's sphere; returns it and the distance moved, `None` if the ray misses.
     fn enter_scene(&self, origin_ws: DVec3, way: DVec3) -> Option<(DVec3, f64)> {
         let origin = (origin_ws - self.center) / self.radius;
         let middle = -origin.dot(way);
-        // Half the diagonal of the scene's box is 1; a little more for what rounding lost.
+        // Half the diagonal of the scene's box is 1; slightly more to allow for rounding.
         let rest = 1.001 - (origin + way * middle).length_squared();
         if rest < 0.0 {
             return None;
@@ -214,7 +217,7 @@ impl Tracer {
     }
 }
 
-/// A triangle of the skin.
+/// A triangle of the mesh surface.
 #[derive(Clone, Copy, Debug)]
 struct Facet {
     corners: [DVec3; 3],
@@ -224,14 +227,14 @@ struct Facet {
 impl Boundable for Facet {
     fn aabb(&self) -> Aabb {
         let [a, b, c] = self.corners;
-        // Rays and boxes come in f32: their rounding must not miss a flat box.
+        // Rays and boxes are f32; the padding keeps their rounding from missing a flat box.
         let pad = 1e-6;
         Aabb::new((a.min(b).min(c) - pad).as_vec3a(), (a.max(b).max(c) + pad).as_vec3a())
     }
 }
 
 impl Facet {
-    /// Distance, weights of the corners, and whether the front is met (Möller and Trumbore 1997).
+    /// Returns the distance, the weights of the corners, and whether the front was hit (Möller and Trumbore 1997).
     fn meet(&self, origin: DVec3, way: DVec3) -> Option<(f64, DVec3, bool)> {
         let [a, b, c] = self.corners;
         let (e, f) = (b - a, c - a);
@@ -246,7 +249,7 @@ impl Facet {
         let third = way.dot(q);
         let t = f.dot(q);
         let weights = DVec3::new(1.0 - second - third, second, third);
-        // A determinant above zero is a ray against the side from which the corners are counter-clockwise.
+        // A positive determinant means that the ray hits the side from which the corners are counter-clockwise.
         (t > 0.0 && weights.min_element() >= -SEAM).then_some((t, weights, det > 0.0))
     }
 }

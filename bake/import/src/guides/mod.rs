@@ -1,44 +1,45 @@
-//! Guides: the few strands that say how hair on a scalp lies, as files of other programs have them.
+//! Hair guides: the few strands that define the shape of hair on a scalp, from files of other programs.
 
 pub mod lines;
 pub mod read;
 
 use glam::Vec3;
 
-/// Strands as a file has them: polylines, root first.
+/// Strands of a file: polylines, root first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guides {
-    /// Points of all, in the file's space and unit.
+    /// Points of all strands, in the file's space and unit.
     pub points: Vec<Vec3>,
-    /// Of each point, in the file's unit; empty where the file says none.
+    /// Radius of each point, in the file's unit; empty if the file has none.
     pub radii: Vec<f32>,
-    /// Of each point, linear RGB; empty where the file says none.
+    /// Colour of each point, linear RGB; empty if the file has none.
     pub colors: Vec<Vec3>,
-    /// Strand `i` is `offsets[i]..offsets[i + 1]`; one entry more than strands, or none.
+    /// Ranges of points: strand `i` is `offsets[i]..offsets[i + 1]`. One entry more than strands; empty without
+    /// strands.
     pub offsets: Vec<u32>,
-    /// Strands of the file that were left out: of one point, or without length.
+    /// Number of strands left out: those of one point or without length.
     pub left_out: usize,
-    /// What else was left out of the file, or guessed.
+    /// Warnings: other parts of the file that were left out or guessed.
     pub warnings: Vec<String>,
 }
 
 impl Guides {
-    /// Number of strands.
+    /// Returns the number of strands.
     pub fn len(&self) -> usize {
         self.offsets.len().saturating_sub(1)
     }
 
-    /// Whether there is no strand.
+    /// Returns whether there are no strands.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Points of a strand, root first.
+    /// Returns the points of a strand, root first.
     pub fn strand(&self, index: usize) -> &[Vec3] {
         &self.points[self.offsets[index] as usize..self.offsets[index + 1] as usize]
     }
 
-    /// Adds a strand, or counts it as left out where it has no length. Points that stand where the one before does are dropped.
+    /// Adds a strand, or counts it as left out if it has no length. Points equal to their predecessor are dropped.
     pub fn push(&mut self, points: &[Vec3], radii: &[f32], colors: &[Vec3]) {
         let first = self.points.len();
         for (i, point) in points.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The statements of an OBJ that make its shape: vertex data, faces, and what groups them.
+//! OBJ statements that define the shape: vertex data, faces, and their grouping.
 
 use super::fault::fault;
 use super::statements::{KEYWORDS, Statement, Statements};
@@ -21,24 +21,24 @@ pub(super) struct Corner {
 #[derive(Debug)]
 pub(super) struct Face {
     pub line: usize,
-    /// First of its corners in [`Faces::corners`].
+    /// Index of its first corner in [`Faces::corners`].
     pub first: usize,
     pub count: usize,
     /// Index into [`Faces::parts`].
     pub part: usize,
 }
 
-/// What faces stand under.
+/// Object, group and material under which faces are listed.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Part {
     pub object: String,
     pub group: String,
-    /// As `usemtl` names it; empty for none.
+    /// Name given by `usemtl`; empty for none.
     pub material: String,
 }
 
 impl Part {
-    /// For messages.
+    /// Returns the part's description for messages.
     pub fn label(&self) -> String {
         let all = [("object", &self.object), ("group", &self.group), ("material", &self.material)];
         let named: Vec<String> = all
@@ -49,26 +49,26 @@ impl Part {
         if named.is_empty() { "the faces without a name".to_owned() } else { named.join(", ") }
     }
 
-    /// Names of object and group, without empty ones.
+    /// Returns the names of object and group, without empty ones.
     pub fn names(&self) -> Vec<String> {
         [&self.object, &self.group].into_iter().filter(|name| !name.is_empty()).cloned().collect()
     }
 }
 
-/// All faces of a file, every index in range, every number finite.
+/// Faces of a file, with every index in range.
 #[derive(Debug, Default)]
 pub(super) struct Faces {
-    /// Metres.
+    /// Positions, metres.
     pub positions: Vec<Vec3>,
-    /// One per position, or fewer: linear RGBA, white for what is missing at the end.
+    /// Linear RGBA, one per position, or fewer: missing ones at the end are white.
     pub colors: Vec<[u8; 4]>,
-    /// v downwards.
+    /// Texture coordinates, v downwards.
     pub uvs: Vec<Vec2>,
     pub normals: Vec<Vec3>,
     pub corners: Vec<Corner>,
     pub list: Vec<Face>,
     pub parts: Vec<Part>,
-    /// Arguments of `mtllib`, each once, with the line.
+    /// Arguments of `mtllib`, each once, with their lines.
     pub libraries: Vec<(usize, String)>,
 }
 
@@ -83,24 +83,24 @@ impl Faces {
     }
 }
 
-/// Statements that fur has no use for, and how often each occurs.
+/// Statements without meaning for fur, and the number of each.
 #[derive(Default)]
 struct LeftOut {
     points: usize,
     lines: usize,
     free_form: usize,
-    /// Faces of fewer than three corners, and the line of the first.
+    /// Number of faces with fewer than three corners, and the line of the first.
     small: (usize, usize),
-    /// Texture coordinates that are not finite.
+    /// Number of texture coordinates that are not finite.
     uvs: usize,
-    /// Keywords that are none, each with its first line and its count.
+    /// Unknown keywords, each with its first line and its count.
     unknown: BTreeMap<String, (usize, usize)>,
 }
 
-/// At most this many different unknown keywords are told apart.
+/// Maximum number of different unknown keywords reported.
 const MAX_UNKNOWN: usize = 20;
 
-/// A list that face corners index.
+/// Lists that face corners index.
 #[derive(Clone, Copy)]
 enum List {
     Positions,
@@ -113,9 +113,9 @@ struct Reader<'a> {
     file: &'a str,
     unit_m: f32,
     faces: Faces,
-    /// As the next face has it.
+    /// Part of the next face.
     part: Part,
-    /// Number of `part`, once a face has asked for it.
+    /// Index of `part`, once a face has used it.
     part_index: Option<usize>,
     part_indices: HashMap<Part, usize>,
     left_out: LeftOut,
@@ -160,7 +160,7 @@ impl Reader<'_> {
 
     fn vertex(&mut self, s: &Statement<'_>) -> Result<(), BakeError> {
         let (n, count) = s.numbers::<7>(self.file, 3)?;
-        // A fourth number is the weight in a rational curve; after it or in its place may come a colour.
+        // A fourth number is the weight of a rational curve; a colour may follow the position or the weight.
         let color = match count {
             6 => Some([n[3], n[4], n[5]]),
             7 => Some([n[4], n[5], n[6]]),
@@ -175,7 +175,7 @@ impl Reader<'_> {
             );
         }
         if let Some(color) = color {
-            // The tools that write colours write them as sRGB (MeshLab, Blender), 0..=1.
+            // Tools that write colours (MeshLab, Blender) write them as sRGB, 0..=1.
             let byte = |x: f32| (srgb_value_to_linear(x.clamp(0.0, 1.0)) * 255.0).round() as u8;
             let [r, g, b] = color.map(byte);
             self.faces.colors.resize(self.faces.positions.len(), [255; 4]);
@@ -218,7 +218,8 @@ impl Reader<'_> {
         self.part_index = None;
     }
 
-    /// `position`, `position/uv`, `position//normal` or `position/uv/normal`; a number may be missing after its stroke.
+    /// Parses `position`, `position/uv`, `position//normal` or `position/uv/normal`; a number after a slash may be
+    /// missing.
     fn corner(&self, s: &Statement<'_>, word: &str) -> Result<Corner, BakeError> {
         let mut pieces = word.split('/');
         let index = |list: List, text: Option<&str>| match text {
@@ -233,7 +234,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Counts from 0, unchecked upwards: a face may stand before its vertices.
+    /// Parses an index and returns it counted from 0, without an upper check: a face may precede its vertices.
     fn index(&self, s: &Statement<'_>, word: &str, list: List, text: &str) -> Result<u32, BakeError> {
         let have = self.count(list) as i64;
         let found: i64 = text.parse().map_err(|_| s.unexpected(self.file, word, "whole numbers, such as 3/1/2"))?;
@@ -243,7 +244,7 @@ impl Reader<'_> {
             let expected = format!("a {name} index from 1, or from -{have} to -1 counting back from here");
             return Err(s.unexpected(self.file, word, &expected));
         }
-        // No list can have so many entries; that it has fewer is said at the end, where their number is known.
+        // No list can have so many entries; the check at the end reports the list's actual length.
         Ok(u32::try_from(index).unwrap_or(u32::MAX))
     }
 
@@ -289,8 +290,10 @@ impl Reader<'_> {
         Ok(self.faces)
     }
 
-    /// Checks what the corners name, now that all lists are complete. A file that names normals and has none at all still has its
-    /// shape: exporters write `1//1` out of habit. The same goes for texture coordinates.
+    /// Checks the indices of the corners, now that all lists are complete.
+    ///
+    /// A file without any normals keeps its shape even if corners name them: exporters write `1//1` out of habit. The
+    /// same applies to texture coordinates.
     fn check_indices(&mut self, notes: &mut Notes) -> Result<(), BakeError> {
         let [positions, uvs, normals] = [List::Positions, List::Uvs, List::Normals].map(|list| self.count(list));
         let mut ignored = [0, 0];

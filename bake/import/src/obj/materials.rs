@@ -1,4 +1,5 @@
-//! Material files (.mtl): diffuse colours and textures. The shape does not depend on them, so whatever is wrong with one is a warning.
+//! Material files (.mtl): diffuse colours and textures. The shape does not depend on them, so every mistake in one is
+//! only a warning.
 
 use super::statements::{Statement, Statements, decode};
 use crate::image_file::{MAX_TEXELS, decode_image};
@@ -9,17 +10,17 @@ use crate::source;
 use crate::source::Resolve;
 use std::collections::{BTreeMap, btree_map};
 
-/// The materials of all material files, and those that faces use.
+/// Materials of all material files, and those that faces use.
 #[derive(Debug, Default)]
 pub(super) struct Library {
-    /// In the order of first use.
+    /// Used materials, in the order of first use.
     pub used: Vec<Material>,
-    /// Of the used materials, decoded.
+    /// Decoded images of the used materials.
     pub images: Vec<Image>,
     known: BTreeMap<String, Entry>,
-    /// From names to numbers in `used`.
+    /// Index in `used` by name.
     numbers: BTreeMap<String, usize>,
-    /// From paths to numbers in `images`; `None` for one that cannot be read.
+    /// Index in `images` by path; `None` for an image that cannot be read.
     image_numbers: BTreeMap<String, Option<usize>>,
     texels: u64,
     any_file: bool,
@@ -38,7 +39,7 @@ impl Library {
     pub fn read(names: &[(usize, String)], resolve: &mut Resolve<'_>, notes: &mut Notes) -> Self {
         let mut library = Self::default();
         for (line, argument) in names {
-            // Names with spaces are common, lists of names are rare: the whole is tried first.
+            // Names with spaces are common, lists of names are rare: the whole argument is tried first.
             let whole = fetch(argument, resolve).map(|bytes| vec![(argument.as_str(), bytes)]);
             let found = whole.or_else(|error| {
                 let words: Vec<&str> = argument.split_whitespace().collect();
@@ -101,13 +102,13 @@ impl Library {
         }
     }
 
-    /// Number in [`Self::used`] of the material that faces name.
+    /// Returns the index in [`Self::used`] of the material that faces name.
     pub fn material(&mut self, name: &str, resolve: &mut Resolve<'_>, notes: &mut Notes) -> usize {
         if let Some(number) = self.numbers.get(name) {
             return *number;
         }
         let entry = self.known.get(name).cloned().unwrap_or_default();
-        // Without any file there is one warning about that already, or none is due.
+        // Without any file there is already a warning about that, or none is needed.
         if self.any_file && !name.is_empty() && !self.known.contains_key(name) {
             notes.warn(format!("material \"{}\" is in no material file; it is white", shorten(name)));
         }
@@ -153,7 +154,8 @@ impl Library {
     }
 }
 
-/// The diffuse colour: `Kd r g b`, or `Kd r` for a grey. Taken as linear, as Blender and obj2gltf write it.
+/// Parses the diffuse colour: `Kd r g b`, or `Kd r` for a grey. The numbers are read as linear, as Blender and obj2gltf
+/// write them.
 fn diffuse(file: &str, s: &Statement<'_>) -> Result<[f32; 3], crate::BakeError> {
     if let Some(other @ ("spectral" | "xyz")) = s.words().next() {
         return Err(crate::BakeError::Input {
@@ -171,7 +173,8 @@ fn diffuse(file: &str, s: &Statement<'_>) -> Result<[f32; 3], crate::BakeError> 
     Ok(color.map(|x| x.clamp(0.0, 1.0)))
 }
 
-/// The file name behind the options of a texture, each of which has a fixed number of arguments; names may have spaces.
+/// Returns the file name after the options of a texture, each of which has a fixed number of arguments. Names may have
+/// spaces.
 fn texture_name(s: &Statement<'_>) -> Option<String> {
     let words: Vec<&str> = s.words().collect();
     let mut i = 0;
@@ -183,7 +186,7 @@ fn texture_name(s: &Statement<'_>) -> Option<String> {
                 0
             }
             "-mm" => 2,
-            // Offset, scale and turbulence: the second and third number may be left out.
+            // Offset, scale and turbulence: the second and third number are optional.
             "-o" | "-s" | "-t" => 3,
             _ => 0,
         };
@@ -194,11 +197,11 @@ fn texture_name(s: &Statement<'_>) -> Option<String> {
     if rest.is_empty() {
         return None;
     }
-    // With options, what lies between words is not known any more, and is a single space in practice.
+    // With options the space between words is lost; in practice it is a single space.
     Some(if i == 0 { s.name().to_owned() } else { rest.join(" ") })
 }
 
-/// The path of a file that `file` names, from the folder of the model.
+/// Returns the path, relative to the model's folder, of a file that `file` names.
 fn beside(file: &str, name: &str) -> String {
     let (file, name) = (file.replace('\\', "/"), name.replace('\\', "/"));
     match file.rsplit_once('/') {
@@ -207,7 +210,8 @@ fn beside(file: &str, name: &str) -> String {
     }
 }
 
-/// The bytes of a file, or why there are none. Names in OBJ are plain paths, while `resolve` takes URIs.
+/// Returns the bytes of a file, or the reason why there are none. Names in OBJ are plain paths, while `resolve` takes
+/// URIs.
 fn fetch(path: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
     let path = path.replace('\\', "/");
     let drive = path.as_bytes().get(1) == Some(&b':') && path.as_bytes()[0].is_ascii_alphabetic();

@@ -1,12 +1,12 @@
 //! Wavefront OBJ ("Object Files (.obj)", Advanced Visualizer manual, appendix B1) and its material files.
 //!
-//! * `statements`: the text as logical lines; `faces`: the statements that make a shape, gathered and checked
-//! * `polygon`: polygons cut into triangles
+//! * `statements`: the text as logical lines; `faces`: the statements that define the shape, gathered and checked
+//! * `polygon`: triangulation of polygons
 //! * `materials`: the .mtl files and the images that they name
 //!
-//! Triangles with the same object, group and material become one part, whatever the order of the file: exporters change materials
-//! back and forth. Smoothing groups are read over, because fur has no creases. Points, lines and free-form surfaces are left out with
-//! a warning. Texture coordinates count v upwards in OBJ and downwards here.
+//! Triangles with the same object, group and material become one part, whatever the order of the file: exporters switch
+//! materials back and forth. Smoothing groups are ignored, because fur has no creases. Points, lines and free-form
+//! surfaces are left out with a warning. Texture coordinates count v upwards in OBJ and downwards here.
 
 mod faces;
 mod fault;
@@ -30,7 +30,7 @@ use std::collections::HashMap;
 
 pub(super) use statements::begins_like_one;
 
-/// Reads an OBJ model; as [`super::import`].
+/// Reads an OBJ model; arguments as for [`super::import`].
 pub(super) fn read(
     file: &str,
     bytes: &[u8],
@@ -42,7 +42,7 @@ pub(super) fn read(
     let faces = Faces::read(file, &text, options.unit_m, &mut notes)?;
     let mut library = Library::read(&faces.libraries, resolve, &mut notes);
     let mut pieces: Vec<Piece> = Vec::new();
-    // Only looked up: pieces stand in the order in which the file first shows them.
+    // The map is only looked up: pieces keep the order of their first face in the file.
     let mut piece_of_part: Vec<Option<usize>> = vec![None; faces.parts.len()];
     let (mut vertices, mut corners) = (0, 0);
     for face in &faces.list {
@@ -68,7 +68,7 @@ pub(super) fn read(
     let mut shapes: Vec<Shape<'_>> = pieces
         .iter_mut()
         .map(|p| {
-            // An empty list says that the file has none, which deserves no warning.
+            // An empty list means that the file has no normals, which needs no warning.
             if !p.has_normals {
                 p.normals.clear();
             }
@@ -89,7 +89,7 @@ pub(super) fn read(
     Ok(Model { mesh, materials, images, inputs, warnings, ..Model::default() })
 }
 
-/// The triangles of one part, with vertices of their own.
+/// Triangles of one part, with vertices of their own.
 struct Piece {
     label: String,
     names: Vec<String>,

@@ -1,23 +1,23 @@
-//! Polygons cut into triangles.
+//! Triangulation of polygons.
 //!
-//! Convex ones become a fan. Others lose one ear after the other (Meisters, "Polygons Have Ears", American Mathematical Monthly 82(6),
-//! 1975) in the plane of their normal by Newell's method, in double precision.
+//! Convex polygons become a fan. Others are cut by clipping ears (Meisters, "Polygons Have Ears", American Mathematical
+//! Monthly 82(6), 1975) in the plane of their normal by Newell's method, in double precision.
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// A polygon cut up.
+/// A triangulated polygon.
 #[derive(Debug, PartialEq)]
 pub(super) struct Cut {
-    /// Corners of each triangle, counted from 0; always two fewer than corners, in the polygon's own winding.
+    /// Corner indices of each triangle, from 0, in the polygon's own winding; always two fewer triangles than corners.
     pub triangles: Vec<[usize; 3]>,
-    /// Whether the triangles cover the polygon once: not if it crosses itself, or is too large to be looked at.
+    /// Whether the triangles cover the polygon once: false if it crosses itself, or is too large to be checked.
     pub clean: bool,
 }
 
-/// Cutting takes time with the cube of the corners at worst.
+/// Maximum number of corners for ear clipping, which takes cubic time in the worst case.
 const MOST_CORNERS: usize = 512;
 
-/// Cuts the polygon with corners at `points`, at least 3.
+/// Triangulates the polygon with corners at `points`, at least 3.
 pub(super) fn triangulate(points: &[Vec3]) -> Cut {
     let n = points.len();
     if n <= 3 {
@@ -25,7 +25,7 @@ pub(super) fn triangulate(points: &[Vec3]) -> Cut {
     }
     let flat = flatten(points);
     let corner = |i: usize| [flat[(i + n - 1) % n], flat[i], flat[(i + 1) % n]];
-    // Turning left everywhere is not enough: a star with five points does, and goes round twice.
+    // Left turns everywhere do not suffice: a five-pointed star has them too, and winds around twice.
     let turns: f64 = (0..n).map(|i| turn(corner(i))).sum();
     if (0..n).all(|i| twice_area(corner(i)) >= 0.0) && turns < 3.0 * std::f64::consts::PI {
         return fan(n, true);
@@ -40,7 +40,7 @@ fn fan(n: usize, clean: bool) -> Cut {
     Cut { triangles: (2..n).map(|i| [0, i - 1, i]).collect(), clean }
 }
 
-/// The polygon seen along its normal, so that it turns left on the whole.
+/// Projects the polygon along its normal, so that it turns left overall.
 fn flatten(points: &[Vec3]) -> Vec<DVec2> {
     let n = points.len();
     let at = |i: usize| points[i % n].as_dvec3() - points[0].as_dvec3();
@@ -50,12 +50,12 @@ fn flatten(points: &[Vec3]) -> Vec<DVec2> {
     (0..n).map(|i| DVec2::new(at(i).dot(x), at(i).dot(y))).collect()
 }
 
-/// Positive where the middle of three points is a left turn.
+/// Returns twice the signed area of a triangle: positive if the middle of the three points is a left turn.
 fn twice_area([a, b, c]: [DVec2; 3]) -> f64 {
     (b - a).perp_dot(c - b)
 }
 
-/// Angle by which the way turns left at the middle of three points.
+/// Returns the angle of the left turn at the middle of three points.
 fn turn([a, b, c]: [DVec2; 3]) -> f64 {
     let (into, out) = (b - a, c - b);
     libm::atan2(into.perp_dot(out), into.dot(out))
@@ -64,26 +64,27 @@ fn turn([a, b, c]: [DVec2; 3]) -> f64 {
 fn cut_ears(flat: &[DVec2]) -> Cut {
     let mut left: Vec<usize> = (0..flat.len()).collect();
     let mut out = Cut { triangles: Vec::with_capacity(flat.len() - 2), clean: true };
-    // Beginning where the last ear was cut spreads the triangles instead of fanning them around one corner.
+    // Starting where the last ear was cut spreads the triangles instead of fanning them around one corner.
     let mut start = 0;
     while left.len() > 3 {
         let m = left.len();
         let ear = (0..m).map(|k| (start + k) % m).find(|i| is_ear(flat, &left, *i));
-        // A polygon that crosses itself may have no ear; its corners are used up all the same.
+        // A polygon that crosses itself may have no ear; its corners are removed all the same.
         out.clean &= ear.is_some();
         let i = ear.unwrap_or(start % m);
         out.triangles.push([left[(i + m - 1) % m], left[i], left[(i + 1) % m]]);
         left.remove(i);
         start = i;
     }
-    // What is left of a bow tie is turned over, if only beyond rounding.
+    // The rest of a bow tie is turned over; rounding errors are tolerated.
     let reach = flat.iter().map(|p| p.length_squared()).fold(0.0, f64::max);
     out.clean &= twice_area([left[0], left[1], left[2]].map(|i| flat[i])) >= -1e-9 * reach;
     out.triangles.push([left[0], left[1], left[2]]);
     out
 }
 
-/// Whether corner `i` of what is left can be cut off: it turns left, and no other corner lies in its triangle.
+/// Returns whether corner `i` of the remaining ones can be cut off: it turns left, and no other corner is inside its
+/// triangle.
 fn is_ear(flat: &[DVec2], left: &[usize], i: usize) -> bool {
     let m = left.len();
     let ear = [left[(i + m - 1) % m], left[i], left[(i + 1) % m]].map(|k| flat[k]);
@@ -93,7 +94,7 @@ fn is_ear(flat: &[DVec2], left: &[usize], i: usize) -> bool {
     let [a, b, c] = ear;
     left.iter().map(|k| flat[*k]).filter(|p| !ear.contains(p)).all(|p| {
         let outside = twice_area([a, b, p]) < 0.0 || twice_area([b, c, p]) < 0.0 || twice_area([c, a, p]) < 0.0;
-        // A corner on the rim of a triangle without area does not lie in it.
+        // A corner on the rim of a triangle without area does not count as inside.
         outside || twice_area(ear) == 0.0
     })
 }
@@ -103,11 +104,11 @@ mod tests {
     use super::*;
 
     fn lift(points: &[(f32, f32)]) -> Vec<Vec3> {
-        // A plane that is none of the axes', far from the origin.
+        // An oblique plane, far from the origin.
         points.iter().map(|(x, y)| Vec3::new(*x + 100.0, *y, 0.5 * *x - 0.25 * *y)).collect()
     }
 
-    /// Sum of the areas of all triangles, and the area of the polygon, both in the plane.
+    /// Returns twice the summed area of all triangles, and twice the area of the polygon, both in the plane.
     fn areas(points: &[(f32, f32)], cut: &Cut) -> (f64, f64) {
         let p: Vec<DVec2> = points.iter().map(|(x, y)| DVec2::new((*x).into(), (*y).into())).collect();
         let triangles = cut.triangles.iter().map(|t| twice_area(t.map(|i| p[i])));
@@ -143,12 +144,12 @@ mod tests {
         for points in [
             &[(0., 0.), (1., 0.), (0., 1.)][..],
             &[(0., 0.), (1., 0.), (1., 1.), (0., 1.)],
-            // An arrow head at each of its four beginnings: a fan from the wrong corner turns a triangle over.
+            // An arrow head from each of its four starting corners: a fan from the wrong corner turns a triangle over.
             &[(0., 0.), (2., 2.), (0., 1.), (-2., 2.)],
             &[(2., 2.), (0., 1.), (-2., 2.), (0., 0.)],
             &[(0., 1.), (-2., 2.), (0., 0.), (2., 2.)],
             &[(-2., 2.), (0., 0.), (2., 2.), (0., 1.)],
-            // Corners on a straight line.
+            // Collinear corners.
             &[(0., 0.), (1., 0.), (2., 0.), (2., 2.), (1., 1.), (0., 2.)],
             // A hole joined to the rim by a slit, as exporters write it.
             &[(0., 0.), (4., 0.), (4., 4.), (0., 4.), (0., 0.), (1., 1.), (1., 3.), (3., 3.), (3., 1.), (1., 1.)],
@@ -165,7 +166,7 @@ mod tests {
 
     #[test]
     fn the_fan_of_an_arrow_head_is_wrong() {
-        // What the test above would see if concave polygons were cut as fans.
+        // Result of the test above if concave polygons were cut as fans.
         let points = [(2., 2.), (0., 1.), (-2., 2.), (0., 0.)];
         let wrong = std::panic::catch_unwind(|| areas(&points, &fan(4, true)));
         assert!(wrong.is_err());

@@ -1,11 +1,11 @@
-//! The text of .obj and .mtl files: encodings, logical lines, keywords, numbers.
+//! Text of .obj and .mtl files: encodings, logical lines, keywords, numbers.
 
 use super::fault::fault;
 use crate::BakeError;
 use crate::json::shorten;
 use std::borrow::Cow;
 
-/// What can begin a line of an OBJ file, deprecated statements left aside.
+/// Keywords that can begin a line of an OBJ file, without deprecated ones.
 pub(super) const KEYWORDS: &[&str] = &[
     "v",
     "vt",
@@ -49,17 +49,17 @@ pub(super) const KEYWORDS: &[&str] = &[
     "csh",
 ];
 
-/// Whether the first statement of `bytes` that has arguments is one of OBJ.
+/// Returns whether the first statement with arguments in `bytes` is one of OBJ.
 pub(crate) fn begins_like_one(bytes: &[u8]) -> bool {
-    // Comments at the head of a file are rarely longer, and a text that shows nothing by then is named by its extension.
+    // Header comments are rarely longer; a text without a statement up to here is identified by its extension.
     let head = &bytes[..bytes.len().min(1 << 16)];
-    // A text of 16-bit characters may be cut within one; what comes before it still tells.
+    // A 16-bit character may be cut at the end; the text before it suffices.
     let Ok(text) = decode("", head).or_else(|_| decode("", &head[..head.len() - 1])) else { return false };
     Statements::new(&text).find(|s| s.words().next().is_some()).is_some_and(|s| KEYWORDS.contains(&s.keyword()))
 }
 
-/// The text of a file: UTF-16 if it begins with the mark of it, else UTF-8. Bytes that are no UTF-8 (names in older encodings) are
-/// replaced; they cannot be part of a number.
+/// Decodes the text of a file: UTF-16 if it begins with a byte order mark, else UTF-8. Bytes that are not UTF-8 (names
+/// in older encodings) are replaced; they cannot be part of a number.
 pub(super) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>, BakeError> {
     let from_bytes: fn([u8; 2]) -> u16 = match bytes {
         [0xfe, 0xff, ..] => u16::from_be_bytes,
@@ -77,7 +77,7 @@ pub(super) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>, Ba
 /// A logical line that is neither empty nor a comment.
 #[derive(Debug, PartialEq)]
 pub(super) struct Statement<'a> {
-    /// The line in which it begins, counted from 1.
+    /// Line in which it begins, counted from 1.
     pub line: usize,
     text: Cow<'a, str>,
 }
@@ -87,17 +87,18 @@ impl Statement<'_> {
         self.text.split_whitespace().next().unwrap_or_default()
     }
 
-    /// What follows the keyword, word by word.
+    /// Returns the words after the keyword.
     pub fn words(&self) -> impl Iterator<Item = &str> {
         self.text.split_whitespace().skip(1)
     }
 
-    /// What follows the keyword, as one name that may have spaces.
+    /// Returns the text after the keyword as one name that may have spaces.
     pub fn name(&self) -> &str {
         self.text.split_once(char::is_whitespace).map_or("", |(_, rest)| rest.trim())
     }
 
-    /// What follows the keyword, as finite numbers: at least `LEAST` of them, at most `N`. Gives how many there are; the rest is 0.
+    /// Parses the finite numbers after the keyword: at least `least`, at most `N`. Returns them, padded with 0, and
+    /// their count.
     pub fn numbers<const N: usize>(&self, file: &str, least: usize) -> Result<([f32; N], usize), BakeError> {
         let (numbers, count) = self.floats::<N>(file, least)?;
         match numbers.iter().position(|x| !x.is_finite()) {
@@ -109,7 +110,7 @@ impl Statement<'_> {
         }
     }
 
-    /// As [`Self::numbers`], but infinities and NaN pass.
+    /// Parses numbers as [`Self::numbers`] does, but accepts infinities and NaN.
     pub fn floats<const N: usize>(&self, file: &str, least: usize) -> Result<([f32; N], usize), BakeError> {
         let (mut out, mut count) = ([0.0; N], 0);
         for word in self.words() {
@@ -128,7 +129,7 @@ impl Statement<'_> {
         self.fault(file, format!("`{}` has {found} numbers, expected {least} to {most}", shorten(self.keyword())))
     }
 
-    /// An error that says what was found here instead.
+    /// Returns an error that says what was found instead of `expected`.
     pub fn unexpected(&self, file: &str, found: &str, expected: &str) -> BakeError {
         self.fault(file, format!("`{}` has `{}`, expected {expected}", shorten(self.keyword()), shorten(found)))
     }
@@ -138,7 +139,7 @@ impl Statement<'_> {
     }
 }
 
-/// The statements of a text. A backslash at the end of a line joins it with the next.
+/// Iterator over the statements of a text. A backslash at the end of a line joins it with the next.
 pub(super) struct Statements<'a> {
     rest: &'a str,
     line: usize,
@@ -149,7 +150,7 @@ impl<'a> Statements<'a> {
         Self { rest: text, line: 0 }
     }
 
-    /// The next line as it stands in the file, without its end: LF, CR LF, or the lone CR of old systems.
+    /// Returns the next line of the file, without its end: LF, CR LF, or the lone CR of old systems.
     fn physical(&mut self) -> Option<&'a str> {
         if self.rest.is_empty() {
             return None;
@@ -161,14 +162,14 @@ impl<'a> Statements<'a> {
         Some(line)
     }
 
-    /// The next logical line, without its comment.
+    /// Returns the next logical line, without its comment.
     fn logical(&mut self) -> Option<Statement<'a>> {
         let first = self.physical()?;
         let line = self.line;
         let text = without_comment(first);
         let Some(head) = text.strip_suffix('\\') else { return Some(Statement { line, text: text.trim().into() }) };
         let mut joined = head.to_owned();
-        // A backslash in the last line joins it with nothing.
+        // A backslash in the last line has no effect.
         while let Some(next) = self.physical().map(without_comment) {
             joined.push(' ');
             let Some(head) = next.strip_suffix('\\') else {
@@ -181,7 +182,7 @@ impl<'a> Statements<'a> {
     }
 }
 
-/// A `#` begins a comment at the start of a word; within one it belongs to a name.
+/// Removes a comment. A `#` begins one at the start of a word; within a word it belongs to a name.
 fn without_comment(line: &str) -> &str {
     let mut before = ' ';
     for (i, c) in line.char_indices() {
@@ -221,7 +222,7 @@ mod tests {
 
     #[test]
     fn many_joined_lines_take_time_in_proportion() {
-        // Joined one by one by copying, this would be 10¹¹ steps.
+        // Joined one by one by copying, this would take 10¹¹ steps.
         let text = "f 1 2 3 \\\n".repeat(300_000);
         assert_eq!(Statements::new(&text).next().map(|s| s.words().count()), Some(1_199_999));
     }

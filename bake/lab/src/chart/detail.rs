@@ -1,7 +1,9 @@
-//! Topic `detail`: how many layers, triangles and texels a picture needs at the size that a model is drawn, against the true strands.
+//! Topic `detail`: how many layers, triangles and texels a picture needs at the size that a model is drawn, against the
+//! true strands.
 //!
-//! Fur that is few pixels high cannot show many layers, nor small triangles what large ones do not. So the same view is drawn in four sizes, each
-//! beside its own true picture: with what the runtime chooses, with all there is, and with one of the three changed at a time.
+//! Fur that is few pixels high cannot show many layers, nor small triangles what large ones do not. So the same view is
+//! drawn in four sizes, each beside its own true picture: with what the runtime chooses, with all there is, and with
+//! one of the three changed at a time.
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
@@ -101,8 +103,8 @@ pub fn panels(counted: bool) -> Vec<Panel> {
     Size::ALL.into_iter().zip(error_labels).map(panel).collect()
 }
 
-/// What to measure: for each size what the runtime draws of the recipe, all that the recipe has, its levels of detail by
-/// quarters as far as they have layers, [`TILES`], and what the runtime draws without simplified lists.
+/// What to measure: for each size what the runtime draws of the recipe, all that the recipe has, its levels of detail
+/// by quarters as far as they have layers, [`TILES`], and what the runtime draws without simplified lists.
 ///
 /// # Errors
 ///

@@ -1,8 +1,10 @@
-//! Topic `environment`: how near what a frame makes of a sky is to what a fibre sends of it, and what that costs: one broad light for all, a light at a time by tables,
-//! exactly, or as printed, samples of the sky, and constant ambient light.
+//! Topic `environment`: how near what a frame makes of a sky is to what a fibre sends of it, and what that costs: one
+//! broad light for all, a light at a time by tables, exactly, or as printed, samples of the sky, and constant ambient
+//! light.
 //!
-//! The truth is the picture of the sky, direction by direction, times what the fibre scatters of it, of all that is above the skin and what a body as round as most does
-//! not hide. No other hair is in the way. A sun is a light of its own wherever a sky is taken for lights, and is exact there, as a frame's key light is.
+//! The truth is the picture of the sky, direction by direction, times what the fibre scatters of it, of all that is
+//! above the skin and what a body as round as most does not hide. No other hair is in the way. A sun is a light of its
+//! own wherever a sky is taken for lights, and is exact there, as a frame's key light is.
 
 use super::environment_fit::even_direction;
 use super::skies::NamedSky;
@@ -30,7 +32,8 @@ const FIBRES: [FibreOptics; 3] = [
     FibreOptics { eta: 1.45, along: 0.2, tilt: 0.05, around: 0.2 },
     FibreOptics { eta: 1.55, along: 0.35, tilt: 0.0, around: 0.5 },
 ];
-/// Columns and rows of cells that the truth's picture has, and into how many each way those are parted that have more than a share of all light.
+/// Columns and rows of cells that the truth's picture has, and into how many each way those are parted that have more
+/// than a share of all light.
 const CELLS: (u32, u32) = (64, 32);
 const PARTED: u32 = 6;
 const BRIGHT: f64 = 0.004;
@@ -40,8 +43,10 @@ const DIRECTIONS: u32 = 1024;
 /// Columns of the chart.
 ///
 /// * `sky`: which, or how wide a single light is.
-/// * `error_percent`: root of the mean square of the difference over that of the truth, in luminance, of all points. `mean_percent`: mean over the truth's, less 1.
-/// * `microseconds`: of a point, on one core, with all that it reads in memory. `fetches`: texels that a frame asks samplers for. `bytes`: of the tables of one fibre.
+/// * `error_percent`: root of the mean square of the difference over that of the truth, in luminance, of all points.
+///   `mean_percent`: mean over the truth's, less 1.
+/// * `microseconds`: of a point, on one core, with all that it reads in memory. `fetches`: texels that a frame asks
+///   samplers for. `bytes`: of the tables of one fibre.
 pub const COLUMNS: [&str; 6] = ["sky", "error_percent", "mean_percent", "microseconds", "fetches", "bytes"];
 
 /// Panels of the chart.
@@ -55,7 +60,8 @@ const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// All that a sky of so many lobes sends from above the skin is one light about the mean of its directions, by tables of that size.
+    /// All that a sky of so many lobes sends from above the skin is one light about the mean of its directions, by
+    /// tables of that size.
     OneLight(usize, BroadSize),
     /// So many lobes, each by the tables.
     Tables(usize),
@@ -146,7 +152,8 @@ impl Configuration {
 
     /// Texels that a frame asks samplers for.
     fn fetches(&self) -> Option<usize> {
-        // Light in whole, its direction and its irradiance; then what lies between two means and two angles to the eye. Two tables tell of one direction.
+        // Light in whole, its direction and its irradiance; then what lies between two means and two angles to the eye.
+        // Two tables tell of one direction.
         match self {
             Self::Sky(_, Form::OneLight(..)) => Some(3 + 4),
             Self::Sky(_, Form::Tables(n)) => Some(4 * (n + 1)),
@@ -455,7 +462,8 @@ fn by_lobes(
     })
 }
 
-/// How far a form is off of single lights of that width: two colours, two smooth fibres, three looks, twenty places of the light, 240 in all.
+/// How far a form is off of single lights of that width: two colours, two smooth fibres, three looks, twenty places of
+/// the light, 240 in all.
 pub fn off_single(form: SingleForm, width_deg: f64) -> Off {
     let sharpness = width_deg.to_radians().powi(-2);
     let fibres: Vec<Fibre> = [5.0, 15.0].map(|width| smooth(width, &FIBRES[0])).into();

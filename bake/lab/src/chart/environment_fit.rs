@@ -12,9 +12,12 @@ pub const LOBES: [usize; 9] = [0, 1, 2, 4, 8, 12, 16, 24, 32];
 /// Columns of the chart.
 ///
 /// * `sky`: which. `lobes`: that were asked for.
-/// * `error_percent`: root of the mean square of what the lights' radiance differs by from the sky's without its sun, over that of this, by cells of 5.6 degrees.
-/// * `irradiance_percent`: the same of the irradiance of skin, sun and all, over directions that skin faces; the rest is a thing of the fit, this is what a coat sees.
-/// * `energy_percent`: light in whole over the sky's, less 1, of the colour of which it is farthest off. `sun_percent`: share of all light that the sun has.
+/// * `error_percent`: root of the mean square of what the lights' radiance differs by from the sky's without its sun,
+///   over that of this, by cells of 5.6 degrees.
+/// * `irradiance_percent`: the same of the irradiance of skin, sun and all, over directions that skin faces; the rest
+///   is a thing of the fit, this is what a coat sees.
+/// * `energy_percent`: light in whole over the sky's, less 1, of the colour of which it is farthest off. `sun_percent`:
+///   share of all light that the sun has.
 /// * `seconds`: that the fit takes. `bytes`: of the lights as numbers of 32 bits.
 pub const COLUMNS: [&str; 8] =
     ["sky", "lobes", "error_percent", "irradiance_percent", "energy_percent", "sun_percent", "seconds", "bytes"];

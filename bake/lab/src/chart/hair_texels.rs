@@ -35,10 +35,11 @@ impl HairTexel {
     }
 }
 
-/// Draws `count` texels evenly from the surface of all hair, so that a texel comes the more often the more hair it holds. The key is layer · texels² +
-/// row · texels + column.
+/// Draws `count` texels evenly from the surface of all hair, so that a texel comes the more often the more hair it
+/// holds. The key is layer · texels² + row · texels + column.
 ///
-/// A layer stands for the slab of height about it, as in slicing; the lowest above the skin reaches down to it, and the skin itself has no hair.
+/// A layer stands for the slab of height about it, as in slicing; the lowest above the skin reaches down to it, and the
+/// skin itself has no hair.
 ///
 /// * `texels`: along a side of the tile
 /// * `layers`: of the volume, skin counted; two or more
@@ -95,7 +96,8 @@ mod tests {
     use super::*;
     use glam::{Vec3, vec3};
 
-    /// An upright strand and one that lies twice as thick across the border of the tile: places are where the strands are, as often as there is hair.
+    /// An upright strand and one that lies twice as thick across the border of the tile: places are where the strands
+    /// are, as often as there is hair.
     #[test]
     fn texels_come_as_often_as_they_hold_hair() {
         let strands = Strands {

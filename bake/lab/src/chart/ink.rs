@@ -1,8 +1,10 @@
-//! Topic `ink`: lines found in a picture of normals against the lines of the mesh, by threshold, width, size and rule, and what they cost.
+//! Topic `ink`: lines found in a picture of normals against the lines of the mesh, by threshold, width, size and rule,
+//! and what they cost.
 //!
-//! The truth is `crate::truth::TrueLines`. Precision, recall and their harmonic mean say whether lines are where they should be, the widest stroke
-//! whether they stay lines (Fang 2006, Fig. 3: the sphere map alone blackens what is seen edge on), flicker whether wash and lines stay where they are on the
-//! model while the camera goes slowly round. Width and flicker are those on blank paper ([`on_blank_paper`]).
+//! The truth is `crate::truth::TrueLines`. Precision, recall and their harmonic mean say whether lines are where they
+//! should be, the widest stroke whether they stay lines (Fang 2006, Fig. 3: the sphere map alone blackens what is seen
+//! edge on), flicker whether wash and lines stay where they are on the model while the camera goes slowly round. Width
+//! and flicker are those on blank paper ([`on_blank_paper`]).
 
 use super::{Cell, Panel};
 use crate::compare_lines::LineMeasures;
@@ -154,14 +156,16 @@ pub fn line_px(ink: &InkParams, height: u32) -> f64 {
     }
 }
 
-/// Width of the template, pixels: the widest line asked for, and one more, because an edge is a feature on both of its sides. (Three dilations of Fang 2006, §2,
-/// make seven pixels of one and eight of two.) Lines nearer to each other than that run together.
+/// Width of the template, pixels: the widest line asked for, and one more, because an edge is a feature on both of its
+/// sides. (Three dilations of Fang 2006, §2, make seven pixels of one and eight of two.) Lines nearer to each other
+/// than that run together.
 pub fn template_px(ink: &InkParams, height: u32) -> f64 {
     line_px(ink, height) + 1.0
 }
 
-/// The same on paper without relief and with a brush full of ink. Paper lies still while the model moves, and where it shows through, or stops a
-/// dry brush, the picture changes on the model with reason; and a black patch with holes in it is a black patch.
+/// The same on paper without relief and with a brush full of ink. Paper lies still while the model moves, and where it
+/// shows through, or stops a dry brush, the picture changes on the model with reason; and a black patch with holes in
+/// it is a black patch.
 #[must_use]
 pub fn on_blank_paper(ink: &InkParams) -> InkParams {
     ink.clone().with(|ink| (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0))
@@ -172,7 +176,8 @@ pub fn on_blank_paper(ink: &InkParams) -> InkParams {
 pub struct Measured {
     /// Of each view.
     pub views: Vec<LineMeasures>,
-    /// Mean difference of neighbouring frames over the skin, over what is no line in either, and over lines of both; greys of 0..=1.
+    /// Mean difference of neighbouring frames over the skin, over what is no line in either, and over lines of both;
+    /// greys of 0..=1.
     pub flicker: [Option<f64>; 3],
     /// The fastest frame of the slowest view.
     pub frame_ms: f64,

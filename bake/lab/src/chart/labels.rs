@@ -1,4 +1,5 @@
-//! Words beside marks, where there is room for them: a label that would lie on another or on a mark is left out, and the table has it.
+//! Words beside marks, where there is room for them: a label that would lie on another or on a mark is left out, and
+//! the table has it.
 
 /// A box in pixels: left, top, right, bottom.
 type Rect = [i32; 4];
@@ -21,7 +22,8 @@ pub struct Placed {
 
 /// Finds places.
 ///
-/// * `marks`: place of each mark, pixels, its radius, and its label, in the order of importance; of marks on one spot one is labelled
+/// * `marks`: place of each mark, pixels, its radius, and its label, in the order of importance; of marks on one spot
+///   one is labelled
 /// * `obstacles`: other points that no label may cover, such as those of a line
 /// * `frame`: left, top, right and bottom end of where labels may stand
 /// * `font`: height of a letter; on average one is 0.54 times as wide

@@ -1,5 +1,5 @@
-//! The key light's shadow maps, read back, and what a fragment of the runtime gets from them: the same steps in the same order as in
-//! `surface.wgsl` of the runtime, through the Rust twins of its functions.
+//! The key light's shadow maps, read back, and what a fragment of the runtime gets from them: the same steps in the
+//! same order as in `surface.wgsl` of the runtime, through the Rust twins of its functions.
 
 use glam::{Vec3, Vec4};
 use pelage_runtime::LightView;
@@ -17,10 +17,11 @@ pub struct LightMaps {
     pub size: u32,
     /// Per map layer, the skin first: `size * size` transmittances, row-major. Empty without self-shadow.
     pub layers: Vec<Vec<f32>>,
-    /// `size * size` texels of the shadow-width map, row-major; their channels stand in the runtime's `soft_shadow.wgsl`. Empty without
-    /// soft shadow.
+    /// `size * size` texels of the shadow-width map, row-major; their channels stand in the runtime's
+    /// `soft_shadow.wgsl`. Empty without soft shadow.
     pub width: Vec<[f32; 4]>,
-    /// Depth of the nearest surface and of the farthest that faces the light, as drawn: `size * size` values each, or empty.
+    /// Depth of the nearest surface and of the farthest that faces the light, as drawn: `size * size` values each, or
+    /// empty.
     pub depths: [Vec<f32>; 2],
 }
 

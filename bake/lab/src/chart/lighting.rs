@@ -1,8 +1,8 @@
 //! Topic `lighting`: how near the direction that light is computed with comes to the strand's own, and what that costs.
 //!
-//! Where a strand crosses a layer, its tangent is known, and with it eq. (1) of Yang 2006. Light per pixel takes the direction texture's
-//! filtered direction there, light per vertex (Lengyel 2001) the mean direction of the layer; both are read here from the file that the
-//! runtime would read, block compression included. Milliseconds are the adapter's.
+//! Where a strand crosses a layer, its tangent is known, and with it eq. (1) of Yang 2006. Light per pixel takes the
+//! direction texture's filtered direction there, light per vertex (Lengyel 2001) the mean direction of the layer; both
+//! are read here from the file that the runtime would read, block compression included. Milliseconds are the adapter's.
 
 use super::errors::Errors;
 use super::{Cell, Panel};
@@ -110,7 +110,8 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
 /// Errors of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Mean angle between the direction that light is computed with and the strand, degrees; both are lines, not arrows.
+    /// Mean angle between the direction that light is computed with and the strand, degrees; both are lines, not
+    /// arrows.
     pub direction_error_deg: f64,
     /// Of eq. (1) without its ambient term, on white hair under a white light of strength 1.
     pub light: Errors,

@@ -1,7 +1,9 @@
 //! Speed against accuracy: tables of configurations, their front, and pictures of both.
 //!
-//! A topic is a module that lists configurations ([`environment`], [`environment_fit`], [`multiple`], [`scattering`], [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
-//! A chart's figures come with the command that reproduces each, so that nobody has to believe it.
+//! A topic is a module that lists configurations ([`environment`], [`environment_fit`], [`multiple`], [`scattering`],
+//! [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`)
+//! and a command that measures them; table, front, CSV and SVG are the same for all. A chart's figures come with the
+//! command that reproduces each, so that nobody has to believe it.
 
 mod axis;
 pub mod detail;
@@ -86,7 +88,8 @@ pub struct Panel {
     pub error: &'static str,
     /// Label of that axis, with unit.
     pub error_label: &'static str,
-    /// Column and word of the rows that are drawn, where the panels of a chart part its rows between them; `None` draws all.
+    /// Column and word of the rows that are drawn, where the panels of a chart part its rows between them; `None` draws
+    /// all.
     pub only: Option<(&'static str, &'static str)>,
 }
 
@@ -108,7 +111,8 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// Cost and error of each row in `panel`; `None` where either is missing, and for rows that the panel does not draw.
+    /// Cost and error of each row in `panel`; `None` where either is missing, and for rows that the panel does not
+    /// draw.
     pub fn points(&self, panel: &Panel) -> Vec<Option<(f64, f64)>> {
         let column = |name: &str| self.columns.iter().position(|c| *c == name);
         let (cost, error) = (column(panel.cost), column(panel.error));
@@ -127,8 +131,8 @@ impl Chart {
         front(&self.points(panel))
     }
 
-    /// The table as CSV (RFC 4180): series, all columns, `adapter`, `default`, `on_front` (of the first panel; one more column
-    /// for each further one), `command`.
+    /// The table as CSV (RFC 4180): series, all columns, `adapter`, `default`, `on_front` (of the first panel; one more
+    /// column for each further one), `command`.
     pub fn csv(&self) -> String {
         let mut header: Vec<String> = vec!["series".into()];
         header.extend(self.columns.iter().map(ToString::to_string));
@@ -148,7 +152,8 @@ impl Chart {
         csv(table)
     }
 
-    /// The columns that say which rows are on a front, each with its name: one for each panel, and one for all that part the rows between them.
+    /// The columns that say which rows are on a front, each with its name: one for each panel, and one for all that
+    /// part the rows between them.
     pub fn fronts(&self) -> Vec<(String, Vec<bool>)> {
         let mut found: Vec<(&Panel, String, Vec<bool>)> = Vec::new();
         for panel in &self.panels {
@@ -164,8 +169,8 @@ impl Chart {
     }
 }
 
-/// The rows that no other beats: none is at most as costly and at most as wrong, and better in one of the two. Rows without
-/// figures are never on it.
+/// The rows that no other beats: none is at most as costly and at most as wrong, and better in one of the two. Rows
+/// without figures are never on it.
 pub fn front(points: &[Option<(f64, f64)>]) -> Vec<bool> {
     let beats = |(c, e): (f64, f64), (cost, error): (f64, f64)| c <= cost && e <= error && (c < cost || e < error);
     let unbeaten = |p: &Option<(f64, f64)>| p.is_some_and(|p| !points.iter().flatten().any(|q| beats(*q, p)));

@@ -1,5 +1,5 @@
-//! Topic `multiple`: coats as fibres that scatter light to each other, against traced paths, by what is known of that light: nothing, a constant, Kajiya-Kay's
-//! lobes, or what a coat of such fibres makes of it.
+//! Topic `multiple`: coats as fibres that scatter light to each other, against traced paths, by what is known of that
+//! light: nothing, a constant, Kajiya-Kay's lobes, or what a coat of such fibres makes of it.
 //!
 //! Squares of pixels are compared, not pixels: what speckle a hair makes is no matter of its light.
 
@@ -25,8 +25,9 @@ pub const AMBIENT: f32 = 0.35;
 /// Columns of the chart.
 ///
 /// * `coat`: of one colour. `hair`: what it is drawn as.
-/// * `mean_percent`: luminance of the squares that are mostly covered over that of the truth, less 1, of the three lights together; `mean_front` and the like: of
-///   one. `rmse_percent`: root of the mean square of what squares differ by, over their mean; `rmse_front` and the like: of one light.
+/// * `mean_percent`: luminance of the squares that are mostly covered over that of the truth, less 1, of the three
+///   lights together; `mean_front` and the like: of one. `rmse_percent`: root of the mean square of what squares differ
+///   by, over their mean; `rmse_front` and the like: of one light.
 /// * `frame_ms`: of a frame under the first light.
 pub const COLUMNS: [&str; 11] = [
     "coat",
@@ -99,7 +100,8 @@ pub struct Squares {
 }
 
 impl Squares {
-    /// Of a traced picture, linear and premultiplied, and one that was drawn, sRGB bytes with straight alpha, both of [`SIZE`] squared.
+    /// Of a traced picture, linear and premultiplied, and one that was drawn, sRGB bytes with straight alpha, both of
+    /// [`SIZE`] squared.
     pub fn new(truth: &[[f32; 4]], drawn: &[u8]) -> Self {
         let luminance = |rgb: DVec3| rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722));
         let per_side = SIZE / BLOCK;

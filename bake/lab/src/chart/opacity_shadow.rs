@@ -1,7 +1,8 @@
 //! Topic `opacity-shadow`: how well maps of slabs know the light between single strands, and what they cost.
 //!
-//! The maps are the runtime's own, drawn by the adapter and read back. The truth is the traced scene's ([`TrueScene::light_on_strand`]), at places of strands
-//! that an eye sees, and its picture. What slabs do on their own is driven over an even ball of hair ([`Ball`]).
+//! The maps are the runtime's own, drawn by the adapter and read back. The truth is the traced scene's
+//! ([`TrueScene::light_on_strand`]), at places of strands that an eye sees, and its picture. What slabs do on their own
+//! is driven over an even ball of hair ([`Ball`]).
 
 use super::errors::Errors;
 use super::{Cell, Panel};
@@ -22,13 +23,16 @@ pub const PLANES: u32 = 16;
 
 /// Columns of the chart.
 ///
-/// * `form`: `deep`, slabs behind the first hair of each texel; `whole`, planes over the whole depth of the hair; `printed`, those with the printed
-///   spacing. `axis`: 1 where the light is looked up on the axis of strands, and not towards the eye.
+/// * `form`: `deep`, slabs behind the first hair of each texel; `whole`, planes over the whole depth of the hair;
+///   `printed`, those with the printed spacing. `axis`: 1 where the light is looked up on the axis of strands, and not
+///   towards the eye.
 /// * `slabs`, `map_size`: as asked for. `texel_widths`: width of a texel over the mean width of strands.
-/// * `rmse`, `mean_error`, `off_by_0.1`: t against the truth at places of strands that the eye sees and the skin does not hide from the light, `places`
-///   under three lights together.
-/// * `flip`, `flip_covered`, `image_rmse`: of the picture at four samples a pixel, under the first of them, against the true one of `samples` rays a pixel.
-/// * `largest_step`: of t between the ends of neighbouring slabs, in rays of light through an even ball of hair; `largest_error`: of t there; [`Ball`].
+/// * `rmse`, `mean_error`, `off_by_0.1`: t against the truth at places of strands that the eye sees and the skin does
+///   not hide from the light, `places` under three lights together.
+/// * `flip`, `flip_covered`, `image_rmse`: of the picture at four samples a pixel, under the first of them, against the
+///   true one of `samples` rays a pixel.
+/// * `largest_step`: of t between the ends of neighbouring slabs, in rays of light through an even ball of hair;
+///   `largest_error`: of t there; [`Ball`].
 /// * `milliseconds`: drawing the map; `timing` says by which clock. `bytes`: of the map.
 pub const COLUMNS: [&str; 18] = [
     "form",
@@ -83,8 +87,9 @@ pub struct Configuration {
     pub default: bool,
 }
 
-/// What to measure: first what the runtime does, then deep maps of 4, 8 and 16 slabs and opacity shadow maps of [`PLANES`], safe and as printed, each of
-/// 256², 512² and 1024², and what the runtime does with light looked up on the axis.
+/// What to measure: first what the runtime does, then deep maps of 4, 8 and 16 slabs and opacity shadow maps of
+/// [`PLANES`], safe and as printed, each of 256², 512² and 1024², and what the runtime does with light looked up on the
+/// axis.
 pub fn configurations() -> Vec<Configuration> {
     let base = ShadowParams::default();
     let sized = |slabs, map_size| base.with(|s| (s.slabs, s.map_size) = (slabs, map_size));
@@ -205,7 +210,8 @@ pub fn columns_of(form: OpacityForm, shadows: &ShadowParams, depth_m: f32, fur_m
     DeepOpacity { slabs, slabs_per_depth, density: 1.0, ..DeepOpacity::default() }
 }
 
-/// A ball of hair that is as deep as the scene is to its light, and so dense that 1/e of the light is left half the fur's height below its surface.
+/// A ball of hair that is as deep as the scene is to its light, and so dense that 1/e of the light is left half the
+/// fur's height below its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// Its diameter, metres.
@@ -218,7 +224,8 @@ pub struct Ball {
 const PIECES: u32 = 4096;
 
 impl Ball {
-    /// Largest step of t between the ends of neighbouring slabs, and largest error of t, in rays through the ball from its middle to near its edge.
+    /// Largest step of t between the ends of neighbouring slabs, and largest error of t, in rays through the ball from
+    /// its middle to near its edge.
     pub fn measure(&self, form: OpacityForm, shadows: &ShadowParams) -> (f64, f64) {
         let opacity = columns_of(form, shadows, self.depth_m, self.fur_m);
         let per_depth = 2.0 * self.depth_m / self.fur_m;

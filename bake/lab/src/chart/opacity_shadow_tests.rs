@@ -55,7 +55,8 @@ fn planes_as_printed_lose_what_is_behind_the_last() {
     assert!(light(OpacityForm::Deep, 0.1) > 0.999);
 }
 
-/// Thinner slabs make smaller steps; planes over all of a deep ball make large ones, and as printed the light comes back at its end.
+/// Thinner slabs make smaller steps; planes over all of a deep ball make large ones, and as printed the light comes
+/// back at its end.
 #[test]
 fn a_ball_tells_forms_apart() {
     let ball = Ball { depth_m: 1.0, fur_m: 0.02 };

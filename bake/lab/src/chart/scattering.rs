@@ -1,7 +1,8 @@
-//! Topic `scattering`: how near what a frame looks up of a fibre is to the fibre's equations, and what it costs: tables of several sizes and axes, tables between
-//! whose texels a cubic goes, the printed tables, and a fit without any.
+//! Topic `scattering`: how near what a frame looks up of a fibre is to the fibre's equations, and what it costs: tables
+//! of several sizes and axes, tables between whose texels a cubic goes, the printed tables, and a fit without any.
 //!
-//! The truth is S cos θi in f64 of pairs of directions that are even over the sphere, under five fibres and three absorptions.
+//! The truth is S cos θi in f64 of pairs of directions that are even over the sphere, under five fibres and three
+//! absorptions.
 
 use super::{Cell, Panel};
 use glam::DVec3;
@@ -30,10 +31,11 @@ pub const FIBRES: [FibreOptics; 5] = [
 
 /// Columns of the chart.
 ///
-/// * `error_percent`: root of the mean square of the difference over that of the truth, of all pairs, fibres and absorptions; `worst_fibre_percent`: of the fibre
-///   of which it is largest.
+/// * `error_percent`: root of the mean square of the difference over that of the truth, of all pairs, fibres and
+///   absorptions; `worst_fibre_percent`: of the fibre of which it is largest.
 /// * `energy_percent`: mean of what is scattered over that of the truth, less 1.
-/// * `nanoseconds`: of one evaluation of three colours on the adapter, with all that is read; `fetches`: texels that a sampler is asked for.
+/// * `nanoseconds`: of one evaluation of three colours on the adapter, with all that is read; `fetches`: texels that a
+///   sampler is asked for.
 /// * `bytes`: of a fibre's tables, as half floats.
 pub const COLUMNS: [&str; 6] =
     ["error_percent", "worst_fibre_percent", "energy_percent", "nanoseconds", "fetches", "bytes"];
@@ -62,7 +64,8 @@ pub enum Form {
     EvenLengths(usize),
     /// Ours, but lengths of all paths by their azimuth, from a third table.
     AllLengths(usize),
-    /// As printed (Nguyen and Donnelly 2005): along by sin θi and sin θo, around by cos θd and cos φ, TT taken for TRT and the other way round.
+    /// As printed (Nguyen and Donnelly 2005): along by sin θi and sin θo, around by cos θd and cos φ, TT taken for TRT
+    /// and the other way round.
     Printed(usize),
     /// Without tables, by a fit (Karis 2016).
     Fit,
@@ -296,7 +299,8 @@ fn printed(fibre: &Fibre, size: usize) -> Known {
     Known::Printed { size, along, around }
 }
 
-/// Lobes that are no table, as a game engine has them (Karis 2016): Gaussians of sin θi + sin θo along the fibre, and fits of the azimuth around it.
+/// Lobes that are no table, as a game engine has them (Karis 2016): Gaussians of sin θi + sin θo along the fibre, and
+/// fits of the azimuth around it.
 fn fit(optics: &FibreOptics, angles: &Angles) -> [f64; 3] {
     let (eta, width, tilt) = (f64::from(optics.eta), 2.0 * f64::from(optics.along), 2.0 * f64::from(optics.tilt));
     let cos_d = angles.cos_d().max(LEAST_COS_D);

@@ -1,8 +1,10 @@
-//! Topic `self-shadow`: how well baked visibility and layer-wise shadow maps know what light the hair lets through, and what they cost.
+//! Topic `self-shadow`: how well baked visibility and layer-wise shadow maps know what light the hair lets through, and
+//! what they cost.
 //!
-//! The recipe's hair grows on a flat sheet, so that the frame of every tile is known and nothing but hair stands in the light; the tile in its
-//! middle is judged, and about it lies as much sheet as the slanted rays that end on it need. The maps are the runtime's own, drawn by the adapter and
-//! read back; visibility is that of a package of the sheet, decoded. The truths are [`SampledVolume`] and [`StrandField`].
+//! The recipe's hair grows on a flat sheet, so that the frame of every tile is known and nothing but hair stands in the
+//! light; the tile in its middle is judged, and about it lies as much sheet as the slanted rays that end on it need.
+//! The maps are the runtime's own, drawn by the adapter and read back; visibility is that of a package of the sheet,
+//! decoded. The truths are [`SampledVolume`] and [`StrandField`].
 
 use super::errors::Errors;
 use super::hair_texels::{HairTexel, hair_texels};
@@ -31,9 +33,11 @@ use std::collections::BTreeMap;
 
 /// Angles between the light and the skin's normal, degrees.
 pub const ANGLES_DEG: [u32; 5] = [0, 30, 45, 60, 75];
-/// Directions about the normal that the light is slanted towards, degrees from +u: hair leans, and with it and against it are not the same.
+/// Directions about the normal that the light is slanted towards, degrees from +u: hair leans, and with it and against
+/// it are not the same.
 const AZIMUTHS_DEG: [f64; 3] = [20.0, 140.0, 260.0];
-/// Texels that are judged under each light, and those of them that the strand truth is taken at; all others are skipped evenly.
+/// Texels that are judged under each light, and those of them that the strand truth is taken at; all others are skipped
+/// evenly.
 const POINTS: usize = 1 << 18;
 const STRAND_POINTS: usize = 6000;
 /// Draws of texels with hair.
@@ -45,21 +49,25 @@ const MOST_TEXELS: u64 = 1 << 26;
 
 /// Columns of the chart.
 ///
-/// * `form`: `baked`, or of maps the share of light that a layer takes, `corrected` or `printed`; then the settings of either.
-/// * `rmse`, `mean_error`, `off_by_0.1`: t against [`SampledVolume`] in texels of all layers, with hair and without. Maps approximate it, and
-///   visibility that is baked does not: it knows strands.
-/// * `strands_`: the same against [`StrandField::transmittance`] in the same texels, which is the light in the space between hairs. A ray that starts
-///   within a hair is blocked, by the hair that is to be lit as by any other.
-/// * `hair_`: against [`StrandField::lights_strand`] in texels with hair alone, drawn as often as they hold hair, seen from outside or
-///   not: the light that reaches the hair itself past all other strands. It is what hair is shaded with, what baked visibility means, and what the traced
-///   picture has.
+/// * `form`: `baked`, or of maps the share of light that a layer takes, `corrected` or `printed`; then the settings of
+///   either.
+/// * `rmse`, `mean_error`, `off_by_0.1`: t against [`SampledVolume`] in texels of all layers, with hair and without.
+///   Maps approximate it, and visibility that is baked does not: it knows strands.
+/// * `strands_`: the same against [`StrandField::transmittance`] in the same texels, which is the light in the space
+///   between hairs. A ray that starts within a hair is blocked, by the hair that is to be lit as by any other.
+/// * `hair_`: against [`StrandField::lights_strand`] in texels with hair alone, drawn as often as they hold hair, seen
+///   from outside or not: the light that reaches the hair itself past all other strands. It is what hair is shaded
+///   with, what baked visibility means, and what the traced picture has.
 /// * `milliseconds`: drawing all maps; 0 of what is baked. `timing` says by which clock.
-/// * `bytes`: of all maps, or of the visibility texture of dry hair with its mip levels and its layer for the coat, on a GPU that samples its format.
+/// * `bytes`: of all maps, or of the visibility texture of dry hair with its mip levels and its layer for the coat, on
+///   a GPU that samples its format.
 /// * `visibility_seconds`: the stage `visibility` of the bake of one tile, without encoding; the faster of two runs.
-/// * `map_texels_per_hair_texel`, `map_size_on_model`: [`Sheet::map_texels_per_hair_texel`] and [`Sheet::map_size_on`] the model.
+/// * `map_texels_per_hair_texel`, `map_size_on_model`: [`Sheet::map_texels_per_hair_texel`] and [`Sheet::map_size_on`]
+///   the model.
 /// * `_0` to `_75`: of light at that angle to the normal alone, degrees.
 /// * `volume_over_strands_rmse`, `volume_over_hair_rmse`: what is left of an error where maps are perfect.
-/// * `bc7_over_rgba8_rmse`: of t from blocks of BC7 against t from plain texels of the same visibility, in the texels of `hair_`.
+/// * `bc7_over_rgba8_rmse`: of t from blocks of BC7 against t from plain texels of the same visibility, in the texels
+///   of `hair_`.
 pub const COLUMNS: [&str; 40] = [
     "form",
     "pack.shell_format",
@@ -165,7 +173,8 @@ pub struct Sheet {
     volume: SampledVolume,
     field: StrandField,
     hair: BTreeMap<usize, HairTexel>,
-    /// World position of the judged tile's corner, the ways along its u and v, and from the skin to the outermost layer.
+    /// World position of the judged tile's corner, the ways along its u and v, and from the skin to the outermost
+    /// layer.
     corner: Vec3,
     along: [Vec3; 2],
     up: Vec3,
@@ -271,7 +280,8 @@ impl Sheet {
         Truth { points, even, volume, strands, hair }
     }
 
-    /// t at the points of a truth as the runtime has it of maps: the map, and of the corrected form half of the own layer.
+    /// t at the points of a truth as the runtime has it of maps: the map, and of the corrected form half of the own
+    /// layer.
     pub fn by_maps(
         &self,
         maps: &LightMaps,
@@ -299,8 +309,8 @@ impl Sheet {
         truth.points.par_iter().map(t).collect()
     }
 
-    /// t at the points of a truth as the runtime has it of baked visibility. The sheet's hair is the tile's, neither pressed flat nor sheared, so that the
-    /// light in the tile is that above the skin.
+    /// t at the points of a truth as the runtime has it of baked visibility. The sheet's hair is the tile's, neither
+    /// pressed flat nor sheared, so that the light in the tile is that above the skin.
     pub fn by_visibility(&self, visibility: &TileVisibility, slant: &Slant, truth: &Truth) -> Vec<f64> {
         let towards = slant.light_ts.as_vec3();
         truth.points.par_iter().map(|i| f64::from(visibility.towards(*i, towards))).collect()
@@ -353,7 +363,8 @@ impl TileVisibility {
 /// Transmittances of all truths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// The judged texels: first all of them, layer after layer from the skin, or evenly some; then those with hair that are drawn.
+    /// The judged texels: first all of them, layer after layer from the skin, or evenly some; then those with hair that
+    /// are drawn.
     points: Vec<usize>,
     /// How many the first are.
     even: usize,
@@ -393,8 +404,8 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Adds what was found at the points of a truth under a light. The volume is met at the same `density` as the maps: what is left is the error of the
-    /// maps; whether that density is right, the strands tell.
+    /// Adds what was found at the points of a truth under a light. The volume is met at the same `density` as the maps:
+    /// what is left is the error of the maps; whether that density is right, the strands tell.
     pub fn add(&mut self, slant: &Slant, found: &[f64], density: f32, truth: &Truth) {
         let through: Vec<f64> = truth.volume.iter().map(|t| t.powf(density.into())).collect();
         let even = found.iter().copied().zip(through.iter().copied()).take(truth.even);
@@ -494,13 +505,15 @@ fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
 fn bake_sheet(recipe: &Recipe, lengths: Lengths, on_stage: &mut dyn FnMut(&'static str)) -> Result<Vec<u8>, BakeError> {
     let height = f64::from(lengths.length_m / lengths.tile_size_m);
     let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
-    // The middle tile, and on each side as much as the rays run over that end on it. More would only make the maps coarser.
+    // The middle tile, and on each side as much as the rays run over that end on it. More would only make the maps
+    // coarser.
     let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
     let model = sheet_model(tiles * lengths.tile_size_m, tiles);
     Ok(pipeline::bake(&Told::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_stage)?.package)
 }
 
-/// A square in the plane y = 0 that looks up, with texture coordinates that count tiles; one of them lies in its middle.
+/// A square in the plane y = 0 that looks up, with texture coordinates that count tiles; one of them lies in its
+/// middle.
 fn sheet_model(width_m: f32, tiles: f32) -> Model {
     let corners = [vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0)];
     let mesh = Mesh {
@@ -533,7 +546,8 @@ fn fault(source: FormatError) -> BakeError {
     BakeError::Package { file: "sheet".into(), source }
 }
 
-/// Where the package has the tile in the middle of the sheet: its corner at u = v = 0, the ways along u and v, and the fur's height.
+/// Where the package has the tile in the middle of the sheet: its corner at u = v = 0, the ways along u and v, and the
+/// fur's height.
 fn middle_tile(bytes: &[u8]) -> Result<(Vec3, [Vec3; 2], Vec3), BakeError> {
     let package = Package::open(bytes, &Limits::default()).map_err(fault)?;
     let lost = || BakeError::Internal("the sheet was baked without a mesh".into());

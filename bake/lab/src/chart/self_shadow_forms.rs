@@ -66,7 +66,8 @@ impl Form {
     }
 }
 
-/// What to measure for the hair of a recipe, first what a user of it gets: baked visibility, or maps where the recipe wants none baked.
+/// What to measure for the hair of a recipe, first what a user of it gets: baked visibility, or maps where the recipe
+/// wants none baked.
 pub fn configurations(recipe: &Recipe) -> Vec<Configuration> {
     let layers = recipe.slice.layers;
     let base = ShadowParams::default();

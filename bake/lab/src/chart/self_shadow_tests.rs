@@ -112,8 +112,9 @@ fn on_hair(measured: &Measured) -> (f64, f64) {
     (errors.rmse().unwrap_or(f64::NAN), errors.mean().unwrap_or(f64::NAN))
 }
 
-/// What is baked is nearer to the light on the hair than maps can be, and not by chance: it is that of the same texel, layer and light, as each of
-/// the three taken wrongly is farther off. Maps are as good here as any could be: they are the volume itself.
+/// What is baked is nearer to the light on the hair than maps can be, and not by chance: it is that of the same texel,
+/// layer and light, as each of the three taken wrongly is farther off. Maps are as good here as any could be: they are
+/// the volume itself.
 #[test]
 fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
     let sheet = sheet();

@@ -1,8 +1,9 @@
-//! Topic `shells`: how far pictures of shells and fins are from the true strands, by layers, tile, filter and formats, and what they cost.
+//! Topic `shells`: how far pictures of shells and fins are from the true strands, by layers, tile, filter and formats,
+//! and what they cost.
 //!
-//! The truth is the same strands traced as curves (`pelage_truth`), drawn once: it does not depend on how they are sliced. The error that the
-//! charts draw is mean FLIP; RMSE and coverage stand beside it, because each is blind to something: FLIP to what the eye forgives, RMSE to where an
-//! error is, coverage to colour.
+//! The truth is the same strands traced as curves (`pelage_truth`), drawn once: it does not depend on how they are
+//! sliced. The error that the charts draw is mean FLIP; RMSE and coverage stand beside it, because each is blind to
+//! something: FLIP to what the eye forgives, RMSE to where an error is, coverage to colour.
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
@@ -64,8 +65,8 @@ pub const PANELS: [Panel; 2] = [
 /// The layers, tile and fins of Yang 2006.
 const YANG_2006: Setting = Setting { layers: 16, tile_texels: 64, fins: false };
 
-/// What to measure, what the recipe itself gives first: [`LAYERS`] × [`TILES`], and about the recipe's own setting filter widths, formats, and
-/// the layers without fins, or with them where the recipe has none.
+/// What to measure, what the recipe itself gives first: [`LAYERS`] × [`TILES`], and about the recipe's own setting
+/// filter widths, formats, and the layers without fins, or with them where the recipe has none.
 ///
 /// # Errors
 ///

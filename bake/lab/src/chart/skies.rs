@@ -34,7 +34,8 @@ fn clear_sky(way: DVec3) -> DVec3 {
     if way.y < 0.0 {
         return DVec3::new(0.12, 0.16, 0.06);
     }
-    // Paler towards the horizon, with a glow about the sun; the disc is three pixels wide, with the light of one of half a degree.
+    // Paler towards the horizon, with a glow about the sun; the disc is three pixels wide, with the light of one of
+    // half a degree.
     let high = way.y.sqrt();
     let blue = DVec3::new(0.9, 1.0, 1.1) * (1.0 - high) + DVec3::new(0.25, 0.5, 1.1) * high;
     let glow = DVec3::new(2.0, 1.6, 1.0) * libm::exp(12.0 * (cosine - 1.0));

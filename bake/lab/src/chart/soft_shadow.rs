@@ -1,7 +1,8 @@
 //! Topic `soft-shadow`: how near the shadow-width map comes to the soft shadow of a round light, and what it costs.
 //!
-//! On the model's own skin at rest, under lights from several sides, points are spread evenly over what faces the light. The maps are the
-//! runtime's own, drawn by the adapter and read back; the truth is the share of a disc light that each point sees, by [`Occluder`].
+//! On the model's own skin at rest, under lights from several sides, points are spread evenly over what faces the
+//! light. The maps are the runtime's own, drawn by the adapter and read back; the truth is the share of a disc light
+//! that each point sees, by [`Occluder`].
 
 use super::errors::Errors;
 use super::light_maps::LightMaps;
@@ -21,7 +22,8 @@ use rayon::prelude::*;
 const POINTS: u32 = 4000;
 /// Rays to the disc from each point.
 const RAYS: u32 = 256;
-/// Cosine between light and normal below which a point is left out: there the light hardly counts, and the mesh's facets do.
+/// Cosine between light and normal below which a point is left out: there the light hardly counts, and the mesh's
+/// facets do.
 const LEAST_N_DOT_L: f32 = 0.1;
 /// Lights: degrees above the horizon, and degrees about the vertical.
 const LIGHTS_DEG: [(f32, f32); 6] =
@@ -200,7 +202,8 @@ impl Skin {
         self.points.iter().filter(move |p| faces(p.normal_ws) && faces(p.face_ws))
     }
 
-    /// Share of the light's disc that each point sees which faces the light, 0..=1. `penumbra` as in [`ShadowParams::penumbra`].
+    /// Share of the light's disc that each point sees which faces the light, 0..=1. `penumbra` as in
+    /// [`ShadowParams::penumbra`].
     pub fn truth(&self, towards_light: Vec3, penumbra: f32) -> Vec<f64> {
         let light =
             DiscLight::Directional { towards_light_ws: towards_light.as_dvec3(), penumbra: f64::from(penumbra) };
@@ -237,7 +240,8 @@ impl Skin {
     }
 }
 
-/// Whether nothing is seen from a point: skin inside of other skin, such as the back of an eye, that no one sees either.
+/// Whether nothing is seen from a point: skin inside of other skin, such as the back of an eye, that no one sees
+/// either.
 fn is_buried(occluder: &Occluder, p: &Point) -> bool {
     // A disc that fills the sky up to 14 degrees above the horizon.
     let (position, normal) = (p.position_ws.as_dvec3(), p.face_ws.as_dvec3());
@@ -280,8 +284,8 @@ fn occlusion(maps: &LightMaps) -> Vec<bool> {
     maps.depths[0].iter().zip(&maps.depths[1]).map(|(near, far)| far - near > 1e-3).collect()
 }
 
-/// Distance from the edge into the shadow, in texels and at most `passes`: each pass takes the least of the neighbours' distances and the way
-/// there, as Kirsch and Döllner do.
+/// Distance from the edge into the shadow, in texels and at most `passes`: each pass takes the least of the neighbours'
+/// distances and the way there, as Kirsch and Döllner do.
 fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
     let mut distances: Vec<f32> = occluded.iter().map(|o| if *o { passes as f32 } else { 0.0 }).collect();
     for _ in 0..passes {

@@ -1,7 +1,8 @@
 //! Topic `strands`: single strands beside layers, at sizes from a close-up to a few pixels, against the true picture.
 //!
-//! Each size is drawn in several ways with one sample a pixel and with four: what the runtime chooses, layers, and strands of some numbers of pieces.
-//! Ways of a size and number of samples are timed in turns, so that what else the machine does falls on all of them.
+//! Each size is drawn in several ways with one sample a pixel and with four: what the runtime chooses, layers, and
+//! strands of some numbers of pieces. Ways of a size and number of samples are timed in turns, so that what else the
+//! machine does falls on all of them.
 
 use super::{Cell, Panel};
 use pelage_stage::{LookDetail, LookHair, LookStrandEdges, Viewpoint};
@@ -61,8 +62,9 @@ pub struct Way {
 }
 
 impl Way {
-    /// All ways for strands of so many pieces, what the runtime chooses first: then layers, where there is a `coat`, strands of all pieces, half as
-    /// many and so on; last with blended edges what the runtime chooses, all pieces and half as many.
+    /// All ways for strands of so many pieces, what the runtime chooses first: then layers, where there is a `coat`,
+    /// strands of all pieces, half as many and so on; last with blended edges what the runtime chooses, all pieces and
+    /// half as many.
     pub fn all(pieces: u32, coat: bool) -> Vec<Self> {
         let way = |series: &str, hair, detail| Self {
             series: series.to_owned(),
@@ -125,17 +127,23 @@ pub fn configurations(ways: usize) -> Vec<Configuration> {
 
 /// Columns of the chart.
 ///
-/// * `size` of the picture, `whole` as in the recipe's `[judge]`, its `width` and `height`, pixels; `close` is `whole` with a third of the angle.
-/// * `samples` a pixel; `true_samples`, rays a pixel of the true picture; `strand_px`, mean width of the strands at the median of the skin's distances.
-/// * `layers`, `strands`, `pieces`: layers that are drawn, share of the strands, and pieces of each. `strand_triangles`: of all strands that are drawn,
-///   seen or not. `triangles`: of the mesh.
-/// * `flip`, `flip_covered`, `rmse`, `coverage_error` against the true picture; `fragments` where the adapter counts them.
-/// * `flicker`: mean change of grey, 0..=1, of the skin's points and of what stands on them, from one picture to the next, while the camera turns a
-///   quarter of a degree and all else stands still; `true_flicker`: that of the true pictures, whose hairs move before the skin as well.
-/// * `frame_milliseconds`: a frame whose light and pose stand still. `anew_milliseconds`: the passes of one whose pose and maps are made anew.
-/// * `over_cheapest`: of what the runtime chooses without being asked for blended edges, the former over that of the cheapest way of the same size and
-///   samples whose FLIP is at most [`AS_TRUE`] as large.
-/// * `package_bytes`: of a package with strands, or without where none are drawn; `gpu_bytes`: model, copy, maps and lists.
+/// * `size` of the picture, `whole` as in the recipe's `[judge]`, its `width` and `height`, pixels; `close` is `whole`
+///   with a third of the angle.
+/// * `samples` a pixel; `true_samples`, rays a pixel of the true picture; `strand_px`, mean width of the strands at the
+///   median of the skin's distances.
+/// * `layers`, `strands`, `pieces`: layers that are drawn, share of the strands, and pieces of each.
+///   `strand_triangles`: of all strands that are drawn, seen or not. `triangles`: of the mesh.
+/// * `flip`, `flip_covered`, `rmse`, `coverage_error` against the true picture; `fragments` where the adapter counts
+///   them.
+/// * `flicker`: mean change of grey, 0..=1, of the skin's points and of what stands on them, from one picture to the
+///   next, while the camera turns a quarter of a degree and all else stands still; `true_flicker`: that of the true
+///   pictures, whose hairs move before the skin as well.
+/// * `frame_milliseconds`: a frame whose light and pose stand still. `anew_milliseconds`: the passes of one whose pose
+///   and maps are made anew.
+/// * `over_cheapest`: of what the runtime chooses without being asked for blended edges, the former over that of the
+///   cheapest way of the same size and samples whose FLIP is at most [`AS_TRUE`] as large.
+/// * `package_bytes`: of a package with strands, or without where none are drawn; `gpu_bytes`: model, copy, maps and
+///   lists.
 pub const COLUMNS: [&str; 24] = [
     "size",
     "width",
@@ -215,7 +223,8 @@ pub struct Seen {
     pub strands: usize,
 }
 
-/// How much larger the FLIP of a way may be that counts as true as another: less is within the noise of the true picture.
+/// How much larger the FLIP of a way may be that counts as true as another: less is within the noise of the true
+/// picture.
 pub const AS_TRUE: f64 = 1.02;
 
 /// Cost of the first of some ways over that of the cheapest which is as true.
@@ -226,7 +235,8 @@ pub fn over_cheapest(ways: &[Found]) -> Option<f64> {
     Some(own.frame_ms / cheapest).filter(|ratio| ratio.is_finite())
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]. `ways`: what was found of all of its size and samples; `timing`: where the milliseconds come from.
+/// The cells of a row, in the order of [`COLUMNS`]. `ways`: what was found of all of its size and samples; `timing`:
+/// where the milliseconds come from.
 pub fn cells(configuration: &Configuration, seen: &Seen, ways: &[Found], timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let Configuration { size, samples, way } = *configuration;

@@ -155,8 +155,8 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, panel: &Panel, series: &[&str]) ->
     Ok(())
 }
 
-/// The front as stairs, from its least cost to its least error: the least error that can be had for at most so much cost. It comes down from the top
-/// of the frame and leaves to its right, whose corner is `end`.
+/// The front as stairs, from its least cost to its least error: the least error that can be had for at most so much
+/// cost. It comes down from the top of the frame and leaves to its right, whose corner is `end`.
 fn stairs(
     points: &[Option<(f64, f64)>],
     on_front: &[bool],
@@ -185,7 +185,8 @@ fn along(line: &[(i32, i32)]) -> Vec<(i32, i32)> {
     line.windows(2).flat_map(piece).collect()
 }
 
-/// Corners of the marks: each series has a colour and a shape, for those who do not see the colours and printers that have none. The first is round.
+/// Corners of the marks: each series has a colour and a shape, for those who do not see the colours and printers that
+/// have none. The first is round.
 const SHAPES: [&[(i32, i32)]; 7] = [
     &[],
     &[(-5, -5), (5, -5), (5, 5), (-5, 5)],

@@ -1,7 +1,9 @@
-//! Topic `textures`: what texel formats, the effort of their encoders and the way of making mips do to a tile of hair, and what they cost.
+//! Topic `textures`: what texel formats, the effort of their encoders and the way of making mips do to a tile of hair,
+//! and what they cost.
 //!
-//! The truth is the tile as it is sliced, eight bits a channel before any encoding (directions with all three components and their length): what a
-//! format loses is measured by itself, what slicing loses is the topic `lighting`'s and `shells`'. The encoded file is read back and decoded.
+//! The truth is the tile as it is sliced, eight bits a channel before any encoding (directions with all three
+//! components and their length): what a format loses is measured by itself, what slicing loses is the topic
+//! `lighting`'s and `shells`'. The encoded file is read back and decoded.
 
 use super::{Cell, Panel};
 use crate::stability::{mean, opacity, texels, transmittances};
@@ -32,7 +34,8 @@ impl MipFilter {
     }
 }
 
-/// What of a configuration is measured: where only one texture is varied, the other would be the same point again and again.
+/// What of a configuration is measured: where only one texture is varied, the other would be the same point again and
+/// again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Both,
@@ -188,7 +191,8 @@ struct Directions {
     seconds: f64,
 }
 
-/// Encodes a tile as a configuration says, and holds what comes back against the truth: the cells of a row, in the order of [`COLUMNS`].
+/// Encodes a tile as a configuration says, and holds what comes back against the truth: the cells of a row, in the
+/// order of [`COLUMNS`].
 ///
 /// * `now`: seconds since some moment, for what encoding takes
 ///

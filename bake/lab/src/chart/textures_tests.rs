@@ -14,7 +14,8 @@ fn measured() -> Vec<(Configuration, Vec<Cell>)> {
     all.into_iter().map(|c| (c.clone(), measure(&c, &truth, &now).unwrap())).collect()
 }
 
-/// Physics and the order that formats must come in; a decoder that read its own input instead of the file would break the first.
+/// Physics and the order that formats must come in; a decoder that read its own input instead of the file would break
+/// the first.
 #[test]
 fn formats_lose_what_they_must_and_no_more() {
     let rows = measured();

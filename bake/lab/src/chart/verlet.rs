@@ -1,9 +1,12 @@
-//! Topic `verlet`: how near hair that swings is to its equations ([`TrueGuide`]), and what that costs, by how its lengths are held.
+//! Topic `verlet`: how near hair that swings is to its equations ([`TrueGuide`]), and what that costs, by how its
+//! lengths are held.
 //!
-//! Each form moves the same guides through the same frames of a sixtieth of a second: ours with other steps and solves, and what others do. Those have our
-//! forces, whose springs yield at long steps, so that what tells them apart is how they hold lengths. The printed form has its own.
+//! Each form moves the same guides through the same frames of a sixtieth of a second: ours with other steps and solves,
+//! and what others do. Those have our forces, whose springs yield at long steps, so that what tells them apart is how
+//! they hold lengths. The printed form has its own.
 //!
-//! The scenes keep hair taut. Where it goes slack it whips, and two motions that differ by a rounding part: there is no truth to be near to.
+//! The scenes keep hair taut. Where it goes slack it whips, and two motions that differ by a rounding part: there is no
+//! truth to be near to.
 
 use super::{Cell, Panel};
 use crate::stability::hair_motion::{Printed, PrintedStep, sweep};
@@ -27,16 +30,20 @@ const WITHIN: f64 = 1e-5;
 const DAMPED: f32 = 0.3;
 /// Share of what following takes from the speed that Müller 2012 gives back.
 const GIVEN_BACK: f32 = 0.9;
-/// How much a piece yields to a pull, metres over those of a second squared: by 1e-4 of its length where a guide hangs on it.
+/// How much a piece yields to a pull, metres over those of a second squared: by 1e-4 of its length where a guide hangs
+/// on it.
 const COMPLIANCE: f32 = 1e-8;
 
 /// Columns of the chart.
 ///
-/// * `points`: of a guide. `steps_per_s`: steps of a second; `rounds`: times that lengths are seen to in a step, on average, of ours with the way from root to tip.
-/// * `rms_percent`: distance of points from where they truly are, root of the mean of its square over all points but the root and all frames of three scenes,
-///   in % of the guide's length; `largest_percent`: the farthest. `rms_turn` and the like: of a scene alone.
+/// * `points`: of a guide. `steps_per_s`: steps of a second; `rounds`: times that lengths are seen to in a step, on
+///   average, of ours with the way from root to tip.
+/// * `rms_percent`: distance of points from where they truly are, root of the mean of its square over all points but
+///   the root and all frames of three scenes, in % of the guide's length; `largest_percent`: the farthest. `rms_turn`
+///   and the like: of a scene alone.
 /// * `stretch_percent`: the most that any piece is longer or shorter than it should be.
-/// * `nanoseconds`: of a guide and a second that it swings, on one core; `corrections_per_s`: how often the length of each piece is put right in that second.
+/// * `nanoseconds`: of a guide and a second that it swings, on one core; `corrections_per_s`: how often the length of
+///   each piece is put right in that second.
 /// * `true_steps_per_s`: of the truth; `true_change_percent`: how far it was from there with half as many.
 pub const COLUMNS: [&str; 13] = [
     "points",
@@ -140,7 +147,8 @@ pub enum Form {
         /// Times.
         sweeps: u32,
     },
-    /// Each point goes to the right distance from the one before, and what that takes from its speed comes back (Müller 2012).
+    /// Each point goes to the right distance from the one before, and what that takes from its speed comes back (Müller
+    /// 2012).
     Leader {
         /// Steps of a second.
         steps_per_s: u32,
@@ -155,7 +163,8 @@ pub enum Form {
         /// Rounds over the lengths.
         sweeps: u32,
     },
-    /// The truth, of a skin that goes straight from frame to frame: what no form is nearer than, that knows no more than frames.
+    /// The truth, of a skin that goes straight from frame to frame: what no form is nearer than, that knows no more
+    /// than frames.
     Straight,
 }
 
@@ -356,7 +365,8 @@ impl Guide {
         }
     }
 
-    /// How far each point is from where it would be with all pieces before it as they were groomed, each turned as the one before it is.
+    /// How far each point is from where it would be with all pieces before it as they were groomed, each turned as the
+    /// one before it is.
     fn bent(&self, frame: Mat3, places: &[Vec3]) -> Vec<Vec3> {
         let mut out = vec![Vec3::ZERO; places.len()];
         let mut turn = Quat::IDENTITY;

@@ -1,4 +1,5 @@
-//! What all charts share: rows are measured one by one, each is noted down at once, and the table and its picture are written when all are there.
+//! What all charts share: rows are measured one by one, each is noted down at once, and the table and its picture are
+//! written when all are there.
 
 use super::args::{self, ChartArgs};
 use super::journal::Rows;
@@ -47,14 +48,14 @@ pub struct MeasuredRow {
 
 /// A topic: what could be measured, and how a row of it is.
 ///
-/// What is dear and the same for many rows (truths, bakes) is made when a row first asks for it and kept in the topic, so that a run which goes on
-/// where another was killed makes only what is still needed.
+/// What is dear and the same for many rows (truths, bakes) is made when a row first asks for it and kept in the topic,
+/// so that a run which goes on where another was killed makes only what is still needed.
 pub trait Topic {
     /// The table before anything is measured.
     fn plan(&self) -> Plan;
 
-    /// Measures row `index` of the plan, from 0: a cell for each column. Nothing else may change the errors among them, so that a row measured alone has
-    /// the same; costs may vary with what else the machine does.
+    /// Measures row `index` of the plan, from 0: a cell for each column. Nothing else may change the errors among them,
+    /// so that a row measured alone has the same; costs may vary with what else the machine does.
     ///
     /// * `doing`: told what is going on, for the progress bar
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure>;
@@ -174,7 +175,8 @@ fn command(subject: &Subject, folder: &Path, topic: &str, number: usize) -> Stri
     format!("pelage chart {topic}{} --rows {number} -o {folder} --json", subject.arguments)
 }
 
-/// Stands for everything that a row's figures depend on beside its number: another tool, model, recipe or adapter gives another key.
+/// Stands for everything that a row's figures depend on beside its number: another tool, model, recipe or adapter gives
+/// another key.
 fn key(subject: &Subject, plan: &Plan) -> String {
     let mut key = Key::of_program().and(&plan.adapter).and(&plan.title).and(subject.recipe.to_toml());
     for input in subject.model.inputs.iter().chain(&subject.images.inputs) {

@@ -1,4 +1,5 @@
-//! `pelage chart environment`: what a fibre sends of skies, by the form that frames have and by others, against the picture of the sky.
+//! `pelage chart environment`: what a fibre sends of skies, by the form that frames have and by others, against the
+//! picture of the sky.
 
 use super::driver::{Plan, PlannedRow, Topic};
 use super::environment_fit::{names, skies};

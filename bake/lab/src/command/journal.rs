@@ -1,7 +1,7 @@
 //! Rows that are measured, kept until the table is whole: a chart that was killed goes on where it stopped.
 //!
-//! `TOPIC.rows.jsonl` beside the table holds a line for each, `{"key": …, "row": 3, "cells": […]}`. Lines with another key are of another model, recipe,
-//! tool or adapter, and a line that was cut off is none.
+//! `TOPIC.rows.jsonl` beside the table holds a line for each, `{"key": …, "row": 3, "cells": […]}`. Lines with another
+//! key are of another model, recipe, tool or adapter, and a line that was cut off is none.
 
 use crate::chart::Cell;
 use pelage_tool::exit::Failure;
@@ -32,7 +32,8 @@ impl Rows {
         Journal::open(folder.join(format!("{topic}.rows.jsonl")), key, restart).map(Self)
     }
 
-    /// Takes the rows of another machine's file, which stays as it is: how many of them are of another model, recipe, tool or adapter.
+    /// Takes the rows of another machine's file, which stays as it is: how many of them are of another model, recipe,
+    /// tool or adapter.
     pub fn take(&mut self, path: &Path) -> Result<usize, Failure> {
         self.0.take(path)
     }

@@ -34,8 +34,8 @@ impl LightBench {
         self.meter.clock().word()
     }
 
-    /// Draws the maps of `pass` and reads them back. The milliseconds are those of the fastest drawing but the first, in which pipelines are
-    /// compiled: what else the machine does only adds.
+    /// Draws the maps of `pass` and reads them back. The milliseconds are those of the fastest drawing but the first,
+    /// in which pipelines are compiled: what else the machine does only adds.
     pub fn draw(
         &mut self,
         towards_light: Vec3,

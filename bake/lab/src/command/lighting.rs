@@ -13,7 +13,8 @@ use pelage_tool::machine::measured_on;
 use pelage_tool::staged::stage_of;
 use pelage_tool::view::View;
 
-/// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and those before them in which pipelines and caches settle.
+/// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and
+/// those before them in which pipelines and caches settle.
 const FRAMES: usize = 9;
 const WARM_UP: usize = 1;
 

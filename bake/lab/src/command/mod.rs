@@ -1,7 +1,7 @@
 //! `pelage chart`: what accuracy costs, as a table and a picture.
 //!
-//! A topic is a file that lists configurations and measures one of them (`driver::Topic`); numbers, journal, progress, front, table and picture are the
-//! same for all (`driver.rs`).
+//! A topic is a file that lists configurations and measures one of them (`driver::Topic`); numbers, journal, progress,
+//! front, table and picture are the same for all (`driver.rs`).
 
 mod args;
 mod detail;

@@ -1,4 +1,5 @@
-//! `pelage chart opacity-shadow`: maps of slabs in which strands shadow each other, drawn by the adapter, against the traced light and picture.
+//! `pelage chart opacity-shadow`: maps of slabs in which strands shadow each other, drawn by the adapter, against the
+//! traced light and picture.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::subject::Subject;

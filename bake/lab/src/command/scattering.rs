@@ -16,7 +16,8 @@ use wgpu::util::DeviceExt as _;
 /// Evaluations of one dispatch: of each of so many threads.
 const THREADS: u32 = 1 << 16;
 const EACH: u32 = 64;
-/// Dispatches, of which the fastest counts, and how many are timed at once: what submitting costs is little beside them.
+/// Dispatches, of which the fastest counts, and how many are timed at once: what submitting costs is little beside
+/// them.
 const TURNS: usize = 7;
 const AT_ONCE: u32 = 4;
 

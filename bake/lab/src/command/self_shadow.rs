@@ -1,4 +1,5 @@
-//! `pelage chart self-shadow`: baked visibility, and layer-wise shadow maps, drawn by the adapter, against the slow truths.
+//! `pelage chart self-shadow`: baked visibility, and layer-wise shadow maps, drawn by the adapter, against the slow
+//! truths.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::light_bench::LightBench;
@@ -86,7 +87,8 @@ impl Topic for SelfShadowTopic<'_> {
                     let (mut stage, mut began) = ("", Instant::now());
                     sheet.visibility(blocks, directions, &mut |next| {
                         if stage == "visibility" {
-                            // Blocks are encoded later: this is the same work in every bake, and what else the machine does only adds.
+                            // Blocks are encoded later: this is the same work in every bake, and what else the machine
+                            // does only adds.
                             seconds = seconds.min(began.elapsed().as_secs_f64());
                         }
                         (stage, began) = (next, Instant::now());

@@ -24,14 +24,16 @@ use pelage_truth::Sight;
 use pelage_truth::compare::{CompareParams, compare_pictures};
 use std::time::Instant;
 
-/// Turns in which the ways of a group are timed, and frames of each in a turn: of all the fastest counts, because what else the machine does only adds.
+/// Turns in which the ways of a group are timed, and frames of each in a turn: of all the fastest counts, because what
+/// else the machine does only adds.
 const TURNS: usize = 5;
 /// Of slow frames fewer turns do, but no fewer than these: after so many seconds none begins.
 const FEWEST_TURNS: usize = 2;
 const MOST_SECONDS: f64 = 30.0;
 const FRAMES: usize = 3;
 
-/// By how many degrees the camera turns between two pictures whose flicker is taken: the model moves about a pixel at the judge's size.
+/// By how many degrees the camera turns between two pictures whose flicker is taken: the model moves about a pixel at
+/// the judge's size.
 const TURN_DEG: f32 = 0.25;
 
 /// The topic.
@@ -61,7 +63,8 @@ struct Shared {
 }
 
 impl<'a> StrandsTopic<'a> {
-    /// Lists the configurations and opens the adapter. Packages with strands and without are baked, whatever the recipe says of that.
+    /// Lists the configurations and opens the adapter. Packages with strands and without are baked, whatever the recipe
+    /// says of that.
     pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
         let with = |enabled| {
             let mut recipe = subject.recipe.clone();
@@ -187,7 +190,8 @@ impl Shared {
         Ok((Picture::from(&picture), seen, view))
     }
 
-    /// How much the skin's points change, and what stands on them, between a picture from `camera` and one from a little aside.
+    /// How much the skin's points change, and what stands on them, between a picture from `camera` and one from a
+    /// little aside.
     fn flicker(&self, camera: Viewpoint, greys: [Vec<f32>; 2], size: (u32, u32)) -> Result<Option<f64>, Failure> {
         let no_lines = Mask::empty(size.0, size.1);
         let cameras = [camera, camera.turned(TURN_DEG.to_radians())].map(true_camera);

@@ -11,8 +11,8 @@ use pelage_tool::machine::measured_on;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Turns in which a form is timed, each through all scenes, are at least so many and take at least so long together. The fastest counts: what else the
-/// machine does only adds, and spares a short turn now and then.
+/// Turns in which a form is timed, each through all scenes, are at least so many and take at least so long together.
+/// The fastest counts: what else the machine does only adds, and spares a short turn now and then.
 const FEWEST_TURNS: usize = 5;
 const TIMED_S: f64 = 0.3;
 

@@ -1,5 +1,6 @@
-//! Skeletons as files have them: joints that scale unevenly, mirror or collapse, joints that no weight points at and that hold anything, weights that
-//! sum to nothing. (Weights that sum to something else than 1 are scaled when a model is read, and no package that has them opens.)
+//! Skeletons as files have them: joints that scale unevenly, mirror or collapse, joints that no weight points at and
+//! that hold anything, weights that sum to nothing. (Weights that sum to something else than 1 are scaled when a model
+//! is read, and no package that has them opens.)
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -44,8 +45,8 @@ fn cofactors(m: Mat3) -> Mat3 {
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-/// Normals that are not of unit length or not a number, the naive form being the inverse transpose; ours with the tangent beside them, which must be
-/// perpendicular as well.
+/// Normals that are not of unit length or not a number, the naive form being the inverse transpose; ours with the
+/// tangent beside them, which must be perpendicular as well.
 fn not_unit() -> (f64, f64) {
     let (mut naive, mut safe) = (0, 0);
     let unit = |v: Vec3| (v.length() - 1.0).abs() < 1e-5;
@@ -60,7 +61,8 @@ fn not_unit() -> (f64, f64) {
     (naive.into(), safe.into())
 }
 
-/// Normals that point into the skin: a step along them is none away from the posed tangent plane. Of joints that keep a volume.
+/// Normals that point into the skin: a step along them is none away from the posed tangent plane. Of joints that keep a
+/// volume.
 fn inward() -> (f64, f64) {
     let (mut naive, mut safe) = (0, 0);
     for (_, m) in joints().into_iter().filter(|(_, m)| m.determinant().abs() > 1e-6) {

@@ -18,7 +18,8 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Two hairs through the middle of the tile, crossing at one height, their tangents at `angle_deg` to either side of the normal.
+/// Two hairs through the middle of the tile, crossing at one height, their tangents at `angle_deg` to either side of
+/// the normal.
 fn crossing(angle_deg: f32) -> Strands {
     let (sin, cos) = (libm::sinf(angle_deg.to_radians()), libm::cosf(angle_deg.to_radians()));
     let middle = Vec3::new(0.5, 0.5, 0.5);

@@ -1,5 +1,5 @@
-//! Light from a sky: where its lobes are narrow or fibres bundle it, where it comes along a hair, where a fit goes below nothing, where a sun stands on an edge of the picture,
-//! and pictures that are black or broken.
+//! Light from a sky: where its lobes are narrow or fibres bundle it, where it comes along a hair, where a fit goes
+//! below nothing, where a sun stands on an edge of the picture, and pictures that are black or broken.
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};

@@ -1,7 +1,9 @@
-//! Hair on guides that swings: stiff strings, springs and long steps, frames of any length, what is in the way, and roots that jump.
+//! Hair on guides that swings: stiff strings, springs and long steps, frames of any length, what is in the way, and
+//! roots that jump.
 //!
-//! The naive form is Nalu's as printed (GPU Gems 2, chapter 23, after Jakobsen 2001): position Verlet over the frame whatever its length, speed lost by a
-//! constant share of each step, and a few rounds in which points within a sphere are put on it, and then each piece is put right, from root to tip.
+//! The naive form is Nalu's as printed (GPU Gems 2, chapter 23, after Jakobsen 2001): position Verlet over the frame
+//! whatever its length, speed lost by a constant share of each step, and a few rounds in which points within a sphere
+//! are put on it, and then each piece is put right, from root to tip.
 
 use super::row::{Finding, Row};
 use glam::{Mat3, Vec3};

@@ -73,7 +73,8 @@ pub fn worst_stretch(strands: &Strands, height: f32) -> f64 {
     (0..strands.len()).map(stretch).fold(0.0, |a, b| if b <= a { a } else { b })
 }
 
-/// Stretch of a stiff curl followed in 16 explicit steps: velocity relaxes to a turning target, position follows velocity.
+/// Stretch of a stiff curl followed in 16 explicit steps: velocity relaxes to a turning target, position follows
+/// velocity.
 fn explicit(stiffness: f32) -> f64 {
     let step = 1.0 / 16.0;
     let (mut p, mut v) = (Vec3::ZERO, Vec3::Z);

@@ -1,5 +1,6 @@
-//! The width of ink lines (Fang 2006, §2, Fig. 3): by the sphere map alone everything seen at a small enough angle is outline, so that flat parts seen edge on
-//! turn black all over. The template keeps lines to their width about the features.
+//! The width of ink lines (Fang 2006, §2, Fig. 3): by the sphere map alone everything seen at a small enough angle is
+//! outline, so that flat parts seen edge on turn black all over. The template keeps lines to their width about the
+//! features.
 
 use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
 use super::{silhouette, surface};

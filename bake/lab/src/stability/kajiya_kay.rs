@@ -18,7 +18,8 @@ pub const ROW: Row = Row {
 /// Exponents of the lighting equation, over the range that a recipe allows.
 pub const EXPONENTS: [f32; 9] = [0.0, 0.5, 1.0, 2.0, 3.0, 30.0, 101.0, 1000.0, 10_000.0];
 
-/// Unit vectors evenly over the sphere, each with itself, its opposite, or itself but for a rounding error, and an exponent.
+/// Unit vectors evenly over the sphere, each with itself, its opposite, or itself but for a rounding error, and an
+/// exponent.
 pub fn cases() -> impl Iterator<Item = (Vec3, Vec3, f32)> {
     const COUNT: u32 = 100_000;
     (0..COUNT).map(|i| {

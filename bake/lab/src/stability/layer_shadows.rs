@@ -1,5 +1,6 @@
-//! Layer-wise shadow maps (Yang 2006, §3): the printed product takes 1 − α of a layer whatever way the light has through it; the way itself,
-//! 1 / |N·L|, has no end at the horizon; and from behind, the layers are crossed from the wrong side.
+//! Layer-wise shadow maps (Yang 2006, §3): the printed product takes 1 − α of a layer whatever way the light has
+//! through it; the way itself, 1 / |N·L|, has no end at the horizon; and from behind, the layers are crossed from the
+//! wrong side.
 
 use super::measures::{grow, mean, natural_hair, opacity, slice};
 use super::row::{Finding, Row};
@@ -21,7 +22,8 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Transmittance of the layers above each texel of each layer, without maps between: what maps of endless resolution would hold.
+/// Transmittance of the layers above each texel of each layer, without maps between: what maps of endless resolution
+/// would hold.
 ///
 /// * `light_ts`: towards the light in the frame of the tile, above the skin
 /// * `height`: of the outermost layer, widths of the tile
@@ -115,8 +117,8 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         bound: 0.0,
         fails_above: 0.5,
     });
-    // Light from under the skin, at which the body is in between: nothing of it may arrive. From the light, the outermost layer is the last
-    // one, and its map has nothing above it.
+    // Light from under the skin, at which the body is in between: nothing of it may arrive. From the light, the
+    // outermost layer is the last one, and its map has nothing above it.
     let angles = [110.0, 130.0, 155.0, 180.0];
     let range = Shading::default().back_light_range;
     let arriving = |back: &dyn Fn(f32) -> f32| {

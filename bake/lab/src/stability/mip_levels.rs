@@ -1,5 +1,5 @@
-//! Layers of one hair stand above each other: averaging each layer's opacity by itself makes distant fur too opaque (and alpha-tested
-//! fur, whose coverage falls, too thin).
+//! Layers of one hair stand above each other: averaging each layer's opacity by itself makes distant fur too opaque
+//! (and alpha-tested fur, whose coverage falls, too thin).
 
 use super::measures::{grow, mean, natural_hair, opacity, slice, transmittances};
 use super::row::{Finding, Row};

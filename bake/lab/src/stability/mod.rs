@@ -1,7 +1,9 @@
-//! Where methods fail, and what we do there: drivers that take each method over its cliff, in the naive form and in ours.
+//! Where methods fail, and what we do there: drivers that take each method over its cliff, in the naive form and in
+//! ours.
 //!
-//! `pelage chart stability` prints what they find, and `tests/tests/stability/rows.rs` holds our form to its bound, and the naive one to
-//! its failure: data that never reached the cliff would prove nothing. The naive forms stand here and nowhere else.
+//! `pelage chart stability` prints what they find, and `tests/tests/stability/rows.rs` holds our form to its bound, and
+//! the naive one to its failure: data that never reached the cliff would prove nothing. The naive forms stand here and
+//! nowhere else.
 
 pub mod animation;
 pub mod direction_textures;

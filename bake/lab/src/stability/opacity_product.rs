@@ -30,8 +30,8 @@ fn faint(radius: f32, height: f32) -> Strands {
     }
 }
 
-/// Optical depth of a whole column of each of `n * n` texels in f64, from the definition: the hair's depth spread by a Gaussian that sums to
-/// one over the texels.
+/// Optical depth of a whole column of each of `n * n` texels in f64, from the definition: the hair's depth spread by a
+/// Gaussian that sums to one over the texels.
 fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     let mut depths = vec![0.0; n * n];
     for root in strands.points.iter().step_by(2) {
@@ -62,7 +62,8 @@ fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
 const TEXELS: usize = 64;
 const FINER: usize = 4;
 
-/// Mean transmittance of a column of `slabs` layers in 8 bits where each is rounded by itself, from the depths of the finer texels.
+/// Mean transmittance of a column of `slabs` layers in 8 bits where each is rounded by itself, from the depths of the
+/// finer texels.
 fn rounded(fine: &[f64], slabs: i32) -> f64 {
     let through = |layers: i32| {
         let share = f64::from(layers) / f64::from(slabs);

@@ -1,4 +1,5 @@
-//! Shadow maps of slabs: an opacity shadow map divides all the depth of a scene, and a coat lies within one of its slabs.
+//! Shadow maps of slabs: an opacity shadow map divides all the depth of a scene, and a coat lies within one of its
+//! slabs.
 
 use super::measures::{grow, natural_hair};
 use super::row::{Finding, Row};
@@ -24,7 +25,8 @@ const COAT_M: f32 = 0.02;
 /// How far below the surface of the coat light is asked, metres.
 const BELOW_M: f32 = 0.005;
 
-/// What the pieces of all strands of a tile cover of it, each with its depth below the coat's surface, metres: light comes straight down.
+/// What the pieces of all strands of a tile cover of it, each with its depth below the coat's surface, metres: light
+/// comes straight down.
 fn covered(strands: &Strands) -> Vec<(f32, f32)> {
     let metres = COAT_M / strands.height;
     let mut out = Vec::new();

@@ -9,8 +9,8 @@ pub type Driver = fn() -> Result<Vec<Finding>, BakeError>;
 /// The same by pictures, which it asks for.
 pub type DrawnDriver = fn(&mut Drawer<'_>) -> Result<Vec<Finding>, BakeError>;
 
-/// Who draws, on an adapter that this library knows nothing of: `width * height` texels of linear light times opacity, and opacity, row-major from the
-/// top, with ten bits at least.
+/// Who draws, on an adapter that this library knows nothing of: `width * height` texels of linear light times opacity,
+/// and opacity, row-major from the top, with ten bits at least.
 pub type Drawer<'a> = dyn FnMut(&Drawing<'_>) -> Result<Vec<[f32; 4]>, BakeError> + 'a;
 
 /// A picture to draw over nothing: one copy of a package at rest.

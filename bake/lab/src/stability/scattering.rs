@@ -1,4 +1,5 @@
-//! Light that a fibre scatters: forms that are printed or in use, and that are wrong where light comes along the fibre, where its glints meet, and in what it absorbs.
+//! Light that a fibre scatters: forms that are printed or in use, and that are wrong where light comes along the fibre,
+//! where its glints meet, and in what it absorbs.
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -43,7 +44,8 @@ fn refracted(way: DVec3, normal: DVec3, eta: f64) -> DVec3 {
     way * ratio + normal * (ratio * cos - (1.0 - ratio * ratio * (1.0 - cos * cos)).sqrt())
 }
 
-/// Directions of light at the difference angle of a section that meets a cylinder about z at angle `gamma`: where, and which way it goes.
+/// Directions of light at the difference angle of a section that meets a cylinder about z at angle `gamma`: where, and
+/// which way it goes.
 fn met(section: &Section, gamma: f64) -> (DVec3, DVec3) {
     let normal = DVec3::new(libm::cos(gamma), libm::sin(gamma), 0.0);
     let sin_d = (1.0 - section.cos_d * section.cos_d).sqrt();
@@ -148,8 +150,8 @@ fn energy() -> Finding {
 fn glints_in_tables() -> Finding {
     const TEXELS: usize = 128;
     let glint = Glint { width: 5_f64.to_radians(), ..Glint::default() };
-    // A row of a table: the azimuth of a place on its axis, and the place of an azimuth. The first texel is at 0 and the last at 1, or both half a texel within,
-    // where who prints a lookup of 0 to 1 leaves them.
+    // A row of a table: the azimuth of a place on its axis, and the place of an azimuth. The first texel is at 0 and
+    // the last at 1, or both half a texel within, where who prints a lookup of 0 to 1 leaves them.
     let off = |inset: f64, phi_of: &dyn Fn(f64) -> f64, place_of: &dyn Fn(f64) -> f64| {
         largest(sections().step_by(4).map(|section| {
             let glints = section.glints(&glint);
@@ -232,7 +234,8 @@ fn along_the_light() -> Finding {
     }
 }
 
-/// What fibres absorb for a coat to have a colour, and what is then left of light that crosses one of no width and of two radii.
+/// What fibres absorb for a coat to have a colour, and what is then left of light that crosses one of no width and of
+/// two radii.
 fn inversion() -> Finding {
     let depth = colour::depth(0.12);
     let naive = |color: f64| {

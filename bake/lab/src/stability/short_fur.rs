@@ -1,4 +1,5 @@
-//! Fur shorter than the tile's: the same strands pressed flat. Directions of full height, read there, are those of hair that stands up.
+//! Fur shorter than the tile's: the same strands pressed flat. Directions of full height, read there, are those of hair
+//! that stands up.
 
 use super::measures::{grow, natural_hair, opacity, slice, texels};
 use super::row::{Finding, Row};
@@ -32,7 +33,8 @@ fn direction(set: &ShellSet, layer: usize, texel: usize) -> Vec3 {
     decode_direction(values, TextureFormat::Rgba8Unorm).normalize_or(Vec3::Z)
 }
 
-/// Mean angle between the directions of `short` and those that `form` makes of the full tile's, degrees; each texel counts by its opacity.
+/// Mean angle between the directions of `short` and those that `form` makes of the full tile's, degrees; each texel
+/// counts by its opacity.
 fn angle_deg(full: &ShellSet, short: &ShellSet, form: impl Fn(Vec3) -> Vec3) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);
     for layer in 1..full.layers.len() {

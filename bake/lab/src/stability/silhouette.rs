@@ -1,8 +1,9 @@
 //! How much hair there is outside the outline of the skin, against the true strands.
 //!
-//! The error is the mean absolute difference of opacity within six pixels of the outline of the bare skin, between means over squares of
-//! eight pixels: where a single hair ends is not the same in both, so that single pixels differ by more than what the eye takes for density. All
-//! pictures are supersampled, so that the sampling of a pixel's middle, which alone makes a difference of 0.07 a pixel, is no part of the error.
+//! The error is the mean absolute difference of opacity within six pixels of the outline of the bare skin, between
+//! means over squares of eight pixels: where a single hair ends is not the same in both, so that single pixels differ
+//! by more than what the eye takes for density. All pictures are supersampled, so that the sampling of a pixel's
+//! middle, which alone makes a difference of 0.07 a pixel, is no part of the error.
 
 use super::row::{Drawer, Drawing};
 use glam::Vec3;
@@ -66,7 +67,8 @@ fn profile(coverage: &Coverage, distances: &[f64], bands: usize) -> Vec<f64> {
     sums.iter().map(|(a, n)| if *n > 0.0 { a / n } else { 0.0 }).collect()
 }
 
-/// Mean absolute difference of opacity within `reach` pixels of the outline, between means over squares of `window` pixels.
+/// Mean absolute difference of opacity within `reach` pixels of the outline, between means over squares of `window`
+/// pixels.
 fn error(a: &Coverage, b: &Coverage, distances: &[f64], reach: f64, window: u32) -> f64 {
     let (w, h) = a.size;
     let (mut total, mut weight) = (0.0, 0.0);

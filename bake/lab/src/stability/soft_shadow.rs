@@ -1,5 +1,6 @@
-//! Soft shadows from a shadow-width map (Yang 2006, §5: 1 − C_scale · sw / sd): where the shadow is thrown from near by, sd is nothing but the
-//! rounding of the depth map and the quotient anything; and the blurred map says one half where the shadow begins, which is a step.
+//! Soft shadows from a shadow-width map (Yang 2006, §5: 1 − C_scale · sw / sd): where the shadow is thrown from near
+//! by, sd is nothing but the rounding of the depth map and the quotient anything; and the blurred map says one half
+//! where the shadow begins, which is a step.
 
 use super::row::{Finding, Row};
 use glam::Vec4;
@@ -47,7 +48,8 @@ fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |worst: f64, x| if x.is_nan() || x > worst { x } else { worst })
 }
 
-/// Lit skin beside the edge of a shadow that falls elsewhere: its depth is the map's but for rounding, and the map's blur reaches over it.
+/// Lit skin beside the edge of a shadow that falls elsewhere: its depth is the map's but for rounding, and the map's
+/// blur reaches over it.
 fn lit_skin() -> (f64, f64) {
     let cases = (0..1000).map(|i| {
         let occlusion = 0.45 * (i as f32 / 1000.0);
@@ -59,8 +61,9 @@ fn lit_skin() -> (f64, f64) {
     (worst(naive), worst(safe))
 }
 
-/// Lit skin under a light near its horizon: within a texel of the map the skin runs over as much depth as its slant makes of it. A convex body
-/// throws no shadow on itself, but past its own edge, as the light sees it, there may be one: occlusion about the point is some.
+/// Lit skin under a light near its horizon: within a texel of the map the skin runs over as much depth as its slant
+/// makes of it. A convex body throws no shadow on itself, but past its own edge, as the light sees it, there may be
+/// one: occlusion about the point is some.
 fn at_the_horizon() -> (f64, f64) {
     let cases = (0..1000).map(|i| {
         let n_dot_l = 0.26 + 0.2 * (i % 10) as f32 / 10.0;
@@ -73,8 +76,8 @@ fn at_the_horizon() -> (f64, f64) {
     (worst(naive), worst(safe))
 }
 
-/// Largest step between neighbouring receivers on a way across the straight edge of a shadow that is thrown from `gap_m` above, a hundred to
-/// the width of the true penumbra.
+/// Largest step between neighbouring receivers on a way across the straight edge of a shadow that is thrown from
+/// `gap_m` above, a hundred to the width of the true penumbra.
 fn across_the_edge(gap_m: f32) -> (f64, f64) {
     let width = gap_m * SOFT.penumbra;
     let (thrower, z) = (0.25, 0.25 + gap_m / SOFT.range_m);
@@ -97,8 +100,8 @@ fn across_the_edge(gap_m: f32) -> (f64, f64) {
     (step(light(None)), worst([true, false].map(|centred| step(light(Some(centred))))))
 }
 
-/// Values outside 0..=1 or not numbers, over everything that maps and lights can hold. The printed quotient has those where nothing throws
-/// the shadow and nothing is there: an empty texel of both maps.
+/// Values outside 0..=1 or not numbers, over everything that maps and lights can hold. The printed quotient has those
+/// where nothing throws the shadow and nothing is there: an empty texel of both maps.
 fn unsound() -> (f64, f64) {
     let (mut naive, mut safe) = (0u32, 0u32);
     let sound = |x: f32| (0.0..=1.0).contains(&x);

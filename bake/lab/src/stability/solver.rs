@@ -1,4 +1,5 @@
-//! Slivers make the equations of a patch nearly singular. Naive: conjugate gradients in f32, a fixed number of rounds, the result believed.
+//! Slivers make the equations of a patch nearly singular. Naive: conjugate gradients in f32, a fixed number of rounds,
+//! the result believed.
 
 use super::row::{Finding, Row};
 use super::surface::{lay, model, not_positive};
@@ -36,7 +37,8 @@ pub fn slivers(least: f32) -> Model {
     model(positions.collect(), triangles)
 }
 
-/// The Poisson system of formulas 6.3 by 56 rounds of Jacobi-preconditioned conjugate gradients; returns flipped triangles.
+/// The Poisson system of formulas 6.3 by 56 rounds of Jacobi-preconditioned conjugate gradients; returns flipped
+/// triangles.
 pub fn naive_flips(model: &Model, tile_m: f32) -> usize {
     let mesh = &model.mesh;
     let n = mesh.positions.len();

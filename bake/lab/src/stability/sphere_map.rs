@@ -1,8 +1,11 @@
-//! The sphere map that ink lines swell by (Fang 2006, §2, after Kang 2003): R = α(N·E)E − E with α = N·E, m = sqrt(Rx² + Ry² + (Rz + 1)²), (u, v) = R/2m + 1/2.
+//! The sphere map that ink lines swell by (Fang 2006, §2, after Kang 2003): R = α(N·E)E − E with α = N·E, m = sqrt(Rx²
+//! + Ry² + (Rz + 1)²), (u, v) = R/2m + 1/2.
 //!
-//! As printed R is parallel to E: all normals share a line of places, one place in the middle of the picture, and 0/0 where a normal stands at right angles to
-//! the view. Read as a reflection, R = 2(N·E)N − E, it is a map, but one about the middle of the picture: aside of it the outline is no
-//! longer the rim, and R = (0, 0, −1), where m is 0, falls on what faces the eye. Ours takes the normal in the frame perpendicular to the look, where the distance from the middle is sin(N, E)/2 whatever the perspective.
+//! As printed R is parallel to E: all normals share a line of places, one place in the middle of the picture, and 0/0
+//! where a normal stands at right angles to the view. Read as a reflection, R = 2(N·E)N − E, it is a map, but one about
+//! the middle of the picture: aside of it the outline is no longer the rim, and R = (0, 0, −1), where m is 0, falls on
+//! what faces the eye. Ours takes the normal in the frame perpendicular to the look, where the distance from the middle
+//! is sin(N, E)/2 whatever the perspective.
 
 use super::kajiya_kay;
 use super::row::{Finding, Row};

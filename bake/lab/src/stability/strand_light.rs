@@ -1,5 +1,5 @@
-//! The light of a strand's point: the eye sees the side that is towards it. Looked up on its axis, what of the strand itself lies a little before that in
-//! the light darkens it, the more, the thinner the slabs of the map are.
+//! The light of a strand's point: the eye sees the side that is towards it. Looked up on its axis, what of the strand
+//! itself lies a little before that in the light darkens it, the more, the thinner the slabs of the map are.
 
 use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
 use super::strand_width::{SIZE, above, bake, strands_of, true_camera};

@@ -69,7 +69,8 @@ impl Scene {
         Self { pieces, skin: skin.triangles.iter().map(|t| t.map(corner)).collect() }
     }
 
-    /// Depth and light of what is nearest, at each place of every pixel; infinite and nothing where that is the background.
+    /// Depth and light of what is nearest, at each place of every pixel; infinite and nothing where that is the
+    /// background.
     fn opaque(&self, at: &[Vec2], hair: bool) -> Vec<(f32, f32)> {
         let mut out = vec![(f32::INFINITY, 0.0); (SIZE * SIZE) as usize * at.len()];
         let mut put = |index: usize, depth: f32, light: f32| {
@@ -104,7 +105,8 @@ impl Scene {
             .collect()
     }
 
-    /// Light of each pixel with strands at least a pixel wide, as much less opaque as they are widened, over the skin in the order of the file.
+    /// Light of each pixel with strands at least a pixel wide, as much less opaque as they are widened, over the skin
+    /// in the order of the file.
     fn blended(&self) -> Vec<f32> {
         let middle = [Vec2::splat(0.5)];
         let mut out = self.opaque(&middle, false);

@@ -1,5 +1,5 @@
-//! Strands thinner than a pixel: as true ribbons they meet as few samples as they cover. Lines are drawn a pixel wide at least, and hair that is an
-//! eighth of that becomes a coat eight times as dense.
+//! Strands thinner than a pixel: as true ribbons they meet as few samples as they cover. Lines are drawn a pixel wide
+//! at least, and hair that is an eighth of that becomes a coat eight times as dense.
 
 use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
 use super::surface;
@@ -33,8 +33,8 @@ const TILE_M: f32 = 0.125;
 const TRUE_SAMPLES: u32 = 1024;
 const TRUE_SIZE: u32 = SIZE / 8;
 
-/// A square with hair of one width, `density` strands a tile. They lie askew to the pixels: of those that lie along them, each meets all samples of a
-/// column or none.
+/// A square with hair of one width, `density` strands a tile. They lie askew to the pixels: of those that lie along
+/// them, each meets all samples of a column or none.
 ///
 /// # Errors
 ///

@@ -1,5 +1,6 @@
-//! Meshes that break parameterizations: closed ones, of any genus, with edges of three triangles and triangles without area. Naive:
-//! half-edges in a map, which the third triangle of an edge overwrites; gradients that divide by the area; one chart for all.
+//! Meshes that break parameterizations: closed ones, of any genus, with edges of three triangles and triangles without
+//! area. Naive: half-edges in a map, which the third triangle of an edge overwrites; gradients that divide by the area;
+//! one chart for all.
 
 use super::row::{Finding, Row};
 use glam::{Quat, Vec2, Vec3, vec3};

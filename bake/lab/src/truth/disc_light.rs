@@ -1,8 +1,9 @@
 //! A light that is a disc: what a point of a mesh sees of it, by rays. The truth for soft shadows.
 //!
-//! The size of the light is given as a `penumbra`, which is what soft-shadow methods that know only one ray have a constant for: the width of a
-//! penumbra over the distance between what throws the shadow and what it falls on. The light of a disc that is seen under the angle ρ, from its
-//! middle to its rim, has penumbrae of the width 2 · tan ρ at distance 1. It is 1/C_scale of Kirsch and Döllner 2003 and Yang 2006.
+//! The size of the light is given as a `penumbra`, which is what soft-shadow methods that know only one ray have a
+//! constant for: the width of a penumbra over the distance between what throws the shadow and what it falls on. The
+//! light of a disc that is seen under the angle ρ, from its middle to its rim, has penumbrae of the width 2 · tan ρ at
+//! distance 1. It is 1/C_scale of Kirsch and Döllner 2003 and Yang 2006.
 
 use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
@@ -23,7 +24,8 @@ pub enum DiscLight {
     Directional {
         /// Towards the light, of any length above zero.
         towards_light_ws: DVec3,
-        /// Width of a penumbra over the distance from what throws the shadow, 0..: 0 is a point of light; the sun has 0.0093.
+        /// Width of a penumbra over the distance from what throws the shadow, 0..: 0 is a point of light; the sun has
+        /// 0.0093.
         penumbra: f64,
     },
     /// At a place. The disc always faces the point that looks at it, so that it is a sphere in effect.
@@ -37,7 +39,8 @@ pub enum DiscLight {
 
 /// Triangles that throw shadows, from both sides.
 pub struct Occluder {
-    /// In the order of the tree's leaves, in radii of the mesh about its middle: f32 then has all its digits where they are needed.
+    /// In the order of the tree's leaves, in radii of the mesh about its middle: f32 then has all its digits where they
+    /// are needed.
     triangles: Vec<Triangle>,
     /// None without triangles.
     tree: Option<Bvh2>,
@@ -82,10 +85,12 @@ impl Occluder {
     /// Share of the light's disc that a point sees, 0..=1: 1 in full light, 0 in the umbra.
     ///
     /// * `point_ws`: the point, metres
-    /// * `normal_ws`: unit normal of the skin there; rays start a little along it, so as not to meet the skin they start from
+    /// * `normal_ws`: unit normal of the skin there; rays start a little along it, so as not to meet the skin they
+    ///   start from
     /// * `samples`: rays, rounded up to a square number: one to each of as many parts of the disc of equal area
     ///
-    /// A part of the disc below the point's horizon is hidden only if the mesh itself hides it. The same arguments give the same share.
+    /// A part of the disc below the point's horizon is hidden only if the mesh itself hides it. The same arguments give
+    /// the same share.
     pub fn visible_share(&self, point_ws: DVec3, normal_ws: DVec3, light: &DiscLight, samples: u32) -> f64 {
         let Some(tree) = &self.tree else { return 1.0 };
         let (towards, penumbra) = match *light {

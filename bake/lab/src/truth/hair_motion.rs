@@ -1,7 +1,9 @@
-//! Hair on a guide that swings, as the equations have it that the fast way takes steps of: `pelage_formats::meaning::hair_motion`.
+//! Hair on a guide that swings, as the equations have it that the fast way takes steps of:
+//! `pelage_formats::meaning::hair_motion`.
 //!
-//! Points xₖ of unit mass follow the root x₀ = r(t), which the skin moves with its frame F(t). pₖ is the groomed place in that frame, gₖ = r + F pₖ where
-//! the skin would have the point, eₖ the direction from xₖ₋₁ to xₖ, and τₖ the tension of that piece:
+//! Points xₖ of unit mass follow the root x₀ = r(t), which the skin moves with its frame F(t). pₖ is the groomed place
+//! in that frame, gₖ = r + F pₖ where the skin would have the point, eₖ the direction from xₖ₋₁ to xₖ, and τₖ the
+//! tension of that piece:
 //!
 //! ```text
 //! x″ₖ = G + F bₖ                              gravity, and the ballast that bears the groomed shape at rest
@@ -13,14 +15,17 @@
 //! R₁ = 1, Rⱼ₊₁ = (least turn of Rⱼ F (pⱼ − pⱼ₋₁) to xⱼ − xⱼ₋₁) Rⱼ
 //! ```
 //!
-//! Lengths, differentiated twice, are a tridiagonal system for the tensions: eₖ·(x″ₖ − x″ₖ₋₁) = −|x′ₖ − x′ₖ₋₁|² / lₖ. With it the equations are ordinary
-//! ones, which Runge's and Kutta's method of fourth order takes steps of. After each, places and velocities go back to where lengths hold, along the pieces and by
-//! the least change, so that nothing of it drifts. A skin that changes its velocity at once pulls at the lengths: that impulse is the same projection.
+//! Lengths, differentiated twice, are a tridiagonal system for the tensions: eₖ·(x″ₖ − x″ₖ₋₁) = −|x′ₖ − x′ₖ₋₁|² / lₖ.
+//! With it the equations are ordinary ones, which Runge's and Kutta's method of fourth order takes steps of. After
+//! each, places and velocities go back to where lengths hold, along the pieces and by the least change, so that nothing
+//! of it drifts. A skin that changes its velocity at once pulls at the lengths: that impulse is the same projection.
 //!
-//! [`TrueGuide::followed`] halves the steps until that changes nothing. What two motions that differ by a rounding make of it is another matter: a slack string
-//! whips, and forgets where it came from. Such motions have no truth beyond the first seconds, and the steps that halving asks for show it.
+//! [`TrueGuide::followed`] halves the steps until that changes nothing. What two motions that differ by a rounding make
+//! of it is another matter: a slack string whips, and forgets where it came from. Such motions have no truth beyond the
+//! first seconds, and the steps that halving asks for show it.
 //!
-//! No colliders, and every point but the root is wholly free: what friction and freedom do is defined by steps, and has no equation to be true to.
+//! No colliders, and every point but the root is wholly free: what friction and freedom do is defined by steps, and has
+//! no equation to be true to.
 
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
@@ -29,7 +34,8 @@ use std::f64::consts::TAU;
 const DAMPED: f64 = 0.3;
 /// Seconds between the moments that velocities of the skin are differences of.
 const MOMENT_S: f64 = 1e-4;
-/// Rounds of Newton's method that lengths are put right by after a step, and the error beside which a further one would be rounding, in lengths.
+/// Rounds of Newton's method that lengths are put right by after a step, and the error beside which a further one would
+/// be rounding, in lengths.
 const ROUNDS: usize = 12;
 const EXACT: f64 = 1e-13;
 
@@ -66,7 +72,8 @@ impl SkinMotion {
         }
     }
 
-    /// Of a skin that goes straight from one place to another, as a renderer knows it that has only frames of pictures; `share`: how much of the way.
+    /// Of a skin that goes straight from one place to another, as a renderer knows it that has only frames of pictures;
+    /// `share`: how much of the way.
     pub fn between(from: (DVec3, DMat3), to: (DVec3, DMat3), seconds: f64, share: f64) -> Self {
         let (velocity, turning) = ((to.0 - from.0) / seconds, (to.1 - from.1) * (1.0 / seconds));
         let s = share * seconds;
@@ -78,7 +85,8 @@ impl SkinMotion {
 /// A guide, and all that moves it.
 #[derive(Clone, Copy)]
 pub struct TrueGuide<'a> {
-    /// Groomed points relative to the root, which is the first, in the frame of its triangle, metres: two or more, none on the one before.
+    /// Groomed points relative to the root, which is the first, in the frame of its triangle, metres: two or more, none
+    /// on the one before.
     pub points: &'a [DVec3],
     /// Accelerations that hold them at rest, in that frame; as many.
     pub ballast: &'a [DVec3],
@@ -114,8 +122,8 @@ pub struct Followed {
     pub change: f64,
 }
 
-/// Tensions, eₖ·(aₖ − aₖ₋₁) = `wanted`ₖ being what they are to do to pieces of the directions `along`: by elimination, from root to tip and back. The first of
-/// both is nothing's.
+/// Tensions, eₖ·(aₖ − aₖ₋₁) = `wanted`ₖ being what they are to do to pieces of the directions `along`: by elimination,
+/// from root to tip and back. The first of both is nothing's.
 fn tensions(along: &[DVec3], wanted: &[f64]) -> Vec<f64> {
     let count = along.len();
     let (mut left, mut right) = (vec![0.0; count], vec![0.0; count]);
@@ -300,7 +308,8 @@ impl TrueGuide<'_> {
             .collect()
     }
 
-    /// As [`Self::frames`], with twice as many steps until that moves no point by more than `within` lengths of the guide, or until there are 4096 of a frame.
+    /// As [`Self::frames`], with twice as many steps until that moves no point by more than `within` lengths of the
+    /// guide, or until there are 4096 of a frame.
     pub fn followed(
         &self,
         way: &dyn Fn(f64) -> (DVec3, DMat3),

@@ -1,17 +1,21 @@
 //! Transmittance through the strands themselves: binary rays against round, opaque hairs.
 //!
-//! This truth reads the same [`Strands`] as slicing does and nothing of what slicing makes of them, so it shows what the layers get wrong about
-//! the hair, where [`super::SampledVolume`] shows only what the maps get wrong about the layers. The two need not agree, for three reasons:
+//! This truth reads the same [`Strands`] as slicing does and nothing of what slicing makes of them, so it shows what
+//! the layers get wrong about the hair, where [`super::SampledVolume`] shows only what the maps get wrong about the
+//! layers. The two need not agree, for three reasons:
 //!
-//! * Slicing keeps what a strand covers but not its sharpness: a hair is widened to the filter of the texels and thinned out as much, and a hair
-//!   of many texels lets a little light through its middle, where a real one lets none through ([`pelage_bake::stages::textures::extinction`]).
-//! * Down the hair the tails of the Gaussians that it is drawn with add up, so that light from straight above meets hairs wider than they are.
+//! * Slicing keeps what a strand covers but not its sharpness: a hair is widened to the filter of the texels and
+//!   thinned out as much, and a hair of many texels lets a little light through its middle, where a real one lets none
+//!   through ([`pelage_bake::stages::textures::extinction`]).
+//! * Down the hair the tails of the Gaussians that it is drawn with add up, so that light from straight above meets
+//!   hairs wider than they are.
 //! * A ray that starts within a hair is blocked, and in the volume it has half a layer before it.
 //!
-//! What is left after these is the error of coherence: layers know each other only through the light that passes from map to map.
+//! What is left after these is the error of coherence: layers know each other only through the light that passes from
+//! map to map.
 //!
-//! A grid over the tile would do as well as bounding volumes while hair stands up evenly. Combed flat or gathered in locks it does not: then one
-//! cell holds most of the segments, and the tree stays as fast as it is.
+//! A grid over the tile would do as well as bounding volumes while hair stands up evenly. Combed flat or gathered in
+//! locks it does not: then one cell holds most of the segments, and the tree stays as fast as it is.
 
 use glam::{DVec2, DVec3};
 use obvhs::aabb::Aabb;
@@ -49,8 +53,8 @@ impl Boundable for Segment {
 impl Segment {
     /// Whether the ray from `origin`, `way` times 0..=`length` long, comes into the hair; `way` has unit length.
     ///
-    /// The radius is that of the place on the axis where the two come closest. For cylinders with round ends that is exact, for tapering
-    /// hair up to the square of the taper.
+    /// The radius is that of the place on the axis where the two come closest. For cylinders with round ends that is
+    /// exact, for tapering hair up to the square of the taper.
     fn blocks(&self, origin: DVec3, way: DVec3, length: f64) -> bool {
         // Closest points of a line and a segment: Ericson, Real-Time Collision Detection (2005), 5.1.9.
         let r = origin - self.from;
@@ -115,8 +119,9 @@ impl StrandField {
         Ok(Self { segments, tree: Some(tree), min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() })
     }
 
-    /// Share of the rays from a small square at height `z`, parallel to the skin, that reach a distant light past all hairs; 0..=1. That is the
-    /// light in the space that hairs stand in, and in them it is dark; what a hair gets itself is [`Self::lights_strand`].
+    /// Share of the rays from a small square at height `z`, parallel to the skin, that reach a distant light past all
+    /// hairs; 0..=1. That is the light in the space that hairs stand in, and in them it is dark; what a hair gets
+    /// itself is [`Self::lights_strand`].
     ///
     /// * `u`, `v`: middle of the square, widths of the tile; any, because the tile repeats
     /// * `z`: height above the skin, widths of the tile
@@ -136,8 +141,8 @@ impl StrandField {
         free.count() as f64 / count as f64
     }
 
-    /// Whether a distant light is seen from a place on a strand past all hairs but that strand. Its copies in other tiles are others, as in the traced
-    /// picture, where each copy is a strand of its own.
+    /// Whether a distant light is seen from a place on a strand past all hairs but that strand. Its copies in other
+    /// tiles are others, as in the traced picture, where each copy is a strand of its own.
     ///
     /// * `place`: on the strand's axis, widths of the tile, where [`Strands::points`] has it: not wrapped into the tile
     /// * `strand`: index of the strand
@@ -149,8 +154,9 @@ impl StrandField {
         light.is_some_and(|light| self.is_free(place, light, Some(strand)))
     }
 
-    /// Whether a ray leaves the fur past all strands but `own`. It is followed a tile's width at a time: within one it can meet the neighbours' hairs only where they lean
-    /// over, and coordinates stay small enough for the tree, which counts in f32.
+    /// Whether a ray leaves the fur past all strands but `own`. It is followed a tile's width at a time: within one it
+    /// can meet the neighbours' hairs only where they lean over, and coordinates stay small enough for the tree, which
+    /// counts in f32.
     fn is_free(&self, start: DVec3, light: DVec3, own: Option<u32>) -> bool {
         let Some(tree) = &self.tree else { return true };
         let enter = ((self.min.z - start.z) / light.z).max(0.0);
@@ -171,7 +177,8 @@ impl StrandField {
         false
     }
 
-    /// Whether a hair is met of those that `hides` is true of; it is given a segment, and the tile that its copy stands in.
+    /// Whether a hair is met of those that `hides` is true of; it is given a segment, and the tile that its copy stands
+    /// in.
     fn piece_is_blocked(
         &self,
         tree: &Bvh2,

@@ -31,8 +31,8 @@ fn mean(field: &StrandField, z: f64, light: DVec3) -> f64 {
     field.transmittance(0.5, 0.5, z, 1.0, light, 90_000)
 }
 
-/// A layer of parallel hairs at height 0.25 that run along v from tile to tile, four to a tile: from the skin they cover four diameters of
-/// the way across, foreshortened by the slant across them and by none along them.
+/// A layer of parallel hairs at height 0.25 that run along v from tile to tile, four to a tile: from the skin they
+/// cover four diameters of the way across, foreshortened by the slant across them and by none along them.
 #[test]
 fn a_wall_of_parallel_hairs_covers_its_diameters() {
     let line = |i: u8| {
@@ -70,7 +70,8 @@ fn an_upright_hair_throws_a_shadow_of_its_length() {
     let hair = field(&[[vec3(0.2, 0.7, 0.0), vec3(0.2, 0.7, height)]], radius);
     for (angle, azimuth) in [(30.0f64, 0.0), (60.0, 40.0), (75.0, 250.0)] {
         let light = towards(angle, azimuth);
-        // A rectangle and the projected ends: a disc at the root, within the hair itself, and the half sphere at the tip.
+        // A rectangle and the projected ends: a disc at the root, within the hair itself, and the half sphere at the
+        // tip.
         let (r, length) = (f64::from(radius), f64::from(height) * angle.to_radians().tan());
         let shadow = 2.0 * r * length + 0.5 * std::f64::consts::PI * r * r * (1.0 + 1.0 / light.z);
         let found = 1.0 - mean(&hair, 0.0, light);
@@ -86,8 +87,8 @@ fn an_upright_hair_throws_a_shadow_of_its_length() {
     }
 }
 
-/// A strand that leans from one tile into the next and stands across the way of the light: it is in its own light, and its copies are, wherever the
-/// tile's borders lie. A second strand hides light whatever is left out.
+/// A strand that leans from one tile into the next and stands across the way of the light: it is in its own light, and
+/// its copies are, wherever the tile's borders lie. A second strand hides light whatever is left out.
 #[test]
 fn a_strand_hides_no_light_from_itself_but_its_copies_do() {
     let (radius, root) = (0.02f32, vec3(0.9, 0.5, 0.0));
@@ -146,7 +147,8 @@ fn it_repeats_and_light_from_below_or_from_nowhere_is_none() {
     assert_eq!(field.transmittance(0.5, 0.5, 0.1, 0.0, DVec3::new(1.0, 0.7, 1e-9), 1), 0.0);
 }
 
-/// Hairs many texels wide are the case in which layers and rays should agree, up to what the volume's blur and density change.
+/// Hairs many texels wide are the case in which layers and rays should agree, up to what the volume's blur and density
+/// change.
 #[test]
 fn layers_of_wide_hairs_agree_with_their_rays() {
     let hair = pelage_bake::recipe::HairParams {
@@ -169,7 +171,8 @@ fn layers_of_wide_hairs_agree_with_their_rays() {
             let t = volume.layer_transmittances(layer, light);
             let volume_mean = t.iter().sum::<f64>() / t.len() as f64;
             let rays = mean(&field, layer as f64 * volume.spacing(), light);
-            // Down the hairs the tails of their Gaussians add up to more than the hairs are wide, and the volume is the darker.
+            // Down the hairs the tails of their Gaussians add up to more than the hairs are wide, and the volume is the
+            // darker.
             let tolerance = if angle < 45.0 { 0.1 } else { 0.045 };
             assert!(
                 (volume_mean - rays).abs() < tolerance,

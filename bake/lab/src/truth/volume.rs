@@ -1,12 +1,13 @@
 //! Transmittance through the volume that the layers are samples of: formulas 4.3, after Kajiya and Kay 1989.
 //!
-//! A layer's opacity α is what its slab of height Δ takes from light that comes straight down, so the slab's extinction is −ln(1 − α)/Δ. It is
-//! given at the texel centres of the layer and interpolated linearly in all three axes. The ends are constant: from half a spacing under the
-//! lowest layer to half a spacing over the outermost one, so that straight down the whole volume takes exactly what the product of all layers
-//! takes, and a point on a layer has half of that layer before it.
+//! A layer's opacity α is what its slab of height Δ takes from light that comes straight down, so the slab's extinction
+//! is −ln(1 − α)/Δ. It is given at the texel centres of the layer and interpolated linearly in all three axes. The ends
+//! are constant: from half a spacing under the lowest layer to half a spacing over the outermost one, so that straight
+//! down the whole volume takes exactly what the product of all layers takes, and a point on a layer has half of that
+//! layer before it.
 //!
-//! Between two grid planes extinction is a cubic along any straight line, for which two Gauss points give the exact integral. There is no step
-//! length to choose.
+//! Between two grid planes extinction is a cubic along any straight line, for which two Gauss points give the exact
+//! integral. There is no step length to choose.
 
 use glam::DVec3;
 use pelage_bake::stages::textures::ShellSet;
@@ -40,7 +41,8 @@ impl SampledVolume {
     ///
     /// # Errors
     ///
-    /// [`BakeError::Internal`] for a set without a layer above the skin, texels that are missing, or a height that is not above zero.
+    /// [`BakeError::Internal`] for a set without a layer above the skin, texels that are missing, or a height that is
+    /// not above zero.
     pub fn new(set: &ShellSet, height: f64) -> Result<Self, BakeError> {
         let above = set.layers.get(1..).unwrap_or(&[]);
         let alpha = |texels: &Vec<u8>| texels.chunks_exact(4).map(|t| f64::from(t[3]) / 255.0).collect();
@@ -48,7 +50,8 @@ impl SampledVolume {
         Self::from_opacities(set.texels, height, &opacities)
     }
 
-    /// The volume of opacities 0..=1 at the texel centres of each layer above the skin, the lowest first, `texels * texels` values each.
+    /// The volume of opacities 0..=1 at the texel centres of each layer above the skin, the lowest first, `texels *
+    /// texels` values each.
     ///
     /// # Errors
     ///

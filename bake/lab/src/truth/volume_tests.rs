@@ -65,7 +65,8 @@ fn a_single_layer_is_a_tent_of_its_optical_depth() {
     }
 }
 
-/// A sheet that stands upright across u: a ray along v within it meets nothing but sheet, one along u all of it once a tile.
+/// A sheet that stands upright across u: a ray along v within it meets nothing but sheet, one along u all of it once a
+/// tile.
 #[test]
 fn an_upright_sheet_is_met_by_its_thickness() {
     let (texels, layers, height, alpha) = (16, 8, 0.5, 0.4f64);
@@ -73,8 +74,9 @@ fn an_upright_sheet_is_met_by_its_thickness() {
     let extinction = -(1.0 - alpha).ln() / (height / layers as f64);
     let middle = 5.5 / 16.0;
     let light = towards(60.0, 0.0);
-    // Across: a tent of one texel to both sides, so one texel's width of it at sin(60°) to the ray. The ray from the skin runs
-    // 0.5·tan(60°) = 0.87 tiles, and starts at a place from which it passes the sheet once within the upper part of the volume.
+    // Across: a tent of one texel to both sides, so one texel's width of it at sin(60°) to the ray. The ray from the
+    // skin runs 0.5·tan(60°) = 0.87 tiles, and starts at a place from which it passes the sheet once within the upper
+    // part of the volume.
     close(sheet.transmittance(middle - 0.3, 0.4, 0.0, light), (-extinction / 16.0 / light.x).exp(), 1e-12);
     // Along v, in the sheet's middle plane, it is a solid block; one texel beside it, nothing.
     let along = towards(60.0, 90.0);

@@ -1,4 +1,4 @@
-//! Ninja, as a process.
+//! Ninja as a child process.
 
 use super::finish;
 use super::on_disk::Herd;
@@ -13,11 +13,12 @@ use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What has to be installed.
+/// Installation advice.
 const HELP: &str =
     "it is not installed: apt-get install ninja-build, dnf install ninja-build, pacman -S ninja, brew install ninja";
 
-/// Runs what is not done on this machine: everything but what is timed at once, and that one after another.
+/// Runs commands that are not up to date on this machine: benchmarks one after another at the end, all others
+/// concurrently.
 pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Result<Ran, Failure> {
     let (file, room) = herd.write_ninja(jobs, memory_bytes)?;
     if room.too_large > 0 {
@@ -26,7 +27,7 @@ pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Re
     }
     let mut ran = Ran::default();
     ninja(herd, &file, jobs, &mut ran, output)?;
-    // What is tried once fails once.
+    // A failed bake is not attempted again for its benchmark.
     let timed = herd.timed();
     if !timed.is_empty() {
         ninja(herd, &herd.write_timed(&timed, memory_bytes)?, 1, &mut ran, output)?;
@@ -34,14 +35,15 @@ pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Re
     Ok(ran)
 }
 
-/// The names of commands that this machine would run now. Those that hang on one of them are among them: whether it comes out the same, nobody knows before.
+/// Returns the names of commands that this machine would run now, including dependent commands, whose inputs may come
+/// out unchanged.
 pub fn due(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
     let mut named = dry_run(herd, file)?;
     let timed = herd.timed();
     if !timed.is_empty() {
         named.extend(dry_run(herd, &herd.write_timed(&timed, u64::MAX)?)?);
     }
-    // What failed is tried again, whatever Ninja thinks of its files.
+    // Failed commands are retried, whatever Ninja concludes from their files.
     let failed: BTreeSet<String> = finish::failed_before(herd).into_iter().collect();
     let makers = herd.plan.makers();
     let mut due = BTreeSet::new();
@@ -64,11 +66,11 @@ fn dry_run(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
     Ok(Ran::of(&said.stdout).tasks)
 }
 
-/// A command of Ninja in the herd's folder.
+/// Returns a Ninja command in the herd's folder.
 pub fn command(herd: &Herd, file: &str) -> Command {
     let mut command = Command::new("ninja");
     command.current_dir(&herd.folder).args(["-f", file]);
-    // What it says is read here: in this form, and without colours.
+    // Its output is parsed, so its format is fixed, without colours.
     command.env("NINJA_STATUS", STATUS).env_remove("CLICOLOR_FORCE");
     for threads in THREADS {
         if std::env::var_os(threads).is_none() {
@@ -78,7 +80,7 @@ pub fn command(herd: &Herd, file: &str) -> Command {
     command
 }
 
-/// An error of a process that cannot be run.
+/// Returns the error for a process that cannot be started.
 pub fn cannot_run(source: io::Error) -> Failure {
     let source = if source.kind() == io::ErrorKind::NotFound { io::Error::new(source.kind(), HELP) } else { source };
     io_error(Path::new("ninja"), "run", source)
@@ -86,7 +88,7 @@ pub fn cannot_run(source: io::Error) -> Failure {
 
 fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut Ran, output: &mut Output) -> Result<(), Failure> {
     let mut command = command(herd, file);
-    // It goes on after failures.
+    // Continue after failures.
     command.args(["-k", "0", "-j", &jobs.to_string()]);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().map_err(cannot_run)?;
@@ -111,7 +113,7 @@ fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut Ran, output: &mut Output)
     let status = child.wait().map_err(|source| io_error(Path::new("ninja"), "run", source))?;
     let errors = errors.join().ok().flatten().unwrap_or_default();
     faults.extend(errors.lines().filter(|line| line.starts_with("ninja: ")).map(str::to_owned));
-    // A command that failed is told by its own record; what stopped Ninja itself, nobody else tells.
+    // A failed command is reported by its own record; errors of Ninja itself are reported here.
     if status.code() != Some(0) && !faults.is_empty() {
         return Err(io_error(&herd.path(file), "run ninja on", io::Error::other(faults.join("; "))));
     }

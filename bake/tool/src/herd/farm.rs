@@ -1,4 +1,4 @@
-//! Slurm, by its commands.
+//! Slurm, controlled by its commands.
 
 use super::args::RunArgs;
 use super::engine;
@@ -20,12 +20,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// How often the queue is asked.
+/// Polling interval of the queue.
 const ASKED_EVERY: Duration = Duration::from_secs(2);
-/// Tasks of an array where the farm does not say how many it allows.
+/// Default size of an array job, if Slurm does not report its limit.
 const ARRAY: usize = 1000;
 
-/// Submits what is not done and waits for it; `None` where nobody shall wait.
+/// Submits what is not up to date and waits for it; returns `None` with `--detach`.
 pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ran>, Failure> {
     let files = format!("{}/slurm", herd.own());
     make_folder(&herd.path(&files))?;
@@ -62,7 +62,7 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
             jobs.push(job);
         }
         shards.extend(open.iter().map(|shard| format!("{files}/{}-{}.done", stage.name, shard.number)));
-        // What a stage needs is made, or it failed and says so, when the one before is over.
+        // When a stage ends, the inputs of the next one are made or have been recorded as failed.
         before.clone_from(&jobs);
         ids.extend(jobs);
     }
@@ -80,12 +80,12 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
     Ok(Some(ran(herd)))
 }
 
-/// Where it stands how the logs begin of what was submitted last.
+/// Returns the file that lists the name prefixes of the latest submission's logs.
 fn logs_file(herd: &Herd) -> PathBuf {
     herd.path(&format!("{}/slurm/logs.json", herd.own()))
 }
 
-/// What Ninja says in the logs of what was submitted last, as far as they can be read.
+/// Parses Ninja's output from the readable logs of the latest submission.
 pub fn ran(herd: &Herd) -> Ran {
     let logs: Vec<String> = notes::read(&logs_file(herd));
     let mut ran = Ran::default();
@@ -99,7 +99,7 @@ pub fn ran(herd: &Herd) -> Ran {
     ran
 }
 
-/// Writes the build files of all shards: those that are not done, for each stage.
+/// Writes the build files of all shards; returns, for each stage, the shards that are not up to date.
 fn open_shards<'a>(
     herd: &Herd,
     files: &str,
@@ -119,7 +119,7 @@ fn open_shards<'a>(
             let own = format!("{name}.log");
             make_folder(&herd.path(&own))?;
             let tasks: Vec<&Task> = shard.tasks.iter().map(|i| &herd.plan.tasks[*i]).collect();
-            // One command at a time: Slurm shares cores and memory out.
+            // One command at a time: Slurm allocates cores and memory.
             let room = ninja::Room::of(&tasks, 1, u64::MAX);
             herd.write_build(&format!("{name}.ninja"), &own, &tasks, room)?;
             let waits = tasks.iter().any(|task| task.inputs.iter().any(|input| made.contains(input.as_str())));
@@ -134,13 +134,13 @@ fn open_shards<'a>(
     Ok(open)
 }
 
-/// Whether Ninja has nothing to do in a shard.
+/// Returns true if Ninja has nothing to do in a shard.
 fn is_done(herd: &Herd, file: &str) -> Result<bool, Failure> {
     let said = engine::command(herd, file).arg("-n").output().map_err(engine::cannot_run)?;
     Ok(said.status.success() && String::from_utf8_lossy(&said.stdout).contains("no work to do"))
 }
 
-/// Submits an array with a task for each of `shards`; its number.
+/// Submits an array job with a task for each of `shards`; returns its number.
 fn submit(herd: &Herd, script: &str, stage: &str, shards: &[&Shard], before: &[String]) -> Result<String, Failure> {
     let mut command = Command::new("sbatch");
     command.current_dir(&herd.folder).args(["--parsable", &format!("--array=0-{}", shards.len() - 1)]);
@@ -150,11 +150,11 @@ fn submit(herd: &Herd, script: &str, stage: &str, shards: &[&Shard], before: &[S
     }
     let list = shards.iter().map(|shard| shard.number.to_string()).collect::<Vec<_>>().join(",");
     let said = answer(command.arg(script).arg(list))?;
-    // A farm of several clusters says which, behind a semicolon.
+    // With several clusters, Slurm appends the cluster after a semicolon.
     Ok(said.trim().split(';').next().unwrap_or_default().to_owned())
 }
 
-/// What a command of Slurm says.
+/// Returns the output of a Slurm command.
 fn answer(command: &mut Command) -> Result<String, Failure> {
     let name = command.get_program().to_string_lossy().into_owned();
     let fail = |source| io_error(Path::new(&name), "run", source);
@@ -171,12 +171,12 @@ fn answer(command: &mut Command) -> Result<String, Failure> {
     }
 }
 
-/// The most tasks that an array of this farm has.
+/// Returns the largest array job that this cluster allows.
 fn array_size() -> usize {
     let config = answer(Command::new("scontrol").args(["show", "config"])).unwrap_or_default();
     let line = config.lines().find_map(|line| line.trim().strip_prefix("MaxArraySize"));
     let most = line.and_then(|line| line.trim().strip_prefix('=')?.trim().parse::<usize>().ok());
-    // Its tasks are numbered from 0 to one less.
+    // Tasks are numbered from 0 to one less than the limit.
     most.map_or(ARRAY, |most| most.saturating_sub(1).max(1))
 }
 
@@ -190,9 +190,9 @@ fn wait(herd: &Herd, ids: &[String], shards: &[String], output: &mut Output) -> 
         match queue {
             Ok(queue) if queue.trim().is_empty() => break,
             Ok(_) => failed = 0,
-            // Jobs that are long over are forgotten.
+            // Slurm forgets jobs that ended long ago.
             Err(Failure::Bake(BakeError::Io { source, .. })) if source.to_string().contains("Invalid job id") => break,
-            // A controller may be away for a while.
+            // A controller may be temporarily unavailable.
             Err(error) => {
                 failed += 1;
                 if failed > 30 {

@@ -1,4 +1,4 @@
-//! What became of a herd: read, told and put on a page.
+//! Results of a herd: reads the records, prints a summary and writes the report.
 
 use super::notes;
 use super::on_disk::{Herd, history_file};
@@ -19,25 +19,26 @@ use std::collections::BTreeSet;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// Pixels of the longer side of a small picture.
+/// Longer side of a thumbnail, pixels.
 const THUMB: u32 = 224;
-/// Herds of more rows have a page that shows the pictures themselves as they come into sight, where small ones are on the page.
+/// Largest number of rows with embedded thumbnails; larger reports load the pictures themselves as they scroll into
+/// view.
 const MOST_ROWS: usize = 1000;
-/// What small pictures are laid over.
+/// Grey value behind transparent thumbnails.
 const GREY: u8 = 128;
-/// Failures that are told one by one.
+/// Number of failures that are listed individually.
 const TOLD: usize = 20;
 
 fn failures_file(own: &str) -> String {
     format!("{own}/failures.json")
 }
 
-/// What the page was made of, from the herd's folder.
+/// Returns the file with the key of the report's inputs, in the herd's internal folder.
 fn key_file(own: &str) -> String {
     format!("{own}/report.key")
 }
 
-/// From now on the page is not what became of it: it is written anew, however this run ends.
+/// Marks the report as outdated, so that it is rewritten however this run ends.
 pub fn forget_page(herd: &Herd) -> Result<(), Failure> {
     remove(&herd.path(&key_file(&herd.own())))
 }
@@ -49,12 +50,12 @@ fn remove(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// The records of commands that failed when the page was written.
+/// Returns the records of commands that had failed when the report was written.
 pub fn failed_before(herd: &Herd) -> Vec<String> {
     notes::read(&herd.path(&failures_file(&herd.own())))
 }
 
-/// Removes the records of commands that failed: no engine may take these for done.
+/// Removes the records of failed commands, so that no engine considers these done.
 pub fn forget_failures(herd: &Herd) -> Result<(), Failure> {
     failed_before(herd).iter().try_for_each(|record| remove(&herd.path(record)))
 }
@@ -71,7 +72,7 @@ fn became(herd: &Herd, ran: &Ran) -> Result<Vec<Option<Became>>, Failure> {
     herd.plan.tasks.par_iter().map(of).collect()
 }
 
-/// Writes the record of a command that has ended without one.
+/// Writes the record of a command that ended without one.
 fn bury(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
     let mut why = "it ended without a word: something has killed it, perhaps for want of memory".to_owned();
     if !last_words.is_empty() {
@@ -81,7 +82,7 @@ fn bury(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
     Ok(record.write(&herd.path(&task.record))?)
 }
 
-/// Tells what became of a herd, and writes its page where anything changed.
+/// Prints the results of a herd, and rewrites its report if anything changed.
 pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failure> {
     let page = herd.path(&format!("{}/report.html", herd.plan.out));
     let own = herd.own();
@@ -89,7 +90,7 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
     let key_file = herd.path(&key_file(&own));
     let known = page.is_file() && std::fs::read_to_string(&key_file).is_ok_and(|key| key == plan);
     if ran.tasks.is_empty() && known && failed_before(herd).is_empty() {
-        // Of a large farm's herd there are very many records; all of them say that all is well.
+        // Large herds have very many records, all of which report success here, so they are not read.
         let all = herd.plan.tasks.len();
         let counts = HerdTasks { all, done: all, ..HerdTasks::default() };
         return tell(herd, counts, &[], (0, 0), &page, output);
@@ -105,7 +106,7 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
     thumbs.tidy();
     let mut history = herd.history.clone();
     for (task, became) in herd.plan.tasks.iter().zip(&became) {
-        // What came from a cache says nothing of the work.
+        // A cache hit says nothing about the cost of the command.
         if let Some(became) = became.as_ref().filter(|became| became.exit_code == 0 && !became.cached) {
             let peak_bytes = became.peak_bytes.unwrap_or(task.expected.peak_bytes);
             history.insert(task.name.clone(), Known { seconds: became.seconds, peak_bytes });
@@ -133,7 +134,7 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
     tell(herd, counts, &failures, ran, &page, output)
 }
 
-/// Stands for a plan, as far as its page shows it.
+/// Returns a key of the parts of a plan that the report shows.
 fn plan_key(herd: &Herd) -> Result<String, Failure> {
     let shown: Vec<_> = herd.plan.tasks.iter().map(|task| (&task.name, &task.words)).collect();
     let text = serde_json::to_vec(&(&herd.title, &herd.plan.rows, shown, &herd.tool));
@@ -179,12 +180,12 @@ fn tell(
     let models = herd.plan.rows.len();
     let result = HerdResult::Run { report, models, ran, cached, tasks, failures: failures_told };
     output.result(&lines.join("\n"), &result)?;
-    // The first of those that failed says what kind of failure it is; a difference is one where nothing else is wrong.
+    // The exit code is that of the first failure; a difference counts only if nothing failed.
     let code = failures.first().map_or(if missing > 0 { Exit::FileSystem as u8 } else { 0 }, |(_, exit, _)| *exit);
     Ok(Exit::of(code).unwrap_or(Exit::Internal))
 }
 
-/// Small pictures, made once for each that is there.
+/// Cache of thumbnails, each made once per picture.
 struct Thumbs<'a> {
     herd: &'a Herd,
     folder: PathBuf,
@@ -198,7 +199,7 @@ impl<'a> Thumbs<'a> {
         Ok(Self { herd, folder, used: std::sync::Mutex::default() })
     }
 
-    /// The address of a small copy; `None` where there is no picture.
+    /// Returns the data URL of a thumbnail; `None` if the picture does not exist.
     fn source(&self, file: &str) -> Option<String> {
         let path = self.herd.path(file);
         let found = std::fs::metadata(&path).ok()?;
@@ -211,7 +212,7 @@ impl<'a> Thumbs<'a> {
         let kept = self.folder.join(&name);
         let bytes = std::fs::read(&kept).ok().or_else(|| {
             let bytes = small(&path)?;
-            // It is made again where it cannot be kept.
+            // If it cannot be stored, it is made again next time.
             let _ = io::write_atomic(&kept, &bytes);
             Some(bytes)
         })?;
@@ -220,7 +221,7 @@ impl<'a> Thumbs<'a> {
         Some(format!("data:image/jpeg;base64,{}", base64::engine::general_purpose::STANDARD.encode(bytes)))
     }
 
-    /// Removes those of pictures that are not there any more.
+    /// Removes thumbnails of pictures that no longer exist.
     fn tidy(&self) {
         let used = self.used.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         for entry in std::fs::read_dir(&self.folder).into_iter().flatten().flatten() {
@@ -231,7 +232,7 @@ impl<'a> Thumbs<'a> {
     }
 }
 
-/// A picture as a small JPEG, over grey.
+/// Returns a picture as a small JPEG, over grey.
 fn small(path: &Path) -> Option<Vec<u8>> {
     let picture = image::open(path).ok()?;
     let picture = if picture.width().max(picture.height()) > THUMB {

@@ -1,16 +1,16 @@
-//! What this machine has.
+//! Cores and memory of this machine.
 
 use std::thread::available_parallelism;
 
-/// Where nobody says how much memory is free.
+/// Assumed free memory if the system does not report it, bytes.
 const UNKNOWN: u64 = 4 << 30;
 
-/// Cores that this process may use.
+/// Returns the number of cores that this process may use.
 pub fn cores() -> u32 {
     available_parallelism().map_or(1, |cores| cores.get() as u32)
 }
 
-/// Memory that commands may take, bytes: what is free now, or what is left of the group that this process is in.
+/// Returns the memory available to commands, bytes: free memory, or what is left of this process's control group.
 pub fn free_bytes() -> u64 {
     let meminfo = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     let free = available(&meminfo).unwrap_or(UNKNOWN);
@@ -22,7 +22,7 @@ pub fn free_bytes() -> u64 {
     left.map_or(free, |left| left.min(free))
 }
 
-/// Of /proc/meminfo.
+/// Parses the available memory from /proc/meminfo.
 fn available(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)

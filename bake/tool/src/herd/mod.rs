@@ -1,4 +1,4 @@
-//! `pelage herd`: thousands of models on engines that people already run.
+//! `pelage herd`: processes thousands of models with existing execution engines.
 
 mod args;
 mod engine;
@@ -27,8 +27,8 @@ pub use result::HerdResult;
 
 /// Runs the subcommand.
 ///
-/// * `cache`: the one that was given for all commands
-/// * `refusal`: why the tool refuses a command line
+/// * `cache`: cache folder for all commands
+/// * `refusal`: returns the reason that the tool refuses a command line
 pub fn run(args: &HerdArgs, cache: Option<&Path>, refusal: &Refusal<'_>, output: &mut Output) -> Result<Exit, Failure> {
     let read = |files: &HerdFiles| Herd::read(files, cache, refusal);
     match &args.action {
@@ -37,7 +37,7 @@ pub fn run(args: &HerdArgs, cache: Option<&Path>, refusal: &Refusal<'_>, output:
         Action::Report(files) => {
             output.progress("reading what became of it");
             let herd = read(files)?;
-            // What was submitted and left alone has told the farm's logs alone how it ended.
+            // The outcome of a detached submission is only in the cluster's logs.
             let ran = farm::ran(&herd).failures_alone();
             finish::finish(&herd, &ran, output)
         }
@@ -71,7 +71,7 @@ fn say_plan(herd: &Herd, args: &PlanArgs, output: &mut Output) -> Result<Exit, F
     Ok(Exit::Done)
 }
 
-/// Sums up the commands of each kind.
+/// Summarises the commands of each kind.
 fn kinds(tasks: &[&Task]) -> Vec<KindSummary> {
     let mut kinds: BTreeMap<Kind, KindSummary> = BTreeMap::new();
     for task in tasks {

@@ -1,4 +1,4 @@
-//! Which models there are.
+//! Discovery of models.
 
 use super::paths::utf8;
 use crate::exit::Failure;
@@ -9,11 +9,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use walkdir::WalkDir;
 
-/// Finds the models of a herd, in the order of their paths. Folders whose names begin with a dot, and that of the results, are passed by.
+/// Finds the models of a herd, sorted by path. Folders whose names begin with a dot, and the output folder, are
+/// skipped.
 ///
 /// * `source`: the herd file, for messages
-/// * `folder`: its folder
-/// * `out`: that of the results, from there
+/// * `folder`: folder of the herd file
+/// * `out`: output folder, relative to `folder`
 pub fn find(source: TomlText<'_>, file: &HerdFile, folder: &Path, out: &str) -> Result<Vec<Found>, Failure> {
     let results = folder.join(out);
     let mut found: BTreeMap<String, u64> = BTreeMap::new();

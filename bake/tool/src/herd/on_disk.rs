@@ -1,4 +1,4 @@
-//! A herd as it lies on disk: its file, its models, what it has needed before, and where everything goes.
+//! Herd on disk: its file, models, history and output paths.
 
 use super::args::HerdFiles;
 use super::models;
@@ -15,29 +15,29 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Why the tool refuses a command line, if it does.
+/// Returns the reason that the tool refuses a command line, if it does.
 pub type Refusal<'a> = dyn Fn(&[String]) -> Option<String> + 'a;
 
-/// A herd as it lies on disk.
+/// Herd on disk.
 pub struct Herd {
-    /// The folder of its file, absolute: commands run there.
+    /// Absolute folder of its file; commands run there.
     pub folder: PathBuf,
-    /// What it is called.
+    /// Title of the report.
     pub title: String,
-    /// Its commands.
+    /// Planned commands.
     pub plan: Plan,
-    /// What they have needed before.
+    /// Measured cost of earlier runs.
     pub history: History,
-    /// Folder of what was made before, from its folder.
+    /// Cache folder, relative to `folder`.
     pub cache: Option<String>,
-    /// The tool, absolute.
+    /// Absolute path of the tool.
     pub tool: String,
-    /// What of its file does nothing.
+    /// Warnings about entries of the herd file without effect.
     pub idle: Vec<String>,
 }
 
 impl Herd {
-    /// Reads a herd file, finds its models and plans.
+    /// Reads a herd file, finds its models and computes the plan.
     pub fn read(files: &HerdFiles, cache: Option<&Path>, refusal: &Refusal<'_>) -> Result<Self, Failure> {
         let name = files.herd.display().to_string();
         let text = io::read_text(&files.herd, "a herd in TOML")?;
@@ -69,17 +69,17 @@ impl Herd {
         Ok(Self { folder, title, plan, history, cache, tool, idle })
     }
 
-    /// A path of the plan on disk.
+    /// Returns the path on disk of a path in the plan.
     pub fn path(&self, path: &str) -> PathBuf {
         self.folder.join(path)
     }
 
-    /// The herd's own folder, from its file's.
+    /// Returns the herd's internal folder, relative to the herd file's folder.
     pub fn own(&self) -> String {
         Plan::own_folder(&self.plan.out)
     }
 
-    /// Makes the folders that commands write into, and sweeps those that are there.
+    /// Creates the folders that commands write into, and removes temporary files from existing ones.
     pub fn make_folders(&self) -> Result<(), Failure> {
         let files = self.plan.tasks.iter().flat_map(|task| {
             task.outputs.iter().chain([&task.record]).chain(&task.depfile).filter_map(|file| Path::new(file).parent())
@@ -96,19 +96,19 @@ impl Herd {
         Ok(())
     }
 
-    /// Says what of its file does nothing.
+    /// Prints the warnings about entries of the herd file without effect.
     pub fn say_idle(&self, output: &Output) {
         self.idle.iter().for_each(|idle| output.note(&format!("note: {idle}")));
     }
 
-    /// The tasks that are timed and whose packages are there: what could not be baked cannot be timed.
+    /// Returns the benchmark tasks whose packages exist; a failed bake cannot be timed.
     pub fn timed(&self) -> Vec<&Task> {
         let there =
             |task: &&Task| task.kind == Kind::Bench && task.inputs.iter().all(|input| self.path(input).is_file());
         self.plan.tasks.iter().filter(there).collect()
     }
 
-    /// Writes the build file of what is timed, one after another, and its name.
+    /// Writes the build file of the benchmarks, to run one after another; returns its name.
     pub fn write_timed(&self, timed: &[&Task], memory_bytes: u64) -> Result<String, Failure> {
         let own = format!("{}/timed", self.own());
         let name = format!("{own}/build.ninja");
@@ -117,7 +117,8 @@ impl Herd {
         Ok(name)
     }
 
-    /// Writes the build file of what may run at the same time on this machine: where it is, from the herd's folder, and how much room it was made for.
+    /// Writes the build file of the tasks that may run concurrently on this machine. Returns its path, relative to the
+    /// herd file's folder, and its concurrency limits.
     pub fn write_ninja(&self, jobs: u32, memory_bytes: u64) -> Result<(String, ninja::Room), Failure> {
         let tasks = ninja::untimed(&self.plan);
         let room = ninja::Room::of(&tasks, jobs, memory_bytes);
@@ -126,7 +127,7 @@ impl Herd {
         Ok((name, room))
     }
 
-    /// Writes a build file of some tasks, which keeps its log in a folder of its own.
+    /// Writes a build file of some tasks, with `own` as the folder of Ninja's log.
     pub fn write_build(&self, name: &str, own: &str, tasks: &[&Task], room: ninja::Room) -> Result<(), Failure> {
         let settings = ninja::Settings { tool: &self.tool, cache: self.cache.as_deref(), own, room };
         io::write_atomic(&self.path(name), ninja::text(tasks, &settings).as_bytes())?;
@@ -134,10 +135,10 @@ impl Herd {
     }
 }
 
-/// So long nothing is written into a file that a command still writes.
+/// Age after which an unchanged temporary file is considered abandoned.
 const ABANDONED: Duration = Duration::from_secs(600);
 
-/// Removes what commands that were killed have left half-written under names of its own. What cannot be removed harms nobody.
+/// Removes temporary files left by killed commands; errors are ignored.
 fn sweep(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -149,7 +150,8 @@ fn sweep(folder: &Path) {
     }
 }
 
-/// Recipes and looks have to be there before anything begins: no engine can say what is wrong with the file that named them.
+/// Checks that recipes and looks exist before anything starts, because no engine can report which herd file entry names
+/// a missing file.
 fn check_files(source: TomlText<'_>, file: &HerdFile, folder: &Path) -> Result<(), Failure> {
     let recipes = file.recipe_files().filter(|(_, path, _)| !path.contains(NAME)).map(|(key, path, _)| (key, path));
     let looks = file.views.iter().enumerate();
@@ -163,12 +165,12 @@ fn check_files(source: TomlText<'_>, file: &HerdFile, folder: &Path) -> Result<(
     }
 }
 
-/// Where it stands what commands have needed, from the herd's folder.
+/// Returns the file with the measured cost of commands, in the herd's internal folder.
 pub fn history_file(own: &str) -> String {
     format!("{own}/history.json")
 }
 
-/// What commands have needed before; nothing where nothing has run.
+/// Reads the measured cost of earlier runs; empty before the first run.
 fn history(folder: &Path, out: &str) -> History {
     notes::read(&folder.join(history_file(&Plan::own_folder(out))))
 }

@@ -1,20 +1,20 @@
-//! Paths as build files have them.
+//! Paths for build files.
 
 use crate::exit::Failure;
 use pelage_import::BakeError;
 use std::path::{Path, PathBuf};
 
-/// An error of the file system, or of a program.
+/// Creates an error of the file system or of a program.
 pub fn io_error(path: &Path, action: &'static str, source: std::io::Error) -> Failure {
     BakeError::Io { path: path.to_owned(), action, source }.into()
 }
 
-/// An absolute path without steps back.
+/// Returns an absolute path without `..`.
 pub fn absolute(path: &Path) -> Result<PathBuf, Failure> {
     if let Ok(found) = path.canonicalize() {
         return Ok(found);
     }
-    // What is not there yet lies in a folder that is, or will be made.
+    // A path that does not exist yet is in a folder that exists or will be created.
     let absolute = std::path::absolute(path).map_err(|source| io_error(path, "find", source))?;
     match (absolute.parent().and_then(|parent| parent.canonicalize().ok()), absolute.file_name()) {
         (Some(parent), Some(name)) => Ok(parent.join(name)),
@@ -22,14 +22,14 @@ pub fn absolute(path: &Path) -> Result<PathBuf, Failure> {
     }
 }
 
-/// A path as commands in `folder` name it: relative where it lies below.
+/// Returns a path as commands in `folder` name it: relative if it is below `folder`.
 pub fn seen_from(folder: &Path, path: &Path) -> Result<String, Failure> {
     let path = path.strip_prefix(folder).unwrap_or(path);
     let text = utf8(path)?;
     Ok(if text.is_empty() { ".".into() } else { text.to_owned() })
 }
 
-/// A path as text.
+/// Returns a path as text.
 pub fn utf8(path: &Path) -> Result<&str, Failure> {
     path.to_str()
         .ok_or_else(|| Failure::Usage(format!("{}: its name is no UTF-8, which build files are", path.display())))

@@ -1,46 +1,46 @@
-//! What Ninja has done, as its lines say it.
+//! Parser of Ninja's output.
 
 use pelage_herd::Task;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What Ninja has done, as it says it.
+/// Commands run by Ninja and their failures, parsed from its output.
 #[derive(Clone, Debug, Default)]
 pub struct Ran {
-    /// The names of commands that were run.
+    /// Names of commands that were run.
     pub tasks: BTreeSet<String>,
-    /// The last lines of those that failed, behind the command itself, by the files that each would have made.
+    /// Last lines of each failed command, after the command line, by the files that it would have made.
     failed: BTreeMap<String, Vec<String>>,
-    /// Whose lines are being heard.
+    /// Failed command whose output is being read.
     open: Option<String>,
 }
 
 impl Ran {
-    /// Last lines that are kept of each.
+    /// Number of last lines kept per command.
     const LINES: usize = 3;
 
-    /// What such lines say.
+    /// Parses Ninja's output.
     pub fn of(lines: &[u8]) -> Self {
         let mut ran = Self::default();
         ran.hear_all(lines);
         ran
     }
 
-    /// Hears several lines.
+    /// Parses several lines.
     pub fn hear_all(&mut self, lines: &[u8]) {
         for line in String::from_utf8_lossy(lines).lines() {
             self.hear(line);
         }
     }
 
-    /// Hears a line, which may say of a command how many are over, of how many, and which that is. Of one that failed Ninja names the files, then the command,
-    /// and then what that wrote.
+    /// Parses a line. Returns the number of finished commands, the total and the command's name if it is a status line.
+    /// For a failed command Ninja prints its files, then the command line, then its output.
     pub fn hear<'a>(&mut self, line: &'a str) -> Option<(usize, usize, &'a str)> {
         let said = status(line);
         if let Some((.., task)) = said {
             self.tasks.insert(task.to_owned());
             self.open = None;
         } else if let Some(files) = line.strip_prefix("FAILED: ") {
-            // Later versions say the exit code first.
+            // Later versions print the exit code first.
             let code = files.strip_prefix("[code=").and_then(|rest| rest.split_once("] "));
             let files = code.map_or(files, |(_, files)| files).trim();
             self.failed.insert(files.to_owned(), Vec::new());
@@ -58,19 +58,19 @@ impl Ran {
         said
     }
 
-    /// The same without the names of what was run.
+    /// Returns the failures without the names of the commands that were run.
     pub fn failures_alone(self) -> Self {
         Self { tasks: BTreeSet::new(), ..self }
     }
 
-    /// The last words of a command, where it failed: empty where it had none.
+    /// Returns the last lines of a failed command, possibly empty.
     pub fn last_words(&self, task: &Task) -> Option<String> {
         let files: Vec<&str> = task.outputs.iter().chain([&task.record]).map(String::as_str).collect();
         Some(self.failed.get(&files.join(" "))?.get(1..).unwrap_or_default().join("; "))
     }
 }
 
-/// `[3/10] bake fox`: how many are over, of how many, and which.
+/// Parses `[3/10] bake fox`: finished commands, total, and name.
 fn status(line: &str) -> Option<(usize, usize, &str)> {
     let (count, task) = line.strip_prefix('[')?.split_once("] ")?;
     let (done, total) = count.split_once('/')?;

@@ -22,9 +22,9 @@ pub enum HerdResult<'a> {
         tasks: Vec<PlannedTask<'a>>,
         /// Number and expected needs of the commands of each kind.
         kinds: Vec<KindSummary>,
-        /// Commands run at once on this machine.
+        /// Number of concurrent commands on this machine.
         jobs: u32,
-        /// Commands run at once that need much memory.
+        /// Number of concurrent commands that need much memory.
         heavy_jobs: u32,
     },
     /// Outcome of a run.

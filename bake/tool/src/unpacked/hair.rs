@@ -1,8 +1,8 @@
-//! Hair on guides, the section `HAIR`, as a `.hair` file for each group with a JSON beside them, and back.
+//! Conversion of hair on guides, the section `HAIR`, to one `.hair` file per group with a JSON file, and back.
 //!
-//! The files show the guides where the skin at rest has them, metres in world space, y up; `hair.json` has all else that a group is. A guide that nobody
-//! edited is packed to the same whole numbers that it was unpacked from: those that a `.hair` does not lead back to stand in `exact`, which count as long as
-//! the guide is the one that they stand for.
+//! The `.hair` files contain the guides on the mesh at rest, metres in world space, y up; `hair.json` contains all
+//! other data of a group. An unedited guide is packed to exactly the integers it was unpacked from. Integers that
+//! cannot be recovered from a `.hair` file are stored in `exact`, and are used as long as the guide still matches them.
 
 use super::json::{File, deserialize, json_value, known_keys, shorten_floats, to_rows};
 use glam::{Vec2, Vec3};
@@ -17,20 +17,20 @@ use pelage_import::guides::read::HairFile;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// Name of the JSON.
+/// Name of the JSON file.
 pub const JSON: &str = "hair.json";
-/// Keys of a group: the one that a `.hair` has in its place, and the one that it has beside it.
+/// Keys of a group: the one that its `.hair` file replaces, and the one that the JSON adds.
 const OFFSETS: &str = "guide_offsets";
 const EXACT: &str = "exact";
 
-/// The whole numbers of a guide.
+/// Stored integers of a guide.
 #[derive(Serialize, Deserialize)]
 struct Exact {
     guide: usize,
     offsets: Vec<[i16; 3]>,
 }
 
-/// Name of the file of a group.
+/// Returns the file name of a group.
 fn name_of(number: usize, group: &HairGroup) -> String {
     let plain = group.name.chars().take(40).map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
     format!("hair_{number}_{}.hair", plain.collect::<String>())
@@ -40,7 +40,7 @@ fn failed(error: impl std::fmt::Display) -> BakeError {
     BakeError::Internal(format!("writing {JSON}: {error}"))
 }
 
-/// A group as the JSON has it.
+/// Converts a group to JSON.
 fn described(group: &HairGroup, exact: &[Exact]) -> Result<Value, BakeError> {
     let mut value = serde_json::to_value(group).map_err(failed)?;
     if let Some(object) = value.as_object_mut() {
@@ -51,7 +51,7 @@ fn described(group: &HairGroup, exact: &[Exact]) -> Result<Value, BakeError> {
     Ok(value)
 }
 
-/// Names and contents of all files, the JSON first; `None` where they would not lead back to the same groups.
+/// Returns names and contents of all files, the JSON first; `None` if they could not be read back to the same groups.
 pub fn write(groups: &[HairGroup], skin: &RestSkin) -> Result<Option<Vec<File>>, BakeError> {
     let at_rest = GuidesAtRest(skin);
     let (mut list, mut files) = (Vec::new(), Vec::new());
@@ -77,7 +77,7 @@ pub fn write(groups: &[HairGroup], skin: &RestSkin) -> Result<Option<Vec<File>>,
     Ok(same.then_some(files))
 }
 
-/// The file of a group: with the radii and colours that its hairs have, so that it looks like them; only its points are read back.
+/// Writes the file of a group, with the radii and colours of its hairs for display; only its points are read back.
 fn shown(group: &HairGroup, guides: &[Vec<Vec3>]) -> Result<Vec<u8>, BakeError> {
     let [root, tip] = [group.root_color, group.tip_color].map(|c| Vec3::from(c.map(srgb_to_linear)));
     let mut curves = Curves::default();
@@ -100,7 +100,7 @@ fn shown(group: &HairGroup, guides: &[Vec<Vec3>]) -> Result<Vec<u8>, BakeError> 
     Ok(bytes)
 }
 
-/// Puts the groups together; names of files are those of messages.
+/// Reads the groups; file names are for messages.
 pub fn read((json_file, json): &File, files: &[File], skin: &RestSkin) -> Result<Vec<HairGroup>, BakeError> {
     let value = json_value(json_file, json)?;
     let list = value.as_array().ok_or_else(|| {

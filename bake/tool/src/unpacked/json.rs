@@ -1,4 +1,4 @@
-//! JSON that people edit: keys that mean nothing are refused, and faults say where they stand.
+//! User-editable JSON: unknown keys are refused, and errors name their location.
 
 use pelage_import::BakeError;
 use pelage_params::nearest;
@@ -7,18 +7,18 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// A file's name and contents.
+/// Name and contents of a file.
 pub type File = (String, Vec<u8>);
 
-/// Writes JSON with each value on a line of its own.
+/// Writes JSON with each value on its own line.
 pub fn to_text(value: &Value) -> String {
     format!("{value:#}\n")
 }
 
-/// The longest line that [`to_rows`] puts a list on.
+/// Longest line on which [`to_rows`] puts a list, characters.
 const ROW: usize = 100;
 
-/// Writes JSON with short lists on one line: long lists of pairs of numbers stay readable.
+/// Writes JSON with short lists on one line, so that long lists of pairs of numbers stay readable.
 pub fn to_rows(value: &Value) -> String {
     fn write(value: &Value, indent: usize, out: &mut String) {
         let line = value.to_string();
@@ -54,7 +54,7 @@ pub fn to_rows(value: &Value) -> String {
     out + "\n"
 }
 
-/// Parses a whole JSON file and refuses keys that mean nothing.
+/// Parses a whole JSON file and refuses unknown keys.
 pub fn parse<T: DeserializeOwned + Serialize>(file: &str, bytes: &[u8]) -> Result<T, BakeError> {
     let value = json_value(file, bytes)?;
     let parsed: T = deserialize(file, "", value.clone())?;
@@ -63,7 +63,7 @@ pub fn parse<T: DeserializeOwned + Serialize>(file: &str, bytes: &[u8]) -> Resul
     Ok(parsed)
 }
 
-/// Parses JSON; `file`: its name, for errors.
+/// Parses JSON; `file` is its name, for errors.
 pub fn json_value(file: &str, bytes: &[u8]) -> Result<Value, BakeError> {
     serde_json::from_slice(bytes).map_err(|e| BakeError::Input {
         file: file.to_owned(),
@@ -72,7 +72,7 @@ pub fn json_value(file: &str, bytes: &[u8]) -> Result<Value, BakeError> {
     })
 }
 
-/// Reads a value of a type; `at`: where it stands in the file, as a JSON pointer.
+/// Deserializes a value; `at` is its location in the file, a JSON pointer.
 pub fn deserialize<T: DeserializeOwned>(file: &str, at: &str, value: Value) -> Result<T, BakeError> {
     serde_path_to_error::deserialize(value).map_err(|e| {
         let path = e.path().to_string();
@@ -83,8 +83,8 @@ pub fn deserialize<T: DeserializeOwned>(file: &str, at: &str, value: Value) -> R
     })
 }
 
-/// Compares the keys of `found` with those of `known`, the same value written anew: a key that is not there was misspelt, and
-/// one that is missing would be taken for "none".
+/// Compares the keys of `found` with those of `known`, the same value after a round trip. An extra key is misspelt; a
+/// missing one would be read as "none".
 pub fn known_keys(file: &str, at: &str, found: &Value, known: &Value) -> Result<(), BakeError> {
     let fail =
         |key: &str, reason: String| BakeError::Input { file: file.to_owned(), place: format!("{at}/{key}"), reason };
@@ -112,7 +112,7 @@ pub fn known_keys(file: &str, at: &str, found: &Value, known: &Value) -> Result<
     }
 }
 
-/// Writes 32-bit numbers with as few digits as bring them back: 0.1, not 0.10000000149011612.
+/// Shortens 32-bit numbers to as few digits as identify them: 0.1, not 0.10000000149011612.
 pub fn shorten_floats(value: &mut Value) {
     match value {
         Value::Array(list) => list.iter_mut().for_each(shorten_floats),
@@ -121,7 +121,7 @@ pub fn shorten_floats(value: &mut Value) {
             let Some(wide) = number.as_f64() else { return };
             let narrow = wide as f32;
             let short = narrow.to_string().parse::<f64>().ok();
-            // Through f64 and back to f32, as the reader goes: only where that is the same number.
+            // Parsed as f64 and converted to f32, as in the reader; used only if that gives the same number.
             let same =
                 |s: &f64| (*s as f32).to_bits() == narrow.to_bits() && f64::from(narrow).to_bits() == wide.to_bits();
             if let Some(short) = short.filter(same).and_then(serde_json::Number::from_f64) {

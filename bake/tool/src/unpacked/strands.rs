@@ -1,9 +1,9 @@
-//! The strands of the tile, the section `STRN`, as `.hair` files with a JSON beside them, and back.
+//! Conversion of the tile's strands, the section `STRN`, to `.hair` files with a JSON file, and back.
 //!
-//! `strands.hair` shows the tile as it lies on flat skin, metres, y up: u along x, v along −z, height along y; where dry and wet hair mix,
-//! `strands_wet.hair` shows the same strands when they are wet. `strands.json` has what such a file cannot say. A strand that nobody edited is packed to the
-//! same whole numbers that it was unpacked from: those that a `.hair` does not lead back to stand in `exact`, which count as long as the strand is the one
-//! that they stand for.
+//! `strands.hair` shows the tile on a flat surface, metres, y up: u along x, v along −z, height along y. If dry and wet
+//! hair are mixed, `strands_wet.hair` shows the same strands when wet. `strands.json` contains the data that such a
+//! file cannot hold. An unedited strand is packed to exactly the integers it was unpacked from. Integers that cannot be
+//! recovered from a `.hair` file are stored in `exact`, and are used as long as the strand still matches them.
 
 use super::json::{File, parse, shorten_floats, to_rows};
 use super::tile::{Exact, Frame, Strand, grown};
@@ -17,23 +17,23 @@ use pelage_import::BakeError;
 use pelage_import::guides::read::HairFile;
 use serde::{Deserialize, Serialize};
 
-/// Name of the JSON.
+/// Name of the JSON file.
 pub const JSON: &str = "strands.json";
-/// Names of the strands, dry and wet.
+/// Names of the strand files, dry and wet.
 pub const FILES: [&str; 2] = ["strands.hair", "strands_wet.hair"];
 
-/// What `strands.json` says.
+/// Contents of `strands.json`.
 #[derive(Serialize, Deserialize)]
 struct Document {
-    /// Points of each strand.
+    /// Number of points of each strand.
     points_per_strand: u32,
-    /// What the largest numbers of the section stand for, widths of the tile. An edit that reaches farther makes them larger.
+    /// Value of the largest integers of the section, tile widths. An edit that reaches farther increases it.
     reach: f32,
     radius: f32,
     /// Width of the tile and height of the fur in the `.hair` files, metres.
     width_m: f32,
     height_m: f32,
-    /// Dry strands; then wet ones, where there are any.
+    /// Dry strands, then wet ones, if any.
     sets: Vec<Set>,
 }
 
@@ -46,12 +46,12 @@ impl Document {
 
 #[derive(Default, Serialize, Deserialize)]
 struct Set {
-    /// Of each strand four bytes a point, in hexadecimal digits: how much light reaches it.
+    /// Visibility of each strand's points to light: four bytes per point, as hexadecimal digits.
     visibility: Vec<String>,
     exact: Vec<Exact>,
 }
 
-/// Names and contents of all files, the JSON first; `None` where they would not lead back to the same strands.
+/// Returns names and contents of all files, the JSON first; `None` if they could not be read back to the same strands.
 pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<File>>, BakeError> {
     let each = strands.points_per_strand as usize;
     let mut document = Document {
@@ -59,7 +59,7 @@ pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<File>>
         reach: strands.scale.reach,
         radius: strands.scale.radius,
         width_m: fur.tile_size_m,
-        // Fur without height has strands whose heights say nothing, and yet are there.
+        // In fur without height, strand heights are meaningless, but must be preserved.
         height_m: if fur.height_m > 0.0 { fur.height_m } else { fur.tile_size_m },
         sets: Vec::new(),
     };
@@ -95,7 +95,7 @@ pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<File>>
     Ok(same.then_some(files))
 }
 
-/// Puts the strands together; names of files are those of messages.
+/// Reads the strands; file names are for messages.
 pub fn read((json_file, json): &File, files: &[File]) -> Result<StoredStrands, BakeError> {
     let fault = |file: &str, place: String, reason: String| BakeError::Input { file: file.to_owned(), place, reason };
     let document: Document = parse(json_file, json)?;

@@ -1,4 +1,4 @@
-//! Strands of the tile as a `.hair` file shows them, and back to the whole numbers of a package.
+//! Conversion of the tile's strands between `.hair` coordinates and the integers of a package.
 
 use glam::{DVec2, DVec3, Vec2};
 use pelage_bake::strands::CurvePoint;
@@ -6,59 +6,60 @@ use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{StoredStrandPoint, StrandPoint, StrandScale, strand_root};
 use serde::{Deserialize, Serialize};
 
-/// The whole numbers of a strand.
+/// Stored integers of a strand.
 #[derive(Serialize, Deserialize)]
 pub struct Exact {
     pub strand: usize,
     pub root: [u16; 2],
-    /// Along u and v, height, radius.
+    /// Offsets along u and v, height, radius.
     pub points: Vec<(i16, i16, u16, u16)>,
 }
 
-/// How strands of the tile stand in a file.
+/// Mapping between tile and file coordinates.
 pub struct Frame {
     pub width_m: f64,
     pub height_m: f64,
     pub scale: StrandScale,
 }
 
-/// A strand as a file leads to it.
+/// Strand read from a file.
 pub struct Strand {
     pub root: [u16; 2],
     pub points: Vec<StrandPoint>,
-    /// The whole numbers that it stands for, if nobody edited it.
+    /// Stored integers, if the strand was not edited.
     pub exact: Option<Vec<StoredStrandPoint>>,
 }
 
 impl Frame {
-    /// A point as a file shows it.
+    /// Converts a stored point to file coordinates.
     pub fn shown(&self, root: [u16; 2], point: &StoredStrandPoint) -> CurvePoint {
         let found = point.decoded(self.scale);
         let [u, v] = [0, 1].map(|k| f64::from(strand_root(root)[k]) + f64::from(found.aside[k]));
         let place = DVec3::new(u * self.width_m, f64::from(found.height) * self.height_m, -v * self.width_m);
         CurvePoint {
             position_ws: place.as_vec3(),
-            // The file has the diameter, of which a half must lead back.
+            // The file stores the diameter; half of it must convert back exactly.
             radius_m: (f64::from(found.radius) * self.width_m) as f32,
             color: found.color.map(srgb_to_linear).into(),
             ..CurvePoint::default()
         }
     }
 
-    /// u, v and height of a point of a file.
+    /// Returns u, v and height of a file's point.
     fn in_tile(&self, point: &CurvePoint) -> DVec3 {
         let p = point.position_ws.as_dvec3();
         DVec3::new(p.x / self.width_m, -p.z / self.width_m, p.y / self.height_m)
     }
 
-    /// The root that the first point of a strand lies on, and how many tiles away that one is.
+    /// Returns the root at the first point of a strand, and the tile that it is in.
     fn root(&self, first: &CurvePoint) -> ([u16; 2], DVec2) {
         let place = self.in_tile(first).truncate();
         let root = (place - place.floor()) * 65536.0;
         (root.to_array().map(|x| x as u16), place.floor())
     }
 
-    /// What a strand of a file is: of that root, or of the one that it stands on. Says which point is outside the fur.
+    /// Reads a strand from its points, with the given root, or else the one at its first point. An error names the
+    /// point outside the fur.
     pub fn strand(
         &self,
         points: &[CurvePoint],
@@ -87,7 +88,7 @@ impl Frame {
         }
         let (stands_on, tiles) = self.root(&points[0]);
         let (root, tiles) = match root {
-            // Wet strands root where the dry ones do, in the same tile or the next one.
+            // Wet strands have the roots of the dry ones, in the same tile or a neighbouring one.
             Some(root) => (root, (self.in_tile(&points[0]).truncate() - middle(root)).round()),
             None => (stands_on, tiles),
         };
@@ -95,7 +96,7 @@ impl Frame {
         let read = |(number, point): (usize, &CurvePoint)| {
             let place = self.in_tile(point);
             let aside = (place.truncate() - from).as_vec2();
-            // As far outside as rounding takes back.
+            // Tolerance that rounding removes.
             let slack = 0.5 / 65535.0;
             if !(-slack..=1.0 + slack).contains(&place.z) {
                 let (found, most) = (point.position_ws.y, self.height_m as f32);
@@ -120,7 +121,7 @@ fn middle(root: [u16; 2]) -> DVec2 {
     Vec2::from(strand_root(root)).as_dvec2()
 }
 
-/// The scale that holds all strands: the one there is, unless one of them reaches farther than rounding takes back.
+/// Returns a scale that holds all strands: `scale`, unless a strand exceeds it by more than rounding.
 pub fn grown(scale: StrandScale, strands: &[Strand]) -> StrandScale {
     let points = || strands.iter().flat_map(|strand| &strand.points);
     let reach = points().flat_map(|p| p.aside).map(f32::abs).fold(0.0, f32::max);

@@ -1,4 +1,4 @@
-//! A thread that holds a model and bakes it as often as it is asked, each time only what changed.
+//! Thread that holds a model and bakes it on request, recomputing only what changed.
 
 use pelage_bake::pipeline::{Baked, STAGES, Told};
 use pelage_bake::rebake::Rebake;
@@ -13,13 +13,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 use typed_arena::Arena;
 
-/// How often a long stage is asked how far it is.
+/// Polling interval of the progress of a long stage.
 const ASKED_EVERY: Duration = Duration::from_millis(100);
 
-/// What is to be baked.
+/// Bake request.
 struct Order {
     recipe: Recipe,
-    /// `None` for the images of the order before.
+    /// Images; `None` for those of the previous request.
     images: Option<MapImages>,
 }
 
@@ -28,10 +28,10 @@ enum Answer {
     Done(Box<Result<Baked, BakeError>>),
 }
 
-/// A finished bake, and the seconds of each stage that ran.
+/// Finished bake, and the seconds of each stage that ran.
 pub type Timed = (Baked, Vec<(String, f64)>);
 
-/// The thread, as others have it. It ends with this.
+/// Handle of the thread, which ends when this is dropped.
 pub struct Baking {
     orders: Sender<Order>,
     answers: Receiver<Answer>,
@@ -39,7 +39,7 @@ pub struct Baking {
 }
 
 impl Baking {
-    /// Begins, with a model of that file and name. `images` are those of the first order, unless it brings others.
+    /// Starts the thread with a model, its file and its name.
     pub fn new(file: String, name: String, model: Model) -> Self {
         let (orders, ordered) = channel();
         let (answer, answers) = channel();
@@ -49,11 +49,11 @@ impl Baking {
         Self { orders, answers, steps }
     }
 
-    /// Bakes the model by that recipe, with these images or, for `None`, those of before.
+    /// Bakes the model with a recipe and images; `None` uses those of the previous bake.
     ///
     /// # Errors
     ///
-    /// As a bake; [`BakeError::Internal`] where the thread is gone.
+    /// Errors of the bake; [`BakeError::Internal`] if the thread has ended.
     pub fn bake(
         &self,
         recipe: Recipe,
@@ -85,7 +85,7 @@ fn seconds(stages: &[(&'static str, Instant)]) -> Vec<(String, f64)> {
 }
 
 fn bake_all(file: &str, name: &str, model: &Model, steps: &Steps, orders: &Receiver<Order>, answer: &Sender<Answer>) {
-    // What was made of a recipe refers to it, so each is kept for as long as the model is.
+    // Baked data refer to their recipe, so each recipe is kept as long as the model.
     let (recipes, image_sets) = (Arena::new(), Arena::new());
     let mut images: &MapImages = image_sets.alloc(MapImages::default());
     let mut rebake = Rebake::new(model);
@@ -94,7 +94,7 @@ fn bake_all(file: &str, name: &str, model: &Model, steps: &Steps, orders: &Recei
             images = image_sets.alloc(others);
         }
         let told = Told { steps, ..Told::new(file, name, recipes.alloc(order.recipe), images) };
-        // Whoever asked may be gone in the meantime.
+        // The requester may have ended in the meantime.
         let baked = rebake.bake(&told, &mut |stage| drop(answer.send(Answer::Begins(stage))));
         if answer.send(Answer::Done(Box::new(baked))).is_err() {
             return;

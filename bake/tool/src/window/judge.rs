@@ -1,4 +1,4 @@
-//! True pictures for the window, traced in ever more samples, and how far the drawn one is from them.
+//! Progressive reference pictures for the window, and their difference from the drawn one.
 
 use crate::sky::Sky;
 use crate::truth::{Truth as TrueView, encode};
@@ -10,10 +10,10 @@ use pelage_viewer::{Judge, Outcome, Progress, Truth, TruthAsked};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Samples per pixel after each pass: the first shows something soon, the last is `pelage reference`'s.
+/// Samples per pixel after each pass: the first gives a quick preview, the last equals `pelage reference`.
 const PASSES: [u32; 4] = [1, 4, 16, 64];
 
-/// Traces, and keeps the strands that it grew for the next view of the same pose.
+/// Tracer that keeps the grown strands for the next view of the same pose.
 #[derive(Default)]
 pub struct Tracer {
     grown: Option<(TruthAsked, TrueView)>,
@@ -75,7 +75,7 @@ impl Judge for Tracer {
     }
 }
 
-/// Whether two views are of the same strands in the same pose: only eye, light and picture may differ.
+/// Returns true if two views have the same strands in the same pose; only camera, light and picture may differ.
 fn same_strands(a: &TruthAsked, b: &TruthAsked) -> bool {
     let pose = |asked: &TruthAsked| (asked.clip.clone(), asked.time_s, asked.look.picture.style);
     Arc::ptr_eq(&a.file, &b.file) && pose(a) == pose(b)

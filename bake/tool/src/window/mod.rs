@@ -1,4 +1,4 @@
-//! `pelage view`: a window that shows a package, a model as it is baked, or a scene.
+//! `pelage view`: opens a window that shows a package, a model as it is baked, or a scene.
 
 mod baking;
 mod judge;
@@ -21,15 +21,16 @@ use std::path::PathBuf;
 use std::time::Instant;
 use workshop::Studio;
 
-/// Look at a package, a model or a scene in a window, with every knob beside it
+/// View a package, a model or a scene in a window, with controls for every knob
 ///
-/// A model is baked in the background, and baked again when it, its images or its recipe change on disk; the picture before stays until the new one is there, and
-/// what is wrong with a file stands in the window until it is mended. H lists the keys.
+/// A model is baked in the background, and again when it, its images or its recipe change on disk. The previous picture
+/// stays until the new one is ready. Errors in a file are shown in the window until they are fixed. H lists the keys.
 ///
-/// Camera, time, clip and copies are chosen in the window, so there are no options for them; pictures and sequences are saved from there.
+/// Camera, time, clip and copies are chosen in the window, so there are no options for them; pictures and sequences are
+/// saved from there.
 #[derive(Clone, Debug, clap::Args)]
 pub struct WindowArgs {
-    /// The package, the model (.glb, .gltf, .obj) or the scene (.toml); left out, the window waits for a file to be dropped into it
+    /// Package, model (.glb, .gltf, .obj) or scene (.toml); by default the window waits for a file to be dropped
     #[arg(value_name = "PKG|MODEL|SCENE")]
     input: Option<PathBuf>,
     #[command(flatten)]
@@ -41,18 +42,19 @@ pub struct WindowArgs {
     /// Width and height of the window, pixels
     #[arg(long, value_name = "WxH", default_value = "1280x800")]
     window: Size,
-    /// Where pictures, looks and sequences are saved
+    /// Folder for saved pictures, looks and sequences
     #[arg(long, value_name = "DIR", default_value = ".")]
     save_to: PathBuf,
-    /// Begin without the panels; N brings them
+    /// Start without the panels; N shows them
     #[arg(long)]
     no_panels: bool,
-    /// Write what happens to this file, a line of JSON each, for scripts: adapter, made, first picture, picture, failure, mended, saved, measured, truth
+    /// Write events to this file, one line of JSON each, for scripts: adapter, made, first picture, picture, failure,
+    /// mended, saved, measured, truth
     #[arg(long, value_name = "FILE")]
     events: Option<PathBuf>,
 }
 
-/// Runs the subcommand: returns when the window is closed.
+/// Runs the subcommand; returns when the window is closed.
 pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
     let began = Instant::now();
     let mut look = Look::of_picture();
@@ -72,7 +74,7 @@ pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
     };
     let studio = Studio::new(args.recipe.clone());
     if let Some(input) = &args.input {
-        // What is not there, or no input at all, is said at once; what is wrong with it stands in the window.
+        // A missing or invalid input path is reported at once; errors in its contents are shown in the window.
         studio.kind_of(input)?;
     }
     let options = ViewOptions {

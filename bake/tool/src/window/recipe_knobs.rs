@@ -1,10 +1,10 @@
-//! The recipe as a set of knobs: a coat that is chosen changes others with it.
+//! Knobs of a recipe; choosing a coat changes other knobs.
 
 use pelage_bake::recipe::Recipe;
 use pelage_params::{Knob, TableInfo, Tables as _};
 use pelage_viewer::Knobs;
 
-/// A recipe.
+/// Recipe.
 #[derive(Clone, Debug)]
 pub struct RecipeKnobs(pub Recipe);
 
@@ -18,7 +18,7 @@ impl Knobs for RecipeKnobs {
     }
 
     fn default_value(&self, knob: &Knob) -> Option<String> {
-        // Beside its coat a recipe that says nothing has the values of that coat.
+        // In a recipe with a coat, unset keys have the values of that coat.
         let of_coat = Recipe::of_coat(self.0.hair.coat).unwrap_or_default();
         let plain = Recipe::default();
         knob.value(if knob.name == "hair.coat" { &plain } else { &of_coat })

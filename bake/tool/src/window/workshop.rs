@@ -1,4 +1,4 @@
-//! What the window shows, made of files: packages as they are, models baked, scenes with their packages.
+//! Content of the window, made from files: packages, baked models, and scenes with their packages.
 
 use super::baking::{Baking, Timed};
 use super::judge::Tracer;
@@ -17,29 +17,29 @@ use pelage_viewer::{Judge, Made, Outcome, Progress, Stamp, Subject, Workshop, st
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What a file is.
+/// Kind of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A package.
+    /// Package.
     Package,
-    /// A model to be baked.
+    /// Model to bake.
     Model,
-    /// A scene.
+    /// Scene.
     Scene,
-    /// A recipe, for the model that is open.
+    /// Recipe for the open model.
     Recipe,
 }
 
-/// Makes what a window shows.
+/// Workshop of the window.
 pub struct Studio {
     recipe: RecipeArgs,
     opened: Option<(PathBuf, Kind)>,
     baking: Option<Kept>,
-    /// Files that what is open was made of, or that are missing for it.
+    /// Files that the open content was made from, or that are missing for it.
     files: Vec<PathBuf>,
 }
 
-/// A model that was read, and what it was read from.
+/// Imported model, and the files it was read from.
 struct Kept {
     baking: Baking,
     model: Stamps,
@@ -47,25 +47,25 @@ struct Kept {
     images: Stamps,
 }
 
-/// Files as they were when they were read.
+/// Files with their stamps when they were read.
 type Stamps = Vec<(PathBuf, Stamp)>;
 
 fn stamps(files: &[PathBuf]) -> Stamps {
     files.iter().map(|file| (file.clone(), stamp(file))).collect()
 }
 
-/// Whether those files are now as they were.
+/// Returns true if no file has changed.
 fn stands(before: &Stamps) -> bool {
     before.iter().all(|(file, then)| stamp(file) == *then)
 }
 
 impl Studio {
-    /// Nothing is open; models are baked by that recipe.
+    /// Creates a studio with nothing open; `recipe` is used for baking models.
     pub fn new(recipe: RecipeArgs) -> Self {
         Self { recipe, opened: None, baking: None, files: Vec::new() }
     }
 
-    /// What a file is, as far as its name and first bytes say it.
+    /// Returns the kind of a file from its name and first bytes.
     pub fn kind_of(&self, path: &Path) -> Result<Kind, BakeError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let bytes = io::read_file(path)?;
@@ -75,7 +75,7 @@ impl Studio {
             "toml" => Kind::Recipe,
             "glb" | "gltf" | "obj" => Kind::Model,
             _ if bytes.starts_with(b"glTF") => Kind::Model,
-            // Which says what it is not.
+            // Opening it as a package reports what is wrong with it.
             _ => Kind::Package,
         })
     }
@@ -83,7 +83,7 @@ impl Studio {
     fn bake(&mut self, path: &Path, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Result<Made, BakeError> {
         let file = path.display().to_string();
         self.files = [path.to_owned()].into_iter().chain(self.recipe.recipe.clone()).collect();
-        // What the file says, and over it what was changed by hand.
+        // The recipe of the file, then with the edits made in the window.
         let (base, _) = self.recipe.read()?;
         let set = [&self.recipe.set[..], edits].concat();
         let args = RecipeArgs { set, ..self.recipe.clone() };
@@ -103,7 +103,7 @@ impl Studio {
         let others = if is_new || now != kept.images { Some(args.images(&recipe)?) } else { None };
         kept.images = now;
         let baked = kept.baking.bake(recipe, others, progress);
-        // A fault of the program may have ended its thread: the next bake begins with another.
+        // An internal error may have ended the thread; the next bake starts a new one.
         self.baking = Some(kept).filter(|_| !matches!(baked, Err(BakeError::Internal(_))));
         let (baked, stages): Timed = baked.map_err(|error| args.placed(&file, error))?;
         let chosen = baked.decisions.iter().map(|d| format!("{}: {} ({})", d.what, d.chosen, d.line));
@@ -118,7 +118,7 @@ impl Studio {
         let options = ImportOptions { unit_m };
         let read = io::read_model_noting(path, &options, self.recipe.reach(), &mut |file| named.push(file.to_owned()));
         self.files.extend(named.iter().cloned());
-        // Before what it says: a file that changes while it is read is read again.
+        // Stamps of the model's files, to detect later changes.
         let model = stamps(&named);
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let baking = Baking::new(path.display().to_string(), name, read?);
@@ -153,7 +153,7 @@ impl Workshop for Studio {
             self.recipe.recipe = Some(path.to_owned());
             return Ok(());
         }
-        // The recipe of the command line is that of the first model.
+        // The recipe of the command line applies only to the first model.
         if self.opened.is_some() {
             self.recipe = RecipeArgs { allow_outside: self.recipe.allow_outside, ..RecipeArgs::default() };
         }
@@ -185,7 +185,7 @@ impl Workshop for Studio {
     fn save_recipe(&mut self, edits: &[String]) -> Outcome<PathBuf> {
         let Some((model, Kind::Model)) = &self.opened else { return Err("no model is open".into()) };
         let path = self.recipe.recipe.clone().unwrap_or_else(|| beside(model));
-        // What the command line set is part of what is seen, too.
+        // Changes from the command line are part of what is shown, so they are saved too.
         let all = [&self.recipe.set[..], edits].concat();
         recipe_file::change(&path, &all).map_err(|error| error.to_string())?;
         self.recipe.recipe = Some(path.clone());
@@ -198,7 +198,7 @@ impl Workshop for Studio {
     }
 }
 
-/// A file for a recipe beside its model, of a name that is free.
+/// Returns an unused file name for a recipe beside its model.
 fn beside(model: &Path) -> PathBuf {
     let stem = model.file_stem().unwrap_or_default().to_string_lossy();
     let name = |number: u32| match number {

@@ -1,16 +1,18 @@
-//! A bake that decides: which layers, tile and fins a picture needs, and no more.
+//! Search for bake settings: the layers, tile and fins that a picture needs, and no more.
 //!
-//! The settings of a [`Space`] differ in what they cost and in how far their picture is from the true one. [`decide`] looks for the cheapest that
-//! is true enough, or for the truest that is cheap enough, by [`Limits`]. Measuring a setting means baking, drawing and comparing it, which takes
-//! seconds; so a coarse model says which setting to measure next, and each measurement corrects the model. What is chosen was always
-//! measured: the model only decides what need not be.
+//! The settings of a [`Space`] differ in cost and in error against the true picture. [`decide`] searches for the
+//! cheapest that is accurate enough, or for the most accurate that is cheap enough, by [`Limits`]. Measuring a setting
+//! means baking, drawing and comparing it, which takes seconds. A coarse model therefore suggests which setting to
+//! measure next, and each measurement corrects the model. The chosen setting was always measured; the model only
+//! decides what need not be.
 //!
-//! Frames that take as long as each other are told apart by the size of their packages.
+//! Of settings with equal frame times the smallest package wins.
 //!
-//! Times are noisy. What may be chosen is timed once more, in turns ([`Judge::time_again`]), before the choice; and what is chosen is on the front: of
-//! the measured settings within the limits none is both truer and faster.
+//! Times are noisy. All candidates for the choice are timed once more, in turns ([`Judge::time_again`]), before the
+//! choice. The choice is on the Pareto front: of the measured settings within the limits none is both more accurate and
+//! faster.
 //!
-//! What is measured, and how, is the caller's matter ([`Judge`]): this module neither draws nor reads files.
+//! The caller defines what is measured, and how ([`Judge`]): this module neither draws nor reads files.
 
 mod model;
 mod search;
@@ -21,33 +23,33 @@ use pelage_bake::recipe::Recipe;
 use pelage_formats as formats;
 use pelage_import::BakeError;
 
-/// What a picture may cost and how far it may be from the truth; `None` where it does not matter.
+/// Limits of a picture's cost and error; `None` for no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Largest error against the true pictures, as the judge measures it; above 0.
+    /// Maximum error against the true pictures, as the judge measures it; above 0.
     pub max_error: Option<f64>,
-    /// Longest frame, milliseconds.
+    /// Maximum frame time, milliseconds.
     pub max_frame_ms: Option<f64>,
-    /// Largest package, bytes.
+    /// Maximum size of the package, bytes.
     pub max_bytes: Option<u64>,
 }
 
-/// What a limit is about. The order is that of [`Measured`].
+/// Quantities that can be limited, in the order of [`Measured`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
-    /// The judge's error against the true pictures.
+    /// Error against the true pictures, as the judge measures it.
     Error,
-    /// Milliseconds of a frame.
+    /// Frame time, milliseconds.
     FrameMs,
-    /// Bytes of the package.
+    /// Size of the package, bytes.
     Bytes,
 }
 
 impl Figure {
-    /// All of them.
+    /// All figures.
     pub const ALL: [Self; 3] = [Self::Error, Self::FrameMs, Self::Bytes];
 
-    /// Its limit's name in a manifest.
+    /// Returns the name of its limit in a manifest.
     pub fn name(self) -> &'static str {
         match self {
             Self::Error => "max_error",
@@ -56,7 +58,7 @@ impl Figure {
         }
     }
 
-    /// The option of `pelage bake` that limits it.
+    /// Returns the option of `pelage bake` that limits it.
     pub fn option(self) -> &'static str {
         match self {
             Self::Error => "--max-error",
@@ -67,12 +69,12 @@ impl Figure {
 }
 
 impl Limits {
-    /// Whether nothing is limited.
+    /// Returns whether there are no limits.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The limit of one figure.
+    /// Returns the limit of one figure.
     pub fn of(&self, figure: Figure) -> Option<f64> {
         match figure {
             Figure::Error => self.max_error,
@@ -81,26 +83,27 @@ impl Limits {
         }
     }
 
-    /// How far the worst figure is beyond its limit, as a share of the limit; 0 and less where all are met. Without any limit −1.
+    /// Returns the excess of the worst figure over its limit, as a share of the limit; 0 or less if all are met, −1
+    /// without limits.
     fn excess(&self, figures: [f64; 3]) -> f64 {
         let beyond = |figure: Figure| self.of(figure).map(|limit| figures[figure as usize] / limit.max(1e-12) - 1.0);
         Figure::ALL.into_iter().filter_map(beyond).fold(-1.0, f64::max)
     }
 
-    /// The figures that are beyond their limits.
+    /// Returns the figures that exceed their limits.
     fn broken(&self, measured: &Measured) -> impl Iterator<Item = Figure> + use<> {
         let (limits, figures) = (*self, measured.figures());
         let beyond = move |f: &Figure| limits.of(*f).is_some_and(|limit| figures[*f as usize] > limit);
         Figure::ALL.into_iter().filter(beyond)
     }
 
-    /// What is made as small as can be: the frame where the error has a limit, else the error.
+    /// Returns the figure to minimise: the frame time if the error is limited, else the error.
     fn objective(&self) -> Figure {
         if self.max_error.is_some() { Figure::FrameMs } else { Figure::Error }
     }
 }
 
-/// What a bake may choose: the knobs of the shell method that cost frame time and bytes.
+/// Settings that a bake may choose: the recipe keys of the shell method that cost frame time and bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Setting {
     /// `slice.layers`.
@@ -112,12 +115,12 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// What a recipe says.
+    /// Returns the settings of a recipe.
     pub fn of(recipe: &Recipe) -> Self {
         Self { layers: recipe.slice.layers, tile_texels: recipe.slice.tile_texels, fins: recipe.fins.enabled }
     }
 
-    /// The recipe with these values.
+    /// Returns the recipe with these values.
     pub fn applied_to(&self, recipe: &Recipe) -> Recipe {
         let mut recipe = recipe.clone();
         recipe.slice.layers = self.layers;
@@ -126,7 +129,7 @@ impl Setting {
         recipe
     }
 
-    /// The same as arguments of `--set`.
+    /// Returns the settings as arguments of `--set`.
     pub fn words(&self) -> Vec<String> {
         vec![
             format!("slice.layers={}", self.layers),
@@ -135,7 +138,7 @@ impl Setting {
         ]
     }
 
-    /// Whether both differ in nothing but layers.
+    /// Returns whether both differ in layers at most.
     fn is_beside(&self, other: &Self) -> bool {
         (self.tile_texels, self.fins) == (other.tile_texels, other.fins)
     }
@@ -148,20 +151,21 @@ impl std::fmt::Display for Setting {
     }
 }
 
-/// The settings to choose from.
+/// Candidate settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Space {
     settings: Vec<Setting>,
     start: Setting,
 }
 
-/// Layers that are tried: each step is about a third more.
+/// Layer counts to try; each step is about a third more.
 pub const LAYERS: [u32; 9] = [4, 6, 8, 12, 16, 24, 32, 48, 64];
-/// Tiles that are tried, texels.
+/// Tile sizes to try, texels.
 pub const TILES: [u32; 5] = [32, 64, 128, 256, 512];
 
 impl Space {
-    /// [`LAYERS`] × [`TILES`] × fins, and the recipe's own setting, from which the search starts. A recipe without fins gets none.
+    /// Returns [`LAYERS`] × [`TILES`] × fins, and the recipe's own setting, from which the search starts. If the recipe
+    /// has no fins, no setting has.
     pub fn around(recipe: &Recipe) -> Self {
         let start = Setting::of(recipe);
         let mut settings = vec![start];
@@ -180,41 +184,41 @@ impl Space {
         Self { settings: distinct, start }
     }
 
-    /// Those of at most so many layers, and the next finer ones; the start in any case.
+    /// Keeps the settings of at most `layers` layers, rounded up to the next of [`LAYERS`]; always keeps the start.
     pub fn up_to(mut self, layers: u32) -> Self {
         let most = LAYERS.into_iter().find(|tried| *tried >= layers).unwrap_or(u32::MAX);
         self.settings.retain(|setting| setting.layers <= most || *setting == self.start);
         self
     }
 
-    /// All of them, the start first.
+    /// Returns all settings, the start first.
     pub fn settings(&self) -> &[Setting] {
         &self.settings
     }
 }
 
-/// What a setting turned out to be.
+/// Measured figures of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// How far its pictures are from the true ones, 0 for none; of `pelage bake` it is [`super::likeness`].
+    /// Error against the true pictures, 0 for none; for `pelage bake` it is [`super::likeness`].
     pub error: f64,
-    /// How long a frame takes.
+    /// Frame time.
     pub frame: FrameTime,
     /// Size of the package, bytes.
     pub bytes: u64,
 }
 
 impl Measured {
-    /// In the order of [`Figure::ALL`].
+    /// Returns the figures in the order of [`Figure::ALL`].
     fn figures(&self) -> [f64; 3] {
         [self.error, self.frame.ms, self.bytes as f64]
     }
 }
 
-/// Milliseconds of a frame, and how far measurements of it lie apart.
+/// Frame time, milliseconds, with the spread of its measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// The median, which counts.
+    /// Median, used in comparisons.
     pub ms: f64,
     /// Lower quartile.
     pub low: f64,
@@ -223,12 +227,12 @@ pub struct FrameTime {
 }
 
 impl FrameTime {
-    /// A time that is known without a spread.
+    /// Returns a time without spread.
     pub const fn exactly(ms: f64) -> Self {
         Self { ms, low: ms, high: ms }
     }
 
-    /// Median and quartiles of measurements, milliseconds; 0 without any.
+    /// Computes median and quartiles of measurements, milliseconds; 0 without any.
     pub fn of(mut samples: Vec<f64>) -> Self {
         samples.sort_by(f64::total_cmp);
         let last = samples.len().saturating_sub(1);
@@ -237,20 +241,20 @@ impl FrameTime {
     }
 }
 
-/// Bakes, draws and compares settings.
+/// Backend that bakes, draws and compares settings.
 pub trait Judge {
-    /// What goes wrong while it does.
+    /// Error of a measurement.
     type Error;
 
     /// Measures one setting.
     ///
     /// # Errors
     ///
-    /// As the judge says; the search ends with it.
+    /// Defined by the judge; an error ends the search.
     fn measure(&mut self, setting: &Setting) -> Result<Measured, Self::Error>;
 
-    /// Times the frames of settings once more, in turns, so that whatever else the machine does falls on all of them alike: one time for each of
-    /// `settings`, in their order.
+    /// Times the frames of settings once more, in turns, so that other load on the machine affects all of them alike.
+    /// Returns one time for each of `settings`, in their order.
     ///
     /// # Errors
     ///
@@ -258,42 +262,43 @@ pub trait Judge {
     fn time_again(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Self::Error>;
 }
 
-/// A setting that was measured.
+/// A measured setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial {
-    /// What.
+    /// Setting that was measured.
     pub setting: Setting,
-    /// With what result.
+    /// Result of the measurement.
     pub measured: Measured,
 }
 
-/// The outcome of a search.
+/// Result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
-    /// All measurements, in their order; the first is the recipe's own setting.
+    /// All measurements in order; the first is the recipe's own setting.
     pub trials: Vec<Trial>,
-    /// The best that meets all limits, or the nearest where none does: index into `trials`.
+    /// Index into `trials` of the best setting that meets all limits, or the nearest if none does.
     pub chosen: usize,
-    /// Whether it meets all limits.
+    /// Whether the chosen setting meets all limits.
     pub meets: bool,
-    /// The cheapest of the measured settings that are better than the chosen one by more than a hundredth of its error; none that is faster too.
+    /// Cheapest measured setting whose error is smaller by more than a hundredth, excluding settings that are also
+    /// faster.
     pub next_better: Option<usize>,
-    /// The best of the measured settings that are cheaper; none that is better too.
+    /// Most accurate measured setting that is cheaper, excluding settings that are also more accurate.
     pub next_cheaper: Option<usize>,
-    /// The limit without which another setting had been chosen: the one that the nearest better (or, where the error is limited, cheaper) setting
-    /// breaks. `None` where nothing was found beyond the limits that would be better or cheaper.
+    /// Binding limit: the one broken by the nearest setting that is better (or cheaper, if the error is limited).
+    /// Without it that setting would have been chosen. `None` if no such setting was found.
     pub binding: Option<Figure>,
 }
 
 impl Decision {
-    /// The chosen setting with its figures.
+    /// Returns the chosen setting with its figures.
     pub fn chosen(&self) -> &Trial {
         &self.trials[self.chosen]
     }
 
-    /// What was measured, for the manifest of the package.
+    /// Fills in the measurements, for the manifest of the package.
     ///
-    /// * `limits`: what was asked
+    /// * `limits`: the limits of the search
     /// * `evidence`: how it was measured; its trials, choice and limits are filled in
     pub fn evidence(&self, limits: &Limits, evidence: formats::Choice) -> formats::Choice {
         let trial = |t: &Trial| formats::Trial {
@@ -321,7 +326,7 @@ impl Decision {
 }
 
 impl Limits {
-    /// Checks that limits can be met at all.
+    /// Checks that the limits can be met at all.
     ///
     /// # Errors
     ///

@@ -1,52 +1,54 @@
-//! The coarse model: what a setting will cost and how wrong it will be, from those that were measured.
+//! Coarse model: predicts cost and error of a setting from the measured ones.
 //!
-//! Each figure is a weighted sum of four terms of the setting. The weights are those of the built-in hare (`assets/charts/hare/shells.csv`) as long as
-//! nothing was measured, and move towards what measurements of the model at hand ask for: ridge regression about the prior, in relative units.
+//! Each figure is a weighted sum of four terms of the setting. The initial weights are those of the built-in hare
+//! (`assets/charts/hare/shells.csv`). Measurements of the model at hand move them: ridge regression about the prior, in
+//! relative units.
 
 use super::{Measured, Setting};
 use glam::{DMat4, DVec4};
 
-/// Predicts one figure.
+/// Predictor of one figure.
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     terms: fn(&Setting) -> DVec4,
-    /// Shape of the figure before anything is measured; its size follows the first measurement.
+    /// Weights before any measurement, up to a scale that follows the measurements.
     prior: DVec4,
     weights: DVec4,
-    /// Root of the mean squared residual, relative.
+    /// Root mean square residual, relative.
     residual: f64,
 }
 
-/// How strongly the prior holds, in measurements: weak, because models differ in how much fur they show.
+/// Strength of the prior, in measurements: weak, because models differ in the amount of visible fur.
 const PRIOR_STRENGTH: f64 = 0.02;
-/// A model is not trusted to be better than this, relative.
+/// Minimum residual assumed of a model, relative.
 const LEAST_RESIDUAL: f64 = 0.02;
-/// Nor, from fewer measurements than it has terms, better than this.
+/// Minimum residual with no more measurements than terms, relative.
 const UNSURE_RESIDUAL: f64 = 0.08;
 
-/// Nor, of tiles and fins that were not measured with any layers, better than this.
+/// Minimum residual for combinations of tile and fins that were not measured with any layers, relative.
 const UNSEEN_RESIDUAL: f64 = 0.05;
 
-/// Half as wrong with twice the layers, and with twice the texels, above a floor.
+/// Returns the terms of the error: half with twice the layers, and with twice the texels, above a floor.
 fn error_terms(s: &Setting) -> DVec4 {
     DVec4::new(1.0, 4.0 / f64::from(s.layers.max(2) - 1), 32.0 / f64::from(s.tile_texels), f64::from(u8::from(s.fins)))
 }
 
-/// Each layer costs the same, a little more where its texels are finer than the cache likes.
+/// Returns the terms of the frame time: each layer costs the same, slightly more if its texels are too fine for the
+/// cache.
 fn frame_terms(s: &Setting) -> DVec4 {
     let shells = f64::from(s.layers.max(2) - 1) / 16.0;
     let fineness = libm::log2(f64::from(s.tile_texels) / 32.0) / 4.0;
     DVec4::new(1.0, shells, shells * fineness, f64::from(u8::from(s.fins)))
 }
 
-/// Texels of the shells and of the fins, whose slabs are as fine.
+/// Returns the terms of the size: texels of the shells, and of the fins, whose slabs have the same resolution.
 fn byte_terms(s: &Setting) -> DVec4 {
     let side = f64::from(s.tile_texels) / 64.0;
     let fins = f64::from(u8::from(s.fins));
     DVec4::new(1.0, f64::from(s.layers) / 16.0 * side * side, fins, fins * side * side)
 }
 
-/// The models of all figures, in the order of [`super::Figure::ALL`].
+/// Returns the models of all figures, in the order of [`super::Figure::ALL`].
 pub(super) fn models() -> [Model; 3] {
     let model = |terms, prior: [f64; 4]| {
         let prior = DVec4::from(prior);
@@ -60,26 +62,26 @@ pub(super) fn models() -> [Model; 3] {
 }
 
 impl Model {
-    /// What the figure will be.
+    /// Predicts the figure of a setting.
     pub(super) fn predict(&self, setting: &Setting) -> f64 {
         self.weights.dot((self.terms)(setting))
     }
 
-    /// What it may be at best. `beside`: whether something was measured that differs in layers alone; else the model speaks of what it has not
-    /// seen.
+    /// Returns an optimistic prediction. `beside`: whether a setting that differs in layers alone was measured; if not,
+    /// the residual is at least `UNSEEN_RESIDUAL`.
     pub(super) fn optimistic(&self, setting: &Setting, beside: bool) -> f64 {
         let residual = if beside { self.residual } else { self.residual.max(UNSEEN_RESIDUAL) };
         let predicted = self.predict(setting);
         predicted - 2.0 * residual * predicted.abs()
     }
 
-    /// Fits the weights to what was measured.
+    /// Fits the weights to the measurements.
     pub(super) fn fit(&mut self, trials: &[(Setting, Measured)], figure: fn(&Measured) -> f64) {
         let points = || trials.iter().map(|(s, m)| ((self.terms)(s), figure(m)));
-        // The prior's shape, as large as the measurements are.
+        // The prior, scaled to the size of the measurements.
         let (found, expected) = points().fold((0.0, 0.0), |(f, e), (x, y)| (f + y, e + self.prior.dot(x)));
         let size = if expected > 0.0 { found / expected } else { 1.0 };
-        // Relative residuals: being wrong by a tenth is as bad for a cheap setting as for a dear one.
+        // Residuals are relative: an error of a tenth weighs the same for cheap and expensive settings.
         let (mut normal, mut right) = (DMat4::from_diagonal(DVec4::splat(PRIOR_STRENGTH)), PRIOR_STRENGTH * self.prior);
         for (x, y) in points() {
             let x = x / y.abs().max(1e-12) * size;

@@ -1,26 +1,26 @@
-//! The search: which setting to measure next, when to stop, and what the measurements say.
+//! Search: the setting to measure next, when to stop, and the conclusions from the measurements.
 
 use super::model::{Model, models};
 use super::{Decision, Figure, Judge, Limits, Measured, Setting, Space, Trial};
 
-/// A gain of less than this share of the objective is not worth a measurement.
+/// Minimum gain, as a share of the objective, that is worth a measurement.
 const WORTH: f64 = 0.02;
 
-/// Settings whose frame or whose error is this little above the least count as equal, and the smallest package wins: two measurements of one frame
-/// are apart by about as much, and a difference of error that small is not seen.
+/// Tolerances within which frame times or errors count as equal, so that the smallest package wins. Two measurements of
+/// one frame differ by about as much, and so small a difference of error is invisible.
 const FRAME_TIE: f64 = 0.08;
 const ERROR_TIE: f64 = 0.01;
 
-/// Times that differ by less than this share are not told apart, however narrow their spread is.
+/// Minimum relative difference between times that counts, however narrow their spread.
 const LEAST_NOISE: f64 = 0.03;
-/// So far a time of a setting that was measured by itself may be off, as a share: settings of which this decides are timed again. On a machine that does
-/// nothing else two times of one frame are apart by a tenth.
+/// Assumed uncertainty of a time measured separately, relative; settings whose choice depends on it are timed again. On
+/// an idle machine two times of one frame differ by a tenth.
 const NOISE: f64 = 0.15;
-/// So many are timed again at once: the likeliest.
+/// Maximum number of candidates timed again at once: the best ones.
 const MOST_AGAIN: usize = 6;
 
-/// Looks for the setting that the limits ask for: the cheapest frame where the error is limited, else the least error. Returns the best that
-/// meets all limits, or the nearest to them where none does.
+/// Searches for the setting that the limits ask for: the cheapest frame if the error is limited, else the least error.
+/// Returns the best that meets all limits, or the nearest to them if none does.
 ///
 /// # Errors
 ///
@@ -35,7 +35,7 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
         search.measure(setting, judge)?;
     }
     let chosen = search.best();
-    // Evidence on both sides of the choice, so that the user sees what a little more and a little less would be.
+    // Measures a setting on each side of the choice, to show the user the effect of a little more and a little less.
     for side in [Side::Better, Side::Cheaper] {
         if search.neighbour(chosen, side).is_none()
             && let Some(setting) = search.predicted_neighbour(chosen, side)
@@ -47,7 +47,7 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
     Ok(search.decision())
 }
 
-/// Measures every setting of the space: slow, and what [`decide`] can be held against.
+/// Measures every setting of the space: slow; a reference for [`decide`].
 ///
 /// # Errors
 ///
@@ -59,7 +59,7 @@ pub fn exhaustive<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Re
     Ok(search.decision())
 }
 
-/// On which side of a setting another one lies.
+/// Side of a setting on which another one is.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
     Better,
@@ -91,12 +91,12 @@ impl Search<'_> {
         self.limits.excess(self.trials[trial].1.figures())
     }
 
-    /// What is minimised, of a trial.
+    /// Returns the figure of a trial that is minimised.
     fn objective(&self, trial: usize) -> f64 {
         self.trials[trial].1.figures()[self.limits.objective() as usize]
     }
 
-    /// Times what may be chosen again, and its neighbours, until the choice rests on such times alone.
+    /// Times the candidates for the choice and their neighbours again, until the choice depends on such times alone.
     fn time_again<J: Judge>(&mut self, judge: &mut J) -> Result<(), J::Error> {
         let mut timed: Vec<usize> = Vec::new();
         loop {
@@ -109,7 +109,7 @@ impl Search<'_> {
             if again.iter().all(|i| timed.contains(i)) {
                 return Ok(());
             }
-            // The chosen one comes along, so that times of different turns have something in common.
+            // The chosen setting is timed with each group, so that times of different groups can be compared.
             again.retain(|i| *i == chosen || !timed.contains(i));
             let settings: Vec<Setting> = again.iter().map(|i| self.trials[*i].0).collect();
             for (i, frame) in again.iter().zip(judge.time_again(&settings)?) {
@@ -119,7 +119,7 @@ impl Search<'_> {
         }
     }
 
-    /// The trials that may turn out to be the best if times are off by [`NOISE`], the likeliest first.
+    /// Returns the trials that may be the best if times are off by [`NOISE`], the best first.
     fn contenders(&self) -> Vec<usize> {
         let off = |i: usize, by: f64| {
             let mut figures = self.trials[i].1.figures();
@@ -144,12 +144,12 @@ impl Search<'_> {
         found
     }
 
-    /// Share of the objective within which settings count as equal.
+    /// Returns the share of the objective within which settings count as equal.
     fn tie(&self) -> f64 {
         if self.limits.objective() == Figure::Error { ERROR_TIE } else { FRAME_TIE }
     }
 
-    /// Whether a trial is better than another in error and time, in one of the two beyond doubt.
+    /// Returns whether a trial is at least as good as another in error and time, and clearly better in one of them.
     fn beats(&self, i: usize, other: usize) -> bool {
         let (own, other) = (self.trials[i].1, self.trials[other].1);
         let faster = own.frame.high < (1.0 - LEAST_NOISE) * other.frame.low;
@@ -157,7 +157,7 @@ impl Search<'_> {
         faster && own.error <= other.error || better && own.frame.ms <= other.frame.ms
     }
 
-    /// The best trial that meets the limits and is on the front of those that do, or the nearest to the limits.
+    /// Returns the best trial on the Pareto front of those within the limits, or the nearest to the limits.
     fn best(&self) -> usize {
         let within: Vec<usize> = (0..self.trials.len()).filter(|i| self.excess(*i) <= 0.0).collect();
         let on_front = |i: &usize| !within.iter().any(|j| self.beats(*j, *i));
@@ -170,7 +170,8 @@ impl Search<'_> {
         smallest.or_else(nearest).unwrap_or_default()
     }
 
-    /// What the best one is to be held against before it is chosen: as many layers of the next coarser tile, which take as long and less memory.
+    /// Returns a setting to measure before the best one is chosen: the same layers with the next coarser tile, which
+    /// takes as long and less memory.
     fn smaller(&self) -> Option<Setting> {
         let best = self.trials[self.best()].0;
         let coarser = |s: &&Setting| (s.layers, s.fins) == (best.layers, best.fins) && s.tile_texels < best.tile_texels;
@@ -179,8 +180,9 @@ impl Search<'_> {
         (!self.is_measured(next) && self.limits.excess(optimistic) <= 0.0).then_some(*next)
     }
 
-    /// What the truest one is also held against: the next fewer and the next more layers of its tile. More layers of the same strands blur each other, so
-    /// that the error need not fall with their number, as the model has it.
+    /// Returns another setting to measure before the most accurate one is chosen: the next fewer or the next more
+    /// layers of its tile. More layers of the same strands blur each other, so the error need not fall with their
+    /// number as the model assumes.
     fn beside(&self) -> Option<Setting> {
         if self.limits.objective() != Figure::Error {
             return None;
@@ -191,7 +193,7 @@ impl Search<'_> {
         let more = of_tile().filter(|s| s.layers > best.layers).min_by_key(|s| s.layers);
         let within = |s: &&&Setting| {
             let mut optimistic = self.models.each_ref().map(|model| model.optimistic(s, true));
-            // How wrong it is, is the question.
+            // The error is the open question.
             optimistic[Figure::Error as usize] = 0.0;
             self.limits.excess(optimistic) <= 0.0
         };
@@ -202,8 +204,9 @@ impl Search<'_> {
         self.trials.iter().any(|(known, _)| known == setting)
     }
 
-    /// Whether a measurement of the same tile and fins shows that this setting breaks a limit, or is no gain: with fewer layers the error is no
-    /// smaller, with more the frame is no shorter and the package no smaller.
+    /// Returns whether a measurement of the same tile and fins rules out this setting: it breaks a limit or brings no
+    /// improvement. With fewer layers the error is assumed not to be smaller; with more, neither the frame time nor the
+    /// package.
     fn is_ruled_out(&self, setting: &Setting) -> bool {
         let beside = |(known, _): &&(Setting, Measured)| known.is_beside(setting);
         self.trials.iter().filter(beside).any(|(known, measured)| {
@@ -219,7 +222,7 @@ impl Search<'_> {
         })
     }
 
-    /// The setting to measure next; `None` when none is likely to be worth it.
+    /// Returns the setting to measure next; `None` if none is likely to be worth it.
     fn next(&self) -> Option<Setting> {
         let best = self.best();
         let found = self.excess(best) <= 0.0;
@@ -230,7 +233,7 @@ impl Search<'_> {
             let gains = !found || optimistic[objective] < (1.0 - WORTH) * self.objective(best);
             gains && self.limits.excess(optimistic) <= 0.0
         };
-        // First what should meet the limits, the best of it first; then what comes nearest to them.
+        // First settings that should meet the limits, best first; then the nearest to them.
         let rank = |setting: &Setting| {
             let predicted = self.predict(setting);
             (self.limits.excess(predicted).max(0.0), predicted[objective])
@@ -241,7 +244,7 @@ impl Search<'_> {
         };
         let unmeasured = || self.space.settings.iter().filter(|s| !self.is_measured(s) && !self.is_ruled_out(s));
         let next = unmeasured().filter(promising).min_by(order);
-        // What fins do to an animal, the model cannot know before it has seen it with and without.
+        // The model cannot predict the effect of fins on an animal before it was measured with and without.
         let here = self.trials[best].0;
         let other = Setting { fins: !here.fins, ..here };
         let unseen = self.trials.iter().all(|(s, _)| s.fins == here.fins) && self.space.settings.contains(&other);
@@ -249,33 +252,35 @@ impl Search<'_> {
         if next.is_some() || found {
             return next;
         }
-        // Nothing seems to meet the limits. The nearest is to be named, so what seems nearer than all that was measured is worth a look.
+        // Nothing seems to meet the limits. A setting that seems nearer to them than all measured ones is worth a
+        // measurement.
         let nearer = |s: &&Setting| self.limits.excess(self.predict(s)) < (1.0 - WORTH) * self.excess(best);
         unmeasured().filter(nearer).min_by(order).copied()
     }
 
-    /// Whether one trial has more of what that side is about than another.
+    /// Returns whether a trial is better than another on that side: in error, or in cost.
     fn gains(&self, i: usize, chosen: usize, side: Side) -> bool {
         let (other, own) = (self.trials[i].1, self.trials[chosen].1);
         match side {
             Side::Better => other.error < own.error,
-            // What takes as long and is larger was left out on purpose.
+            // Settings with equal frame time and a larger package were left out on purpose.
             Side::Cheaper => other.frame.ms < own.frame.ms && other.bytes <= own.bytes,
         }
     }
 
-    /// Whether one trial lies on that side of another along the front: what it gains on one side, it pays for on the other.
+    /// Returns whether a trial is further along the front on that side than another: better in one figure, not in the
+    /// other.
     fn is_beyond(&self, i: usize, chosen: usize, side: Side) -> bool {
         let (other, own) = (self.trials[i].1, self.trials[chosen].1);
         let pays = match side {
-            // Nor is a difference that nobody sees worth a look.
+            // Nor are invisible differences worth a measurement.
             Side::Better => other.frame.ms >= own.frame.ms && other.error < (1.0 - ERROR_TIE) * own.error,
             Side::Cheaper => other.error >= own.error,
         };
         pays && self.gains(i, chosen, side)
     }
 
-    /// The nearest measured setting on one side of `chosen` that nothing measured beats.
+    /// Returns the nearest measured setting further along the front on one side of `chosen`.
     fn neighbour(&self, chosen: usize, side: Side) -> Option<usize> {
         let of = |i: usize| self.trials[i].1;
         let beyond = |i: &usize| self.is_beyond(*i, chosen, side);
@@ -286,7 +291,7 @@ impl Search<'_> {
         (0..self.trials.len()).filter(beyond).min_by(order)
     }
 
-    /// The same among those that were not measured, as the model sees them.
+    /// Returns the nearest such setting among those not measured, as the model predicts.
     fn predicted_neighbour(&self, chosen: usize, side: Side) -> Option<Setting> {
         let here = self.predict(&self.trials[chosen].0);
         let figure = if side == Side::Better { Figure::Error } else { Figure::FrameMs } as usize;
@@ -305,7 +310,7 @@ impl Search<'_> {
         let chosen = self.best();
         let meets = self.excess(chosen) <= 0.0;
         let (next_better, next_cheaper) = (self.neighbour(chosen, Side::Better), self.neighbour(chosen, Side::Cheaper));
-        // The nearest of those that would have been chosen but for a limit.
+        // The nearest of those excluded only by a limit.
         let side = if self.limits.objective() == Figure::Error { Side::Better } else { Side::Cheaper };
         let kept_out = |i: &usize| self.gains(*i, chosen, side) && self.excess(*i) > 0.0;
         let beyond = (0..self.trials.len()).filter(kept_out).min_by(|a, b| self.excess(*a).total_cmp(&self.excess(*b)));

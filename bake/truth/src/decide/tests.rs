@@ -3,7 +3,7 @@
 use super::*;
 use std::convert::Infallible;
 
-/// An animal made up: how its figures follow from a setting, with more bends than the model knows of.
+/// A synthetic animal: its figures follow from a setting, with more nonlinearities than the model knows.
 #[derive(Clone, Copy)]
 struct Animal {
     floor: f64,
@@ -12,7 +12,7 @@ struct Animal {
     power: f64,
     outline: f64,
     layer_ms: f64,
-    /// Relative noise of the frame's time.
+    /// Relative noise of the frame time.
     noise: f64,
 }
 
@@ -24,7 +24,7 @@ impl Judge for Animal {
         let fins = f64::from(u8::from(s.fins));
         let error = self.floor + self.layered * n.powf(-self.power) + self.texel * (20.0 / t).powf(self.power)
             - self.outline * fins * (0.5 + 0.5 / n.sqrt());
-        // A made-up machine is as noisy every time in the same way.
+        // The noise of the synthetic machine is deterministic.
         let wobble = (f64::from(s.layers * 7 + s.tile_texels * 13 + u32::from(s.fins))).sin();
         let frame_ms = (8.0 + self.layer_ms * n.powf(0.95) * (1.0 + 0.02 * (t / 32.0).log2().powi(2)) + 7.0 * fins)
             * (1.0 + self.noise * wobble);
@@ -69,7 +69,7 @@ fn limits() -> Vec<Limits> {
     all
 }
 
-/// A recipe with fins, so that they are among what is chosen, and whose tile lies in the middle of those that are tried.
+/// Returns a recipe with fins, so that they are part of the choice, and a tile in the middle of the tested sizes.
 fn finned() -> Recipe {
     let mut recipe = Recipe::default();
     (recipe.fins.enabled, recipe.slice.tile_texels) = (true, 64);
@@ -96,7 +96,7 @@ fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
         }
     }
     assert!(met > searches / 3 && met < searches, "{met} of {searches} can be met: the limits ask nothing");
-    // The point of the model: most settings need not be measured.
+    // The purpose of the model: most settings need no measurement.
     println!("{measured} measurements in {searches} searches");
     assert!(4 * measured < searches * space.settings().len(), "{measured} measurements in {searches} searches");
 }
@@ -177,7 +177,7 @@ fn limits_are_positive_numbers() {
 
 #[test]
 fn what_takes_as_long_is_told_apart_by_its_size() {
-    // Texels make no difference to this one, neither to its error nor to its time.
+    // Judge for which texels affect neither error nor time.
     struct Coarse;
     impl Judge for Coarse {
         type Error = Infallible;
@@ -204,15 +204,15 @@ fn what_takes_as_long_is_told_apart_by_its_size() {
     }
 }
 
-/// A machine that does something else now and then: single times are too long by up to a half, times in turns have a spread and the true median. Errors are
-/// not noisy, and need not fall with more layers.
+/// A machine under occasional load: single times are up to half too long; times in turns have a spread and the true
+/// median. Errors are not noisy, and need not fall with more layers.
 #[derive(Clone, Copy)]
 struct Busy {
     animal: Animal,
     seed: u64,
-    /// From so many layers on each adds this to the error.
+    /// Layer count from which each further layer adds to the error, and the amount.
     blur: (u32, f64),
-    /// Settings that were timed in turns.
+    /// Number of settings timed in turns.
     again: usize,
 }
 
@@ -246,7 +246,8 @@ impl Judge for Busy {
     }
 }
 
-/// On machines with noise: the choice lies on the front of what was measured, its neighbours on either side of it, and all three were timed in turns.
+/// Checks with noisy times that the choice is on the front of the measured settings, with its neighbours on either
+/// side. All three must have been timed in turns.
 #[test]
 fn the_choice_is_on_the_front_however_noisy_the_times() {
     let space = Space::around(&finned());
@@ -258,7 +259,7 @@ fn the_choice_is_on_the_front_however_noisy_the_times() {
                 let Ok(decision) = decide(&space, &limits, &mut judge);
                 let Some(chosen) = decision.meets.then(|| decision.chosen()) else { continue };
                 met += 1;
-                // In a second place: whoever is timed again is few.
+                // Only few settings are timed again.
                 assert!(judge.again <= 24, "{} timed again", judge.again);
                 assert_eq!(chosen.measured.frame.ms, judge.quiet(&chosen.setting).frame.ms, "timed in turns");
                 for other in &decision.trials {
@@ -289,7 +290,7 @@ fn the_choice_is_on_the_front_however_noisy_the_times() {
     assert!(met > 1000 && sides.iter().all(|n| 2 * n > met), "{met} met, with {sides:?} neighbours");
 }
 
-/// Where fewer layers are truer, the choice has few.
+/// Checks that few layers are chosen where fewer layers have a smaller error.
 #[test]
 fn more_layers_are_not_taken_for_better() {
     let space = Space::around(&finned());

@@ -1,4 +1,4 @@
-//! What a package has more of than a screen shows, or less, and the recipe line that would change it.
+//! Advice: excess or lack of detail of a package on a screen, and the recipe line that would change it.
 
 use super::prognosis::{Advice, Prognosis, Saved, View};
 use pelage_bake::recipe::Recipe;
@@ -6,9 +6,10 @@ use pelage_bake::stages::metric::LEAST_HAIR_TEXELS;
 use pelage_formats::{FormatError, Manifest, Package, TextureFormat};
 use pelage_import::BakeError;
 
-/// Looks for everything there is advice on: first what mends the look, then what saves, most of it first.
+/// Collects all advice: first what improves the look, then what saves, largest savings first.
 ///
-/// Nothing is advised that saves nothing: thinner or thicker hair, for one, changes the coat and no fragment.
+/// Changes without savings are not advised: thinner or thicker hair, for one, changes the look of the fur and no
+/// fragment.
 ///
 /// # Errors
 ///
@@ -36,33 +37,38 @@ pub(super) fn advise(
     out.extend(base_color(package, view, found, fault)?);
     out.extend(triangles(found));
     out.retain(|advice| advice.saved != Some(Saved::default()));
-    // What mends the look has no savings, and `None` comes first.
+    // Advice that improves the look has no savings, and `None` sorts first.
     out.sort_by_key(|advice| advice.saved.map(std::cmp::Reverse));
     Ok(out)
 }
 
-/// So much more error than before, as a share, is still no harm: two true pictures with other noise are apart by as much.
+/// Maximum relative increase of the error that counts as harmless: two true pictures with different noise differ by as
+/// much.
 const HARMLESS: f64 = 0.02;
 
-/// Whether a picture with the error `after` is as good as one with the error `before` ([`crate::likeness`], of the same true picture).
+/// Returns whether a picture with the error `after` is as good as one with the error `before` ([`crate::likeness`],
+/// against the same true picture).
 pub fn is_harmless(before: f64, after: f64) -> bool {
     after <= (1.0 + HARMLESS) * before
 }
 
-/// Layers that are farther from each other than this, pixels seen from the side, stand as steps and as lines beside the outline. Long hair of a dog at
-/// 834x424: 16 layers, 2 pixels apart, are a soft coat, 8 layers (4 pixels) are lines, 4 layers (10 pixels) are a ghost about a bare body.
+/// Maximum gap between layers, pixels seen from the side; beyond it they show as steps, and as lines beside the
+/// outline.
+///
+/// Long hair of a dog at 834x424: 16 layers, 2 pixels apart, look like soft fur; 8 layers (4 pixels) look like lines; 4
+/// layers (10 pixels) look like a ghost around a bare body.
 const MOST_GAP_PX: f64 = 3.0;
-/// More layers than this are not advised: at 64 a frame takes four times as long as with the usual 16.
+/// Maximum number of layers that is advised: at 64 a frame takes four times as long as with the usual 16.
 pub(super) const MOST_LAYERS: u32 = 64;
 
-/// What a close-up needs.
+/// Returns advice for a close-up: more layers, or more distance.
 fn too_near(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
     let now = manifest.fur.layers;
     let (gap, height, near_m) = (found.on_screen.layer_gap_px, found.on_screen.height_px, found.on_screen.near_m);
     if gap <= MOST_GAP_PX {
         return None;
     }
-    // Where there is one, it is seen smaller in proportion to its distance.
+    // A gap shrinks in proportion to distance.
     let fine_from_m = |layers: u32| near_m * height / f64::from(layers.max(2) - 1) / MOST_GAP_PX;
     let enough = (height / MOST_GAP_PX).ceil().min(f64::from(u32::MAX - 1)) as u32 + 1;
     let apart = format!("{now} layers lie {gap:.1} pixels apart where the fur is nearest, {near_m:.2} m from the eye");
@@ -94,7 +100,7 @@ fn too_near(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
     ))
 }
 
-/// Layers that are nearer to each other than this, pixels seen from the side, cannot be told apart.
+/// Gap between layers, pixels seen from the side, below which they cannot be distinguished.
 const LEAST_GAP_PX: f64 = 0.5;
 
 fn layers(
@@ -106,17 +112,17 @@ fn layers(
 ) -> Option<Advice> {
     let now = manifest.fur.layers;
     let (gap, height) = (found.on_screen.layer_gap_px, found.on_screen.height_px);
-    // As many as have a pixel each would do, and fewer than four are no fur.
+    // One layer per pixel suffices; fewer than four do not look like fur.
     let enough = (height.ceil() as u32 + 1).max(4);
     if gap >= LEAST_GAP_PX || enough >= now {
         return None;
     }
     let less = |most: u32| 1.0 - (f64::from(enough - 1) / f64::from(most)).min(1.0);
-    // Of layers that are not drawn anyway only the textures are saved.
+    // For layers that are not drawn anyway only the textures are saved.
     let (share, of_drawn) = (less(now - 1), less(found.on_screen.layers_drawn.max(1)));
     let of = |count: u64| (count as f64 * of_drawn) as u64;
     let shells = found.passes.iter().find(|pass| pass.name == "shells")?;
-    // Two bytes a texel and layer, where there are such maps.
+    // Two bytes per texel and layer, if there are such maps.
     let maps = if knows_visibility { 0 } else { 2 * u64::from(view.shadow_map).pow(2) * u64::from(now - enough) };
     Some(Advice {
         change: format!("slice.layers={enough}"),
@@ -138,7 +144,7 @@ fn layers(
     })
 }
 
-/// Texels of the tile that are smaller than this on the screen, pixels, are more than it shows: mips are read instead.
+/// Size of a tile's texel on the screen, pixels, below which the tile is finer than needed: mips are read instead.
 const LEAST_TEXEL_PX: f64 = 0.5;
 
 fn tile(manifest: &Manifest, found: &Prognosis, bytes: u64) -> Option<Advice> {
@@ -199,7 +205,7 @@ fn formats(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> R
     let fur = &package.manifest().fur;
     let (mut keys, mut bytes, mut saved) = (Vec::new(), 0, 0.0);
     let ink = package.ink().map_err(fault)?.map(|ink| ink.info);
-    // Never in blocks; and those that follow the shells.
+    // Paper is never block-compressed; painted textures follow the format of the shells.
     let paper = ink.as_ref().map(|ink| ink.paper_texture);
     let painted = ink.as_ref().map(|ink| [Some(ink.stroke_texture), Some(ink.wash_texture), ink.fur_texture]);
     let painted: Vec<_> = painted.into_iter().flatten().flatten().collect();
@@ -227,7 +233,7 @@ fn formats(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> R
         bytes += view.gpu_bytes();
         saved += view.gpu_bytes() as f64 * share;
     }
-    // Below that, blocks are not worth their errors.
+    // Below this size compression is not worth its errors.
     if bytes < 64 << 10 {
         return Ok(None);
     }
@@ -237,13 +243,14 @@ fn formats(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> R
         saves: format!("{:.0} KiB on the device, and as much to read", saved / 1024.0),
         costs: "a little noise in colour and direction".into(),
         saved: Some(Saved { bytes: saved as u64, ..Saved::default() }),
-        // Colours of the skin are as they were imported, and a package sliced anew keeps them.
+        // Base colours are kept as imported when a package is sliced again.
         can_be_tried: !keys.contains(&"pack.base_color_format=bc7"),
         measured: None,
     }))
 }
 
-/// A base colour keeps at least this many texels for each pixel of the picture that it covers: two each way, although half of the skin faces away.
+/// Minimum number of base-colour texels per covered pixel of the picture: two each way, although half of the surface
+/// faces away.
 const TEXELS_A_PIXEL: u64 = 8;
 
 fn base_color(
@@ -285,9 +292,9 @@ fn base_color(
     }))
 }
 
-/// Share of small triangles from which a mesh is finer than the picture.
+/// Share of small triangles above which a mesh is finer than the picture.
 const MOST_SMALL: f64 = 0.8;
-/// So few triangles that it does not matter.
+/// Number of triangles below which the mesh density does not matter.
 const FEW_TRIANGLES: u64 = 500;
 
 fn triangles(found: &Prognosis) -> Option<Advice> {

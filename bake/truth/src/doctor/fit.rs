@@ -5,10 +5,12 @@ use super::prognosis::OnScreen;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::metric::LEAST_HAIR_TEXELS;
 
-/// The recipe with as many layers and texels as such a picture shows: layers [`pelage_bake::recipe::DetailParams::gap_px`] apart, at most as many as are
-/// ever advised, and texels of at most a pixel, never so large that a hair's root is lost in one.
+/// Returns the recipe with as many layers and texels as such a picture shows.
 ///
-/// * `on_screen`: of a package by this recipe, whose tile has `tile_texels`
+/// Layers are [`pelage_bake::recipe::DetailParams::gap_px`] apart, up to the advised maximum. Texels are at most a
+/// pixel large, and never so large that a hair's root is lost in one.
+///
+/// * `on_screen`: sizes of a package by this recipe, whose tile has `tile_texels`
 pub fn fitted(recipe: &Recipe, on_screen: &OnScreen, tile_texels: u32) -> Recipe {
     let mut fitted = recipe.clone();
     let gaps = on_screen.height_px / f64::from(recipe.detail.gap_px);

@@ -1,10 +1,12 @@
-//! What a package will cost on a screen, found without a GPU, and what of it is more than the screen shows.
+//! Prediction, without a GPU, of a package's cost on a screen, and of detail beyond what the screen shows.
 //!
-//! Every triangle of the skin, every layer and fin that the runtime would draw at rest by default is rasterised as it would ([`raster`]), and
-//! counted. What is predicted is work: fragments, vertices, bytes. What that takes in time depends on the adapter, which `pelage bench` measures.
+//! Every triangle of the surface, and every layer and fin that the runtime would draw at rest by default, is rasterised
+//! ([`raster`]) and counted. The prediction is work: fragments, vertices, bytes. The time that takes depends on the
+//! adapter; `pelage bench` measures it.
 //!
-//! Advice is what saves some of that and does no harm, and what mends a look that comes too near. What does no harm is found by sizes on the screen alone
-//! here; a caller with an adapter draws the picture with and without the change, beside the true one, and drops what [`is_harmless`] denies.
+//! Advice names harmless savings, and improvements of the look for views that are too close. Here harmlessness is
+//! judged by sizes on the screen alone. A caller with an adapter draws the picture with and without the change,
+//! compares both with the true one, and drops advice that fails [`is_harmless`].
 
 mod advice;
 mod fit;
@@ -25,13 +27,13 @@ use pelage_formats::{FormatError, Manifest, MeshView, Package, Part, Pose, Stran
 use pelage_import::BakeError;
 use raster::{Covered, Draw, Raster};
 
-/// Pictures of more pixels are rasterised smaller, and what is counted is scaled.
+/// Maximum number of pixels rasterised; larger pictures are rasterised smaller, and the counts scaled.
 const MOST_PIXELS: u64 = 1 << 20;
 
-/// Triangles of fewer pixels cost more in corners than in pixels.
+/// Area, pixels, below which a triangle's vertices cost more than its pixels.
 const SMALL_PX: f64 = 16.0;
 
-/// A posed vertex with what grows on it.
+/// A posed vertex with its fur.
 struct Vertex {
     position: Vec3,
     normal: Vec3,
@@ -41,19 +43,20 @@ struct Vertex {
 }
 
 impl Vertex {
-    /// Place of the hair that grows from it, at a share of its height.
+    /// Returns the position of a point on the vertex's hair, at a share of its height.
     fn at(&self, share: f32) -> Vec3 {
         self.position + hair_offset(self.normal, self.bitangent, self.lean, share, self.height_m)
     }
 }
 
-/// Looks at an opened package.
+/// Predicts the cost of an opened package and collects advice.
 ///
-/// * `fault`: gives an error of the package its file
+/// * `fault`: adds the file name to an error of the package
 ///
 /// # Errors
 ///
-/// [`BakeError::Package`] for sections that are damaged; [`BakeError::Params`] for a camera that looks nowhere.
+/// [`BakeError::Package`] for sections that are damaged; [`BakeError::Params`] if eye and target of the camera
+/// coincide.
 pub fn diagnose(
     package: &Package<'_>,
     view: &View,
@@ -146,7 +149,7 @@ fn sum(a: Covered, b: Covered) -> Covered {
     Covered { pixels: a.pixels + b.pixels, in_blocks: a.in_blocks + b.in_blocks }
 }
 
-/// The layers that are drawn of fur that is so many pixels high, as the package's levels of detail say.
+/// Returns the layers that are drawn of fur of that height in pixels, by the package's levels of detail.
 fn drawn_layers(manifest: &pelage_formats::Manifest, height_px: f64) -> Vec<u32> {
     let baked = manifest.fur.layers;
     let (place, fade) = detail_place(&manifest.detail, height_px as f32);
@@ -160,7 +163,8 @@ fn drawn_layers(manifest: &pelage_formats::Manifest, height_px: f64) -> Vec<u32>
     (0..count).map(|index| detail_layer(index, baked, level.step, gone)).collect()
 }
 
-/// The indices that are drawn of each part where a metre has so many pixels: of the mesh, or of a simplified list.
+/// Returns the indices that are drawn of each part at `px_per_m` pixels per metre: of the mesh, or of a simplified
+/// list.
 fn drawn_lists(
     package: &Package<'_>,
     indices: Vec<u32>,
@@ -188,7 +192,7 @@ fn triangles<'a>(indices: &'a [u32], part: &pelage_formats::Part) -> impl Iterat
     corners(indices.get(range).unwrap_or_default())
 }
 
-/// Size to rasterise in, and how many pixels of the picture one of its pixels stands for.
+/// Returns the size to rasterise at, and the number of picture pixels per rasterised pixel.
 fn raster_size((width, height): (u32, u32)) -> ((u32, u32), f64) {
     let pixels = u64::from(width) * u64::from(height);
     let shrink = (pixels as f64 / MOST_PIXELS as f64).sqrt().max(1.0);
@@ -196,7 +200,7 @@ fn raster_size((width, height): (u32, u32)) -> ((u32, u32), f64) {
     ((small[0], small[1]), pixels as f64 / f64::from(small[0]) / f64::from(small[1]))
 }
 
-/// World to clip space; w is the distance along the view.
+/// Returns the matrix from world to clip space; w is the distance along the view.
 fn camera(view: &View) -> Result<Mat4, BakeError> {
     let forward = (view.target - view.eye).try_normalize().ok_or_else(|| BakeError::Params {
         what: "camera",
@@ -206,7 +210,7 @@ fn camera(view: &View) -> Result<Mat4, BakeError> {
     let [right, up, _] = view_axes(view.eye, view.target);
     let scale = 1.0 / (0.5 * view.fov_y_rad).tan();
     let row = |axis: Vec3, scale: f32| (axis * scale).extend(-axis.dot(view.eye) * scale);
-    // Depth itself is never asked for.
+    // Depth is never used.
     Ok(Mat4::from_cols(row(right, scale / aspect), row(up, scale), Vec4::ZERO, row(forward, 1.0)).transpose())
 }
 
@@ -230,7 +234,8 @@ fn vertices(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> 
     Ok(posed_vertices(&mesh, None, &pose).map(vertex).collect())
 }
 
-/// Fins as the runtime shows them, by the angle they are seen at: what they cover, and their quads.
+/// Rasterises the fins that the runtime shows, by the angle they are seen at. Returns their coverage and number of
+/// quads.
 fn fins(
     package: &Package<'_>,
     vertices: &[Vertex],
@@ -240,7 +245,7 @@ fn fins(
     fault: &dyn Fn(FormatError) -> BakeError,
 ) -> Result<(Covered, u64), BakeError> {
     let Some(found) = package.fins().map_err(fault)? else { return Ok((Covered::default(), 0)) };
-    // Bent hair takes three quads above each other.
+    // Bent hair needs three quads, one above the other.
     let rows = fin_rows(vertices.iter().any(|v| v.lean > 0.0));
     let mut covered = Covered::default();
     for fin in found.fins() {
@@ -265,7 +270,7 @@ fn on_screen(corners: [Vec4; 3]) -> bool {
     corners.iter().all(|c| c.w > 0.0 && c.x.abs() <= c.w && c.y.abs() <= c.w) && area_px(corners, (1, 1)) > 0.0
 }
 
-/// Area of a triangle that faces the eye, pixels; negative of one that does not.
+/// Returns the area of a triangle, pixels; negative if it faces away from the eye.
 fn area_px(corners: [Vec4; 3], size: (u32, u32)) -> f64 {
     let [a, b, c] = corners.map(|c| {
         let w = f64::from(c.w);
@@ -274,9 +279,9 @@ fn area_px(corners: [Vec4; 3], size: (u32, u32)) -> f64 {
     0.5 * ((b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0))
 }
 
-/// Where the fur is nearest to the eye.
+/// Nearest fur to the eye.
 struct Near {
-    /// How far before the eye that is, metres; infinite where nothing is in sight, and then all else is 0.
+    /// Depth along the view, metres; infinite if nothing is in sight, and then all else is 0.
     near_m: f32,
     px_per_m: f64,
     /// Height of the fur there, pixels seen from the side.
@@ -338,15 +343,18 @@ fn memory(
     memory.buffers += package.fins().map_err(fault)?.map_or(0, |f| f.fins.len() as u64);
     memory.buffers += package.ink().map_err(fault)?.map_or(0, |ink| ink.vertices.len() as u64);
     let (map, small) = (u64::from(view.shadow_map).pow(2), u64::from(view.shadow_map.div_ceil(4)).pow(2));
-    // Two depth maps of four bytes; transmittances of two bytes a layer, or once; of the soft shadow, eight bytes: one whole map and two shrunk.
+    // Two depth maps of four bytes; transmittances of two bytes per layer, or once; for the soft shadow eight bytes:
+    // one full-size map and two small ones.
     let maps = if package.visibility().map_err(fault)?.is_some() { 1 } else { u64::from(layers) };
     let layer_maps = if layers > 1 { 2 * map * maps } else { 0 };
     memory.shadow_maps = 8 * map + layer_maps + 8 * (map + 2 * small);
     Ok(memory)
 }
 
-/// Bytes of a coat's strands where they are planted on the mesh: 32 a strand, of which every part has a multiple of 64, 16 for the place of each of its
-/// points, once more where wet hair is mixed in, and the points of the tile.
+/// Returns the size of the fur's strands planted on the mesh, bytes.
+///
+/// Each strand takes 32 bytes, and 16 per point, twice if wet hair is mixed in; each part has a multiple of 64 strands.
+/// The points of the tile are added.
 fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView<'_>) -> u64 {
     let ground = Ground::of_package(manifest, mesh);
     let walk = SurfaceWalk::new(&ground);
@@ -370,13 +378,13 @@ fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView
     planted * (32 + 16 * points * times) + 16 * of_tile * times
 }
 
-/// What the list of passes is made of.
+/// Input of the list of passes.
 struct Work<'a> {
     manifest: &'a pelage_formats::Manifest,
     vertices: u64,
     furry_vertices: u64,
     layers: u32,
-    /// Those that are drawn, the skin not counted.
+    /// Number of layers drawn, skin excluded.
     drawn: u64,
     fin_quads: u64,
     skin: Covered,
@@ -385,9 +393,9 @@ struct Work<'a> {
     times: f64,
     view: &'a View,
     skinned: bool,
-    /// The package knows how hair shadows hair.
+    /// Whether the package stores how hair shadows hair.
     knows_visibility: bool,
-    /// The package has strands.
+    /// Whether the package has strands.
     single: bool,
 }
 
@@ -408,7 +416,7 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
     };
     let size = w.view.shadow_map;
     let has_fins = w.fin_quads > 0 && furry && w.drawn > 0;
-    // The frame that is foretold is one of layers.
+    // The predicted frame draws layers.
     let of_strands = |name| {
         let reason =
             if w.single { "foretold is a frame of layers: --hair shells" } else { "the package has no strands" };

@@ -1,20 +1,20 @@
-//! How a package will be looked at, and what is found out about that.
+//! View of a package, and the predicted figures.
 
 use glam::Vec3;
 use serde::Serialize;
 
-/// How the package will be looked at.
+/// View for which a package is diagnosed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Place of the eye, metres.
+    /// Position of the eye, metres.
     pub eye: Vec3,
-    /// What it looks at, metres; apart from `eye`.
+    /// Point that the camera looks at, metres; must differ from `eye`.
     pub target: Vec3,
-    /// Height of the view, radians.
+    /// Vertical field of view, radians.
     pub fov_y_rad: f32,
     /// Width and height of the picture, pixels.
     pub size: (u32, u32),
-    /// Copies, each seen as large as the one that is rasterised.
+    /// Number of copies, each as large in the picture as the rasterised one.
     pub instances: u32,
     /// Width and height of the shadow maps, texels; 0 for no shadows.
     pub shadow_map: u32,
@@ -30,7 +30,7 @@ pub struct PassWork {
     pub runs: bool,
     /// Reason why it runs or not.
     pub reason: String,
-    /// Minimum runs of its vertex shader: each vertex once a layer.
+    /// Minimum runs of its vertex shader: each vertex once per layer.
     pub vertices: u64,
     /// Pixels that it draws; `None` for passes that do not draw the picture.
     pub fragments: Option<u64>,
@@ -38,24 +38,25 @@ pub struct PassWork {
     pub fragments_in_blocks: Option<u64>,
 }
 
-/// Memory on the device, bytes.
+/// Memory on the GPU, bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Memory {
-    /// Textures as they are stored. A software adapter uses four bytes a texel for any format.
+    /// Textures as they are stored. A software adapter uses four bytes per texel for any format.
     pub textures: u64,
     /// Vertices, indices and fins.
     pub buffers: u64,
     /// Posed vertices of all copies.
     pub posed: u64,
-    /// Single strands of the coat where they are planted; posed and drawn near by, they take as much again.
+    /// Single strands of the fur, planted on the mesh; when posed and drawn at close range they take the same amount
+    /// again.
     pub strands: u64,
-    /// The key light's shadow maps, one set for all.
+    /// Shadow maps of the key light, one set for all copies.
     pub shadow_maps: u64,
 }
 
 impl Memory {
-    /// All of it.
+    /// Returns the sum of all memory, bytes.
     pub fn total(&self) -> u64 {
         self.textures + self.buffers + self.posed + self.strands + self.shadow_maps
     }
@@ -75,7 +76,7 @@ pub struct OnScreen {
     pub layers_drawn: u32,
     /// Distance from the eye, metres; 0 if nothing is in sight.
     pub near_m: f64,
-    /// Median area of the visible triangles of the skin, pixels.
+    /// Median area of the visible triangles of the mesh surface, pixels.
     pub triangle_px: f64,
     /// Share of the visible triangles that are smaller than 4 by 4 pixels.
     pub small_triangles: f64,
@@ -84,7 +85,8 @@ pub struct OnScreen {
 }
 
 impl OnScreen {
-    /// The same sizes where the fur is nearest at that distance from the eye, metres, above 0. Nothing in sight stays nothing.
+    /// Returns the sizes with the nearest fur at that distance from the eye, metres, above 0; unchanged if nothing is
+    /// in sight.
     pub fn seen_from(self, distance_m: f64) -> Self {
         let larger = self.near_m / distance_m;
         Self {
@@ -98,20 +100,20 @@ impl OnScreen {
     }
 }
 
-/// What was found.
+/// Result of a diagnosis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prognosis {
-    /// Pixels that the skin covers, and that at least one layer of fur does.
+    /// Pixels covered by the mesh surface, and by at least one layer of fur.
     pub covered_pixels: [u64; 2],
     /// Mean and largest number of layers on a pixel with fur.
     pub overdraw: (f64, u16),
-    /// The passes, in their order.
+    /// Passes in execution order.
     pub passes: Vec<PassWork>,
-    /// On the device.
+    /// Memory on the GPU.
     pub memory: Memory,
     /// Sizes on the screen.
     pub on_screen: OnScreen,
-    /// What to change; empty where all is well.
+    /// Recommended changes; empty if there are none.
     pub advice: Vec<Advice>,
 }
 
@@ -127,9 +129,9 @@ pub struct Advice {
     pub saves: String,
     /// Cost of the change, in words.
     pub costs: String,
-    /// Savings as figures, all copies; `None` for advice that improves the look and saves nothing.
+    /// Savings as figures, for all copies; `None` for advice that improves the look and saves nothing.
     pub saved: Option<Saved>,
-    /// Whether pictures of the package with and without it can be compared: slicing it anew makes the change.
+    /// Whether pictures of the package with and without the change can be compared: slicing it again suffices.
     #[serde(skip)]
     pub can_be_tried: bool,
     /// Error of the picture without and with the change and those above it; `None` if no picture was drawn.
@@ -141,7 +143,7 @@ pub struct Advice {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorChange {
-    /// Error without the change.
+    /// Error without this change, with those above it.
     pub before: f64,
     /// Error with the change and those above it.
     pub after: f64,
@@ -155,6 +157,6 @@ pub struct Saved {
     pub fragments: u64,
     /// Vertices of a frame, all copies.
     pub vertices: u64,
-    /// Bytes on the device.
+    /// Bytes on the GPU.
     pub bytes: u64,
 }

@@ -1,21 +1,21 @@
-//! How many pixels triangles cover, and in how many layers: what a rasteriser would find, without one.
+//! Software count of the pixels that triangles cover, and of the layers on each, without a GPU.
 
 use glam::{Vec2, Vec4};
 
-/// Rasterisers without hardware run a shader on blocks of so many pixels each way, all of a block or none.
+/// Side of the blocks that software rasterisers shade as a whole, pixels.
 pub const BLOCK: u32 = 4;
 
-/// What a pass covers.
+/// Coverage of a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Covered {
-    /// Pixels whose centre a triangle holds, once for each triangle.
+    /// Covered pixel centres, counted once per triangle.
     pub pixels: u64,
-    /// Pixels of the blocks of [`BLOCK`]² pixels that it touches, likewise, hidden or not: where shaders may discard, blocks are shaded before they
-    /// are tested.
+    /// Pixels in touched blocks of [`BLOCK`]² pixels, counted once per triangle, hidden or not: where shaders may
+    /// discard, blocks are shaded before they are tested.
     pub in_blocks: u64,
 }
 
-/// A depth buffer and a count per pixel.
+/// A depth buffer with a layer count per pixel.
 #[derive(Clone, Debug)]
 pub struct Raster {
     width: u32,
@@ -25,36 +25,37 @@ pub struct Raster {
     layers: Vec<u16>,
 }
 
-/// How a triangle is drawn.
+/// Drawing mode of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Draw {
-    /// Opaque: hides what lies behind.
+    /// Opaque: hides surfaces behind it.
     Opaque,
-    /// Translucent: tested against what is opaque, hides nothing, counts as a layer.
+    /// Translucent: tested against opaque surfaces, hides nothing, counts as a layer.
     Layer,
-    /// As [`Self::Layer`], seen from both sides, and no layer.
+    /// Same as [`Self::Layer`], but two-sided and not counted as a layer.
     Quad,
 }
 
 impl Raster {
-    /// An empty buffer.
+    /// Returns an empty buffer.
     pub fn new(width: u32, height: u32) -> Self {
         let count = width as usize * height as usize;
         Self { width, height, nearest: vec![0.0; count], layers: vec![0; count] }
     }
 
-    /// Draws a triangle of clip-space corners, wound counter-clockwise as seen from its front. One that reaches behind the eye is left out whole.
+    /// Draws a triangle of clip-space corners, wound counter-clockwise as seen from its front. A triangle that extends
+    /// behind the eye is left out entirely.
     pub fn draw(&mut self, corners: [Vec4; 3], both_sides: bool, how: Draw) -> Covered {
         let mut covered = Covered::default();
         if corners.iter().any(|c| c.w <= 0.0 || !c.is_finite()) {
             return covered;
         }
         let size = Vec2::new(self.width as f32, self.height as f32);
-        // Rows run from the top.
+        // Rows are counted from the top.
         let pixel = |c: Vec4| Vec2::new(0.5 + 0.5 * c.x / c.w, 0.5 - 0.5 * c.y / c.w) * size;
         let [mut a, b, mut c] = corners.map(pixel);
         let mut depth = corners.map(|c| 1.0 / c.w);
-        // With rows from the top, a front is clockwise: its area is negative.
+        // With rows from the top, front faces are clockwise and have negative area.
         let mut area = (b - a).perp_dot(c - a);
         if area > 0.0 && (both_sides || how == Draw::Quad) {
             std::mem::swap(&mut a, &mut c);
@@ -105,12 +106,12 @@ impl Raster {
         covered
     }
 
-    /// Pixels that anything opaque covers.
+    /// Returns the number of pixels covered by opaque surfaces.
     pub fn opaque_pixels(&self) -> u64 {
         self.nearest.iter().filter(|z| **z > 0.0).count() as u64
     }
 
-    /// Pixels with at least one layer, the mean number of layers on those, and the largest.
+    /// Returns the number of pixels with at least one layer, and the mean and largest number of layers on those.
     pub fn layers(&self) -> (u64, f64, u16) {
         let furry = || self.layers.iter().filter(|n| **n > 0);
         let count = furry().count() as u64;
@@ -119,7 +120,7 @@ impl Raster {
     }
 }
 
-/// Whether points on the edge belong to the triangle: those of two neighbours are drawn once.
+/// Returns whether points on the edge belong to the triangle, so that shared edges are drawn once.
 fn is_top_left(from: Vec2, to: Vec2) -> bool {
     let way = to - from;
     way.y > 0.0 || (way.y == 0.0 && way.x < 0.0)
@@ -133,7 +134,7 @@ mod tests {
         Vec4::new(x * w, y * w, 0.0, w)
     }
 
-    /// A square of the half sides x and y, as two triangles facing the eye.
+    /// Draws a rectangle of half sides x and y, as two triangles facing the eye.
     fn square(raster: &mut Raster, x: f32, y: f32, w: f32, how: Draw) -> Covered {
         let [a, b, c, d] = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| corner(x, y, w));
         let (one, two) = (raster.draw([a, b, c], false, how), raster.draw([a, c, d], false, how));
@@ -145,11 +146,11 @@ mod tests {
         let mut raster = Raster::new(64, 32);
         assert_eq!(square(&mut raster, 1.0, 1.0, 1.0, Draw::Opaque).pixels, 64 * 32, "edges are drawn once");
         assert_eq!(raster.opaque_pixels(), 64 * 32);
-        // Half of each side, on whole pixels.
+        // Half of each side, aligned to whole pixels.
         let mut raster = Raster::new(64, 32);
         let half = square(&mut raster, 0.5, 0.5, 3.0, Draw::Layer);
         assert_eq!((half.pixels, raster.layers()), (32 * 16, (32 * 16, 1.0, 1)));
-        // Along the diagonal blocks belong to both triangles.
+        // Blocks along the diagonal count for both triangles.
         assert!(half.in_blocks > half.pixels && half.in_blocks < 2 * half.pixels, "{half:?}");
     }
 

@@ -12,7 +12,7 @@ use pelage_lab::stability::surface::torus;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// A torus with a base-colour texture of so many texels each way; 0 for none.
+/// Returns a torus with a base-colour texture of `texels` texels each way; 0 for none.
 fn model(texels: u32) -> Model {
     let mut model = torus();
     if texels > 0 {
@@ -31,7 +31,7 @@ fn model(texels: u32) -> Model {
     model
 }
 
-/// Each package is baked once, by the texels of its model and what its recipe sets; the tests look at many of them from several places.
+/// Returns the package of a torus, baked once per combination of texels and recipe settings; several tests share them.
 fn package(texels: u32, sets: &[&str]) -> Arc<[u8]> {
     type Baked = Arc<OnceLock<Arc<[u8]>>>;
     static KNOWN: Mutex<BTreeMap<(u32, Vec<String>), Baked>> = Mutex::new(BTreeMap::new());
@@ -39,7 +39,7 @@ fn package(texels: u32, sets: &[&str]) -> Arc<[u8]> {
     let baked = KNOWN.lock().unwrap().entry(key).or_default().clone();
     let bake = || {
         let mut recipe = Recipe::default();
-        // Of ink there is nothing to foretell, and its textures take most of a bake.
+        // Ink is not predicted, and its textures take most of a bake.
         ["ink.enabled=false"].iter().chain(sets).for_each(|set| recipe.set(set).unwrap());
         let images = MapImages::default();
         let told = Told::new("torus", "torus", &recipe, &images);
@@ -48,7 +48,8 @@ fn package(texels: u32, sets: &[&str]) -> Arc<[u8]> {
     baked.get_or_init(bake).clone()
 }
 
-/// The torus, with a texture of so many texels, from a distance in metres, in a square picture of so many pixels.
+/// Predicts the cost of the torus with a texture of `texels` texels, from a distance in metres, in a square picture of
+/// `pixels` pixels.
 fn prognosis(texels: u32, sets: &[&str], pixels: u32, distance_m: f32, instances: u32) -> Prognosis {
     let baked = package(texels, sets);
     let package = Package::open(&baked, &Limits::default()).unwrap();
@@ -84,23 +85,23 @@ fn each_advice_is_earned() {
         let found = advised(sets, pixels, distance_m, texels);
         assert!(found.iter().any(|change| change == name), "{name} is missing: {found:?}");
     }
-    // Hair that fades, and layers that hide others, cost what other hair would: to change the coat saves nothing.
+    // Fading hair and occluding layers cost as much as any others: changing the look of the fur saves nothing.
     for sets in [["hair.root_radius=0.002", "hair.tip_radius=0.001"], ["hair.density=30000", "hair.length_variation=0"]]
     {
         assert_eq!(advised(&sets, pixels, near, 0), Vec::<String>::new(), "{sets:?}");
     }
-    // However small its texels are on the screen: in half of them no hair would be a texel wide.
+    // Small on the screen, but with half the texels no hair would be a texel wide.
     let small = prognosis(0, &["slice.tile_texels=64"], 120, 12.0, 1);
     assert!(small.on_screen.texel_px < 0.25, "{:?}", small.on_screen);
     assert!(!changes(&small).contains(&"slice.tile_texels"), "{:?}", small.advice);
     assert!(advised(&["hair.root_radius=0.016"], 120, 12.0, 0).contains(&"slice.tile_texels".to_owned()));
-    // The change that is named is enough.
+    // The recommended change suffices.
     let few = prognosis(0, &["slice.layers=64"], pixels, 12.0, 1);
     let change = few.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap().change.clone();
     assert!(!changes(&prognosis(0, &[&change], pixels, 12.0, 1)).contains(&"slice.layers"), "{change}");
 }
 
-/// All advice saves something, the most of it first, and what mends the look comes before it.
+/// Checks that all advice saves something, largest savings first, after advice that improves the look.
 #[test]
 fn advice_is_in_the_order_of_what_it_saves() {
     let found = prognosis(512, &["slice.layers=64", "slice.tile_texels=256", "pack.shell_format=rgba8"], 300, 20.0, 3);
@@ -108,7 +109,7 @@ fn advice_is_in_the_order_of_what_it_saves() {
     assert!(saved.len() == found.advice.len() && saved.len() >= 4, "{:?}", found.advice);
     assert!(saved.iter().all(|saved| *saved > Saved::default()), "{saved:?}");
     assert!(saved.is_sorted_by(|a, b| a >= b), "{saved:?}");
-    // The figures are those of the same package with the change.
+    // The predicted savings match the same package with the change.
     let fragments = |p: &Prognosis| p.passes.iter().filter_map(|pass| pass.fragments).sum::<u64>() as f64;
     let layers = found.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap();
     let sets = [&layers.change, "slice.tile_texels=256", "pack.shell_format=rgba8"];
@@ -117,7 +118,7 @@ fn advice_is_in_the_order_of_what_it_saves() {
     assert!((0.95..1.05).contains(&ratio), "{ratio}");
 }
 
-/// Close by, layers stand apart: more of them, or, where 64 would not do, more distance; and what is advised is enough.
+/// Checks that close-ups get more layers or, above 64, more distance, and that the advice suffices.
 #[test]
 fn close_ups_need_more_layers_or_more_distance() {
     let (distance_m, layers) = (6.0, 16.0);
@@ -143,7 +144,8 @@ fn close_ups_need_more_layers_or_more_distance() {
     assert!(look(&at_gap(20.0, &["slice.layers=64"], not_far_enough)).is_some(), "{away:?}");
 }
 
-/// A look nearly straight down is where two rules of what is up would part: what is predicted then is another picture than what is drawn.
+/// Checks the up direction for a view almost straight down, where two definitions would differ: the prediction would
+/// show another picture than the runtime.
 #[test]
 fn cameras_are_the_runtimes_own() {
     use pelage_runtime::{Camera, Projection};
@@ -174,12 +176,12 @@ fn work_grows_as_it_must() {
         let pass = p.passes.iter().find(|pass| pass.name == name).unwrap();
         (pass.fragments.unwrap_or_default() as f64, pass.vertices)
     };
-    // All layers, whatever their pixels.
+    // All layers, whatever their size in pixels.
     let full = ["detail.enabled=false"];
     let (one, ten) = (prognosis(0, &full, 300, 6.0, 1), prognosis(0, &full, 300, 6.0, 10));
     assert_eq!((of(&ten, "shells").1, of(&ten, "skin").0), (10 * of(&one, "shells").1, 10.0 * of(&one, "skin").0));
     assert_eq!(ten.memory, one.memory, "what stands still is shared");
-    // Twice the picture, four times the pixels; above some size they are counted on a smaller one.
+    // Twice the side has four times the pixels; above a limit they are counted on a smaller picture.
     let (large, huge) = (prognosis(0, &full, 600, 6.0, 1), prognosis(0, &full, 4800, 6.0, 1));
     for (picture, factor) in [(&large, 4.0), (&huge, 256.0)] {
         let ratio = of(picture, "shells").0 / of(&one, "shells").0 / factor;
@@ -187,12 +189,12 @@ fn work_grows_as_it_must() {
     }
     assert!(one.overdraw.0 > 8.0 && one.overdraw.1 >= 15, "{:?}", one.overdraw);
     assert!(one.covered_pixels[1] > one.covered_pixels[0]);
-    // With levels of detail layers are as many as the fur has pixels.
+    // With levels of detail there are as many layers as the fur has pixels.
     let (fewer, far) = (prognosis(0, &[], 300, 6.0, 1), prognosis(0, &[], 300, 600.0, 1));
     let drawn = [&one, &fewer, &far].map(|p| p.on_screen.layers_drawn);
     assert!(drawn[0] == 15 && (1..15).contains(&drawn[1]) && drawn[2] == 0, "{drawn:?}");
     assert!(of(&fewer, "shells").0 < of(&one, "shells").0 && of(&far, "shells").1 == 0);
-    // Without fur there is less to do, and the report says why.
+    // Without fur there is less work, and the report says why.
     let bare = prognosis(0, &["model.bare=[\"*\"]"], 300, 6.0, 1);
     let shells = bare.passes.iter().find(|pass| pass.name == "shells").unwrap();
     assert!(!shells.runs && shells.vertices == 0 && shells.reason.contains("no fur"), "{shells:?}");

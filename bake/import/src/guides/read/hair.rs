@@ -1,5 +1,5 @@
-//! Cem Yuksel's binary format: a header of 128 bytes, then pieces of each strand, points, thickness, transparency and colours, of which all but the
-//! points may be missing.
+//! Cem Yuksel's binary hair format: a header of 128 bytes, then segments of each strand, points, thickness,
+//! transparency and colours. All arrays but the points are optional.
 
 use super::source::{Source, points};
 use crate::error::BakeError;
@@ -8,37 +8,37 @@ use glam::Vec3;
 
 const HEADER_BYTES: u64 = 128;
 
-/// Bits of the arrays that a file has.
+/// Header bits of the arrays in a file.
 const PIECES: u32 = 1;
 const POINTS: u32 = 2;
 const THICKNESS: u32 = 4;
 const TRANSPARENCY: u32 = 8;
 const COLORS: u32 = 16;
 
-/// A `.hair` file as it is: no strand left out, no point dropped.
+/// A `.hair` file as stored: no strand left out, no point dropped.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HairFile {
-    /// Points of each strand, 1 or more.
+    /// Number of points of each strand, 1 or more.
     pub strands: Vec<u32>,
     /// Points of all strands, each root first.
     pub points: Vec<Vec3>,
-    /// Diameter at each point; empty where the file says none.
+    /// Diameter at each point; empty if the file has none.
     pub thickness: Vec<f32>,
-    /// Linear RGB of each point; empty where the file says none.
+    /// Linear RGB of each point; empty if the file has none.
     pub colors: Vec<Vec3>,
 }
 
 impl HairFile {
-    /// Reads a file; `file`: its name, for errors.
+    /// Reads a file; `file` is its name, for errors.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] with the place in the file, what was found there and what was expected.
+    /// [`BakeError::Input`] with the position in the file, found and expected.
     pub fn read(file: &str, bytes: &[u8]) -> Result<Self, BakeError> {
         read_whole(Source { file, bytes })
     }
 
-    /// Where the points of each strand begin and end in [`HairFile::points`].
+    /// Returns the range of each strand's points in [`HairFile::points`].
     pub fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
         self.strands.iter().scan(0, |end, points| {
             let first = *end;
@@ -102,7 +102,7 @@ fn read_whole(source: Source<'_>) -> Result<HairFile, BakeError> {
     if arrays & COLORS != 0 {
         colors = points(&source.rows::<3>(at, count, 3, "colours")?);
     }
-    // Only here, where the points are known to be there: a header may say four billion strands.
+    // Allocated only after the points are known to be present: a header may claim four billion strands.
     let strands = match per_strand {
         Some(of) => of.iter().map(|pieces| pieces + 1).collect(),
         None => vec![pieces.saturating_add(1); strands as usize],

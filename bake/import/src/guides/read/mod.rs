@@ -1,7 +1,7 @@
-//! Strands from the files of other programs.
+//! Readers of strands from files of other programs.
 //!
-//! A file is held against its own length before anything is made of it, so that counts of four billion cost nothing. A point that is not finite is an
-//! error; a strand without length is left out and counted.
+//! Counts are checked against the file's length before anything is allocated, so that a claimed count of four billion
+//! costs nothing. A point that is not finite is an error; a strand without length is left out and counted.
 
 mod hair;
 mod source;
@@ -17,32 +17,32 @@ use source::Source;
 
 pub use hair::HairFile;
 
-/// Formats of strands that are read.
+/// Strand formats that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GuideFormat {
     /// Cem Yuksel's binary format.
     Hair,
     /// TressFX, versions 3 and 4.
     Tfx,
-    /// A line `x y z` or `x y z radius` per point, root first, a blank line between strands.
+    /// Text: one line `x y z` or `x y z radius` per point, root first, strands separated by blank lines.
     Text,
 }
 
 impl GuideFormat {
-    /// All of them with the extension that stands for each.
+    /// All formats with their file extensions.
     pub const EXTENSIONS: [(&'static str, Self); 3] = [("hair", Self::Hair), ("tfx", Self::Tfx), ("txt", Self::Text)];
 
-    /// The format of a file with that extension, in any case.
+    /// Returns the format for a file extension, in any case.
     pub fn of_extension(extension: &str) -> Option<Self> {
         let named = Self::EXTENSIONS.iter().find(|(e, _)| extension.eq_ignore_ascii_case(e));
         named.map(|(_, format)| *format)
     }
 
-    /// Reads strands; `file`: its name, for errors.
+    /// Reads strands; `file` is the file's name, for errors.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] with the place in the file, what was found there and what was expected.
+    /// [`BakeError::Input`] with the position in the file, found and expected.
     pub fn read(self, file: &str, bytes: &[u8]) -> Result<Guides, BakeError> {
         let source = Source { file, bytes };
         match self {

@@ -1,9 +1,9 @@
-//! A file that is held against its length.
+//! Access to a file's bytes, checked against its length.
 
 use crate::error::BakeError;
 use glam::Vec3;
 
-/// A file's bytes under its name.
+/// Name and bytes of a file.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub(super) file: &'a str,
@@ -15,7 +15,7 @@ impl<'a> Source<'a> {
         BakeError::Input { file: self.file.to_owned(), place, reason: reason.into() }
     }
 
-    /// `len` bytes from `at`, which are `what`.
+    /// Returns `len` bytes from `at`; `what` names them in errors.
     pub(super) fn slice(&self, at: u64, len: u64, what: &str) -> Result<&'a [u8], BakeError> {
         let end = at.checked_add(len).filter(|end| *end <= self.bytes.len() as u64);
         let Some(end) = end else {
@@ -34,7 +34,7 @@ impl<'a> Source<'a> {
         self.u32(at, what).map(f32::from_bits)
     }
 
-    /// `count` rows of `width` floats from `at`, of which `keep` are read, all finite.
+    /// Reads `count` rows of `width` floats from `at`, all finite, and keeps the first `N` of each row.
     pub(super) fn rows<const N: usize>(
         &self,
         at: u64,

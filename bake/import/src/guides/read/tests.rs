@@ -3,7 +3,7 @@
 use super::*;
 use glam::Vec3;
 
-/// A `.hair` of two strands, of three points and of two, with all arrays.
+/// Returns a `.hair` file with all arrays and two strands, of three points and of two.
 fn hair() -> Vec<u8> {
     let mut bytes = b"HAIR".to_vec();
     bytes.extend([2u32, 5, 31, 0].into_iter().flat_map(u32::to_le_bytes));
@@ -17,7 +17,7 @@ fn hair() -> Vec<u8> {
     bytes
 }
 
-/// A `.tfx` of that version with two strands of three points.
+/// Returns a `.tfx` file of that version with two strands of three points.
 fn tfx(version: f32) -> Vec<u8> {
     let mut bytes = vec![0; 200];
     let offset = if version < 4.0 { 160u32 } else { 176 };
@@ -88,7 +88,7 @@ fn damaged_files_fail_where_they_are_damaged() {
     refused(Text, b"0 zero 0\n", "line 1: \"zero\", expected a number");
     refused(Text, b"0 inf 0\n", "line 1: inf, expected a finite number");
     refused(Text, b"0 0 0\n\xff", "byte 6: not text");
-    // No cut and no flipped bit is more than an error.
+    // Truncated files and flipped bits cause an error at most, no panic.
     for (format, bytes) in [(Hair, hair()), (Tfx, tfx(3.0)), (Tfx, tfx(4.0))] {
         (0..bytes.len()).for_each(|length| drop(format.read("a", &bytes[..length])));
         for (at, bit) in (0..bytes.len()).flat_map(|at| (0..8).map(move |bit| (at, bit))) {

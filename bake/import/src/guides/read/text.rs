@@ -1,4 +1,4 @@
-//! Strands as text, as `pelage export` writes it.
+//! Strands as text, as written by `pelage export`.
 
 use super::source::Source;
 use crate::error::BakeError;

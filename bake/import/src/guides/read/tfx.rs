@@ -1,11 +1,12 @@
-//! TressFX: strands of equally many points. Version 3 has three numbers a point behind an offset of 64 bits at byte 144; version 4 has four, the last of
-//! which is 0 for points that do not move, behind an offset of 32 bits at byte 12.
+//! TressFX: strands with equal numbers of points. Version 3 has three numbers per point, and a 64-bit offset of the
+//! points at byte 144. Version 4 has four, and a 32-bit offset at byte 12; the fourth number is 0 for points that do
+//! not move.
 
 use super::source::{Source, points};
 use crate::error::BakeError;
 use crate::guides::Guides;
 
-/// The most points that TressFX allows a strand.
+/// Maximum number of points of a strand in TressFX.
 const MOST_POINTS: u32 = 64;
 
 pub(super) fn read(source: Source<'_>) -> Result<Guides, BakeError> {

@@ -5,7 +5,8 @@ use glam::DVec2;
 /// What counts as a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineParams {
-    /// Angle between the normals of two faces from which on their edge is a crease, degrees, 0..=180 (default 50). 0 makes every edge a line, 180 none.
+    /// Angle between the normals of two faces from which on their edge is a crease, degrees, 0..=180 (default 50). 0
+    /// makes every edge a line, 180 none.
     pub crease_deg: f64,
     /// How contours are found.
     pub contour: ContourForm,
@@ -23,8 +24,9 @@ pub enum ContourForm {
     /// Edges between a face that looks at the eye and one that looks away: exactly where what is drawn ends.
     #[default]
     Edges,
-    /// Zeros of N·E within triangles, with the vertices' normals interpolated: where the smooth surface that the mesh stands for would end. Hidden
-    /// parts are found with a slack of a triangle's size, because these lines lie on the wrong side of the mesh's own outline half of the time.
+    /// Zeros of N·E within triangles, with the vertices' normals interpolated: where the smooth surface that the mesh
+    /// stands for would end. Hidden parts are found with a slack of a triangle's size, because these lines lie on the
+    /// wrong side of the mesh's own outline half of the time.
     Interpolated,
 }
 

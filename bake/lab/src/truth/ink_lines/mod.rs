@@ -1,19 +1,22 @@
-//! The lines that a mesh shows from one place, found on the mesh: the truth that ink lines, which are found in a picture of normals, are held against.
+//! The lines that a mesh shows from one place, found on the mesh: the truth that ink lines, which are found in a
+//! picture of normals, are held against.
 //!
-//! A line is an edge whose one face looks at the eye and whose other looks away (a contour), an edge between faces at a large angle (a crease), or the
-//! end of the mesh (a border). Each is sampled finely, and what lies behind other skin is taken out by a ray from the eye to the sample. Nothing here is
-//! filtered, thresholded in pixels or drawn, and no code is shared with what draws.
+//! A line is an edge whose one face looks at the eye and whose other looks away (a contour), an edge between faces at a
+//! large angle (a crease), or the end of the mesh (a border). Each is sampled finely, and what lies behind other skin
+//! is taken out by a ray from the eye to the sample. Nothing here is filtered, thresholded in pixels or drawn, and no
+//! code is shared with what draws.
 //!
 //! # Edges or normals
 //!
-//! Of a mesh that stands for something smooth one may also ask where N·E, with the normals that light is computed with, passes through zero
-//! ([`ContourForm::Interpolated`]). The truth here is [`ContourForm::Edges`]: what is seen of a mesh ends at its edges, to the last digit and
-//! without a tolerance, in its outline as where it hides itself. The zeros of the interpolated N·E run up to an edge's length inside or outside of that outline,
-//! where nothing in the picture ends, break off where normals are split, and say nothing of flat faces. With small triangles both agree; a test holds
-//! them together on a sphere.
+//! Of a mesh that stands for something smooth one may also ask where N·E, with the normals that light is computed with,
+//! passes through zero ([`ContourForm::Interpolated`]). The truth here is [`ContourForm::Edges`]: what is seen of a
+//! mesh ends at its edges, to the last digit and without a tolerance, in its outline as where it hides itself. The
+//! zeros of the interpolated N·E run up to an edge's length inside or outside of that outline, where nothing in the
+//! picture ends, break off where normals are split, and say nothing of flat faces. With small triangles both agree; a
+//! test holds them together on a sphere.
 //!
-//! Source of the question: Fang et al. 2006, §2, which draws outline and feature lines; of the answer: edges between front and back faces are the classic object-space
-//! silhouette (Markosian et al. 1997, §2.1).
+//! Source of the question: Fang et al. 2006, §2, which draws outline and feature lines; of the answer: edges between
+//! front and back faces are the classic object-space silhouette (Markosian et al. 1997, §2.1).
 
 mod line;
 mod smooth;
@@ -47,7 +50,8 @@ pub struct VisibleLines {
 }
 
 impl TrueLines {
-    /// Finds the edges of a skin, and builds the tree for its rays. Vertices at one place are one, so that seams of patches, parts and normals are no borders.
+    /// Finds the edges of a skin, and builds the tree for its rays. Vertices at one place are one, so that seams of
+    /// patches, parts and normals are no borders.
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! Contours of the smooth surface that a mesh stands for: the zeros of N·E with interpolated normals (Hertzmann and Zorin 2000, §4).
+//! Contours of the smooth surface that a mesh stands for: the zeros of N·E with interpolated normals (Hertzmann and
+//! Zorin 2000, §4).
 
 use super::visible::{Family, Piece};
 use pelage_truth::{Look, Sight};

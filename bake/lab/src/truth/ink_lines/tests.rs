@@ -96,7 +96,8 @@ fn near(found: [f64; 4], expected: [f64; 4], within: f64) {
 #[test]
 fn a_cube_shows_its_outline_and_three_creases() {
     let cube = cuboid(DVec3::ZERO, DVec3::ONE);
-    // Along the diagonal of space every edge is foreshortened alike: six make the outline, three meet in the middle, three are behind.
+    // Along the diagonal of space every edge is foreshortened alike: six make the outline, three meet in the middle,
+    // three are behind.
     let edge = 2.0 * (2.0f64 / 3.0).sqrt();
     near(lengths(&seen(&cube, Vec3::splat(5.0))), [6.0 * edge, 0.0, 3.0 * edge, 0.0], 0.05);
     // Faces seen edge-on look away. From a little aside one crease turns up, and the outline is six edges again.
@@ -186,8 +187,8 @@ fn the_end_of_a_sheet_is_a_border() {
     near(lengths(&seen(&square, back)), [0.0; 4], 0.0);
     let params = LineParams::default();
     near(lengths(&seen_with(&square, back, &params, true)), [0.0, 0.0, 0.0, 8.0], 0.05);
-    // Two sheets back to back touch in every edge and are two sheets still: no edge between their triangles is a line. Where they end, they
-    // go together as the two sides of a leaf.
+    // Two sheets back to back touch in every edge and are two sheets still: no edge between their triangles is a line.
+    // Where they end, they go together as the two sides of a leaf.
     let mut leaf = square.clone();
     leaf.1.extend(square.1.iter().map(|t| [t[0], t[2], t[1]]));
     let found = lengths(&seen(&leaf, front));

@@ -103,8 +103,9 @@ impl Topology {
     }
 }
 
-/// How much nearer than an edge something may be without hiding it: the edge is met itself by the ray that asks, through the faces beside it, up to rounding.
-/// Rays are in f64, so little is enough; what is larger would let through lines that a fold hides.
+/// How much nearer than an edge something may be without hiding it: the edge is met itself by the ray that asks,
+/// through the faces beside it, up to rounding. Rays are in f64, so little is enough; what is larger would let through
+/// lines that a fold hides.
 const SLACK_RADII: f64 = 1e-6;
 /// The same, lengths of the edge: a face seen edge-on is met up to that much before or behind its own border.
 const SLACK_EDGES: f64 = 1e-3;
@@ -120,8 +121,8 @@ fn places(skin: &Skin) -> Vec<u32> {
     skin.vertices.iter().enumerate().map(place).collect()
 }
 
-/// The edges at one pair of places. Where more than two faces meet, those go together that go round the same way and are most alike, so that two sheets that touch stay
-/// two sheets; what is left ends there.
+/// The edges at one pair of places. Where more than two faces meet, those go together that go round the same way and
+/// are most alike, so that two sheets that touch stay two sheets; what is left ends there.
 fn pair(around: &[Side], normals: &[DVec3]) -> Vec<Edge> {
     let turn = around.partition_point(|side| !side.backward);
     let (forward, backward) = around.split_at(turn);
