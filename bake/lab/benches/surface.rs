@@ -1,7 +1,7 @@
 //! Seconds of the surface stage against the number of triangles: a knotted tube from a thousand triangles to a third of
-//! a million, and the growth between steps, to be compared with n log n.
+//! a million. The growth between steps is to be compared with n log n.
 //!
-//! `cargo bench --workspace --bench surface -- MODEL…` measures models as well; paths are relative to `bake/`.
+//! `cargo bench --workspace --bench surface -- MODEL…` also measures models; paths are relative to `bake/`.
 #![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
 
 use glam::vec3;
@@ -14,7 +14,7 @@ use pelage_import::mesh::{Model, RestPose};
 use pelage_lab::stability::surface::grid;
 use std::time::Instant;
 
-/// A trefoil tube of `2 * along * around` triangles, with bumps.
+/// Returns a trefoil tube of `2 * along * around` triangles, with bumps.
 fn knot(along: u32, around: u32) -> Model {
     let center = |t: f32| vec3(t.sin() + 2.0 * (2.0 * t).sin(), t.cos() - 2.0 * (2.0 * t).cos(), -(3.0 * t).sin());
     grid(along, around, |t, turn| {
@@ -25,7 +25,7 @@ fn knot(along: u32, around: u32) -> Model {
     })
 }
 
-/// Prints what came out, and returns the median seconds of three runs.
+/// Prints the result, and returns the median seconds of three runs.
 fn measure(name: &str, model: &Model) -> f64 {
     let box_of = bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
     let tile_size_m = Lengths::resolve(&Recipe::default(), &box_of).tile_size_m;

@@ -1,5 +1,5 @@
 //! The command line as a page of Markdown, and the results of `--json` as JSON schemas, generated from their
-//! definitions. It is a hidden subcommand, because only the binary has these.
+//! definitions. This is a hidden subcommand, because only the binary has these definitions.
 
 use clap::{Arg, ArgAction, Command};
 use pelage_params::wrap;
@@ -32,7 +32,7 @@ fn schemas(mut results: Vec<ResultSchema>) -> Value {
     all.into()
 }
 
-/// What stands before the subcommands.
+/// Text before the subcommands.
 const INTRODUCTION: [&str; 2] = [
     "One binary, `pelage`. Results go to standard output, progress and notes to standard error. A command that fails leaves no half-written \
      file: outputs appear under their names when they are whole. A reader of standard output that goes away is no error.",
@@ -64,7 +64,7 @@ fn page(command: &mut Command) -> String {
     text
 }
 
-/// A command's section; `above` is the command that it is an action of, with a space.
+/// Returns the section of a command; `above`: parent command of an action, with a trailing space.
 fn section(command: &Command, above: &str) -> String {
     let mut text = format!("\n## `pelage {above}{}`\n", command.get_name());
     let about = command.get_long_about().or(command.get_about());
@@ -86,7 +86,7 @@ fn section(command: &Command, above: &str) -> String {
     text
 }
 
-/// Whether it is neither one that clap adds to every command nor one of the laboratory.
+/// Returns whether an argument is neither added by clap to every command nor part of the laboratory.
 fn is_ours(arg: &Arg) -> bool {
     arg.get_help_heading() != Some(LABORATORY)
         && !matches!(
@@ -95,7 +95,7 @@ fn is_ours(arg: &Arg) -> bool {
         )
 }
 
-/// How the command is called: what must be said, and that more can be.
+/// Returns the usage line: required arguments, and that options may follow.
 fn synopsis(command: &Command, above: &str) -> String {
     let required = command.get_arguments().filter(|arg| arg.is_required_set());
     let (places, options): (Vec<_>, Vec<_>) = required.partition(|arg| arg.is_positional());
@@ -105,7 +105,7 @@ fn synopsis(command: &Command, above: &str) -> String {
     format!("pelage {above}{}{action} [OPTIONS]", words.join(" "))
 }
 
-/// As it is typed: `--output <PNG>`, with its short form `-o, --output <PNG>`.
+/// Formats an argument as it is typed: `--output <PNG>`, with its short form `-o, --output <PNG>`.
 fn spelled(arg: &Arg, with_short: bool) -> String {
     let short = arg.get_short().filter(|_| with_short).map(|c| format!("-{c}"));
     let names: Vec<_> = short.into_iter().chain(arg.get_long().map(|l| format!("--{l}"))).collect();
@@ -130,12 +130,12 @@ fn entry(arg: &Arg) -> String {
     text
 }
 
-/// An item of a list.
+/// Formats a list item.
 fn item(indent: &str, text: &str) -> String {
     format!("{indent}- {}\n", wrap(&format!("{indent}  "), text))
 }
 
-/// A help text in one line; its paragraphs become sentences.
+/// Returns a help text on one line; its paragraphs become sentences.
 fn styled(text: Option<&clap::builder::StyledStr>) -> String {
     let text = text.map(ToString::to_string).unwrap_or_default();
     let paragraphs = text.split("\n\n").map(|paragraph| paragraph.split_whitespace().collect::<Vec<_>>().join(" "));

@@ -1,32 +1,32 @@
-//! How far drawn lines are from those that should be there.
+//! Distance of drawn lines from those that should be there.
 //!
-//! Precision is the share of drawn pixels that a true line is near, recall the share of the true lines' pixels that a
-//! drawn one is near (Rijsbergen 1979). Near is within some pixels, middle to middle, by the exact distance. A drawn
-//! line counts by the pixel in its middle: hand in where features were found, if that is known, else [`Mask::core`] of
-//! the ink. Without that, a stroke that is meant to be wide would be wrong by its width.
+//! Precision is the share of drawn pixels near a true line, recall the share of the true lines' pixels near a drawn one
+//! (Rijsbergen 1979). Near means within some pixels, centre to centre, by the exact distance. A drawn line counts by
+//! its centre pixel: pass the detected features if known, else [`Mask::core`] of the ink. Otherwise a stroke that is
+//! meant to be wide would be wrong by its width.
 
 use crate::truth::{LineKind, VisibleLines};
 use pelage_bake::mask::{Mask, Stroke};
 use pelage_import::BakeError;
 
-/// How far from a true line a drawn one may be and still be that line, pixels.
+/// Largest distance at which a drawn line still matches a true one, pixels.
 pub const NEAR_PX: f64 = 2.0;
 
-/// How well drawn lines are those of the truth.
+/// Agreement of drawn lines with those of the truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LineFigures {
-    /// Share of the drawn pixels that lie near a true line, 0..=1; `None` where nothing is drawn.
+    /// Share of the drawn pixels that are near a true line, 0..=1; `None` if nothing is drawn.
     pub precision: Option<f64>,
-    /// Share of the true lines' pixels that lie near a drawn one, 0..=1; `None` where there is no true line.
+    /// Share of the true lines' pixels that are near a drawn one, 0..=1; `None` without true lines.
     pub recall: Option<f64>,
-    /// Drawn pixels.
+    /// Number of drawn pixels.
     pub drawn: usize,
-    /// Pixels of true lines.
+    /// Number of pixels of true lines.
     pub truth: usize,
 }
 
 impl LineFigures {
-    /// Harmonic mean of precision and recall, 0..=1: 0 where one is, or where lines are drawn or true only.
+    /// Returns the harmonic mean of precision and recall, 0..=1: 0 if either is 0 or missing, 1 if both are missing.
     pub fn f1(&self) -> f64 {
         match (self.precision, self.recall) {
             (Some(p), Some(r)) if p + r > 0.0 => 2.0 * p * r / (p + r),
@@ -36,11 +36,11 @@ impl LineFigures {
     }
 }
 
-/// Compares lines, `near_px` pixels counting as near ([`NEAR_PX`]).
+/// Compares lines; pixels within `near_px` of each other are near ([`NEAR_PX`]).
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] where the sizes differ, or `near_px` is below 0 or not a number.
+/// [`BakeError::Params`] if the sizes differ, or `near_px` is negative or NaN.
 pub fn compare_lines(drawn: &Mask, truth: &Mask, near_px: f64) -> Result<LineFigures, BakeError> {
     drawn.same_size(truth)?;
     if near_px.is_nan() || near_px < 0.0 {
@@ -51,25 +51,25 @@ pub fn compare_lines(drawn: &Mask, truth: &Mask, near_px: f64) -> Result<LineFig
     Ok(LineFigures { precision, recall, drawn: drawn_pixels, truth: true_pixels })
 }
 
-/// What is measured of a drawing.
+/// Measures of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LineMeasures {
-    /// Against all lines of the truth, within [`NEAR_PX`].
+    /// Comparison with all lines of the truth, within [`NEAR_PX`].
     pub lines: LineFigures,
     /// Recall of each kind of line, in the order of [`LineKind::ALL`]; `None` where the truth has none.
     pub recall: [Option<f64>; 4],
-    /// The widest stroke.
+    /// Widest stroke.
     pub stroke: Stroke,
 }
 
 /// Measures a drawing against the lines of its model.
 ///
-/// * `features`: where the drawing found lines, of any width: their [`Mask::core`] counts
-/// * `ink`: what it drew there
+/// * `features`: pixels where the drawing found lines, of any width: their [`Mask::core`] counts
+/// * `ink`: pixels that it drew there
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] where the sizes differ.
+/// [`BakeError::Params`] if the sizes differ.
 pub fn measure_lines(features: &Mask, ink: &Mask, truth: &VisibleLines) -> Result<LineMeasures, BakeError> {
     features.same_size(ink)?;
     let core = features.core();
@@ -81,12 +81,12 @@ pub fn measure_lines(features: &Mask, ink: &Mask, truth: &VisibleLines) -> Resul
     Ok(LineMeasures { lines, recall, stroke: ink.widest_stroke() })
 }
 
-/// Share of a set's pixels that are within `near_px` of the other, and their number.
+/// Returns the share of a set's pixels that are within `near_px` of the other set, and the size of the set.
 fn share_near(of: &Mask, to: &Mask, near_px: f64) -> (Option<f64>, usize) {
     let (mut near, mut all) = (0usize, 0usize);
     for (_, distance) in of.pixels.iter().zip(to.distances()).filter(|(set, _)| **set) {
         all += 1;
-        // A distance is the root of a whole number: the slack takes in what the root lost.
+        // A distance is the root of an integer; the slack covers the rounding of the root.
         near += usize::from(distance <= near_px + 1e-9);
     }
     ((all > 0).then(|| near as f64 / all as f64), all)
@@ -108,7 +108,7 @@ mod tests {
             assert_eq!((found.precision, found.recall, found.f1()), (Some(expected), Some(expected), expected));
             assert_eq!((found.drawn, found.truth), (30, 30));
         }
-        // Diagonally two pixels aside is further than two.
+        // Two pixels across and one down is farther than two.
         let dot = |x: i64, y: i64| {
             let mut mask = Mask::empty(9, 9);
             mask.insert(x, y);
@@ -126,10 +126,10 @@ mod tests {
         assert!((found.f1() - 2.0 / 3.0).abs() < 1e-12);
         let found = compare_lines(&upright(10, 1), &twice, NEAR_PX).unwrap();
         assert_eq!((found.precision, found.recall), (Some(1.0), Some(0.5)));
-        // A wide stroke is right by its core, and would be wrong by its width.
+        // A wide stroke is right by its core, but wrong by its width.
         let wide = upright(7, 7);
         let core = compare_lines(&wide.core(), &upright(10, 1), NEAR_PX).unwrap();
-        // Its ends are a pixel or two further in.
+        // The core's ends are a pixel or two farther in.
         assert!(core.precision == Some(1.0) && core.recall.unwrap() > 0.9, "{core:?}");
         assert!(compare_lines(&wide, &upright(10, 1), NEAR_PX).unwrap().precision.unwrap() < 0.8);
     }

@@ -1,14 +1,14 @@
-//! Flicker: how much a picture changes from one frame to the next where the things in it only move.
+//! Flicker: change of a picture from one frame to the next beyond the motion of what it shows.
 //!
-//! For each pixel of a frame whose ray meets the skin, the point it meets (triangle and weights) is looked up on the
-//! skin of the next frame and projected into that frame's picture. Where the point is seen there as well, both greys
-//! should be the same but for light and view; their mean absolute difference is the flicker. It is 0 for a texture that
-//! is tied to the surface and large for one that is tied to the screen. The motion is that of the mesh itself and not
-//! estimated from the pictures, so that what swims cannot pass for motion.
+//! If the ray of a frame's pixel meets the mesh surface, that point (triangle and weights) is looked up on the surface
+//! of the next frame. It is then projected into that frame's picture. If the point is visible there as well, both greys
+//! should be the same except for light and view; their mean absolute difference is the flicker. It is 0 for a texture
+//! fixed to the surface and large for one fixed to the screen. The motion is that of the mesh itself and not estimated
+//! from the pictures, so that a texture that swims is not mistaken for motion.
 //!
-//! Contours move over the surface even when nothing flickers, because they depend on the view. So what is a line in
-//! both frames, and what is none in either, is told apart from where a line comes or goes; and what is compared is one
-//! way to draw against another on the same motion, not a figure against 0.
+//! Contours move over the surface even without flicker, because they depend on the view. Pixels that are lines in both
+//! frames, or in neither, are therefore separated from those where a line appears or vanishes. The figures compare
+//! drawing methods on the same motion; they are not to be compared with 0.
 
 use glam::DVec2;
 use pelage_bake::mask::Mask;
@@ -16,43 +16,43 @@ use pelage_import::BakeError;
 use pelage_truth::{Sight, TrueCamera};
 use rayon::prelude::*;
 
-/// A frame: a picture and what it shows.
+/// Frame: a picture and what it shows.
 #[derive(Clone, Copy)]
 pub struct Moment<'a> {
-    /// The posed skin.
+    /// Posed mesh surface.
     pub sight: &'a Sight,
-    /// From where it is seen.
+    /// Camera of the picture.
     pub camera: &'a TrueCamera,
-    /// Greys of `width * height` pixels as they are shown, sRGB-encoded, 0 black to 1 white, row-major from the top.
+    /// Grey of each of `width * height` pixels as displayed, sRGB-encoded, 0 black to 1 white, row-major from the top.
     pub grey: &'a [f32],
-    /// Its pixels that are lines, of the picture's size.
+    /// Pixels that are lines, of the picture's size.
     pub lines: &'a Mask,
 }
 
-/// Mean absolute differences of grey between neighbouring frames, each 0..=1.
+/// Mean absolute differences of grey between consecutive frames, each 0..=1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flicker {
-    /// Over all pixels whose point of the skin is seen in both frames.
+    /// Mean over all pixels whose surface point is visible in both frames.
     pub surface: MeanOf,
-    /// Over those of them that are lines in neither frame, nor touch one.
+    /// Mean over those that are lines in neither frame, and touch none.
     pub wash: MeanOf,
-    /// Over those that are lines in both.
+    /// Mean over those that are lines in both.
     pub lines: MeanOf,
-    /// Over pixels that show no skin in either frame, each with itself: right for a camera that stands still.
+    /// Mean over pixels that show no mesh surface in either frame, each compared with itself: valid for a fixed camera.
     pub background: MeanOf,
 }
 
-/// A mean that can be joined with others.
+/// Mean that can be combined with others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeanOf {
     /// Sum of the values.
     pub sum: f64,
-    /// Their number.
+    /// Number of values.
     pub count: u64,
 }
 
 impl MeanOf {
-    /// The mean; `None` of nothing.
+    /// Returns the mean; `None` without values.
     pub fn mean(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum / self.count as f64)
     }
@@ -67,7 +67,7 @@ impl MeanOf {
 }
 
 impl Flicker {
-    /// Of both, as over one longer sequence.
+    /// Combines both, as over one longer sequence.
     #[must_use]
     pub fn joined(self, other: Self) -> Self {
         Self {
@@ -79,17 +79,17 @@ impl Flicker {
     }
 }
 
-/// How far before a point of the skin something may lie without hiding it, as a share of the distance between the eye
-/// and the point.
+/// Tolerance of the occlusion test in front of a surface point, as a share of the distance between the eye and the
+/// point.
 const SLACK: f64 = 1e-4;
 
-/// Flicker between two neighbouring frames of one model.
+/// Measures the flicker between two consecutive frames of one model.
 ///
 /// `size`: width and height of both pictures, pixels.
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] where a picture or the mask is of another size, or the frames are of different meshes.
+/// [`BakeError::Params`] if a picture or mask has another size, or the frames have different meshes.
 pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32)) -> Result<Flicker, BakeError> {
     let (width, height) = size;
     let pixels = width as usize * height as usize;
@@ -128,7 +128,7 @@ pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32)) -> Result<
             }
             let apart = (f64::from(now.grey[i]) - bilinear(next.grey, size, at)).abs();
             out.surface.add(apart);
-            // The four pixels that the lookup mixes.
+            // The four pixels that the lookup interpolates.
             let corner = (at - 0.5).floor();
             let around = [(0, 0), (1, 0), (0, 1), (1, 1)]
                 .map(|(dx, dy)| next.lines.contains(corner.x as i64 + dx, corner.y as i64 + dy));
@@ -142,12 +142,13 @@ pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32)) -> Result<
         }
         out
     };
-    // Rows in parallel, joined in their order, so that the sums do not depend on the number of threads.
+    // Rows run in parallel and are combined in order, so that the sums do not depend on the number of threads.
     let rows: Vec<Flicker> = (0..height).into_par_iter().map(row).collect();
     Ok(rows.into_iter().fold(Flicker::default(), Flicker::joined))
 }
 
-/// The grey at a point of a picture, pixels from its upper left corner; beyond the outermost middles theirs goes on.
+/// Returns the grey at a point of a picture, in pixels from its upper left corner, clamped to the outermost pixel
+/// centres.
 fn bilinear(grey: &[f32], (width, height): (u32, u32), at: DVec2) -> f64 {
     let last = DVec2::new(f64::from(width - 1), f64::from(height - 1));
     let at = (at - 0.5).clamp(DVec2::ZERO, last);

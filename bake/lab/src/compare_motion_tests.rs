@@ -6,7 +6,7 @@ use pelage_truth::Lens;
 
 const SIZE: (u32, u32) = (60, 40);
 
-/// Squares of two metres across, each at its place.
+/// Returns squares two metres wide, each at its position.
 fn squares(places: &[DVec3]) -> Sight {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let mut skin =
@@ -26,19 +26,19 @@ fn squares(places: &[DVec3]) -> Sight {
     Sight::new(skin).unwrap()
 }
 
-/// Four metres high, so that a tenth of a metre is a pixel.
+/// Returns a camera whose picture is four metres high, so that a pixel is a tenth of a metre.
 fn camera() -> TrueCamera {
     let lens = Lens::Orthographic { height_m: 4.0 };
     TrueCamera { eye_ws: Vec3::new(0.0, 0.0, 5.0), target_ws: Vec3::ZERO, up_ws: Vec3::Y, lens }
 }
 
-/// A wave of grey with three and a half metres from crest to crest, in metres of the picture.
+/// Returns a wave of grey in metres of the picture, with 3.5 m across and 4.5 m down from crest to crest.
 fn wave(x: f64, y: f64) -> f64 {
     0.5 + 0.25 * (1.8 * x).sin() + 0.25 * (1.4 * y + 0.5).cos()
 }
 
-/// A picture of the square at `place` with the wave as its texture, which has been moved by `slip`; around it a grey of
-/// a fifth.
+/// Returns a picture of the square at `place`, with the wave as its texture, moved by `slip`; around it a grey of a
+/// fifth.
 fn picture(place: DVec3, slip: DVec3) -> Vec<f32> {
     let pixel = |i: u32| {
         let (x, y) = (f64::from(i % SIZE.0) + 0.5, f64::from(i / SIZE.0) + 0.5);
@@ -78,23 +78,23 @@ fn a_texture_on_the_surface_does_not_and_one_on_the_screen_does() {
     let lines = Mask::from_fn(60, 40, |x, y| (22..38).contains(&x) && (12..28).contains(&y));
     let grey = picture(here, DVec3::ZERO);
     let glued = measure((&now, &grey), (&next, &picture(there, DVec3::ZERO)), &lines);
-    // The same wave on the screen: under the square it has slipped by as much as that went.
+    // The same wave fixed to the screen: on the square it has slipped by the square's motion.
     let screen = measure((&now, &grey), (&next, &picture(there, there)), &lines);
     for (glued, screen, share) in [(glued.surface, screen.surface, 0.3), (glued.lines, screen.lines, 0.03)] {
         let (glued, screen) = (glued.mean().unwrap(), screen.mean().unwrap());
         assert!(screen > 0.05 && glued < share * screen, "{glued} on the surface, {screen} on the screen");
     }
-    // At the square's own border a pixel mixes with what is beside it; away from there nothing but the lookup between
-    // four pixels is left.
+    // At the square's border a pixel mixes with its surroundings; elsewhere only the interpolation between four pixels
+    // remains.
     assert!(glued.lines.mean().unwrap() < 0.002, "{glued:?}");
     assert_eq!(glued.surface.count, 400);
-    // The lines' pixels stay where they are in the picture while the square moves on by three.
+    // The lines' pixels keep their position in the picture while the square moves by three.
     assert!((150..256).contains(&glued.lines.count), "{glued:?}");
 }
 
 #[test]
 fn only_what_both_frames_show_counts() {
-    // A second square comes before the left half of the first.
+    // A second square moves in front of the left half of the first.
     let (now, next) = (squares(&[DVec3::ZERO, DVec3::Z * 9.0]), squares(&[DVec3::ZERO, DVec3::new(-1.0, 0.0, 1.0)]));
     let grey = picture(DVec3::ZERO, DVec3::ZERO);
     let mut changed = grey.clone();
@@ -105,10 +105,10 @@ fn only_what_both_frames_show_counts() {
     }
     let found = measure((&now, &grey), (&next, &changed), &Mask::empty(60, 40));
     assert_eq!(found.surface.count, 200, "{found:?}");
-    // Of the half that stays in sight only the column beside the change can mix with it.
+    // Of the half that stays visible, only the column beside the change can mix with it.
     assert!(found.surface.mean().unwrap() < 0.05, "{found:?}");
     assert_eq!(found.lines.mean(), None);
-    // One that goes out of the picture counts for nothing.
+    // A square that leaves the picture does not count.
     let gone = measure((&now, &grey), (&squares(&[DVec3::X * 9.0, DVec3::X * 9.0]), &grey), &Mask::empty(60, 40));
     assert_eq!(gone.surface.count, 0);
 }

@@ -1,4 +1,4 @@
-//! The laboratory: charts of accuracy against cost, drivers of what fails, and the printed forms of the papers. It is
+//! Laboratory: charts of accuracy against cost, stability tests of methods, and the printed forms of the papers. It is
 //! not published.
 
 pub mod chart;

@@ -35,7 +35,7 @@ impl Commands for Command {
     }
 }
 
-/// The results of all subcommands.
+/// Returns the results of all subcommands.
 fn results() -> Vec<ResultSchema> {
     [pelage_tool::results(), vec![("chart", command::result_schema)]].concat()
 }

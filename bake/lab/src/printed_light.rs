@@ -1,8 +1,8 @@
-//! What a fibre scatters of a light that is a spherical Gaussian, as it is printed (after Xu 2011): Gaussians in place
-//! of what light does around the fibre.
+//! Scattering of a spherical Gaussian light by a fibre as printed (after Xu 2011): Gaussians replace the exact
+//! distribution around the fibre.
 //!
-//! R is a sum of powers of cos(φ/2), TT one Gaussian about π, and TRT two about its caustics and one between them, of
-//! which only one is left from η′ = 2 on. It stands here to be measured; pelage draws with none of it.
+//! R is a sum of powers of cos(φ/2), TT one Gaussian about π. TRT has two about its caustics and one between them, of
+//! which only one is left from η′ = 2 on. The form is here for measurement only; pelage does not draw with it.
 
 use crate::least_squares::least_squares;
 use glam::DVec3;
@@ -12,16 +12,16 @@ use pelage_formats::meaning::scattering::optics::LEAST_COS_D;
 use pelage_formats::meaning::scattering::{Angles, Around, Fibre, FibreSection};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Values of cos θd at which paths are fitted.
+/// Number of values of cos θd at which paths are fitted.
 const SECTIONS: usize = 96;
-/// Powers of cos(φ/2), from 0.
+/// Number of powers of cos(φ/2), from 0.
 const POWERS: usize = 7;
-/// Azimuths at which R is fitted, and over which light meets it.
+/// Number of azimuths at which R is fitted, and over which it is integrated with light.
 const AZIMUTHS: usize = 256;
-/// How far η′ goes beyond 2 until nothing is left of the caustics.
+/// Range of η′ beyond 2 over which the caustics fade out.
 const FADES: f64 = 0.3;
 
-/// A circular Gaussian: strength · exp(κ (cos(φ − μ) − 1)).
+/// Circular Gaussian: strength · exp(κ (cos(φ − μ) − 1)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Bump {
     strength: f64,
@@ -30,7 +30,7 @@ struct Bump {
 }
 
 impl Bump {
-    /// ∫ of it times exp(κ (cos(φ − δ) − 1)).
+    /// Returns the integral of the Gaussian times exp(κ (cos(φ − δ) − 1)).
     fn met(&self, sharpness: f64, delta: f64) -> f64 {
         let (a, b) = (self.sharpness, sharpness);
         let both = (a * a + b * b + 2.0 * a * b * libm::cos(self.middle - delta)).max(0.0).sqrt();
@@ -38,12 +38,12 @@ impl Bump {
     }
 }
 
-/// ∫ of exp(κ (cos φ − 1)) over all azimuths.
+/// Returns the integral of exp(κ (cos φ − 1)) over all azimuths.
 fn whole(sharpness: f64) -> f64 {
     TAU * i0e(sharpness)
 }
 
-/// The κ of which [`whole`] is that; 0 where none is.
+/// Returns the κ for which [`whole`] is `light`; 0 if there is none.
 fn sharpness_of(light: f64) -> f64 {
     if light >= TAU || light.is_nan() {
         return 0.0;
@@ -56,7 +56,7 @@ fn sharpness_of(light: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// What a section of a fibre sends around itself, fitted.
+/// Fitted distribution of light around a section of a fibre.
 #[derive(Clone, Copy, Debug, Default)]
 struct Fitted {
     reflected: [f64; POWERS],
@@ -72,7 +72,7 @@ impl Fitted {
             sum
         };
         let all = |p: u32| {
-            // Even steps see all of what repeats.
+            // Even steps integrate periodic functions accurately.
             let steps = 4 * AZIMUTHS;
             let at = |i: usize| light(p, TAU * (i as f64 + 0.5) / steps as f64 - PI);
             (0..steps).map(at).sum::<f64>() * TAU / steps as f64
@@ -85,7 +85,7 @@ impl Fitted {
         Self { reflected: powers(|phi| light(0, phi)), through, within: within(section, width, light(2, 0.0), all(2)) }
     }
 
-    /// ∫ of path `p` times exp(κ (cos(φ − δ) − 1)).
+    /// Returns the integral of path `p` times exp(κ (cos(φ − δ) − 1)).
     fn met(&self, p: u32, sharpness: f64, delta: f64) -> f64 {
         match p {
             0 => {
@@ -103,7 +103,7 @@ impl Fitted {
     }
 }
 
-/// The powers of cos(φ/2) that come nearest, by least squares.
+/// Fits powers of cos(φ/2) by least squares.
 fn powers(of: impl Fn(f64) -> f64) -> [f64; POWERS] {
     let phi = |i: usize| PI * (i as f64 + 0.5) / AZIMUTHS as f64;
     let power = |k: usize| (0..AZIMUTHS).map(|i| libm::pow(libm::cos(0.5 * phi(i)), k as f64)).collect();
@@ -111,7 +111,7 @@ fn powers(of: impl Fn(f64) -> f64) -> [f64; POWERS] {
     std::array::from_fn(|k| found[k])
 }
 
-/// TRT in its three regimes. `middle`: its light towards azimuth 0; `all`: towards all.
+/// Fits TRT in its three regimes. `middle`: its light towards azimuth 0; `all`: its light towards all azimuths.
 fn within(section: &FibreSection, width: f64, middle: f64, all: f64) -> [Bump; 3] {
     let across = section.section.across;
     let sharp = 1.0 / (width * width);
@@ -140,7 +140,7 @@ fn within(section: &FibreSection, width: f64, middle: f64, all: f64) -> [Bump; 3
     one(1.0 / (mixed * mixed))
 }
 
-/// A smooth fibre that absorbs so much a radius, fitted at all difference angles.
+/// Smooth fibre with a given absorption per radius, fitted at all difference angles.
 #[derive(Clone, Debug)]
 pub struct PrintedLight {
     fibre: Fibre,
@@ -148,7 +148,7 @@ pub struct PrintedLight {
 }
 
 impl PrintedLight {
-    /// That of a fibre; of a rough one, as of a smooth one with glints as wide as it is rough.
+    /// Fits a fibre; a rough one is treated as a smooth one with glints of the same width.
     pub fn new(fibre: &Fibre, sigma: f64) -> Self {
         let width = match fibre.around {
             Around::Smooth(glint) => glint.width,
@@ -161,7 +161,7 @@ impl PrintedLight {
         Self { fibre: *fibre, sections: (0..SECTIONS).map(section).collect() }
     }
 
-    /// What the fibre sends to the eye of R, TT and TRT of the light.
+    /// Returns the light that the fibre sends to the eye by R, TT and TRT.
     pub fn scatter(&self, tip: DVec3, light: &GaussianLight, eye: DVec3) -> f64 {
         const STEPS: usize = 64;
         let middle = Angles::between(tip, light.towards, eye);
@@ -209,7 +209,7 @@ mod tests {
             let eye = eye.normalize();
             let found = printed.scatter(DVec3::Y, &light, eye);
             let expected = exact.scatter([0.2; 3], DVec3::Y, &light, eye)[0];
-            // What is reflected within more than once is no part of what is printed.
+            // Paths with more than one internal reflection are not part of the printed form.
             assert!((found / expected - 1.0).abs() < 0.12, "{eye}: {found}, {expected}");
         }
         let sharp = sharpness_of(whole(30.0));

@@ -1,27 +1,27 @@
-//! Axes that a reader of plots would choose.
+//! Axis ranges and ticks for plots.
 
 use std::ops::Range;
 
-/// The range of an axis: decades where the values span more than one, else linear from zero.
+/// Range of an axis: logarithmic if the values span more than one decade, else linear from zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// Whether equal ways are equal factors.
+    /// Whether the axis is logarithmic.
     pub log: bool,
-    /// From the axis's one end to its other.
+    /// Values at the two ends of the axis.
     pub range: Range<f64>,
 }
 
-/// Ticks of an axis: those with a number, and those between.
+/// Ticks of an axis, with and without a number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ticks {
-    /// With a line and a number.
+    /// Ticks with a line and a number.
     pub major: Vec<f64>,
-    /// With a fainter line; within a decade.
+    /// Ticks with a fainter line and no number; within a decade.
     pub minor: Vec<f64>,
 }
 
 impl Scale {
-    /// Of values, of which those that are negative or not finite do not count.
+    /// Returns the scale for `values`, ignoring those that are negative or not finite.
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         for value in values.filter(|v| v.is_finite() && *v >= 0.0) {
@@ -34,13 +34,13 @@ impl Scale {
         Self { log: false, range: 0.0..if high > 0.0 { 1.08 * high } else { 1.0 } }
     }
 
-    /// Where a value stands along the axis, 0..=1.
+    /// Returns the position of a value along the axis, 0..=1.
     pub fn place(&self, value: f64) -> f64 {
         let (a, b) = (self.range.start, self.range.end);
         if self.log { (value / a).ln() / (b / a).ln() } else { (value - a) / (b - a) }
     }
 
-    /// Where lines and numbers stand: 1, 2 and 5 of each decade, or only 1, or round steps.
+    /// Returns the ticks: 1, 2 and 5 of each decade, or only 1; round steps on a linear axis.
     pub fn ticks(&self) -> Ticks {
         let (a, b) = (self.range.start, self.range.end);
         if !self.log {
@@ -61,7 +61,7 @@ impl Scale {
     }
 }
 
-/// A number at a tick: three digits that count, thousands and millions as k and M.
+/// Formats the number at a tick: three significant digits, thousands and millions as k and M.
 pub fn label(value: f64) -> String {
     let digits = |x: f64| format!("{x:.2e}").parse::<f64>().unwrap_or(x).to_string();
     match value.abs() {

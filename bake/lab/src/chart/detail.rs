@@ -1,9 +1,9 @@
-//! Topic `detail`: how many layers, triangles and texels a picture needs at the size that a model is drawn, against the
+//! Topic `detail`: layers, triangles and texels that a picture needs at the size at which a model is drawn, against the
 //! true strands.
 //!
-//! Fur that is few pixels high cannot show many layers, nor small triangles what large ones do not. So the same view is
-//! drawn in four sizes, each beside its own true picture: with what the runtime chooses, with all there is, and with
-//! one of the three changed at a time.
+//! Fur that is few pixels high cannot show many layers, and small triangles add nothing there. The same view is
+//! therefore drawn in four sizes, each beside its own reference picture: with the runtime's choice, with everything,
+//! and with one of the three changed at a time.
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
@@ -13,17 +13,17 @@ use pelage_import::BakeError;
 use pelage_stage::LookDetail;
 use pelage_tool::shell_judge::Measured;
 
-/// A size of the picture, of the recipe's `[judge]`.
+/// Picture size relative to the recipe's `[judge]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// The word in the table.
+    /// Name of the size in the table.
     pub word: &'static str,
-    /// What the recipe's width and height are multiplied by, and divided by.
+    /// Factor and divisor applied to the recipe's width and height.
     ratio: (u32, u32),
 }
 
 impl Size {
-    /// From the largest to the smallest; each is half of the one before, and so is its fur.
+    /// All sizes, largest first; each is half of the previous one, and so is its fur.
     pub const ALL: [Self; 4] = [
         Self { word: "double", ratio: (2, 1) },
         Self { word: "whole", ratio: (1, 1) },
@@ -31,7 +31,7 @@ impl Size {
         Self { word: "quarter", ratio: (1, 4) },
     ];
 
-    /// Width and height of the picture, pixels, at least 1.
+    /// Returns width and height of the picture, pixels, at least 1.
     pub fn pixels(self, recipe: &Recipe) -> (u32, u32) {
         let (times, over) = self.ratio;
         let of = |pixels: u32| (pixels * times / over).max(1);
@@ -39,23 +39,23 @@ impl Size {
     }
 }
 
-/// Tiles that are drawn in full, texels: from what a small picture shows to what a close-up does.
+/// Tile sizes that are drawn in full detail, texels: from a small picture's needs to a close-up's.
 pub const TILES: [u32; 4] = [32, 64, 128, 256];
 
-/// What is drawn, and how large.
+/// Parameters of one measurement: content and picture size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// Its value, beside the mark.
+    /// Value of the varied setting, shown beside the mark.
     pub label: String,
     /// Index into [`Size::ALL`].
     pub size: usize,
-    /// How much of the package is drawn.
+    /// Level of detail at which the package is drawn.
     pub detail: LookDetail,
-    /// The recipe with the changes.
+    /// Recipe with the changes.
     pub recipe: Recipe,
-    /// Whether it is what a user gets without asking: the recipe itself, as much of it as the size asks for.
+    /// Whether this is the default: the unchanged recipe at automatic level of detail.
     pub default: bool,
 }
 
@@ -81,7 +81,8 @@ pub const COLUMNS: [&str; 18] = [
     "timing",
 ];
 
-/// Panels of the chart, one for each size: over fragments, or over milliseconds where the adapter does not count those.
+/// Returns the panels of the chart, one per size: over fragments, or over milliseconds if the adapter does not count
+/// fragments.
 pub fn panels(counted: bool) -> Vec<Panel> {
     let (cost, cost_label) = match counted {
         true => ("fragments", "fragments of a frame"),
@@ -103,18 +104,18 @@ pub fn panels(counted: bool) -> Vec<Panel> {
     Size::ALL.into_iter().zip(error_labels).map(panel).collect()
 }
 
-/// What to measure: for each size what the runtime draws of the recipe, all that the recipe has, its levels of detail
-/// by quarters as far as they have layers, [`TILES`], and what the runtime draws without simplified lists.
+/// Lists what to measure. For each size: the runtime's choice, everything in the recipe, its levels of detail in
+/// quarter steps while they have layers, [`TILES`], and the runtime's choice without simplified triangle lists.
 ///
 /// # Errors
 ///
-/// As [`Recipe::set`]; cannot happen with a valid base.
+/// Same as [`Recipe::set`]; cannot occur with a valid base.
 pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
     let mut unsimplified = base.clone();
     unsimplified.set("detail.simplified=false")?;
     let coat = has_coat(base).then(Coat::default);
     let chain = levels(&base.detail, base.slice.layers, coat.as_ref());
-    // Towards the far coat, of step 0, all layers vanish at once: it is no number of layers.
+    // Towards the far coat, at step 0, all layers vanish at once, so its level is left out.
     let last = chain.iter().filter(|level| level.step > 0).count().saturating_sub(1);
     let mut out: Vec<Configuration> = Vec::new();
     for size in 0..Size::ALL.len() {
@@ -140,18 +141,18 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
     Ok(out)
 }
 
-/// What all rows of a size share.
+/// Values that all rows of a size share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
     /// Width and height of the picture, pixels.
     pub pixels: (u32, u32),
-    /// Height of the fur at the nearest point of the model, pixels; `None` where it has none, or no levels of detail.
+    /// Height of the fur at the nearest point of the model, pixels; `None` without fur or levels of detail.
     pub fur_px: Option<f32>,
-    /// Rays through each pixel of the true picture.
+    /// Rays per pixel of the reference picture.
     pub samples: u32,
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]; `timing`: where the milliseconds come from.
+/// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
 pub fn cells(configuration: &Configuration, seen: &Seen, m: &Measured, timing: &str) -> Vec<Cell> {
     let number = |x: f64| Cell::Number(x);
     vec![
@@ -204,7 +205,7 @@ mod tests {
             for tile in TILES {
                 assert_eq!(drawn(LookDetail::Full, tile, true), 1, "a tile of {tile}");
             }
-            // Sixteen layers have three levels, with every number of layers between, and then the coat.
+            // Sixteen layers have three levels, each divided into quarter steps, and then the far coat.
             for level in [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0] {
                 assert_eq!(drawn(LookDetail::Level(level), base.slice.tile_texels, true), 1, "level {level}");
             }

@@ -1,10 +1,9 @@
-//! Topic `environment`: how near what a frame makes of a sky is to what a fibre sends of it, and what that costs: one
-//! broad light for all, a light at a time by tables, exactly, or as printed, samples of the sky, and constant ambient
-//! light.
+//! Topic `environment`: accuracy and cost of lighting fibres by an environment map. Compared: one broad light for the
+//! whole map; one lobe at a time by tables, exactly or as printed; samples of the map; constant ambient light.
 //!
-//! The truth is the picture of the sky, direction by direction, times what the fibre scatters of it, of all that is
-//! above the skin and what a body as round as most does not hide. No other hair is in the way. A sun is a light of its
-//! own wherever a sky is taken for lights, and is exact there, as a frame's key light is.
+//! The truth integrates the map, direction by direction, times the fibre's scattering. Its directions are those above
+//! the mesh surface, and those below that a body of usual curvature does not hide. No other hair occludes. Where a map
+//! is fitted by lights, its sun is a separate, exact light, like a frame's key light.
 
 use super::environment_fit::even_direction;
 use super::skies::NamedSky;
@@ -22,31 +21,31 @@ use pelage_stage::sky::{FitParams, Panorama};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Points of hair that are asked for under each sky.
+/// Number of hair points evaluated under each environment map.
 const POINTS: usize = 160;
-/// What fibres absorb a radius: blond and brown.
+/// Absorption of the fibres per radius: blond and brown.
 const SIGMAS: [f64; 2] = [0.1, 0.5];
-/// The fibres under skies: human hair, soft, and matt wool.
+/// Fibres under environment maps: human hair, soft, and matt wool.
 const FIBRES: [FibreOptics; 3] = [
     FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.12 },
     FibreOptics { eta: 1.45, along: 0.2, tilt: 0.05, around: 0.2 },
     FibreOptics { eta: 1.55, along: 0.35, tilt: 0.0, around: 0.5 },
 ];
-/// Columns and rows of cells that the truth's picture has, and into how many each way those are parted that have more
-/// than a share of all light.
+/// Columns and rows of the truth's cells. A cell with more than the share `BRIGHT` of all light is divided into
+/// `PARTED` × `PARTED` cells.
 const CELLS: (u32, u32) = (64, 32);
 const PARTED: u32 = 6;
 const BRIGHT: f64 = 0.004;
-/// Directions that lights are summed over, as frames do.
+/// Number of directions over which lights are summed, as in frames.
 const DIRECTIONS: u32 = 1024;
 
 /// Columns of the chart.
 ///
-/// * `sky`: which, or how wide a single light is.
-/// * `error_percent`: root of the mean square of the difference over that of the truth, in luminance, of all points.
+/// * `sky`: name of the environment map, or width of a single light.
+/// * `error_percent`: root mean square of the difference over that of the truth, in luminance, over all points.
 ///   `mean_percent`: mean over the truth's, less 1.
-/// * `microseconds`: of a point, on one core, with all that it reads in memory. `fetches`: texels that a frame asks
-///   samplers for. `bytes`: of the tables of one fibre.
+/// * `microseconds`: time per point on one core, with all memory reads. `fetches`: texture samples per point in a
+///   frame. `bytes`: size of one fibre's tables.
 pub const COLUMNS: [&str; 6] = ["sky", "error_percent", "mean_percent", "microseconds", "fetches", "bytes"];
 
 /// Panels of the chart.
@@ -57,53 +56,53 @@ const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
     Panel { cost, cost_label, error: "error_percent", error_label: "relative L2 error, %", only: None }
 }
 
-/// What is measured.
+/// Method of lighting a fibre by an environment map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// All that a sky of so many lobes sends from above the skin is one light about the mean of its directions, by
-    /// tables of that size.
+    /// Single light about the mean direction of all light above the mesh surface, by tables of that size; the map is
+    /// fitted with that number of lobes.
     OneLight(usize, BroadSize),
-    /// So many lobes, each by the tables.
+    /// Fit with that number of lobes, each by the tables.
     Tables(usize),
-    /// So many lobes, each by its integral.
+    /// Fit with that number of lobes, each by its integral.
     Exact(usize),
-    /// So many lobes, each as printed (after Xu 2011).
+    /// Fit with that number of lobes, each as printed (after Xu 2011).
     Printed(usize),
-    /// So many directions of the picture, drawn by their luminance.
+    /// Samples of that number of directions of the map, by luminance.
     Samples(usize),
-    /// The sky's mean from everywhere.
+    /// Mean radiance of the map from all directions.
     Constant,
 }
 
-/// Of a single light, no skin in the way.
+/// Method of lighting a fibre by a single light, with no mesh surface in the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SingleForm {
-    /// By its integral.
+    /// Integral of the light.
     Exact,
-    /// By the tables, of the part of the light that they are of.
+    /// By the tables, for the part of the light that they cover.
     Tables,
-    /// As printed.
+    /// Printed form.
     Printed,
 }
 
-/// Standard deviations of single lights, degrees.
+/// Standard deviations of the single lights, degrees.
 pub const WIDTHS: [f64; 5] = [8.0, 10.0, 20.0, 40.0, 80.0];
 
-/// Something to measure.
+/// Parameters of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Configuration {
-    /// A sky by its number, and a form.
+    /// Index of an environment map, and a method.
     Sky(usize, Form),
-    /// One light of that width, and a form.
+    /// Width of a single light, and a method.
     Single(f64, SingleForm),
 }
 
-/// The size that frames have.
+/// Returns the table size used in frames.
 fn default_size() -> BroadSize {
     BroadSize::default()
 }
 
-/// What to measure under so many skies.
+/// Lists what to measure under `skies` environment maps.
 pub fn configurations(skies: usize) -> Vec<Configuration> {
     let size = |means, to, from, phi| BroadSize { means, to, from, phi };
     let mut forms: Vec<Form> = [4, 8, 16, 32].map(|lobes| Form::OneLight(lobes, default_size())).into();
@@ -124,7 +123,7 @@ pub fn configurations(skies: usize) -> Vec<Configuration> {
 }
 
 impl Configuration {
-    /// What is varied, and its value.
+    /// Returns the varied setting and its value.
     pub fn labels(&self) -> (&'static str, String) {
         let lobes = |n: usize| format!("{n} lobes");
         match self {
@@ -145,15 +144,15 @@ impl Configuration {
         }
     }
 
-    /// Whether it is what a frame does.
+    /// Whether this is what a frame does.
     pub fn is_default(&self) -> bool {
         matches!(self, Self::Sky(_, Form::OneLight(16, size)) if *size == default_size())
     }
 
-    /// Texels that a frame asks samplers for.
+    /// Returns the number of texture fetches per point in a frame.
     fn fetches(&self) -> Option<usize> {
-        // Light in whole, its direction and its irradiance; then what lies between two means and two angles to the eye.
-        // Two tables tell of one direction.
+        // Total light, its direction and its irradiance; then the samples between two means and two angles to the eye.
+        // A single direction needs two tables.
         match self {
             Self::Sky(_, Form::OneLight(..)) => Some(3 + 4),
             Self::Sky(_, Form::Tables(n)) => Some(4 * (n + 1)),
@@ -172,7 +171,7 @@ impl Configuration {
     }
 }
 
-/// A point of hair, and who looks at it: directions of length 1.
+/// Hair point and direction to the eye; directions have length 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
     fibre: usize,
@@ -182,7 +181,8 @@ struct Point {
     eye: DVec3,
 }
 
-/// Hair that leans up to 80 degrees on skin that faces all ways, seen from above it.
+/// Returns points of hair that leans up to 80 degrees, with mesh normals in all directions, seen from above the
+/// surface.
 fn points() -> Vec<Point> {
     let random = |number: usize, what: u64| f64::from(uniform(hash(0x5e5, number as u64), what));
     let about = |normal: DVec3, cosine: f64, turn: f64| {
@@ -207,17 +207,17 @@ fn smooth(width_deg: f64, optics: &FibreOptics) -> Fibre {
     Fibre { around: Around::Smooth(Glint { width: width_deg.to_radians(), ..Glint::default() }), ..optics.fibre() }
 }
 
-/// What a fibre sends of one direction.
+/// Returns the light that a fibre scatters from one direction.
 fn of_direction(fibre: &Fibre, point: &Point, towards: DVec3) -> f64 {
     fibre.scatter([point.sigma; 3], &Angles::between(point.tip, towards, point.eye))[0]
 }
 
-/// What of a sky is not hidden from the hair of a skin that faces a way: its lights by direction.
+/// Filters lights, as (direction, luminance), to those visible from hair on a surface with this normal.
 fn above<'a>(lights: &'a [(DVec3, f64)], normal: DVec3) -> impl Iterator<Item = (DVec3, f64)> + 'a {
     lights.iter().copied().filter(move |(way, _)| normal.dot(*way) > -BELOW)
 }
 
-/// The truth under a sky, of each point.
+/// True scattered light at each point under an environment map.
 pub struct Truth {
     points: Vec<Point>,
     cells: Vec<(DVec3, f64)>,
@@ -226,7 +226,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// That of a sky.
+    /// Computes the truth for an environment map.
     pub fn new(sky: &NamedSky) -> Self {
         let points = points();
         let cells = cells_of(&sky.panorama);
@@ -241,13 +241,13 @@ impl Truth {
     }
 }
 
-/// Directions of a picture with the luminance that comes from each.
+/// Returns the directions of an environment map with the luminance from each.
 fn cells_of(panorama: &Panorama) -> Vec<(DVec3, f64)> {
     let (coarse, fine) = (panorama.reduced(CELLS), panorama.reduced((PARTED * CELLS.0, PARTED * CELLS.1)));
     let of =
         |cells: &Panorama, x: u32, y: u32| (cells.towards(x, y), brightness(cells.at(x, y)) * cells.solid_angle(y));
     let (width, height) = coarse.size();
-    // A picture of fewer pixels has no finer cells.
+    // A map with fewer pixels has no finer cells.
     let parted = if fine.size() == (PARTED * width, PARTED * height) { PARTED } else { 1 };
     let bright = BRIGHT * brightness(panorama.whole());
     let mut out = Vec::new();
@@ -263,14 +263,14 @@ fn cells_of(panorama: &Panorama) -> Vec<(DVec3, f64)> {
     out
 }
 
-/// How far a form is off, and what a point takes.
+/// Error of a method, and its time per point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Off {
     /// Relative L2 error.
     pub error: f64,
     /// Mean over the truth's, less 1.
     pub mean: f64,
-    /// Seconds of a point.
+    /// Seconds per point.
     pub seconds: f64,
 }
 
@@ -283,7 +283,8 @@ fn compared(pairs: &[(f64, f64)], seconds: f64) -> Off {
     }
 }
 
-/// Times one call of `of` for each of `count`, on this core; the fastest of three turns counts, where a turn is short.
+/// Runs `of` for each of `count` on this core. Returns the values and the seconds per call, from the fastest of three
+/// runs; a run longer than 0.5 s is not repeated.
 fn timed(count: usize, mut of: impl FnMut(usize) -> f64) -> (Vec<f64>, f64) {
     let (mut values, mut fastest) = (Vec::new(), f64::INFINITY);
     for _ in 0..3 {
@@ -297,7 +298,7 @@ fn timed(count: usize, mut of: impl FnMut(usize) -> f64) -> (Vec<f64>, f64) {
     (values, fastest / count as f64)
 }
 
-/// How far a form is off under a sky.
+/// Measures a method under an environment map.
 pub fn off_sky(form: Form, sky: &NamedSky, truth: &Truth) -> Off {
     let fit = |lobes| sky.panorama.fit(FitParams { lobes, ..FitParams::default() }).environment;
     let fibres = FIBRES.map(|optics| optics.fibre());
@@ -396,7 +397,7 @@ pub fn off_sky(form: Form, sky: &NamedSky, truth: &Truth) -> Off {
     compared(&pairs, seconds)
 }
 
-/// A rough fibre as the printed form has it: smooth, with glints of its width.
+/// Converts a rough fibre to the printed form's: smooth, with glints of the same width.
 fn as_smooth(fibre: &Fibre) -> Fibre {
     match fibre.around {
         Around::Rough(scale) => {
@@ -411,21 +412,21 @@ fn radiance(lobe: &pelage_stage::sky::LightLobe) -> f64 {
     brightness(DVec3::from(lobe.radiance.map(f64::from)))
 }
 
-/// An environment without its sun as directions with their luminance.
+/// Returns an environment without its sun as directions with their luminance.
 fn directions(environment: &Environment) -> Vec<(DVec3, f64)> {
     let each = 4.0 * PI / f64::from(DIRECTIONS);
     let ways = (0..DIRECTIONS).map(|i| even_direction(i, DIRECTIONS));
     ways.map(|way| (way, brightness(environment.radiance(way)) * each)).collect()
 }
 
-/// What comes to the hair of a skin that faces a way, in whole, and the mean of its directions.
+/// Returns the total light that reaches hair on a surface with this normal, and the mean of its directions.
 fn mean_of(lights: &[(DVec3, f64)], normal: DVec3) -> (f64, DVec3) {
     let (whole, middle) = above(lights, normal)
         .fold((0.0, DVec3::ZERO), |(whole, middle), (way, light)| (whole + light, middle + way * light));
     (whole, middle / whole.max(1e-300))
 }
 
-/// Of each point, which share of each lobe is not hidden.
+/// Returns, for each point, the visible share of each lobe.
 fn shares(environment: &Environment, points: &[Point]) -> Vec<Vec<f64>> {
     let lobes: Vec<Vec<(DVec3, f64)>> = environment
         .lobes
@@ -443,7 +444,8 @@ fn shares(environment: &Environment, points: &[Point]) -> Vec<Vec<f64>> {
     points.iter().map(|point| lobes.iter().map(|lights| of(lights, point.normal)).collect()).collect()
 }
 
-/// Lobes one at a time, by something that says what a fibre sends of each; what is even is a light that is even.
+/// Sums the lobes one at a time; `of` returns what a fibre scatters of each. The environment's even part is a uniform
+/// light.
 fn by_lobes(
     environment: &Environment,
     points: &[Point],
@@ -462,8 +464,8 @@ fn by_lobes(
     })
 }
 
-/// How far a form is off of single lights of that width: two colours, two smooth fibres, three looks, twenty places of
-/// the light, 240 in all.
+/// Measures a method under single lights of that width: two absorptions, two smooth fibres, three view directions,
+/// twenty light directions, 240 in all.
 pub fn off_single(form: SingleForm, width_deg: f64) -> Off {
     let sharpness = width_deg.to_radians().powi(-2);
     let fibres: Vec<Fibre> = [5.0, 15.0].map(|width| smooth(width, &FIBRES[0])).into();
@@ -513,10 +515,10 @@ pub fn off_single(form: SingleForm, width_deg: f64) -> Off {
     compared(&pairs, seconds)
 }
 
-/// By small steps over all directions. `half`: of what the tables are of.
+/// Integrates numerically over all directions. `half`: only over the part that the tables cover.
 fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, half: bool) -> f64 {
     const STEPS: (usize, usize) = (72, 120);
-    // Five standard deviations about the light's middle, as far as there are directions.
+    // Five standard deviations about the light's centre, clamped to valid angles.
     let reach = 5.0 / light.sharpness.sqrt();
     let middle = libm::asin(light.towards.y.clamp(-1.0, 1.0));
     let [from, to] = [-reach, reach].map(|far| (middle + far).clamp(-PI / 2.0, PI / 2.0));
@@ -550,7 +552,7 @@ fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, ha
     sum
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]. `sky`: its name.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `sky`: name of the environment map.
 pub fn cells(configuration: &Configuration, sky: &str, off: &Off) -> Vec<Cell> {
     let name = match configuration {
         Configuration::Sky(..) => sky.into(),

@@ -1,4 +1,4 @@
-//! Topic `environment-fit`: how near few lights come to a sky, by their number, and what they cost.
+//! Topic `environment-fit`: accuracy and cost of fitting an environment map with few lights, by their number.
 
 use super::skies::NamedSky;
 use super::{Cell, Panel};
@@ -11,14 +11,14 @@ pub const LOBES: [usize; 9] = [0, 1, 2, 4, 8, 12, 16, 24, 32];
 
 /// Columns of the chart.
 ///
-/// * `sky`: which. `lobes`: that were asked for.
-/// * `error_percent`: root of the mean square of what the lights' radiance differs by from the sky's without its sun,
-///   over that of this, by cells of 5.6 degrees.
-/// * `irradiance_percent`: the same of the irradiance of skin, sun and all, over directions that skin faces; the rest
-///   is a thing of the fit, this is what a coat sees.
-/// * `energy_percent`: light in whole over the sky's, less 1, of the colour of which it is farthest off. `sun_percent`:
-///   share of all light that the sun has.
-/// * `seconds`: that the fit takes. `bytes`: of the lights as numbers of 32 bits.
+/// * `sky`: name of the environment map. `lobes`: number requested.
+/// * `error_percent`: root mean square of the difference in radiance, without the sun, over that of the map's radiance;
+///   by cells of 5.6 degrees.
+/// * `irradiance_percent`: the same for the irradiance of a surface, sun included, over its normals. The other errors
+///   describe the fit; this one is what fur shows.
+/// * `energy_percent`: total light without the sun over the map's, less 1, for the colour with the largest error.
+///   `sun_percent`: share of all light in the sun.
+/// * `seconds`: duration of the fit. `bytes`: size of the lights as 32-bit numbers.
 pub const COLUMNS: [&str; 8] =
     ["sky", "lobes", "error_percent", "irradiance_percent", "energy_percent", "sun_percent", "seconds", "bytes"];
 
@@ -33,10 +33,10 @@ const fn panel(cost: &'static str, cost_label: &'static str, error: &'static str
     Panel { cost, cost_label, error, error_label, only: None }
 }
 
-/// Directions that skin faces.
+/// Number of surface normals.
 const NORMALS: u32 = 256;
 
-/// Irradiance of skin over π by the directions that it faces, of a sky's picture.
+/// Returns the irradiance of a surface over π for each normal, from the environment map itself.
 pub fn true_irradiance(panorama: &Panorama) -> Vec<DVec3> {
     let cells = panorama.reduced((256, 128));
     let (width, height) = cells.size();
@@ -61,7 +61,7 @@ fn of_lights(lights: &[(DVec3, DVec3)], environment: Option<&Environment>) -> Ve
     normals.map(of).collect()
 }
 
-/// Directions over all of a sphere, as evenly as can be.
+/// Returns one of `count` directions, spread as evenly as possible over the sphere.
 pub(super) fn even_direction(i: u32, count: u32) -> DVec3 {
     let y = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
     let turn = 2.399_963_229_728_653 * f64::from(i);
@@ -69,14 +69,14 @@ pub(super) fn even_direction(i: u32, count: u32) -> DVec3 {
     DVec3::new(out * libm::cos(turn), y, out * libm::sin(turn))
 }
 
-/// The fit of a sky with so many lobes.
+/// Fits an environment map with that number of lobes.
 pub fn fit(sky: &NamedSky, lobes: usize) -> Fitted {
     sky.panorama.fit(FitParams { lobes, ..FitParams::default() })
 }
 
-/// The cells of a row, in the order of [`COLUMNS`].
+/// Returns the cells of a row, in the order of [`COLUMNS`].
 ///
-/// * `truth`: as [`true_irradiance`] has it
+/// * `truth`: result of [`true_irradiance`]
 pub fn cells(sky: &NamedSky, lobes: usize, fitted: &Fitted, truth: &[DVec3], seconds: f64) -> Vec<Cell> {
     const DIRECTIONS: u32 = 8192;
     let each = 4.0 * std::f64::consts::PI / f64::from(DIRECTIONS);
@@ -90,7 +90,7 @@ pub fn cells(sky: &NamedSky, lobes: usize, fitted: &Fitted, truth: &[DVec3], sec
     let whole: f64 = truth.iter().map(|of| brightness(*of).powi(2)).sum();
     let irradiance = (wrong / whole.max(1e-300)).sqrt();
     let percent = |x: f64| Cell::Number(100.0 * x);
-    // What is even, each lobe, and a sun.
+    // The even part, each lobe, and a sun.
     let numbers = 3 + 7 * environment.lobes.len() + environment.sun.map_or(0, |_| 6);
     vec![
         Cell::Text(sky.name.clone()),

@@ -1,4 +1,4 @@
-//! How far values are from their truth, summed up.
+//! Error statistics of values against their truth.
 
 /// Sums over pairs of a value and its truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -9,11 +9,11 @@ pub struct Errors {
     off: u64,
 }
 
-/// Errors above this are counted on their own: about what an eye sees as another shade.
+/// Threshold above which errors are counted separately: roughly a visibly different shade.
 pub const OFF: f64 = 0.1;
 
 impl Errors {
-    /// Of pairs (value, truth).
+    /// Sums up pairs of (value, truth).
     pub fn of(pairs: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut errors = Self::default();
         for (value, truth) in pairs {
@@ -21,13 +21,13 @@ impl Errors {
             errors.count += 1;
             errors.sum += error;
             errors.squares += error * error;
-            // What is not a number is off, too.
+            // NaN counts as off, too.
             errors.off += u64::from(error.abs().partial_cmp(&OFF) != Some(std::cmp::Ordering::Less));
         }
         errors
     }
 
-    /// Of both.
+    /// Returns the sums over the pairs of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -38,17 +38,17 @@ impl Errors {
         }
     }
 
-    /// Root of the mean square; `None` of no pair.
+    /// Returns the root mean square error; `None` without pairs.
     pub fn rmse(&self) -> Option<f64> {
         self.mean_of(self.squares).map(f64::sqrt)
     }
 
-    /// Mean of value − truth.
+    /// Returns the mean of value − truth.
     pub fn mean(&self) -> Option<f64> {
         self.mean_of(self.sum)
     }
 
-    /// Share of the pairs that are [`OFF`] or more apart, 0..=1.
+    /// Returns the share of pairs that differ by [`OFF`] or more, 0..=1.
     pub fn off_share(&self) -> Option<f64> {
         self.mean_of(self.off as f64)
     }

@@ -1,48 +1,48 @@
-//! Texels of the layers that hold hair, with the places on the strands that they stand for.
+//! Layer texels that hold hair, with the strand points that they contain.
 
 use glam::DVec3;
 use pelage_bake::stages::hair::Strands;
 use std::collections::BTreeMap;
 
-/// Places along a strand in the width of a texel, or in the distance of two layers.
+/// Number of points along a strand per texel width, or per layer distance.
 const PLACES: f64 = 8.0;
 
-/// A place on the axis of a strand.
+/// Point on the axis of a strand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
-    /// Widths of the tile, not wrapped into it.
+    /// Position in tile widths, not wrapped into the tile.
     pub(super) at: DVec3,
     /// Index of the strand.
     pub(super) strand: u32,
-    /// Surface of the hair about it, up to a factor that is the same for all.
+    /// Hair surface around the point, up to a common factor.
     pub(super) area: f64,
 }
 
-/// A texel of a layer.
+/// Texel of a layer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct HairTexel {
-    /// How often it is drawn.
+    /// Number of times that the texel was sampled.
     pub(super) times: u32,
-    /// All places in it.
+    /// All strand points in the texel.
     pub(super) places: Vec<Place>,
 }
 
 impl HairTexel {
-    /// Share of its hair, by surface, that `lit` is true of.
+    /// Returns the share of the hair, by surface, for which `lit` holds.
     pub(super) fn lit(&self, lit: impl Fn(&Place) -> bool) -> f64 {
         let area = |places: &mut dyn Iterator<Item = &Place>| places.map(|p| p.area).sum::<f64>();
         area(&mut self.places.iter().filter(|p| lit(p))) / area(&mut self.places.iter()).max(f64::MIN_POSITIVE)
     }
 }
 
-/// Draws `count` texels evenly from the surface of all hair, so that a texel comes the more often the more hair it
-/// holds. The key is layer · texels² + row · texels + column.
+/// Samples `count` texels evenly by hair surface, so that texels with more hair are chosen more often. The key is layer
+/// · texels² + row · texels + column.
 ///
-/// A layer stands for the slab of height about it, as in slicing; the lowest above the skin reaches down to it, and the
-/// skin itself has no hair.
+/// A layer represents the slab of height around it, as in slicing. The lowest layer above the mesh surface reaches down
+/// to it; layer 0 has no hair.
 ///
 /// * `texels`: along a side of the tile
-/// * `layers`: of the volume, skin counted; two or more
+/// * `layers`: number of layers of the volume, layer 0 included; two or more
 pub(super) fn hair_texels(strands: &Strands, texels: u32, layers: u32, count: u32) -> BTreeMap<usize, HairTexel> {
     let n = f64::from(texels);
     let spacing = f64::from(strands.height) / f64::from(layers - 1);
@@ -57,14 +57,14 @@ pub(super) fn hair_texels(strands: &Strands, texels: u32, layers: u32, count: u3
     let mut out = BTreeMap::<usize, HairTexel>::new();
     walk(strands, n, spacing, |place| {
         sum += place.area;
-        // Half a step in, so that neither end decides.
+        // Offset by half a step, so that neither end decides.
         let due = (sum / area * f64::from(count) + 0.5).min(f64::from(count)) as u32;
         if due > drawn {
             out.entry(texel_at(place.at)).or_default().times += due - drawn;
             drawn = due;
         }
     });
-    // Only of those that were drawn: all places of a fine tile do not fit into memory.
+    // Only for the sampled texels: all points of a fine tile do not fit into memory.
     walk(strands, n, spacing, |place| {
         if let Some(texel) = out.get_mut(&texel_at(place.at)) {
             texel.places.push(place);
@@ -73,7 +73,7 @@ pub(super) fn hair_texels(strands: &Strands, texels: u32, layers: u32, count: u3
     out
 }
 
-/// Visits places all along the strands, from each root to its tip.
+/// Visits points all along the strands, from each root to its tip.
 fn walk(strands: &Strands, texels: f64, spacing: f64, mut visit: impl FnMut(Place)) {
     for strand in 0..strands.len() {
         let range = strands.range(strand);
@@ -96,8 +96,8 @@ mod tests {
     use super::*;
     use glam::{Vec3, vec3};
 
-    /// An upright strand and one that lies twice as thick across the border of the tile: places are where the strands
-    /// are, as often as there is hair.
+    /// An upright strand, and a horizontal one twice as thick that crosses the tile's border: points are on the
+    /// strands, in proportion to the hair.
     #[test]
     fn texels_come_as_often_as_they_hold_hair() {
         let strands = Strands {
@@ -115,12 +115,13 @@ mod tests {
             let place = |i: usize| (i % 10, i / 10 % 10, i / 100);
             found.iter().filter(|(i, _)| of(place(**i).0, place(**i).1, place(**i).2)).map(|(_, t)| t.times).sum()
         };
-        // A third is of the upright one, half a slab of it in the outermost layer and one and a half in the lowest.
+        // A third belongs to the upright strand: half a slab of it in the outermost layer, one and a half in the
+        // lowest.
         assert!(times(&|x, y, _| (x, y) == (3, 6)).abs_diff(1000) <= 1);
         for (layer, slabs) in [(0, 0), (1, 3), (2, 2), (3, 2), (4, 2), (5, 1)] {
             assert!(times(&|x, y, k| (x, y, k) == (3, 6, layer)).abs_diff(100 * slabs) <= 1, "layer {layer}");
         }
-        // The other is in layer 3 alone, from the last texel of the tile over its border.
+        // The other strand is in layer 3 alone, from the last texel of the tile across its border.
         assert!(times(&|x, y, k| y == 1 && k == 3 && (x == 9 || x < 4)).abs_diff(2000) <= 1);
         for texel in found.values() {
             assert!(!texel.places.is_empty());

@@ -1,36 +1,36 @@
-//! Topic `ink`: lines found in a picture of normals against the lines of the mesh, by threshold, width, size and rule,
-//! and what they cost.
+//! Topic `ink`: lines found in a picture of normals against the lines of the mesh, by threshold, width, size and rule;
+//! and their cost.
 //!
-//! The truth is `crate::truth::TrueLines`. Precision, recall and their harmonic mean say whether lines are where they
-//! should be, the widest stroke whether they stay lines (Fang 2006, Fig. 3: the sphere map alone blackens what is seen
-//! edge on), flicker whether wash and lines stay where they are on the model while the camera goes slowly round. Width
-//! and flicker are those on blank paper ([`on_blank_paper`]).
+//! The truth is `crate::truth::TrueLines`. Precision, recall and their harmonic mean measure whether lines are where
+//! they should be. The widest stroke measures whether they stay lines (Fang 2006, Fig. 3: the sphere map alone blackens
+//! surfaces seen edge on). Flicker measures whether wash and lines keep their position on the model while the camera
+//! slowly circles it. Width and flicker are those on blank paper ([`on_blank_paper`]).
 
 use super::{Cell, Panel};
 use crate::compare_lines::LineMeasures;
 use pelage_runtime::{Anchoring, FeatureRule, InkParams, LineWidth, SphereMapForm, Study};
 
-/// A way to draw lines.
+/// Ink settings to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// Its value, beside the mark.
+    /// Value of the varied setting, shown beside the mark.
     pub label: String,
-    /// How it is drawn.
+    /// Drawing parameters.
     pub look: Look,
-    /// Whether it is what a user gets without asking.
+    /// Whether this is the default configuration.
     pub default: bool,
 }
 
-/// How ink is drawn, in which form, and the size of the picture.
+/// Ink style, its form, and the size of the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     /// Width and height, pixels.
     pub size: (u32, u32),
-    /// The style.
+    /// Ink parameters.
     pub ink: InkParams,
-    /// Its forms.
+    /// Forms of the algorithms.
     pub study: Study,
 }
 
@@ -96,14 +96,15 @@ pub const PANELS: [Panel; 2] = [
 pub const SIZE: (u32, u32) = (834, 424);
 /// Thresholds T1.
 const THRESHOLDS: [f32; 8] = [0.2, 0.4, 0.5, 0.64, 0.7, 0.8, 0.9, 0.97];
-/// Relative steps of depth; 0 looks at normals alone.
+/// Relative steps of depth; 0 uses normals alone.
 const DEPTH_STEPS: [f32; 5] = [0.0, 0.005, 0.01, 0.02, 0.05];
-/// Widest lines, pixels.
+/// Maximum line widths, pixels.
 const WIDTHS: [f32; 5] = [3.0, 5.0, 7.0, 12.0, 16.0];
-/// Sizes of the picture.
+/// Picture sizes, pixels.
 const SIZES: [(u32, u32); 4] = [(417, 212), SIZE, (1251, 636), (1668, 848)];
 
-/// What to measure, the default first; each other configuration differs from it in what its series says.
+/// Lists what to measure, the default first; each other configuration differs from it only in the setting named by its
+/// series.
 pub fn configurations() -> Vec<Configuration> {
     let default = Look::default();
     let mut out: Vec<Configuration> = Vec::new();
@@ -147,7 +148,7 @@ pub fn configurations() -> Vec<Configuration> {
     out
 }
 
-/// Widest line in a picture of `height` rows, pixels; all configurations ask for pixels.
+/// Returns the maximum line width in a picture of `height` rows, pixels; all configurations specify pixels.
 pub fn line_px(ink: &InkParams, height: u32) -> f64 {
     match ink.width {
         LineWidth::Auto => InkParams::default_width_px(height).into(),
@@ -156,34 +157,34 @@ pub fn line_px(ink: &InkParams, height: u32) -> f64 {
     }
 }
 
-/// Width of the template, pixels: the widest line asked for, and one more, because an edge is a feature on both of its
-/// sides. (Three dilations of Fang 2006, §2, make seven pixels of one and eight of two.) Lines nearer to each other
-/// than that run together.
+/// Returns the width of the template, pixels: the maximum line width plus one, because an edge is a feature on both of
+/// its sides. (Three dilations of Fang 2006, §2, turn one pixel into seven and two into eight.) Lines closer than that
+/// merge.
 pub fn template_px(ink: &InkParams, height: u32) -> f64 {
     line_px(ink, height) + 1.0
 }
 
-/// The same on paper without relief and with a brush full of ink. Paper lies still while the model moves, and where it
-/// shows through, or stops a dry brush, the picture changes on the model with reason; and a black patch with holes in
-/// it is a black patch.
+/// Returns the same ink on paper without relief and with a full brush. Paper stays fixed while the model moves: where
+/// it shows through, or stops a dry brush, the picture rightly changes on the model. A black patch with holes in it
+/// also counts as a black patch.
 #[must_use]
 pub fn on_blank_paper(ink: &InkParams) -> InkParams {
     ink.clone().with(|ink| (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0))
 }
 
-/// A configuration's figures.
+/// Results of a configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Of each view.
+    /// Line measures of each view.
     pub views: Vec<LineMeasures>,
-    /// Mean difference of neighbouring frames over the skin, over what is no line in either, and over lines of both;
-    /// greys of 0..=1.
+    /// Mean difference between consecutive frames: over the mesh surface, over pixels without lines in both, and over
+    /// lines in both; grey levels 0..=1.
     pub flicker: [Option<f64>; 3],
-    /// The fastest frame of the slowest view.
+    /// Fastest frame of the slowest view, milliseconds.
     pub frame_ms: f64,
 }
 
-/// The cells of a row, in the order of [`COLUMNS`].
+/// Returns the cells of a row, in the order of [`COLUMNS`].
 pub fn cells(look: &Look, measured: &Measured) -> Vec<Cell> {
     let Look { size: (width, height), ink, study } = look;
     let share = |of: &dyn Fn(&LineMeasures) -> Option<f64>| {

@@ -1,32 +1,32 @@
-//! Words beside marks, where there is room for them: a label that would lie on another or on a mark is left out, and
-//! the table has it.
+//! Labels beside marks, where there is room: a label that would overlap another or a mark is left out; the table has
+//! it.
 
-/// A box in pixels: left, top, right, bottom.
+/// Box in pixels: left, top, right, bottom.
 type Rect = [i32; 4];
 
 fn overlap(a: &Rect, b: &Rect) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
-/// Marks that are nearer to each other than this, pixels, cannot be told apart.
+/// Largest distance of marks that count as one spot, pixels.
 const SAME_SPOT: i32 = 3;
 
-/// A label that has a place.
+/// Label with a position.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Placed {
     /// Index of the mark.
     pub mark: usize,
-    /// Its middle, pixels.
+    /// Centre of the label, pixels.
     pub at: (i32, i32),
 }
 
-/// Finds places.
+/// Places labels.
 ///
-/// * `marks`: place of each mark, pixels, its radius, and its label, in the order of importance; of marks on one spot
-///   one is labelled
+/// * `marks`: position of each mark, pixels, its radius, and its label, most important first; of marks on one spot, one
+///   is labelled
 /// * `obstacles`: other points that no label may cover, such as those of a line
-/// * `frame`: left, top, right and bottom end of where labels may stand
-/// * `font`: height of a letter; on average one is 0.54 times as wide
+/// * `frame`: left, top, right and bottom bounds for labels
+/// * `font`: height of a letter; its mean width is 0.54 times that
 pub fn place(marks: &[((i32, i32), i32, &str)], obstacles: &[(i32, i32)], frame: [i32; 4], font: i32) -> Vec<Placed> {
     let around = |(x, y): (i32, i32), r: i32| [x - r, y - r, x + r, y + r];
     let mut taken: Vec<Rect> = marks.iter().map(|(at, radius, _)| around(*at, *radius)).collect();
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn labels_keep_off_marks_and_each_other() {
-        // Close together on a line: not all have room.
+        // Close together on a line: not all labels fit.
         let marks: Vec<_> = (0..30).map(|i| ((20 + 5 * i, 50), 5, "256²")).collect();
         let placed = place(&marks, &[], FRAME, 11);
         assert!(placed.len() >= 4 && placed.len() < marks.len(), "{placed:?}");
@@ -90,10 +90,10 @@ mod tests {
         let right = place(&[((195, 50), 5, "a long word")], &[], FRAME, 11);
         assert!(right[0].at.0 < 160 && right[0].at.0 > 0);
         assert_eq!(place(&[((100, 50), 5, &"x".repeat(60))], &[], FRAME, 11), []);
-        // On one spot one label, of the first that has one.
+        // One label per spot, of the first mark that has one.
         let spot = [((50, 50), 10, ""), ((50, 51), 5, "a"), ((51, 50), 5, "b")];
         assert_eq!(place(&spot, &[], FRAME, 11).iter().map(|p| p.mark).collect::<Vec<_>>(), [1]);
-        // To the right of a mark unless something is there.
+        // To the right of a mark, unless that is occupied.
         assert_eq!(place(&[((50, 50), 5, "a")], &[], FRAME, 11)[0].at, (62, 50));
         assert_ne!(place(&[((50, 50), 5, "a")], &[(60, 50)], FRAME, 11)[0].at, (62, 50));
     }

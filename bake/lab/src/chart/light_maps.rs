@@ -1,5 +1,5 @@
-//! The key light's shadow maps, read back, and what a fragment of the runtime gets from them: the same steps in the
-//! same order as in `surface.wgsl` of the runtime, through the Rust twins of its functions.
+//! Shadow maps of the key light, read back, and the lookup of a fragment: the same steps in the same order as in the
+//! runtime's `light/visibility.wgsl`, through the Rust twins of its functions.
 
 use glam::{Vec3, Vec4};
 use pelage_runtime::LightView;
@@ -9,31 +9,32 @@ use pelage_runtime::shared::soft_shadow::{SoftShadow, soft_shadow};
 /// Shadow maps in memory.
 #[derive(Clone, Debug)]
 pub struct LightMaps {
-    /// Where they lie.
+    /// View from the light in which the maps were drawn.
     pub view: LightView,
-    /// What the shadow-width map's numbers mean.
+    /// Encoding of the shadow-width map.
     pub soft: SoftShadow,
     /// Width and height of each map, texels.
     pub size: u32,
-    /// Per map layer, the skin first: `size * size` transmittances, row-major. Empty without self-shadow.
+    /// Maps, one per layer, from the mesh surface outwards: `size * size` transmittances, row-major. Empty without
+    /// self-shadow.
     pub layers: Vec<Vec<f32>>,
-    /// `size * size` texels of the shadow-width map, row-major; their channels stand in the runtime's
-    /// `soft_shadow.wgsl`. Empty without soft shadow.
+    /// Shadow-width map of `size * size` texels, row-major; the runtime's `soft_shadow.wgsl` describes the channels.
+    /// Empty without soft shadow.
     pub width: Vec<[f32; 4]>,
-    /// Depth of the nearest surface and of the farthest that faces the light, as drawn: `size * size` values each, or
+    /// Depths of the nearest surface and of the farthest one facing the light, as drawn: `size * size` values each, or
     /// empty.
     pub depths: [Vec<f32>; 2],
 }
 
 impl LightMaps {
-    /// (u w, v w, depth, w) of a point in world space.
+    /// Returns (u w, v w, depth, w) of a point in world space.
     pub fn place(&self, position_ws: Vec3) -> Vec4 {
         self.view.map_from_world * position_ws.extend(1.0)
     }
 
-    /// t of Yang 2006, eq. (2): what the hair above a point leaves of the light.
+    /// Returns t of Yang 2006, eq. (2): the share of light that passes the hair above a point.
     ///
-    /// * `map_layer`: layer of the maps, 0 on the skin; any between where `between`, else a whole one
+    /// * `map_layer`: layer of the maps, 0 on the mesh surface; fractional if `between`, else whole
     pub fn light_through_hair(&self, place: Vec4, map_layer: f32, between: bool) -> f32 {
         let Some(last) = self.layers.len().checked_sub(1) else { return 1.0 };
         let at = |layer: f32| self.bilinear(&self.layers[(layer as usize).min(last)], place);
@@ -45,28 +46,28 @@ impl LightMaps {
         a + (b - a) * (map_layer - below)
     }
 
-    /// Attenu_Shadow of Yang 2006, eq. (3): what other things leave of the light.
+    /// Returns Attenu_Shadow of Yang 2006, eq. (3): the share of light that passes other objects.
     pub fn light_past_things(&self, place: Vec4, n_dot_l: f32, centred: bool) -> f32 {
         soft_shadow(self.width_texel(place), place.z, place.w, slanted_path(n_dot_l), &self.soft, centred)
     }
 
-    /// A filtered texel of the shadow-width map.
+    /// Samples the shadow-width map.
     pub fn width_texel(&self, place: Vec4) -> Vec4 {
         let texel = |i: usize| Vec4::from(self.width[i]);
         self.filtered(place, texel, Vec4::ZERO)
     }
 
-    /// Bytes of the layer-wise maps on the GPU, two a texel.
+    /// Returns the bytes of the layer-wise maps on the GPU, two per texel.
     pub fn layer_bytes(&self) -> u64 {
         2 * self.layers.len() as u64 * u64::from(self.size).pow(2)
     }
 
-    /// A filtered value of a map of `size * size`, at (u w, v w, .., w).
+    /// Samples a map of `size * size`, at (u w, v w, .., w).
     pub fn bilinear(&self, map: &[f32], place: Vec4) -> f32 {
         self.filtered(place, |i| map[i], 0.0)
     }
 
-    /// A linear filter that repeats the edge.
+    /// Filters bilinearly, clamping at the edge.
     fn filtered<T>(&self, place: Vec4, texel: impl Fn(usize) -> T, zero: T) -> T
     where
         T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
@@ -120,7 +121,7 @@ mod tests {
             assert!((t(0.3, u, 2.0, false) - expected).abs() < 1e-6, "{u}");
             assert!((maps.width_texel(Vec4::new(u, 0.9, 0.0, 1.0)).x - expected).abs() < 1e-6, "{u}");
         }
-        // Between layers: 0 and 1, and beyond the last.
+        // Between layers 0 and 1, and beyond the last layer.
         assert!((t(0.25, 0.25, 0.25, true) - 0.25).abs() < 1e-6 && (t(0.25, 0.25, 1.5, true) - 0.5).abs() < 1e-6);
         assert_eq!(t(0.25, 0.75, 2.0, true), 1.0);
         assert_eq!(LightMaps { layers: Vec::new(), ..maps.clone() }.light_through_hair(Vec4::ONE, 1.0, true), 1.0);

@@ -1,8 +1,9 @@
-//! Topic `lighting`: how near the direction that light is computed with comes to the strand's own, and what that costs.
+//! Topic `lighting`: accuracy of the direction that light is computed with against the strand's own, and the cost.
 //!
-//! Where a strand crosses a layer, its tangent is known, and with it eq. (1) of Yang 2006. Light per pixel takes the
-//! direction texture's filtered direction there, light per vertex (Lengyel 2001) the mean direction of the layer; both
-//! are read here from the file that the runtime would read, block compression included. Milliseconds are the adapter's.
+//! Where a strand crosses a layer, its tangent is known, and with it eq. (1) of Yang 2006. Light per pixel uses the
+//! filtered direction of the direction texture there; light per vertex (Lengyel 2001) uses the mean direction of the
+//! layer. Both are read from the file that the runtime would read, block compression included. Milliseconds are the
+//! adapter's.
 
 use super::errors::Errors;
 use super::{Cell, Panel};
@@ -17,23 +18,23 @@ use pelage_runtime::Lighting;
 use pelage_runtime::shared::kajiya_kay::{sin_power, sin_squared};
 use rayon::prelude::*;
 
-/// Directions towards lights and eyes, degrees above the skin and about its normal: each light with each eye.
+/// Directions towards lights and eyes, as degrees above the surface and about its normal: each light with each eye.
 const LIGHTS_DEG: [(f64, f64); 6] =
     [(80.0, 10.0), (60.0, 130.0), (60.0, 250.0), (35.0, 40.0), (35.0, 160.0), (35.0, 280.0)];
 const EYES_DEG: [(f64, f64); 3] = [(75.0, 90.0), (45.0, 200.0), (45.0, 320.0)];
 
-/// A way to light hair.
+/// Lighting method to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// Its value, short.
+    /// Value of the varied setting, short.
     pub label: String,
-    /// Where light is computed.
+    /// Frequency at which light is computed.
     pub lighting: Lighting,
-    /// Changes to the base recipe, as `--set` takes them.
+    /// Changes to the base recipe, in the form of `--set`.
     pub sets: Vec<String>,
-    /// The recipe with the changes; its colours are in plain texels, so that the cost is that of the directions.
+    /// Recipe with the changes; its colours are uncompressed, so that only the cost of directions varies.
     pub recipe: Recipe,
 }
 
@@ -69,11 +70,11 @@ pub const PANELS: [Panel; 2] = [
     },
 ];
 
-/// What to measure, what the recipe itself gives first.
+/// Lists what to measure, the unchanged recipe first.
 ///
 /// # Errors
 ///
-/// As [`Recipe::set`]; cannot happen with a valid base.
+/// Same as [`Recipe::set`]; cannot occur with a valid base.
 pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
     let mut out: Vec<Configuration> = Vec::new();
     let mut add = |series, label: String, lighting, sets: &[String]| {
@@ -91,7 +92,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
             add(series, format.word().into(), lighting, &[format!("pack.direction_format={}", format.word())])?;
         }
     }
-    // In plain texels, so that the adapter's way with blocks does not hide what is varied.
+    // Uncompressed, so that the adapter's handling of blocks does not hide the varied setting.
     let plain = || "pack.direction_format=rg8".to_owned();
     for texels in [16, 32, 64, 128, 256] {
         add(
@@ -110,20 +111,19 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
 /// Errors of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Mean angle between the direction that light is computed with and the strand, degrees; both are lines, not
-    /// arrows.
+    /// Mean angle between the shading direction and the strand, degrees; both are lines without orientation.
     pub direction_error_deg: f64,
-    /// Of eq. (1) without its ambient term, on white hair under a white light of strength 1.
+    /// Errors of eq. (1) without its ambient term, for white hair under a white light of strength 1.
     pub light: Errors,
-    /// Bytes of all levels of the direction texture.
+    /// Bytes of all mip levels of the direction texture.
     pub direction_bytes: u64,
 }
 
-/// Measures a configuration on every crossing of a strand with a layer above the skin.
+/// Measures a configuration at every crossing of a strand with a layer above the mesh surface.
 ///
 /// # Errors
 ///
-/// Of simulating, slicing and encoding.
+/// Errors of simulating, slicing and encoding.
 pub fn measure(configuration: &Configuration, lengths: Lengths) -> Result<Measured, BakeError> {
     let recipe = &configuration.recipe;
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
@@ -151,7 +151,8 @@ pub fn measure(configuration: &Configuration, lengths: Lengths) -> Result<Measur
     })
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]. `milliseconds`: what the shells take, by the clock named `timing`.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `milliseconds`: time of the shells, by the clock named
+/// `timing`.
 pub fn cells(configuration: &Configuration, measured: &Measured, milliseconds: f64, timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let recipe = &configuration.recipe;
@@ -173,17 +174,17 @@ pub fn cells(configuration: &Configuration, measured: &Measured, milliseconds: f
     ]
 }
 
-/// Where a strand goes through a layer.
+/// Crossing of a strand with a layer.
 struct Crossing {
     layer: u32,
     /// Tile coordinates, not wrapped.
     u: f32,
     v: f32,
-    /// The strand's own direction, unit length.
+    /// Tangent of the strand, unit length.
     tangent: DVec3,
 }
 
-/// All crossings with the layers 1.. of so many, which lie evenly up to the strands' height.
+/// Returns all crossings with layers 1.. of `layers`, which are evenly spaced up to the strands' height.
 fn crossings(strands: &Strands, layers: u32) -> Vec<Crossing> {
     let mut out = Vec::new();
     let step = f64::from(strands.height) / f64::from(layers.max(2) - 1);
@@ -193,7 +194,7 @@ fn crossings(strands: &Strands, layers: u32) -> Vec<Crossing> {
             let Some(tangent) = (b - a).try_normalize() else { continue };
             let (low, high) = (a.z.min(b.z), a.z.max(b.z));
             let first = (low / step).ceil().max(1.0) as u32;
-            // A height where two segments meet is of the one that begins there.
+            // A height where two segments meet belongs to the segment that begins there.
             for layer in (first..layers).take_while(|k| f64::from(*k) * step < high) {
                 let p = a.lerp(b, (f64::from(layer) * step - a.z) / (b.z - a.z));
                 out.push(Crossing { layer, u: p.x as f32, v: p.y as f32, tangent });
@@ -203,7 +204,7 @@ fn crossings(strands: &Strands, layers: u32) -> Vec<Crossing> {
     out
 }
 
-/// Pairs of unit vectors towards light and halfway to the eye, in the tile's frame.
+/// Returns pairs of unit vectors in the tile's frame: towards the light, and the half vector to the eye.
 fn pairs() -> Vec<[DVec3; 2]> {
     let unit = |(up, about): (f64, f64)| {
         let (up, about) = (up.to_radians(), about.to_radians());
@@ -213,7 +214,7 @@ fn pairs() -> Vec<[DVec3; 2]> {
     LIGHTS_DEG.iter().flat_map(|light| EYES_DEG.iter().map(move |eye| pair(*light, *eye))).collect()
 }
 
-/// Eq. (1) as the runtime computes it, with the runtime's own functions.
+/// Evaluates eq. (1) as the runtime does, with the runtime's own functions.
 fn light_at(direction: Vec3, light: DVec3, half: DVec3, shading: &Shading) -> f64 {
     let power = |to: DVec3, exponent: f32| sin_power(sin_squared(direction, to.as_vec3()), 0.5 * exponent);
     let terms =
@@ -221,7 +222,7 @@ fn light_at(direction: Vec3, light: DVec3, half: DVec3, shading: &Shading) -> f6
     terms.iter().map(|(k, to, exponent)| f64::from(k.iter().sum::<f32>() / 3.0 * power(*to, *exponent))).sum()
 }
 
-/// Eq. (1) in double precision, by the sine itself.
+/// Evaluates eq. (1) in double precision, from the sine itself.
 fn true_light(tangent: DVec3, light: DVec3, half: DVec3, shading: &Shading) -> f64 {
     let power = |to: DVec3, exponent: f32| tangent.cross(to).length().min(1.0).powf(exponent.into());
     let mean = |k: [f32; 3]| k.iter().map(|x| f64::from(*x)).sum::<f64>() / 3.0;
@@ -229,16 +230,16 @@ fn true_light(tangent: DVec3, light: DVec3, half: DVec3, shading: &Shading) -> f
         + mean(shading.specular) * power(half, shading.specular_exponent)
 }
 
-/// A level of the direction texture as an adapter reads it.
+/// Mip level of the direction texture as an adapter reads it.
 struct Directions {
     size: usize,
     format: TextureFormat,
-    /// `layers * size * size` texels, numbers 0..=1.
+    /// `layers * size * size` texels, components in 0..=1.
     texels: Vec<[f32; 4]>,
 }
 
 impl Directions {
-    /// The finest level for light per pixel, the last for light per vertex.
+    /// Reads the finest level for light per pixel, the last for light per vertex.
     fn new(view: &TextureView<'_>, lighting: Lighting) -> Self {
         let level = if lighting == Lighting::Vertex { view.levels - 1 } else { 0 };
         let size = view.level_size(level).0 as usize;
@@ -252,7 +253,7 @@ impl Directions {
         Self { size, format: view.format, texels }
     }
 
-    /// Bilinear, repeated at the tile's borders.
+    /// Samples bilinearly, repeating at the tile's borders.
     fn at(&self, layer: u32, u: f32, v: f32) -> Vec3 {
         let n = self.size;
         let place = |x: f32| {
@@ -272,7 +273,7 @@ impl Directions {
     }
 }
 
-/// Layers of `size * size` texels from blocks of two components, 16 bytes each (RGTC2, Khronos Data Format 1.3, §19).
+/// Decodes layers of `size * size` texels from two-component blocks of 16 bytes (RGTC2, Khronos Data Format 1.3, §19).
 fn bc5(data: &[u8], size: usize) -> Vec<[f32; 4]> {
     let blocks = size.div_ceil(4);
     let layer_bytes = blocks * blocks * 16;
@@ -287,7 +288,7 @@ fn bc5(data: &[u8], size: usize) -> Vec<[f32; 4]> {
     out
 }
 
-/// A texel of a block of one component: 0..=1.
+/// Decodes a texel of a one-component block, 0..=1.
 fn bc4(block: &[u8], index: usize) -> f32 {
     let ends = [f32::from(block[0]), f32::from(block[1])];
     let bits = block[2..8].iter().rev().fold(0u64, |bits, byte| bits << 8 | u64::from(*byte));

@@ -3,7 +3,7 @@
 use super::*;
 use pelage_bake::recipe::{Style, natural};
 
-/// A small tile; `frizz` tells how much its hairs differ.
+/// Returns a recipe with a small tile; `frizz` sets how much its hairs differ.
 fn recipe(format: &str, frizz: f32) -> Recipe {
     let mut recipe = natural();
     for set in ["hair.density=60", "slice.layers=6", "slice.tile_texels=32"] {
@@ -45,7 +45,7 @@ fn pixels_know_more_of_a_hair_than_vertices() {
         let (pixel, vertex) = (measured(format, 0.5, Lighting::Pixel), measured(format, 0.5, Lighting::Vertex));
         assert!(pixel.direction_error_deg < 0.8 * vertex.direction_error_deg, "{format}: {pixel:?}, {vertex:?}");
         assert!(pixel.light.rmse() < vertex.light.rmse(), "{format}: {pixel:?}, {vertex:?}");
-        // Hair that is all alike is known at vertices, too, but for rounding.
+        // Uniform hair is also known at vertices, up to rounding.
         let alike = measured(format, 0.0, Lighting::Vertex);
         assert!(alike.direction_error_deg < 0.5 * vertex.direction_error_deg, "{format}: {alike:?}");
     }
@@ -67,7 +67,7 @@ fn blocks_are_read_as_another_decoder_reads_them() {
         texture2ddecoder::decode_bc5(blocks, 8, 8, &mut bgra).unwrap();
         for (ours, theirs) in ours[64 * layer..].iter().zip(bgra) {
             let [_, g, r, _] = theirs.to_le_bytes();
-            // That one rounds to bytes.
+            // The other decoder rounds to bytes.
             assert!((ours[0] * 255.0 - f32::from(r)).abs() <= 1.0, "{ours:?} {theirs:x}");
             assert!((ours[1] * 255.0 - f32::from(g)).abs() <= 1.0, "{ours:?} {theirs:x}");
         }

@@ -1,9 +1,9 @@
-//! Speed against accuracy: tables of configurations, their front, and pictures of both.
+//! Speed against accuracy: tables of configurations, their Pareto front, and plots of both.
 //!
 //! A topic is a module that lists configurations ([`environment`], [`environment_fit`], [`multiple`], [`scattering`],
 //! [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`)
-//! and a command that measures them; table, front, CSV and SVG are the same for all. A chart's figures come with the
-//! command that reproduces each, so that nobody has to believe it.
+//! and a command that measures them. Table, front, CSV and SVG are the same for all. Each figure comes with the command
+//! that reproduces it.
 
 mod axis;
 pub mod detail;
@@ -32,19 +32,19 @@ pub mod verlet;
 pub use errors::{Errors, OFF};
 pub use svg::svg;
 
-/// A figure of a configuration.
+/// Value of a configuration in one column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// A number in the unit of its column.
+    /// Number in the unit of its column.
     Number(f64),
-    /// A word.
+    /// Word.
     Text(String),
-    /// Does not apply.
+    /// Not applicable.
     Empty,
 }
 
 impl Cell {
-    /// The number, if it is one and finite.
+    /// Returns the number, if there is one and it is finite.
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Number(x) if x.is_finite() => Some(*x),
@@ -52,7 +52,8 @@ impl Cell {
         }
     }
 
-    /// For CSV and JSON: numbers with six digits that count, which is more than any measurement here is good for.
+    /// Formats the cell for CSV and JSON: numbers with six significant digits, more than any measurement here is
+    /// accurate to.
     pub fn text(&self) -> String {
         match self {
             Self::Number(x) => format!("{x:.5e}").parse::<f64>().unwrap_or(*x).to_string(),
@@ -62,57 +63,55 @@ impl Cell {
     }
 }
 
-/// One configuration.
+/// Configuration and its results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// What is varied; rows of one series share a colour.
+    /// Name of the varied setting; rows of one series share a colour.
     pub series: String,
-    /// The value of what is varied, short, to stand beside the mark; empty for none.
+    /// Value of the varied setting, short, shown beside the mark; empty for none.
     pub label: String,
-    /// One per [`Chart::columns`].
+    /// Cells, one per [`Chart::columns`].
     pub cells: Vec<Cell>,
-    /// Whether it is what a user gets without asking.
+    /// Whether this is the default configuration.
     pub default: bool,
-    /// The command that reproduces it.
+    /// Command that reproduces the row.
     pub command: String,
 }
 
-/// Two columns drawn against each other.
+/// Plot of two columns against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Panel {
-    /// Column of the cost, drawn across.
+    /// Column of the cost, on the horizontal axis.
     pub cost: &'static str,
-    /// Label of that axis, with unit.
+    /// Label of the cost axis, with unit.
     pub cost_label: &'static str,
-    /// Column of the error, drawn upwards.
+    /// Column of the error, on the vertical axis.
     pub error: &'static str,
-    /// Label of that axis, with unit.
+    /// Label of the error axis, with unit.
     pub error_label: &'static str,
-    /// Column and word of the rows that are drawn, where the panels of a chart part its rows between them; `None` draws
-    /// all.
+    /// Column and value of the rows to draw, where a chart's panels divide its rows between them; `None` draws all.
     pub only: Option<(&'static str, &'static str)>,
 }
 
-/// A topic, measured.
+/// Measured topic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// The word after `pelage chart`.
+    /// Word after `pelage chart`.
     pub topic: &'static str,
-    /// What is seen, and of which model.
+    /// Subject of the chart, and its model.
     pub title: String,
-    /// What it was measured on.
+    /// Adapter or device of the measurements.
     pub adapter: String,
-    /// Names of the knobs, errors and costs.
+    /// Names of the parameters, errors and costs.
     pub columns: Vec<&'static str>,
-    /// The configurations, in the order of measuring.
+    /// Configurations, in the order of measurement.
     pub rows: Vec<Row>,
-    /// What to draw, two panels in a row; the first decides `on_front`.
+    /// Panels to draw, two per row; the first determines `on_front`.
     pub panels: Vec<Panel>,
 }
 
 impl Chart {
-    /// Cost and error of each row in `panel`; `None` where either is missing, and for rows that the panel does not
-    /// draw.
+    /// Returns cost and error of each row in `panel`; `None` if either is missing or the panel does not draw the row.
     pub fn points(&self, panel: &Panel) -> Vec<Option<(f64, f64)>> {
         let column = |name: &str| self.columns.iter().position(|c| *c == name);
         let (cost, error) = (column(panel.cost), column(panel.error));
@@ -126,13 +125,13 @@ impl Chart {
         self.rows.iter().map(point).collect()
     }
 
-    /// Whether each row is on the front of `panel`.
+    /// Returns whether each row is on the Pareto front of `panel`.
     pub fn on_front(&self, panel: &Panel) -> Vec<bool> {
         front(&self.points(panel))
     }
 
-    /// The table as CSV (RFC 4180): series, all columns, `adapter`, `default`, `on_front` (of the first panel; one more
-    /// column for each further one), `command`.
+    /// Returns the table as CSV (RFC 4180): series, all columns, `adapter`, `default`, `on_front` (of the first panel;
+    /// one more column for each further one), `command`.
     pub fn csv(&self) -> String {
         let mut header: Vec<String> = vec!["series".into()];
         header.extend(self.columns.iter().map(ToString::to_string));
@@ -152,8 +151,8 @@ impl Chart {
         csv(table)
     }
 
-    /// The columns that say which rows are on a front, each with its name: one for each panel, and one for all that
-    /// part the rows between them.
+    /// Returns the columns that mark rows on a Pareto front, each with its name: one per panel, and one for all panels
+    /// that divide the rows between them.
     pub fn fronts(&self) -> Vec<(String, Vec<bool>)> {
         let mut found: Vec<(&Panel, String, Vec<bool>)> = Vec::new();
         for panel in &self.panels {
@@ -169,15 +168,15 @@ impl Chart {
     }
 }
 
-/// The rows that no other beats: none is at most as costly and at most as wrong, and better in one of the two. Rows
-/// without figures are never on it.
+/// Returns which rows are on the Pareto front: no other row is at most as costly and at most as wrong, and better in
+/// one of the two. Rows without figures are never on it.
 pub fn front(points: &[Option<(f64, f64)>]) -> Vec<bool> {
     let beats = |(c, e): (f64, f64), (cost, error): (f64, f64)| c <= cost && e <= error && (c < cost || e < error);
     let unbeaten = |p: &Option<(f64, f64)>| p.is_some_and(|p| !points.iter().flatten().any(|q| beats(*q, p)));
     points.iter().map(unbeaten).collect()
 }
 
-/// Lines of fields as CSV (RFC 4180).
+/// Formats lines of fields as CSV (RFC 4180).
 pub fn csv(table: impl IntoIterator<Item = Vec<String>>) -> String {
     let quote = |f: &String| {
         if f.contains([',', '"', '\n', '\r']) { format!("\"{}\"", f.replace('"', "\"\"")) } else { f.clone() }
@@ -212,7 +211,8 @@ mod tests {
             title: String::new(),
             adapter: String::new(),
             columns: vec!["size", "c", "e"],
-            // The small one is cheaper and truer than all of the large ones, and no choice for those who draw large.
+            // The small row is cheaper and more accurate than all large ones, but not an alternative for large
+            // pictures.
             rows: vec![row("large", 3.0, 3.0), row("large", 4.0, 4.0), row("small", 1.0, 1.0)],
             panels: vec![panel("large"), panel("small"), Panel { only: None, ..panel("") }],
         };

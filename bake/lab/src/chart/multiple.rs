@@ -1,34 +1,34 @@
-//! Topic `multiple`: coats as fibres that scatter light to each other, against traced paths, by what is known of that
-//! light: nothing, a constant, Kajiya-Kay's lobes, or what a coat of such fibres makes of it.
+//! Topic `multiple`: fur whose fibres scatter light to each other, against path tracing. Models of that light: none, a
+//! constant, Kajiya-Kay's lobes, or multiple scattering between such fibres.
 //!
-//! Squares of pixels are compared, not pixels: what speckle a hair makes is no matter of its light.
+//! Squares of pixels are compared, not pixels: the speckle of single hairs is not an error of light.
 
 use super::{Cell, Panel};
 use glam::DVec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_stage::LookScattering;
 
-/// Coats: names, and the eumelanin that makes them.
+/// Fur colours: name and amount of eumelanin.
 pub const COATS: [(&str, f32); 4] = [("black", 8.0), ("brown", 1.3), ("blond", 0.2), ("white", 0.0)];
-/// Suns: names, and directions towards them. The camera stands to the right of the model's front.
+/// Suns: name and direction towards it. The camera is to the right of the model's front.
 pub const LIGHTS: [(&str, [f32; 3]); 3] =
     [("front", [0.3, 0.5, 1.0]), ("side", [-1.0, 0.4, 0.2]), ("behind", [-0.5, 0.35, -0.9])];
 /// Width and height of the pictures, pixels.
 pub const SIZE: u32 = 480;
-/// Width and height of the squares that are compared, pixels.
+/// Width and height of the compared squares, pixels.
 const BLOCK: u32 = 16;
-/// Paths of each pixel of the truth.
+/// Paths per pixel of the reference picture.
 pub const SAMPLES: u32 = 32;
-/// The ambient light of rows that have a constant one.
+/// Ambient light of the rows with constant ambient light.
 pub const AMBIENT: f32 = 0.35;
 
 /// Columns of the chart.
 ///
-/// * `coat`: of one colour. `hair`: what it is drawn as.
-/// * `mean_percent`: luminance of the squares that are mostly covered over that of the truth, less 1, of the three
-///   lights together; `mean_front` and the like: of one. `rmse_percent`: root of the mean square of what squares differ
-///   by, over their mean; `rmse_front` and the like: of one light.
-/// * `frame_ms`: of a frame under the first light.
+/// * `coat`: colour of the fur. `hair`: geometry that it is drawn as.
+/// * `mean_percent`: luminance of the mostly covered squares over that of the truth, less 1, of all three lights;
+///   `mean_front` etc.: of one light. `rmse_percent`: root mean square of the squares' differences, over their mean;
+///   `rmse_front` etc.: of one light.
+/// * `frame_ms`: milliseconds of a frame under the first light.
 pub const COLUMNS: [&str; 11] = [
     "coat",
     "hair",
@@ -56,18 +56,18 @@ const fn panel(coat: &'static str) -> Panel {
     }
 }
 
-/// How hair is lit.
+/// Lighting model of the hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Form {
-    /// Its name.
+    /// Name of the model.
     pub name: &'static str,
-    /// By what.
+    /// Scattering mode.
     pub scattering: LookScattering,
-    /// With the constant ambient light.
+    /// Whether constant ambient light is added.
     pub ambient: bool,
 }
 
-/// All of them, what packages have first.
+/// All lighting models; the first is what packages have.
 pub const FORMS: [Form; 4] = [
     Form { name: "fibres, light of other fibres", scattering: LookScattering::Multiple, ambient: false },
     Form { name: "fibres, single scattering", scattering: LookScattering::Single, ambient: false },
@@ -75,32 +75,32 @@ pub const FORMS: [Form; 4] = [
     Form { name: "Kajiya-Kay, constant ambient light", scattering: LookScattering::Off, ambient: true },
 ];
 
-/// Something to measure.
+/// Parameters of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Configuration {
-    /// Which of [`COATS`].
+    /// Index into [`COATS`].
     pub coat: usize,
-    /// It is drawn as strands, not as layers.
+    /// Whether hair is drawn as strands, not as layers.
     pub strands: bool,
-    /// How it is lit.
+    /// Lighting model.
     pub form: Form,
 }
 
-/// What to measure.
+/// Lists what to measure.
 pub fn configurations() -> Vec<Configuration> {
     let each = (0..COATS.len()).flat_map(|coat| [false, true].map(|strands| (coat, strands)));
     each.flat_map(|(coat, strands)| FORMS.map(|form| Configuration { coat, strands, form })).collect()
 }
 
-/// Light of the squares of a picture that hair mostly covers.
+/// Luminance of a picture's squares that hair mostly covers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Squares {
-    /// Luminance of the truth and of what was drawn.
+    /// Pairs of luminance: truth, drawn.
     pairs: Vec<(f64, f64)>,
 }
 
 impl Squares {
-    /// Of a traced picture, linear and premultiplied, and one that was drawn, sRGB bytes with straight alpha, both of
+    /// Compares a path-traced picture (linear, premultiplied) with a drawn one (sRGB bytes, straight alpha), both
     /// [`SIZE`] squared.
     pub fn new(truth: &[[f32; 4]], drawn: &[u8]) -> Self {
         let luminance = |rgb: DVec3| rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722));
@@ -130,20 +130,20 @@ impl Squares {
         self.pairs.iter().map(|(truth, _)| truth).sum::<f64>() / self.pairs.len().max(1) as f64
     }
 
-    /// Mean luminance over the truth's, less 1.
+    /// Returns the mean luminance over the truth's, less 1.
     pub fn mean(&self) -> f64 {
         let sum: f64 = self.pairs.iter().map(|(_, drawn)| drawn).sum();
         sum / self.pairs.len().max(1) as f64 / self.mean_true() - 1.0
     }
 
-    /// Root of the mean square of the difference over the mean of the truth.
+    /// Returns the root mean square difference over the mean of the truth.
     pub fn rmse(&self) -> f64 {
         let squares: f64 = self.pairs.iter().map(|(truth, drawn)| (drawn - truth).powi(2)).sum();
         (squares / self.pairs.len().max(1) as f64).sqrt() / self.mean_true()
     }
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]. `squares`: under each of [`LIGHTS`].
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `squares`: under each of [`LIGHTS`].
 pub fn cells(configuration: &Configuration, squares: &[Squares; 3], frame_ms: f64) -> Vec<Cell> {
     let all = Squares { pairs: squares.iter().flat_map(|of| of.pairs.iter().copied()).collect() };
     let percent = |x: f64| Cell::Number(100.0 * x);
@@ -168,7 +168,7 @@ mod tests {
         let count = (SIZE * SIZE) as usize;
         let mut truth = vec![[0.0f32; 4]; count];
         let mut drawn = vec![0u8; 4 * count];
-        // The upper half is covered, by 0.2 and by what byte 128 holds.
+        // The upper half is covered, by 0.2 in the truth and by byte 128 as drawn.
         for at in 0..count / 2 {
             truth[at] = [0.2, 0.2, 0.2, 1.0];
             drawn[4 * at..4 * at + 4].copy_from_slice(&[128, 128, 128, 255]);

@@ -1,8 +1,9 @@
-//! Topic `opacity-shadow`: how well maps of slabs know the light between single strands, and what they cost.
+//! Topic `opacity-shadow`: accuracy and cost of slab maps (deep and opacity shadow maps) for the light between single
+//! strands.
 //!
-//! The maps are the runtime's own, drawn by the adapter and read back. The truth is the traced scene's
-//! ([`TrueScene::light_on_strand`]), at places of strands that an eye sees, and its picture. What slabs do on their own
-//! is driven over an even ball of hair ([`Ball`]).
+//! The maps are the runtime's own, drawn by the adapter and read back. The truth is that of the traced scene
+//! ([`TrueScene::light_on_strand`]), at strand points visible to the eye, and its picture. The error of slabs alone is
+//! measured in a homogeneous ball of hair ([`Ball`]).
 
 use super::errors::Errors;
 use super::{Cell, Panel};
@@ -12,28 +13,28 @@ use pelage_runtime::{LightView, OpacityForm, ShadowParams, Study};
 use pelage_truth::{SeenStrand, TrueLight, TrueScene};
 use rayon::prelude::*;
 
-/// Rays to a light from a place of a strand.
+/// Rays to a light from a strand point.
 pub const RAYS: u32 = 16;
-/// Every how many pixels of the picture a place of a strand is looked for.
+/// Spacing of the pixels at which strand points are sampled.
 pub const STEP_PX: u32 = 3;
-/// Samples a pixel that strands are drawn with.
+/// Samples per pixel with which strands are drawn.
 pub const SAMPLES: u32 = 4;
-/// Slabs of the opacity shadow map, as in Nguyen and Donnelly 2005.
+/// Number of planes of the opacity shadow map, as in Nguyen and Donnelly 2005.
 pub const PLANES: u32 = 16;
 
 /// Columns of the chart.
 ///
 /// * `form`: `deep`, slabs behind the first hair of each texel; `whole`, planes over the whole depth of the hair;
-///   `printed`, those with the printed spacing. `axis`: 1 where the light is looked up on the axis of strands, and not
-///   towards the eye.
-/// * `slabs`, `map_size`: as asked for. `texel_widths`: width of a texel over the mean width of strands.
-/// * `rmse`, `mean_error`, `off_by_0.1`: t against the truth at places of strands that the eye sees and the skin does
-///   not hide from the light, `places` under three lights together.
-/// * `flip`, `flip_covered`, `image_rmse`: of the picture at four samples a pixel, under the first of them, against the
-///   true one of `samples` rays a pixel.
-/// * `largest_step`: of t between the ends of neighbouring slabs, in rays of light through an even ball of hair;
-///   `largest_error`: of t there; [`Ball`].
-/// * `milliseconds`: drawing the map; `timing` says by which clock. `bytes`: of the map.
+///   `printed`, those with the printed spacing. `axis`: 1 if the light is looked up on the axis of strands, 0 if on the
+///   side towards the eye.
+/// * `slabs`, `map_size`: as requested. `texel_widths`: width of a texel over the mean width of strands.
+/// * `rmse`, `mean_error`, `off_by_0.1`: t against the truth, at strand points visible to the eye that the mesh surface
+///   does not hide from the light; `places` is their number under three lights together.
+/// * `flip`, `flip_covered`, `image_rmse`: of the picture at four samples per pixel, under the first light, against the
+///   reference picture of `samples` rays per pixel.
+/// * `largest_step`: of t between the ends of neighbouring slabs, along rays of light through a homogeneous ball of
+///   hair; `largest_error`: of t there; see [`Ball`].
+/// * `milliseconds`: drawing the map; `timing`: clock used. `bytes`: of the map.
 pub const COLUMNS: [&str; 18] = [
     "form",
     "axis",
@@ -72,28 +73,28 @@ const fn panel(cost: &'static str, cost_label: &'static str, error: &'static str
     Panel { cost, cost_label, error, error_label, only: None }
 }
 
-/// A map to measure.
+/// Map to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// Its value, beside the mark.
+    /// Value of the varied setting, shown beside the mark.
     pub label: String,
-    /// Slabs and size.
+    /// Number of slabs and map size.
     pub shadows: ShadowParams,
-    /// Which slabs, and where light is looked up.
+    /// Form of the slabs, and position of the light lookup.
     pub study: Study,
-    /// Whether it is what a user gets without asking.
+    /// Whether this is the default configuration.
     pub default: bool,
 }
 
-/// What to measure: first what the runtime does, then deep maps of 4, 8 and 16 slabs and opacity shadow maps of
-/// [`PLANES`], safe and as printed, each of 256², 512² and 1024², and what the runtime does with light looked up on the
-/// axis.
+/// Lists what to measure: first the runtime's default; then deep maps of 4, 8 and 16 slabs and opacity shadow maps of
+/// [`PLANES`], safe and as printed, each of 256², 512² and 1024²; and the runtime's default with the light looked up on
+/// the axis.
 pub fn configurations() -> Vec<Configuration> {
     let base = ShadowParams::default();
     let sized = |slabs, map_size| base.with(|s| (s.slabs, s.map_size) = (slabs, map_size));
-    // Whatever the width of strands, sizes are those that are named.
+    // Sizes are those named, whatever the width of strands.
     let of = |form| Study::default().with(|s| (s.opacity, s.thin_texels) = (form, true));
     let mut out = vec![Configuration {
         series: "as the runtime does",
@@ -123,21 +124,21 @@ pub fn configurations() -> Vec<Configuration> {
     out
 }
 
-/// A map in memory.
+/// Slab map in memory.
 #[derive(Clone, Debug)]
 pub struct DeepMap {
-    /// Where it lies.
+    /// View from the light in which the map was drawn.
     pub view: LightView,
-    /// What its numbers mean.
+    /// Encoding of the map.
     pub opacity: DeepOpacity,
-    /// Which slabs it has.
+    /// Form of its slabs.
     pub form: OpacityForm,
-    /// Nearness of the first hair of each texel, then the opacity of its slabs.
+    /// Nearness of the first hair of each texel, then the opacities of the slabs.
     pub texels: Vec<u32>,
 }
 
 impl DeepMap {
-    /// t at a point in world space: the same steps in the same order as in `strand_light.wgsl` of the runtime.
+    /// Returns t at a point in world space: the same steps in the same order as in the runtime's `strand_light.wgsl`.
     pub fn light_at(&self, position_ws: Vec3) -> f32 {
         let place = self.view.map_from_world * position_ws.extend(1.0);
         let at = place.truncate().truncate() / place.w * self.opacity.size as f32 - 0.5;
@@ -158,7 +159,7 @@ impl DeepMap {
         light_in_column(self.form, &self.opacity, first, &of_slabs, depth)
     }
 
-    /// Width of a texel over that of strands of such a width, metres; of a point light in the middle of its range.
+    /// Returns the width of a texel over a strand width in metres; for a point light, at the middle of its range.
     pub fn texel_widths(&self, width_m: f32) -> f64 {
         let view = &self.view;
         let distance = view.near_m.map_or(1.0, |near| near + 0.5 * view.range_m);
@@ -166,13 +167,14 @@ impl DeepMap {
     }
 }
 
-/// How many slabs behind where a column of them begins a depth lies; `first`: of the column's first hair.
+/// Returns the number of slabs by which a depth is behind the beginning of its column; `first`: depth of the column's
+/// first hair.
 fn behind(form: OpacityForm, opacity: &DeepOpacity, first: f32, depth: f32) -> f32 {
     let begin = if form == OpacityForm::Deep { first } else { opacity.whole_from };
     (depth - begin) * opacity.slabs_per_depth
 }
 
-/// t in a column of slabs of such optical depths, at a depth.
+/// Returns t at a depth in a column of slabs with these optical depths.
 ///
 /// * `first`: depth of the column's first hair
 pub fn light_in_column(form: OpacityForm, opacity: &DeepOpacity, first: f32, slabs: &[f32], depth: f32) -> f32 {
@@ -182,7 +184,8 @@ pub fn light_in_column(form: OpacityForm, opacity: &DeepOpacity, first: f32, sla
     (-opacity.density * sum * if form == OpacityForm::Printed { past_last } else { 1.0 }).exp()
 }
 
-/// The optical depths of a column's slabs: `hair` has depths and what each covers, the nearest anywhere among them.
+/// Returns the depth of a column's first hair and the optical depths of its slabs. `hair`: depth and coverage of each
+/// hair, in any order.
 pub fn column(
     form: OpacityForm,
     opacity: &DeepOpacity,
@@ -199,7 +202,7 @@ pub fn column(
     (first, slabs)
 }
 
-/// A column of slabs as a map of such settings has them, over a depth of `depth_m` in which hair is `fur_m` high.
+/// Returns the slab parameters of a map with such settings, over a depth of `depth_m` in which hair is `fur_m` high.
 pub fn columns_of(form: OpacityForm, shadows: &ShadowParams, depth_m: f32, fur_m: f32) -> DeepOpacity {
     let between = shadows.slabs.saturating_sub(1).max(1);
     let (slabs, slabs_per_depth) = match form {
@@ -210,28 +213,28 @@ pub fn columns_of(form: OpacityForm, shadows: &ShadowParams, depth_m: f32, fur_m
     DeepOpacity { slabs, slabs_per_depth, density: 1.0, ..DeepOpacity::default() }
 }
 
-/// A ball of hair that is as deep as the scene is to its light, and so dense that 1/e of the light is left half the
-/// fur's height below its surface.
+/// Ball of hair as deep as the scene is along its light. Its density leaves 1/e of the light half the fur's height
+/// below its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
-    /// Its diameter, metres.
+    /// Diameter, metres.
     pub depth_m: f32,
     /// Height of the fur, metres.
     pub fur_m: f32,
 }
 
-/// Pieces that the hair in a ray through the ball is made of: many in each slab.
+/// Number of pieces of hair along a ray through the ball: many per slab.
 const PIECES: u32 = 4096;
 
 impl Ball {
-    /// Largest step of t between the ends of neighbouring slabs, and largest error of t, in rays through the ball from
-    /// its middle to near its edge.
+    /// Returns the largest step of t between the ends of neighbouring slabs and the largest error of t, along rays from
+    /// the ball's middle to near its edge.
     pub fn measure(&self, form: OpacityForm, shadows: &ShadowParams) -> (f64, f64) {
         let opacity = columns_of(form, shadows, self.depth_m, self.fur_m);
         let per_depth = 2.0 * self.depth_m / self.fur_m;
         let (mut step, mut error) = (0.0f64, 0.0f64);
         for ray in 0..16 {
-            // Half the way that it goes in the ball, of a depth of 1.
+            // Half of the ray's length inside the ball, which has depth 1.
             let half = 0.5 * (1.0 - (ray as f32 / 16.0).powi(2)).sqrt();
             let piece = 2.0 * half / PIECES as f32;
             let depth = |k: f32| 0.5 - half + piece * k;
@@ -251,23 +254,23 @@ impl Ball {
     }
 }
 
-/// The true light at places of strands.
+/// True light at strand points.
 #[derive(Clone, Debug, Default)]
 pub struct Truth(Vec<(SeenStrand, f64)>);
 
 impl Truth {
-    /// Of the places that the skin does not hide from the light.
+    /// Computes the truth for those points that the mesh surface does not hide from the light.
     pub fn new(scene: &TrueScene, places: &[SeenStrand], light: &TrueLight) -> Self {
         let lit = |at: &SeenStrand| Some((*at, scene.light_on_strand(at, light, RAYS)?));
         Self(places.par_iter().filter_map(lit).collect())
     }
 
-    /// Number of places.
+    /// Returns the number of points.
     pub fn places(&self) -> usize {
         self.0.len()
     }
 
-    /// Errors of a map; `on_axis`: looked up on the axis of strands.
+    /// Returns the errors of a map; `on_axis`: looked up on the axis of strands.
     pub fn errors(&self, map: &DeepMap, on_axis: bool) -> Errors {
         let found = |(at, truth): &(SeenStrand, f64)| {
             let aside = if on_axis { 0.0 } else { at.radius_m };
@@ -277,12 +280,12 @@ impl Truth {
     }
 }
 
-/// What was measured of a configuration.
+/// Results of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Of t.
+    /// Errors of t.
     pub errors: Errors,
-    /// Places at which t was asked, under all lights.
+    /// Number of points at which t was compared, under all lights.
     pub places: usize,
     /// Mean FLIP of the picture.
     pub flip: f64,
@@ -290,19 +293,19 @@ pub struct Measured {
     pub flip_covered: f64,
     /// RMSE of premultiplied linear colour.
     pub image_rmse: f64,
-    /// Of the ball: largest step, largest error.
+    /// Largest step and largest error in the ball.
     pub ball: (f64, f64),
-    /// [`DeepMap::texel_widths`].
+    /// Result of [`DeepMap::texel_widths`].
     pub texel_widths: f64,
-    /// Drawing the map.
+    /// Milliseconds to draw the map.
     pub milliseconds: f64,
-    /// Of the map.
+    /// Bytes of the map.
     pub bytes: u64,
-    /// Rays a pixel of the true picture.
+    /// Rays per pixel of the reference picture.
     pub samples: u32,
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]; `timing`: where the milliseconds come from.
+/// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
 pub fn cells(configuration: &Configuration, m: &Measured, timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let study = &configuration.study;

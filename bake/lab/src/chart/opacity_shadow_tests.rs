@@ -14,7 +14,7 @@ fn view() -> LightView {
     }
 }
 
-/// Two texels beside each other of two slabs each, 0.1 deep.
+/// Two adjacent texels of two slabs each, 0.1 deep.
 #[test]
 fn a_map_is_read_as_it_was_drawn() {
     let step = (1.0 / OPACITY_STEP) as u32;
@@ -29,7 +29,7 @@ fn a_map_is_read_as_it_was_drawn() {
     {
         let expected = (-optical as f32).exp();
         assert!((light(u, 0.25, depth) - expected).abs() < 1e-5, "{u}, {depth}: {}", light(u, 0.25, depth));
-        // Half of the texel below, which has no hair; and past the edge.
+        // Half of the texel below, which has no hair; and beyond the edge.
         assert!((light(u, 0.5, depth) - 0.5 * (1.0 + expected)).abs() < 1e-5);
         assert!((light(u, -3.0, depth) - expected).abs() < 1e-5);
     }
@@ -55,8 +55,8 @@ fn planes_as_printed_lose_what_is_behind_the_last() {
     assert!(light(OpacityForm::Deep, 0.1) > 0.999);
 }
 
-/// Thinner slabs make smaller steps; planes over all of a deep ball make large ones, and as printed the light comes
-/// back at its end.
+/// Thinner slabs make smaller steps. Planes over all of a deep ball make large ones; as printed, light reappears at its
+/// far end.
 #[test]
 fn a_ball_tells_forms_apart() {
     let ball = Ball { depth_m: 1.0, fur_m: 0.02 };

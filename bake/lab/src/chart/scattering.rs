@@ -1,7 +1,7 @@
-//! Topic `scattering`: how near what a frame looks up of a fibre is to the fibre's equations, and what it costs: tables
-//! of several sizes and axes, tables between whose texels a cubic goes, the printed tables, and a fit without any.
+//! Topic `scattering`: accuracy and cost of what a frame looks up for a fibre, against the fibre's equations. Compared:
+//! tables of several sizes and axes, tables with cubic interpolation, the printed tables, and a fit without tables.
 //!
-//! The truth is S cos θi in f64 of pairs of directions that are even over the sphere, under five fibres and three
+//! The truth is S cos θi in f64 for pairs of directions, uniform over the sphere, for five fibres and three
 //! absorptions.
 
 use super::{Cell, Panel};
@@ -15,12 +15,12 @@ use pelage_formats::meaning::scattering::tables::{Tables, between};
 use pelage_formats::meaning::scattering::{Angles, Fibre, PATHS};
 use std::f64::consts::PI;
 
-/// Pairs of directions, of each fibre.
+/// Pairs of directions per fibre.
 pub const PAIRS: usize = 1_000_000;
-/// What the fibres absorb a radius: a blond, a brown and a black channel.
+/// Absorption of the fibres per radius: a blond, a brown and a black channel.
 pub const SIGMAS: [f64; 3] = [0.1, 0.5, 2.0];
 
-/// The fibres: human hair, glossy and tilted, soft, clear with glints, and matt wool.
+/// Fibres: human hair, glossy and tilted, soft, clear with glints, and matt wool.
 pub const FIBRES: [FibreOptics; 5] = [
     FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.117 },
     FibreOptics { eta: 1.55, along: 0.09, tilt: 0.12, around: 0.08 },
@@ -31,12 +31,11 @@ pub const FIBRES: [FibreOptics; 5] = [
 
 /// Columns of the chart.
 ///
-/// * `error_percent`: root of the mean square of the difference over that of the truth, of all pairs, fibres and
-///   absorptions; `worst_fibre_percent`: of the fibre of which it is largest.
-/// * `energy_percent`: mean of what is scattered over that of the truth, less 1.
-/// * `nanoseconds`: of one evaluation of three colours on the adapter, with all that is read; `fetches`: texels that a
-///   sampler is asked for.
-/// * `bytes`: of a fibre's tables, as half floats.
+/// * `error_percent`: root mean square of the difference over that of the truth, over all pairs, fibres and
+///   absorptions; `worst_fibre_percent`: of the fibre with the largest error.
+/// * `energy_percent`: mean of the scattered light over that of the truth, less 1.
+/// * `nanoseconds`: one evaluation of three colours on the adapter, with all reads; `fetches`: texture samples.
+/// * `bytes`: size of a fibre's tables, as half floats.
 pub const COLUMNS: [&str; 6] =
     ["error_percent", "worst_fibre_percent", "energy_percent", "nanoseconds", "fetches", "bytes"];
 
@@ -51,36 +50,36 @@ const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
     Panel { cost, cost_label, error: "error_percent", error_label: "relative L2 error of S, %", only: None }
 }
 
-/// What is measured.
+/// Method of evaluating a fibre's scattering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Our tables, of so many texels a side.
+    /// Tables as in packages, with that number of texels per side.
     Tables(usize),
-    /// Ours, with a cubic through four texels each way (Catmull and Rom 1974).
+    /// Like `Tables`, with cubic interpolation over four texels per axis (Catmull and Rom 1974).
     Cubic(usize),
-    /// Ours, but cos φ for the azimuth's axis, as printed.
+    /// Like `Tables`, with cos φ as the azimuth's axis, as printed.
     CosPhi(usize),
-    /// Ours, but one length of each path for all azimuths.
+    /// Like `Tables`, with one length per path for all azimuths.
     EvenLengths(usize),
-    /// Ours, but lengths of all paths by their azimuth, from a third table.
+    /// Like `Tables`, with lengths of all paths by azimuth, from a third table.
     AllLengths(usize),
-    /// As printed (Nguyen and Donnelly 2005): along by sin θi and sin θo, around by cos θd and cos φ, TT taken for TRT
-    /// and the other way round.
+    /// Printed tables (Nguyen and Donnelly 2005): longitudinal part by sin θi and sin θo, azimuthal part by cos θd and
+    /// cos φ, TT and TRT swapped.
     Printed(usize),
     /// Without tables, by a fit (Karis 2016).
     Fit,
 }
 
-/// Something to measure.
+/// Parameters of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// What it is.
+    /// Evaluation method.
     pub form: Form,
 }
 
-/// What to measure.
+/// Lists what to measure.
 pub fn configurations() -> Vec<Configuration> {
     let sized = |series, form: fn(usize) -> Form, sizes: &[usize]| {
         sizes.iter().map(|size| Configuration { series, form: form(*size) }).collect::<Vec<_>>()
@@ -96,7 +95,7 @@ pub fn configurations() -> Vec<Configuration> {
 }
 
 impl Form {
-    /// Texels along an edge of its tables; `None` without.
+    /// Returns the number of texels along an edge of the tables; `None` without tables.
     pub fn size(self) -> Option<usize> {
         match self {
             Self::Tables(n) | Self::Cubic(n) | Self::CosPhi(n) | Self::Printed(n) => Some(n),
@@ -105,15 +104,15 @@ impl Form {
         }
     }
 
-    /// Whether it is what a package has.
+    /// Returns whether packages have this form.
     pub fn is_default(self) -> bool {
         self == Self::Tables(64)
     }
 
-    /// Texels that a sampler is asked for, each between four or one.
+    /// Returns the number of texture samples, each of which reads one texel or interpolates between four.
     pub fn fetches(self) -> u32 {
         match self {
-            // Sixteen texels by five fetches between them.
+            // Sixteen texels by five interpolated samples, in each of two tables.
             Self::Cubic(_) => 10,
             Self::Tables(_) | Self::CosPhi(_) | Self::EvenLengths(_) => 2,
             Self::AllLengths(_) | Self::Printed(_) => 3,
@@ -121,47 +120,47 @@ impl Form {
         }
     }
 
-    /// Bytes of a fibre's tables.
+    /// Returns the bytes of a fibre's tables.
     pub fn bytes(self) -> usize {
-        // Printed: what is along it, what is around it, and two lengths.
+        // Printed tables: longitudinal part, azimuthal part, and two lengths.
         let layers = if matches!(self, Self::AllLengths(_) | Self::Printed(_)) { 3 } else { 2 };
         self.size().map_or(0, |n| 8 * layers * n * n)
     }
 }
 
-/// A form of a fibre, ready to be asked.
+/// Fibre in one of the forms, ready for evaluation.
 pub enum Known {
-    /// Our tables.
+    /// Tables as in packages.
     Ours {
-        /// They.
+        /// Tables of the fibre.
         tables: Box<Tables>,
-        /// A cubic goes between texels.
+        /// Whether interpolation is cubic.
         cubic: bool,
-        /// The azimuth's axis is its cosine.
+        /// Whether the azimuth's axis is its cosine.
         by_cosine: bool,
     },
-    /// Our tables, and one more of the lengths of TRT and all other paths.
+    /// Tables as in packages, plus one with the lengths of TRT and of all other paths.
     AllLengths {
-        /// They.
+        /// Tables of the fibre.
         tables: Box<Tables>,
-        /// Of the texels of what is around the fibre.
+        /// Lengths at the texels of the azimuthal table.
         lengths: Vec<[f64; 2]>,
     },
-    /// The printed tables.
+    /// Printed tables.
     Printed {
         /// Texels along an edge.
         size: usize,
-        /// By sin θi, row by row by sin θo: R, TT, TRT along.
+        /// Longitudinal part of R, TT, TRT: columns by sin θi, rows by sin θo.
         along: Vec<[f64; 3]>,
-        /// By cos φ, row by row by cos θd: light of R, TT, TRT, and the lengths of the last two.
+        /// Azimuthal light of R, TT, TRT, and lengths of TT and TRT: columns by cos φ, rows by cos θd.
         around: Vec<[f64; 5]>,
     },
-    /// The fit.
+    /// Fit without tables.
     Fit(FibreOptics),
 }
 
 impl Known {
-    /// Makes it.
+    /// Prepares a fibre for a form.
     pub fn new(form: Form, optics: &FibreOptics) -> Self {
         let fibre = optics.fibre();
         match form {
@@ -179,7 +178,7 @@ impl Known {
         Self::Ours { tables: Box::new(tables), cubic, by_cosine }
     }
 
-    /// What it says that the fibre scatters, times cos θi.
+    /// Returns the scattered light times cos θi, for each of [`SIGMAS`].
     pub fn scatter(&self, angles: &Angles) -> [f64; 3] {
         match self {
             Self::Ours { tables, cubic, by_cosine } => {
@@ -238,7 +237,7 @@ fn cubic_between<const N: usize>(table: &[[f32; N]], size: usize, at: [f64; 2]) 
     sum
 }
 
-/// Ours, with texels evenly by cos φ.
+/// Returns tables like those of packages, with texels evenly spaced in cos φ.
 fn by_cosine(fibre: &Fibre, size: usize) -> Tables {
     let mut tables = Tables::new(fibre, size);
     let share = |i: usize| i as f64 / (size - 1) as f64;
@@ -257,7 +256,7 @@ fn by_cosine(fibre: &Fibre, size: usize) -> Tables {
     tables
 }
 
-/// The same with the mean of each row's length of TT, by its light.
+/// Replaces the lengths of TT in each row by their mean, weighted by light.
 fn even_lengths(mut tables: Tables) -> Tables {
     for row in tables.around.chunks_mut(tables.size) {
         let light: f32 = row.iter().map(|of| of[1]).sum();
@@ -299,8 +298,8 @@ fn printed(fibre: &Fibre, size: usize) -> Known {
     Known::Printed { size, along, around }
 }
 
-/// Lobes that are no table, as a game engine has them (Karis 2016): Gaussians of sin θi + sin θo along the fibre, and
-/// fits of the azimuth around it.
+/// Evaluates the lobes of a game engine, which need no table (Karis 2016): Gaussians of sin θi + sin θo along the
+/// fibre, and fits of the azimuth around it.
 fn fit(optics: &FibreOptics, angles: &Angles) -> [f64; 3] {
     let (eta, width, tilt) = (f64::from(optics.eta), 2.0 * f64::from(optics.along), 2.0 * f64::from(optics.tilt));
     let cos_d = angles.cos_d().max(LEAST_COS_D);
@@ -326,35 +325,35 @@ fn fit(optics: &FibreOptics, angles: &Angles) -> [f64; 3] {
     let within =
         along(2.0 * width, 1.5 * tilt) * (1.0 - within_f).powi(2) * within_f * libm::exp(17.0 * cos_phi - 16.78);
     SIGMAS.map(|sigma| {
-        // Its lobes are per radian of the eye's cosine; S has that of the light.
+        // The fit's lobes refer to the eye's cosine, S to the light's.
         let light = angles.from.1;
         (reflected + through * libm::exp(-sigma * chord) + within * libm::exp(-sigma * 3.2 / cos_d)) * light / cos_d
     })
 }
 
-/// How far a form is from the equations.
+/// Error of a form against the equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Off {
     /// Relative L2 error over all fibres.
     pub error: f64,
-    /// Of the worst.
+    /// Relative L2 error of the worst fibre.
     pub worst: f64,
-    /// Mean of what is scattered over the truth's, less 1.
+    /// Mean of the scattered light over the truth's, less 1.
     pub energy: f64,
 }
 
-/// Pairs of directions with what the equations say of them, of one fibre.
+/// Pairs of directions with the results of the equations, for one fibre.
 pub struct Truth {
     pairs: Vec<(Angles, [f64; 3])>,
 }
 
 impl Truth {
-    /// Of so many pairs.
+    /// Evaluates `count` pairs of directions.
     pub fn new(optics: &FibreOptics, count: usize) -> Self {
         use rayon::prelude::*;
         let fibre = optics.fibre();
         let pairs = (0..count).into_par_iter().map(|pair| {
-            // A fibre is the same all around: one axis serves for all.
+            // A fibre is the same all around, so one axis is enough.
             let angles = Angles::between(DVec3::X, direction(2 * pair as u64), direction(2 * pair as u64 + 1));
             (angles, fibre.scatter(SIGMAS, &angles))
         });
@@ -362,7 +361,7 @@ impl Truth {
     }
 }
 
-/// Random, even over the sphere.
+/// Returns a random direction, uniform over the sphere.
 fn direction(number: u64) -> DVec3 {
     let [height, turn] = [0, 1].map(|what| f64::from(uniform(hash(0xf1b7, number), what)));
     let z = 2.0 * height - 1.0;
@@ -370,7 +369,7 @@ fn direction(number: u64) -> DVec3 {
     DVec3::new(across * libm::cos(2.0 * PI * turn), across * libm::sin(2.0 * PI * turn), z)
 }
 
-/// How far a form is from the truths of [`FIBRES`].
+/// Returns the error of a form against the truths of [`FIBRES`].
 pub fn off(form: Form, truths: &[Truth]) -> Off {
     use rayon::prelude::*;
     let of_fibres = FIBRES.iter().zip(truths).map(|(optics, truth)| {
@@ -397,7 +396,7 @@ pub fn off(form: Form, truths: &[Truth]) -> Off {
     }
 }
 
-/// The cells of a row, in the order of [`COLUMNS`].
+/// Returns the cells of a row, in the order of [`COLUMNS`].
 pub fn cells(form: Form, off: &Off, nanoseconds: Option<f64>) -> Vec<Cell> {
     vec![
         Cell::Number(100.0 * off.error),

@@ -1,10 +1,10 @@
-//! Topic `self-shadow`: how well baked visibility and layer-wise shadow maps know what light the hair lets through, and
-//! what they cost.
+//! Topic `self-shadow`: accuracy and cost of baked visibility and layer-wise shadow maps for the light that passes
+//! through hair.
 //!
-//! The recipe's hair grows on a flat sheet, so that the frame of every tile is known and nothing but hair stands in the
-//! light; the tile in its middle is judged, and about it lies as much sheet as the slanted rays that end on it need.
-//! The maps are the runtime's own, drawn by the adapter and read back; visibility is that of a package of the sheet,
-//! decoded. The truths are [`SampledVolume`] and [`StrandField`].
+//! The recipe's hair grows on a flat sheet, so that the frame of every tile is known and only hair occludes. The middle
+//! tile is evaluated. The sheet around it is as large as the slanted rays ending on that tile need. The maps are the
+//! runtime's own, drawn by the adapter and read back; visibility is decoded from a package of the sheet. The truths are
+//! [`SampledVolume`] and [`StrandField`].
 
 use super::errors::Errors;
 use super::hair_texels::{HairTexel, hair_texels};
@@ -31,42 +31,41 @@ use pelage_runtime::{ShadowParams, SlantForm};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Angles between the light and the skin's normal, degrees.
+/// Angles between the light and the surface normal, degrees.
 pub const ANGLES_DEG: [u32; 5] = [0, 30, 45, 60, 75];
-/// Directions about the normal that the light is slanted towards, degrees from +u: hair leans, and with it and against
-/// it are not the same.
+/// Azimuths towards which the light is slanted, degrees from +u. Hair leans, so light along the lean and against it
+/// differ.
 const AZIMUTHS_DEG: [f64; 3] = [20.0, 140.0, 260.0];
-/// Texels that are judged under each light, and those of them that the strand truth is taken at; all others are skipped
-/// evenly.
+/// Texels evaluated under each light, and those of them with the strand truth; the rest is skipped evenly.
 const POINTS: usize = 1 << 18;
 const STRAND_POINTS: usize = 6000;
-/// Draws of texels with hair.
+/// Number of samples of texels with hair.
 const HAIR_DRAWS: u32 = 6000;
-/// Rays of the strand truth from a texel.
+/// Rays of the strand truth per texel.
 const RAYS: u32 = 25;
-/// Texels of all layers that are held in memory.
+/// Limit for the texels of all layers, which are held in memory.
 const MOST_TEXELS: u64 = 1 << 26;
 
 /// Columns of the chart.
 ///
-/// * `form`: `baked`, or of maps the share of light that a layer takes, `corrected` or `printed`; then the settings of
-///   either.
+/// * `form`: `baked`; or for maps `corrected` or `printed`, by the share of light that a layer absorbs. Then the
+///   settings of either.
 /// * `rmse`, `mean_error`, `off_by_0.1`: t against [`SampledVolume`] in texels of all layers, with hair and without.
-///   Maps approximate it, and visibility that is baked does not: it knows strands.
-/// * `strands_`: the same against [`StrandField::transmittance`] in the same texels, which is the light in the space
-///   between hairs. A ray that starts within a hair is blocked, by the hair that is to be lit as by any other.
-/// * `hair_`: against [`StrandField::lights_strand`] in texels with hair alone, drawn as often as they hold hair, seen
-///   from outside or not: the light that reaches the hair itself past all other strands. It is what hair is shaded
-///   with, what baked visibility means, and what the traced picture has.
-/// * `milliseconds`: drawing all maps; 0 of what is baked. `timing` says by which clock.
-/// * `bytes`: of all maps, or of the visibility texture of dry hair with its mip levels and its layer for the coat, on
-///   a GPU that samples its format.
+///   Maps approximate it; baked visibility does not, because it is computed from strands.
+/// * `strands_`: the same against [`StrandField::transmittance`] in the same texels: the light in the space between
+///   hairs. A ray that starts within a hair is blocked by it, as by any other hair.
+/// * `hair_`: against [`StrandField::lights_strand`] in texels with hair alone, weighted by the hair in them, visible
+///   from outside or not. This is the light that reaches the hair itself past all other strands. Hair is shaded with
+///   it; baked visibility and the traced picture contain it.
+/// * `milliseconds`: drawing all maps; 0 if baked. `timing`: clock used.
+/// * `bytes`: of all maps, or of the visibility texture of dry hair on a GPU that samples its format, including mip
+///   levels and the layer for the far coat.
 /// * `visibility_seconds`: the stage `visibility` of the bake of one tile, without encoding; the faster of two runs.
 /// * `map_texels_per_hair_texel`, `map_size_on_model`: [`Sheet::map_texels_per_hair_texel`] and [`Sheet::map_size_on`]
 ///   the model.
-/// * `_0` to `_75`: of light at that angle to the normal alone, degrees.
-/// * `volume_over_strands_rmse`, `volume_over_hair_rmse`: what is left of an error where maps are perfect.
-/// * `bc7_over_rgba8_rmse`: of t from blocks of BC7 against t from plain texels of the same visibility, in the texels
+/// * `_0` to `_75`: under light at that angle to the normal alone, degrees.
+/// * `volume_over_strands_rmse`, `volume_over_hair_rmse`: error that remains with perfect maps.
+/// * `bc7_over_rgba8_rmse`: t from BC7 blocks against t from uncompressed texels of the same visibility, in the texels
 ///   of `hair_`.
 pub const COLUMNS: [&str; 40] = [
     "form",
@@ -143,16 +142,16 @@ pub const PANELS: [Panel; 4] = [
     },
 ];
 
-/// A direction that light comes from.
+/// Direction towards a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slant {
     /// Index into [`ANGLES_DEG`].
     pub angle: usize,
-    /// Towards the light in the frame of the tile, unit length.
+    /// Unit vector towards the light in the tile's frame.
     pub light_ts: DVec3,
 }
 
-/// All directions: each angle from a few sides.
+/// Returns all directions: each angle at each azimuth.
 pub fn slants() -> Vec<Slant> {
     let towards = |angle: usize, azimuth: f64| {
         let (a, b) = (f64::from(ANGLES_DEG[angle]).to_radians(), azimuth.to_radians());
@@ -161,11 +160,11 @@ pub fn slants() -> Vec<Slant> {
     (0..ANGLES_DEG.len()).flat_map(|angle| AZIMUTHS_DEG.map(|azimuth| towards(angle, azimuth))).collect()
 }
 
-/// Hair on a flat sheet.
+/// Flat sheet with hair.
 pub struct Sheet {
-    /// The baked sheet.
+    /// Package of the baked sheet.
     pub package: Vec<u8>,
-    /// Layers, skin counted.
+    /// Number of layers, layer 0 included.
     pub layers: u32,
     recipe: Recipe,
     lengths: Lengths,
@@ -173,21 +172,21 @@ pub struct Sheet {
     volume: SampledVolume,
     field: StrandField,
     hair: BTreeMap<usize, HairTexel>,
-    /// World position of the judged tile's corner, the ways along its u and v, and from the skin to the outermost
-    /// layer.
+    /// World position of the evaluated tile's corner; vectors along its u and v; vector from the mesh surface to the
+    /// outermost layer.
     corner: Vec3,
     along: [Vec3; 2],
     up: Vec3,
 }
 
 impl Sheet {
-    /// Grows the hair of `recipe`, with lengths as on some model, on a sheet, and bakes that.
+    /// Grows the hair of `recipe` on a sheet, with the lengths of some model, and bakes the sheet.
     ///
-    /// What the recipe says about where and how long hair grows on its model does not apply.
+    /// The recipe's settings for where hair grows on its model, and how long, do not apply.
     ///
     /// # Errors
     ///
-    /// As [`pipeline::bake`].
+    /// Same as [`pipeline::bake`]; also if all layers together have more texels than a chart holds in memory.
     pub fn new(recipe: &Recipe, lengths: Lengths) -> Result<Self, BakeError> {
         let recipe = sheet_recipe(recipe, lengths);
         let texels = u64::from(recipe.slice.tile_texels).pow(2) * u64::from(recipe.slice.layers);
@@ -218,7 +217,7 @@ impl Sheet {
     ///
     /// # Errors
     ///
-    /// As [`pipeline::bake`].
+    /// Same as [`pipeline::bake`].
     pub fn visibility(
         &self,
         blocks: Option<BcQuality>,
@@ -233,24 +232,24 @@ impl Sheet {
         TileVisibility::read(&bake_sheet(&recipe, self.lengths, on_stage)?)
     }
 
-    /// Towards the light in world space.
+    /// Transforms a direction towards the light to world space.
     pub fn to_world(&self, light_ts: DVec3) -> Vec3 {
         let axes = [self.along[0], self.along[1], self.up].map(Vec3::normalize_or_zero);
         axes[0] * light_ts.x as f32 + axes[1] * light_ts.y as f32 + axes[2] * light_ts.z as f32
     }
 
-    /// Texels of the maps in the width of a texel of the hair.
+    /// Returns the number of map texels per width of a hair texel.
     pub fn map_texels_per_hair_texel(&self, maps: &LightMaps) -> f64 {
         let hair = self.along[0].length() / self.set.texels as f32;
         f64::from(hair * maps.size as f32 / maps.view.extent)
     }
 
-    /// Size of the maps that would be as fine if they covered a sphere of that radius, metres.
+    /// Returns the map size with the same resolution that covers a sphere of that radius, metres.
     pub fn map_size_on(&self, maps: &LightMaps, radius_m: f32) -> f64 {
         f64::from(maps.size as f32 * 2.0 * radius_m / maps.view.extent).round()
     }
 
-    /// The truths at the texels of all layers.
+    /// Computes the truths at the texels of all layers.
     pub fn truth(&self, slant: &Slant) -> Truth {
         let texel = 1.0 / f64::from(self.set.texels);
         let place = |i: usize| {
@@ -280,8 +279,8 @@ impl Sheet {
         Truth { points, even, volume, strands, hair }
     }
 
-    /// t at the points of a truth as the runtime has it of maps: the map, and of the corrected form half of the own
-    /// layer.
+    /// Returns t at the points of a truth as the runtime computes it from maps: the map's value, in the corrected form
+    /// times the transmittance of half the point's own layer.
     pub fn by_maps(
         &self,
         maps: &LightMaps,
@@ -299,7 +298,7 @@ impl Sheet {
             let position = self.corner + self.along[0] * u + self.along[1] * v + self.up * share;
             let between = maps.layers.len() != self.layers as usize;
             let t = maps.light_through_hair(maps.place(position), share * last_map_layer, between);
-            // The skin has no layer of hair of its own.
+            // Layer 0 has no hair of its own.
             if form == SlantForm::Printed || k == 0 {
                 return f64::from(t);
             }
@@ -309,37 +308,37 @@ impl Sheet {
         truth.points.par_iter().map(t).collect()
     }
 
-    /// t at the points of a truth as the runtime has it of baked visibility. The sheet's hair is the tile's, neither
-    /// pressed flat nor sheared, so that the light in the tile is that above the skin.
+    /// Returns t at the points of a truth as the runtime computes it from baked visibility. The sheet's hair is the
+    /// tile's, neither flattened nor sheared, so the light's direction in the tile is that above the mesh surface.
     pub fn by_visibility(&self, visibility: &TileVisibility, slant: &Slant, truth: &Truth) -> Vec<f64> {
         let towards = slant.light_ts.as_vec3();
         truth.points.par_iter().map(|i| f64::from(visibility.towards(*i, towards))).collect()
     }
 
-    /// Texels of all layers.
+    /// Returns the number of texels of all layers.
     fn texels(&self) -> usize {
         self.layers as usize * (self.set.texels as usize).pow(2)
     }
 
-    /// Column, row and layer of a texel, the skin being layer 0.
+    /// Returns column, row and layer of a texel; the mesh surface is layer 0.
     fn texel(&self, i: usize) -> (usize, usize, usize) {
         let n = self.set.texels as usize;
         (i % n, i / n % n, i / (n * n))
     }
 }
 
-/// The step that takes about `wanted` of `count`. Odd, so that what is taken does not fall into columns.
+/// Returns the step that selects about `wanted` of `count`; odd, so that the selection does not fall into columns.
 fn stride(count: usize, wanted: usize) -> usize {
     if count <= wanted { 1 } else { count.div_ceil(wanted) | 1 }
 }
 
-/// How much light reaches the hair of the tile, as a package has it.
+/// Visibility of the tile's hair as stored in a package.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileVisibility {
-    /// Texels of the finest level, layer after layer from the skin, four bytes each.
+    /// Texels of the finest level, layer by layer from the mesh surface outwards, four bytes each.
     texels: Vec<u8>,
     horizon: f32,
-    /// Of the texture with all its levels and layers, in its own format.
+    /// Bytes of the texture with all its levels and layers, in its own format.
     pub bytes: u64,
 }
 
@@ -353,7 +352,7 @@ impl TileVisibility {
         Ok(Self { texels: layers.collect::<Result<Vec<_>, _>>()?.concat(), horizon, bytes: view.gpu_bytes() })
     }
 
-    /// t of a light in that direction, of unit length, in a texel by its index over all layers.
+    /// Returns t for a light in that unit direction, at a texel given by its index over all layers.
     fn towards(&self, texel: usize, light_ts: Vec3) -> f32 {
         let bytes = [0, 1, 2, 3].map(|i| f32::from(self.texels[4 * texel + i]));
         visibility_towards(Vec4::from(bytes) / 255.0, light_ts, self.horizon)
@@ -363,26 +362,26 @@ impl TileVisibility {
 /// Transmittances of all truths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// The judged texels: first all of them, layer after layer from the skin, or evenly some; then those with hair that
-    /// are drawn.
+    /// Indices of the evaluated texels: first those of all layers from the mesh surface outwards, or an even selection
+    /// of them; then the sampled texels with hair.
     points: Vec<usize>,
-    /// How many the first are.
+    /// Number of points in the first, even group.
     even: usize,
-    /// Through the volume, at each.
+    /// Transmittance through the volume at each point.
     volume: Vec<f64>,
-    /// Past the strands, at some of the first: index into the points, and value.
+    /// Transmittance past the strands at some of the even points: index into the points, and value.
     strands: Vec<(usize, f64)>,
-    /// On the hair past other strands: index into the points, value, and how often it counts.
+    /// Light on the hair past other strands: index into the points, value, and number of times that it counts.
     hair: Vec<(usize, f64, u32)>,
 }
 
 impl Truth {
-    /// Pairs of what was found at the points and the truth between the strands.
+    /// Returns pairs of the found value and the truth between the strands.
     fn between_strands<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
         self.strands.iter().map(|(i, t)| (found[*i], *t))
     }
 
-    /// Pairs of what was found at the points and the truth on the hair.
+    /// Returns pairs of the found value and the truth on the hair.
     fn on_hair<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
         self.hair.iter().flat_map(|(i, t, times)| Self::repeated((found[*i], *t), *times))
     }
@@ -392,20 +391,20 @@ impl Truth {
     }
 }
 
-/// Errors of a configuration, light by light.
+/// Errors of a configuration, summed light by light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Against the volume, the strands, and the light on the hair, by angle.
+    /// Errors against the volume, the strands, and the light on the hair, by angle.
     by_angle: [[Errors; 3]; ANGLES_DEG.len()],
-    /// Of the volume against the strands, and the light on the hair.
+    /// Errors of the volume against the strands, and the light on the hair.
     volume: [Errors; 2],
-    /// On the hair, of a form with its texels in blocks against the same in plain texels.
+    /// Errors on the hair of block-compressed texels against the same texels uncompressed.
     blocks: Errors,
 }
 
 impl Measured {
-    /// Adds what was found at the points of a truth under a light. The volume is met at the same `density` as the maps:
-    /// what is left is the error of the maps; whether that density is right, the strands tell.
+    /// Adds the values found at the points of a truth under a light. The volume has the same `density` as the maps, so
+    /// that only the error of the maps remains. Whether that density is right is shown by the strands.
     pub fn add(&mut self, slant: &Slant, found: &[f64], density: f32, truth: &Truth) {
         let through: Vec<f64> = truth.volume.iter().map(|t| t.powf(density.into())).collect();
         let even = found.iter().copied().zip(through.iter().copied()).take(truth.even);
@@ -418,7 +417,7 @@ impl Measured {
         *hair = hair.and(Errors::of(truth.on_hair(&through)));
     }
 
-    /// Adds what encoding does: what was found at the points of a truth in blocks, and in plain texels.
+    /// Adds the error of encoding: values found at the points of a truth in blocks, and in uncompressed texels.
     pub fn add_blocks(&mut self, found: &[f64], plain: &[f64], truth: &Truth) {
         let pairs = truth.hair.iter().flat_map(|(i, _, times)| Truth::repeated((found[*i], plain[*i]), *times));
         self.blocks = self.blocks.and(Errors::of(pairs));
@@ -429,31 +428,31 @@ impl Measured {
     }
 }
 
-/// What a configuration takes.
+/// Cost of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
-    /// Drawing all maps, once; 0 without any.
+    /// Milliseconds to draw all maps once; 0 without maps.
     pub milliseconds: f64,
-    /// Of the maps, or of the visibility texture.
+    /// Bytes of the maps, or of the visibility texture.
     pub bytes: u64,
-    /// What only maps have.
+    /// Values that only maps have.
     pub maps: Option<MapCost>,
-    /// Baking visibility; `None` of maps.
+    /// Seconds to bake visibility; `None` for maps.
     pub visibility_seconds: Option<f64>,
 }
 
-/// What is to be said of maps alone.
+/// Costs of maps alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MapCost {
-    /// Where the milliseconds come from.
+    /// Source of the milliseconds.
     pub timing: &'static str,
-    /// [`Sheet::map_texels_per_hair_texel`].
+    /// Result of [`Sheet::map_texels_per_hair_texel`].
     pub texels_per_hair_texel: f64,
-    /// [`Sheet::map_size_on`] the model that the hair is of.
+    /// Result of [`Sheet::map_size_on`] the model that the hair belongs to.
     pub map_size_on_model: f64,
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]; `layers` of the hair, skin counted.
+/// Returns the cells of a row, in the order of [`COLUMNS`]; `layers`: of the hair, layer 0 included.
 pub fn cells(form: &Form, layers: u32, measured: &Measured, cost: &Cost) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let mut cells = form.cells(layers).to_vec();
@@ -474,7 +473,7 @@ pub fn cells(form: &Form, layers: u32, measured: &Measured, cost: &Cost) -> Vec<
     cells
 }
 
-/// The recipe's hair alone, in formats that every adapter reads as they are.
+/// Returns a recipe with the hair of `recipe` alone, in formats that every adapter reads unchanged.
 fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
     let mut sheet = Recipe {
         hair: recipe.hair.clone(),
@@ -501,19 +500,17 @@ fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
     sheet
 }
 
-/// Bakes a sheet of that hair; `on_stage` as in [`pipeline::bake`].
+/// Bakes a sheet with that hair; `on_stage` as in [`pipeline::bake`].
 fn bake_sheet(recipe: &Recipe, lengths: Lengths, on_stage: &mut dyn FnMut(&'static str)) -> Result<Vec<u8>, BakeError> {
     let height = f64::from(lengths.length_m / lengths.tile_size_m);
     let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
-    // The middle tile, and on each side as much as the rays run over that end on it. More would only make the maps
-    // coarser.
+    // The middle tile, plus on each side the reach of the rays that end on it. More would only make the maps coarser.
     let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
     let model = sheet_model(tiles * lengths.tile_size_m, tiles);
     Ok(pipeline::bake(&Told::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_stage)?.package)
 }
 
-/// A square in the plane y = 0 that looks up, with texture coordinates that count tiles; one of them lies in its
-/// middle.
+/// Returns an upward-facing square in the plane y = 0, with texture coordinates in tiles; one tile is in its middle.
 fn sheet_model(width_m: f32, tiles: f32) -> Model {
     let corners = [vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0)];
     let mesh = Mesh {
@@ -535,19 +532,19 @@ fn sheet_model(width_m: f32, tiles: f32) -> Model {
     Model { mesh, materials: vec![Material { name: "Sheet".into(), ..Material::default() }], ..Model::default() }
 }
 
-/// The strands that a bake of the sheet grows.
+/// Returns the strands that a bake of the sheet grows.
 fn strands_of(recipe: &Recipe, lengths: Lengths) -> Result<Strands, BakeError> {
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
     simulate_recipe(recipe, &volume)
 }
 
-/// A fault of the sheet's package.
+/// Wraps an error in the sheet's package.
 fn fault(source: FormatError) -> BakeError {
     BakeError::Package { file: "sheet".into(), source }
 }
 
-/// Where the package has the tile in the middle of the sheet: its corner at u = v = 0, the ways along u and v, and the
-/// fur's height.
+/// Returns the geometry of the tile in the middle of the sheet: its corner at u = v = 0, the vectors along u and v, and
+/// the fur's height along the normal.
 fn middle_tile(bytes: &[u8]) -> Result<(Vec3, [Vec3; 2], Vec3), BakeError> {
     let package = Package::open(bytes, &Limits::default()).map_err(fault)?;
     let lost = || BakeError::Internal("the sheet was baked without a mesh".into());

@@ -1,44 +1,44 @@
-//! What the topic `self-shadow` measures: the ways to know what light the hair lets through, and their settings.
+//! Methods of the topic `self-shadow` for the light that passes through hair, and their settings.
 
 use super::Cell;
 use pelage_bake::recipe::{BcQuality, Recipe, ShellFormat};
 use pelage_runtime::{ShadowParams, SlantForm};
 
-/// A way to know what light the hair lets through.
+/// Method of determining the light that passes through hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// Found by rays in the bake, and read from a texture.
+    /// Computed by rays in the bake, and read from a texture.
     Baked {
-        /// Effort of the encoder of BC7; `None` stores plain texels.
+        /// Effort of the BC7 encoder; `None` stores uncompressed texels.
         blocks: Option<BcQuality>,
         /// `visibility.directions` of the recipe.
         directions: u32,
     },
     /// Layer-wise maps, drawn from the light.
     Maps {
-        /// Settings of the runtime.
+        /// Shadow settings of the runtime.
         shadows: ShadowParams,
-        /// How much of the light a layer takes.
+        /// Share of the light that a layer absorbs at a slant.
         slant: SlantForm,
     },
 }
 
-/// A way with its settings.
+/// Method with its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// Its value, short.
+    /// Value of the varied setting, short.
     pub label: String,
-    /// The way.
+    /// Method to measure.
     pub form: Form,
 }
 
-/// Directions that are tried, beside the recipe's.
+/// Numbers of directions to try beside the recipe's.
 const DIRECTIONS: [u32; 6] = [8, 12, 24, 48, 96, 192];
 
 impl Form {
-    /// Its name and settings, the first columns of the chart; `layers` of the hair, skin counted.
+    /// Returns the name and settings, the first columns of the chart; `layers`: of the hair, layer 0 included.
     pub(super) fn cells(&self, layers: u32) -> [Cell; 7] {
         let word = |word: &str| Cell::Text(word.into());
         match self {
@@ -57,7 +57,7 @@ impl Form {
         }
     }
 
-    /// Share of the layers' optical depth that light meets in it.
+    /// Returns the share of the layers' optical depth that attenuates the light in this form.
     pub fn density(&self) -> f32 {
         match self {
             Self::Baked { .. } => 1.0,
@@ -66,8 +66,8 @@ impl Form {
     }
 }
 
-/// What to measure for the hair of a recipe, first what a user of it gets: baked visibility, or maps where the recipe
-/// wants none baked.
+/// Lists what to measure for the hair of a recipe. The first is the recipe's own: baked visibility, or maps if the
+/// recipe bakes none.
 pub fn configurations(recipe: &Recipe) -> Vec<Configuration> {
     let layers = recipe.slice.layers;
     let base = ShadowParams::default();
@@ -94,7 +94,7 @@ pub fn configurations(recipe: &Recipe) -> Vec<Configuration> {
         add("map size", format!("{map_size}²"), maps(base.with(|s| s.map_size = map_size)));
     }
     for map_size in [64, 128, 256, 512, 1024] {
-        // The paper's maps have what the layers have.
+        // The paper's maps use the layers' full optical depth.
         let shadows = base.with(|s| (s.map_size, s.density) = (map_size, 1.0));
         add("map size, as printed", format!("{map_size}²"), Form::Maps { shadows, slant: SlantForm::Printed });
     }

@@ -33,7 +33,7 @@ fn the_middle_tile_lies_in_the_middle_and_its_frame_is_the_shaders() {
         }
         assert!((v.fur_height - sheet.up.length()).abs() < 1e-7);
     }
-    // To each side of the tile as far as light at 75 degrees runs through the fur.
+    // On each side of the tile: the reach of light at 75 degrees through the fur.
     let need = sheet.up.length() / 0.08 * 75f32.to_radians().tan();
     for axis in 0..2 {
         let uvs: Vec<f32> = mesh.attributes.iter().map(|a| a.tile_uv[axis]).collect();
@@ -47,12 +47,12 @@ fn the_middle_tile_lies_in_the_middle_and_its_frame_is_the_shaders() {
     }
 }
 
-/// Maps that hold the truth give the truth, whatever else is between them and the points; others do not.
+/// Maps that hold the truth return it after all steps of the lookup; altered maps do not.
 #[test]
 fn maps_without_error_have_none() {
     let sheet = sheet();
     let slant = Slant { angle: 0, light_ts: DVec3::Z };
-    // Straight down, a map that lies on the tile texel by texel is the product of the layers above.
+    // Straight down, a map aligned with the tile's texels is the product of the layers above.
     let n = sheet.set.texels;
     let alpha = |k: usize, i: usize| f32::from(sheet.set.layers[k].color[0][4 * i + 3]) / 255.0;
     let layers: Vec<Vec<f32>> = (0..6)
@@ -91,7 +91,7 @@ fn maps_without_error_have_none() {
     assert!(worse.total(0).rmse().is_some_and(|rmse| rmse > 0.05));
 }
 
-/// Errors of what `found` says under all lights.
+/// Returns the errors of `found` under all lights.
 fn measured(truths: &[(Slant, Truth)], found: &dyn Fn(&Slant, &Truth) -> Vec<f64>) -> Measured {
     let mut measured = Measured::default();
     truths.iter().for_each(|(slant, truth)| measured.add(slant, &found(slant, truth), 1.0, truth));
@@ -106,15 +106,14 @@ fn baked(sheet: &Sheet, blocks: Option<BcQuality>, directions: u32) -> TileVisib
     sheet.visibility(blocks, directions, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Root of the mean square, and the mean, of the light on the hair.
+/// Returns the root mean square and the mean error of the light on the hair.
 fn on_hair(measured: &Measured) -> (f64, f64) {
     let errors = measured.total(2);
     (errors.rmse().unwrap_or(f64::NAN), errors.mean().unwrap_or(f64::NAN))
 }
 
-/// What is baked is nearer to the light on the hair than maps can be, and not by chance: it is that of the same texel,
-/// layer and light, as each of the three taken wrongly is farther off. Maps are as good here as any could be: they are
-/// the volume itself.
+/// Baked visibility is nearer to the light on the hair than maps can be, and not by chance: with a wrong texel, layer
+/// or light direction it is farther off. Maps are as good here as possible: they are the volume itself.
 #[test]
 fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
     let sheet = sheet();
@@ -124,18 +123,18 @@ fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
     assert!(truths[0].1.hair.iter().all(|(i, ..)| sheet.texel(truths[0].1.points[*i]).2 > 0), "skin has no hair");
     let visibility = baked(&sheet, None, 96);
     let (error, mean) = on_hair(&measured(&truths, &|slant, truth| sheet.by_visibility(&visibility, slant, truth)));
-    // Texels this coarse mix hair that sees the light with hair that does not.
+    // Texels this coarse mix lit hair with shadowed hair.
     assert!(mean.abs() < 0.05, "{mean}");
     for density in [0.4, 0.7, 1.0] {
         let volume = |_: &Slant, truth: &Truth| truth.volume.iter().map(|t| t.powf(density)).collect();
         let (of_maps, _) = on_hair(&measured(&truths, &volume));
         assert!(error < 0.9 * of_maps, "{error}, of maps of density {density} {of_maps}");
     }
-    // Another layer, another row of texels, and light from the other side.
+    // Another layer, another row of texels, and light from the opposite side.
     let (n, layers) = (16usize, sheet.layers as usize);
     let moved = |by: usize| {
         let mut other = visibility.clone();
-        // What is pushed out comes in at the other end; the layer of the coat stays.
+        // Texels shifted out re-enter at the other end; the layer of the far coat stays.
         other.texels[4 * n * n..4 * n * n * layers].rotate_left(4 * by);
         on_hair(&measured(&truths, &|slant, truth| sheet.by_visibility(&other, slant, truth))).0
     };
@@ -149,7 +148,7 @@ fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
     assert!(wrong.iter().all(|wrong| *wrong > 1.1 * error), "{error}, wrongly {wrong:?}");
 }
 
-/// Blocks lose little of what plain texels say, but something, and are a quarter as large.
+/// Blocks differ little from uncompressed texels, but they do, and are a quarter as large.
 #[test]
 fn blocks_say_nearly_what_plain_texels_say() {
     let sheet = sheet();
@@ -168,7 +167,7 @@ fn blocks_say_nearly_what_plain_texels_say() {
         let mean = measured.blocks.mean().unwrap_or(f64::NAN);
         assert!(mean.abs() < 0.01, "{quality:?}: {mean}");
         assert_eq!(blocks.horizon, plain.horizon);
-        // Levels of 16, 8, 4, 2 and 1 texels, the last two of them a block each; layers and the coat.
+        // Levels of 16, 8, 4, 2 and 1 texels, the last two a block each; layers and the far coat.
         let texels: u64 = [16u64, 8, 4, 4, 4].map(|n| n * n).iter().sum();
         assert_eq!(blocks.bytes, 7 * texels);
     }
@@ -189,7 +188,7 @@ fn configurations_differ_and_rows_are_full() {
     }
     let maps = Form::Maps { shadows: ShadowParams::default(), slant: SlantForm::Corrected };
     assert!(all[1..].iter().any(|c| c.form == maps));
-    // Who bakes no visibility has maps.
+    // Without baked visibility, maps are the default.
     recipe.visibility.enabled = false;
     assert_eq!(configurations(&recipe)[0].form, maps);
     recipe.slice.layers = 2;

@@ -1,9 +1,9 @@
-//! Topic `shells`: how far pictures of shells and fins are from the true strands, by layers, tile, filter and formats,
-//! and what they cost.
+//! Topic `shells`: error of pictures of shells and fins against the true strands, by layers, tile, filter and formats,
+//! and their cost.
 //!
-//! The truth is the same strands traced as curves (`pelage_truth`), drawn once: it does not depend on how they are
-//! sliced. The error that the charts draw is mean FLIP; RMSE and coverage stand beside it, because each is blind to
-//! something: FLIP to what the eye forgives, RMSE to where an error is, coverage to colour.
+//! The truth is the same strands traced as curves (`pelage_truth`). It is rendered once, because it does not depend on
+//! slicing. The charts draw mean FLIP, with RMSE and coverage beside it, because each ignores something. FLIP ignores
+//! errors that the eye tolerates, RMSE the position of an error, coverage the colour.
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
@@ -11,16 +11,16 @@ use pelage_import::BakeError;
 use pelage_tool::shell_judge::Measured;
 use pelage_truth::decide::{LAYERS, Setting, TILES};
 
-/// A way to slice.
+/// Slicing parameters to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: String,
-    /// Its value, beside the mark.
+    /// Value of the varied setting, shown beside the mark.
     pub label: String,
-    /// The recipe with the changes.
+    /// Recipe with the changes.
     pub recipe: Recipe,
-    /// Whether it is the recipe itself.
+    /// Whether the recipe is unchanged.
     pub default: bool,
 }
 
@@ -65,12 +65,12 @@ pub const PANELS: [Panel; 2] = [
 /// The layers, tile and fins of Yang 2006.
 const YANG_2006: Setting = Setting { layers: 16, tile_texels: 64, fins: false };
 
-/// What to measure, what the recipe itself gives first: [`LAYERS`] × [`TILES`], and about the recipe's own setting
-/// filter widths, formats, and the layers without fins, or with them where the recipe has none.
+/// Lists what to measure, the unchanged recipe first: [`LAYERS`] × [`TILES`]; around the recipe's own setting filter
+/// widths and formats; and the layers without fins, or with them if the recipe has none.
 ///
 /// # Errors
 ///
-/// As [`Recipe::set`]; cannot happen with a valid base.
+/// Same as [`Recipe::set`]; cannot occur with a valid base.
 pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
     let mut out: Vec<Configuration> = Vec::new();
     let mut add = |series: &str, label: String, recipe: Recipe| {
@@ -105,7 +105,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
     Ok(out)
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]; `timing`: where the milliseconds come from.
+/// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
 pub fn cells(recipe: &Recipe, m: &Measured, timing: &str) -> Vec<Cell> {
     let number = |x: f64| Cell::Number(x);
     vec![
@@ -142,7 +142,7 @@ mod tests {
             assert!(all[i + 1..].iter().all(|other| other.recipe != c.recipe), "{}", c.series);
             c.recipe.validate().expect("a valid recipe");
         }
-        // The grid is whole: each of its settings is there, whatever its series.
+        // The grid is complete: each of its settings occurs, in any series.
         for tile_texels in TILES {
             for layers in LAYERS {
                 let setting = Setting { layers, tile_texels, ..Setting::of(&base) };

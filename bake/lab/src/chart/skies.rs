@@ -1,24 +1,25 @@
-//! Skies to measure where nobody names one: painted by formula, the same everywhere.
+//! Default environment maps, painted by formula and the same on every machine.
 
 use glam::DVec3;
 use pelage_import::BakeError;
 use pelage_stage::sky::Panorama;
 
-/// Width and height of the painted skies, pixels.
+/// Width and height of the painted maps, pixels.
 const SIZE: (u32, u32) = (512, 256);
 
-/// A sky by its name.
+/// Environment map with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedSky {
-    /// Its name: the file's without folder and end.
+    /// Name; for a file, its name without folder and extension.
     pub name: String,
-    /// Its picture.
+    /// Image of the environment.
     pub panorama: Panorama,
 }
 
-/// A clear sky with a low sun over a meadow; and a dim room with two windows and a lamp.
+/// Paints a clear sky with a low sun over a meadow, and a dim room with two windows and a lamp.
 ///
 /// # Errors
+///
 /// [`BakeError::Internal`] for a fault of this code.
 pub fn painted() -> Result<Vec<NamedSky>, BakeError> {
     let paint = |name: &str, radiance: fn(DVec3) -> DVec3| {
@@ -34,8 +35,8 @@ fn clear_sky(way: DVec3) -> DVec3 {
     if way.y < 0.0 {
         return DVec3::new(0.12, 0.16, 0.06);
     }
-    // Paler towards the horizon, with a glow about the sun; the disc is three pixels wide, with the light of one of
-    // half a degree.
+    // Paler towards the horizon, with a glow around the sun. The disc is three pixels wide and sends the light of a
+    // disc of half a degree.
     let high = way.y.sqrt();
     let blue = DVec3::new(0.9, 1.0, 1.1) * (1.0 - high) + DVec3::new(0.25, 0.5, 1.1) * high;
     let glow = DVec3::new(2.0, 1.6, 1.0) * libm::exp(12.0 * (cosine - 1.0));
@@ -44,7 +45,7 @@ fn clear_sky(way: DVec3) -> DVec3 {
 }
 
 fn room(way: DVec3) -> DVec3 {
-    // Where a way meets the walls of a box about the middle.
+    // Intersection of the direction with the walls of a box around the centre.
     let half = DVec3::new(3.0, 1.4, 2.2);
     let reach = (half / way.abs().max(DVec3::splat(1e-9))).min_element();
     let place = way * reach;

@@ -1,8 +1,8 @@
-//! Topic `soft-shadow`: how near the shadow-width map comes to the soft shadow of a round light, and what it costs.
+//! Topic `soft-shadow`: accuracy and cost of the shadow-width map against the soft shadow of a disc light.
 //!
-//! On the model's own skin at rest, under lights from several sides, points are spread evenly over what faces the
-//! light. The maps are the runtime's own, drawn by the adapter and read back; the truth is the share of a disc light
-//! that each point sees, by [`Occluder`].
+//! Points are spread evenly over the model's own surface at rest, where it faces the light, under lights from several
+//! sides. The maps are the runtime's own, drawn by the adapter and read back. The truth is the share of a disc light
+//! visible from each point, by [`Occluder`].
 
 use super::errors::Errors;
 use super::light_maps::LightMaps;
@@ -18,36 +18,36 @@ use pelage_runtime::shared::soft_shadow::{depth_bias, inner_attenuation};
 use pelage_runtime::{PenumbraForm, ShadowParams, Study};
 use rayon::prelude::*;
 
-/// Points on the skin; those that face away from a light are left out under it.
+/// Number of points on the mesh surface; those that face away from a light are left out under it.
 const POINTS: u32 = 4000;
 /// Rays to the disc from each point.
 const RAYS: u32 = 256;
-/// Cosine between light and normal below which a point is left out: there the light hardly counts, and the mesh's
-/// facets do.
+/// Cosine between light and normal below which a point is left out. There the light hardly counts, and facets of the
+/// mesh dominate.
 const LEAST_N_DOT_L: f32 = 0.1;
-/// Lights: degrees above the horizon, and degrees about the vertical.
+/// Lights: degrees above the horizon, and degrees around the vertical.
 const LIGHTS_DEG: [(f32, f32); 6] =
     [(35.0, 20.0), (60.0, 80.0), (35.0, 140.0), (60.0, 200.0), (35.0, 260.0), (60.0, 320.0)];
-/// Shares of the light between which a point is in the penumbra, and below and above which it is in umbra and light.
+/// Range of light shares that count as penumbra, and the limits of umbra and full light.
 const PENUMBRA: [f64; 2] = [0.05, 0.95];
 const UMBRA: f64 = 0.02;
 const LIT: f64 = 0.999;
 
-/// How an attenuation is made of the maps.
+/// Method of computing an attenuation from the maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// As printed in Yang 2006, §4 and §5, with a map as the paper makes it.
+    /// Printed form of Yang 2006, §4 and §5, with the paper's map.
     Printed,
-    /// The same made safe, with the penumbra inside the hard edge ([`PenumbraForm::Inner`]).
+    /// Like `Printed`, made safe, with the penumbra inside the hard edge ([`PenumbraForm::Inner`]).
     Inner,
     /// With the penumbra on both sides of the hard edge ([`PenumbraForm::Centred`]).
     Centred,
-    /// Kirsch and Döllner 2003: the distance to the edge step by step, in so many passes over the map.
+    /// Kirsch and Döllner 2003: distance to the edge step by step, in that number of passes over the map.
     Iterated(u32),
 }
 
 impl Method {
-    /// The word in the table.
+    /// Returns the word in the table.
     pub fn word(self) -> &'static str {
         match self {
             Self::Printed => "printed",
@@ -58,16 +58,16 @@ impl Method {
     }
 }
 
-/// A way to make soft shadows.
+/// Soft shadow method and settings to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// Its value, short.
+    /// Value of the varied setting, short.
     pub label: String,
-    /// How the maps are used.
+    /// Method of using the maps.
     pub method: Method,
-    /// Settings of the runtime.
+    /// Shadow settings of the runtime.
     pub shadows: ShadowParams,
 }
 
@@ -106,7 +106,7 @@ pub const PANELS: [Panel; 2] = [
     },
 ];
 
-/// What to measure, the runtime's default first.
+/// Lists what to measure, the runtime's default first.
 pub fn configurations() -> Vec<Configuration> {
     let base = ShadowParams::default();
     let mut out = vec![Configuration {
@@ -151,14 +151,14 @@ pub fn configurations() -> Vec<Configuration> {
     out
 }
 
-/// Settings with which the runtime draws what a configuration needs.
+/// Returns the settings with which the runtime draws the maps of a configuration.
 pub fn runtime_settings(configuration: &Configuration) -> (ShadowParams, Study) {
     let inner = configuration.method != Method::Centred;
     let penumbra = if inner { PenumbraForm::Inner } else { PenumbraForm::Centred };
     (configuration.shadows, Study::default().with(|study| study.penumbra = penumbra))
 }
 
-/// Directions towards the lights, world space, unit length.
+/// Returns unit directions towards the lights, in world space.
 pub fn lights() -> Vec<Vec3> {
     let towards = |(up, about): (f32, f32)| {
         let (up, about) = (up.to_radians().sin_cos(), about.to_radians().sin_cos());
@@ -167,27 +167,27 @@ pub fn lights() -> Vec<Vec3> {
     LIGHTS_DEG.into_iter().map(towards).collect()
 }
 
-/// A model's skin at rest, and points on it.
+/// Mesh surface of a model at rest, and points on it.
 pub struct Skin {
     occluder: Occluder,
     points: Vec<Point>,
 }
 
-/// A point of the skin.
+/// Point of the mesh surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
     position_ws: Vec3,
-    /// Interpolated between the vertices, as the runtime shades with; and of the triangle.
+    /// Normal interpolated between the vertices, as in the runtime's shading; and normal of the triangle.
     normal_ws: Vec3,
     face_ws: Vec3,
 }
 
 impl Skin {
-    /// Spreads points over the skin of `model`, as densely everywhere.
+    /// Spreads points over the surface of `model` with uniform density.
     ///
     /// # Errors
     ///
-    /// As [`Occluder::new`].
+    /// Same as [`Occluder::new`].
     pub fn new(model: &Model) -> Result<Self, BakeError> {
         let rest = RestPose::of(&model.mesh, model.animation.as_ref());
         let triangles = &model.mesh.triangles;
@@ -202,7 +202,7 @@ impl Skin {
         self.points.iter().filter(move |p| faces(p.normal_ws) && faces(p.face_ws))
     }
 
-    /// Share of the light's disc that each point sees which faces the light, 0..=1. `penumbra` as in
+    /// Returns the share of the light's disc visible from each point that faces the light, 0..=1. `penumbra` as in
     /// [`ShadowParams::penumbra`].
     pub fn truth(&self, towards_light: Vec3, penumbra: f32) -> Vec<f64> {
         let light =
@@ -213,9 +213,9 @@ impl Skin {
         points.par_iter().map(share).collect()
     }
 
-    /// The same as a method has it, from the runtime's maps, which were shrunk by `shrink`.
+    /// Returns the same shares by a method, from the runtime's maps, which were shrunk by `shrink`.
     pub fn fast(&self, maps: &LightMaps, towards_light: Vec3, method: Method, shrink: u32) -> Vec<f64> {
-        // What the runtime no longer makes as its sources do is made of its depth maps here.
+        // Maps of the sources that the runtime no longer makes are made from its depth maps here.
         let size = maps.size as usize;
         let blurred = if method == Method::Printed { paper_width(&occlusion(maps), size, shrink) } else { Vec::new() };
         let distances = if let Method::Iterated(passes) = method {
@@ -240,16 +240,16 @@ impl Skin {
     }
 }
 
-/// Whether nothing is seen from a point: skin inside of other skin, such as the back of an eye, that no one sees
-/// either.
+/// Returns whether nothing is visible from a point: a surface inside another, such as the back of an eye, is not
+/// visible either.
 fn is_buried(occluder: &Occluder, p: &Point) -> bool {
-    // A disc that fills the sky up to 14 degrees above the horizon.
+    // A disc that fills the sky from the zenith down to 14 degrees above the horizon.
     let (position, normal) = (p.position_ws.as_dvec3(), p.face_ws.as_dvec3());
     let sky = DiscLight::Directional { towards_light_ws: normal, penumbra: 8.0 };
     occluder.visible_share(position, normal, &sky, 256) == 0.0
 }
 
-/// `count` points on triangles, one from each of as many pieces of equal area in a row.
+/// Spreads `count` points over triangles, one in each of `count` consecutive pieces of equal area.
 fn spread(rest: &RestPose, triangles: &[[u32; 3]], count: u32) -> Vec<Point> {
     let corners = |t: &[u32; 3]| t.map(|i| rest.positions[i as usize]);
     let area = |t: &[u32; 3]| {
@@ -264,7 +264,7 @@ fn spread(rest: &RestPose, triangles: &[[u32; 3]], count: u32) -> Vec<Point> {
         let [a, b, c] = corners(t);
         while next < count && (f64::from(next) + 0.5) * total <= before * f64::from(count) {
             let [x, y] = [0, 1].map(|n| uniform(u64::from(next), n));
-            // The unit square folded into a triangle.
+            // Fold the unit square into a triangle.
             let (x, y) = if x + y > 1.0 { (1.0 - x, 1.0 - y) } else { (x, y) };
             let normal = |i: usize| rest.normals[t[i] as usize];
             points.push(Point {
@@ -278,14 +278,14 @@ fn spread(rest: &RestPose, triangles: &[[u32; 3]], count: u32) -> Vec<Point> {
     points
 }
 
-/// What the paper calls the occlusion map: where the farthest surface that faces the light lies behind the nearest one.
+/// Returns the paper's occlusion map: whether the farthest surface facing the light is behind the nearest one.
 fn occlusion(maps: &LightMaps) -> Vec<bool> {
-    // The least gap of the runtime's filter, in depths as drawn; distant lights draw them evenly.
+    // Smallest gap of the runtime's filter, in depths as drawn; those are linear for distant lights.
     maps.depths[0].iter().zip(&maps.depths[1]).map(|(near, far)| far - near > 1e-3).collect()
 }
 
-/// Distance from the edge into the shadow, in texels and at most `passes`: each pass takes the least of the neighbours'
-/// distances and the way there, as Kirsch and Döllner do.
+/// Returns the distance from the edge into the shadow, in texels and at most `passes`. Each pass takes the minimum over
+/// neighbours of their distance plus the step to them, as Kirsch and Döllner do.
 fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
     let mut distances: Vec<f32> = occluded.iter().map(|o| if *o { passes as f32 } else { 0.0 }).collect();
     for _ in 0..passes {
@@ -304,7 +304,7 @@ fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
     distances
 }
 
-/// Kirsch's attenuation at a point `sd` metres behind the first surface, with the bias that ours has.
+/// Returns Kirsch's attenuation at a point `sd` metres behind the first surface, with pelage's bias.
 fn iterated(maps: &LightMaps, distances: &[f32], passes: u32, place: Vec4, sd: f32, n_dot_l: f32) -> f32 {
     let texel = maps.soft.texel * place.w;
     let bias = depth_bias(place.w, slanted_path(n_dot_l), &maps.soft);
@@ -312,7 +312,7 @@ fn iterated(maps: &LightMaps, distances: &[f32], passes: u32, place: Vec4, sd: f
     inner_attenuation(sd - bias, sw, maps.soft.penumbra, passes as f32 * texel)
 }
 
-/// The shadow-width map of the paper: occlusion drawn `shrink` times smaller, and that as large as it was.
+/// Returns the paper's shadow-width map: occlusion drawn `shrink` times smaller, then enlarged to its former size.
 fn paper_width(occluded: &[bool], size: usize, shrink: u32) -> Vec<f32> {
     let shrink = shrink as usize;
     let small = size.div_ceil(shrink);
@@ -342,12 +342,12 @@ pub struct Measured {
     all: Errors,
     shadow: Errors,
     umbra: Errors,
-    /// Points in the penumbra: of the fast form, of the truth.
+    /// Number of points in the penumbra: by the fast method, by the truth.
     penumbra: [u64; 2],
 }
 
 impl Measured {
-    /// Adds what was found under a light.
+    /// Adds the values found under a light.
     pub fn add(&mut self, fast: &[f64], truth: &[f64]) {
         let pairs = || fast.iter().copied().zip(truth.iter().copied());
         self.all = self.all.and(Errors::of(pairs()));
@@ -360,7 +360,7 @@ impl Measured {
     }
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]. `timing`: where the milliseconds come from.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `timing`: source of the milliseconds.
 pub fn cells(configuration: &Configuration, measured: &Measured, milliseconds: f64, timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let (shadows, m) = (&configuration.shadows, measured);

@@ -30,7 +30,7 @@ fn distances_grow_from_the_edge_and_end_with_the_passes() {
     let at = |x: usize, y: usize| distances[y * size + x];
     assert_eq!([at(9, 16), at(10, 16), at(12, 16), at(15, 16), at(20, 16), at(31, 16)], [0.0, 1.0, 3.0, 6.0, 6.0, 6.0]);
     assert_eq!([at(20, 3), at(20, 4), at(20, 6)], [0.0, 1.0, 3.0]);
-    // Off a convex corner of the light the way is across.
+    // From a convex corner of the lit area, the path is diagonal.
     let hole: Vec<bool> = (0..size * size).map(|i| i % size > 4 || i / size > 4).collect();
     let distances = iterated_distances(&hole, size, passes);
     assert!((distances[7 * size + 7] - 3.0 * std::f32::consts::SQRT_2).abs() < 1e-5);
@@ -41,7 +41,7 @@ fn what_no_one_sees_is_left_out() {
     let mut model = sphere(24, 48);
     let outside = Skin::new(&model).unwrap_or_else(|e| panic!("{e}")).points.len();
     assert_eq!(outside as u32, POINTS);
-    // A smaller ball inside: its area is a quarter of the other's.
+    // A smaller ball inside, with a quarter of the area.
     let inner = model.mesh.clone();
     let first = model.mesh.positions.len() as u32;
     model.mesh.positions.extend(inner.positions.iter().map(|p| *p * 0.5));
@@ -54,7 +54,7 @@ fn what_no_one_sees_is_left_out() {
 
 #[test]
 fn the_papers_map_is_half_at_a_straight_edge() {
-    // An edge between two blocks, and a size that is no multiple of them.
+    // An edge between two blocks, and a size that is not a multiple of the block.
     let (size, shrink) = (30, 4);
     let occluded: Vec<bool> = (0..size * size).map(|i| i % size >= 16).collect();
     let map = paper_width(&occluded, size, shrink);
@@ -65,7 +65,7 @@ fn the_papers_map_is_half_at_a_straight_edge() {
     assert!(row(3)[14] > 0.0 && row(3)[17] < 1.0);
 }
 
-/// What casts no shadow on itself is all lit; a ring has some of everything.
+/// A shape that casts no shadow on itself is fully lit; a ring has umbra, penumbra and light.
 #[test]
 fn the_truth_of_a_ball_and_of_a_ring() {
     let light = vec3(0.2, 0.9, 0.1).normalize();

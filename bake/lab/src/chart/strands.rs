@@ -1,26 +1,27 @@
-//! Topic `strands`: single strands beside layers, at sizes from a close-up to a few pixels, against the true picture.
+//! Topic `strands`: single strands against layers, at sizes from a close-up to a few pixels, beside the reference
+//! picture.
 //!
-//! Each size is drawn in several ways with one sample a pixel and with four: what the runtime chooses, layers, and
-//! strands of some numbers of pieces. Ways of a size and number of samples are timed in turns, so that what else the
-//! machine does falls on all of them.
+//! Each size is drawn by several methods with one sample per pixel and with four: the runtime's choice, layers, and
+//! strands of several numbers of pieces. Methods of the same size and number of samples are timed in turns, so that
+//! other load on the machine affects all of them.
 
 use super::{Cell, Panel};
 use pelage_stage::{LookDetail, LookHair, LookStrandEdges, Viewpoint};
 use pelage_tool::shell_judge::Measured;
 
-/// A picture to draw: its size, of the recipe's `[judge]`, and how near.
+/// Picture to draw: size relative to the recipe's `[judge]`, and zoom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
-    /// The word in the table.
+    /// Name of the size in the table.
     pub word: &'static str,
-    /// What the recipe's width and height are multiplied by, and divided by.
+    /// Factor and divisor applied to the recipe's width and height.
     ratio: (u32, u32),
-    /// What the angle of the view is divided by.
+    /// Divisor of the view angle.
     nearer: f32,
 }
 
 impl Size {
-    /// The close-up, then from the largest to the smallest, each half of the one before.
+    /// All sizes: the close-up, then largest to smallest, each half of the previous one.
     pub const ALL: [Self; 6] = [
         Self { word: "close", ratio: (1, 1), nearer: 3.0 },
         Self { word: "double", ratio: (2, 1), nearer: 1.0 },
@@ -30,41 +31,41 @@ impl Size {
         Self { word: "eighth", ratio: (1, 8), nearer: 1.0 },
     ];
 
-    /// Width and height of the picture, pixels, at least 1, where the recipe has so many.
+    /// Returns width and height of the picture, pixels, at least 1, from the recipe's width and height.
     pub fn pixels(self, (width, height): (u32, u32)) -> (u32, u32) {
         let (times, over) = self.ratio;
         let of = |pixels: u32| (pixels * times / over).max(1);
         (of(width), of(height))
     }
 
-    /// The camera of the picture, where the whole of the model is seen from `camera`.
+    /// Returns the camera of the picture; `camera` shows the whole model.
     pub fn camera(self, camera: Viewpoint) -> Viewpoint {
         Viewpoint { fov_deg: camera.fov_deg / self.nearer, ..camera }
     }
 }
 
-/// Samples a pixel.
+/// Samples per pixel.
 pub const SAMPLES: [u32; 2] = [1, 4];
 
-/// How hair is drawn.
+/// Method of drawing hair.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Way {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: String,
-    /// Strands, layers, or what the runtime chooses.
+    /// Strands, layers, or the runtime's choice.
     pub hair: LookHair,
-    /// How pixels are made of strands.
+    /// Edge treatment of strands.
     pub edges: LookStrandEdges,
-    /// How much of the layers.
+    /// Level of detail of the layers.
     pub detail: LookDetail,
-    /// Most pieces of a strand; `None` as the runtime chooses.
+    /// Maximum number of pieces per strand; `None` for the runtime's choice.
     pub pieces: Option<u32>,
 }
 
 impl Way {
-    /// All ways for strands of so many pieces, what the runtime chooses first: then layers, where there is a `coat`,
-    /// strands of all pieces, half as many and so on; last with blended edges what the runtime chooses, all pieces and
-    /// half as many.
+    /// Returns all methods for strands of `pieces` pieces, the runtime's choice first. Layers follow if there is a
+    /// `coat`, then strands of all pieces, half as many and so on. Last come those with blended edges: the runtime's
+    /// choice, all pieces and half as many.
     pub fn all(pieces: u32, coat: bool) -> Vec<Self> {
         let way = |series: &str, hair, detail| Self {
             series: series.to_owned(),
@@ -95,31 +96,31 @@ impl Way {
         [all, blended].concat()
     }
 
-    /// Whether a package without strands is drawn so as well.
+    /// Returns whether the method also applies to a package without strands.
     pub fn needs_no_strands(&self) -> bool {
         self.hair == LookHair::Shells
     }
 }
 
-/// A row: a way of drawing a picture.
+/// Row of the chart: a size, a number of samples and a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Configuration {
     /// Index into [`Size::ALL`].
     pub size: usize,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: u32,
-    /// Index into the list of ways.
+    /// Index into the list of methods.
     pub way: usize,
 }
 
 impl Configuration {
-    /// Whether it is what a user gets without asking.
+    /// Returns whether this is the default configuration.
     pub fn is_default(&self) -> bool {
         self.way == 0 && self.samples == SAMPLES[0]
     }
 }
 
-/// Every one of so many ways in every size, at each number of samples.
+/// Lists each of `ways` methods in every size, at each number of samples.
 pub fn configurations(ways: usize) -> Vec<Configuration> {
     let groups = (0..Size::ALL.len()).flat_map(|size| SAMPLES.map(|samples| (size, samples)));
     groups.flat_map(|(size, samples)| (0..ways).map(move |way| Configuration { size, samples, way })).collect()
@@ -129,20 +130,20 @@ pub fn configurations(ways: usize) -> Vec<Configuration> {
 ///
 /// * `size` of the picture, `whole` as in the recipe's `[judge]`, its `width` and `height`, pixels; `close` is `whole`
 ///   with a third of the angle.
-/// * `samples` a pixel; `true_samples`, rays a pixel of the true picture; `strand_px`, mean width of the strands at the
-///   median of the skin's distances.
-/// * `layers`, `strands`, `pieces`: layers that are drawn, share of the strands, and pieces of each.
-///   `strand_triangles`: of all strands that are drawn, seen or not. `triangles`: of the mesh.
-/// * `flip`, `flip_covered`, `rmse`, `coverage_error` against the true picture; `fragments` where the adapter counts
+/// * `samples` per pixel; `true_samples`: rays per pixel of the reference picture; `strand_px`: mean width of the
+///   strands at the median distance of the mesh surface.
+/// * `layers`, `strands`, `pieces`: number of drawn layers, share of the strands, and pieces per strand.
+///   `strand_triangles`: of all drawn strands, visible or not. `triangles`: of the mesh.
+/// * `flip`, `flip_covered`, `rmse`, `coverage_error` against the reference picture; `fragments` if the adapter counts
 ///   them.
-/// * `flicker`: mean change of grey, 0..=1, of the skin's points and of what stands on them, from one picture to the
-///   next, while the camera turns a quarter of a degree and all else stands still; `true_flicker`: that of the true
-///   pictures, whose hairs move before the skin as well.
-/// * `frame_milliseconds`: a frame whose light and pose stand still. `anew_milliseconds`: the passes of one whose pose
-///   and maps are made anew.
-/// * `over_cheapest`: of what the runtime chooses without being asked for blended edges, the former over that of the
-///   cheapest way of the same size and samples whose FLIP is at most [`AS_TRUE`] as large.
-/// * `package_bytes`: of a package with strands, or without where none are drawn; `gpu_bytes`: model, copy, maps and
+/// * `flicker`: mean change of grey, 0..=1, at points of the mesh surface and the hair on them, while only the camera
+///   turns by a quarter of a degree; `true_flicker`: that of the reference pictures, whose hair also moves relative to
+///   the surface.
+/// * `frame_milliseconds`: a frame with unchanged light and pose. `anew_milliseconds`: the passes of a frame with a new
+///   pose and new maps.
+/// * `over_cheapest`: for the runtime's choice without blended edges, its frame time over that of the cheapest method
+///   of the same size and samples whose FLIP is at most [`AS_TRUE`] times as large.
+/// * `package_bytes`: of a package with strands, or without if none are drawn; `gpu_bytes`: model, copy, maps and
 ///   lists.
 pub const COLUMNS: [&str; 24] = [
     "size",
@@ -191,43 +192,44 @@ pub fn panels() -> Vec<Panel> {
     Size::ALL.into_iter().zip(labels).map(panel).collect()
 }
 
-/// What was found of a way.
+/// Results of a method.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Found {
     /// Errors and costs.
     pub measured: Measured,
-    /// A frame whose pose and maps are made anew.
+    /// Milliseconds of a frame with a new pose and new maps.
     pub anew_ms: f64,
-    /// Mean change of grey while the camera turns a little; `None` where no skin is seen.
+    /// Mean change of grey while the camera turns a little; `None` if no mesh surface is visible.
     pub flicker: Option<f64>,
-    /// Share of the strands that is drawn.
+    /// Share of the strands that are drawn.
     pub strands: f32,
-    /// Pieces of each.
+    /// Pieces per strand.
     pub pieces: u32,
-    /// Edges are blended, which only who asks for it gets.
+    /// Whether edges are blended, which is never the default.
     pub blended: bool,
 }
 
-/// What all ways of a size have in common.
+/// Values that all methods of a size share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
     /// Width and height of the picture.
     pub pixels: (u32, u32),
-    /// Rays a pixel of the true picture.
+    /// Rays per pixel of the reference picture.
     pub true_samples: u32,
-    /// Mean change of grey of the true picture while the camera turns a little; `None` where no skin is seen.
+    /// Mean change of grey of the reference picture while the camera turns a little; `None` if no mesh surface is
+    /// visible.
     pub true_flicker: Option<f64>,
     /// Mean width of the strands, pixels.
     pub strand_px: f64,
-    /// Strands of the model.
+    /// Number of strands of the model.
     pub strands: usize,
 }
 
-/// How much larger the FLIP of a way may be that counts as true as another: less is within the noise of the true
-/// picture.
+/// Largest ratio of FLIP at which a method counts as equally accurate; smaller differences are within the noise of the
+/// reference picture.
 pub const AS_TRUE: f64 = 1.02;
 
-/// Cost of the first of some ways over that of the cheapest which is as true.
+/// Returns the cost of the first method over that of the cheapest equally accurate one, ignoring blended edges.
 pub fn over_cheapest(ways: &[Found]) -> Option<f64> {
     let own = ways.first()?.measured;
     let as_true = ways.iter().filter(|way| !way.blended && way.measured.flip <= AS_TRUE * own.flip);
@@ -235,8 +237,8 @@ pub fn over_cheapest(ways: &[Found]) -> Option<f64> {
     Some(own.frame_ms / cheapest).filter(|ratio| ratio.is_finite())
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]. `ways`: what was found of all of its size and samples; `timing`:
-/// where the milliseconds come from.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `ways`: results of all methods of its size and samples;
+/// `timing`: source of the milliseconds.
 pub fn cells(configuration: &Configuration, seen: &Seen, ways: &[Found], timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let Configuration { size, samples, way } = *configuration;
@@ -304,7 +306,7 @@ mod tests {
     fn what_is_chosen_is_held_against_the_cheapest_that_is_as_true() {
         let way =
             |frame_ms, flip| Found { measured: Measured { frame_ms, flip, ..Measured::default() }, ..Found::default() };
-        // The cheapest is not as true, the next is a little less true, and the last is truer and dearer.
+        // The cheapest is less accurate, the next nearly as accurate, and the last more accurate and more expensive.
         let blended = Found { blended: true, ..way(2.0, 0.0050) };
         let ways = [way(6.0, 0.0100), way(1.0, 0.0200), way(4.0, 0.0101), way(9.0, 0.0050), blended];
         assert_eq!(over_cheapest(&ways), Some(1.5));

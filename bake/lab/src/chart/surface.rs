@@ -1,20 +1,20 @@
-//! Topic `surface`: what fewer seams cost in distortion, and what both cost in seconds.
+//! Topic `surface`: cost of fewer seams in distortion, and of both in seconds.
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::surface::Measures;
 use pelage_import::mesh::Model;
 
-/// A recipe to measure.
+/// Recipe to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// Its value, short.
+    /// Value of the varied setting, short.
     pub label: String,
-    /// Changes to the base recipe, as `--set` takes them.
+    /// Changes to the base recipe, in the form of `--set`.
     pub sets: Vec<String>,
-    /// The recipe with the changes.
+    /// Recipe with the changes.
     pub recipe: Recipe,
 }
 
@@ -54,11 +54,12 @@ pub const PANELS: [Panel; 2] = [
     },
 ];
 
-/// What to measure, the base recipe itself first. The model's own texture coordinates join where all parts have some.
+/// Lists what to measure, the base recipe first. The model's own texture coordinates are included if all parts have
+/// some.
 ///
 /// # Errors
 ///
-/// As [`Recipe::set`]; cannot happen with a valid base.
+/// Same as [`Recipe::set`]; cannot occur with a valid base.
 pub fn configurations(base: &Recipe, model: &Model) -> Result<Vec<Configuration>, pelage_import::BakeError> {
     let with = |series: &'static str, label: String, sets: &[String]| -> Result<_, pelage_import::BakeError> {
         let mut recipe = base.clone();
@@ -71,7 +72,7 @@ pub fn configurations(base: &Recipe, model: &Model) -> Result<Vec<Configuration>
     for value in [0.25, 0.5, 0.75, 1.0, 1.5, 3.0, 4.0, 8.0] {
         out.push(with("patch size", value.to_string(), &[patches.clone(), size(value)])?);
     }
-    // Beyond some size the other two limits stop patches; only with those wide open does the size alone decide.
+    // Beyond some size the other two limits stop patches. Only with those wide open does the size alone decide.
     for value in [0.5, 1.0, 2.0, 4.0, 8.0, 16.0] {
         let wide = ["surface.patch_turn_deg=60.0".to_owned(), "surface.patch_stretch=4.0".to_owned()];
         out.push(with(
@@ -110,7 +111,7 @@ pub fn configurations(base: &Recipe, model: &Model) -> Result<Vec<Configuration>
     Ok(out)
 }
 
-/// The cells of a row, in the order of [`COLUMNS`].
+/// Returns the cells of a row, in the order of [`COLUMNS`].
 pub fn cells(recipe: &Recipe, measures: &Measures, seconds: f64) -> Vec<Cell> {
     let (s, m) = (&recipe.surface, measures);
     vec![

@@ -1,4 +1,4 @@
-//! A chart as a picture: cost across, error up, the front joined, the default ringed.
+//! Drawing of a chart: cost on the horizontal axis, error on the vertical, the Pareto front joined, the default ringed.
 
 use super::axis::{self, Scale};
 use super::{Chart, Panel, Row, labels};
@@ -7,12 +7,12 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Width and height of a panel, pixels, and the height of what stands above and below all of them.
+/// Width and height of a panel, of the title and of a legend row, pixels.
 const PANEL: (u32, u32) = (620, 470);
 const TITLE_HEIGHT: u32 = 54;
 const LEGEND_ROW: u32 = 22;
 
-/// Colours that the common kinds of colour blindness can tell apart (Okabe and Ito 2008).
+/// Colours that are distinguishable with the common kinds of colour blindness (Okabe and Ito 2008).
 const COLORS: [RGBColor; 8] = [
     RGBColor(60, 60, 60),
     RGBColor(0, 114, 178),
@@ -28,11 +28,11 @@ fn fault(error: impl std::fmt::Display) -> BakeError {
     BakeError::Internal(format!("drawing a chart: {error}"))
 }
 
-/// The whole chart as SVG text, two panels in a row.
+/// Returns the whole chart as SVG text, two panels per row.
 ///
 /// # Errors
 ///
-/// [`BakeError::Internal`] should plotters refuse.
+/// [`BakeError::Internal`] if plotters fails.
 pub fn svg(chart: &Chart) -> Result<String, BakeError> {
     let series = series(chart);
     let across = chart.panels.len().clamp(1, 2);
@@ -66,7 +66,7 @@ fn legend_columns(width: u32) -> u32 {
     width / 310
 }
 
-/// The series in the order of first appearance.
+/// Returns the series in the order of first appearance.
 fn series(chart: &Chart) -> Vec<&str> {
     let mut out: Vec<&str> = Vec::new();
     for row in &chart.rows {
@@ -82,7 +82,7 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// Distances from the panel's edges to the frame: left, right, top, bottom.
 const MARGIN: [i32; 4] = [78, 18, 8, 60];
 
-/// Radius of a mark and of the ring about the default, pixels, and height of a letter beside them.
+/// Radius of a mark and of the ring around the default, pixels, and height of a letter beside them.
 const MARK: i32 = 5;
 const RING: i32 = 10;
 const LABEL: i32 = 11;
@@ -133,7 +133,7 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, panel: &Panel, series: &[&str]) ->
     let on_front = chart.on_front(panel);
     let line = stairs(&points, &on_front, place, (left + frame_w, top));
     area.draw(&PathElement::new(line.clone(), BLACK.mix(0.5).stroke_width(2))).map_err(fault)?;
-    // What matters more is drawn later and labelled earlier.
+    // More important rows are drawn later and labelled earlier.
     let mut order: Vec<usize> = (0..chart.rows.len()).filter(|i| points[*i].is_some()).collect();
     order.sort_by_key(|i| (chart.rows[*i].default, on_front[*i]));
     let at = |i: usize| points[i].map(place).unwrap_or_default();
@@ -155,8 +155,8 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, panel: &Panel, series: &[&str]) ->
     Ok(())
 }
 
-/// The front as stairs, from its least cost to its least error: the least error that can be had for at most so much
-/// cost. It comes down from the top of the frame and leaves to its right, whose corner is `end`.
+/// Returns the Pareto front as steps, from its least cost to its least error: the least error available for at most
+/// that cost. The line begins at the top of the frame and ends at its right, whose corner is `end`.
 fn stairs(
     points: &[Option<(f64, f64)>],
     on_front: &[bool],
@@ -175,7 +175,7 @@ fn stairs(
     line
 }
 
-/// Points on a line of level and upright pieces, close enough for no word to slip between.
+/// Returns points on a line of horizontal and vertical pieces, so close that no label fits between them.
 fn along(line: &[(i32, i32)]) -> Vec<(i32, i32)> {
     let piece = |ends: &[(i32, i32)]| {
         let (a, b) = (ends[0], ends[1]);
@@ -185,8 +185,8 @@ fn along(line: &[(i32, i32)]) -> Vec<(i32, i32)> {
     line.windows(2).flat_map(piece).collect()
 }
 
-/// Corners of the marks: each series has a colour and a shape, for those who do not see the colours and printers that
-/// have none. The first is round.
+/// Corners of the marks. Each series has a colour and a shape, for readers and printers without colour. The first is
+/// round.
 const SHAPES: [&[(i32, i32)]; 7] = [
     &[],
     &[(-5, -5), (5, -5), (5, 5), (-5, 5)],
@@ -260,7 +260,7 @@ mod tests {
         };
         let text = svg(&chart).unwrap_or_default();
         assert!(text.starts_with("<svg ") && text.trim_end().ends_with("</svg>"));
-        // Two circles a mark: two rows and one in the legend; a ring for the default, and one in the legend.
+        // Two circles per mark: two rows and one in the legend; a ring for the default, and one in the legend.
         assert_eq!(text.matches("<circle").count(), 2 * 3 + 2);
         assert!(text.contains("at 2") && text.contains("a quick one") && !text.contains("at NaN"), "{text}");
         assert!(text.contains("seconds") && text.contains("error, degrees") && text.contains("&lt;a &amp; b&gt;"));

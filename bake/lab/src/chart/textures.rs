@@ -1,9 +1,8 @@
-//! Topic `textures`: what texel formats, the effort of their encoders and the way of making mips do to a tile of hair,
-//! and what they cost.
+//! Topic `textures`: effect of texel formats, encoder effort and mip filter on a tile of hair, and their cost.
 //!
-//! The truth is the tile as it is sliced, eight bits a channel before any encoding (directions with all three
-//! components and their length): what a format loses is measured by itself, what slicing loses is the topic
-//! `lighting`'s and `shells`'. The encoded file is read back and decoded.
+//! The truth is the tile as sliced, with eight bits per channel before any encoding (directions with all three
+//! components and their length). Only the loss of the format is measured; the topics `lighting` and `shells` measure
+//! that of slicing. The encoded file is read back and decoded.
 
 use super::{Cell, Panel};
 use crate::stability::{mean, opacity, texels, transmittances};
@@ -15,17 +14,17 @@ use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_formats::{Limits, TextureFormat, TextureView, decode_direction};
 use pelage_import::BakeError;
 
-/// How a coarser level is made of the finer one.
+/// Filter that makes a coarser level from the finer one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MipFilter {
-    /// As bake does: what comes through all layers keeps its mean.
+    /// Filter of the bake: preserves the mean transmittance through all layers.
     Product,
-    /// Each layer by itself.
+    /// Average of each layer by itself.
     Mean,
 }
 
 impl MipFilter {
-    /// The word in the table.
+    /// Returns the word in the table.
     pub fn word(self) -> &'static str {
         match self {
             Self::Product => "product of layers",
@@ -34,8 +33,7 @@ impl MipFilter {
     }
 }
 
-/// What of a configuration is measured: where only one texture is varied, the other would be the same point again and
-/// again.
+/// Textures to measure. If only one texture is varied, the other would give the same point repeatedly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Both,
@@ -43,23 +41,23 @@ enum Part {
     Directions,
 }
 
-/// A way to store a tile.
+/// Storage parameters of a tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// Its value, short.
+    /// Value of the varied setting, short.
     pub label: String,
-    /// Changes to the base recipe, as `--set` takes them; and the mip filter, which no recipe has.
+    /// Changes to the base recipe, in the form of `--set`.
     pub sets: Vec<String>,
-    /// How mips are made.
+    /// Mip filter, which is not part of a recipe.
     pub mips: MipFilter,
-    /// The recipe with the changes.
+    /// Recipe with the changes.
     pub recipe: Recipe,
     part: Part,
 }
 
-/// Levels whose drift has a column of its own.
+/// Number of levels whose drift has its own column.
 const LEVELS: usize = 6;
 
 /// Columns of the chart.
@@ -117,11 +115,11 @@ pub const PANELS: [Panel; 4] = [
     },
 ];
 
-/// What to measure, the recipe itself first.
+/// Lists what to measure, the unchanged recipe first.
 ///
 /// # Errors
 ///
-/// As [`Recipe::set`]; cannot happen with a valid base.
+/// Same as [`Recipe::set`]; cannot occur with a valid base.
 pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
     let mut out = Vec::new();
     let mut add = |series, label: String, sets: &[String], mips, part| {
@@ -135,7 +133,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
     for format in ShellFormat::ALL {
         let set = format!("pack.shell_format={}", format.word());
         let plain = *format == ShellFormat::Rgba8;
-        // Plain texels are not encoded, with whatever effort.
+        // Uncompressed texels do not depend on the effort.
         for effort in BcQuality::ALL.iter().take(if plain { 1 } else { usize::MAX }) {
             let label = if plain { format.word().into() } else { format!("{}, {}", format.word(), effort.word()) };
             add("colour and opacity", label, &[set.clone(), quality(effort)], MipFilter::Product, Part::Shells)?;
@@ -143,14 +141,14 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
         add("mips of each layer by itself", format.word().into(), &[set], MipFilter::Mean, Part::Shells)?;
     }
     for format in DirectionFormat::ALL {
-        // The encoder of BC5 knows no effort.
+        // The BC5 encoder has no effort setting.
         let set = format!("pack.direction_format={}", format.word());
         add("hair direction", format.word().into(), &[set], MipFilter::Product, Part::Directions)?;
     }
     Ok(out)
 }
 
-/// The strands' tile before encoding: what is measured against.
+/// Tile of the strands before encoding, the truth of the measurement.
 pub struct Truth {
     set: ShellSet,
     strands: Strands,
@@ -158,11 +156,11 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Slices strands as `recipe` says.
+    /// Slices strands with the settings of `recipe`.
     ///
     /// # Errors
     ///
-    /// As [`collect_layers`].
+    /// Same as [`collect_layers`].
     pub fn new(recipe: &Recipe, strands: Strands) -> Result<Self, BakeError> {
         let set = collect_layers(&strands, &recipe.slice, TextureFormat::Rgba8Unorm)?;
         let coverage = 1.0 - mean(&transmittances(&set, 0));
@@ -173,11 +171,11 @@ impl Truth {
 /// Errors and costs of the shell texture.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Shells {
-    /// Of premultiplied, encoded red, green and blue in the finest level above the skin, bytes.
+    /// RMSE of premultiplied, encoded red, green and blue in the finest level above layer 0, bytes.
     color_rmse: f64,
-    /// Of alpha there, 0..=1.
+    /// RMSE of alpha in the finest level above layer 0, 0..=1.
     opacity_rmse: f64,
-    /// Mean coverage of all layers above the skin at each level, less the truth's at level 0.
+    /// Mean coverage of all layers above layer 0 at each level, less the truth's at level 0.
     drift: Vec<f64>,
     bytes: u64,
     seconds: f64,
@@ -191,14 +189,14 @@ struct Directions {
     seconds: f64,
 }
 
-/// Encodes a tile as a configuration says, and holds what comes back against the truth: the cells of a row, in the
-/// order of [`COLUMNS`].
+/// Encodes a tile with a configuration, and compares the decoded result with the truth. Returns the cells of a row, in
+/// the order of [`COLUMNS`].
 ///
-/// * `now`: seconds since some moment, for what encoding takes
+/// * `now`: seconds since some moment, to time the encoding
 ///
 /// # Errors
 ///
-/// Of slicing, encoding and decoding.
+/// Errors of slicing, encoding and decoding.
 pub fn measure(configuration: &Configuration, truth: &Truth, now: &dyn Fn() -> f64) -> Result<Vec<Cell>, BakeError> {
     let part = configuration.part;
     let shells = if part == Part::Directions { None } else { Some(shells(configuration, truth, now)?) };
@@ -215,7 +213,7 @@ pub fn measure(configuration: &Configuration, truth: &Truth, now: &dyn Fn() -> f
         word(blocks, pack.bc_quality.word()),
         word(shells.is_some(), configuration.mips.word()),
         of_shells(&|s| s.color_rmse),
-        // What is the same has no noise, and JSON no number for that.
+        // Identical textures have no noise, and JSON has no number for infinity.
         if shells.as_ref().is_some_and(|s| s.color_rmse > 0.0) {
             of_shells(&|s| 20.0 * libm::log10(255.0 / s.color_rmse))
         } else {
@@ -286,7 +284,7 @@ fn directions(configuration: &Configuration, truth: &Truth, now: &dyn Fn() -> f6
         for (i, (a, b)) in decoded.chunks_exact(4).zip(layer.direction[0].chunks_exact(4)).enumerate() {
             let direction = |t: &[u8], format| decode_direction([0, 1, 2, 3].map(|i| f32::from(t[i]) / 255.0), format);
             let (a, b) = (direction(a, format), direction(b, TextureFormat::Rgba8Unorm));
-            // A mean that has cancelled out points nowhere.
+            // A mean that has cancelled out has no direction.
             let (Some(a), Some(b)) = (a.try_normalize(), b.try_normalize()) else { continue };
             let weight = opacity(&truth.set, k, 0, i);
             sum += weight * angle_deg(a, b);
@@ -296,14 +294,14 @@ fn directions(configuration: &Configuration, truth: &Truth, now: &dyn Fn() -> f6
     Ok(Directions { error_deg: sum / f64::max(weights, f64::MIN_POSITIVE), bytes: view.gpu_bytes(), seconds })
 }
 
-/// Angle between two lines, degrees.
+/// Returns the angle between two lines, degrees.
 fn angle_deg(a: Vec3, b: Vec3) -> f64 {
     let (a, b) = (a.as_dvec3(), b.as_dvec3());
-    // By the sine as well: the cosine of small angles is 1.
+    // From the sine as well: the cosine of small angles rounds to 1.
     a.cross(b).length().atan2(a.dot(b).abs()).to_degrees()
 }
 
-/// Runs of an encoder, of which the fastest counts; long ones are run once.
+/// Maximum runs of an encoder, of which the fastest counts; none begins after `LONG_S` seconds in total.
 const RUNS: usize = 3;
 const LONG_S: f64 = 1.0;
 
@@ -328,7 +326,7 @@ fn parse(file: &[u8]) -> Result<TextureView<'_>, BakeError> {
     view.map_err(|e| BakeError::Internal(format!("the texture just written: {e}")))
 }
 
-/// The colours of a file as a set of layers again.
+/// Decodes the colours of a file to a set of layers.
 fn decoded(view: &TextureView<'_>) -> Result<ShellSet, BakeError> {
     let layer = |index: u32| {
         let color = (0..view.levels).map(|level| decode_texture(view, level, index)).collect::<Result<_, _>>()?;
@@ -337,7 +335,7 @@ fn decoded(view: &TextureView<'_>) -> Result<ShellSet, BakeError> {
     Ok(ShellSet { texels: view.width, layers: (0..view.layers).map(layer).collect::<Result<_, BakeError>>()? })
 }
 
-/// The same finest level, and coarser ones in which each layer's opacity and light are averaged by themselves.
+/// Returns the same finest level, with coarser ones in which each layer's opacity and light are averaged by themselves.
 fn averaged(set: &ShellSet) -> ShellSet {
     let mut out = set.clone();
     for layer in &mut out.layers {

@@ -1,12 +1,12 @@
-//! Topic `verlet`: how near hair that swings is to its equations ([`TrueGuide`]), and what that costs, by how its
-//! lengths are held.
+//! Topic `verlet`: accuracy of simulated hair on guides against its equations ([`TrueGuide`]), and its cost, by the
+//! method of enforcing lengths.
 //!
-//! Each form moves the same guides through the same frames of a sixtieth of a second: ours with other steps and solves,
-//! and what others do. Those have our forces, whose springs yield at long steps, so that what tells them apart is how
-//! they hold lengths. The printed form has its own.
+//! Each form moves the same guides through the same frames of a sixtieth of a second: the runtime's solver with other
+//! steps and solves, and methods of others. Those use the runtime's forces, whose springs yield at long steps, so that
+//! they differ only in how they enforce lengths. The printed form has its own forces.
 //!
-//! The scenes keep hair taut. Where it goes slack it whips, and two motions that differ by a rounding part: there is no
-//! truth to be near to.
+//! The scenes keep hair taut. Slack hair whips, and two motions that differ by a rounding error diverge, so that the
+//! truth would be arbitrary.
 
 use super::{Cell, Panel};
 use crate::stability::hair_motion::{Printed, PrintedStep, sweep};
@@ -16,35 +16,35 @@ use pelage_formats::GroupMotion;
 use pelage_formats::meaning::hair_motion::{Frame, GRAVITY, Groomed, Pearl, Rooted, Solver, Springs, Wind, ballast};
 use std::f64::consts::TAU;
 
-/// Points of the guides.
+/// Numbers of points per guide.
 pub const POINTS: [usize; 3] = [7, 16, 36];
-/// How long a guide is, metres, about.
+/// Approximate length of a guide, metres.
 const LENGTH_M: f32 = 0.3;
-/// Frames a second.
+/// Frames per second.
 const FPS: u32 = 60;
-/// Seconds of each scene.
+/// Duration of each scene, seconds.
 pub const SECONDS: u32 = 3;
-/// How far the truth may be from that with steps twice as long, in lengths of the guide.
+/// Largest difference of the truth from that with steps twice as long, in lengths of the guide.
 const WITHIN: f64 = 1e-5;
-/// Damping of springs to the groomed place, of what would stop them from swinging.
+/// Damping ratio of the springs to the groomed position; 1 is critical damping.
 const DAMPED: f32 = 0.3;
-/// Share of what following takes from the speed that Müller 2012 gives back.
+/// Share of the speed lost by following that is given back, as in Müller 2012.
 const GIVEN_BACK: f32 = 0.9;
-/// How much a piece yields to a pull, metres over those of a second squared: by 1e-4 of its length where a guide hangs
-/// on it.
+/// Compliance of a piece, metres per metre per second squared: a guide hanging from it stretches it by 1e-4 of its
+/// length.
 const COMPLIANCE: f32 = 1e-8;
 
 /// Columns of the chart.
 ///
-/// * `points`: of a guide. `steps_per_s`: steps of a second; `rounds`: times that lengths are seen to in a step, on
-///   average, of ours with the way from root to tip.
-/// * `rms_percent`: distance of points from where they truly are, root of the mean of its square over all points but
-///   the root and all frames of three scenes, in % of the guide's length; `largest_percent`: the farthest. `rms_turn`
-///   and the like: of a scene alone.
-/// * `stretch_percent`: the most that any piece is longer or shorter than it should be.
-/// * `nanoseconds`: of a guide and a second that it swings, on one core; `corrections_per_s`: how often the length of
-///   each piece is put right in that second.
-/// * `true_steps_per_s`: of the truth; `true_change_percent`: how far it was from there with half as many.
+/// * `points`: per guide. `steps_per_s`: steps per second; `rounds`: mean number of passes over the lengths per step,
+///   for the runtime's solver including the pass from root to tip.
+/// * `rms_percent`: root mean square distance of points from their true positions, over all points but the root and all
+///   frames of three scenes, in % of the guide's length; `largest_percent`: the largest distance. `rms_turn` etc.: of
+///   one scene.
+/// * `stretch_percent`: largest deviation of any piece from its length.
+/// * `nanoseconds`: of a guide and a simulated second, on one core; `corrections_per_s`: corrections of each piece's
+///   length in that second.
+/// * `true_steps_per_s`: of the truth; `true_change_percent`: difference from the truth with half as many.
 pub const COLUMNS: [&str; 13] = [
     "points",
     "steps_per_s",
@@ -61,7 +61,7 @@ pub const COLUMNS: [&str; 13] = [
     "true_change_percent",
 ];
 
-/// Panels of the chart: one for each number of points, and one by what is counted.
+/// Panels of the chart: one for each number of points, and one by number of corrections.
 pub const PANELS: [Panel; 4] = [
     panel(NANOSECONDS, "7 points: ns of a guide and second, one core", "7"),
     panel(NANOSECONDS, "16 points: ns of a guide and second, one core", "16"),
@@ -76,28 +76,28 @@ const fn panel(cost: &'static str, cost_label: &'static str, points: &'static st
     Panel { cost, cost_label, error: "rms_percent", error_label, only: Some(("points", points)) }
 }
 
-/// What moves a guide.
+/// Motion that drives a guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scene {
-    /// A head that turns aside within 0.4 s, and back.
+    /// Head that turns aside within 0.4 s, and back.
     Turn,
-    /// A root that goes up and down, as at a gallop.
+    /// Root that moves up and down, as in a gallop.
     Gallop,
     /// Wind that swells and falls.
     Gust,
 }
 
-/// From 0 to 1 in the time from `from` on that it takes, without a jerk at either end.
+/// Returns a smooth step from 0 to 1 that begins at `from` and takes `takes` seconds, without a jerk at either end.
 fn eased(time_s: f64, from: f64, takes: f64) -> f64 {
     let t = ((time_s - from) / takes).clamp(0.0, 1.0);
     t * t * t * (10.0 + t * (6.0 * t - 15.0))
 }
 
 impl Scene {
-    /// All of them.
+    /// All scenes.
     pub const ALL: [Self; 3] = [Self::Turn, Self::Gallop, Self::Gust];
 
-    /// Root and its frame at a time, seconds.
+    /// Returns the root and its frame at a time, seconds.
     pub fn skin(self, time_s: f64) -> (DVec3, DMat3) {
         match self {
             Self::Turn => {
@@ -114,13 +114,13 @@ impl Scene {
         }
     }
 
-    /// The same as a renderer knows it.
+    /// Returns the same in the renderer's type and precision.
     fn rooted(self, time_s: f64) -> Rooted {
         let (root, frame) = self.skin(time_s);
         Rooted { root: root.as_vec3(), frame: frame.as_mat3() }
     }
 
-    /// What the air does.
+    /// Returns the wind of the scene.
     fn wind(self) -> Wind {
         if self == Self::Gust {
             Wind { velocity: Vec3::new(4.0, 0.0, 1.5), gust: 0.5, gust_s: 1.2, ..Wind::default() }
@@ -129,61 +129,61 @@ impl Scene {
         }
     }
 
-    /// Velocity of the air at a time and place.
+    /// Returns the velocity of the air at a time and position.
     fn air(self, time_s: f32, place: Vec3) -> Vec3 {
         self.wind().at(place, time_s)
     }
 }
 
-/// How a guide is moved.
+/// Method of moving a guide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// As [`Solver`] does.
+    /// Runtime's [`Solver`].
     Ours(Solver),
-    /// Each piece by itself, root to tip, so many times a step (Jakobsen 2001).
+    /// Correction of each piece by itself, root to tip, a number of times per step (Jakobsen 2001).
     Sweeps {
-        /// Steps of a second.
+        /// Steps per second.
         steps_per_s: u32,
-        /// Times.
+        /// Sweeps per step.
         sweeps: u32,
     },
-    /// Each point goes to the right distance from the one before, and what that takes from its speed comes back (Müller
-    /// 2012).
+    /// Follow the leader: each point moves to the right distance from the previous one, and the speed lost by that is
+    /// given back (Müller 2012).
     Leader {
-        /// Steps of a second.
+        /// Steps per second.
         steps_per_s: u32,
     },
-    /// Pieces that yield a little, each put right once a step (Macklin 2016 and 2019: small steps instead of rounds).
+    /// Compliant pieces, each corrected once per step (Macklin 2016 and 2019: small steps instead of rounds).
     Yielding {
-        /// Steps of a second.
+        /// Steps per second.
         steps_per_s: u32,
     },
-    /// Nalu's, one step a frame.
+    /// Method of Nalu, one step per frame.
     Printed {
         /// Rounds over the lengths.
         sweeps: u32,
     },
-    /// The truth, of a skin that goes straight from frame to frame: what no form is nearer than, that knows no more
-    /// than frames.
+    /// Truth for a root that moves straight from frame to frame: the least error possible for a form that knows only
+    /// frames.
     Straight,
 }
 
-/// Something to measure.
+/// Parameters of one measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What is varied.
+    /// Name of the varied setting.
     pub series: &'static str,
-    /// Its value, short.
+    /// Value of the varied setting, short.
     pub label: String,
     /// Points of the guide.
     pub points: usize,
-    /// How it is moved.
+    /// Method of moving the guide.
     pub form: Form,
-    /// Whether it is what the runtime does.
+    /// Whether this is what the runtime does.
     pub default: bool,
 }
 
-/// What to measure, of each of [`POINTS`], first what the runtime does.
+/// Lists what to measure, for each of [`POINTS`], the runtime's default first.
 pub fn configurations() -> Vec<Configuration> {
     let ours = Solver::default();
     let mut forms = vec![("as the runtime does", String::new(), Form::Ours(ours))];
@@ -192,7 +192,7 @@ pub fn configurations() -> Vec<Configuration> {
         forms.push(("ours, steps a second", steps.to_string(), Form::Ours(solver)));
     }
     for solved in [1, 2, 3, 6] {
-        // So many and no fewer.
+        // Exactly that many solves.
         let solver = Solver { solved, within: 0.0, ..ours };
         forms.push(("ours, solves a step", solved.to_string(), Form::Ours(solver)));
     }
@@ -220,19 +220,19 @@ pub fn configurations() -> Vec<Configuration> {
     .collect()
 }
 
-/// A guide that stands out from the root and falls, with all that goes with it.
+/// Guide that stands out from the root and falls, with its ballast, lengths and springs.
 #[derive(Clone, Debug)]
 pub struct Guide {
     points: Vec<Vec3>,
     ballast: Vec<Vec3>,
     free: Vec<f32>,
-    /// Of the pieces; nothing's first.
+    /// Lengths of the pieces, preceded by 0.
     lengths: Vec<f32>,
     springs: Springs,
 }
 
 impl Guide {
-    /// Of so many points, two or more, with the springs of a group that is told nothing.
+    /// Creates a guide of `points` points, two or more, with the springs of a group with default settings.
     pub fn new(points: usize) -> Self {
         let place = |k: usize| {
             let t = k as f32 / (points - 1) as f32;
@@ -254,9 +254,10 @@ impl Guide {
         self.lengths.iter().sum()
     }
 
-    /// Moves it through a scene. Returns how often ours solved for the tensions.
+    /// Moves the guide through a scene. Returns how often the runtime's solver solved for the tensions, 0 for other
+    /// forms.
     ///
-    /// * `at_end`: told its points at the end of each frame, from the root
+    /// * `at_end`: called with the points at the end of each frame, relative to the root
     pub fn run(&self, form: &Form, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) -> u32 {
         match *form {
             Form::Ours(solver) => return self.ours(solver, scene, at_end),
@@ -314,7 +315,8 @@ impl Guide {
         solved
     }
 
-    /// With the forces of ours, and lengths that `hold` sees to, at the end of a step of so many seconds.
+    /// Moves the guide with the runtime's forces. `hold` enforces the lengths at the end of each step, and receives its
+    /// duration in seconds.
     fn plain(&self, steps_per_s: u32, scene: Scene, hold: &dyn Fn(&mut Plain, f32), at_end: &mut dyn FnMut(&[Vec3])) {
         let steps = steps_per_s / FPS;
         let h = 1.0 / steps_per_s as f32;
@@ -333,7 +335,7 @@ impl Guide {
         }
     }
 
-    /// As Nalu's were: forces as they come, and one share of speed for all that slows.
+    /// Moves the guide as in Nalu: explicit forces, and one loss of speed for all resistance.
     fn printed(&self, sweeps: u32, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) {
         let first = scene.rooted(0.0);
         let mut string = Printed::new(self.points.iter().map(|p| first.root + first.frame * *p).collect());
@@ -365,8 +367,8 @@ impl Guide {
         }
     }
 
-    /// How far each point is from where it would be with all pieces before it as they were groomed, each turned as the
-    /// one before it is.
+    /// Returns each point's offset from where it would be if all pieces before it kept their groomed shape, each turned
+    /// like the previous one.
     fn bent(&self, frame: Mat3, places: &[Vec3]) -> Vec<Vec3> {
         let mut out = vec![Vec3::ZERO; places.len()];
         let mut turn = Quat::IDENTITY;
@@ -383,7 +385,7 @@ impl Guide {
         out
     }
 
-    /// How it truly moves through a scene; `straight`: of a skin that goes straight from frame to frame.
+    /// Returns the true motion through a scene; `straight`: with a root that moves straight from frame to frame.
     pub fn truth(&self, scene: Scene, straight: bool) -> Followed {
         let wide = |points: &[Vec3]| points.iter().map(|p| p.as_dvec3()).collect::<Vec<_>>();
         let (points, ballast) = (wide(&self.points), wide(&self.ballast));
@@ -402,24 +404,24 @@ impl Guide {
     }
 }
 
-/// The end of a frame, seconds.
+/// Returns the end of a frame, seconds.
 fn time_s(frame: u32) -> f64 {
     f64::from(frame) / f64::from(FPS)
 }
 
-/// Of a spring of so many swings a second: pull over distance and mass.
+/// Returns the stiffness of a spring of frequency `hz`: force over distance and mass.
 fn square(hz: f32) -> f32 {
     let omega = std::f32::consts::TAU * hz;
     omega * omega
 }
 
-/// A string whose lengths are not seen to yet.
+/// String of points without length constraints.
 #[derive(Clone, Debug)]
 struct Plain {
-    /// In the world.
+    /// Positions in world space.
     places: Vec<Vec3>,
     velocities: Vec<Vec3>,
-    /// At the beginning of the step.
+    /// Positions at the beginning of the step.
     started: Vec<Vec3>,
 }
 
@@ -429,7 +431,7 @@ impl Plain {
         Self { velocities: vec![Vec3::ZERO; places.len()], started: places.clone(), places }
     }
 
-    /// Lets its points fly, from one place of the root to another.
+    /// Moves the points freely by one step, as the root moves from one frame to the other.
     fn fly(&mut self, guide: &Guide, [before, now]: [Rooted; 2], h: f32, air: impl Fn(Vec3) -> Vec3) {
         let springs = &guide.springs;
         let (shape, bend) = (square(springs.shape_hz), square(springs.bend_hz));
@@ -454,7 +456,7 @@ impl Plain {
         self.places[0] = now.root;
     }
 
-    /// Velocities from the ways that its points went.
+    /// Computes velocities from the points' displacements in the step.
     fn take_speed(&mut self, h: f32) {
         for (k, velocity) in self.velocities.iter_mut().enumerate() {
             *velocity = (self.places[k] - self.started[k]) / h;
@@ -489,22 +491,22 @@ impl Plain {
     }
 }
 
-/// What was measured of a form in a scene, or in several.
+/// Error of a form in one scene or several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Off {
-    /// Sum of the squares of distances from the truth, lengths of the guide, and how many there are.
+    /// Sum of squared distances from the truth, in lengths of the guide, and their number.
     squares: f64,
     count: usize,
-    /// The farthest.
+    /// Largest distance, in lengths of the guide.
     largest: f64,
-    /// The most that any piece is longer or shorter than it should be, over its length.
+    /// Largest deviation of any piece from its length, over its length.
     stretch: f64,
-    /// How often ours solved for the tensions.
+    /// Number of times that the runtime's solver solved for the tensions.
     solved: u32,
 }
 
 impl Off {
-    /// How far a form is from the truth, at the ends of frames.
+    /// Measures a form against the truth, at the ends of frames.
     pub fn of(guide: &Guide, form: &Form, scene: Scene, truth: &[Vec<DVec3>]) -> Self {
         let mut off = Self::default();
         let mut frame = 0;
@@ -520,7 +522,7 @@ impl Off {
         Self { solved, ..off }
     }
 
-    /// Of both together; what is not a number stays.
+    /// Combines both; NaN is preserved.
     pub fn and(self, other: Self) -> Self {
         let greater = |a: f64, b: f64| if b <= a { a } else { b };
         Self {
@@ -532,17 +534,17 @@ impl Off {
         }
     }
 
-    /// Root of the mean of the squares, lengths.
+    /// Returns the root mean square distance, in lengths of the guide.
     pub fn rms(&self) -> f64 {
         (self.squares / self.count.max(1) as f64).sqrt()
     }
 }
 
 impl Form {
-    /// Steps of a second, and times that lengths are seen to in each, where that is what was found in all scenes.
+    /// Returns the steps per second, and the passes over the lengths per step. `found`: results of all scenes together.
     pub fn effort(&self, found: &Off) -> Option<(f64, f64)> {
         Some(match *self {
-            // What the tensions leave goes from root to tip.
+            // One more pass from root to tip corrects what the tensions leave.
             Self::Ours(Solver { steps_per_s, .. }) => {
                 let steps_per_s = f64::from(steps_per_s);
                 let seconds = f64::from(SECONDS * Scene::ALL.len() as u32);
@@ -556,10 +558,10 @@ impl Form {
     }
 }
 
-/// The cells of a row, in the order of [`COLUMNS`].
+/// Returns the cells of a row, in the order of [`COLUMNS`].
 ///
-/// * `off`: in each of [`Scene::ALL`]
-/// * `nanoseconds`: of a guide and second
+/// * `off`: errors in each of [`Scene::ALL`]
+/// * `nanoseconds`: per guide and second
 /// * `truths`: of the same scenes
 pub fn cells(
     configuration: &Configuration,

@@ -1,6 +1,6 @@
 use super::*;
 
-/// How far a form is from the truth in all scenes.
+/// Returns the error of a form in all scenes.
 fn off(guide: &Guide, form: &Form) -> Off {
     let of = |scene: &Scene| Off::of(guide, form, *scene, &guide.truth(*scene, false).places);
     Scene::ALL.iter().map(of).fold(Off::default(), Off::and)
@@ -16,7 +16,7 @@ fn rows_are_told_apart_and_one_of_each_length_is_ours() {
             assert!(of[..i].iter().all(|b| (b.series, &b.label) != (a.series, &a.label) && b.form != a.form), "{a:?}");
         }
     }
-    // Three times in each of the steps of a scene.
+    // Three solves in each step of a scene.
     let of = Off { squares: 1.0, count: 4, solved: 1080, ..Off::default() };
     let row = cells(&all[0], &[of; 3], Some(5.0), &[]);
     assert_eq!(row.len(), COLUMNS.len());
@@ -24,7 +24,7 @@ fn rows_are_told_apart_and_one_of_each_length_is_ours() {
     assert_eq!(row[10], Cell::Number(480.0));
 }
 
-/// A scene in which nothing happens would call all forms good, and one in which hair whips none.
+/// A scene without motion would rate all forms good, and one in which hair whips would rate none good.
 #[test]
 fn scenes_move_hair_and_frames_of_a_sixtieth_know_them() {
     for points in POINTS {
@@ -49,7 +49,7 @@ fn scenes_move_hair_and_frames_of_a_sixtieth_know_them() {
     }
 }
 
-/// With steps short enough all forms but the printed one come to the truth: they have the same equations.
+/// With short enough steps all forms but the printed one converge to the truth: they have the same equations.
 #[test]
 fn forms_come_to_the_truth() {
     let guide = Guide::new(7);

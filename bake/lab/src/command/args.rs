@@ -1,4 +1,4 @@
-//! What is charted, and of which model.
+//! Arguments of `pelage chart`: topic, model and rows.
 
 use pelage_tool::bake::RecipeArgs;
 use pelage_tool::exit::Failure;
@@ -9,31 +9,30 @@ use std::str::FromStr;
 /// Chart speed against accuracy: CSV and SVG with a row for each configuration. Part of `pelage-lab`: ./run chart
 #[derive(Clone, Debug, clap::Args)]
 pub struct ChartArgs {
-    /// What to measure
+    /// Topic to measure
     #[arg(value_name = "TOPIC", value_enum)]
     pub(super) topic: Topic,
-    /// The model, .glb, .gltf or .obj, or a package, whose own mesh and recipe then serve; by default the built-in hare
+    /// Model (.glb, .gltf or .obj), or a package, whose own mesh and recipe are used; by default the built-in hare
     #[arg(value_name = "MODEL|PKG")]
     pub(super) model: Option<PathBuf>,
-    /// Folder for TOPIC.csv and TOPIC.svg, made where it is missing; stability needs none, and draws no picture
+    /// Folder for TOPIC.csv and TOPIC.svg, created if missing; not needed for stability, which draws no picture
     #[arg(long, short, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
-    /// Measure these rows only, by their number in the whole table, from 1, or the K-th of M shares of all rows; where
-    /// a row's command says so, it gives that row again
+    /// Measure only these rows: numbers in the whole table, from 1, or the K-th of M shares of all rows; a row's
+    /// command contains this option where it reproduces that row alone
     #[arg(long, value_name = "N|K/M,..", value_delimiter = ',')]
     pub(super) rows: Vec<Rows>,
-    /// Leave the rows in TOPIC.rows.jsonl and draw no table: for a machine that measures some of them
+    /// Leave the rows in TOPIC.rows.jsonl and draw no table, for a machine that measures only some of them
     #[arg(long, conflicts_with = "from")]
     pub(super) part: bool,
-    /// Take rows that other machines with the same tool and adapter have left there with --part; what is missing is
-    /// measured
+    /// Read rows that other machines with the same tool and adapter left with --part; missing rows are measured
     #[arg(long, value_name = "JSONL")]
     pub(super) from: Vec<PathBuf>,
-    /// Measure all rows anew; without it, those count that a run which was killed left in TOPIC.rows.jsonl
+    /// Measure all rows again; by default, rows that an interrupted run left in TOPIC.rows.jsonl are reused
     #[arg(long)]
     pub(super) restart: bool,
-    /// A sky to measure, .hdr or .exr; may be given several times, to environment and environment-fit alone, which else
-    /// paint a clear sky and a room
+    /// Environment map to measure, .hdr or .exr; may be repeated; only for environment and environment-fit; by default
+    /// a painted clear sky and a room
     #[arg(long, value_name = "SKY")]
     pub(super) sky: Vec<PathBuf>,
     #[command(flatten)]
@@ -41,7 +40,7 @@ pub struct ChartArgs {
 }
 
 impl ChartArgs {
-    /// Numbers of the rows to measure, of `count` that there are.
+    /// Returns the numbers of the rows to measure, out of `count`.
     pub(super) fn numbers(&self, count: usize) -> Result<impl Iterator<Item = usize> + use<>, Failure> {
         let beyond = |rows: &Rows| matches!(rows, Rows::Number(row) if *row > count);
         if let Some(Rows::Number(row)) = self.rows.iter().find(|rows| beyond(rows)) {
@@ -55,7 +54,7 @@ impl ChartArgs {
 /// Rows of a table, numbered from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rows {
-    /// One of them.
+    /// Single row.
     Number(usize),
     /// Every `of`-th, beginning with row `share`.
     Share { share: usize, of: usize },
@@ -96,50 +95,47 @@ mod tests {
     }
 }
 
-/// What can be charted.
+/// Topic of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, schemars::JsonSchema)]
 #[schemars(rename_all = "kebab-case")]
 pub(super) enum Topic {
-    /// Layers, tile, filter, formats and fins: how far their pictures are from the true strands, and what they cost
+    /// Layers, tile, filter, formats and fins: error of their pictures against the true strands, and cost
     Shells,
-    /// Layers, triangles and texels at four sizes on screen: how many a picture needs, against the true strands, and
-    /// what they cost
+    /// Layers, triangles and texels that a picture needs at four sizes on screen: error against the true strands, and
+    /// cost
     Detail,
-    /// Single strands and layers, close and at five sizes, with one sample a pixel and four: how far from the true
-    /// strands, and what they cost
+    /// Single strands and layers, in close-up and at five sizes, with one sample per pixel and four: error against the
+    /// true strands, and cost
     Strands,
-    /// Lapped patches: what fewer seams cost in distortion and seconds
+    /// Lapped patches: cost of fewer seams in distortion and seconds
     Surface,
-    /// Light per pixel and per vertex: the direction it is computed with against the strand's own, and what that costs
+    /// Light per pixel and per vertex: error of the direction used against the strand's own, and cost
     Lighting,
-    /// Baked visibility and layer-wise shadow maps: what light they let between hairs, against the true way of the
-    /// light, and what they cost
+    /// Baked visibility and layer-wise shadow maps: error of the light between hairs against traced light, and cost
     SelfShadow,
-    /// Maps of slabs in which single strands shadow each other, deep and over the whole depth: their light and picture
-    /// against the true ones, and what they cost
+    /// Slab maps by which single strands shadow each other, deep and over the whole depth: error of light and picture,
+    /// and cost
     OpacityShadow,
-    /// Shadow-width maps: the soft shadows they make, against a light that is a disc, and what they cost
+    /// Shadow-width maps: error of their soft shadows against a disc light, and cost
     SoftShadow,
-    /// Ink lines: how far they are from the contours and creases of the mesh, how wide they grow, how they flicker, and
-    /// what they cost
+    /// Ink lines: distance from the contours and creases of the mesh, width, flicker, and cost
     Ink,
-    /// Texel formats, encoders and mip filters: what they do to colour, hair direction and coverage, and what they cost
+    /// Texel formats, encoders and mip filters: error of colour, hair direction and coverage, and cost
     Textures,
-    /// Hair on guides that swings: how far it is from its equations, by how its lengths are held and how often, and
-    /// what that costs; it needs no model
+    /// Simulated hair on guides: error against its equations, by how and how often its lengths are enforced, and cost;
+    /// needs no model
     Verlet,
-    /// What a fibre scatters, by tables of several sizes and axes, by the printed ones and by a fit: how far from its
-    /// equations, and nanoseconds; it needs no model
+    /// Scattering of a fibre by tables of several sizes and axes, by the printed tables and by a fit: error against its
+    /// equations, and nanoseconds; needs no model
     Scattering,
-    /// Black, brown, blond and white coats in three lights, by fibres with the light of other fibres and without: how
-    /// far from traced paths, and what that costs
+    /// Black, brown, blond and white fur in three lights, by fibres with and without the light of other fibres: error
+    /// against path tracing, and cost
     Multiple,
-    /// What a fibre sends of a sky, by one broad light, a light at a time, as printed, by samples and by constant
-    /// light: how far from the truth, and microseconds; it needs no model
+    /// Fibres under an environment map, by one broad light, a light at a time, as printed, by samples and by constant
+    /// light: error, and microseconds; needs no model
     Environment,
-    /// Few lights for a sky: how near they come by their number, and the seconds that finding them takes; it needs no
-    /// model
+    /// Few lights fitted to an environment map: error by their number, and seconds of the fit; needs no model
     EnvironmentFit,
-    /// Where methods fail: the naive form's error beside ours and its bound; exit code 7 where a bound is broken
+    /// Cases where methods fail: error of the naive form beside ours, and its bound; exit code 7 if a bound is exceeded
     Stability,
 }

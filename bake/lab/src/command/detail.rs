@@ -1,4 +1,4 @@
-//! `pelage chart detail`: layers, triangles and texels in four sizes beside the true strands.
+//! `pelage chart detail`: layers, triangles and texels at four sizes against the true strands.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::subject::Subject;
@@ -12,16 +12,16 @@ use pelage_tool::shell_judge::{ShellJudge, Source, cameras};
 use pelage_tool::truth::Truth;
 use pelage_tool::view::View;
 
-/// The topic.
+/// Topic `detail`.
 pub struct DetailTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<detail::Configuration>,
     gpu: Gpu,
-    /// The strands, which no size and no recipe of a row changes, and from where they are seen.
+    /// Strands, which no size and no recipe of a row changes, and their viewpoint.
     truth: Option<(Truth, Viewpoint)>,
-    /// The true picture of each size, and what else its rows share.
+    /// Reference picture of each size, and the values that its rows share.
     sizes: [Option<(ShellJudge<'a>, detail::Seen)>; detail::Size::ALL.len()],
-    /// What was baked: sizes draw the same.
+    /// Baked packages by recipe; all sizes draw the same ones.
     packages: Vec<(Recipe, NamedPackage<'static>)>,
 }
 
@@ -88,7 +88,7 @@ impl Topic for DetailTopic<'_> {
     }
 }
 
-/// The package of a recipe, baked where none was.
+/// Returns the package of a recipe, and bakes it if there is none yet.
 fn baked<'p>(
     packages: &'p mut Vec<(Recipe, NamedPackage<'static>)>,
     source: Source<'_>,

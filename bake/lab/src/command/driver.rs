@@ -1,5 +1,5 @@
-//! What all charts share: rows are measured one by one, each is noted down at once, and the table and its picture are
-//! written when all are there.
+//! Common driver of all charts: rows are measured one by one and saved at once; table and picture are written when all
+//! rows are complete.
 
 use super::args::{self, ChartArgs};
 use super::journal::Rows;
@@ -16,82 +16,83 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// Table that was measured, as in the CSV file.
+/// Measured table, as in the CSV file.
 #[derive(Serialize, JsonSchema)]
 pub struct ChartResult<R> {
     #[schemars(with = "args::Topic")]
     pub topic: &'static str,
-    /// Adapter or processor that it was measured on.
+    /// Adapter or processor of the measurement.
     pub adapter: String,
     /// Paths of the files written.
     pub files: Vec<String>,
     /// Rows of the table.
     pub rows: Vec<R>,
-    /// With `--part`, numbers of the rows that were measured, which are in the file and not in `rows`.
+    /// With `--part`: numbers of the measured rows, which are in the file and not in `rows`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<Vec<usize>>,
 }
 
-/// A configuration and its figures.
+/// Configuration and its figures.
 #[derive(Serialize, JsonSchema)]
 pub struct MeasuredRow {
-    /// Name of what is varied.
+    /// Name of the varied setting.
     series: String,
-    /// Whether it is the default configuration.
+    /// Whether this is the default configuration.
     default: bool,
     /// Command that reproduces the row.
     command: String,
-    /// Knobs, errors and costs of the topic, null if they do not apply. `on_front`: whether no row is better in both.
+    /// Parameters, errors and costs of the topic, null if they do not apply. `on_front`: whether the row is on the
+    /// Pareto front.
     #[serde(flatten)]
     figures: Map<String, Value>,
 }
 
-/// A topic: what could be measured, and how a row of it is.
+/// Topic of a chart: its configurations, and how to measure a row.
 ///
-/// What is dear and the same for many rows (truths, bakes) is made when a row first asks for it and kept in the topic,
-/// so that a run which goes on where another was killed makes only what is still needed.
+/// Expensive results shared by many rows (truths, bakes) are made on first use and kept in the topic. A run that
+/// continues an interrupted one makes only what is still needed.
 pub trait Topic {
-    /// The table before anything is measured.
+    /// Returns the table before measurement.
     fn plan(&self) -> Plan;
 
-    /// Measures row `index` of the plan, from 0: a cell for each column. Nothing else may change the errors among them,
-    /// so that a row measured alone has the same; costs may vary with what else the machine does.
+    /// Measures row `index` of the plan, from 0, and returns a cell for each column. The errors must not depend on
+    /// anything else, so that a row measured alone has the same ones; costs may vary with the machine's load.
     ///
-    /// * `doing`: told what is going on, for the progress bar
+    /// * `doing`: callback with the current activity, for the progress bar
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure>;
 }
 
-/// A table without its figures.
+/// Table without its figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// The word after `pelage chart`.
+    /// Word after `pelage chart`.
     pub topic: &'static str,
-    /// What is seen, and of which model.
+    /// Subject of the chart, and its model.
     pub title: String,
-    /// What it is measured on.
+    /// Adapter or device of the measurements.
     pub adapter: String,
-    /// Names of the knobs, errors and costs.
+    /// Names of the parameters, errors and costs.
     pub columns: Vec<&'static str>,
-    /// What to draw; the first panel decides `on_front`.
+    /// Panels to draw; the first determines `on_front`.
     pub panels: Vec<Panel>,
-    /// The configurations, in the order of the table.
+    /// Configurations, in the order of the table.
     pub rows: Vec<PlannedRow>,
 }
 
-/// A configuration to measure.
+/// Configuration to measure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlannedRow {
-    /// What is varied; rows of one series share a colour.
+    /// Name of the varied setting; rows of one series share a colour.
     pub series: String,
-    /// The value of what is varied, short: it stands beside the mark.
+    /// Value of the varied setting, short, shown beside the mark.
     pub label: String,
-    /// Whether it is what a user gets without asking.
+    /// Whether this is the default configuration.
     pub default: bool,
-    /// What reproduces its figures, where that is another subcommand; else it is this one, asked for the row alone.
+    /// Command that reproduces the figures, if it is another subcommand; otherwise `chart` with this row alone.
     pub command: Option<String>,
 }
 
-/// What `slot` holds, made now where it is empty.
+/// Returns the value of `slot`, made now if it is empty.
 pub fn once<T>(slot: &mut Option<T>, make: impl FnOnce() -> Result<T, Failure>) -> Result<&mut T, Failure> {
     let value = match slot.take() {
         Some(value) => value,
@@ -100,7 +101,7 @@ pub fn once<T>(slot: &mut Option<T>, make: impl FnOnce() -> Result<T, Failure>) 
     Ok(slot.insert(value))
 }
 
-/// Measures what the arguments ask for, and writes table and picture.
+/// Measures the requested rows, and writes table and picture.
 pub fn run(
     args: &ChartArgs,
     subject: &Subject,
@@ -169,14 +170,14 @@ pub fn run(
     Ok(exit)
 }
 
-/// The command that measures one row again, into a folder of its own: the whole table stays.
+/// Returns the command that measures one row again, into its own folder, so that the whole table is preserved.
 fn command(subject: &Subject, folder: &Path, topic: &str, number: usize) -> String {
     let folder = shell_word(&folder.join(format!("row-{number}")).display().to_string());
     format!("pelage chart {topic}{} --rows {number} -o {folder} --json", subject.arguments)
 }
 
-/// Stands for everything that a row's figures depend on beside its number: another tool, model, recipe or adapter gives
-/// another key.
+/// Returns a key for everything besides the number that a row's figures depend on: a different tool, model, recipe or
+/// adapter gives a different key.
 fn key(subject: &Subject, plan: &Plan) -> String {
     let mut key = Key::of_program().and(&plan.adapter).and(&plan.title).and(subject.recipe.to_toml());
     for input in subject.model.inputs.iter().chain(&subject.images.inputs) {
@@ -186,7 +187,7 @@ fn key(subject: &Subject, plan: &Plan) -> String {
     plan.rows.iter().fold(key, |key, row| key.and(format!("{} {}", row.series, row.label))).finish()
 }
 
-/// Writes table and picture, and says where they are.
+/// Writes table and picture, and reports their paths.
 fn write(chart: &Chart, folder: &Path, output: &mut Output) -> Result<Exit, Failure> {
     let svg = chart::svg(chart)?;
     let path = |extension: &str| folder.join(format!("{}.{extension}", chart.topic));
@@ -217,7 +218,7 @@ fn rows(chart: &Chart) -> Vec<MeasuredRow> {
     chart.rows.iter().enumerate().map(row).collect()
 }
 
-/// A figure as JSON; what is not a number is null.
+/// Converts a cell to JSON; empty cells and numbers that are not finite become null.
 pub fn value(cell: &Cell) -> Value {
     match cell {
         Cell::Number(x) => (*x).into(),

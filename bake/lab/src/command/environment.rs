@@ -1,5 +1,5 @@
-//! `pelage chart environment`: what a fibre sends of skies, by the form that frames have and by others, against the
-//! picture of the sky.
+//! `pelage chart environment`: light that a fibre scatters from environment maps, by the form used in frames and by
+//! others, against the map itself.
 
 use super::driver::{Plan, PlannedRow, Topic};
 use super::environment_fit::{names, skies};
@@ -10,16 +10,16 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use std::path::PathBuf;
 
-/// The topic.
+/// Topic `environment`.
 pub struct EnvironmentTopic {
     configurations: Vec<Configuration>,
     skies: Vec<NamedSky>,
-    /// Of each sky, of those that a row asked for.
+    /// Truth for each environment map, made when a row needs it.
     truths: Vec<Option<Truth>>,
 }
 
 impl EnvironmentTopic {
-    /// Reads the skies and lists the configurations.
+    /// Reads the environment maps and lists the configurations.
     pub fn new(files: &[PathBuf]) -> Result<Self, Failure> {
         let skies = skies(files)?;
         let truths = skies.iter().map(|_| None).collect();

@@ -1,4 +1,4 @@
-//! `pelage chart environment-fit`: few lights against the skies that they stand for.
+//! `pelage chart environment-fit`: few lights against the environment maps that they approximate.
 
 use super::driver::{Plan, PlannedRow, Topic};
 use crate::chart::Cell;
@@ -13,7 +13,7 @@ use pelage_tool::machine::measured_on;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// The skies of those files; without any, the painted ones.
+/// Loads the environment maps in `files`; without any, returns the painted ones.
 pub(super) fn skies(files: &[PathBuf]) -> Result<Vec<NamedSky>, Failure> {
     if files.is_empty() {
         return Ok(painted()?);
@@ -32,15 +32,15 @@ pub(super) fn skies(files: &[PathBuf]) -> Result<Vec<NamedSky>, Failure> {
     files.iter().map(read).collect()
 }
 
-/// The topic.
+/// Topic `environment-fit`.
 pub struct EnvironmentFitTopic {
     skies: Vec<NamedSky>,
-    /// Irradiance under each sky, of those that a row asked for.
+    /// Irradiance under each environment map, made when a row needs it.
     truths: Vec<Option<Vec<DVec3>>>,
 }
 
 impl EnvironmentFitTopic {
-    /// Reads the skies.
+    /// Reads the environment maps.
     pub fn new(files: &[PathBuf]) -> Result<Self, Failure> {
         let skies = skies(files)?;
         Ok(Self { truths: vec![None; skies.len()], skies })
@@ -80,7 +80,7 @@ impl Topic for EnvironmentFitTopic {
     }
 }
 
-/// Their names in a row.
+/// Returns their names, separated by commas.
 pub(super) fn names(skies: &[NamedSky]) -> String {
     skies.iter().map(|sky| sky.name.as_str()).collect::<Vec<_>>().join(", ")
 }

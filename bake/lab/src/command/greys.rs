@@ -1,8 +1,8 @@
-//! Greys of pictures whose flicker is taken.
+//! Grey values of pictures for measuring flicker.
 
 use image::RgbaImage;
 
-/// Luma of sRGB-encoded pixels, 0..=1.
+/// Returns the luma of sRGB-encoded pixels, 0..=1.
 pub fn greys(picture: &RgbaImage) -> Vec<f32> {
     let luma = |p: &image::Rgba<u8>| {
         let [r, g, b, _] = p.0.map(|byte| f32::from(byte) / 255.0);

@@ -1,4 +1,4 @@
-//! `pelage chart ink`: drawn lines beside those of the mesh.
+//! `pelage chart ink`: drawn lines against those of the mesh.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::greys::greys;
@@ -20,14 +20,14 @@ use pelage_tool::staged::{pixels, stage_of};
 use pelage_tool::truth::true_camera;
 use pelage_tool::view::View;
 
-/// Frames of the slow turn whose flicker is taken, and the degrees between them.
+/// Number of frames of the slow turn for flicker, and the degrees between them.
 const TURN: (u32, f32) = (4, 1.0);
-/// Darker than this is ink: half of the light, sRGB-encoded.
+/// Threshold below which a pixel is ink: half of the light, sRGB-encoded.
 const INK: u8 = 188;
-/// Darker than this is the faintest ink.
+/// Threshold below which a pixel is at least faint ink.
 const FAINT: u8 = 253;
 
-/// The topic.
+/// Topic `ink`.
 pub struct InkTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<ink::Configuration>,
@@ -35,13 +35,13 @@ pub struct InkTopic<'a> {
     shared: Option<Shared>,
 }
 
-/// What all rows need.
+/// Data that all rows need.
 struct Shared {
     file: NamedPackage<'static>,
     rest_points: Vec<Vec3>,
     lines: TrueLines,
     meter: Meter,
-    /// Of the row before: rows of one size share it.
+    /// Scene of the previous row; rows of one size share it.
     scene: Option<(View, Stage)>,
 }
 
@@ -96,7 +96,7 @@ impl Shared {
         Ok(Self { rest_points, lines, meter: Meter::new(gpu), scene: None, file })
     }
 
-    /// Draws one way from both sides, times it, and goes slowly round with it.
+    /// Draws with one configuration from both sides, times it, and measures flicker in a slow turn.
     fn measure(&mut self, wanted: &ink::Look, gpu: &Gpu) -> Result<ink::Measured, Failure> {
         let ink::Look { size, ink, study } = wanted;
         let (size, (width, height)) = (*size, *size);

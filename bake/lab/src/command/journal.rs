@@ -1,7 +1,7 @@
-//! Rows that are measured, kept until the table is whole: a chart that was killed goes on where it stopped.
+//! Journal of measured rows, kept until the table is complete: an interrupted chart continues where it stopped.
 //!
 //! `TOPIC.rows.jsonl` beside the table holds a line for each, `{"key": …, "row": 3, "cells": […]}`. Lines with another
-//! key are of another model, recipe, tool or adapter, and a line that was cut off is none.
+//! key belong to another model, recipe, tool or adapter. A truncated line is ignored.
 
 use crate::chart::Cell;
 use pelage_tool::exit::Failure;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// The rows so far.
+/// Rows measured so far.
 #[derive(Debug)]
 pub struct Rows(Journal<Row>);
 
@@ -32,39 +32,39 @@ impl Rows {
         Journal::open(folder.join(format!("{topic}.rows.jsonl")), key, restart).map(Self)
     }
 
-    /// Takes the rows of another machine's file, which stays as it is: how many of them are of another model, recipe,
-    /// tool or adapter.
+    /// Adds the rows of another machine's file, which is not modified. Returns how many of them belong to another
+    /// model, recipe, tool or adapter.
     pub fn take(&mut self, path: &Path) -> Result<usize, Failure> {
         self.0.take(path)
     }
 
-    /// The file.
+    /// Returns the path of the journal file.
     pub fn path(&self) -> &Path {
         self.0.path()
     }
 
-    /// The figures of a row, where an earlier run has measured it.
+    /// Returns the figures of a row, if an earlier run measured it.
     pub fn cells(&self, number: usize) -> Option<Vec<Cell>> {
         self.0.get(number)?.cells.iter().map(read).collect()
     }
 
-    /// How many rows of another model, recipe, tool or adapter were there.
+    /// Returns the number of rows found for another model, recipe, tool or adapter.
     pub fn others(&self) -> usize {
         self.0.others()
     }
 
-    /// Notes a row down; when this returns, it outlives the process.
+    /// Saves a row; once this returns, the row outlives the process.
     pub fn add(&mut self, number: usize, cells: &[Cell]) -> Result<(), Failure> {
         self.0.add(Row { row: number, cells: cells.iter().map(write).collect() })
     }
 
-    /// Removes the journal where the rows `written` are all that it holds; see [`Journal::finish`].
+    /// Removes the journal if it holds only the rows `written`; see [`Journal::finish`].
     pub fn finish(self, written: &[usize]) -> Result<(), Failure> {
         self.0.finish(written)
     }
 }
 
-/// A cell, to the last bit: JSON has no word for what is not finite, so that is an object.
+/// Converts a cell without loss; numbers that are not finite, which JSON lacks, become an object.
 fn write(cell: &Cell) -> Value {
     match cell {
         Cell::Number(x) if !x.is_finite() => json!({ "number": x.to_string() }),
@@ -105,19 +105,19 @@ mod tests {
         let values = [0.1 + 0.2, f64::NEG_INFINITY, 1e-300, 3.0];
         let mut journal = open("a", false);
         values.iter().enumerate().for_each(|(i, x)| journal.add(i + 1, &cells(*x)).unwrap());
-        // Killed within a line.
+        // Interrupted within a line.
         drop(journal);
         let whole = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, &whole[..whole.len() - 5]).unwrap();
         let mut journal = open("a", false);
         assert_eq!(numbers(&journal), [1, 2, 3]);
         assert!(values[..3].iter().enumerate().all(|(i, x)| journal.cells(i + 1) == Some(cells(*x))));
-        // What is added then is no continuation of the line that was cut off.
+        // A row added afterwards does not continue the truncated line.
         journal.add(4, &cells(f64::NAN)).unwrap();
         let again = open("a", false);
         assert_eq!(numbers(&again).len(), 4);
         assert!(matches!(again.cells(4).unwrap()[0], Cell::Number(x) if x.is_nan()));
-        // A table of two of the rows leaves the others.
+        // A table of two of the rows keeps the others.
         again.finish(&[1, 2]).unwrap();
         assert_eq!(numbers(&open("a", false)).len(), 4);
         open("a", false).finish(&[1, 2, 3, 4]).unwrap();

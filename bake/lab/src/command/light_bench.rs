@@ -1,4 +1,4 @@
-//! Shadow maps as the runtime draws them, read back, with the time that they take.
+//! Shadow maps as the runtime draws them, read back, with their drawing time.
 
 use crate::chart::light_maps::LightMaps;
 use glam::Vec3;
@@ -9,33 +9,33 @@ use pelage_tool::exit::Failure;
 use pelage_tool::staged::stage_of;
 use pelage_tool::view::View;
 
-/// Drawings of the maps under each light, of which the fastest counts; of all lights the median.
+/// Drawings of the maps per light, of which the fastest counts; the result is the median over all lights.
 const DRAWINGS: usize = 3;
 
-/// A package in the runtime's hands, for the sake of its shadow maps.
+/// Package loaded into the runtime to draw its shadow maps.
 pub struct LightBench {
     scene: Stage,
     meter: Meter,
 }
 
 impl LightBench {
-    /// Loads the package of that name.
+    /// Loads a package under a name.
     pub fn new(name: &str, package: &[u8], gpu: &Gpu) -> Result<Self, Failure> {
         let file = NamedPackage { name: name.into(), bytes: package.into() };
-        // The picture is small, and nothing of it is looked at: all of the model throws its shadow.
+        // The picture is small because it is not used; the whole model casts its shadow.
         let view = View::sized((16, 16)).with(|look| look.fur.detail = LookDetail::Full);
         let scene = stage_of(&file, &view, || Ok(gpu.clone()))?;
         let meter = Meter::new(&scene.gpu);
         Ok(Self { scene, meter })
     }
 
-    /// Where the milliseconds come from, as `pelage bench` has it.
+    /// Returns the source of the milliseconds, in the words of `pelage bench`.
     pub fn clock_word(&self) -> &'static str {
         self.meter.clock().word()
     }
 
-    /// Draws the maps of `pass` and reads them back. The milliseconds are those of the fastest drawing but the first,
-    /// in which pipelines are compiled: what else the machine does only adds.
+    /// Draws the maps of `pass` and reads them back. The milliseconds are those of the fastest drawing, because other
+    /// load only adds time; the first, which compiles pipelines, does not count.
     pub fn draw(
         &mut self,
         towards_light: Vec3,
@@ -53,7 +53,7 @@ impl LightBench {
         let (frame, _) = self.meter.prepared(&mut self.scene, pass)?;
         let maps = frame.shadows().ok_or_else(|| StageError::Device("no shadow map was drawn".into()))?;
         let maps = read_maps(&self.scene.gpu, maps)?;
-        // What a frame holds is not drawn over, but made anew.
+        // Maps that a frame holds are not redrawn but recreated.
         drop(frame);
         let mut milliseconds = f64::INFINITY;
         for _ in 0..DRAWINGS {

@@ -13,12 +13,12 @@ use pelage_tool::machine::measured_on;
 use pelage_tool::staged::stage_of;
 use pelage_tool::view::View;
 
-/// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and
-/// those before them in which pipelines and caches settle.
+/// Timed frames per configuration, and frames before them in which pipelines and caches settle. The fastest counts,
+/// because other load only adds time.
 const FRAMES: usize = 9;
 const WARM_UP: usize = 1;
 
-/// The topic.
+/// Topic `lighting`.
 pub struct LightingTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<lighting::Configuration>,
@@ -61,7 +61,7 @@ impl Topic for LightingTopic<'_> {
         doing("baking");
         let baked = pipeline::bake(&Told::new(file, name, &configuration.recipe, images), model, &mut |_| ())?;
         let file = NamedPackage { name: name.clone(), bytes: baked.package.into() };
-        // Shadows cost the same whatever direction the light is computed with.
+        // Shadows cost the same for any shading direction.
         let view = View::default().with(|look| {
             look.shadow.self_shadow = LookSelfShadow::Off;
             look.shadow.soft_shadow = false;

@@ -1,7 +1,7 @@
-//! `pelage chart`: what accuracy costs, as a table and a picture.
+//! `pelage chart`: cost of accuracy, as a table and a picture.
 //!
-//! A topic is a file that lists configurations and measures one of them (`driver::Topic`); numbers, journal, progress,
-//! front, table and picture are the same for all (`driver.rs`).
+//! A topic is a file that lists configurations and measures one of them (`driver::Topic`). Numbers, journal, progress,
+//! Pareto front, table and picture are the same for all (`driver.rs`).
 
 mod args;
 mod detail;
@@ -41,9 +41,9 @@ pub use args::ChartArgs;
 #[schemars(untagged)]
 #[expect(dead_code, reason = "only its schema is used")]
 enum ChartRow {
-    /// A configuration of any other topic.
+    /// Configuration of any other topic.
     Measured(driver::MeasuredRow),
-    /// A row of stability.
+    /// Row of the topic `stability`.
     Stability(stability::StabilityRow),
 }
 
@@ -85,7 +85,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     driver::run(args, &subject, folder, &mut *topic, output)
 }
 
-/// What a topic measures that needs no model.
+/// Returns the built-in input of a topic that needs no model.
 fn brings_its_own(topic: Topic) -> Option<&'static str> {
     match topic {
         Topic::Verlet => Some("guides"),
@@ -96,7 +96,7 @@ fn brings_its_own(topic: Topic) -> Option<&'static str> {
     }
 }
 
-/// Every topic with a picture.
+/// Creates the topic; covers every topic with a picture.
 fn topic<'a>(args: &ChartArgs, subject: &'a Subject) -> Result<Box<dyn driver::Topic + 'a>, Failure> {
     Ok(match args.topic {
         Topic::Environment => Box::new(environment::EnvironmentTopic::new(&args.sky)?),

@@ -1,4 +1,4 @@
-//! `pelage chart multiple`: coats whose hairs light each other, beside traced paths.
+//! `pelage chart multiple`: fur whose hairs light each other, against path tracing.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::subject::Subject;
@@ -17,10 +17,10 @@ use pelage_tool::truth::Truth;
 use pelage_tool::view::View;
 use pelage_truth::TrueScattering;
 
-/// Frames that are timed, of which the fastest counts.
+/// Number of timed frames, of which the fastest counts.
 const FRAMES: usize = 6;
 
-/// The topic.
+/// Topic `multiple`.
 pub struct MultipleTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<Configuration>,
@@ -29,11 +29,11 @@ pub struct MultipleTopic<'a> {
     coats: [Option<Coat>; COATS.len()],
 }
 
-/// A coat with its truths.
+/// Package of one fur colour with its reference pictures.
 struct Coat {
     package: NamedPackage<'static>,
     camera: Viewpoint,
-    /// Under each light, linear and premultiplied.
+    /// Reference picture under each light, linear and premultiplied.
     truths: Vec<Vec<[f32; 4]>>,
 }
 
@@ -125,7 +125,7 @@ impl Coat {
         view.with(|look| look.light.direction = LIGHTS[light].1)
     }
 
-    /// As the runtime draws it.
+    /// Returns the view with which the runtime draws a configuration.
     fn view(&self, configuration: &Configuration, light: usize) -> View {
         self.lit(light).with(|look| {
             look.fur.scattering = configuration.form.scattering;

@@ -1,5 +1,5 @@
-//! `pelage chart opacity-shadow`: maps of slabs in which strands shadow each other, drawn by the adapter, against the
-//! traced light and picture.
+//! `pelage chart opacity-shadow`: slab maps by which strands shadow each other, drawn by the adapter, against traced
+//! light and picture.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::subject::Subject;
@@ -24,13 +24,13 @@ use pelage_tool::view::View;
 use pelage_truth::TrueLight;
 use pelage_truth::compare::{CompareParams, compare_pictures};
 
-/// Drawings of the map under each light, of which the fastest counts; of all lights the median.
+/// Drawings of the map per light, of which the fastest counts; the result is the median over all lights.
 const DRAWINGS: usize = 5;
 
-/// Lights beside that of the look, towards them: from above, and from behind and aside.
+/// Directions towards the lights besides that of the look: from above, and from behind and the side.
 const OTHER_LIGHTS: [Vec3; 2] = [Vec3::new(0.1, 1.0, 0.15), Vec3::new(-0.8, 0.35, -0.5)];
 
-/// The topic.
+/// Topic `opacity-shadow`.
 pub struct OpacityShadowTopic<'a> {
     subject: &'a Subject,
     recipe: Recipe,
@@ -39,20 +39,20 @@ pub struct OpacityShadowTopic<'a> {
     shared: Option<Shared>,
 }
 
-/// What all rows need.
+/// Data that all rows need.
 struct Shared {
     scene: Stage,
     meter: Meter,
-    /// The true picture.
+    /// Reference picture.
     picture: Picture,
-    /// Towards each light, and the true light of it.
+    /// Direction towards each light, and its truth.
     truths: Vec<(Vec3, opacity_shadow::Truth)>,
     /// Mean width of the strands' points, metres.
     width_m: f32,
 }
 
 impl<'a> OpacityShadowTopic<'a> {
-    /// Lists the configurations and opens the adapter. Strands are baked, whatever the recipe says of that.
+    /// Lists the configurations and opens the adapter. Strands are always baked, whatever the recipe's setting.
     pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
         let mut recipe = subject.recipe.clone();
         recipe.strands.enabled = true;
@@ -116,7 +116,7 @@ impl Shared {
         });
         doing("true light");
         let places = truth.scene.seen_strands(&truth.camera(&view), size, STEP_PX);
-        // A nearby light is asked for by no default view.
+        // No default view has a nearby light.
         let KeyLight::Distant(key) = view.look.key_light() else {
             return Err(BakeError::Internal("the default look has a light nearby".into()).into());
         };

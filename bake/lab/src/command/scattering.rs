@@ -1,4 +1,4 @@
-//! `pelage chart scattering`: what a fibre scatters, as frames know it, against its equations.
+//! `pelage chart scattering`: scattering of a fibre, as frames evaluate it, against its equations.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use crate::chart::Cell;
@@ -13,20 +13,20 @@ use pelage_tool::machine::measured_on;
 use std::time::Instant;
 use wgpu::util::DeviceExt as _;
 
-/// Evaluations of one dispatch: of each of so many threads.
+/// Threads per dispatch, and evaluations per thread.
 const THREADS: u32 = 1 << 16;
 const EACH: u32 = 64;
-/// Dispatches, of which the fastest counts, and how many are timed at once: what submitting costs is little beside
-/// them.
+/// Number of timed runs, of which the fastest counts; and dispatches per run, so many that the cost of submission is
+/// small.
 const TURNS: usize = 7;
 const AT_ONCE: u32 = 4;
 
-/// The topic.
+/// Topic `scattering`.
 pub struct ScatteringTopic {
     configurations: Vec<Configuration>,
     gpu: Gpu,
     truths: Option<Vec<Truth>>,
-    /// Nanoseconds of the loop without what is timed.
+    /// Nanoseconds of the loop without the timed code.
     empty: Option<f64>,
 }
 
@@ -71,7 +71,7 @@ impl Topic for ScatteringTopic {
     }
 }
 
-/// What a thread does once for a pair of directions; `None` of a form that nobody draws with.
+/// Returns the code that a thread runs per pair of directions; `None` for a form that is not used for drawing.
 fn expression(form: Form) -> Option<&'static str> {
     match form {
         Form::Tables(_) => Some(TABLES),
@@ -102,7 +102,8 @@ const FIT: &str = "
     sum += fit(tip, light, eye, absorbed);
 ";
 
-/// Tables, a cubic between their texels by four fetches between two each, and the fit of the judge.
+/// WGSL of the forms: tables, cubic interpolation of their texels by five bilinear samples, and the fit of `fit` in the
+/// chart.
 const FORMS: &str = "
 @group(0) @binding(0) var<storage, read_write> sums: array<vec4<f32>>;
 @group(0) @binding(1) var tables: texture_2d_array<f32>;
@@ -173,7 +174,7 @@ fn direction(seed: u32) -> vec3<f32> {
 }
 ";
 
-/// Of one evaluation, that the adapter takes on average of many.
+/// Returns the mean nanoseconds of one evaluation on the adapter.
 fn nanoseconds(gpu: &Gpu, body: &str, size: usize) -> Result<f64, Failure> {
     let source = format!(
         "{}{FORMS}
@@ -253,7 +254,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
             view_formats: &[],
         },
         wgpu::util::TextureDataOrder::LayerMajor,
-        // A half in each number.
+        // The half float 0.5 in each component.
         &[0x00, 0x38].repeat(8 * size * size),
     );
     let view = texture.create_view(&wgpu::TextureViewDescriptor {

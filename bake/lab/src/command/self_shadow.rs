@@ -1,4 +1,4 @@
-//! `pelage chart self-shadow`: baked visibility, and layer-wise shadow maps, drawn by the adapter, against the slow
+//! `pelage chart self-shadow`: baked visibility, and layer-wise shadow maps drawn by the adapter, against the slow
 //! truths.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
@@ -16,7 +16,7 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use std::time::Instant;
 
-/// The topic.
+/// Topic `self-shadow`.
 pub struct SelfShadowTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<Configuration>,
@@ -26,10 +26,10 @@ pub struct SelfShadowTopic<'a> {
     shared: Option<Shared>,
 }
 
-/// What all rows need.
+/// Data that all rows need.
 struct Shared {
     sheet: Sheet,
-    /// The sheet in the runtime's hands.
+    /// Bench with the sheet loaded.
     bench: LightBench,
     truths: Vec<(Slant, Truth)>,
 }
@@ -87,8 +87,8 @@ impl Topic for SelfShadowTopic<'_> {
                     let (mut stage, mut began) = ("", Instant::now());
                     sheet.visibility(blocks, directions, &mut |next| {
                         if stage == "visibility" {
-                            // Blocks are encoded later: this is the same work in every bake, and what else the machine
-                            // does only adds.
+                            // Blocks are encoded later, so this is the same work in every bake; other load only adds
+                            // time.
                             seconds = seconds.min(began.elapsed().as_secs_f64());
                         }
                         (stage, began) = (next, Instant::now());

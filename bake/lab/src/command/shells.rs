@@ -1,4 +1,4 @@
-//! `pelage chart shells`: shells and fins at many settings beside the true strands.
+//! `pelage chart shells`: shells and fins at many settings against the true strands.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::subject::Subject;
@@ -8,12 +8,12 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::{ShellJudge, Source};
 
-/// The topic.
+/// Topic `shells`.
 pub struct ShellsTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<shells::Configuration>,
     gpu: Gpu,
-    /// Holds the true pictures.
+    /// Judge with the reference pictures.
     judge: Option<ShellJudge<'a>>,
 }
 

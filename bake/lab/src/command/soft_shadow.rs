@@ -15,14 +15,14 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use std::time::Instant;
 
-/// The topic.
+/// Topic `soft-shadow`.
 pub struct SoftShadowTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<Configuration>,
     gpu: Gpu,
-    /// The skin, and the model in the runtime's hands.
+    /// Mesh surface, and bench with the model loaded.
     shared: Option<(Skin, LightBench)>,
-    /// For each width of the penumbra what every point of the skin sees of each light.
+    /// Shares of each light visible from the surface points, for each penumbra.
     truths: Vec<(f32, Vec<Vec<f64>>)>,
 }
 
@@ -60,7 +60,7 @@ impl Topic for SoftShadowTopic<'_> {
             doing("baking");
             let Subject { file, name, model, images, .. } = self.subject;
             let mut recipe = self.subject.recipe.clone();
-            // Formats that every adapter reads; shadows of the skin do not depend on them.
+            // Formats that every adapter reads; shadows of the mesh surface do not depend on them.
             recipe.pack.shell_format = ShellFormat::Rgba8;
             recipe.pack.direction_format = DirectionFormat::Rg8;
             let baked = pipeline::bake(&Told::new(file, name, &recipe, images), model, &mut |_| ())?;
@@ -82,7 +82,7 @@ impl Topic for SoftShadowTopic<'_> {
             let (maps, ms) = bench.draw(light, (shadows, study), PassId::SHADOW_WIDTH)?;
             let start = Instant::now();
             let fast = skin.fast(&maps, light, configuration.method, shadows.shrink);
-            // Distances that no pass of the runtime makes are made here, and this is what they cost.
+            // Distances that no pass of the runtime computes are computed here, and their time counts.
             milliseconds.push(if iterated { ms + start.elapsed().as_secs_f64() * 1e3 } else { ms });
             measured.add(&fast, truth);
         }

@@ -1,4 +1,4 @@
-//! `pelage chart stability`: the table of `bake/lab/src/stability/`, each row driven here and now.
+//! `pelage chart stability`: the table of `bake/lab/src/stability/`, computed on this machine.
 
 use super::args::ChartArgs;
 use super::driver::ChartResult;
@@ -13,12 +13,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// A numerical cliff, driven in one case.
+/// Numerical failure of a method, tested in one case.
 #[derive(Serialize, JsonSchema)]
 pub struct StabilityRow {
     /// Name of the method.
     series: &'static str,
-    /// Description of the cliff.
+    /// Description of the failure.
     cliff: &'static str,
     /// Description of the naive form.
     naive_form: &'static str,
@@ -28,7 +28,7 @@ pub struct StabilityRow {
     case: String,
     /// Name of the error.
     measure: &'static str,
-    /// Adapter or processor that drove the row.
+    /// Adapter or processor that ran the row.
     adapter: String,
     /// Error of the naive form; null if it is not finite.
     #[schemars(with = "Option<f64>")]
@@ -56,7 +56,7 @@ impl StabilityRow {
     }
 }
 
-/// What was found so far.
+/// Results so far.
 #[derive(Default)]
 struct Table {
     rows: Vec<StabilityRow>,
@@ -92,7 +92,8 @@ impl Table {
     }
 }
 
-/// Prints the table. Without an adapter the rows that need none are printed, and the failure says what is missing.
+/// Prints the table. Without an adapter, prints the rows that need none, and returns a failure that says what is
+/// missing.
 pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.model.is_some()
         || args.recipe.recipe.is_some()
@@ -143,7 +144,7 @@ fn report(
     output.result(&lines.join("\n"), &result)
 }
 
-/// The rows that need pictures.
+/// Rows that draw pictures.
 mod drawn {
     use super::Table;
     use crate::stability::{Drawing, DrawnDriver, Row};
@@ -167,7 +168,7 @@ mod drawn {
         Ok(())
     }
 
-    /// Every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
+    /// Returns every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
     fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Result<Vec<[f32; 4]>, Failure> {
         let fault = |error| BakeError::Internal(format!("drawing a package of its own: {error}"));
         let options = CanvasOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..CanvasOptions::default() };

@@ -1,4 +1,4 @@
-//! `pelage chart strands`: single strands beside layers at six sizes, against the traced picture.
+//! `pelage chart strands`: single strands and layers at six sizes, against the traced picture.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::greys::greys;
@@ -24,22 +24,22 @@ use pelage_truth::Sight;
 use pelage_truth::compare::{CompareParams, compare_pictures};
 use std::time::Instant;
 
-/// Turns in which the ways of a group are timed, and frames of each in a turn: of all the fastest counts, because what
-/// else the machine does only adds.
+/// Turns in which the methods of a group are timed, with `FRAMES` frames of each per turn. The fastest counts, because
+/// other load only adds time.
 const TURNS: usize = 5;
-/// Of slow frames fewer turns do, but no fewer than these: after so many seconds none begins.
+/// Minimum number of turns with slow frames; after `MOST_SECONDS` no further turn begins.
 const FEWEST_TURNS: usize = 2;
 const MOST_SECONDS: f64 = 30.0;
 const FRAMES: usize = 3;
 
-/// By how many degrees the camera turns between two pictures whose flicker is taken: the model moves about a pixel at
-/// the judge's size.
+/// Degrees by which the camera turns between two pictures for flicker: the model moves about a pixel at the judge's
+/// size.
 const TURN_DEG: f32 = 0.25;
 
-/// The topic.
+/// Topic `strands`.
 pub struct StrandsTopic<'a> {
     subject: &'a Subject,
-    /// Without strands, and with them.
+    /// Recipes without and with strands.
     recipes: [Recipe; 2],
     ways: Vec<Way>,
     configurations: Vec<Configuration>,
@@ -47,13 +47,13 @@ pub struct StrandsTopic<'a> {
     meter: Meter,
     shared: Option<Shared>,
     sizes: [Option<(Picture, Seen, View)>; Size::ALL.len()],
-    /// What was found of all ways of a size with so many samples.
+    /// Results of all methods, by size and number of samples.
     groups: Vec<((usize, u32), Vec<Found>)>,
 }
 
-/// What all sizes need.
+/// Data that all sizes need.
 struct Shared {
-    /// Without strands, and with them.
+    /// Packages without and with strands.
     packages: [NamedPackage<'static>; 2],
     truth: Truth,
     sight: Sight,
@@ -63,8 +63,8 @@ struct Shared {
 }
 
 impl<'a> StrandsTopic<'a> {
-    /// Lists the configurations and opens the adapter. Packages with strands and without are baked, whatever the recipe
-    /// says of that.
+    /// Lists the configurations and opens the adapter. Packages with and without strands are baked, whatever the
+    /// recipe's setting.
     pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
         let with = |enabled| {
             let mut recipe = subject.recipe.clone();
@@ -131,7 +131,7 @@ impl Topic for StrandsTopic<'_> {
     }
 }
 
-/// How the subject's hair is drawn: its coat's, or where no coat grows that on guides.
+/// Returns the methods of drawing the subject's hair: its fur, or hair on guides if no fur grows.
 fn ways(subject: &Subject) -> Vec<Way> {
     let recipe = &subject.recipe;
     let rest = RestPose::of(&subject.model.mesh, subject.model.animation.as_ref());
@@ -161,7 +161,7 @@ impl Shared {
         Ok(Self { packages, truth, sight, camera, width_m })
     }
 
-    /// The true picture of a size, what its ways share, and its view.
+    /// Returns the reference picture of a size, the values that its methods share, and its view.
     fn seen(
         &self,
         size: Size,
@@ -176,7 +176,7 @@ impl Shared {
             let picture = self.truth.picture(&view, samples, &mut |done, all| {
                 doing(&format!("true picture, {} %", 100 * done / all.max(1)));
             });
-            // Through bytes, as the pictures that it is compared with.
+            // Encoded to bytes, like the pictures that it is compared with.
             (truth::encode(&picture, view.look.background()), view)
         };
         let ((next, _), (picture, view)) = (traced(camera.turned(TURN_DEG.to_radians())), traced(camera));
@@ -190,8 +190,8 @@ impl Shared {
         Ok((Picture::from(&picture), seen, view))
     }
 
-    /// How much the skin's points change, and what stands on them, between a picture from `camera` and one from a
-    /// little aside.
+    /// Returns the mean change of the mesh surface's points, and of the hair on them, between a picture from `camera`
+    /// and one turned slightly.
     fn flicker(&self, camera: Viewpoint, greys: [Vec<f32>; 2], size: (u32, u32)) -> Result<Option<f64>, Failure> {
         let no_lines = Mask::empty(size.0, size.1);
         let cameras = [camera, camera.turned(TURN_DEG.to_radians())].map(true_camera);
@@ -199,7 +199,7 @@ impl Shared {
         Ok(flicker(&moment(0), &moment(1), size)?.surface.mean())
     }
 
-    /// That of what a stage draws, which then looks from `camera`.
+    /// Returns the flicker of a stage's drawing; afterwards the stage looks from `camera`.
     fn drawn_flicker(&self, stage: &mut Stage, camera: Viewpoint, size: (u32, u32)) -> Result<Option<f64>, Failure> {
         let mut seen_from = |camera| -> Result<_, Failure> {
             stage.look_from(camera);
@@ -211,7 +211,7 @@ impl Shared {
     }
 }
 
-/// Draws all ways of a size with so many samples, compares them with the truth and times them in turns.
+/// Draws all methods of a size with that number of samples, compares them with the truth, and times them in turns.
 fn group(
     gpu: &Gpu,
     meter: &Meter,
@@ -241,7 +241,7 @@ fn group(
         }
         for (stage, found) in stages.iter_mut().zip(&mut all) {
             let ms = &mut found.measured.frame_ms;
-            // What the frame before left in the caches is another way's.
+            // The caches still hold data of another method's frame.
             meter.frame(stage)?;
             for _ in 0..FRAMES {
                 *ms = ms.min(meter.frame(stage)?);
@@ -252,7 +252,7 @@ fn group(
     Ok(all)
 }
 
-/// A way, drawn once; not timed yet.
+/// Draws with one method once, without timing.
 fn drawn(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<Found, Failure> {
     let frame = stage.draw()?;
     let drawn = Picture::from(&pixels(stage)?);

@@ -1,4 +1,4 @@
-//! What is charted: a model with its recipe.
+//! Subject of a chart: a model with its recipe.
 
 use super::args::ChartArgs;
 use pelage_bake::io;
@@ -16,30 +16,30 @@ use pelage_tool::mesh_glb;
 use pelage_tool::package_file;
 use std::path::{Path, PathBuf};
 
-/// A model with its recipe.
+/// Model with its recipe.
 pub struct Subject {
-    /// The model's file as the user named it.
+    /// Model file as named by the user.
     pub file: String,
-    /// Its name without folder and extension.
+    /// Name of the model; for a file, without folder and extension.
     pub name: String,
-    /// The model.
+    /// Imported model.
     pub model: Model,
-    /// The package, where that was named instead of a model.
+    /// Package, if one was given instead of a model.
     pub package: Option<NamedPackage<'static>>,
-    /// The recipe that all rows start from.
+    /// Recipe from which all rows start.
     pub recipe: Recipe,
-    /// The images that the recipe names.
+    /// Images named by the recipe.
     pub images: MapImages,
-    /// The `pelage bake` that would read both, without what changes the recipe.
+    /// Command `pelage bake` that reads both, without changes to the recipe.
     pub command: String,
-    /// Changes to the recipe, as `--set` takes them.
+    /// Changes to the recipe, in the form of `--set`.
     pub sets: Vec<String>,
-    /// What `pelage chart` was given to read them.
+    /// Arguments of `pelage chart` that name them.
     pub arguments: String,
 }
 
 impl Subject {
-    /// Reads what the arguments name; by default the built-in hare.
+    /// Reads the model and recipe that the arguments name; by default the built-in hare.
     pub fn new(args: &ChartArgs) -> Result<Self, Failure> {
         let sets = args.recipe.set.clone();
         let set_words = set_words(&sets);
@@ -81,7 +81,7 @@ impl Subject {
         })
     }
 
-    /// A package with the recipe in it. Its mesh stands for the model.
+    /// Reads a package with its recorded recipe; its mesh is used as the model.
     fn of_package(args: &ChartArgs, path: &Path) -> Result<Self, Failure> {
         if args.recipe.recipe.is_some() {
             return Err(Failure::Usage("--recipe needs a MODEL: a package has its own".into()));
@@ -109,18 +109,18 @@ impl Subject {
     }
 }
 
-/// The recipe with its hair in the terms of a tile, which is then the same for all rows.
+/// Returns the recipe with its hair in units of a tile, which is then the same for all rows.
 fn in_tile(recipe: &Recipe, model: &Model) -> Result<Recipe, BakeError> {
     let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
     Ok(metric::in_tile(recipe, &bounds)?.recipe)
 }
 
-/// Changes to a recipe as options: ` --set a=1 --set b=2`.
+/// Formats changes to a recipe as options: ` --set a=1 --set b=2`.
 pub fn set_words<'a>(sets: impl IntoIterator<Item = &'a String>) -> String {
     sets.into_iter().map(|set| format!(" --set {}", shell_word(set))).collect()
 }
 
-/// Skies as options.
+/// Formats environment maps as options.
 fn sky_words(files: &[PathBuf]) -> String {
     files.iter().map(|file| format!(" --sky {}", shell_word(&file.display().to_string()))).collect()
 }

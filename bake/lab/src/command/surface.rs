@@ -1,4 +1,4 @@
-//! `pelage chart surface`: the `surface` stage of bake, as often as it needs to be timed.
+//! `pelage chart surface`: the `surface` stage of the bake, repeated for timing.
 
 use super::driver::{Plan, PlannedRow, Topic};
 use super::subject::{Subject, set_words};
@@ -9,11 +9,11 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::processor;
 use std::time::Instant;
 
-/// Runs of one configuration, of which the median counts; long ones are run once.
+/// Runs per configuration, of which the median counts; long runs are not repeated.
 const RUNS: usize = 3;
 const LONG_S: f64 = 1.0;
 
-/// The topic.
+/// Topic `surface`.
 pub struct SurfaceTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<surface::Configuration>,

@@ -11,7 +11,7 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::processor;
 use std::time::Instant;
 
-/// The topic.
+/// Topic `textures`.
 pub struct TexturesTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<Configuration>,

@@ -1,4 +1,4 @@
-//! `pelage chart verlet`: guides that swing, moved in each form on one core, against their equations.
+//! `pelage chart verlet`: simulated guides, moved by each form on one core, against their equations.
 
 use super::driver::{Plan, PlannedRow, Topic};
 use crate::chart::Cell;
@@ -11,15 +11,15 @@ use pelage_tool::machine::measured_on;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Turns in which a form is timed, each through all scenes, are at least so many and take at least so long together.
-/// The fastest counts: what else the machine does only adds, and spares a short turn now and then.
+/// Minimum number of turns, each through all scenes, in which a form is timed; together they take at least `TIMED_S`.
+/// The fastest counts, because other load only adds time, and now and then spares a short turn.
 const FEWEST_TURNS: usize = 5;
 const TIMED_S: f64 = 0.3;
 
-/// The topic.
+/// Topic `verlet`.
 pub struct VerletTopic {
     configurations: Vec<Configuration>,
-    /// The truths of all scenes, for each number of points that a row asked for.
+    /// Truths of all scenes by number of points, made when a row needs them.
     truths: Vec<(usize, Vec<Followed>)>,
 }
 
@@ -69,7 +69,7 @@ impl Topic for VerletTopic {
     }
 }
 
-/// What a second of a guide's motion takes, over all scenes, on this core.
+/// Returns the nanoseconds of a simulated second of a guide, over all scenes, on this core.
 fn nanoseconds(guide: &Guide, form: &Form) -> f64 {
     let (begun, mut turns, mut fastest) = (Instant::now(), 0, f64::INFINITY);
     while turns < FEWEST_TURNS || begun.elapsed().as_secs_f64() < TIMED_S {

@@ -1,6 +1,6 @@
-//! Skeletons as files have them: joints that scale unevenly, mirror or collapse, joints that no weight points at and
-//! that hold anything, weights that sum to nothing. (Weights that sum to something else than 1 are scaled when a model
-//! is read, and no package that has them opens.)
+//! Skeletons as found in files: joints that scale unevenly, mirror or collapse, unweighted joints with arbitrary
+//! contents, weights that sum to zero. (Other sums than 1 are normalized when a model is read, and no package with such
+//! weights opens.)
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -9,7 +9,7 @@ use pelage_import::BakeError;
 use pelage_runtime::shared::skinning::{blend, transform_normal};
 use pelage_runtime::shared::tile_frame::{any_perpendicular, orthonormal_tangent};
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "animation",
     cliff: "mirrored, flattened and collapsed joints; broken joints of weight 0; vertices without weight",
@@ -18,7 +18,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Matrices that skeletons produce and textbooks forget.
+/// Returns joint matrices that skeletons produce and implementations easily overlook.
 pub fn joints() -> Vec<(&'static str, Mat3)> {
     let turn = Mat3::from_quat(Quat::from_euler(EulerRot::XYZ, 0.3, 0.7, -0.4));
     let scales = [
@@ -35,7 +35,7 @@ pub fn joints() -> Vec<(&'static str, Mat3)> {
     scales.into_iter().map(|(name, scale)| (name, turn * Mat3::from_diagonal(Vec3::from(scale)))).collect()
 }
 
-/// Unit vectors evenly over the sphere.
+/// Returns unit vectors spread evenly over the sphere.
 fn normals() -> impl Iterator<Item = Vec3> {
     const COUNT: u32 = 1000;
     (0..COUNT).map(|i| even_direction(i, COUNT).as_vec3().normalize())
@@ -45,8 +45,8 @@ fn cofactors(m: Mat3) -> Mat3 {
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-/// Normals that are not of unit length or not a number, the naive form being the inverse transpose; ours with the
-/// tangent beside them, which must be perpendicular as well.
+/// Counts normals that are not of unit length or NaN. The naive form is the inverse transpose. For the safe form the
+/// tangent counts as well, which must be perpendicular.
 fn not_unit() -> (f64, f64) {
     let (mut naive, mut safe) = (0, 0);
     let unit = |v: Vec3| (v.length() - 1.0).abs() < 1e-5;
@@ -61,8 +61,8 @@ fn not_unit() -> (f64, f64) {
     (naive.into(), safe.into())
 }
 
-/// Normals that point into the skin: a step along them is none away from the posed tangent plane. Of joints that keep a
-/// volume.
+/// Counts normals that point inward: a step along them does not lead away from the posed tangent plane. Only for joints
+/// that preserve a volume.
 fn inward() -> (f64, f64) {
     let (mut naive, mut safe) = (0, 0);
     for (_, m) in joints().into_iter().filter(|(_, m)| m.determinant().abs() > 1e-6) {
@@ -74,12 +74,12 @@ fn inward() -> (f64, f64) {
     (naive.into(), safe.into())
 }
 
-/// How far a vertex at (1, 2, 3) comes from where it belongs; not a number where it is lost.
+/// Returns the distance of a vertex at (1, 2, 3) from its expected position; NaN if it is lost.
 fn off(matrix: Mat4, belongs: Vec3) -> f64 {
     f64::from(matrix.transform_point3(Vec3::new(1.0, 2.0, 3.0)).distance(belongs))
 }
 
-/// Of joints whose matrix is not a number, and that no weight points at.
+/// Tests joints whose matrix is NaN and that no weight refers to.
 fn broken_joint() -> (f64, f64) {
     let (moved, broken) = (Mat4::from_translation(Vec3::X), Mat4::from_cols_array(&[f32::NAN; 16]));
     let weights = Vec4::new(1.0, 0.0, 0.0, 0.0);
@@ -88,7 +88,8 @@ fn broken_joint() -> (f64, f64) {
     (off(naive, belongs), off(blend(moved, broken, broken, broken, weights), belongs))
 }
 
-/// Of a vertex without any weight, which stays where it is stored. The plain sum leaves nothing of it.
+/// Tests a vertex without any weight, which keeps its stored position. In the naive form the plain sum is a zero
+/// matrix.
 fn no_weight() -> (f64, f64) {
     let moved = Mat4::from_translation(Vec3::X);
     let stored = Vec3::new(1.0, 2.0, 3.0);

@@ -1,4 +1,4 @@
-//! The mean of opposing tangents is zero or rounding noise; normalising it gives NaN or any direction.
+//! The mean of opposing tangents is zero or rounding noise; normalising it gives NaN or an arbitrary direction.
 
 use super::row::{Finding, Row};
 use glam::Vec3;
@@ -9,7 +9,7 @@ use pelage_bake::stages::textures::direction::resolve;
 use pelage_formats::{TextureFormat, decode_direction};
 use pelage_import::BakeError;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "direction textures",
     cliff: "filtered tangents of opposing hairs cancel",
@@ -18,7 +18,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Two hairs through the middle of the tile, crossing at one height, their tangents at `angle_deg` to either side of
+/// Returns two hairs through the tile's centre that cross at one height, with tangents at `angle_deg` to either side of
 /// the normal.
 fn crossing(angle_deg: f32) -> Strands {
     let (sin, cos) = (libm::sinf(angle_deg.to_radians()), libm::cosf(angle_deg.to_radians()));
@@ -34,7 +34,7 @@ fn crossing(angle_deg: f32) -> Strands {
     }
 }
 
-/// Whether each stored texel is a direction, or says that there is none.
+/// Returns whether each stored texel is a direction, or marks that there is none.
 fn stored_soundly(strands: &Strands, format: TextureFormat) -> Result<bool, BakeError> {
     let params = SliceParams { layers: 5, tile_texels: 32, ..SliceParams::default() };
     let set = collect_layers(strands, &params, format)?;
@@ -56,11 +56,11 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         for format in [TextureFormat::Rg8Unorm, TextureFormat::Rgba8Unorm] {
             right &= stored_soundly(&strands, format)?;
         }
-        // Where the two overlap alone, the mean leans to neither side, and its length says how far they agree.
+        // Where only the two overlap, the mean leans to neither side, and its length measures their agreement.
         let t = [strands.points[1] - strands.points[0], strands.points[3] - strands.points[2]].map(Vec3::normalize);
         let (unit, confidence) = resolve((t[0] + t[1]) * 0.5);
         right &= (unit - Vec3::Z).length() < 1e-3 && (confidence - libm::cosf(angle.to_radians())).abs() < 1e-3;
-        // The parts along the skin cancel altogether.
+        // The components along the surface cancel completely.
         let sum = t[0].with_z(0.0) + t[1].with_z(0.0);
         right &= resolve(sum * 0.5).0.is_normalized();
         safe_wrong += usize::from(!right);

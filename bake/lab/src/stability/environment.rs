@@ -1,5 +1,5 @@
-//! Light from a sky: where its lobes are narrow or fibres bundle it, where it comes along a hair, where a fit goes
-//! below nothing, where a sun stands on an edge of the picture, and pictures that are black or broken.
+//! Light from an environment map: narrow lobes, light bundled by fibres, light along a hair, fits that become negative,
+//! a sun on an edge of the picture, and black or broken pictures.
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -16,7 +16,7 @@ use pelage_import::BakeError;
 use pelage_stage::sky::{FitParams, LightLobe, Panorama};
 use std::f64::consts::TAU;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "light from a sky",
     cliff: "narrow lobes, indices through 2, light along the hair, light less than none, a sun on the horizon and the seam, black and broken pictures",
@@ -33,14 +33,14 @@ fn painted(radiance: impl Fn(DVec3) -> DVec3) -> Result<Panorama, BakeError> {
     Panorama::painted((256, 128), radiance).map_err(|error| BakeError::Internal(error.to_string()))
 }
 
-/// Strength of lights around the fibre, by how wide they are.
+/// Tests the strength of lights around the fibre, by their width.
 fn narrow() -> Finding {
     let truth = |k: f64| {
         const STEPS: usize = 20_000;
         let at = |i: usize| libm::exp(k * (libm::cos(TAU * i as f64 / STEPS as f64) - 1.0));
         (0..STEPS).map(at).sum::<f64>() / STEPS as f64
     };
-    // The series of the Bessel function, as a shader would have it.
+    // Series of the Bessel function, as a shader would evaluate it.
     let naive = |k: f64| {
         let quarter = 0.25 * (k * k) as f32;
         let (mut term, mut sum) = (1.0_f32, 1.0_f32);
@@ -68,7 +68,7 @@ fn narrow() -> Finding {
     }
 }
 
-/// What a smooth fibre sends of a light through the difference angles at which its glints meet.
+/// Tests the light that a smooth fibre scatters, through the difference angles at which its glints meet.
 fn through_two() -> Finding {
     let fibre =
         Fibre { around: Around::Smooth(Glint { width: 5_f64.to_radians(), ..Glint::default() }), ..Fibre::default() };
@@ -77,7 +77,7 @@ fn through_two() -> Finding {
     let way = |theta: f64, phi: f64| {
         DVec3::new(libm::cos(theta) * libm::cos(phi), libm::sin(theta), libm::cos(theta) * libm::sin(phi))
     };
-    // Light that comes at the angle of TRT's lobe, so that both are at the difference angle.
+    // Light from the angle of TRT's lobe, so that both are at the difference angle.
     let cases: Vec<(DVec3, GaussianLight)> = (40..=56)
         .step_by(2)
         .flat_map(|degrees| [0.0, 0.4].map(|phi| (f64::from(degrees).to_radians(), phi)))
@@ -93,7 +93,7 @@ fn through_two() -> Finding {
         let mut sum = 0.0;
         for i in -STEPS..=STEPS {
             for k in -STEPS..=STEPS {
-                // Even steps on the plane that touches the sphere at the light.
+                // Even steps on the plane tangent to the sphere at the light.
                 let from = light.towards + (a * f64::from(i) + b * f64::from(k)) * step;
                 let long = from.length();
                 let from = from / long;
@@ -119,7 +119,7 @@ fn through_two() -> Finding {
     }
 }
 
-/// Broad light whose middle lies along the hair: of any azimuth.
+/// Tests broad light centred along the hair, whose azimuth is arbitrary.
 fn along_the_hair() -> Finding {
     const COUNT: u32 = 400;
     let cases = || {
@@ -129,14 +129,14 @@ fn along_the_hair() -> Finding {
             (tip, [tip, -tip][i as usize % 2], eye, aside)
         })
     };
-    // The cosine of the azimuth by the parts across, in 32 bits.
+    // Cosine of the azimuth from the perpendicular components, in 32 bits.
     let naive = |tip: Vec3, light: Vec3, eye: Vec3| {
         let (l, e) = (light - tip * tip.dot(light), eye - tip * tip.dot(eye));
         l.dot(e) / (l.dot(l) * e.dot(e)).sqrt()
     };
     let fibre = Fibre::default();
     let tables = BroadTables::new(&fibre, BroadSize { means: 4, to: 12, from: 12, phi: 8 });
-    // A step to either side must not change what is seen.
+    // A step to either side must not change the result.
     let ours = |tip: Vec3, light: Vec3, eye: Vec3, aside: Vec3| {
         let of = |towards: Vec3| {
             let light = HalfLight { towards: towards.as_dvec3().normalize(), mean: 0.8 };
@@ -158,22 +158,22 @@ fn along_the_hair() -> Finding {
     }
 }
 
-/// A lamp in a dark room with a wide pale wall behind it: plain least squares makes lobes that take light away.
+/// Tests a lamp in a dark room with a wide pale wall behind it: plain least squares gives lobes with negative light.
 fn below_nothing() -> Result<Finding, BakeError> {
     let lamp = DVec3::new(1.0, 0.3, 0.2).normalize();
     let room = painted(|way| {
         let cosine = way.dot(lamp);
-        // A ring about the lamp is dark, and what is beyond it pale.
+        // The ring around the lamp is dark, everything beyond it pale.
         let ring = if cosine > 0.75 { 0.0 } else { 1.0 };
         DVec3::splat(ring + 40.0 * libm::exp(60.0 * (cosine - 1.0)))
     })?;
     let fitted = room.fit(FitParams { sun: 2.0, ..FitParams::default() });
-    // The same lobes, with whatever strength comes nearest.
+    // The same lobes, with the strengths of an unconstrained fit.
     let cells = room.reduced((64, 32));
     let (width, height) = cells.size();
     let places: Vec<(u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
     let shapes: Vec<GaussianLight> = fitted.environment.lobes.iter().map(LightLobe::light).collect();
-    // And a grid of wide ones, as a table of lobes that fits all skies has.
+    // A grid of wide lobes as well, as in a table of lobes for all maps.
     let grid = (0..24).map(|i| GaussianLight { towards: even_direction(i, 24), sharpness: 4.0 });
     let shapes: Vec<GaussianLight> = shapes.into_iter().chain(grid).collect();
     let weight = |y: u32| cells.solid_angle(y).sqrt();
@@ -201,7 +201,7 @@ fn below_nothing() -> Result<Finding, BakeError> {
     })
 }
 
-/// A sun that stands on the horizon, on the seam of the picture.
+/// Tests a sun on the horizon, on the seam of the picture.
 fn sun_on_an_edge() -> Result<Finding, BakeError> {
     let (mut naive, mut safe) = (0.0_f64, 0.0_f64);
     // The seam is at −x.
@@ -209,7 +209,7 @@ fn sun_on_an_edge() -> Result<Finding, BakeError> {
         let sun = DVec3::new(-1.0, up, 0.0).normalize();
         let sky = painted(|way| DVec3::splat(if way.dot(sun) > libm::cos(2_f64.to_radians()) { 2000.0 } else { 0.5 }))?;
         let angle = |towards: DVec3| towards.normalize_or(DVec3::NEG_Y).dot(sun).clamp(-1.0, 1.0).acos().to_degrees();
-        // The mean of rows and columns of bright pixels.
+        // Mean row and column of bright pixels.
         let (width, height) = sky.size();
         let bright: Vec<(u32, u32)> = (0..height)
             .flat_map(|y| (0..width).map(move |x| (x, y)))
@@ -233,7 +233,7 @@ fn sun_on_an_edge() -> Result<Finding, BakeError> {
     })
 }
 
-/// Numbers of a fit that are none.
+/// Counts the values that are not finite.
 fn not_numbers(of: impl IntoIterator<Item = f64>) -> f64 {
     of.into_iter().filter(|x| !x.is_finite()).count() as f64
 }
@@ -250,7 +250,7 @@ fn numbers_of(panorama: &Panorama) -> Vec<f64> {
 
 fn black() -> Result<Finding, BakeError> {
     let black = painted(|_| DVec3::ZERO)?;
-    // The mean direction of its light, and shares of it.
+    // Mean direction of its light, and shares of it.
     let (width, height) = black.size();
     let (mut all, mut middle) = (0.0, DVec3::ZERO);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
@@ -276,13 +276,13 @@ fn broken() -> Result<Finding, BakeError> {
     for (i, x) in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -3.0].into_iter().enumerate() {
         pixels[(2 * i + 1) * count / 11] = [x; 3];
     }
-    // Means as they are: light in whole, of each colour.
+    // Means without mending: total light of each colour.
     let sum = |i: usize| pixels.iter().map(|pixel| f64::from(pixel[i])).sum::<f64>();
     let naive = not_numbers([0, 1, 2].map(sum));
     let (width, height) = plain.size();
     let mended = Panorama::new(width, height, pixels).map_err(|error| BakeError::Internal(error.to_string()))?;
     let numbers = numbers_of(&mended);
-    // Nothing may be less than none either, but directions.
+    // Values that are not finite, and broken pixels that were not reported as mended.
     Ok(Finding {
         case: "a picture with NaN, infinities and light below none".into(),
         measure: "numbers of its lights that are none, and pixels that nobody tells of",

@@ -1,9 +1,9 @@
-//! Hair on guides that swings: stiff strings, springs and long steps, frames of any length, what is in the way, and
-//! roots that jump.
+//! Simulated hair on guides: stiff strings, springs and long steps, frames of any length, obstacles, and roots that
+//! jump.
 //!
 //! The naive form is Nalu's as printed (GPU Gems 2, chapter 23, after Jakobsen 2001): position Verlet over the frame
-//! whatever its length, speed lost by a constant share of each step, and a few rounds in which points within a sphere
-//! are put on it, and then each piece is put right, from root to tip.
+//! whatever its length, with a constant share of the speed lost per step. Then a few rounds move points out of spheres,
+//! and correct each piece from root to tip.
 
 use super::row::{Finding, Row};
 use glam::{Mat3, Vec3};
@@ -13,7 +13,7 @@ use pelage_formats::meaning::hair_motion::{
 use pelage_import::BakeError;
 use std::f32::consts::TAU;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "hair in motion",
     cliff: "long strings, stiff springs, frames of other lengths, bodies, roots that jump",
@@ -22,40 +22,40 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// A string that moves by the printed form.
+/// String moved by the printed form.
 #[derive(Clone, Debug)]
 pub struct Printed {
-    /// Where its points are in the world, the root first, metres.
+    /// World positions of the points, the root first, metres.
     pub places: Vec<Vec3>,
-    /// Where they were a step before.
+    /// World positions at the previous step.
     before: Vec<Vec3>,
 }
 
-/// What a step of the printed form knows.
+/// Parameters of a step of the printed form.
 #[derive(Clone, Copy, Debug)]
 pub struct PrintedStep<'a> {
-    /// How long it is, seconds.
+    /// Duration, seconds.
     pub seconds: f32,
     /// Share of the speed that is lost, 0..=1.
     pub lost: f32,
-    /// Lengths of the pieces, metres; nothing's first.
+    /// Lengths of the pieces, metres, preceded by an unused entry.
     pub lengths: &'a [f32],
     /// Rounds over spheres and lengths.
     pub sweeps: u32,
-    /// Spheres that hair does not go into, one after the other; of capsules one end counts.
+    /// Spheres that hair must not enter, handled one after the other; of a capsule only one end counts.
     pub spheres: &'a [Capsule],
 }
 
 impl Printed {
-    /// At rest at such places.
+    /// Creates a string at rest at these positions.
     pub fn new(places: Vec<Vec3>) -> Self {
         Self { before: places.clone(), places }
     }
 
-    /// Moves it by a step: x' = x + (1 − d)(x − x*) + a Δt², then rounds of spheres and lengths.
+    /// Moves the string by a step: x' = x + (1 − d)(x − x*) + a Δt², then rounds of spheres and lengths.
     ///
-    /// * `root`: where the skin has its root now
-    /// * `accelerations`: of all points, metres a second squared
+    /// * `root`: current position of the root
+    /// * `accelerations`: of all points, metres per second squared
     pub fn step(&mut self, root: Vec3, accelerations: &[Vec3], step: &PrintedStep<'_>) {
         let (kept, square) = (1.0 - step.lost, step.seconds * step.seconds);
         for (k, pulled) in accelerations.iter().enumerate().skip(1) {
@@ -77,7 +77,7 @@ impl Printed {
     }
 }
 
-/// Puts each piece right by itself, from root to tip: both ends go half of the way, the root none.
+/// Corrects each piece by itself, from root to tip: both ends move half the distance, the root none.
 pub fn sweep(places: &mut [Vec3], lengths: &[f32]) {
     for k in 1..places.len() {
         let way = places[k] - places[k - 1];
@@ -88,19 +88,19 @@ pub fn sweep(places: &mut [Vec3], lengths: &[f32]) {
     }
 }
 
-/// Rounds over the lengths of the printed form.
+/// Number of rounds over the lengths in the printed form.
 const SWEEPS: u32 = 4;
-/// Frames a second that its damping is right at.
+/// Frames per second at which the damping of the printed form is right.
 const FPS: f32 = 60.0;
 const CALM: Springs = Springs { drag_per_s: 2.0, shape_hz: 0.5, bend_hz: 0.0, friction: 0.2 };
 
-/// Where a root and what is in its way are at a time, seconds.
+/// Root or obstacles as a function of time, seconds.
 type Way<'a, T> = &'a dyn Fn(f32) -> T;
 
-/// Where points are in the world at the ends of frames, and those times.
+/// Times of the ends of frames, and world positions of the points.
 type Motion = Vec<(f32, Vec<Vec3>)>;
 
-/// A hanging string of 0.3 m that both forms move.
+/// Hanging string of 0.3 m that both forms move.
 struct Drive<'a> {
     points: usize,
     springs: Springs,
@@ -117,7 +117,7 @@ impl Drive<'_> {
         (0..self.points).map(|k| Vec3::NEG_Y * (LENGTH * k as f32 / (self.points - 1) as f32)).collect()
     }
 
-    /// Where the points are in the world at the end of each frame, and the time.
+    /// Moves the string by the runtime's solver. Returns the time and the world positions at the end of each frame.
     fn ours(&self) -> Motion {
         let (points, free) = (self.points(), vec![1.0; self.points]);
         let ballast = ballast(&points, Mat3::IDENTITY);
@@ -143,7 +143,7 @@ impl Drive<'_> {
             .collect()
     }
 
-    /// The same of the printed form.
+    /// Moves the string by the printed form.
     fn printed(&self) -> Motion {
         let points = self.points();
         let lengths = vec![LENGTH / (self.points - 1) as f32; self.points];
@@ -169,10 +169,10 @@ impl Drive<'_> {
     }
 }
 
-/// The greatest of what is measured of each moment from `since` on; what is not a number is infinite.
+/// Returns the greatest value of `of` from time `since` on; values that are not finite count as infinite.
 fn greatest(motion: &[(f32, Vec<Vec3>)], since: f32, of: impl Fn(f32, &[Vec3]) -> f32) -> f64 {
     let found = motion.iter().filter(|(time, _)| *time >= since).map(|(time, places)| of(*time, places));
-    // `f32::max` would lose what is not a number.
+    // `f32::max` would lose NaN.
     f64::from(found.fold(0.0f32, |most, x| {
         if x <= most {
             most
@@ -184,7 +184,7 @@ fn greatest(motion: &[(f32, Vec<Vec3>)], since: f32, of: impl Fn(f32, &[Vec3]) -
     }))
 }
 
-/// The most that any piece is longer or shorter than it should be, over its length.
+/// Returns the largest deviation of any piece from its length, over that length.
 fn stretch(places: &[Vec3]) -> f32 {
     let length = LENGTH / (places.len() - 1) as f32;
     let off = |ends: &[Vec3]| (ends[0].distance(ends[1]) / length - 1.0).abs();
@@ -249,7 +249,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let rates = (spread(&|drive| drive.printed()), spread(&|drive| drive.ours()));
     out.push(finding("5 s of 30, 60 and 144 frames a second", "points apart, lengths", rates, 0.03, 0.1));
 
-    // A head and a neck, which go through where it hangs.
+    // A head and a neck that move through the string.
     let body = |time_s: f32| {
         let x = -0.6 + 0.8 * time_s;
         let ball = |place: Vec3, radius_m: f32| Capsule { from: place, to: place, radius_m };

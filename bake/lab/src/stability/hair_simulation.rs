@@ -1,4 +1,4 @@
-//! Large steps, stiff curls, strong lean.
+//! Hair simulation with large steps, stiff curls and strong lean.
 
 use super::measures::grow;
 use super::row::{Finding, Row};
@@ -7,7 +7,7 @@ use pelage_bake::recipe::{HairParams, Style};
 use pelage_bake::stages::hair::Strands;
 use pelage_import::BakeError;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "hair simulation",
     cliff: "large steps, stiff curls, strong lean",
@@ -16,17 +16,17 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// A coat under extreme forces.
+/// Hair under extreme forces.
 #[derive(Clone, Debug)]
 pub struct Extreme {
-    /// The recipe.
+    /// Hair parameters of the recipe.
     pub hair: HairParams,
     /// Height of the volume, tiles.
     pub height: f32,
 }
 
 impl Extreme {
-    /// All of them.
+    /// Returns all extreme cases.
     pub fn all() -> Vec<Self> {
         let mut out = Vec::new();
         for style in Style::ALL.iter().copied() {
@@ -56,12 +56,13 @@ impl Extreme {
     }
 }
 
-/// Length of a curve.
+/// Returns the length of a curve.
 fn arc(points: &[Vec3]) -> f32 {
     points.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
-/// Largest relative error in the length of a strand that should be `height` long; infinite if one leaves the volume.
+/// Returns the largest relative error in the length of a strand that should be `height` long; infinite if one leaves
+/// the volume.
 pub fn worst_stretch(strands: &Strands, height: f32) -> f64 {
     let slack = strands.height * 1e-5;
     let stretch = |strand: usize| {
@@ -73,8 +74,8 @@ pub fn worst_stretch(strands: &Strands, height: f32) -> f64 {
     (0..strands.len()).map(stretch).fold(0.0, |a, b| if b <= a { a } else { b })
 }
 
-/// Stretch of a stiff curl followed in 16 explicit steps: velocity relaxes to a turning target, position follows
-/// velocity.
+/// Returns the stretch of a stiff curl followed in 16 explicit steps: velocity relaxes to a turning target, position
+/// follows velocity.
 fn explicit(stiffness: f32) -> f64 {
     let step = 1.0 / 16.0;
     let (mut p, mut v) = (Vec3::ZERO, Vec3::Z);

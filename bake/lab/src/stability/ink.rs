@@ -1,5 +1,5 @@
-//! The width of ink lines (Fang 2006, §2, Fig. 3): by the sphere map alone everything seen at a small enough angle is
-//! outline, so that flat parts seen edge on turn black all over. The template keeps lines to their width about the
+//! Width of ink lines (Fang 2006, §2, Fig. 3): by the sphere map alone, everything seen at a small enough angle is
+//! outline. Flat parts seen edge on therefore turn entirely black. The template limits lines to their width around the
 //! features.
 
 use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
@@ -13,7 +13,7 @@ use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use pelage_runtime::{Camera, FrameParams, InkParams, InkShow, PassId};
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row<DrawnDriver> = Row {
     method: "ink",
     cliff: "large flat faces seen edge on: black patches",
@@ -22,12 +22,12 @@ pub const ROW: Row<DrawnDriver> = Row {
     drive,
 };
 
-/// Pictures, pixels.
+/// Size of the pictures, pixels.
 const SIZE: (u32, u32) = (300, 300);
-/// Sides that a model is looked at from, evenly round it.
+/// Number of sides from which a model is viewed, evenly spaced around it.
 const VIEWS: u32 = 24;
 
-/// A box whose faces share no vertex, so that each keeps its own normal.
+/// Returns a box whose faces share no vertex, so that each keeps its own normal.
 fn cube() -> Model {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
@@ -41,14 +41,15 @@ fn cube() -> Model {
     surface::model(positions, triangles)
 }
 
-/// Flat and thin, as a hare's ear is.
+/// Returns a flat and thin shape, like a hare's ear.
 fn ear() -> Model {
     let ball = surface::sphere(48, 64).mesh;
     let flat = |p: &Vec3| *p * vec3(0.4, 1.0, 0.1);
     surface::model(ball.positions.iter().map(flat).collect(), ball.triangles)
 }
 
-/// The widest strokes of a package over all views, without and with the template, over the template's width.
+/// Returns the widest strokes of a package over all views, without and with the template, relative to the template's
+/// width.
 fn widest(package: &[u8], draw: &mut Drawer<'_>) -> Result<[f64; 2], BakeError> {
     let opened = Package::open(package, &Limits::default());
     let bounds = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?.manifest().bounds;
@@ -75,7 +76,7 @@ fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
     let mut out = Vec::new();
     for (case, model) in [("a cube", cube()), ("a flat ear", ear())] {
         let mut recipe = Recipe::default();
-        // Where hair grows, bakes round the normals; the skin alone keeps its faces.
+        // Where hair grows, the bake rounds the normals; a bare surface keeps its faces.
         recipe.set("model.bare=[\"*\"]")?;
         let package = silhouette::bake(case, &model, &recipe)?;
         let [naive, safe] = widest(&package, draw)?;

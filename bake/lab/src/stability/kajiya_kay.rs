@@ -1,4 +1,4 @@
-//! Hair along the light: sin² as 1 − (T·L)² rounds below zero, and a power of that is not a number.
+//! Hair along the light: sin² as 1 − (T·L)² rounds below zero, and a power of that is NaN.
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -6,7 +6,7 @@ use glam::Vec3;
 use pelage_import::BakeError;
 use pelage_runtime::shared::kajiya_kay::{sin_power, sin_squared};
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "Kajiya-Kay",
     cliff: "hair along the light or the halfway vector",
@@ -18,8 +18,8 @@ pub const ROW: Row = Row {
 /// Exponents of the lighting equation, over the range that a recipe allows.
 pub const EXPONENTS: [f32; 9] = [0.0, 0.5, 1.0, 2.0, 3.0, 30.0, 101.0, 1000.0, 10_000.0];
 
-/// Unit vectors evenly over the sphere, each with itself, its opposite, or itself but for a rounding error, and an
-/// exponent.
+/// Returns unit vectors spread evenly over the sphere, each with itself, its opposite, or itself up to a rounding
+/// error, and an exponent.
 pub fn cases() -> impl Iterator<Item = (Vec3, Vec3, f32)> {
     const COUNT: u32 = 100_000;
     (0..COUNT).map(|i| {

@@ -1,4 +1,4 @@
-//! A knot in a coat: strands of its parts lie before each other many deep.
+//! Knot with fur: the strands of its parts overlap many deep.
 
 use super::surface;
 use glam::{Vec3, vec3};
@@ -10,16 +10,16 @@ use pelage_bake::strands::{Curves, Skin, grow_on, tile_hair};
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
 
-/// Towards an eye that sees it well, unit length.
+/// Unit direction towards an eye with a good view of the knot.
 pub const TOWARDS_EYE: Vec3 = vec3(0.36, 0.48, 0.8);
-/// Of a picture that holds it, metres.
+/// Height of a picture that contains the knot, metres.
 pub const HEIGHT_M: f32 = 8.0;
 
-/// Its strands in a coat of so many a tile, at rest and its skin.
+/// Returns the knot's strands at rest, `density` per tile, and its mesh surface.
 ///
 /// # Errors
 ///
-/// As [`pipeline::bake`].
+/// Same as [`pipeline::bake`].
 pub fn grown(density: u32) -> Result<(Curves, Skin), BakeError> {
     let curve = |a: f32| {
         let out = 2.0 + (3.0 * a).cos();

@@ -1,6 +1,6 @@
-//! Layer-wise shadow maps (Yang 2006, §3): the printed product takes 1 − α of a layer whatever way the light has
-//! through it; the way itself, 1 / |N·L|, has no end at the horizon; and from behind, the layers are crossed from the
-//! wrong side.
+//! Layer-wise shadow maps (Yang 2006, §3): the printed product takes 1 − α of a layer whatever the length of the
+//! light's path through it. That path, 1 / |N·L|, is infinite at the horizon. From behind, the layers are crossed from
+//! the wrong side.
 
 use super::measures::{grow, mean, natural_hair, opacity, slice};
 use super::row::{Finding, Row};
@@ -13,7 +13,7 @@ use pelage_import::BakeError;
 use pelage_runtime::shared::kajiya_kay::back_attenuation;
 use pelage_runtime::shared::layer_shadow::{layer_transmittance, slanted_path};
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "layer shadows",
     cliff: "light at a slant, at the horizon, and behind",
@@ -22,15 +22,15 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Transmittance of the layers above each texel of each layer, without maps between: what maps of endless resolution
-/// would hold.
+/// Returns the transmittance of the layers above each texel of each layer, without maps in between: the content of maps
+/// with unlimited resolution.
 ///
-/// * `light_ts`: towards the light in the frame of the tile, above the skin
-/// * `height`: of the outermost layer, widths of the tile
-/// * `layer`: what a layer leaves at some opacity
-/// * `own`: what the own layer does
+/// * `light_ts`: direction towards the light in the tile's frame, above the surface
+/// * `height`: of the outermost layer, in tile widths
+/// * `layer`: transmittance of a layer by its opacity
+/// * `own`: transmittance of the texel's own layer by its opacity
 ///
-/// Layer after layer, from the skin; `texels * texels` each.
+/// The result has layer after layer, from layer 0 outwards, with `texels * texels` values each.
 pub fn products(
     set: &ShellSet,
     height: f64,
@@ -62,7 +62,7 @@ pub fn products(
     (0..count).map(|k| (0..n * n).map(|i| texel(k, i)).collect()).collect()
 }
 
-/// The runtime's form, through its own functions.
+/// Evaluates the runtime's form, with its own functions.
 fn corrected(set: &ShellSet, height: f64, light_ts: DVec3) -> Vec<Vec<f64>> {
     let path = slanted_path(light_ts.z as f32);
     let left = |alpha: f64, path: f32| f64::from(layer_transmittance(alpha as f32, path));
@@ -100,7 +100,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             fails_above,
         });
     }
-    // Level light: a texel without hair is 1 to an endless power, in the form that shaders have it.
+    // Level light: a texel without hair is 1 to an infinite power, in the form that shaders use.
     let level = |path: f32| {
         (0..=255u8).filter(move |a| {
             let alpha = f32::from(*a) / 255.0;
@@ -117,14 +117,14 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         bound: 0.0,
         fails_above: 0.5,
     });
-    // Light from under the skin, at which the body is in between: nothing of it may arrive. From the light, the
-    // outermost layer is the last one, and its map has nothing above it.
+    // Light from below the surface, with the body in between: none of it may arrive. Seen from the light, the outermost
+    // layer is the last one, and its map has nothing above it.
     let angles = [110.0, 130.0, 155.0, 180.0];
     let range = Shading::default().back_light_range;
     let arriving = |back: &dyn Fn(f32) -> f32| {
         let shares = angles.map(|angle: f64| {
             let n_dot_l = angle.to_radians().cos();
-            // The layers seen from behind are the same product, along a ray mirrored at the skin.
+            // Seen from behind, the layers give the same product, along a ray mirrored at the surface.
             let mirrored = DVec3::new(towards(180.0 - angle).x, towards(180.0 - angle).y, -n_dot_l);
             let t = products(&set, height, mirrored, |alpha| 1.0 - alpha, |_| 1.0);
             mean(&t[set.layers.len() - 1]) * f64::from(back(n_dot_l as f32))

@@ -1,11 +1,11 @@
-//! The same fur at 8 and at 64 layers must be as dense.
+//! Layer count: the same fur must be equally dense with 8 and with 64 layers.
 
 use super::measures::{grow, mean, natural_hair, opacity, slice, texels, transmittances};
 use super::row::{Finding, Row};
 use pelage_bake::recipe::{HairParams, Style};
 use pelage_import::BakeError;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "opacity and layer count",
     cliff: "the same fur at 8 and at 64 layers",

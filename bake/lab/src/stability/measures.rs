@@ -1,4 +1,4 @@
-//! Strands and layers to drive methods with, and what is measured of them.
+//! Strands and layers for testing methods, and measures of them.
 
 use glam::DVec3;
 use pelage_bake::recipe::{Coat, ColorParams, HairParams, Recipe, SliceParams};
@@ -7,58 +7,58 @@ use pelage_bake::stages::textures::{ShellSet, collect_layers};
 use pelage_formats::TextureFormat;
 use pelage_import::BakeError;
 
-/// Few and thick hairs of one kind, in which one hair can be told from another.
+/// Returns few and thick hairs of one kind, of which single hairs are distinguishable.
 ///
 /// # Errors
 ///
-/// As [`Recipe::of_coat`].
+/// Same as [`Recipe::of_coat`].
 pub fn natural_hair() -> Result<HairParams, BakeError> {
     Ok(Recipe::of_coat(Coat::Natural)?.hair)
 }
 
-/// Strands with default colours in a volume of `height`.
+/// Grows strands with default colours in a volume of `height`.
 ///
 /// # Errors
 ///
-/// As [`simulate`].
+/// Same as [`simulate`].
 pub fn grow(hair: &HairParams, height: f32) -> Result<Strands, BakeError> {
     simulate(hair, &ColorParams::default(), &VolumeParams { height })
 }
 
-/// Their layers, uncompressed.
+/// Slices strands into layers, uncompressed.
 ///
 /// # Errors
 ///
-/// As [`collect_layers`].
+/// Same as [`collect_layers`].
 pub fn slice(strands: &Strands, layers: u32, tile_texels: u32) -> Result<ShellSet, BakeError> {
     let params = SliceParams { layers, tile_texels, ..SliceParams::default() };
     collect_layers(strands, &params, TextureFormat::Rgba8Unorm)
 }
 
-/// Opacity of a texel of a layer, 0..=1.
+/// Returns the opacity of a texel of a layer, 0..=1.
 pub fn opacity(set: &ShellSet, layer: usize, level: usize, texel: usize) -> f64 {
     f64::from(set.layers[layer].color[level][4 * texel + 3]) / 255.0
 }
 
-/// Number of texels of a layer at a mip level.
+/// Returns the number of texels of a layer at a mip level.
 pub fn texels(set: &ShellSet, level: usize) -> usize {
     (set.texels as usize >> level).pow(2)
 }
 
-/// Transmittance of all layers above the skin, texel by texel.
+/// Returns the transmittance of all layers above layer 0, texel by texel.
 pub fn transmittances(set: &ShellSet, level: usize) -> Vec<f64> {
     let column = |texel| (1..set.layers.len()).map(|k| 1.0 - opacity(set, k, level, texel)).product();
     (0..texels(set, level)).map(column).collect()
 }
 
-/// Direction `i` of `count` that lie evenly over the sphere (Fibonacci), of unit length.
+/// Returns unit direction `i` of `count` that are spread evenly over the sphere (Fibonacci).
 pub fn even_direction(i: u32, count: u32) -> DVec3 {
     let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
     let (r, turn) = ((1.0 - z * z).sqrt(), f64::from(i) * 2.399_963_229_728_653);
     DVec3::new(r * libm::cos(turn), r * libm::sin(turn), z)
 }
 
-/// Arithmetic mean.
+/// Returns the arithmetic mean.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }

@@ -1,5 +1,5 @@
-//! Layers of one hair stand above each other: averaging each layer's opacity by itself makes distant fur too opaque
-//! (and alpha-tested fur, whose coverage falls, too thin).
+//! Mip levels: layers of one hair overlap, so that averaging each layer's opacity by itself makes distant fur too
+//! opaque (and alpha-tested fur, whose coverage falls, too thin).
 
 use super::measures::{grow, mean, natural_hair, opacity, slice, transmittances};
 use super::row::{Finding, Row};
@@ -7,7 +7,7 @@ use pelage_bake::recipe::{HairParams, Style};
 use pelage_bake::stages::textures::ShellSet;
 use pelage_import::BakeError;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "mip levels",
     cliff: "thin fur closes or disappears with distance",
@@ -16,7 +16,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Mean transmittance at `level` if each layer's opacity is averaged by itself.
+/// Returns the mean transmittance at `level` if each layer's opacity is averaged by itself.
 fn averaged(set: &ShellSet, level: usize) -> f64 {
     let (whole, n, side) = (set.texels as usize, set.texels as usize >> level, 1_usize << level);
     let column = |texel: usize| {

@@ -1,9 +1,8 @@
-//! Where methods fail, and what we do there: drivers that take each method over its cliff, in the naive form and in
-//! ours.
+//! Stability table: tests that take each method to its numerical failure, in the naive form and in pelage's.
 //!
-//! `pelage chart stability` prints what they find, and `tests/tests/stability/rows.rs` holds our form to its bound, and
-//! the naive one to its failure: data that never reached the cliff would prove nothing. The naive forms stand here and
-//! nowhere else.
+//! `pelage chart stability` prints the results. `tests/tests/stability/rows.rs` holds pelage's form to its bound, and
+//! the naive one to its failure: data that never reach the failure would prove nothing. The naive forms exist nowhere
+//! else.
 
 pub mod animation;
 pub mod direction_textures;
@@ -37,7 +36,7 @@ pub use measures::{grow, mean, natural_hair, opacity, slice, texels, transmittan
 pub use row::{Drawer, Drawing, DrawnDriver};
 pub use row::{Driver, Finding, Row};
 
-/// All rows, in the order of the way through bake and a frame.
+/// Rows that need no pictures, in the order of the bake and a frame.
 pub const ROWS: &[Row] = &[
     surface::ROW,
     solver::ROW,
@@ -60,5 +59,5 @@ pub const ROWS: &[Row] = &[
     environment::ROW,
 ];
 
-/// The rows that need pictures.
+/// Rows that need pictures.
 pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW, ink::ROW, strand_width::ROW, strand_light::ROW];

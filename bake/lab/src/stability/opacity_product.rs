@@ -1,4 +1,4 @@
-//! In a fine stack a faint hair has less than half a step of 8-bit opacity per layer.
+//! Opacity product: in a fine stack a faint hair has less than half a step of 8-bit opacity per layer.
 
 use super::measures::{mean, slice, transmittances};
 use super::row::{Finding, Row};
@@ -7,7 +7,7 @@ use pelage_bake::stages::hair::Strands;
 use pelage_bake::stages::textures::extinction;
 use pelage_import::BakeError;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "product of (1 - opacity)",
     cliff: "many layers in 8 bits: faint hair rounds to none, or to too much",
@@ -16,7 +16,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Upright hairs far apart, all of one radius.
+/// Returns upright hairs far apart, all with the same radius.
 fn faint(radius: f32, height: f32) -> Strands {
     let roots: Vec<_> =
         (0..16_u8).map(|i| Vec3::new(f32::from(i % 4) + 0.37, f32::from(i / 4) + 0.61, 0.0) * 0.25).collect();
@@ -30,8 +30,8 @@ fn faint(radius: f32, height: f32) -> Strands {
     }
 }
 
-/// Optical depth of a whole column of each of `n * n` texels in f64, from the definition: the hair's depth spread by a
-/// Gaussian that sums to one over the texels.
+/// Returns the optical depth of a whole column for each of `n * n` texels in f64, from the definition: the hair's depth
+/// is spread by a Gaussian that sums to one over the texels.
 fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     let mut depths = vec![0.0; n * n];
     for root in strands.points.iter().step_by(2) {
@@ -58,11 +58,12 @@ fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     depths
 }
 
-/// Texels of a layer, and how many times finer, each way, strands are drawn before they become those.
+/// Texels along a side of a layer, and the factor by which strands are drawn finer along each axis before they are
+/// reduced.
 const TEXELS: usize = 64;
 const FINER: usize = 4;
 
-/// Mean transmittance of a column of `slabs` layers in 8 bits where each is rounded by itself, from the depths of the
+/// Returns the mean transmittance of a column of `slabs` 8-bit layers, each rounded by itself, from the depths of the
 /// finer texels.
 fn rounded(fine: &[f64], slabs: i32) -> f64 {
     let through = |layers: i32| {

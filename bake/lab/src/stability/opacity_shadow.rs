@@ -1,5 +1,4 @@
-//! Shadow maps of slabs: an opacity shadow map divides all the depth of a scene, and a coat lies within one of its
-//! slabs.
+//! Slab shadow maps: an opacity shadow map divides the whole depth of a scene, and fur falls within one of its slabs.
 
 use super::measures::{grow, natural_hair};
 use super::row::{Finding, Row};
@@ -9,7 +8,7 @@ use pelage_bake::stages::hair::Strands;
 use pelage_import::BakeError;
 use pelage_runtime::{OpacityForm, ShadowParams};
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "opacity shadow maps",
     cliff: "a coat of 2 cm on a body 1 m deep",
@@ -18,15 +17,15 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Of the body towards the light, metres.
+/// Depth of the body along the light, metres.
 const BODY_M: f32 = 1.0;
-/// Height of the coat, metres.
+/// Height of the fur, metres.
 const COAT_M: f32 = 0.02;
-/// How far below the surface of the coat light is asked, metres.
+/// Depth below the fur's surface at which light is measured, metres.
 const BELOW_M: f32 = 0.005;
 
-/// What the pieces of all strands of a tile cover of it, each with its depth below the coat's surface, metres: light
-/// comes straight down.
+/// Returns the pieces of all strands of a tile under light straight down: depth below the fur's surface, metres, and
+/// covered area of the tile.
 fn covered(strands: &Strands) -> Vec<(f32, f32)> {
     let metres = COAT_M / strands.height;
     let mut out = Vec::new();
@@ -45,10 +44,10 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let strands = grow(&HairParams { density: 1400, length_variation: 0.0, lean: 0.6, ..natural_hair()? }, 0.2)?;
     let hair = covered(&strands);
     let surface = hair.iter().map(|(depth, _)| *depth).fold(f32::INFINITY, f32::min);
-    // What lies before a place hides it.
+    // Hair in front of a point hides it.
     let truth: f32 =
         (-hair.iter().filter(|(depth, _)| depth - surface < BELOW_M).map(|(_, area)| area).sum::<f32>()).exp();
-    // Largest error of t, with the coat's surface at several depths of the body.
+    // Largest error of t, with the fur's surface at several depths of the body.
     let error = |form, slabs, bodies: &mut dyn Iterator<Item = f32>| {
         let opacity = columns_of(form, &ShadowParams::default().with(|s| s.slabs = slabs), BODY_M, COAT_M);
         let of = |at_m: f32| {

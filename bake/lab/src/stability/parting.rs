@@ -1,11 +1,11 @@
-//! Hair between guides at a parting: what lies between guides that fall to opposite sides stands up.
+//! Hair between guides at a parting: hair mixed from guides that fall to opposite sides stands up.
 
 use super::row::{Finding, Row};
 use glam::Vec3;
 use pelage_formats::meaning::hair_groups::Followed;
 use pelage_import::BakeError;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "hair on guides",
     cliff: "guides that fall to both sides of a parting",
@@ -14,10 +14,10 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Points of a guide.
+/// Points per guide.
 const POINTS: usize = 9;
 
-/// Guides on both sides of the plane x = 0, centimetres apart, that rise by `rise` and fall away from it.
+/// Returns guides on both sides of the plane x = 0, centimetres apart, that rise by `rise` and fall away from it.
 fn guides(rise: f32) -> Vec<Vec<Vec3>> {
     let sides = (-6..6).flat_map(|i| (0..12).map(move |j| (i as f32 + 0.5, j as f32)));
     let guide = |(x, z): (f32, f32)| {
@@ -31,7 +31,8 @@ fn guides(rise: f32) -> Vec<Vec<Vec3>> {
     sides.map(guide).collect()
 }
 
-/// The largest share of its guides' length that a hair lacks, root to tip as the crow flies, over roots at the parting.
+/// Returns the largest share of its guides' length that a hair lacks, in a straight line from root to tip, over roots
+/// at the parting.
 fn shortened(guides: &[Vec<Vec3>], way: &dyn Fn(Vec3) -> Vec3) -> f64 {
     let whole = guides[0][POINTS - 1].distance(guides[0][0]);
     let roots = (0..200).map(|k| Vec3::new((k % 20) as f32 * 0.05 - 0.475, 0.0, 3.0 + (k / 20) as f32 * 0.37));

@@ -1,70 +1,70 @@
-//! A row of the table, and what its drive finds.
+//! Row of the stability table, and the results of its test.
 
 use pelage_import::BakeError;
 use pelage_runtime::{FrameParams, PassId};
 
-/// Drives both forms over the cliff on the processor.
+/// Test of both forms on the processor.
 pub type Driver = fn() -> Result<Vec<Finding>, BakeError>;
 
-/// The same by pictures, which it asks for.
+/// Test of both forms by pictures, which the given callback draws.
 pub type DrawnDriver = fn(&mut Drawer<'_>) -> Result<Vec<Finding>, BakeError>;
 
-/// Who draws, on an adapter that this library knows nothing of: `width * height` texels of linear light times opacity,
-/// and opacity, row-major from the top, with ten bits at least.
+/// Callback that draws on an adapter unknown to this library. Returns `width * height` texels of linear light times
+/// opacity, and opacity, row-major from the top, with at least ten bits.
 pub type Drawer<'a> = dyn FnMut(&Drawing<'_>) -> Result<Vec<[f32; 4]>, BakeError> + 'a;
 
-/// A picture to draw over nothing: one copy of a package at rest.
+/// Picture to draw on an empty background: one copy of a package at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawing<'a> {
-    /// The package.
+    /// Contents of the package.
     pub package: &'a [u8],
     /// Camera, light and style.
     pub params: &'a FrameParams,
     /// Width and height, pixels.
     pub size: (u32, u32),
-    /// The passes to draw, in their order.
+    /// Passes to draw, in order.
     pub passes: &'a [PassId],
 }
 
-/// A row of the table. `D` is how it is driven.
+/// Row of the table. `D` is the type of its test.
 #[derive(Clone, Copy, Debug)]
 pub struct Row<D = Driver> {
-    /// The method.
+    /// Name of the method.
     pub method: &'static str,
-    /// Where it fails.
+    /// Description of the failure.
     pub cliff: &'static str,
-    /// What the naive form does.
+    /// Description of the naive form.
     pub naive: &'static str,
-    /// What we do instead.
+    /// Description of pelage's form.
     pub safe: &'static str,
-    /// Drives both forms over the cliff.
+    /// Test of both forms at the failure.
     pub drive: D,
 }
 
-/// What one drive found: errors of both forms by the same measure, 0 being perfect.
+/// Result of a test: errors of both forms by the same measure; 0 is perfect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// What was driven over the cliff.
+    /// Description of the test case.
     pub case: String,
-    /// What is measured, with unit.
+    /// Name of the measure, with unit.
     pub measure: &'static str,
-    /// Error of the naive form; not a number where it gives none.
+    /// Error of the naive form; NaN if it gives none.
     pub naive: f64,
-    /// Error of ours.
+    /// Error of pelage's form.
     pub safe: f64,
-    /// What ours must stay within.
+    /// Bound on the error of pelage's form.
     pub bound: f64,
-    /// What the naive form must exceed, for the data to have reached the cliff.
+    /// Error that the naive form must exceed; otherwise the data did not reach the failure.
     pub fails_above: f64,
 }
 
 impl Finding {
-    /// Whether our form stays within its bound.
+    /// Returns whether pelage's form stays within its bound.
     pub fn holds(&self) -> bool {
         self.safe <= self.bound
     }
 
-    /// Whether the naive form fails, as it must.
+    /// Returns whether the naive form fails, as it must.
     pub fn naive_fails(&self) -> bool {
         !self.naive.is_finite() || self.naive > self.fails_above
     }

@@ -1,5 +1,5 @@
-//! Light that a fibre scatters: forms that are printed or in use, and that are wrong where light comes along the fibre,
-//! where its glints meet, and in what it absorbs.
+//! Scattering by a fibre: forms in print or in use that are wrong for light along the fibre, where glints meet, or in
+//! their absorption.
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -10,7 +10,7 @@ use pelage_formats::meaning::scattering::{Angles, Fibre, colour};
 use pelage_import::BakeError;
 use std::f64::consts::PI;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "scattering by a fibre",
     cliff: "light along the fibre, indices through 2, glints, absorption, black and white",
@@ -25,7 +25,7 @@ fn cos_deg(degrees: f64) -> f64 {
     libm::cos(degrees.to_radians())
 }
 
-/// Sections at all difference angles, in whole degrees.
+/// Returns sections at all difference angles, in whole degrees.
 fn sections() -> impl Iterator<Item = Section> {
     ETAS.into_iter().flat_map(|eta| (0..84).map(move |degrees| Section::new(eta, cos_deg(f64::from(degrees)))))
 }
@@ -38,14 +38,14 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     Ok(vec![fresnel(), chord(), energy(), glints_in_tables(), through_two(), along_the_light(), inversion()])
 }
 
-/// Light refracted as a vector, at a surface whose normal points to where it comes from.
+/// Refracts light as a vector, at a surface whose normal points to the incoming side.
 fn refracted(way: DVec3, normal: DVec3, eta: f64) -> DVec3 {
     let (ratio, cos) = (1.0 / eta, -way.dot(normal));
     way * ratio + normal * (ratio * cos - (1.0 - ratio * ratio * (1.0 - cos * cos)).sqrt())
 }
 
-/// Directions of light at the difference angle of a section that meets a cylinder about z at angle `gamma`: where, and
-/// which way it goes.
+/// Returns where light at a section's difference angle meets a cylinder about z at angle `gamma`, as the normal there,
+/// and the light's direction.
 fn met(section: &Section, gamma: f64) -> (DVec3, DVec3) {
     let normal = DVec3::new(libm::cos(gamma), libm::sin(gamma), 0.0);
     let sin_d = (1.0 - section.cos_d * section.cos_d).sqrt();
@@ -54,7 +54,7 @@ fn met(section: &Section, gamma: f64) -> (DVec3, DVec3) {
 
 fn fresnel() -> Finding {
     let gammas = || (0..90).map(|degrees| f64::from(degrees).to_radians());
-    // The amplitudes by the angles in space between vectors and the normal.
+    // Amplitudes from the angles in space between vectors and the normal.
     let truth = |section: &Section, gamma: f64| {
         let (normal, way) = met(section, gamma);
         let (c, t) = (-way.dot(normal), -refracted(way, normal, section.eta).dot(normal));
@@ -83,7 +83,7 @@ fn fresnel() -> Finding {
 
 fn chord() -> Finding {
     const SIGMA: f64 = 1.0;
-    // Light that goes straight through a cylinder about z from wall to wall.
+    // Light straight through a cylinder about z, from wall to wall.
     let truth = |section: &Section, gamma: f64| {
         let (normal, way) = met(section, gamma);
         let inside = refracted(way, normal, section.eta);
@@ -114,7 +114,7 @@ fn chord() -> Finding {
 }
 
 fn energy() -> Finding {
-    // What an eye sees of a fibre that absorbs nothing, where light comes from everywhere.
+    // Light that an eye sees from a fibre without absorption under uniform light.
     let whole = |along: &dyn Fn(&Angles) -> f64| {
         let of = |degrees: f64| {
             let theta = degrees.to_radians();
@@ -150,8 +150,8 @@ fn energy() -> Finding {
 fn glints_in_tables() -> Finding {
     const TEXELS: usize = 128;
     let glint = Glint { width: 5_f64.to_radians(), ..Glint::default() };
-    // A row of a table: the azimuth of a place on its axis, and the place of an azimuth. The first texel is at 0 and
-    // the last at 1, or both half a texel within, where who prints a lookup of 0 to 1 leaves them.
+    // Row of a table: the azimuth of a position on its axis, and the position of an azimuth. The first texel is at 0
+    // and the last at 1, or both are half a texel inside, as in a printed lookup from 0 to 1.
     let off = |inset: f64, phi_of: &dyn Fn(f64) -> f64, place_of: &dyn Fn(f64) -> f64| {
         largest(sections().step_by(4).map(|section| {
             let glints = section.glints(&glint);
@@ -212,7 +212,7 @@ fn along_the_light() -> Finding {
             (tip, [tip, -tip][i as usize % 2], tip.any_orthonormal_vector())
         })
     };
-    // Nalu's: the cosine of the azimuth by the parts across, in f32.
+    // Nalu: the cosine of the azimuth from the perpendicular components, in f32.
     let nalu = |tip: Vec3, light: Vec3, eye: Vec3| {
         let (l, e) = (light - tip * tip.dot(light), eye - tip * tip.dot(eye));
         l.dot(e) / (l.dot(l) * e.dot(e)).sqrt()
@@ -234,8 +234,7 @@ fn along_the_light() -> Finding {
     }
 }
 
-/// What fibres absorb for a coat to have a colour, and what is then left of light that crosses one of no width and of
-/// two radii.
+/// Tests the absorption of fibres for a fur colour, and the light left after path lengths of 0 and 2 radii.
 fn inversion() -> Finding {
     let depth = colour::depth(0.12);
     let naive = |color: f64| {
@@ -248,7 +247,7 @@ fn inversion() -> Finding {
         let bad = cases.filter(|color| {
             let sigma = of(*color);
             let left = [0.0, 2.0].map(|length| libm::exp(-sigma * length));
-            // What is as white as can be, or whiter, absorbs nothing.
+            // White, or anything brighter, must absorb nothing.
             let loses = *color >= 1.0 && sigma != 0.0;
             loses || !sigma.is_finite() || left.iter().any(|left| !(0.0..=1.0).contains(left))
         });

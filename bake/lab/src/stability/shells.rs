@@ -1,11 +1,11 @@
-//! The outline: a look along the skin goes a long way through each layer, which as a sheet knows nothing of it.
+//! Silhouette: a view along the surface has a long path through each layer, which layers as sheets ignore.
 
 use super::row::{Drawer, DrawnDriver, Finding, Row};
 use super::{silhouette, surface};
 use pelage_bake::recipe::{Coat, Recipe};
 use pelage_import::BakeError;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row<DrawnDriver> = Row {
     method: "shells",
     cliff: "grazing view: gaps between layers, silhouettes too transparent",
@@ -24,7 +24,7 @@ fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
             measure: "mean error of opacity within 6 pixels of the outline",
             naive: found.sheets,
             safe: found.ours,
-            // At least halved.
+            // The error must at least be halved.
             bound: 0.5 * found.sheets,
             fails_above: 0.02,
         });

@@ -1,5 +1,5 @@
-//! Fur shorter than the tile's: the same strands pressed flat. Directions of full height, read there, are those of hair
-//! that stands up.
+//! Fur shorter than the tile's: the same strands pressed flat. Directions of full height, used there, are those of
+//! upright hair.
 
 use super::measures::{grow, natural_hair, opacity, slice, texels};
 use super::row::{Finding, Row};
@@ -11,7 +11,7 @@ use pelage_formats::meaning::hair_direction;
 use pelage_formats::{TextureFormat, decode_direction};
 use pelage_import::BakeError;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "short fur",
     cliff: "hair a quarter or a tenth as long as the tile's",
@@ -20,21 +20,21 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// The strands, grown to a share of their height: they stand where they stood, and rise less.
+/// Returns the strands grown to a share of their height: their horizontal positions stay, and they rise less.
 fn pressed(strands: &Strands, share: f32) -> Strands {
     let points = strands.points.iter().map(|p| p.with_z(share * p.z)).collect();
     Strands { points, height: share * strands.height, ..strands.clone() }
 }
 
-/// Direction of the hair in a texel of the finest level.
+/// Returns the direction of the hair in a texel of the finest level.
 fn direction(set: &ShellSet, layer: usize, texel: usize) -> Vec3 {
     let bytes = &set.layers[layer].direction[0][4 * texel..][..4];
     let values: [f32; 4] = std::array::from_fn(|i| f32::from(bytes[i]) / 255.0);
     decode_direction(values, TextureFormat::Rgba8Unorm).normalize_or(Vec3::Z)
 }
 
-/// Mean angle between the directions of `short` and those that `form` makes of the full tile's, degrees; each texel
-/// counts by its opacity.
+/// Returns the mean angle between the directions of `short` and those that `form` makes of the full tile's, degrees;
+/// each texel is weighted by its opacity.
 fn angle_deg(full: &ShellSet, short: &ShellSet, form: impl Fn(Vec3) -> Vec3) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);
     for layer in 1..full.layers.len() {

@@ -1,9 +1,9 @@
-//! How much hair there is outside the outline of the skin, against the true strands.
+//! Hair outside the outline of the mesh surface, against the true strands.
 //!
-//! The error is the mean absolute difference of opacity within six pixels of the outline of the bare skin, between
-//! means over squares of eight pixels: where a single hair ends is not the same in both, so that single pixels differ
-//! by more than what the eye takes for density. All pictures are supersampled, so that the sampling of a pixel's
-//! middle, which alone makes a difference of 0.07 a pixel, is no part of the error.
+//! The error is the mean absolute difference of opacity within six pixels of the outline of the bare surface, between
+//! means over squares of eight pixels. A single hair does not end at the same point in both, so that single pixels
+//! differ by more than visible density. All pictures are supersampled: sampling only the centre of a pixel makes a
+//! difference of 0.07 per pixel, which must not count as error.
 
 use super::row::{Drawer, Drawing};
 use glam::Vec3;
@@ -25,11 +25,11 @@ use std::fmt::Write as _;
 struct Coverage {
     /// Width and height, pixels.
     size: (u32, u32),
-    /// `width * height`, row-major.
+    /// Opacities of `width * height` pixels, row-major.
     alpha: Vec<f64>,
 }
 
-/// Draws one copy of a model, [`SAMPLES`] times as large each way, and averages.
+/// Draws one copy of a model, [`SAMPLES`] times as large along each axis, and averages.
 fn coverage(
     draw: &mut Drawer<'_>,
     package: &[u8],
@@ -49,13 +49,14 @@ fn coverage(
     Ok(Coverage { size, alpha })
 }
 
-/// Distance of every pixel's centre to the nearest pixel that the bare `skin` covers by half; 0 on the skin.
+/// Returns the distance of every pixel's centre to the nearest pixel that the bare `skin` covers by half; 0 on the
+/// surface.
 fn distances(skin: &Coverage) -> Vec<f64> {
     let (width, height) = skin.size;
     Mask { width, height, pixels: skin.alpha.iter().map(|a| *a >= 0.5).collect() }.distances()
 }
 
-/// Mean opacity in each band of one pixel of distance from the outline: `(0, 1]`, `(1, 2]`, …
+/// Returns the mean opacity in each band of one pixel of distance from the outline: `(0, 1]`, `(1, 2]`, …
 fn profile(coverage: &Coverage, distances: &[f64], bands: usize) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); bands];
     for (a, d) in coverage.alpha.iter().zip(distances) {
@@ -67,8 +68,8 @@ fn profile(coverage: &Coverage, distances: &[f64], bands: usize) -> Vec<f64> {
     sums.iter().map(|(a, n)| if *n > 0.0 { a / n } else { 0.0 }).collect()
 }
 
-/// Mean absolute difference of opacity within `reach` pixels of the outline, between means over squares of `window`
-/// pixels.
+/// Returns the mean absolute difference of opacity within `reach` pixels of the outline, between means over squares of
+/// `window` pixels.
 fn error(a: &Coverage, b: &Coverage, distances: &[f64], reach: f64, window: u32) -> f64 {
     let (w, h) = a.size;
     let (mut total, mut weight) = (0.0, 0.0);
@@ -92,10 +93,10 @@ fn error(a: &Coverage, b: &Coverage, distances: &[f64], reach: f64, window: u32)
     total / f64::max(weight, 1.0)
 }
 
-/// What was measured of a model.
+/// Results of a model.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// Error of layers as sheets, as opaque at a slant as from above, without fins.
+    /// Error of layers as sheets, equally opaque at a slant and from above, without fins.
     pub sheets: f64,
     /// Error of layers as slabs, with fins.
     pub ours: f64,
@@ -103,20 +104,20 @@ pub struct Measured {
     pub profiles: [Vec<f64>; 5],
 }
 
-/// Bands of one pixel in a profile.
+/// Number of one-pixel bands in a profile.
 const BANDS: usize = 10;
-/// Distance from the outline within which the error is taken, pixels.
+/// Distance from the outline within which the error is measured, pixels.
 const REACH: f64 = 6.0;
-/// Squares whose means are compared, pixels.
+/// Side of the squares whose means are compared, pixels.
 const WINDOW: u32 = 8;
-/// Samples a pixel, each way.
+/// Samples per pixel along each axis.
 const SAMPLES: u32 = 4;
 
-/// Samples a pixel of the truth.
+/// Samples per pixel of the truth.
 const TRUE_SAMPLES: u32 = 16;
 
 impl Measured {
-    /// The profiles and errors, for people.
+    /// Formats the profiles and errors as text.
     pub fn table(&self) -> String {
         let mut out = "opacity by pixels from the outline\n".to_owned();
         for (name, profile) in ["truth", "sheets", "slabs", "with fins", "fins alone"].iter().zip(&self.profiles) {
@@ -134,11 +135,11 @@ impl Measured {
     }
 }
 
-/// Bakes a model in plain texels, so that no error of blocks is counted.
+/// Bakes a model in uncompressed texels, so that block compression adds no error.
 ///
 /// # Errors
 ///
-/// As [`pipeline::bake`].
+/// Same as [`pipeline::bake`].
 pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
     let mut recipe = recipe.clone();
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
@@ -151,7 +152,7 @@ pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Vec<u8>, BakeE
 ///
 /// # Errors
 ///
-/// [`BakeError::Internal`] for a package that does not open, and whatever `draw` returns.
+/// [`BakeError::Internal`] if the package does not open, and any error that `draw` returns.
 pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Result<Measured, BakeError> {
     let opened = Package::open(package, &Limits::default());
     let opened = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?;
@@ -182,10 +183,10 @@ pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Resul
     })
 }
 
-/// Height of the view.
+/// Vertical field of view.
 const FOV_Y_RAD: f32 = 0.6;
 
-/// What the strands themselves cover.
+/// Returns the coverage of the strands themselves.
 fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Coverage, BakeError> {
     let manifest = package.manifest();
     let skin = Skin::posed("silhouette", package, &[])?;
@@ -196,7 +197,7 @@ fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Cov
     };
     let scene = TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?;
     let camera = TrueCamera::from_view(camera.view_from_world, Lens::Perspective { fov_y_rad: FOV_Y_RAD });
-    // Only what is covered counts, so light costs no ray.
+    // Only coverage counts, so lighting casts no rays.
     let lighting = TrueLighting {
         key: TrueLight::Directional { towards_light_ws: Vec3::Y, color: Vec3::ONE },
         penumbra: 0.0,
@@ -214,7 +215,7 @@ fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Cov
     Ok(Coverage { size, alpha: traced.pixels.iter().map(|p| f64::from(p[3])).collect() })
 }
 
-/// Mean absolute difference of two profiles within reach of the error.
+/// Returns the mean absolute difference of two profiles within reach of the error.
 pub fn profile_error(a: &[f64], b: &[f64]) -> f64 {
     let bands = REACH as usize;
     a.iter().zip(b).take(bands).map(|(a, b)| (a - b).abs()).sum::<f64>() / bands as f64

@@ -1,5 +1,5 @@
 //! Slivers make the equations of a patch nearly singular. Naive: conjugate gradients in f32, a fixed number of rounds,
-//! the result believed.
+//! no check of the result.
 
 use super::row::{Finding, Row};
 use super::surface::{lay, model, not_positive};
@@ -7,7 +7,7 @@ use glam::{DVec2, Vec2, vec3};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "solver",
     cliff: "nearly singular systems from slivers",
@@ -16,10 +16,10 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// How narrow the slivers get, in widths of a quad.
+/// Widths of the narrowest slivers, relative to a quad.
 pub const LEAST: [f32; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 3e-6];
 
-/// A square sheet whose columns shrink to slivers: quads from 1 down to `least` wide.
+/// Returns a square sheet whose columns shrink to slivers: quads from 1 down to `least` wide.
 pub fn slivers(least: f32) -> Model {
     let (columns, rows) = (24u32, 24u32);
     let mut x = vec![0.0f32];
@@ -37,8 +37,8 @@ pub fn slivers(least: f32) -> Model {
     model(positions.collect(), triangles)
 }
 
-/// The Poisson system of formulas 6.3 by 56 rounds of Jacobi-preconditioned conjugate gradients; returns flipped
-/// triangles.
+/// Solves the Poisson system of formulas 6.3 by 56 rounds of Jacobi-preconditioned conjugate gradients; returns the
+/// number of flipped triangles.
 pub fn naive_flips(model: &Model, tile_m: f32) -> usize {
     let mesh = &model.mesh;
     let n = mesh.positions.len();
@@ -88,7 +88,7 @@ pub fn naive_flips(model: &Model, tile_m: f32) -> usize {
         let [a, b, c]: [DVec2; 3] = t.map(|v| x[v as usize].as_dvec2());
         (b - a).perp_dot(c - a)
     };
-    // NaN is no positive area either.
+    // NaN is not a positive area either.
     mesh.triangles.iter().filter(|t| det(t).is_nan() || det(t) <= 0.0).count()
 }
 

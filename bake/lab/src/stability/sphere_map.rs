@@ -1,11 +1,11 @@
-//! The sphere map that ink lines swell by (Fang 2006, §2, after Kang 2003): R = α(N·E)E − E with α = N·E, m = sqrt(Rx²
-//! + Ry² + (Rz + 1)²), (u, v) = R/2m + 1/2.
+//! Sphere map that widens ink lines (Fang 2006, §2, after Kang 2003): R = α(N·E)E − E with α = N·E, m = sqrt(Rx² + Ry²
+//! + (Rz + 1)²), (u, v) = R/2m + 1/2.
 //!
-//! As printed R is parallel to E: all normals share a line of places, one place in the middle of the picture, and 0/0
-//! where a normal stands at right angles to the view. Read as a reflection, R = 2(N·E)N − E, it is a map, but one about
-//! the middle of the picture: aside of it the outline is no longer the rim, and R = (0, 0, −1), where m is 0, falls on
-//! what faces the eye. Ours takes the normal in the frame perpendicular to the look, where the distance from the middle
-//! is sin(N, E)/2 whatever the perspective.
+//! As printed, R is parallel to E. All normals then map to a line; in the middle of the picture to one point; and to
+//! 0/0 where a normal is perpendicular to the view. Read as a reflection, R = 2(N·E)N − E, it is a map, but one about
+//! the middle of the picture. Off the middle the outline and the rim differ, and R = (0, 0, −1), where m is 0, occurs
+//! on surfaces that face the eye. pelage takes the normal in the frame perpendicular to the view direction, where the
+//! distance from the centre is sin(N, E)/2 for any perspective.
 
 use super::kajiya_kay;
 use super::row::{Finding, Row};
@@ -13,7 +13,7 @@ use glam::{DVec3, Vec2, Vec3};
 use pelage_import::BakeError;
 use pelage_runtime::shared::ink::{ink_sphere_uv, ink_sphere_uv_reflected};
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "sphere map",
     cliff: "R = (0, 0, -1): m = 0; normals at right angles to the look; perspective; no normal at all",
@@ -22,7 +22,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Directions to the eye in view space: along the view, and up to half of a view of 60 degrees aside.
+/// Returns directions to the eye in view space: along the view, and up to half of a view of 60 degrees to the side.
 fn eyes() -> [Vec3; 5] {
     let aside = |deg: f32, round: f32| {
         let (s, c) = deg.to_radians().sin_cos();
@@ -31,24 +31,25 @@ fn eyes() -> [Vec3; 5] {
     [Vec3::Z, aside(5.0, 0.3), aside(15.0, 2.0), aside(30.0, 4.0), aside(30.0, 0.0)]
 }
 
-/// Normals that face the eye, among them those at right angles to it, to the last digit of f32.
+/// Returns normals that face the eye, among them those perpendicular to it, to the last digit of f32.
 fn normals(eye: Vec3) -> impl Iterator<Item = Vec3> {
     let (x, y) = eye.any_orthonormal_pair();
     let round = (0..720).map(move |i| Vec2::from_angle(i as f32 * 0.5f32.to_radians()));
     let rim = round.map(move |a| x * a.x + y * a.y);
     let facing = kajiya_kay::cases().map(|(normal, ..)| normal).filter(move |n| n.dot(eye) >= 0.0);
-    // Along the axes as well: R = (0, 0, −1) comes of whole numbers.
+    // Along the axes as well: R = (0, 0, −1) results from integers.
     rim.chain(facing)
         .chain([eye, Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::NEG_Y].into_iter().filter(move |n| n.dot(eye) >= 0.0))
 }
 
-/// Distance from the middle of the map that a normal belongs at, in f64: half of the sine of its angle to the look.
+/// Returns the true distance of a normal from the centre of the map, in f64: half of the sine of its angle to the view
+/// direction.
 fn true_distance(normal: Vec3, eye: Vec3) -> f64 {
     let (n, e): (DVec3, DVec3) = (normal.as_dvec3().normalize(), eye.as_dvec3().normalize());
     0.5 * n.cross(e).length()
 }
 
-/// As printed, with E towards the eye.
+/// Evaluates the printed form, with E towards the eye.
 fn printed(normal: Vec3, eye: Vec3) -> Vec2 {
     let alpha = normal.dot(eye);
     let r = alpha * normal.dot(eye) * eye - eye;
@@ -56,13 +57,13 @@ fn printed(normal: Vec3, eye: Vec3) -> Vec2 {
     Vec2::new(r.x / (2.0 * m) + 0.5, r.y / (2.0 * m) + 0.5)
 }
 
-/// Ours: the same normal in a frame perpendicular to the look.
+/// Evaluates pelage's form: the same normal in a frame perpendicular to the view direction.
 fn perpendicular(normal: Vec3, eye: Vec3) -> Vec2 {
     let (x, y) = eye.any_orthonormal_pair();
     ink_sphere_uv(Vec3::new(normal.dot(x), normal.dot(y), normal.dot(eye)), 1.0)
 }
 
-/// Largest error of the distance from the middle; not a number where a place is none.
+/// Returns the largest error of the distance from the centre; NaN if a position is NaN.
 fn worst(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
     let mut worst = 0.0f64;
     for eye in eyes() {
@@ -78,13 +79,14 @@ fn worst(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
     worst
 }
 
-/// Places that are none: of background, whose normal is zero, and of all others.
+/// Counts positions that are not finite or outside the map: for the background, whose normal is zero, and for all
+/// others.
 fn places_that_are_none(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
     let all = eyes().into_iter().flat_map(|eye| normals(eye).chain([Vec3::ZERO]).map(move |n| form(n, eye)));
     all.filter(|uv| !uv.is_finite() || uv.min_element() < 0.0 || uv.max_element() > 1.0).count() as f64
 }
 
-/// Places told apart, on a grid of 64 by 64.
+/// Counts the distinct positions on a grid of 64 by 64.
 fn told_apart(form: fn(Vec3, Vec3) -> Vec2, eye: Vec3) -> usize {
     let cell = |uv: Vec2| (uv * 64.0).floor().as_ivec2();
     let cells: std::collections::BTreeSet<[i32; 2]> =
@@ -94,7 +96,7 @@ fn told_apart(form: fn(Vec3, Vec3) -> Vec2, eye: Vec3) -> usize {
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
     let aside = eyes()[3];
-    // A disc of a quarter of the square's 64 × 64 cells; how many of them hold no normal.
+    // Number of cells in the disc within the square's 64 × 64; the measure is the share of them that no normal reaches.
     let disc = std::f64::consts::FRAC_PI_4 * 64.0 * 64.0;
     let empty = |form| (1.0 - told_apart(form, aside) as f64 / disc).max(0.0);
     Ok(vec![
@@ -120,7 +122,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             measure: "largest error of the distance from the middle, widths of the map",
             naive: worst(ink_sphere_uv_reflected),
             safe: worst(perpendicular),
-            // Rounding of f32 in dots and a root.
+            // Rounding of f32 in dot products and a root.
             bound: 1e-6,
             // The rim alone shrinks by 1 − cos(15°): half of 0.034.
             fails_above: 0.016,

@@ -1,5 +1,5 @@
-//! The light of a strand's point: the eye sees the side that is towards it. Looked up on its axis, what of the strand
-//! itself lies a little before that in the light darkens it, the more, the thinner the slabs of the map are.
+//! Light at a strand's points: the eye sees the side facing it. If light is looked up on the axis, the part of the
+//! strand itself that is slightly in front of it in the light darkens it. Thinner slabs of the map make this worse.
 
 use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
 use super::strand_width::{SIZE, above, bake, strands_of, true_camera};
@@ -10,7 +10,7 @@ use pelage_runtime::{FrameParams, Light, PassId, SelfShadow};
 use pelage_truth::{SeenStrand, TrueLight};
 use rayon::prelude::*;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row<DrawnDriver> = Row {
     method: "light of strands",
     cliff: "a few wide strands at a slant to the light, and slabs about as thick",
@@ -19,13 +19,13 @@ pub const ROW: Row<DrawnDriver> = Row {
     drive,
 };
 
-/// Rays of the truth from a place, and every how many pixels there is one.
+/// Rays of the truth per point, and spacing of the points in pixels.
 const RAYS: u32 = 16;
 const STEP_PX: u32 = 4;
-/// Towards the light.
+/// Direction towards the light.
 const LIGHT: Vec3 = vec3(-0.3, 0.4, 0.8);
 
-/// Hair that is as bright as its light.
+/// Makes hair as bright as its light.
 fn plain(recipe: &mut Recipe) {
     let white = SrgbColor::hex(0xff_ff_ff);
     (recipe.color.root, recipe.color.tip, recipe.color.variation) = (Some(white), Some(white), 0.0);

@@ -1,4 +1,4 @@
-//! Strands before strands: blended in the order in which they are stored, those behind are painted over those before.
+//! Order of strands: blended in the order in which they are stored, those behind are painted over those in front.
 
 use super::knot;
 use super::row::{Finding, Row};
@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, vec2};
 use pelage_bake::strands::{Curves, Skin};
 use pelage_import::BakeError;
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row = Row {
     method: "order of strands",
     cliff: "a knot, whose parts lie before each other, in strands thinner than pixels",
@@ -17,23 +17,23 @@ pub const ROW: Row = Row {
 
 /// Width and height of the picture, pixels.
 const SIZE: u32 = 144;
-/// Samples of a pixel of the truth, each way.
+/// Samples per pixel of the truth along each axis.
 const TRUE_SAMPLES: u32 = 8;
-/// The samples of a pixel of ours: one in each row and each column of four.
+/// Samples per pixel in pelage's form: one in each row and each column of four.
 const SAMPLES: [Vec2; 4] = [vec2(0.375, 0.125), vec2(0.875, 0.375), vec2(0.125, 0.625), vec2(0.625, 0.875)];
-/// Squares whose means are compared, pixels.
+/// Side of the squares whose means are compared, pixels.
 const SQUARE: u32 = 4;
-/// Light at the roots of the hair and on the skin; at the tips it is 1.
+/// Light at the roots of the hair and on the mesh surface; at the tips it is 1.
 const AT_ROOT: f32 = 0.15;
 
-/// A point in the picture: pixels and depth, metres, smaller nearer.
+/// Point in the picture: pixels, and depth in metres, smaller if nearer.
 #[derive(Clone, Copy)]
 struct Place {
     px: Vec2,
     depth: f32,
 }
 
-/// A piece of a strand in the picture.
+/// Piece of a strand in the picture.
 struct Piece {
     ends: [Place; 2],
     half_px: f32,
@@ -69,8 +69,8 @@ impl Scene {
         Self { pieces, skin: skin.triangles.iter().map(|t| t.map(corner)).collect() }
     }
 
-    /// Depth and light of what is nearest, at each place of every pixel; infinite and nothing where that is the
-    /// background.
+    /// Returns depth and light of the nearest surface, at each sample of every pixel; infinite depth and no light for
+    /// the background.
     fn opaque(&self, at: &[Vec2], hair: bool) -> Vec<(f32, f32)> {
         let mut out = vec![(f32::INFINITY, 0.0); (SIZE * SIZE) as usize * at.len()];
         let mut put = |index: usize, depth: f32, light: f32| {
@@ -96,7 +96,7 @@ impl Scene {
         out
     }
 
-    /// Light of each pixel: means over its samples.
+    /// Returns the light of each pixel, averaged over its samples.
     fn resolved(&self, at: &[Vec2]) -> Vec<f32> {
         let samples = self.opaque(at, true);
         samples
@@ -105,8 +105,8 @@ impl Scene {
             .collect()
     }
 
-    /// Light of each pixel with strands at least a pixel wide, as much less opaque as they are widened, over the skin
-    /// in the order of the file.
+    /// Returns the light of each pixel with strands at least a pixel wide, less opaque in proportion to their widening.
+    /// They are blended over the mesh surface in the order of the file.
     fn blended(&self) -> Vec<f32> {
         let middle = [Vec2::splat(0.5)];
         let mut out = self.opaque(&middle, false);
@@ -126,7 +126,7 @@ impl Scene {
 }
 
 impl Piece {
-    /// Depth and light at a place, where the piece with that half of a width covers it.
+    /// Returns depth and light at a position, if the piece with that half width covers it.
     fn at(&self, p: Vec2, half_px: f32) -> Option<(f32, f32)> {
         let [a, b] = self.ends;
         let along = b.px - a.px;
@@ -138,7 +138,7 @@ impl Piece {
     }
 }
 
-/// Depth of a triangle at a place within it.
+/// Returns the depth of a triangle at a position within it.
 fn depth_in([a, b, c]: &[Place; 3], p: Vec2) -> Option<f32> {
     let area = (b.px - a.px).perp_dot(c.px - a.px);
     let [wa, wb] = [(b.px - p).perp_dot(c.px - p) / area, (c.px - p).perp_dot(a.px - p) / area];
@@ -146,7 +146,7 @@ fn depth_in([a, b, c]: &[Place; 3], p: Vec2) -> Option<f32> {
     (wa.min(wb).min(wc) >= 0.0).then_some(wa * a.depth + wb * b.depth + wc * c.depth)
 }
 
-/// Calls `visit` for every sample in the box about some places, with its index and its place.
+/// Calls `visit` for every sample in the bounding box of some positions, with its index and its position.
 fn for_samples(about: &[Vec2], margin: f32, at: &[Vec2], mut visit: impl FnMut(usize, Vec2)) {
     let low = about.iter().copied().reduce(Vec2::min).unwrap_or_default() - margin;
     let high = about.iter().copied().reduce(Vec2::max).unwrap_or_default() + margin;
@@ -167,7 +167,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         .map(|i| (vec2((i % TRUE_SAMPLES) as f32, (i / TRUE_SAMPLES) as f32) + 0.5) / TRUE_SAMPLES as f32)
         .collect();
     let truth = scene.resolved(&grid);
-    // Over the pixels that the knot covers, between means of squares: which samples a hair meets is not what is judged.
+    // Over the pixels that the knot covers, between means of squares: which samples a hair hits does not count.
     let seen = truth.iter().filter(|light| **light > 0.0).count().max(1) as f64;
     let error = |found: Vec<f32>| {
         let mut squares = vec![0.0f64; (SIZE / SQUARE * (SIZE / SQUARE)) as usize];

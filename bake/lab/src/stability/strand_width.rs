@@ -1,5 +1,5 @@
-//! Strands thinner than a pixel: as true ribbons they meet as few samples as they cover. Lines are drawn a pixel wide
-//! at least, and hair that is an eighth of that becomes a coat eight times as dense.
+//! Strands thinner than a pixel: ribbons of true width hit samples in proportion to their coverage. Lines are at least
+//! a pixel wide, and hair of an eighth of that becomes fur eight times as dense.
 
 use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
 use super::surface;
@@ -14,7 +14,7 @@ use pelage_import::BakeError;
 use pelage_runtime::{Camera, Detail, FrameParams, Hair, PassId, Projection, SelfShadow};
 use pelage_truth::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScene};
 
-/// The row of the table.
+/// Row of the stability table.
 pub const ROW: Row<DrawnDriver> = Row {
     method: "strand width",
     cliff: "strands an eighth of a pixel wide",
@@ -23,22 +23,22 @@ pub const ROW: Row<DrawnDriver> = Row {
     drive,
 };
 
-/// Pixels of the picture, each way: many, because each meets a sample of it or does not.
+/// Width and height of the picture, pixels; large, because each pixel's sample is either hit or not.
 pub const SIZE: u32 = 640;
-/// Of the square that is seen, metres; the skin is a little smaller.
+/// Side of the visible square, metres; the mesh is a little smaller.
 const SEEN_M: f32 = 1.1;
 const SKIN_M: f32 = 1.0;
 const TILE_M: f32 = 0.125;
-/// Rays a pixel of the truth, in a picture an eighth as large.
+/// Rays per pixel of the truth, in a picture an eighth as large.
 const TRUE_SAMPLES: u32 = 1024;
 const TRUE_SIZE: u32 = SIZE / 8;
 
-/// A square with hair of one width, `density` strands a tile. They lie askew to the pixels: of those that lie along
-/// them, each meets all samples of a column or none.
+/// Bakes a square with hair of one width, `density` strands per tile. They are oblique to the pixels: parallel ones
+/// would each hit all samples of a column or none.
 ///
 /// # Errors
 ///
-/// As [`pipeline::bake`].
+/// Same as [`pipeline::bake`].
 pub fn bake(width_px: f32, density: u32, change: impl Fn(&mut Recipe)) -> Result<Vec<u8>, BakeError> {
     let mut recipe = Recipe::of_coat(Coat::Natural)?;
     let radius = 0.5 * width_px * SEEN_M / SIZE as f32 / TILE_M;
@@ -63,7 +63,7 @@ pub fn bake(width_px: f32, density: u32, change: impl Fn(&mut Recipe)) -> Result
     Ok(pipeline::bake(&told, &model, &mut |_| ())?.package)
 }
 
-/// The square from above, in single strands without shadow.
+/// Returns parameters that show the square from above, in single strands without shadow.
 pub fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: SEEN_M, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
     let camera = Camera::look_at(2.0 * Vec3::Z, Vec3::ZERO, projection);
@@ -72,16 +72,16 @@ pub fn above() -> FrameParams {
     })
 }
 
-/// The same camera for the truth.
+/// Returns the same camera for the truth.
 pub fn true_camera(params: &FrameParams) -> TrueCamera {
     TrueCamera::from_view(params.camera.view_from_world, Lens::Orthographic { height_m: SEEN_M })
 }
 
-/// The strands of a package alone, to be traced.
+/// Returns the strands of a package alone, for tracing.
 ///
 /// # Errors
 ///
-/// [`BakeError::Package`] for one that does not open.
+/// [`BakeError::Package`] if the package does not open.
 pub fn strands_of(package: &[u8]) -> Result<TrueScene, BakeError> {
     let fault = |source| BakeError::Package { file: "stability".into(), source };
     let package = Package::open(package, &Limits::default()).map_err(fault)?;
@@ -94,9 +94,9 @@ pub fn strands_of(package: &[u8]) -> Result<TrueScene, BakeError> {
     TrueScene::new(curves, skin, None, manifest.shading)
 }
 
-/// Share of the picture that the traced strands cover.
+/// Returns the share of the picture that the traced strands cover.
 fn truth(package: &[u8], camera: &TrueCamera) -> Result<f64, BakeError> {
-    // Only what is covered counts, so light costs no ray.
+    // Only coverage counts, so lighting casts no rays.
     let lighting = TrueLighting {
         key: TrueLight::Directional { towards_light_ws: Vec3::Z, color: Vec3::ONE },
         penumbra: 0.0,
@@ -115,10 +115,10 @@ fn truth(package: &[u8], camera: &TrueCamera) -> Result<f64, BakeError> {
     Ok(picture.pixels.iter().map(|p| f64::from(p[3])).sum::<f64>() / picture.pixels.len() as f64)
 }
 
-/// Strands of a tile, so few that one seldom lies before another.
+/// Strands per tile, so few that they seldom overlap.
 const DENSITY: u32 = 40;
 
-/// Long hair that lies over: the round ends of strands, which only the truth has, are little of it.
+/// Makes the hair long and flat, so that the round ends of strands, which only the truth has, are a small part of it.
 fn long(recipe: &mut Recipe) {
     (recipe.hair.length_m, recipe.hair.length_variation, recipe.hair.lean) = (Some(0.1), 0.2, 0.9);
 }

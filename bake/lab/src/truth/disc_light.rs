@@ -1,9 +1,9 @@
-//! A light that is a disc: what a point of a mesh sees of it, by rays. The truth for soft shadows.
+//! Disc light: its visible share from a point of a mesh, by rays. The truth for soft shadows.
 //!
-//! The size of the light is given as a `penumbra`, which is what soft-shadow methods that know only one ray have a
-//! constant for: the width of a penumbra over the distance between what throws the shadow and what it falls on. The
-//! light of a disc that is seen under the angle ρ, from its middle to its rim, has penumbrae of the width 2 · tan ρ at
-//! distance 1. It is 1/C_scale of Kirsch and Döllner 2003 and Yang 2006.
+//! The size of the light is given as a `penumbra`, for which soft-shadow methods with a single ray have a constant: the
+//! width of a penumbra over the distance between occluder and receiver. A disc seen under the angle ρ, from its centre
+//! to its rim, has penumbrae of the width 2 · tan ρ at distance 1. The value is 1/C_scale of Kirsch and Döllner 2003
+//! and Yang 2006.
 
 use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
@@ -14,42 +14,42 @@ use pelage_import::BakeError;
 use pelage_truth::{disc, seed_of, stratified};
 use std::time::Duration;
 
-/// How far above the skin rays start, radii of the mesh: a hundred times the rounding of f32 coordinates.
+/// Distance above the mesh surface at which rays start, radii of the mesh: a hundred times the rounding of f32
+/// coordinates.
 const LIFT: f64 = 1e-5;
 
-/// A light with an extent.
+/// Light with an extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DiscLight {
-    /// So far away that its middle lies in the same direction from everywhere.
+    /// Light so far away that its centre is in the same direction from everywhere.
     Directional {
-        /// Towards the light, of any length above zero.
+        /// Direction towards the light, of any length above zero.
         towards_light_ws: DVec3,
-        /// Width of a penumbra over the distance from what throws the shadow, 0..: 0 is a point of light; the sun has
-        /// 0.0093.
+        /// Width of a penumbra over the distance from the occluder, 0..: 0 is a point light; the sun has 0.0093.
         penumbra: f64,
     },
-    /// At a place. The disc always faces the point that looks at it, so that it is a sphere in effect.
+    /// Light at a position. The disc always faces the shaded point, so that in effect it is a sphere.
     Point {
-        /// Middle of the light, metres.
+        /// Centre of the light, metres.
         position_ws: DVec3,
-        /// As for a distant light: the radius of the disc is half of it times the distance from the point.
+        /// Same ratio as for a distant light: the radius of the disc is half of it times the distance from the point.
         penumbra: f64,
     },
 }
 
-/// Triangles that throw shadows, from both sides.
+/// Triangles that cast shadows, from both sides.
 pub struct Occluder {
-    /// In the order of the tree's leaves, in radii of the mesh about its middle: f32 then has all its digits where they
-    /// are needed.
+    /// Triangles in the order of the tree's leaves, in radii of the mesh about its centre, where f32 is most precise.
     triangles: Vec<Triangle>,
-    /// None without triangles.
+    /// Acceleration tree; `None` without triangles.
     tree: Option<Bvh2>,
     center: DVec3,
     radius: f64,
 }
 
 impl Occluder {
-    /// A mesh of `triangles`, indices into `positions_ws`, which are metres. Triangles without area throw no shadow.
+    /// Builds a mesh of `triangles`, indices into `positions_ws`, which are in metres. Triangles without area cast no
+    /// shadow.
     ///
     /// # Errors
     ///
@@ -75,22 +75,23 @@ impl Occluder {
         if triangles.is_empty() {
             return Ok(Self { triangles, tree: None, center, radius });
         }
-        // The middle build leaves triangles whole: with split ones the order of the leaves would name some twice.
+        // The medium build leaves triangles whole: with split ones the leaves would list some twice.
         let params = BvhBuildParams { pre_split: false, ..BvhBuildParams::medium_build() };
         let tree = build_bvh2_from_tris(&triangles, params, &mut Duration::default());
         let triangles = tree.primitive_indices.iter().map(|i| triangles[*i as usize]).collect();
         Ok(Self { triangles, tree: Some(tree), center, radius })
     }
 
-    /// Share of the light's disc that a point sees, 0..=1: 1 in full light, 0 in the umbra.
+    /// Returns the share of the light's disc that is visible from a point, 0..=1: 1 in full light, 0 in the umbra.
     ///
     /// * `point_ws`: the point, metres
-    /// * `normal_ws`: unit normal of the skin there; rays start a little along it, so as not to meet the skin they
-    ///   start from
-    /// * `samples`: rays, rounded up to a square number: one to each of as many parts of the disc of equal area
+    /// * `normal_ws`: unit normal of the mesh surface there; rays start slightly along it, to avoid hitting that
+    ///   surface
+    /// * `samples`: number of rays, rounded up to a square number: one to each of as many parts of the disc of equal
+    ///   area
     ///
-    /// A part of the disc below the point's horizon is hidden only if the mesh itself hides it. The same arguments give
-    /// the same share.
+    /// A part of the disc below the point's horizon is hidden only if the mesh itself hides it. The result is
+    /// deterministic.
     pub fn visible_share(&self, point_ws: DVec3, normal_ws: DVec3, light: &DiscLight, samples: u32) -> f64 {
         let Some(tree) = &self.tree else { return 1.0 };
         let (towards, penumbra) = match *light {
@@ -107,7 +108,7 @@ impl Occluder {
         let seen = rays.filter(|square| {
             let on_disc = disc(*square) * (0.5 * penumbra);
             let way = axis + side * on_disc.x + up * on_disc.y;
-            // Rays are not of unit length: 1 along each is the plane of a disc at distance 1.
+            // Rays are not of unit length: at 1 along each is the plane of a disc at distance 1.
             self.is_free(tree, origin, way, reach)
         });
         seen.count() as f64 / count as f64

@@ -1,61 +1,61 @@
-//! Hair on a guide that swings, as the equations have it that the fast way takes steps of:
-//! `pelage_formats::meaning::hair_motion`.
+//! True motion of hair on a guide, by the equations that `pelage_formats::meaning::hair_motion` solves in fast steps.
 //!
-//! Points xₖ of unit mass follow the root x₀ = r(t), which the skin moves with its frame F(t). pₖ is the groomed place
-//! in that frame, gₖ = r + F pₖ where the skin would have the point, eₖ the direction from xₖ₋₁ to xₖ, and τₖ the
-//! tension of that piece:
+//! Points xₖ of unit mass follow the root x₀ = r(t), which the mesh surface moves with its frame F(t). pₖ is the
+//! groomed position in that frame, and gₖ = r + F pₖ where the surface would carry the point. eₖ is the direction from
+//! xₖ₋₁ to xₖ, and τₖ is the tension of that piece:
 //!
 //! ```text
 //! x″ₖ = G + F bₖ                              gravity, and the ballast that bears the groomed shape at rest
-//!     + c (u(t, xₖ) − x′ₖ)                    air u takes the point along, c = drag_per_s
-//!     + ω² (gₖ − xₖ) + 2 ζ ω (g′ₖ − x′ₖ)      spring to the groomed place, ω = 2π shape_hz, ζ = 0.3
+//!     + c (u(t, xₖ) − x′ₖ)                    air u drags the point along, c = drag_per_s
+//!     + ω² (gₖ − xₖ) + 2 ζ ω (g′ₖ − x′ₖ)      spring to the groomed position, ω = 2π shape_hz, ζ = 0.3
 //!     + β² Σ (Rⱼ F (pⱼ − pⱼ₋₁) − (xⱼ − xⱼ₋₁)) over j ≤ k: bending, β = 2π bend_hz
 //!     − τₖ eₖ + τₖ₊₁ eₖ₊₁
 //! |xₖ − xₖ₋₁| = |pₖ − pₖ₋₁|
-//! R₁ = 1, Rⱼ₊₁ = (least turn of Rⱼ F (pⱼ − pⱼ₋₁) to xⱼ − xⱼ₋₁) Rⱼ
+//! R₁ = 1, Rⱼ₊₁ = (smallest rotation of Rⱼ F (pⱼ − pⱼ₋₁) to xⱼ − xⱼ₋₁) Rⱼ
 //! ```
 //!
 //! Lengths, differentiated twice, are a tridiagonal system for the tensions: eₖ·(x″ₖ − x″ₖ₋₁) = −|x′ₖ − x′ₖ₋₁|² / lₖ.
-//! With it the equations are ordinary ones, which Runge's and Kutta's method of fourth order takes steps of. After
-//! each, places and velocities go back to where lengths hold, along the pieces and by the least change, so that nothing
-//! of it drifts. A skin that changes its velocity at once pulls at the lengths: that impulse is the same projection.
+//! With it the equations are ordinary differential equations, which the fourth-order Runge-Kutta method integrates.
+//! After each step, positions and velocities are projected back to the lengths, along the pieces and by the smallest
+//! change, so that nothing drifts. A root whose velocity changes suddenly pulls at the lengths: that impulse is the
+//! same projection.
 //!
-//! [`TrueGuide::followed`] halves the steps until that changes nothing. What two motions that differ by a rounding make
-//! of it is another matter: a slack string whips, and forgets where it came from. Such motions have no truth beyond the
-//! first seconds, and the steps that halving asks for show it.
+//! [`TrueGuide::followed`] halves the steps until that changes nothing. Sensitivity to rounding remains: a slack string
+//! whips, and its motion no longer depends on its start. Such motions have no truth beyond the first seconds, as the
+//! number of steps that halving needs shows.
 //!
-//! No colliders, and every point but the root is wholly free: what friction and freedom do is defined by steps, and has
-//! no equation to be true to.
+//! There are no colliders, and every point but the root is completely free: friction and freedom are defined by steps,
+//! and have no equation to compare with.
 
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 
-/// Share of what would stop a spring from swinging at all that is in those to the groomed shape: ζ.
+/// Damping ratio ζ of the springs to the groomed shape; 1 is critical damping.
 const DAMPED: f64 = 0.3;
-/// Seconds between the moments that velocities of the skin are differences of.
+/// Interval of the finite differences for velocities of the mesh surface, seconds.
 const MOMENT_S: f64 = 1e-4;
-/// Rounds of Newton's method that lengths are put right by after a step, and the error beside which a further one would
-/// be rounding, in lengths.
+/// Maximum number of Newton iterations that correct lengths after a step, and the error at which only rounding is left,
+/// in lengths of the guide.
 const ROUNDS: usize = 12;
 const EXACT: f64 = 1e-13;
 
-/// Where the skin has the root of a guide, and how it moves there.
+/// Root of a guide on the mesh surface, and its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinMotion {
-    /// The root, metres.
+    /// Position of the root, metres.
     pub root: DVec3,
-    /// Its velocity, metres a second.
+    /// Velocity of the root, metres per second.
     pub velocity: DVec3,
-    /// Its acceleration, metres a second squared.
+    /// Acceleration of the root, metres per second squared.
     pub acceleration: DVec3,
-    /// From the frame of the root's triangle to the axes of the world: a turn.
+    /// Rotation from the frame of the root's triangle to the world axes.
     pub frame: DMat3,
-    /// What that changes by in a second.
+    /// Change of `frame` per second.
     pub turning: DMat3,
 }
 
 impl SkinMotion {
-    /// Of a skin that goes its way smoothly, by differences of fourth order.
+    /// Returns the motion of a root that moves smoothly, by differences of fourth order.
     ///
     /// * `way`: root and frame at a time, seconds
     pub fn along(way: impl Fn(f64) -> (DVec3, DMat3), time_s: f64) -> Self {
@@ -72,8 +72,8 @@ impl SkinMotion {
         }
     }
 
-    /// Of a skin that goes straight from one place to another, as a renderer knows it that has only frames of pictures;
-    /// `share`: how much of the way.
+    /// Returns the motion of a root that moves straight from one position to another, as for a renderer that has only
+    /// frames; `share`: part of it that is covered.
     pub fn between(from: (DVec3, DMat3), to: (DVec3, DMat3), seconds: f64, share: f64) -> Self {
         let (velocity, turning) = ((to.0 - from.0) / seconds, (to.1 - from.1) * (1.0 / seconds));
         let s = share * seconds;
@@ -82,53 +82,53 @@ impl SkinMotion {
     }
 }
 
-/// A guide, and all that moves it.
+/// Guide, and everything that moves it.
 #[derive(Clone, Copy)]
 pub struct TrueGuide<'a> {
     /// Groomed points relative to the root, which is the first, in the frame of its triangle, metres: two or more, none
-    /// on the one before.
+    /// at the previous one.
     pub points: &'a [DVec3],
-    /// Accelerations that hold them at rest, in that frame; as many.
+    /// Accelerations that hold the points at rest, in that frame; one per point.
     pub ballast: &'a [DVec3],
-    /// How fast the air takes hair along, 1/s, 0..
+    /// Rate at which the air drags hair along, 1/s, 0..
     pub drag_per_s: f64,
-    /// How often a second hair swings back to where it was groomed, 0..
+    /// Frequency of the springs to the groomed positions, Hz, 0..
     pub shape_hz: f64,
-    /// How often a second its pieces swing back to the shape that they were groomed in, 0..
+    /// Frequency of the springs to the groomed shape of the pieces, Hz, 0..
     pub bend_hz: f64,
-    /// Acceleration of everything, metres a second squared.
+    /// Acceleration of all points, metres per second squared.
     pub gravity: DVec3,
-    /// Velocity of the air at a time and place, metres a second.
+    /// Velocity of the air at a time and position, metres per second.
     pub air: &'a (dyn Fn(f64, DVec3) -> DVec3 + Sync),
 }
 
-/// How a guide lies, and moves.
+/// State of a moving guide.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueSwing {
-    /// Its points in the world, the root first, metres.
+    /// World positions of the points, the root first, metres.
     pub places: Vec<DVec3>,
-    /// Their velocities, metres a second.
+    /// Velocities of the points, metres per second.
     pub velocities: Vec<DVec3>,
 }
 
-/// A motion from rest on, followed with steps short enough.
+/// Motion that starts at rest, computed with short enough steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Followed {
-    /// Points in the world at the end of each frame, metres.
+    /// World positions of the points at the end of each frame, metres.
     pub places: Vec<Vec<DVec3>>,
-    /// Steps of a frame that these were found with.
+    /// Steps per frame of this result.
     pub steps: u32,
-    /// The farthest that a point was from there with half as many, in lengths of the guide.
+    /// Largest distance of a point from its position with half as many steps, in lengths of the guide.
     pub change: f64,
 }
 
-/// Tensions, eₖ·(aₖ − aₖ₋₁) = `wanted`ₖ being what they are to do to pieces of the directions `along`: by elimination,
-/// from root to tip and back. The first of both is nothing's.
+/// Returns the tensions whose effect on pieces of the directions `along` is eₖ·(aₖ − aₖ₋₁) = `wanted`ₖ, by elimination
+/// from root to tip and back. The first entry of both is unused.
 fn tensions(along: &[DVec3], wanted: &[f64]) -> Vec<f64> {
     let count = along.len();
     let (mut left, mut right) = (vec![0.0; count], vec![0.0; count]);
     for k in 1..count {
-        // The root has no mass that could be pulled at.
+        // The root has no mass that tensions could move.
         let (diagonal, before) = if k == 1 { (1.0, 0.0) } else { (2.0, -along[k].dot(along[k - 1])) };
         let pivot = diagonal - before * left[k - 1];
         left[k] = if k + 1 < count { -along[k].dot(along[k + 1]) / pivot } else { 0.0 };
@@ -141,7 +141,7 @@ fn tensions(along: &[DVec3], wanted: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Adds what tensions do to the points of a string.
+/// Adds the effect of tensions to the points of a string.
 fn pull(points: &mut [DVec3], along: &[DVec3], tensions: &[f64]) {
     for k in 1..points.len() {
         points[k] -= along[k] * tensions[k];
@@ -151,12 +151,12 @@ fn pull(points: &mut [DVec3], along: &[DVec3], tensions: &[f64]) {
     }
 }
 
-/// Directions of the pieces; nothing first.
+/// Returns the directions of the pieces, preceded by zero.
 fn directions(places: &[DVec3]) -> Vec<DVec3> {
     std::iter::once(DVec3::ZERO).chain(places.windows(2).map(|ends| (ends[1] - ends[0]).normalize_or_zero())).collect()
 }
 
-/// The least turn from one direction to another; none between opposite ones, which have no least.
+/// Returns the smallest rotation from one direction to another; the identity for opposite ones, which have no smallest.
 fn least_turn(from: DVec3, to: DVec3) -> DQuat {
     let (from, to) = (from.normalize_or_zero(), to.normalize_or_zero());
     let (across, half) = (from.cross(to), 1.0 + from.dot(to));
@@ -164,12 +164,12 @@ fn least_turn(from: DVec3, to: DVec3) -> DQuat {
 }
 
 impl TrueGuide<'_> {
-    /// Its length, metres.
+    /// Returns the length of the guide, metres.
     pub fn length(&self) -> f64 {
         self.points.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
     }
 
-    /// As groomed, and moving as the skin does.
+    /// Returns the groomed state, moving with the mesh surface.
     pub fn groomed(&self, skin: &SkinMotion) -> TrueSwing {
         TrueSwing {
             places: self.points.iter().map(|p| skin.root + skin.frame * *p).collect(),
@@ -177,7 +177,7 @@ impl TrueGuide<'_> {
         }
     }
 
-    /// Accelerations of all points; that of the root is the skin's.
+    /// Returns the accelerations of all points; that of the root is the mesh surface's.
     fn accelerations(&self, skin: &SkinMotion, time_s: f64, places: &[DVec3], velocities: &[DVec3]) -> Vec<DVec3> {
         let count = places.len();
         let (shape, bend) = (TAU * self.shape_hz, TAU * self.bend_hz);
@@ -211,7 +211,7 @@ impl TrueGuide<'_> {
         out
     }
 
-    /// Puts lengths right, and what velocities change them by.
+    /// Corrects the lengths, and the velocities that change them.
     fn hold(&self, skin: &SkinMotion, swing: &mut TrueSwing) {
         swing.places[0] = skin.root;
         swing.velocities[0] = skin.velocity;
@@ -233,9 +233,9 @@ impl TrueGuide<'_> {
         pull(&mut swing.velocities, &along, &tensions(&along, &wanted));
     }
 
-    /// Follows a swing for some seconds from `time_s` on, in so many steps.
+    /// Advances a swing by some seconds from `time_s` on, in `steps` steps.
     ///
-    /// * `skin`: how the root moves at a share of them, 0..=1, smoothly between
+    /// * `skin`: motion of the root at a share of that time, 0..=1, smooth in between
     pub fn advance(
         &self,
         swing: &mut TrueSwing,
@@ -256,7 +256,7 @@ impl TrueGuide<'_> {
             for (skin, part, weight) in [(&here, 0.0, 1.0), (&middle, 0.5, 2.0), (&middle, 0.5, 2.0), (&end, 1.0, 1.0)]
             {
                 if part > 0.0 {
-                    // What this round starts from is the slope that the round before left in `at`.
+                    // This round starts from the slope that the previous round left in `at`.
                     for k in 0..at.places.len() {
                         at.places[k] = swing.places[k] + at.places[k] * (h * part);
                         at.velocities[k] = swing.velocities[k] + at.velocities[k] * (h * part);
@@ -280,10 +280,10 @@ impl TrueGuide<'_> {
         }
     }
 
-    /// Where its points are at the end of each of so many frames from rest at time 0 on.
+    /// Returns the positions of the points at the end of each frame, from rest at time 0 on.
     ///
-    /// * `way`: root and frame of the skin at a time, seconds
-    /// * `straight`: the skin goes straight from frame to frame
+    /// * `way`: root and frame at a time, seconds
+    /// * `straight`: whether the root moves straight from frame to frame
     pub fn frames(
         &self,
         way: &dyn Fn(f64) -> (DVec3, DMat3),
@@ -308,8 +308,8 @@ impl TrueGuide<'_> {
             .collect()
     }
 
-    /// As [`Self::frames`], with twice as many steps until that moves no point by more than `within` lengths of the
-    /// guide, or until there are 4096 of a frame.
+    /// Same as [`Self::frames`], with the number of steps doubled until that moves no point by more than `within`
+    /// lengths of the guide. Stops at 4096 steps per frame.
     pub fn followed(
         &self,
         way: &dyn Fn(f64) -> (DVec3, DMat3),

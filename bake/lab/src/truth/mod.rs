@@ -1,14 +1,13 @@
-//! Slow truths that only charts and stability rows are measured against.
+//! Slow truths for charts and stability rows.
 //!
 //! * [`SampledVolume`]: transmittance along the true light ray through the volume that the layers were sampled from.
-//!   What is left between it and the layer-wise shadow maps is the error of the maps.
-//! * [`StrandField`]: the same strands as round, opaque hairs. What is left between it and the volume is the error of
-//!   slicing.
-//! * [`Occluder`]: a mesh between its points and a light that is a disc, for soft shadows.
-//! * [`TrueLines`]: contours, creases and borders of a posed skin as edges of its mesh, hidden parts removed by rays:
-//!   what ink lines should be.
-//! * [`TrueGuide`]: hair on guides that swings, by its equations and steps as short as it takes: what Verlet and its
-//!   lengths should come to.
+//!   Its difference from the layer-wise shadow maps is the error of the maps.
+//! * [`StrandField`]: the same strands as round, opaque hairs. Its difference from the volume is the error of slicing.
+//! * [`Occluder`]: a mesh between its points and a disc light, for soft shadows.
+//! * [`TrueLines`]: contours, creases and borders of a posed mesh surface as edges of its mesh, hidden parts removed by
+//!   rays: the truth for ink lines.
+//! * [`TrueGuide`]: hair on guides by its equations, with steps as short as needed: the limit for Verlet with its
+//!   lengths.
 
 mod disc_light;
 mod hair_motion;

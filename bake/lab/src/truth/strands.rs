@@ -1,21 +1,21 @@
 //! Transmittance through the strands themselves: binary rays against round, opaque hairs.
 //!
-//! This truth reads the same [`Strands`] as slicing does and nothing of what slicing makes of them, so it shows what
-//! the layers get wrong about the hair, where [`super::SampledVolume`] shows only what the maps get wrong about the
-//! layers. The two need not agree, for three reasons:
+//! This truth reads the same [`Strands`] as slicing does, but nothing that slicing makes of them. It therefore shows
+//! the error of the layers against the hair, whereas [`super::SampledVolume`] shows only the error of the maps against
+//! the layers. The two need not agree, for three reasons:
 //!
-//! * Slicing keeps what a strand covers but not its sharpness: a hair is widened to the filter of the texels and
-//!   thinned out as much, and a hair of many texels lets a little light through its middle, where a real one lets none
+//! * Slicing preserves a strand's coverage but not its sharpness: a hair is widened to the filter of the texels and
+//!   thinned out as much. A hair of many texels lets a little light through its middle, where a real one lets none
 //!   through ([`pelage_bake::stages::textures::extinction`]).
-//! * Down the hair the tails of the Gaussians that it is drawn with add up, so that light from straight above meets
+//! * Along the hair the tails of the Gaussians that it is drawn with add up, so that light from straight above meets
 //!   hairs wider than they are.
-//! * A ray that starts within a hair is blocked, and in the volume it has half a layer before it.
+//! * A ray that starts within a hair is blocked; in the volume it has half a layer before it.
 //!
-//! What is left after these is the error of coherence: layers know each other only through the light that passes from
+//! The remaining difference is the error of coherence: layers affect each other only through the light that passes from
 //! map to map.
 //!
-//! A grid over the tile would do as well as bounding volumes while hair stands up evenly. Combed flat or gathered in
-//! locks it does not: then one cell holds most of the segments, and the tree stays as fast as it is.
+//! A grid over the tile would do as well as a bounding volume hierarchy while hair stands up evenly. With hair combed
+//! flat or gathered in locks, one cell of a grid holds most of the segments, whereas the tree stays as fast.
 
 use glam::{DVec2, DVec3};
 use obvhs::aabb::Aabb;
@@ -27,17 +27,17 @@ use pelage_import::BakeError;
 use pelage_truth::{seed_of, stratified};
 use std::time::Duration;
 
-/// Tiles that a ray may cross before it counts as one that never leaves.
+/// Tiles that a ray may cross before it counts as never leaving.
 const MAX_TILES: u32 = 1 << 12;
 
-/// A piece of a strand: the points within `radius` of a line, with a radius that runs from one end to the other.
+/// Piece of a strand: the points within a radius of a line; the radius varies linearly from one end to the other.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     from: DVec3,
     along: DVec3,
     radii: [f64; 2],
     strand: u32,
-    /// The tile that it was taken from.
+    /// Tile from which the segment was taken.
     home: DVec2,
 }
 
@@ -51,9 +51,9 @@ impl Boundable for Segment {
 }
 
 impl Segment {
-    /// Whether the ray from `origin`, `way` times 0..=`length` long, comes into the hair; `way` has unit length.
+    /// Returns whether the ray from `origin`, `way` times 0..=`length` long, enters the hair; `way` has unit length.
     ///
-    /// The radius is that of the place on the axis where the two come closest. For cylinders with round ends that is
+    /// The radius is that at the point on the axis where the two come closest. For cylinders with round ends that is
     /// exact, for tapering hair up to the square of the taper.
     fn blocks(&self, origin: DVec3, way: DVec3, length: f64) -> bool {
         // Closest points of a line and a segment: Ericson, Real-Time Collision Detection (2005), 5.1.9.
@@ -78,11 +78,11 @@ impl Segment {
     }
 }
 
-/// The strands of one tile as solid hairs, periodic along u and v, in widths of the tile.
+/// Strands of one tile as solid hairs, periodic along u and v, in widths of the tile.
 pub struct StrandField {
-    /// In the order of the tree's leaves; the middle of each lies within 0..1 along u and v.
+    /// Segments in the order of the tree's leaves; the middle of each is within 0..1 along u and v.
     segments: Vec<Segment>,
-    /// None where there is no hair.
+    /// Acceleration tree; `None` without hair.
     tree: Option<Bvh2>,
     min: DVec3,
     max: DVec3,
@@ -93,7 +93,7 @@ impl StrandField {
     ///
     /// # Errors
     ///
-    /// As [`Strands::validate`].
+    /// Same as [`Strands::validate`].
     pub fn new(strands: &Strands) -> Result<Self, BakeError> {
         strands.validate()?;
         let mut segments = Vec::new();
@@ -119,17 +119,18 @@ impl StrandField {
         Ok(Self { segments, tree: Some(tree), min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() })
     }
 
-    /// Share of the rays from a small square at height `z`, parallel to the skin, that reach a distant light past all
-    /// hairs; 0..=1. That is the light in the space that hairs stand in, and in them it is dark; what a hair gets
-    /// itself is [`Self::lights_strand`].
+    /// Returns the share of the rays from a small square at height `z`, parallel to the mesh surface, that reach a
+    /// distant light past all hairs; 0..=1. This is the light in the space between hairs, and inside them it is 0;
+    /// [`Self::lights_strand`] gives the light on a hair itself.
     ///
     /// * `u`, `v`: middle of the square, widths of the tile; any, because the tile repeats
-    /// * `z`: height above the skin, widths of the tile
+    /// * `z`: height above the mesh surface, widths of the tile
     /// * `footprint`: width of the square, widths of the tile, along u and v; 0 sends all rays from one point
-    /// * `light_ts`: towards the light, of any length, in the frame of the tile: u, v, and away from the skin
-    /// * `samples`: rays, rounded up to a square number: one from each cell of a grid in the square
+    /// * `light_ts`: direction towards the light, of any length, in the frame of the tile: u, v, and away from the mesh
+    ///   surface
+    /// * `samples`: number of rays, rounded up to a square number: one from each cell of a grid in the square
     ///
-    /// The same arguments give the same share. 0 where the light does not stand above the skin, which is opaque.
+    /// The result is deterministic. It is 0 if the light is not above the mesh surface, which is opaque.
     pub fn transmittance(&self, u: f64, v: f64, z: f64, footprint: f64, light_ts: DVec3, samples: u32) -> f64 {
         let Some(light) = light_ts.try_normalize().filter(|l| l.z > 0.0) else { return 0.0 };
         let rays = stratified(seed_of(&[u, v, z]), samples);
@@ -141,22 +142,22 @@ impl StrandField {
         free.count() as f64 / count as f64
     }
 
-    /// Whether a distant light is seen from a place on a strand past all hairs but that strand. Its copies in other
-    /// tiles are others, as in the traced picture, where each copy is a strand of its own.
+    /// Returns whether a distant light is visible from a point on a strand past all hairs but that strand. Its copies
+    /// in other tiles do block light, as in the traced picture, where each copy is a strand of its own.
     ///
-    /// * `place`: on the strand's axis, widths of the tile, where [`Strands::points`] has it: not wrapped into the tile
+    /// * `place`: point on the strand's axis, widths of the tile, as in [`Strands::points`]: not wrapped into the tile
     /// * `strand`: index of the strand
     /// * `light_ts`: as in [`Self::transmittance`]
     ///
-    /// False where the light does not stand above the skin.
+    /// The result is false if the light is not above the mesh surface.
     pub fn lights_strand(&self, place: DVec3, strand: u32, light_ts: DVec3) -> bool {
         let light = light_ts.try_normalize().filter(|l| l.z > 0.0);
         light.is_some_and(|light| self.is_free(place, light, Some(strand)))
     }
 
-    /// Whether a ray leaves the fur past all strands but `own`. It is followed a tile's width at a time: within one it
-    /// can meet the neighbours' hairs only where they lean over, and coordinates stay small enough for the tree, which
-    /// counts in f32.
+    /// Returns whether a ray leaves the fur past all strands but `own`. The ray is followed a tile's width at a time.
+    /// Within one it can meet hairs of neighbours only where they lean over, and coordinates stay small enough for the
+    /// tree, which uses f32.
     fn is_free(&self, start: DVec3, light: DVec3, own: Option<u32>) -> bool {
         let Some(tree) = &self.tree else { return true };
         let enter = ((self.min.z - start.z) / light.z).max(0.0);
@@ -177,8 +178,8 @@ impl StrandField {
         false
     }
 
-    /// Whether a hair is met of those that `hides` is true of; it is given a segment, and the tile that its copy stands
-    /// in.
+    /// Returns whether the ray meets a hair for which `hides` holds; `hides` receives a segment, and the tile of its
+    /// copy.
     fn piece_is_blocked(
         &self,
         tree: &Bvh2,
@@ -189,7 +190,7 @@ impl StrandField {
     ) -> bool {
         let end = origin + way * length;
         let (low, high) = (origin.min(end), origin.max(end));
-        // Copies of the tile that the piece may touch.
+        // Copies of the tile that the piece of the ray may touch.
         let copies =
             |axis: usize| (low[axis] - self.max[axis]).ceil() as i64..=(high[axis] - self.min[axis]).floor() as i64;
         copies(0).any(|i| {

@@ -1,32 +1,32 @@
 //! Transmittance through the volume that the layers are samples of: formulas 4.3, after Kajiya and Kay 1989.
 //!
-//! A layer's opacity α is what its slab of height Δ takes from light that comes straight down, so the slab's extinction
-//! is −ln(1 − α)/Δ. It is given at the texel centres of the layer and interpolated linearly in all three axes. The ends
-//! are constant: from half a spacing under the lowest layer to half a spacing over the outermost one, so that straight
-//! down the whole volume takes exactly what the product of all layers takes, and a point on a layer has half of that
-//! layer before it.
+//! A layer's opacity α is the share of light from straight above that its slab of height Δ absorbs, so the slab's
+//! extinction is −ln(1 − α)/Δ. It is given at the texel centres of the layer and interpolated linearly along all three
+//! axes. The ends are constant, from half a spacing under the lowest layer to half a spacing over the outermost one.
+//! Straight down, the whole volume therefore absorbs exactly as much as the product of all layers. A point on a layer
+//! has half of that layer before it.
 //!
 //! Between two grid planes extinction is a cubic along any straight line, for which two Gauss points give the exact
-//! integral. There is no step length to choose.
+//! integral. No step length has to be chosen.
 
 use glam::DVec3;
 use pelage_bake::stages::textures::ShellSet;
 use pelage_import::BakeError;
 use rayon::prelude::*;
 
-/// Opacities are capped here: an opaque texel would have an infinite extinction, which no interpolation survives.
+/// Cap on opacities: an opaque texel would have an infinite extinction, which cannot be interpolated.
 const MOST_OPAQUE: f64 = 0.97;
-/// Optical depth at which a ray may end: one part in 10¹⁵ is left.
+/// Optical depth at which a ray ends: one part in 10¹⁵ of the light is left.
 const DARK: f64 = 35.0;
-/// Grid cells that a ray may cross before it counts as one that never leaves: 16 000 tiles of 64 texels.
+/// Grid cells that a ray may cross before it counts as never leaving: 16 000 tiles of 64 texels.
 const MAX_CELLS: u32 = 1 << 20;
 
 /// Extinction of one tile of fur, periodic along u and v, in widths of the tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledVolume {
-    /// Texels a side.
+    /// Texels per side.
     texels: usize,
-    /// Layers above the skin. The skin itself is opaque, a surface and no part of the volume.
+    /// Number of layers above layer 0, which is the opaque mesh surface and not part of the volume.
     layers: usize,
     /// Distance between two layers.
     spacing: f64,
@@ -35,14 +35,14 @@ pub struct SampledVolume {
 }
 
 impl SampledVolume {
-    /// The volume of sliced layers.
+    /// Builds the volume of sliced layers.
     ///
-    /// * `height`: where the outermost layer lies, widths of the tile ([`pelage_bake::stages::hair::Strands::height`])
+    /// * `height`: height of the outermost layer, widths of the tile ([`pelage_bake::stages::hair::Strands::height`])
     ///
     /// # Errors
     ///
-    /// [`BakeError::Internal`] for a set without a layer above the skin, texels that are missing, or a height that is
-    /// not above zero.
+    /// [`BakeError::Internal`] for a set without a layer above layer 0, missing texels, or a height that is not above
+    /// zero.
     pub fn new(set: &ShellSet, height: f64) -> Result<Self, BakeError> {
         let above = set.layers.get(1..).unwrap_or(&[]);
         let alpha = |texels: &Vec<u8>| texels.chunks_exact(4).map(|t| f64::from(t[3]) / 255.0).collect();
@@ -50,12 +50,12 @@ impl SampledVolume {
         Self::from_opacities(set.texels, height, &opacities)
     }
 
-    /// The volume of opacities 0..=1 at the texel centres of each layer above the skin, the lowest first, `texels *
-    /// texels` values each.
+    /// Builds the volume from opacities 0..=1 at the texel centres of each layer above layer 0, the lowest first,
+    /// `texels * texels` values each.
     ///
     /// # Errors
     ///
-    /// As [`Self::new`], and for values outside 0..=1.
+    /// Same as [`Self::new`], and for values outside 0..=1.
     pub fn from_opacities(texels: u32, height: f64, opacities: &[Vec<f64>]) -> Result<Self, BakeError> {
         let fail = |reason: String| Err(BakeError::Internal(format!("sampled volume: {reason}")));
         let (n, layers) = (texels as usize, opacities.len());
@@ -73,31 +73,34 @@ impl SampledVolume {
         Ok(Self { texels: n, layers, spacing, extinction })
     }
 
-    /// Texels a side.
+    /// Returns the texels per side.
     pub fn texels(&self) -> usize {
         self.texels
     }
 
-    /// Layers, the skin included: one more than have extinction.
+    /// Returns the number of layers, layer 0 included: one more than have extinction.
     pub fn layers(&self) -> usize {
         self.layers + 1
     }
 
-    /// Distance between two layers, widths of the tile.
+    /// Returns the distance between two layers, widths of the tile.
     pub fn spacing(&self) -> f64 {
         self.spacing
     }
 
-    /// exp(−∫ extinction) from a point along the straight ray to a distant light, until it leaves the fur; 0..=1.
+    /// Returns exp(−∫ extinction) from a point along the straight ray to a distant light, until it leaves the fur;
+    /// 0..=1.
     ///
-    /// * `u`, `v`: place in the tile, widths of the tile; any, because the tile repeats
-    /// * `z`: height above the skin, widths of the tile; what lies under the skin counts as on it
-    /// * `light_ts`: towards the light, of any length, in the frame of the tile: u, v, and away from the skin
+    /// * `u`, `v`: position in the tile, widths of the tile; any, because the tile repeats
+    /// * `z`: height above the mesh surface, widths of the tile; clamped to 0 below it
+    /// * `light_ts`: direction towards the light, of any length, in the frame of the tile: u, v, and away from the mesh
+    ///   surface
     ///
-    /// 0 where the light does not stand above the skin, which is opaque.
+    /// The result is 0 if the light is not above the mesh surface, which is opaque.
     pub fn transmittance(&self, u: f64, v: f64, z: f64, light_ts: DVec3) -> f64 {
         let Some(light) = light_ts.try_normalize().filter(|l| l.z > 0.0) else { return 0.0 };
-        // From here on one unit is a texel, a texel and a layer; texel centres and layers are at whole numbers.
+        // From here on one unit is a texel along u and v, and a layer along z; texel centres and layers are at whole
+        // numbers.
         let n = self.texels as f64;
         let start = DVec3::new(u.rem_euclid(1.0) * n - 0.5, v.rem_euclid(1.0) * n - 0.5, z.max(0.0) / self.spacing);
         let way = DVec3::new(light.x * n, light.y * n, light.z / self.spacing);
@@ -110,7 +113,8 @@ impl SampledVolume {
         (-self.optical_depth(start + way * enter, way, length)).exp()
     }
 
-    /// [`Self::transmittance`] at every texel centre of a layer: `texels * texels` values, row-major; 0 is the skin.
+    /// Returns [`Self::transmittance`] at every texel centre of a layer: `texels * texels` values, row-major; 0 is the
+    /// mesh surface.
     pub fn layer_transmittances(&self, layer: usize, light_ts: DVec3) -> Vec<f64> {
         let n = self.texels;
         let at = |i: usize| (i as f64 + 0.5) / n as f64;
@@ -118,9 +122,10 @@ impl SampledVolume {
         (0..n * n).into_par_iter().map(|i| self.transmittance(at(i % n), at(i / n), z, light_ts)).collect()
     }
 
-    /// Integral from `start` over `length` times `way`, in widths of the tile; infinite for a ray that never leaves.
+    /// Returns the integral from `start` over `length` times `way`, in widths of the tile; infinite for a ray that
+    /// never leaves.
     fn optical_depth(&self, start: DVec3, way: DVec3, length: f64) -> f64 {
-        // Along each axis: where the ray meets the next grid plane, and how far apart planes are.
+        // Along each axis: the ray's distance to the next grid plane, and the distance between planes.
         let mut planes = [0, 1, 2].map(|axis| {
             let (p, d) = (start[axis], way[axis]);
             let first = if d > 0.0 { p.floor() + 1.0 } else { p.ceil() - 1.0 };
@@ -145,7 +150,7 @@ impl SampledVolume {
         f64::INFINITY
     }
 
-    /// The integral over a stretch of the ray that crosses no grid plane.
+    /// Returns the integral over a stretch of the ray that crosses no grid plane.
     fn cell(&self, start: DVec3, way: DVec3, from: f64, to: f64) -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let corner = (start + way * middle).floor();

@@ -5,14 +5,14 @@ fn towards(angle_deg: f64, azimuth_deg: f64) -> DVec3 {
     DVec3::new(a.sin() * b.cos(), a.sin() * b.sin(), a.cos())
 }
 
-/// `layers` layers above the skin with the opacity that `alpha` says of layer (from 1), column and row.
+/// Returns a volume of `layers` layers above layer 0, with the opacity `alpha` of layer (from 1), column and row.
 fn volume(texels: u32, layers: usize, height: f64, alpha: impl Fn(usize, u32, u32) -> f64) -> SampledVolume {
     let texel = |k: usize, i: u32| alpha(k, i % texels, i / texels);
     let opacities: Vec<Vec<f64>> = (1..=layers).map(|k| (0..texels * texels).map(|i| texel(k, i)).collect()).collect();
     SampledVolume::from_opacities(texels, height, &opacities).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Something in which every texel differs.
+/// Returns a volume in which opacity varies from texel to texel.
 fn rough() -> SampledVolume {
     volume(16, 7, 0.45, |k, x, y| f64::from((x * 7 + y * 13 + k as u32 * 29) % 17) / 20.0)
 }
@@ -30,12 +30,12 @@ fn a_uniform_block_follows_beer_and_lambert() {
         for azimuth in [0.0, 33.0, 90.0, 200.0] {
             let light = towards(angle, azimuth);
             for k in 0..=layers {
-                // The skin has all layers before it; a layer half of itself and all above.
+                // Layer 0 has all layers before it; any other layer has half of itself and all above.
                 let crossed = if k == 0 { layers as f64 } else { (layers - k) as f64 + 0.5 };
                 let truth = (-tau * crossed / angle.to_radians().cos()).exp();
                 let z = k as f64 * height / layers as f64;
                 close(block.transmittance(0.3, 0.9, z, light), truth, 1e-12);
-                // The length of the direction does not matter.
+                // The length of the direction has no effect.
                 close(block.transmittance(0.3, 0.9, z, light * 7.0), truth, 1e-12);
             }
         }
@@ -56,7 +56,7 @@ fn a_single_layer_is_a_tent_of_its_optical_depth() {
     let (layers, height, alpha) = (9, 0.3, 0.7f64);
     let single = volume(8, layers, height, |k, _, _| if k == 4 { alpha } else { 0.0 });
     let (spacing, tau) = (height / layers as f64, -(1.0 - alpha).ln());
-    // The tent reaches one spacing to both sides; from a point within it, what is left of it is ahead.
+    // The tent reaches one spacing to both sides; a point within it has the rest of it ahead.
     for (z, share) in [(0.0, 1.0), (3.0, 1.0), (3.5, 0.875), (4.0, 0.5), (4.5, 0.125), (5.0, 0.0), (9.7, 0.0)] {
         for angle in [0.0, 40.0, 75.0] {
             let truth = (-tau * share / f64::to_radians(angle).cos()).exp();
@@ -65,7 +65,7 @@ fn a_single_layer_is_a_tent_of_its_optical_depth() {
     }
 }
 
-/// A sheet that stands upright across u: a ray along v within it meets nothing but sheet, one along u all of it once a
+/// An upright sheet across u: a ray along v within it meets only the sheet, one along u crosses all of it once per
 /// tile.
 #[test]
 fn an_upright_sheet_is_met_by_its_thickness() {
@@ -75,10 +75,10 @@ fn an_upright_sheet_is_met_by_its_thickness() {
     let middle = 5.5 / 16.0;
     let light = towards(60.0, 0.0);
     // Across: a tent of one texel to both sides, so one texel's width of it at sin(60°) to the ray. The ray from the
-    // skin runs 0.5·tan(60°) = 0.87 tiles, and starts at a place from which it passes the sheet once within the upper
-    // part of the volume.
+    // mesh surface runs 0.5·tan(60°) = 0.87 tiles. It starts so that it passes the sheet once within the upper part of
+    // the volume.
     close(sheet.transmittance(middle - 0.3, 0.4, 0.0, light), (-extinction / 16.0 / light.x).exp(), 1e-12);
-    // Along v, in the sheet's middle plane, it is a solid block; one texel beside it, nothing.
+    // Along v, in the sheet's middle plane, it is a solid block; one texel beside it, there is nothing.
     let along = towards(60.0, 90.0);
     close(sheet.transmittance(middle, 0.4, 0.0, along), (-extinction * height / along.z).exp(), 1e-9);
     close(sheet.transmittance(middle + 1.0 / 16.0, 0.4, 0.0, along), 1.0, 1e-12);
@@ -89,7 +89,7 @@ fn an_upright_sheet_is_met_by_its_thickness() {
     );
 }
 
-/// The exact integral against midpoint steps, whose error falls with the square of their length.
+/// Compares the exact integral with midpoint steps, whose error falls with the square of their length.
 #[test]
 fn steps_converge_to_the_integral() {
     let volume = rough();
@@ -143,7 +143,7 @@ fn it_repeats_and_stays_within_its_range() {
         assert_eq!(volume.transmittance(0.5, 0.5, 0.1, light), 0.0, "{light}");
     }
     assert_eq!(volume.transmittance(0.5, 0.5, 1.0, towards(60.0, 0.0)), 1.0);
-    // All but level: it meets something, or it is given up.
+    // Almost level: the ray meets something, or is given up.
     assert!(volume.transmittance(0.5, 0.5, 0.1, DVec3::new(1.0, 0.3, 1e-12)) < 1e-15);
     let empty = self::volume(4, 2, 0.1, |_, _, _| 0.0);
     assert_eq!(empty.transmittance(0.5, 0.5, 0.0, towards(80.0, 12.0)), 1.0);

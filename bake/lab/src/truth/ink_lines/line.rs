@@ -1,14 +1,14 @@
-//! What counts as a line, and a piece of one that is seen.
+//! Definition of a line, and a visible piece of one.
 
 use glam::DVec2;
 
-/// What counts as a line.
+/// Parameters of what counts as a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineParams {
-    /// Angle between the normals of two faces from which on their edge is a crease, degrees, 0..=180 (default 50). 0
-    /// makes every edge a line, 180 none.
+    /// Smallest angle between the normals of two faces at which their edge is a crease, degrees, 0..=180 (default 50).
+    /// 0 makes every edge a line, 180 none.
     pub crease_deg: f64,
-    /// How contours are found.
+    /// Method of finding contours.
     pub contour: ContourForm,
 }
 
@@ -18,28 +18,28 @@ impl Default for LineParams {
     }
 }
 
-/// How contours are found.
+/// Method of finding contours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ContourForm {
-    /// Edges between a face that looks at the eye and one that looks away: exactly where what is drawn ends.
+    /// Edges between a face towards the eye and one away from it: exactly where the drawn mesh ends.
     #[default]
     Edges,
     /// Zeros of N·E within triangles, with the vertices' normals interpolated: where the smooth surface that the mesh
-    /// stands for would end. Hidden parts are found with a slack of a triangle's size, because these lines lie on the
-    /// wrong side of the mesh's own outline half of the time.
+    /// approximates would end. Hidden parts are found with a tolerance of a triangle's size, because these lines are on
+    /// the wrong side of the mesh's own outline half of the time.
     Interpolated,
 }
 
-/// What a line is.
+/// Kind of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineKind {
-    /// A contour with nothing behind.
+    /// Contour with nothing behind it.
     Silhouette,
-    /// A contour before other skin.
+    /// Contour in front of other mesh surface.
     Contour,
-    /// An edge between faces at a large angle, both of which are seen.
+    /// Edge between faces at a large angle, both of which are visible.
     Crease,
-    /// The end of the mesh.
+    /// Open edge of the mesh.
     Border,
 }
 
@@ -48,19 +48,19 @@ impl LineKind {
     pub const ALL: [Self; 4] = [Self::Silhouette, Self::Contour, Self::Crease, Self::Border];
 }
 
-/// A straight piece of a line that is seen whole.
+/// Straight piece of a line that is entirely visible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineSegment {
-    /// One end, pixels from the picture's upper left corner.
+    /// First end, pixels from the picture's upper left corner.
     pub from_px: DVec2,
-    /// The other end.
+    /// Second end, pixels from the same corner.
     pub to_px: DVec2,
-    /// What it is.
+    /// Kind of the line.
     pub kind: LineKind,
 }
 
 impl LineSegment {
-    /// Length, pixels.
+    /// Returns the length, pixels.
     pub fn length_px(&self) -> f64 {
         self.from_px.distance(self.to_px)
     }

@@ -1,19 +1,19 @@
-//! The lines that a mesh shows from one place, found on the mesh: the truth that ink lines, which are found in a
-//! picture of normals, are held against.
+//! Lines that a mesh shows from a viewpoint, found on the mesh: the truth for ink lines, which are found in a picture
+//! of normals.
 //!
-//! A line is an edge whose one face looks at the eye and whose other looks away (a contour), an edge between faces at a
-//! large angle (a crease), or the end of the mesh (a border). Each is sampled finely, and what lies behind other skin
-//! is taken out by a ray from the eye to the sample. Nothing here is filtered, thresholded in pixels or drawn, and no
-//! code is shared with what draws.
+//! A line is one of three kinds of edge: between a face towards the eye and one away from it (a contour), between faces
+//! at a large angle (a crease), or an open edge (a border). Each is sampled finely, and samples behind other parts of
+//! the surface are removed by a ray from the eye. Nothing here is filtered, thresholded in pixels or drawn, and no code
+//! is shared with the drawing.
 //!
 //! # Edges or normals
 //!
-//! Of a mesh that stands for something smooth one may also ask where N·E, with the normals that light is computed with,
-//! passes through zero ([`ContourForm::Interpolated`]). The truth here is [`ContourForm::Edges`]: what is seen of a
-//! mesh ends at its edges, to the last digit and without a tolerance, in its outline as where it hides itself. The
-//! zeros of the interpolated N·E run up to an edge's length inside or outside of that outline, where nothing in the
-//! picture ends, break off where normals are split, and say nothing of flat faces. With small triangles both agree; a
-//! test holds them together on a sphere.
+//! For a mesh that approximates a smooth surface, a contour may also be where N·E, with the shading normals, passes
+//! through zero ([`ContourForm::Interpolated`]). The truth here is [`ContourForm::Edges`]: the visible part of a mesh
+//! ends at its edges, exactly and without a tolerance, in its outline and where it hides itself. The zeros of the
+//! interpolated N·E run up to an edge's length inside or outside of that outline, where nothing in the picture ends.
+//! They also break off where normals are split, and do not exist on flat faces. With small triangles both agree; a test
+//! compares them on a sphere.
 //!
 //! Source of the question: Fang et al. 2006, §2, which draws outline and feature lines; of the answer: edges between
 //! front and back faces are the classic object-space silhouette (Markosian et al. 1997, §2.1).
@@ -32,41 +32,42 @@ use topology::Topology;
 
 pub use line::{ContourForm, LineKind, LineParams, LineSegment};
 
-/// A posed skin whose lines can be asked for from any side.
+/// Posed mesh surface whose lines can be found from any viewpoint.
 pub struct TrueLines {
     sight: Sight,
     topology: Topology,
 }
 
-/// The lines of a skin from one side.
+/// Lines of a mesh surface from one viewpoint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VisibleLines {
-    /// Picture, pixels.
+    /// Width of the picture, pixels.
     pub width: u32,
-    /// Picture, pixels.
+    /// Height of the picture, pixels.
     pub height: u32,
-    /// What is seen, in the order of the mesh's edges.
+    /// Visible segments, in the order of the mesh's edges.
     pub segments: Vec<LineSegment>,
 }
 
 impl TrueLines {
-    /// Finds the edges of a skin, and builds the tree for its rays. Vertices at one place are one, so that seams of
-    /// patches, parts and normals are no borders.
+    /// Finds the edges of a mesh surface, and builds the tree for its rays. Vertices at one position are merged, so
+    /// that seams of patches, parts and normals do not count as borders.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Internal`] for places that are not finite.
+    /// [`BakeError::Internal`] for positions that are not finite.
     pub fn new(skin: Skin) -> Result<Self, BakeError> {
         let topology = Topology::new(&skin);
         Ok(Self { sight: Sight::new(skin)?, topology })
     }
 
-    /// The skin with its rays.
+    /// Returns the mesh surface with its rays.
     pub fn sight(&self) -> &Sight {
         &self.sight
     }
 
-    /// The lines that a camera sees in a picture of `size` pixels. The same on any number of threads.
+    /// Returns the lines that a camera sees in a picture of `size` pixels. The result does not depend on the number of
+    /// threads.
     ///
     /// # Errors
     ///
@@ -87,11 +88,11 @@ impl TrueLines {
     }
 }
 
-/// How far before the eye a line must be to be seen, radii of the skin.
+/// Smallest distance in front of the eye at which a line is visible, radii of the mesh surface.
 const NEAR: f64 = 1e-6;
 
 impl VisibleLines {
-    /// The pixels that lines of some kinds run through.
+    /// Returns the pixels that lines of some kinds run through.
     pub fn mask(&self, kinds: &[LineKind]) -> Mask {
         let mut mask = Mask::empty(self.width, self.height);
         for segment in self.segments.iter().filter(|s| kinds.contains(&s.kind)) {
@@ -104,7 +105,7 @@ impl VisibleLines {
         mask
     }
 
-    /// Length of all lines of a kind, pixels.
+    /// Returns the length of all lines of a kind, pixels.
     pub fn length_px(&self, kind: LineKind) -> f64 {
         self.segments.iter().filter(|s| s.kind == kind).map(LineSegment::length_px).sum()
     }

@@ -1,10 +1,10 @@
-//! Contours of the smooth surface that a mesh stands for: the zeros of N·E with interpolated normals (Hertzmann and
+//! Contours of the smooth surface that a mesh approximates: the zeros of N·E with interpolated normals (Hertzmann and
 //! Zorin 2000, §4).
 
 use super::visible::{Family, Piece};
 use pelage_truth::{Look, Sight};
 
-/// The zeros of N·E in all triangles, hidden or not.
+/// Returns the zeros of N·E in all triangles, hidden or not.
 pub(super) fn contours(sight: &Sight, look: &Look<'_>) -> Vec<Piece> {
     let skin = sight.skin();
     let in_triangle = |triangle: usize| {

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use pelage_bake::strands::{SkinMaterial, SkinPoint};
 use pelage_truth::Lens;
 
-/// A skin of one material; normals point away from the origin.
+/// Returns a mesh surface of one material; normals point away from the origin.
 fn skin(positions: &[DVec3], triangles: &[[u32; 3]], double_sided: bool) -> Skin {
     let vertex = |p: &DVec3| SkinPoint {
         position_ws: *p,
@@ -22,7 +22,7 @@ fn skin(positions: &[DVec3], triangles: &[[u32; 3]], double_sided: bool) -> Skin
     }
 }
 
-/// A box whose faces share no vertex, as hard normals have it.
+/// Returns a box whose faces share no vertex, as with hard normals.
 fn cuboid(center: DVec3, half: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for axis in 0..3 {
@@ -49,7 +49,7 @@ fn sphere(rings: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
                 f64::from(i) * std::f64::consts::PI / f64::from(rings),
                 f64::from(j % sectors) * std::f64::consts::TAU / f64::from(sectors),
             );
-            // The poles are one place each, and the seam closes: the last column is the first.
+            // Each pole is one position, and the seam is closed: the last column is the first.
             let ring = if i == 0 || i == rings { 0.0 } else { theta.sin() };
             positions.push(DVec3::new(ring * phi.cos(), theta.cos(), -ring * phi.sin()));
         }
@@ -67,7 +67,7 @@ fn both(a: (Vec<DVec3>, Vec<[u32; 3]>), b: (Vec<DVec3>, Vec<[u32; 3]>)) -> (Vec<
     ([a.0, b.0].concat(), triangles)
 }
 
-/// Four metres of the plane through the origin on a hundred pixels.
+/// Returns a camera that shows four metres of the plane through the origin on a hundred pixels.
 fn camera(eye: Vec3) -> TrueCamera {
     TrueCamera { eye_ws: eye, target_ws: Vec3::ZERO, up_ws: Vec3::Y, lens: Lens::Orthographic { height_m: 4.0 } }
 }
@@ -83,7 +83,7 @@ fn seen_with(mesh: &(Vec<DVec3>, Vec<[u32; 3]>), eye: Vec3, params: &LineParams,
     lines.seen(&camera(eye), SIZE, params).unwrap()
 }
 
-/// Lengths of all kinds in the order of [`LineKind::ALL`], metres.
+/// Returns the lengths of all kinds in the order of [`LineKind::ALL`], metres.
 fn lengths(lines: &VisibleLines) -> [f64; 4] {
     LineKind::ALL.map(|kind| lines.length_px(kind) / 25.0)
 }
@@ -96,15 +96,16 @@ fn near(found: [f64; 4], expected: [f64; 4], within: f64) {
 #[test]
 fn a_cube_shows_its_outline_and_three_creases() {
     let cube = cuboid(DVec3::ZERO, DVec3::ONE);
-    // Along the diagonal of space every edge is foreshortened alike: six make the outline, three meet in the middle,
-    // three are behind.
+    // Along the space diagonal every edge is foreshortened alike: six make the outline, three meet in the middle, three
+    // are hidden.
     let edge = 2.0 * (2.0f64 / 3.0).sqrt();
     near(lengths(&seen(&cube, Vec3::splat(5.0))), [6.0 * edge, 0.0, 3.0 * edge, 0.0], 0.05);
-    // Faces seen edge-on look away. From a little aside one crease turns up, and the outline is six edges again.
+    // Faces seen edge-on count as facing away. From slightly aside one crease appears, and the outline is six edges
+    // again.
     near(lengths(&seen(&cube, Vec3::new(0.0, 0.0, 5.0))), [8.0, 0.0, 0.0, 0.0], 0.05);
     let (s, c) = (1.0f64 / 26f64.sqrt(), 5.0f64 / 26f64.sqrt());
     near(lengths(&seen(&cube, Vec3::new(1.0, 0.0, 5.0))), [4.0 + 4.0 * (s + c), 0.0, 2.0, 0.0], 0.05);
-    // A limit above the angle of its edges leaves the outline alone.
+    // A limit above the angle of its edges leaves only the outline.
     let blunt = LineParams { crease_deg: 91.0, ..LineParams::default() };
     near(lengths(&seen_with(&cube, Vec3::splat(5.0), &blunt, false)), [6.0 * edge, 0.0, 0.0, 0.0], 0.05);
     let lines = seen(&cube, Vec3::splat(5.0));
@@ -125,12 +126,12 @@ fn an_angle_that_is_none_is_refused() {
 #[test]
 fn what_lies_behind_is_not_seen() {
     let (small, large) = (DVec3::splat(0.5), DVec3::new(1.5, 1.5, 0.1));
-    // A small cube before a plate: its outline is a contour before skin. Behind the plate it is gone.
+    // A small cube in front of a plate: its outline is a contour. Behind the plate it is hidden.
     let before = both(cuboid(DVec3::Z, small), cuboid(DVec3::ZERO, large));
     near(lengths(&seen(&before, Vec3::new(0.0, 0.0, 5.0))), [12.0, 4.0, 0.0, 0.0], 0.05);
     let behind = both(cuboid(DVec3::NEG_Z, small), cuboid(DVec3::ZERO, large));
     near(lengths(&seen(&behind, Vec3::new(0.0, 0.0, 5.0))), [12.0, 0.0, 0.0, 0.0], 0.05);
-    // Four tenths of it look out, and the plate's edge before it is a contour for a metre.
+    // Four tenths of the cube protrude, and the plate's edge in front of it is a contour for a metre.
     let aside = both(cuboid(DVec3::new(1.4, 0.0, -1.0), small), cuboid(DVec3::ZERO, large));
     near(lengths(&seen(&aside, Vec3::new(0.0, 0.0, 5.0))), [11.0 + 1.8, 1.0, 0.0, 0.0], 0.05);
 }
@@ -149,7 +150,7 @@ fn a_sphere_has_a_circle_for_an_outline_by_its_edges_and_by_its_normals() {
     };
     let edges = seen(&ball, eye);
     let [silhouette, contour, crease, border] = lengths(&edges);
-    // The poles' triangles and the seam are neither creases nor borders. Edges go up and down about the circle.
+    // The poles' triangles and the seam are neither creases nor borders. Edges zigzag around the circle.
     assert!((silhouette + contour) / round > 0.99 && (silhouette + contour) / round < 1.3, "{silhouette} {contour}");
     assert_eq!((crease, border), (0.0, 0.0));
     let (least, most) = radii(&edges);
@@ -161,7 +162,7 @@ fn a_sphere_has_a_circle_for_an_outline_by_its_edges_and_by_its_normals() {
     assert!(((silhouette + contour) / round - 1.0).abs() < 0.02, "{silhouette} {contour}");
     let (least, most) = radii(&smooth);
     assert!(least > 24.5 && most <= 25.0 + 1e-9, "{least} to {most} pixels");
-    // One within half a pixel of the other, everywhere.
+    // Each mask is within 1.5 pixels of the other, everywhere.
     let (a, b) = (edges.mask(&LineKind::ALL), smooth.mask(&LineKind::ALL));
     let far = |of: &Mask, to: &Mask| {
         let distances = to.distances();
@@ -183,17 +184,17 @@ fn the_end_of_a_sheet_is_a_border() {
     );
     let (front, back) = (Vec3::new(0.0, 0.0, 5.0), Vec3::new(0.0, 0.0, -5.0));
     near(lengths(&seen(&square, front)), [0.0, 0.0, 0.0, 8.0], 0.05);
-    // From behind it is not drawn, unless its material has two sides.
+    // From behind it is not drawn, unless its material is double-sided.
     near(lengths(&seen(&square, back)), [0.0; 4], 0.0);
     let params = LineParams::default();
     near(lengths(&seen_with(&square, back, &params, true)), [0.0, 0.0, 0.0, 8.0], 0.05);
-    // Two sheets back to back touch in every edge and are two sheets still: no edge between their triangles is a line.
-    // Where they end, they go together as the two sides of a leaf.
+    // Two sheets back to back touch in every edge and are still two sheets: no edge between their triangles is a line.
+    // Where they end, they are paired as the two sides of a leaf.
     let mut leaf = square.clone();
     leaf.1.extend(square.1.iter().map(|t| [t[0], t[2], t[1]]));
     let found = lengths(&seen(&leaf, front));
     near(found, [8.0, 0.0, 0.0, 0.0], 0.05);
-    // A triangle without area between two others is no gap.
+    // A triangle without area between two others is not a gap.
     let mut sliver = square;
     sliver.1.push([0, 2, 2]);
     near(lengths(&seen(&sliver, front)), [0.0, 0.0, 0.0, 8.0], 0.05);
@@ -209,12 +210,12 @@ fn a_perspective_sees_the_near_larger_and_nothing_behind_the_eye() {
             .seen(&TrueCamera { eye_ws: eye, target_ws: target, up_ws: Vec3::Y, lens }, SIZE, &LineParams::default())
             .unwrap()
     };
-    // The near face, 4 m before the eye, is all there is to see.
+    // Only the near face, 4 m in front of the eye, is visible.
     let front = look(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO);
     let scale = 50.0 / (0.5f64.tan() * 4.0);
     assert!((front.length_px(LineKind::Silhouette) - 8.0 * scale).abs() < 1.0, "{front:?}");
     assert!(look(Vec3::new(0.0, 0.0, 5.0), Vec3::new(0.0, 0.0, 9.0)).segments.is_empty());
-    // From close by, edges run past the eye and out of the picture; what is left lies in it.
+    // From close by, edges run past the eye and out of the picture; the rest is inside it.
     let near = look(Vec3::new(1.2, 1.3, 0.4), Vec3::new(0.9, 1.0, -0.5));
     assert!(!near.segments.is_empty());
     let inside = |p: DVec2| (-1e-6..=100.0 + 1e-6).contains(&p.x) && (-1e-6..=100.0 + 1e-6).contains(&p.y);

@@ -1,4 +1,4 @@
-//! Which faces of a skin lie side by side, and which of its edges are lines from one place.
+//! Adjacency of the faces of a mesh surface, and those of its edges that are lines from a viewpoint.
 
 use super::line::{ContourForm, LineParams};
 use super::visible::{Family, Piece};
@@ -7,26 +7,26 @@ use pelage_bake::strands::Skin;
 use pelage_truth::{Look, Sight};
 use std::collections::HashMap;
 
-/// Edges of a mesh whose vertices at one place are one.
+/// Edges of a mesh whose vertices at one position are merged.
 pub(super) struct Topology {
-    /// One per triangle: unit normal by the corners, zero for a triangle without area.
+    /// Unit normal of each triangle from its corners, zero for a triangle without area.
     normals: Vec<DVec3>,
     edges: Vec<Edge>,
 }
 
 struct Edge {
-    /// Vertices of the skin.
+    /// Vertices of the mesh surface.
     ends: [u32; 2],
-    /// One where the mesh ends.
+    /// Adjacent faces; only one where the mesh ends.
     faces: (u32, Option<u32>),
 }
 
-/// A side of a face, as its edge knows it.
+/// Side of a face, for matching it with others at its edge.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Side {
-    /// Places of the ends, the smaller first.
+    /// Position indices of the ends, the smaller first.
     places: [u32; 2],
-    /// Whether the face goes from the larger to the smaller.
+    /// Whether the face runs from the larger index to the smaller.
     backward: bool,
     face: u32,
     ends: [u32; 2],
@@ -44,7 +44,7 @@ impl Topology {
         for (face, triangle) in skin.triangles.iter().enumerate() {
             let place = triangle.map(|v| place_of[v as usize]);
             if place[0] == place[1] || place[1] == place[2] || place[2] == place[0] {
-                // Nothing but an edge: its neighbours meet there.
+                // The triangle is only an edge: its neighbours meet there.
                 continue;
             }
             for k in 0..3 {
@@ -60,12 +60,12 @@ impl Topology {
         Self { normals, edges }
     }
 
-    /// The edges that are lines from one place, hidden or not.
+    /// Returns the edges that are lines from a viewpoint, hidden or not.
     pub(super) fn pieces(&self, sight: &Sight, look: &Look<'_>, params: &LineParams) -> Vec<Piece> {
         let skin = sight.skin();
         let corner = |v: u32| skin.vertices[v as usize].position_ws;
         let middle = |face: u32| skin.corners(face as usize).iter().map(|c| c.position_ws).sum::<DVec3>() / 3.0;
-        // Above zero where a face looks at the eye.
+        // Above zero if a face is towards the eye.
         let facing: Vec<f64> = self
             .normals
             .iter()
@@ -82,7 +82,7 @@ impl Topology {
             };
             let flat = |face: u32| self.normals[face as usize] == DVec3::ZERO;
             if flat(first) || flat(second) {
-                // A face without area looks nowhere.
+                // A face without area has no direction.
                 return None;
             }
             if faces_eye(first) != faces_eye(second) {
@@ -103,26 +103,27 @@ impl Topology {
     }
 }
 
-/// How much nearer than an edge something may be without hiding it: the edge is met itself by the ray that asks,
-/// through the faces beside it, up to rounding. Rays are in f64, so little is enough; what is larger would let through
-/// lines that a fold hides.
+/// Distance by which something may be nearer than an edge without hiding it, radii of the mesh surface. Up to rounding,
+/// the visibility ray meets the edge itself, through the adjacent faces. Rays are in f64, so little is enough; more
+/// would show lines that a fold hides.
 const SLACK_RADII: f64 = 1e-6;
-/// The same, lengths of the edge: a face seen edge-on is met up to that much before or behind its own border.
+/// Same tolerance in lengths of the edge: a face seen edge-on is met up to that much in front of or behind its own
+/// border.
 const SLACK_EDGES: f64 = 1e-3;
 
-/// For each vertex a number that is that of all vertices at its place.
+/// Returns for each vertex a number that is the same for all vertices at its position.
 fn places(skin: &Skin) -> Vec<u32> {
     let mut first_at = HashMap::new();
     let place = |(i, v): (usize, &pelage_bake::strands::SkinPoint)| {
-        // Adding zero makes one of both zeros.
+        // Adding zero merges both zeros.
         let key = (v.position_ws + 0.0).to_array().map(f64::to_bits);
         *first_at.entry(key).or_insert(i as u32)
     };
     skin.vertices.iter().enumerate().map(place).collect()
 }
 
-/// The edges at one pair of places. Where more than two faces meet, those go together that go round the same way and
-/// are most alike, so that two sheets that touch stay two sheets; what is left ends there.
+/// Returns the edges at one pair of positions. Where more than two faces meet, consistently wound faces with the most
+/// similar normals are paired, so that two sheets that touch stay two sheets. Remaining faces end there.
 fn pair(around: &[Side], normals: &[DVec3]) -> Vec<Edge> {
     let turn = around.partition_point(|side| !side.backward);
     let (forward, backward) = around.split_at(turn);
@@ -133,7 +134,7 @@ fn pair(around: &[Side], normals: &[DVec3]) -> Vec<Edge> {
             candidates.push((normals[a.face as usize].dot(normals[b.face as usize]), i, j));
         }
     }
-    // The sort is stable: of those as much alike the first of the mesh come first.
+    // The sort is stable: of equally similar faces the first of the mesh come first.
     candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
     let (mut taken, mut used) = (vec![false; forward.len()], vec![false; backward.len()]);
     for (_, i, j) in candidates {

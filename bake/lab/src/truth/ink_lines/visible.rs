@@ -1,28 +1,28 @@
-//! What is seen of a line: samples along it in the picture, each asked for by a ray.
+//! Visible parts of a line: samples along it in the picture, each tested by a ray.
 
 use super::line::{LineKind, LineSegment};
 use glam::{DVec2, DVec3};
 use pelage_truth::Look;
 
-/// Distance between samples along a line, pixels at most.
+/// Largest distance between samples along a line, pixels.
 pub(super) const STEP_PX: f64 = 0.5;
-/// How far beyond a contour it is asked whether something lies behind, pixels.
+/// Distance beyond a contour at which a ray tests for something behind it, pixels.
 const BEYOND_PX: f64 = 1.0;
 
-/// A straight line on the mesh, hidden or not.
+/// Straight line on the mesh, hidden or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
-    /// World space, metres.
+    /// Ends in world space, metres.
     pub(super) from: DVec3,
     pub(super) to: DVec3,
     pub(super) family: Family,
-    /// A point beside it on the skin that shows.
+    /// Point beside the line on the visible mesh surface.
     pub(super) inside: DVec3,
-    /// How much nearer than it something may be without hiding it, metres.
+    /// Distance by which something may be nearer than the line without hiding it, metres.
     pub(super) slack_m: f64,
 }
 
-/// What a line is before it is known what lies behind.
+/// Kind of a line before it is known what is behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Family {
     Contour,
@@ -30,9 +30,9 @@ pub(super) enum Family {
     Border,
 }
 
-/// The parts of a piece that are seen in the picture.
+/// Returns the parts of a piece that are visible in the picture.
 ///
-/// * `near_m`: what is nearer to the eye is not looked at
+/// * `near_m`: anything nearer to the eye is ignored
 pub(super) fn parts(piece: &Piece, look: &Look<'_>, near_m: f64) -> Vec<LineSegment> {
     let Some(line) = Line::new(piece, look, near_m) else { return Vec::new() };
     let Some((begin, end)) = line.inside(look.rays().size()) else { return Vec::new() };
@@ -41,7 +41,7 @@ pub(super) fn parts(piece: &Piece, look: &Look<'_>, near_m: f64) -> Vec<LineSegm
     let mut out: Vec<LineSegment> = Vec::new();
     let mut last = None;
     for i in 0..steps {
-        // Each sample stands for the way between its neighbours.
+        // Each sample represents the interval between its neighbours.
         let (from_px, to_px) = (line.at(share(i)), line.at(share(i + 1)));
         let kind = line.seen_as(0.5 * (share(i) + share(i + 1)), piece, look);
         if let Some(kind) = kind {
@@ -55,13 +55,13 @@ pub(super) fn parts(piece: &Piece, look: &Look<'_>, near_m: f64) -> Vec<LineSegm
     out
 }
 
-/// A piece in the picture, as far as it is before the eye.
+/// Piece in the picture, clipped to the part in front of the eye.
 struct Line {
     from: DVec3,
     to: DVec3,
     from_px: DVec2,
     to_px: DVec2,
-    /// Metres before the eye; both 1 where that does not matter.
+    /// Depths of the ends, metres; both 1 for parallel rays.
     depths: (f64, f64),
 }
 
@@ -84,7 +84,7 @@ impl Line {
         Some(Self { from, to, from_px, to_px, depths })
     }
 
-    /// Shares of the line between which it lies in the picture (Liang and Barsky 1984).
+    /// Returns the range of shares of the line that is inside the picture (Liang and Barsky 1984).
     fn inside(&self, size: DVec2) -> Option<(f64, f64)> {
         let (mut begin, mut end) = (0.0f64, 1.0f64);
         let way = self.to_px - self.from_px;
@@ -102,18 +102,18 @@ impl Line {
         (begin < end).then_some((begin, end))
     }
 
-    /// A point of the line in the picture.
+    /// Returns a point of the line in the picture.
     fn at(&self, share: f64) -> DVec2 {
         self.from_px.lerp(self.to_px, share)
     }
 
-    /// The same point in the world: what is half way in the picture is nearer to the eye than half way.
+    /// Returns the same point in the world: the middle in the picture is nearer to the eye than the middle of the line.
     fn at_ws(&self, share: f64) -> DVec3 {
         let (near, far) = ((1.0 - share) / self.depths.0, share / self.depths.1);
         self.from.lerp(self.to, far / (near + far))
     }
 
-    /// What a point of the line is; `None` where it is hidden.
+    /// Returns the kind of line at a point; `None` if it is hidden.
     fn seen_as(&self, share: f64, piece: &Piece, look: &Look<'_>) -> Option<LineKind> {
         let at = self.at_ws(share);
         if !look.sees(at, piece.slack_m) {
