@@ -1,3 +1,4 @@
+//! uses ink/screen, shared/srgb
 // Fragment shader that shows one part of an ink painting for measurement; joined after ink_composite.wgsl.
 
 // Part to show. 1: lines, black on white; 2: features; 3: wash.

@@ -1,3 +1,4 @@
+//! uses hair/hair, shared/opacity, surface/place
 // Baseline for measuring shells: the same layers and fragments, with one texture read and no lighting.
 
 struct YardstickVarying {

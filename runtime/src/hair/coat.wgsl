@@ -1,3 +1,5 @@
+//! uses hair/hair, light/baked, light/key, light/point, shared/detail, shared/layer_shadow, shared/opacity,
+//! surface/place
 // Far fur layer: all fur layers as seen from above, flattened into one on the mesh surface. Used for fur too small to
 // be drawn in layers.
 

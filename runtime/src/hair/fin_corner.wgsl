@@ -1,3 +1,4 @@
+//! uses shared/fins, shared/frame, shared/skinning, shared/tile_frame, surface/geometry, surface/place
 // Corners of fins. Fins have no vertex buffer: every corner needs both ends of its edge, and reads them from the posed
 // vertices.
 

@@ -1,3 +1,4 @@
+//! uses light/baked, light/scatter, shared/detail, shared/opacity, shared/tile_frame, surface/place
 // Reading the hair volume, for all geometries: texels of a layer, dry and wet, groom values, and the thinning of
 // layers.
 

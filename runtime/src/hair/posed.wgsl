@@ -1,3 +1,4 @@
+//! uses hair/constants, hair/strand, shared/skinning, surface/place
 // Posed strands of a part, for passes that run after posing.
 
 @group(2) @binding(0) var<storage, read> posed: array<vec4<f32>>;

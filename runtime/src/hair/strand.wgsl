@@ -1,3 +1,4 @@
+//! uses hair/hair, surface/place
 // Strands as the runtime places them. A pass that includes this file declares groom_texture, base_color_sampler,
 // GROOM_VERTICES and GROOM_TEXTURE.
 

@@ -1,3 +1,4 @@
+//! uses shared/skinning
 // Returns the frame along the first edge, perpendicular to it in the plane, and along the normal. A triangle without
 // area gets the coordinate axes.
 fn triangle_frame(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> mat3x3<f32> {

@@ -1,3 +1,4 @@
+//! uses light/point, light/visibility, shared/frame, shared/tile_frame, surface/place
 // Vertex computations of all hair geometries. Values that are linear over a triangle belong here: the directions to the
 // light and H, in the tile frame of the direction texture.
 

@@ -1,3 +1,4 @@
+//! uses light/scatter, shared/visibility, surface/place
 // Baked lighting of a point of hair: the share of each light that passes the other strands.
 
 // The package contains baked visibility, and the frame uses it.

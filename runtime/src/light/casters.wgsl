@@ -1,3 +1,4 @@
+//! uses surface/place
 // Depth-only pass of the opaque mesh surface as seen from the key light.
 
 struct CasterVarying {

@@ -1,3 +1,6 @@
+//! uses light/baked, light/fibre, light/fills, light/point, light/scatter, light/visibility, shared/environment,
+//! shared/frame, shared/kajiya_kay, shared/scattering, shared/skinning, shared/tile_frame, shared/visibility,
+//! surface/place
 // Light from an environment map: the light from above the surface's horizon is treated as one light, spread about its
 // mean direction.
 

@@ -1,3 +1,4 @@
+//! uses hair/hair, shared/kajiya_kay, surface/place
 // Optics of a single hair: Kajiya-Kay, Yang 2006, eq. (1).
 
 // pd is 2, so sin^2 needs no power.

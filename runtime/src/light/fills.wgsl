@@ -1,3 +1,5 @@
+//! uses light/baked, light/fibre, light/point, light/scatter, shared/frame, shared/kajiya_kay, shared/skinning,
+//! shared/tile_frame, surface/place
 // Fill lights, which cast no shadows.
 
 const MAX_FILL_LIGHTS: u32 = 32u;

@@ -1,3 +1,4 @@
+//! uses light/fibre
 // Forms of the formulas as pelage draws with them. A study of the printed forms replaces this file by another.
 
 // A layer is more opaque along slanted paths, for view rays and for light.

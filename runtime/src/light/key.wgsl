@@ -1,3 +1,5 @@
+//! uses light/baked, light/forms, light/point, light/scatter, light/visibility, shared/kajiya_kay, shared/skinning,
+//! surface/place
 // Key light and ambient light on hair: Yang 2006, eqs. (2) and (3).
 
 // Light that reaches a point. Geometries that compute some of it at vertices pass it on from there.

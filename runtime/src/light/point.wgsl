@@ -1,3 +1,5 @@
+//! uses light/baked, light/environment, light/fills, light/key, light/scatter, shared/environment, shared/tile_frame,
+//! surface/place
 // Point of hair as seen by lights, independent of its geometry, and the single function that lights it.
 
 // Location of a point, for lights that are not evaluated at vertices.

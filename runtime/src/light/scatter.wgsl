@@ -1,3 +1,4 @@
+//! uses light/visibility, shared/scattering, surface/place
 // Multiple scattering between hair fibres. Replaces the two lobes of Kajiya-Kay if the package has tables of its
 // fibres.
 

@@ -1,3 +1,4 @@
+//! uses light/baked, light/forms, light/scatter, shared/layer_shadow, shared/soft_shadow, surface/place
 // Share of the key light that reaches a point: past the hair above it, by the layer-wise maps, and past other objects,
 // by the shadow-width map. Each is a function of a receiver; the result is their product.
 

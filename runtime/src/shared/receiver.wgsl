@@ -1,3 +1,4 @@
+//! uses shared/layer_shadow, shared/soft_shadow
 // Key light on the application's own geometry: lookup of the shadow maps for shaders outside pelage. Needs
 // layer_shadow.wgsl and soft_shadow.wgsl before it.
 

@@ -1,3 +1,4 @@
+//! uses shared/frame, shared/skinning, shared/tile_frame
 // Vertices, placement of vertices and hair, and base colours, shared by all passes over a model's surface.
 
 struct Vertex {

@@ -4,6 +4,8 @@ mod dependencies;
 mod documentation;
 mod floors;
 mod gate;
+mod language;
 mod published;
 mod register;
+mod shaders;
 mod sources;

@@ -1,3 +1,5 @@
+//! uses debug/shown, hair/fin_corner, hair/hair, hair/vertex, light/baked, light/forms, light/key, light/point,
+//! light/visibility, shared/tile_frame, surface/place
 // Fins: a quad on every mesh edge, visible when seen face on, which is along the outline (Lengyel 2001). Faded fins
 // collapse into a point and produce no fragments.
 

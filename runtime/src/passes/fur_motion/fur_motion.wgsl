@@ -1,3 +1,4 @@
+//! uses hair/wind, shared/skinning, shared/tile_frame, surface/geometry
 // Motion of fur: one particle at the hair tip of each vertex. Twin of formats/src/meaning/fur_motion.rs, which explains
 // the method.
 

@@ -1,3 +1,4 @@
+//! uses hair/triangle_frame, hair/wind, surface/geometry
 // Motion of hair on guides: each guide is a chain of particles whose root moves with the mesh surface. Twin of
 // formats/src/meaning/hair_motion/mod.rs, which explains the method.
 

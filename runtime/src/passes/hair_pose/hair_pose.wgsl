@@ -1,3 +1,4 @@
+//! uses hair/constants, hair/triangle_frame, shared/skinning, shared/tile_frame, surface/geometry
 // Pose of hair on guides: rotates guides with the triangles of their roots, then places the points of a part's hairs.
 // Twin of `pelage_formats::meaning::hair_groups`.
 

@@ -1,3 +1,4 @@
+//! uses ink/line_forms, ink/screen, shared/srgb
 // Composition of paper, wash and lines into the application's picture, with the depth of the painted surface.
 
 @group(0) @binding(1) var normals: texture_2d<f32>;

@@ -1,3 +1,4 @@
+//! uses ink/line_forms, ink/screen, shared/ink
 // Detection of line features: pixels where the normal turns (Fang 2006, §2) or depth steps.
 
 @group(0) @binding(1) var normals: texture_2d<f32>;

@@ -1,3 +1,4 @@
+//! uses hair/fin_corner, ink/model, shared/frame, shared/ink, shared/skinning, shared/srgb, surface/place
 // Fur strokes in ink: fins along the outline and the outer shells as dry brush strokes, drawn over the result of
 // `ink_composite`.
 

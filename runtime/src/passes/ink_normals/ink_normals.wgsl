@@ -1,3 +1,4 @@
+//! uses ink/model, ink/surface_forms, shared/frame, shared/ink, shared/skinning, surface/place
 // Input textures of the other ink passes: normals in the frame perpendicular to the view, and wash and line parameters
 // of the surface.
 

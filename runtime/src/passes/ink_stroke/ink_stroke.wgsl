@@ -1,3 +1,4 @@
+//! uses ink/line_forms, ink/screen, shared/ink
 // Ink lines: the feature whose line reaches a pixel, and how brush and sphere map fill that line (Fang 2006, §2).
 
 @group(0) @binding(1) var normals: texture_2d<f32>;

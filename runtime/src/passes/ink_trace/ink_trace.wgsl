@@ -1,3 +1,4 @@
+//! uses ink/line_forms, ink/screen
 // Selection of the features that form lines. Each feature is followed to both sides. A line that ends soon, or features
 // without order around it, are specks caused by the faces of a dense mesh. Strength and width are averaged along the
 // line, which would look like a row of beads otherwise. Outlines are never specks.

@@ -1,3 +1,4 @@
+//! uses shared/deep_opacity
 // Map of the key light's transmittance through all hair on guides in front of the mesh surface.
 
 @group(0) @binding(0) var<storage, read> deep: array<u32>;

@@ -1,3 +1,4 @@
+//! uses hair/hair, light/forms, shared/frame, shared/layer_shadow, shared/opacity, surface/place
 // Transmittance of one hair layer, seen from the key light (Yang 2006, sec. 3.1). Blending multiplies it with the
 // transmittance of the layers above; a light ray is one texel.
 

@@ -1,3 +1,4 @@
+//! uses shared/skinning, surface/geometry
 // Application of morph targets: adds each target's deltas to a vertex, scaled by the offset of its weight from rest.
 // Twin of `morphed` in formats/src/meaning/skinning.rs.
 

@@ -1,3 +1,4 @@
+//! uses passes/pose/morphed or passes/pose/still, shared/skinning, shared/tile_frame, surface/geometry
 // Skinning of the base mesh, once per frame; every later pass reads the posed vertices.
 
 // Four u16 joint indices in two words, low half first.

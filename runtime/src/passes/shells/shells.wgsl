@@ -1,3 +1,6 @@
+//! uses debug/shown, hair/hair, hair/vertex, light/baked, light/forms, light/point, light/visibility,
+//! passes/shells/varying, shared/detail, shared/kajiya_kay, shared/layer_shadow, shared/opacity, shared/tile_frame,
+//! surface/place
 // Shells: layers 1.. of the hair volume, inside to outside, one per instance index.
 
 // The layer-wise maps have other layers than are drawn.

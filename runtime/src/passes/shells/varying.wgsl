@@ -1,3 +1,4 @@
+//! uses hair/vertex, light/key, light/point, shared/kajiya_kay, surface/place
 // Packed interpolants between vertex and fragment shaders of shells. There are three variants, each with no more slots
 // than its fur needs. Software rasterisers pay for a slot at every vertex, triangle and block of pixels, and for each
 // uniform value at every block. Therefore light times base colour is computed at vertices, and uniforms are passed as

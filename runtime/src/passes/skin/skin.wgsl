@@ -1,3 +1,5 @@
+//! uses debug/shown, hair/coat, hair/hair, hair/vertex, light/baked, light/environment, light/fills, light/forms,
+//! light/key, light/point, light/visibility, shared/kajiya_kay, shared/tile_frame, surface/place
 // Opaque base mesh. Furred parts carry the innermost hair layer; bare parts (eyes, hooves) have plain diffuse light.
 
 // Bare style: compresses light, so that no channel exceeds white.

@@ -1,3 +1,4 @@
+//! uses debug/shown, hair/nearest, hair/packed_light
 // Blending of the gathered hair segments over the picture: layer by layer of each tile, the farthest first.
 
 @group(0) @binding(0) var<storage, read> keys: array<u32>;

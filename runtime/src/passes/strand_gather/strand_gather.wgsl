@@ -1,3 +1,4 @@
+//! uses hair/nearest, hair/packed_light
 // Gathering of the nearest hair segments in each pixel, in two rounds over all segments. The first sorts keys, the
 // second stores the light of the nearest segments. The result does not depend on the order of threads.
 

@@ -1,3 +1,6 @@
+//! uses hair/constants, hair/hair, hair/packed_light, hair/posed, hair/strand, light/baked, light/deep_forms,
+//! light/key, light/point, light/scatter, light/visibility, shared/deep_opacity, shared/environment, shared/frame,
+//! shared/skinning, shared/tile_frame, surface/place
 // Construction of ribbons: selects visible strands, assigns each its place among the vertices, and writes its lit
 // corners. Strands keep their order, so that pictures are reproducible.
 

@@ -1,3 +1,4 @@
+//! uses hair/constants, hair/strand, shared/skinning, shared/tile_frame, surface/geometry
 // Placement of a part's strand points on the posed mesh, with the surface frame at their roots.
 
 struct Stand {

@@ -1,3 +1,4 @@
+//! uses hair/constants, hair/posed, hair/strand, light/deep_forms, shared/deep_opacity, shared/frame, surface/place
 // Rasterisation of a share of a part's strands, which represent all of them, into the deep opacity map. The first round
 // finds the nearest hair of each texel. The second adds the area that hair covers in each slab behind it. Strands are
 // walked in steps of at most one texel.

@@ -1,3 +1,4 @@
+//! uses debug/shown, hair/packed_light
 // Single strands: ribbons that face the eye, as wide as the hair, with the light of their points.
 
 struct Frame {

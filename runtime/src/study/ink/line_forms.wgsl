@@ -1,3 +1,4 @@
+//! uses ink/screen
 // Line functions as pelage draws them and as Fang 2006 prints them, chosen by overrides; replaces ink/line_forms.wgsl
 // in studies.
 

@@ -1,3 +1,4 @@
+//! uses ink/model, shared/ink
 // Surface functions as pelage paints them and as Fang 2006 prints them, chosen by overrides; replaces
 // ink/surface_forms.wgsl in studies.
 

@@ -1,3 +1,4 @@
+//! uses hair/hair, light/fibre, shared/tile_frame
 // Lighting functions as pelage draws with them and as the papers print them, chosen by overrides; replaces
 // light/forms.wgsl in studies.
 

@@ -1,6 +1,6 @@
 //! Shader sources in a module's data: lines of text among other bytes.
 
-/// Replaces comment lines, `//` and a space after nothing but spaces, by spaces. Every text keeps its position and
+/// Replaces comment lines by spaces: `//` or `//!` and a space, after nothing but spaces. Every text keeps its position and
 /// length, so that references stay valid, and spaces compress to almost nothing.
 pub fn blank_comments(data: &mut [u8]) {
     // Text before the first end of line, or after the last, may be part of another text.
@@ -56,8 +56,9 @@ fn is_text(line: &[u8]) -> bool {
 }
 
 fn is_comment(line: &[u8]) -> bool {
+    let begins = |text: &str| text.starts_with("// ") || text.starts_with("//! ");
     std::str::from_utf8(line)
-        .is_ok_and(|text| text.trim_start_matches(' ').starts_with("// ") && !text.contains(char::is_control))
+        .is_ok_and(|text| begins(text.trim_start_matches(' ')) && !text.contains(char::is_control))
 }
 
 #[cfg(test)]
@@ -66,12 +67,12 @@ mod tests {
 
     #[test]
     fn whole_lines_of_comment_are_blank_and_all_else_keeps_its_place() {
-        let mut data = "// first\nfn a() {\n    // why: γ\n    b(); // c\n//\n}\n// last".as_bytes().to_vec();
+        let mut data = "// first\nfn a() {\n    // why: γ\n//! d\n    b(); // c\n//\n}\n// last".as_bytes().to_vec();
         let before = data.clone();
         blank_comments(&mut data);
         assert_eq!(data.len(), before.len());
         let text = String::from_utf8(data).unwrap_or_default();
-        assert_eq!(text, "// first\nfn a() {\n              \n    b(); // c\n//\n}\n// last");
+        assert_eq!(text, "// first\nfn a() {\n              \n     \n    b(); // c\n//\n}\n// last");
     }
 
     #[test]

@@ -1,0 +1,114 @@
+//! Language of the sources: first words of doc comments, phrases and line lengths, counted for each folder.
+//!
+//! `language.txt` holds the counts. A count that rises fails the test; one that falls must be lowered in the file, so
+//! that it cannot rise again.
+
+use pelage_tests::binary::workspace;
+use pelage_tests::documents::{Document, documents};
+use std::collections::BTreeMap;
+
+/// Words that no doc comment may begin with.
+const FIRST_WORDS: [&str; 9] = ["What", "Who", "Whoever", "Of", "As", "That", "It", "Its", "Another"];
+
+/// Phrases that comments and documents avoid.
+const PHRASES: [&str; 11] = [
+    "anew", "whoever", "of late", "hangs on", "hang on", "in the place of", "what it is about", "is told", "are told",
+    "dearer", "dearest",
+];
+
+/// Largest number of characters in a line of code or of a comment.
+const COLUMNS: usize = 120;
+
+/// Files with quotations or word lists, whose phrases do not count.
+const QUOTING: [&str; 1] = ["tests/tests/house/language.rs"];
+
+/// Faults of a folder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Counts {
+    /// Doc comments that begin with one of [`FIRST_WORDS`].
+    first_words: usize,
+    /// Lines of comments or documents that contain one of [`PHRASES`].
+    phrases: usize,
+    /// Lines of code or comments with more than [`COLUMNS`] characters.
+    long_lines: usize,
+}
+
+/// Returns the text of a comment line and its marker.
+fn comment(line: &str) -> Option<(&str, &str)> {
+    let line = line.trim_start();
+    ["///", "//!", "//"].into_iter().find_map(|marker| Some((marker, line.strip_prefix(marker)?)))
+}
+
+/// Whether the text contains the phrase as whole words.
+fn contains_phrase(text: &str, phrase: &str) -> bool {
+    let bounded = |end: Option<char>| !end.is_some_and(char::is_alphanumeric);
+    text.match_indices(phrase).any(|(at, _)| {
+        bounded(text[..at].chars().next_back()) && bounded(text[at + phrase.len()..].chars().next())
+    })
+}
+
+fn counts(document: &Document) -> Counts {
+    let mut counts = Counts::default();
+    let markdown = document.path.ends_with(".md");
+    let mut marker_before = "";
+    for line in document.text.lines() {
+        let (marker, text) = if markdown { ("", line) } else { comment(line).unwrap_or_default() };
+        if matches!(marker, "///" | "//!") && marker != marker_before {
+            let first = text.trim_start().split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
+            counts.first_words += usize::from(FIRST_WORDS.contains(&first));
+        }
+        marker_before = marker;
+        let text = text.to_lowercase();
+        if !QUOTING.contains(&document.path.as_str()) && PHRASES.iter().any(|phrase| contains_phrase(&text, phrase)) {
+            counts.phrases += 1;
+        }
+        counts.long_lines += usize::from(!markdown && line.chars().count() > COLUMNS);
+    }
+    counts
+}
+
+/// Returns the folder whose counts a file belongs to: one of its crate, or `documents`.
+fn folder(path: &str) -> String {
+    if path.ends_with(".md") {
+        return "documents".into();
+    }
+    let mut parts = path.split('/');
+    let first = parts.next().unwrap_or_default();
+    match parts.next() {
+        Some(second) if first != "formats" && second != "src" => format!("{first}/{second}"),
+        _ => first.to_owned(),
+    }
+}
+
+fn table(all: &BTreeMap<String, Counts>) -> String {
+    let rows = all.iter().map(|(folder, c)| format!("{folder} {} {} {}\n", c.first_words, c.phrases, c.long_lines));
+    format!("# folder, first words, phrases, long lines\n{}", rows.collect::<String>())
+}
+
+#[test]
+fn language_faults_only_become_fewer() {
+    let mut all = BTreeMap::<String, Counts>::new();
+    for document in documents(&["rs", "wgsl", "md"]) {
+        let found = counts(&document);
+        let sum = all.entry(folder(&document.path)).or_default();
+        sum.first_words += found.first_words;
+        sum.phrases += found.phrases;
+        sum.long_lines += found.long_lines;
+    }
+    let path = workspace().join("tests/tests/house/language.txt");
+    let committed = std::fs::read_to_string(&path).unwrap();
+    let counted = table(&all);
+    assert_eq!(committed, counted, "{}: a count rose (mend it), or fell (write the new one)\n{counted}", path.display());
+}
+
+#[test]
+fn each_rule_finds_its_fault() {
+    let text = "//! Of its bytes.\n\n/// Reads a file.\n/// It is whole.\nfn a() {}\n// made anew, whoever asks\n// renewed";
+    let document = |path: &str, text: String| Document { path: path.into(), text };
+    let found = counts(&document("bake/src/lib.rs", format!("{text}\n//{:121}", "")));
+    assert_eq!(found, Counts { first_words: 1, phrases: 1, long_lines: 1 });
+    assert_eq!(counts(&document("README.md", "It is dearer.\n".into())).phrases, 1);
+    assert_eq!(folder("runtime/stage/src/lib.rs"), "runtime/stage");
+    assert_eq!(folder("runtime/src/lib.rs"), "runtime");
+    assert_eq!(folder("formats/params/src/lib.rs"), "formats");
+}
