@@ -56,32 +56,87 @@ fn page(command: &mut Command) -> String {
     let everywhere: Vec<_> = command.get_arguments().filter(|arg| arg.is_global_set()).collect();
     text += "\n## Options of every subcommand\n\n";
     text.extend(everywhere.iter().map(|arg| entry(arg)));
+    let shared = shared_arguments(&subcommands);
+    text += &format!("\n## {SHARED_TITLE}\n\n{}\n\n", wrap("", SHARED_TEXT));
+    text += &entries(&shared);
     for sub in subcommands {
-        text += &section(sub, "");
+        text += &section(sub, "", &shared);
         let actions = sub.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help");
-        text.extend(actions.map(|action| section(action, &format!("{} ", sub.get_name()))));
+        text.extend(actions.map(|action| section(action, &format!("{} ", sub.get_name()), &shared)));
     }
     text
 }
 
-/// Returns the section of a command; `above`: parent command of an action, with a trailing space.
-fn section(command: &Command, above: &str) -> String {
+/// Commands whose common options are listed once.
+const PICTURE_COMMANDS: [&str; 4] = ["render", "bench", "view", "reference"];
+
+/// Number of these commands that must have an option in common.
+const SHARED_BY: usize = 3;
+
+const SHARED_TITLE: &str = "Options of every picture";
+const SHARED_TEXT: &str =
+    "Commands that draw have these options in common. The section of a command names those that it lacks.";
+
+/// Returns the options that at least [`SHARED_BY`] of [`PICTURE_COMMANDS`] have with the same help text, in the order of
+/// the first.
+fn shared_arguments<'a>(subcommands: &[&'a Command]) -> Vec<&'a Arg> {
+    let draws = |command: &&&'a Command| PICTURE_COMMANDS.contains(&command.get_name());
+    let all = || subcommands.iter().filter(draws).flat_map(|command| listed(command));
+    let mut shared: Vec<&Arg> = Vec::new();
+    for arg in all() {
+        let text = entry(arg);
+        if all().filter(|other| entry(other) == text).count() >= SHARED_BY
+            && !shared.iter().any(|known| entry(known) == text)
+        {
+            shared.push(arg);
+        }
+    }
+    shared
+}
+
+/// Returns the arguments of a command that the page lists.
+fn listed(command: &Command) -> impl Iterator<Item = &Arg> {
+    command.get_arguments().filter(|arg| !arg.is_hide_set() && !arg.is_global_set() && is_ours(arg))
+}
+
+/// Formats arguments as a list, those with a heading last.
+fn entries(arguments: &[&Arg]) -> String {
+    let (grouped, plain): (Vec<&Arg>, Vec<&Arg>) = arguments.iter().partition(|arg| arg.get_help_heading().is_some());
+    let mut text = String::new();
+    let mut heading = None;
+    for arg in plain.into_iter().chain(grouped) {
+        if arg.get_help_heading() != heading {
+            heading = arg.get_help_heading();
+            text += &format!("\n### {}\n\n", heading.unwrap_or_default());
+        }
+        text += &entry(arg);
+    }
+    text
+}
+
+/// Returns the section of a command; `above`: parent command of an action, with a trailing space. Options of `shared`
+/// are not repeated.
+fn section(command: &Command, above: &str, shared: &[&Arg]) -> String {
     let mut text = format!("\n## `pelage {above}{}`\n", command.get_name());
     let about = command.get_long_about().or(command.get_about());
     let about = about.map(ToString::to_string).unwrap_or_default();
     for paragraph in about.split("\n\n") {
         text += &format!("\n{}\n", wrap("", &paragraph.split_whitespace().collect::<Vec<_>>().join(" ")));
     }
-    let shown = || command.get_arguments().filter(|arg| !arg.is_hide_set() && !arg.is_global_set() && is_ours(arg));
     text += &format!("\n```\n{}\n```\n\n", synopsis(command, above));
-    let mut heading = None;
-    let grouped = shown().filter(|arg| arg.get_help_heading().is_none());
-    for arg in grouped.chain(shown().filter(|arg| arg.get_help_heading().is_some())) {
-        if arg.get_help_heading() != heading {
-            heading = arg.get_help_heading();
-            text += &format!("\n### {}\n\n", heading.unwrap_or_default());
-        }
-        text += &entry(arg);
+    let own: Vec<String> = listed(command).map(entry).collect();
+    let (has, lacks): (Vec<&Arg>, Vec<&Arg>) = shared.iter().partition(|arg| own.contains(&entry(arg)));
+    let repeats = has.len() > lacks.len();
+    let others: Vec<&Arg> =
+        listed(command).filter(|arg| !repeats || !shared.iter().any(|known| entry(known) == entry(arg))).collect();
+    text += &entries(&others);
+    if repeats {
+        let lacks: Vec<_> = lacks.iter().map(|arg| format!("`{}`", spelled(arg, false))).collect();
+        let except = if lacks.is_empty() { String::new() } else { format!(", except {}", lacks.join(", ")) };
+        text += &format!(
+            "\n{}\n",
+            wrap("", &format!("Also the [options of every picture](#options-of-every-picture){except}."))
+        );
     }
     text
 }
