@@ -7,9 +7,9 @@
 use image::GrayImage;
 use pelage_bake::io::read_map_images;
 use pelage_bake::recipe::{Coat, FilePath, Recipe};
-use pelage_bake::stages::hair::{VolumeParams, simulate_recipe};
+use pelage_bake::stages::simulate::{VolumeParams, simulate_recipe};
 use pelage_bake::stages::ink::{self, Plane};
-use pelage_bake::steps::Steps;
+use pelage_bake::steps::StageProgress;
 use std::time::Instant;
 
 /// Width of one channel on the sheet, pixels.
@@ -47,7 +47,7 @@ fn main() -> anyhow::Result<()> {
     row("paper", &|| vec![ink::paper(&recipe.ink)]);
     row("fur", &|| ink::fur(&strands, recipe.ink.fur_texels, recipe.ink.seed).to_vec());
     let start = Instant::now();
-    let textures = ink::textures(&recipe.ink, &recipe.pack, &images, Some(&strands), Steps::unseen())?;
+    let textures = ink::textures(&recipe.ink, &recipe.pack, &images, Some(&strands), StageProgress::ignored())?;
     let bytes = [&textures.stroke, &textures.wash, &textures.paper].map(|(_, file)| file.len());
     let fur = textures.fur.map_or(0, |(_, file)| file.len());
     println!("all, encoded: {:.3} s; {bytes:?} and {fur} bytes", start.elapsed().as_secs_f32());

@@ -7,8 +7,8 @@
 
 use glam::{Vec2, Vec3};
 use pelage_bake::recipe::{Coat, Recipe};
-use pelage_bake::stages::hair::{VolumeParams, simulate_recipe};
-use pelage_bake::stages::textures::{ShellSet, collect_layers, slice};
+use pelage_bake::stages::simulate::{VolumeParams, simulate_recipe};
+use pelage_bake::stages::slice::{ShellSet, collect_layers, slice};
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{TextureFormat, decode_direction};
 use std::time::Instant;

@@ -10,7 +10,7 @@
 
 use crate::hexadecimal::{self, hex};
 use crate::io::{digest, read_file, write_atomic};
-use crate::traffic::{Asked, Digest, Traffic};
+use crate::traffic::{TracedInput, Digest, IoTrace};
 use pelage_import::BakeError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -25,9 +25,9 @@ pub struct Cache {
 
 /// Cached result of a command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Kept {
+pub struct CommandResult {
     /// Output files.
-    pub files: Vec<KeptFile>,
+    pub files: Vec<CachedFile>,
     /// Exit code.
     pub exit: u8,
     /// Result as text for people.
@@ -40,7 +40,7 @@ pub struct Kept {
 
 /// Output file of a command.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct KeptFile {
+pub struct CachedFile {
     /// Index of the output folder that contains the file.
     pub folder: usize,
     /// File name within that folder.
@@ -59,14 +59,14 @@ enum Node {
     /// Property of the machine to query next.
     Machine { what: String },
     /// Result; nothing more is read.
-    Made(Kept),
+    Made(CommandResult),
 }
 
 /// Cache hit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct CacheHit {
     /// Cached result.
-    pub kept: Kept,
+    pub kept: CommandResult,
     /// Files that the result depends on.
     pub read: Vec<PathBuf>,
 }
@@ -86,11 +86,11 @@ impl Cache {
     /// # Errors
     ///
     /// [`BakeError::Io`] if the executable cannot be read.
-    pub fn tool(&self, program: &Path) -> Result<Digest, BakeError> {
+    pub fn tool_hash(&self, program: &Path) -> Result<Digest, BakeError> {
         let fail = |source| BakeError::Io { path: program.to_owned(), action: "read", source };
         let found = std::fs::metadata(program).map_err(fail)?;
         let installed = format!("{} {} {:?}", program.display(), found.len(), found.modified().ok());
-        let path = self.place("tools", &Sha256::digest(installed).into());
+        let path = self.entry_path("tools", &Sha256::digest(installed).into());
         if let Some(known) = std::fs::read_to_string(&path).ok().and_then(|text| from_hex(&text)) {
             return Ok(known);
         }
@@ -104,30 +104,30 @@ impl Cache {
     ///
     /// * `key`: hash of the tool and the command's arguments
     /// * `machine`: answers queries about the machine
-    pub fn find(&self, key: &Digest, machine: &mut dyn FnMut(&str) -> Option<String>) -> Option<Found> {
+    pub fn lookup(&self, key: &Digest, machine: &mut dyn FnMut(&str) -> Option<String>) -> Option<CacheHit> {
         let (mut state, mut read) = (*key, Vec::new());
         for _ in 0..MOST_STATES {
-            let bytes = std::fs::read(self.place("states", &state)).ok()?;
+            let bytes = std::fs::read(self.entry_path("states", &state)).ok()?;
             match serde_json::from_slice(&bytes).ok()? {
                 Node::File { path, most } => {
                     let path = PathBuf::from(path);
                     let digest = digest_of(&path, most)?;
-                    state = after_file(&state, digest.as_ref());
+                    state = next_state_of_file(&state, digest.as_ref());
                     if digest.is_some() && !read.contains(&path) {
                         read.push(path);
                     }
                 }
-                Node::Machine { what } => state = after(&state, machine(&what)?.as_bytes()),
-                Node::Made(kept) => return Some(Found { kept, read }),
+                Node::Machine { what } => state = next_state(&state, machine(&what)?.as_bytes()),
+                Node::Made(kept) => return Some(CacheHit { kept, read }),
             }
         }
         None
     }
 
     /// Returns the contents of a cached file, or `None` if the file is missing or damaged.
-    pub fn bytes(&self, file: &KeptFile) -> Option<Vec<u8>> {
+    pub fn read(&self, file: &CachedFile) -> Option<Vec<u8>> {
         let digest = from_hex(&file.sha256)?;
-        let bytes = std::fs::read(self.place("files", &digest)).ok()?;
+        let bytes = std::fs::read(self.entry_path("files", &digest)).ok()?;
         (Digest::from(Sha256::digest(&bytes)) == digest).then_some(bytes)
     }
 
@@ -138,10 +138,10 @@ impl Cache {
     /// # Errors
     ///
     /// [`BakeError::Io`]. Entries written before the error are harmless.
-    pub fn keep(&self, key: &Digest, traffic: &Traffic, kept: &Kept, files: &[&Path]) -> Result<(), BakeError> {
+    pub fn store(&self, key: &Digest, traffic: &IoTrace, kept: &CommandResult, files: &[&Path]) -> Result<(), BakeError> {
         for (file, path) in kept.files.iter().zip(files) {
             let Some(digest) = from_hex(&file.sha256) else { continue };
-            let place = self.place("files", &digest);
+            let place = self.entry_path("files", &digest);
             if !place.exists() {
                 write(&place, &read_file(path)?)?;
             }
@@ -149,13 +149,13 @@ impl Cache {
         let mut state = *key;
         for asked in &traffic.asked {
             let (node, next) = match asked {
-                Asked::File { path, most, digest } => {
+                TracedInput::File { path, most, digest } => {
                     // A node cannot store a path that is not valid Unicode; such commands are never cached.
                     let Some(path) = path.to_str() else { return Ok(()) };
-                    (Node::File { path: path.to_owned(), most: *most }, after_file(&state, digest.as_ref()))
+                    (Node::File { path: path.to_owned(), most: *most }, next_state_of_file(&state, digest.as_ref()))
                 }
-                Asked::Machine { what, answer } => {
-                    (Node::Machine { what: (*what).to_owned() }, after(&state, answer.as_bytes()))
+                TracedInput::Machine { what, answer } => {
+                    (Node::Machine { what: (*what).to_owned() }, next_state(&state, answer.as_bytes()))
                 }
             };
             self.put(&state, &node)?;
@@ -166,13 +166,13 @@ impl Cache {
 
     fn put(&self, state: &Digest, node: &Node) -> Result<(), BakeError> {
         let bytes = serde_json::to_vec(node).map_err(|error| BakeError::Internal(error.to_string()))?;
-        let place = self.place("states", state);
+        let place = self.entry_path("states", state);
         // Equal states have equal nodes, except for figures such as seconds; the first node wins.
         if place.exists() { Ok(()) } else { write(&place, &bytes) }
     }
 
     /// Returns the path of an entry, spread over 256 subfolders.
-    fn place(&self, what: &str, digest: &Digest) -> PathBuf {
+    fn entry_path(&self, what: &str, digest: &Digest) -> PathBuf {
         let name = hex(digest);
         let (folder, name) = name.split_at(2);
         self.folder.join(what).join(folder).join(name)
@@ -198,12 +198,12 @@ fn digest_of(path: &Path, most: u64) -> Option<Option<Digest>> {
 }
 
 /// Returns the state after another input was read.
-fn after(state: &Digest, learnt: &[u8]) -> Digest {
+fn next_state(state: &Digest, learnt: &[u8]) -> Digest {
     Sha256::new().chain_update(state).chain_update(learnt).finalize().into()
 }
 
-fn after_file(state: &Digest, digest: Option<&Digest>) -> Digest {
-    after(state, digest.map_or(b"nothing there".as_slice(), |digest| digest))
+fn next_state_of_file(state: &Digest, digest: Option<&Digest>) -> Digest {
+    next_state(state, digest.map_or(b"nothing there".as_slice(), |digest| digest))
 }
 
 fn from_hex(text: &str) -> Option<Digest> {
@@ -214,15 +214,15 @@ fn from_hex(text: &str) -> Option<Digest> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
-    use crate::traffic::Written;
+    use crate::traffic::TracedOutput;
 
-    fn kept(name: &str, bytes: &[u8]) -> Kept {
-        let file = KeptFile { folder: 0, name: name.into(), shown: name.into(), sha256: hex(&Sha256::digest(bytes)) };
-        Kept { files: vec![file], exit: 0, text: "made".into(), json: Value::Null, notes: Vec::new() }
+    fn kept(name: &str, bytes: &[u8]) -> CommandResult {
+        let file = CachedFile { folder: 0, name: name.into(), shown: name.into(), sha256: hex(&Sha256::digest(bytes)) };
+        CommandResult { files: vec![file], exit: 0, text: "made".into(), json: Value::Null, notes: Vec::new() }
     }
 
-    fn asked(path: &Path, most: u64) -> Asked {
-        Asked::File { path: path.to_owned(), most, digest: digest_of(path, most).unwrap() }
+    fn asked(path: &Path, most: u64) -> TracedInput {
+        TracedInput::File { path: path.to_owned(), most, digest: digest_of(path, most).unwrap() }
     }
 
     #[test]
@@ -233,22 +233,22 @@ mod tests {
         std::fs::write(path("out"), "made of it").unwrap();
         let cache = Cache::new(&path("cache"));
         let key = [7; 32];
-        let traffic = Traffic {
+        let traffic = IoTrace {
             asked: vec![
                 asked(&path("model"), 7),
                 asked(&path("absent"), 0),
-                Asked::Machine { what: "adapter", answer: "a".into() },
+                TracedInput::Machine { what: "adapter", answer: "a".into() },
             ],
-            written: vec![Written { path: path("out"), digest: Sha256::digest("made of it").into() }],
+            written: vec![TracedOutput { path: path("out"), digest: Sha256::digest("made of it").into() }],
             in_part: false,
         };
         let made = kept("out", b"made of it");
         let answer = |machine: &str| {
-            let found = cache.find(&key, &mut |what| (what == "adapter").then(|| machine.to_owned()));
-            found.map(|found| (cache.bytes(&found.kept.files[0]), found))
+            let found = cache.lookup(&key, &mut |what| (what == "adapter").then(|| machine.to_owned()));
+            found.map(|found| (cache.read(&found.kept.files[0]), found))
         };
         assert!(answer("a").is_none());
-        cache.keep(&key, &traffic, &made, &[&path("out")]).unwrap();
+        cache.store(&key, &traffic, &made, &[&path("out")]).unwrap();
         let (bytes, found) = answer("a").unwrap();
         assert_eq!((bytes.as_deref(), &found.kept, found.read), (Some(&b"made of it"[..]), &made, vec![path("model")]));
         // Misses: another machine, other bytes in the part that was read, a file that did not exist before.
@@ -261,12 +261,12 @@ mod tests {
         std::fs::write(path("absent"), "").unwrap();
         assert!(answer("a").is_none());
         std::fs::remove_file(path("absent")).unwrap();
-        assert!(cache.find(&[8; 32], &mut |_| Some("a".into())).is_none());
+        assert!(cache.lookup(&[8; 32], &mut |_| Some("a".into())).is_none());
         // Damaged files are not returned.
-        let place = cache.place("files", &Sha256::digest("made of it").into());
+        let place = cache.entry_path("files", &Sha256::digest("made of it").into());
         std::fs::write(&place, "made of If").unwrap();
         assert_eq!(answer("a").unwrap().0, None);
-        std::fs::write(cache.place("states", &key), "{").unwrap();
+        std::fs::write(cache.entry_path("states", &key), "{").unwrap();
         assert!(answer("a").is_none());
     }
 
@@ -276,8 +276,8 @@ mod tests {
         let (program, cache) = (folder.path().join("tool"), Cache::new(&folder.path().join("cache")));
         std::fs::write(&program, "a program").unwrap();
         let digest: Digest = Sha256::digest("a program").into();
-        assert_eq!((cache.tool(&program).unwrap(), cache.tool(&program).unwrap()), (digest, digest));
-        assert!(cache.tool(&folder.path().join("none")).is_err());
+        assert_eq!((cache.tool_hash(&program).unwrap(), cache.tool_hash(&program).unwrap()), (digest, digest));
+        assert!(cache.tool_hash(&folder.path().join("none")).is_err());
         assert_eq!((from_hex(&hex(&digest)), from_hex("zz"), from_hex("")), (Some(digest), None, None));
     }
 }

@@ -16,7 +16,7 @@ pub struct Decision {
 
 impl Decision {
     /// Describes a chosen length in metres for the recipe key `key`.
-    pub fn of_length(what: &'static str, key: &str, metres: f32) -> Self {
+    pub fn length(what: &'static str, key: &str, metres: f32) -> Self {
         Self { what, chosen: metres_in_words(metres), line: format!("{key} = {metres}") }
     }
 }
@@ -40,7 +40,7 @@ mod tests {
     fn lengths_are_said_in_units_that_suit_them() {
         let said = [0.000_25, 0.0042, 0.031, 0.999, 1.25, 140.0].map(metres_in_words);
         assert_eq!(said, ["250 µm", "4.2 mm", "31 mm", "999 mm", "1.2 m", "140 m"]);
-        let decision = Decision::of_length("length of hair", "hair.length_m", 0.031);
+        let decision = Decision::length("length of hair", "hair.length_m", 0.031);
         assert_eq!((decision.chosen.as_str(), decision.line.as_str()), ("31 mm", "hair.length_m = 0.031"));
     }
 }

@@ -5,7 +5,7 @@ use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::stages::import::{ImportOptions, import, import_strands, input_record};
 use crate::traffic;
-use crate::unfinished::Unfinished;
+use crate::unfinished::TempFileGuard;
 use pelage_import::BakeError;
 use pelage_import::guides::read::GuideFormat;
 use pelage_import::image_file::{MAX_TEXELS, decode_image};
@@ -29,7 +29,7 @@ pub const MAX_FILE_BYTES: u64 = 2 << 30;
 ///
 /// [`BakeError::Io`], also for a folder, a device, and a file larger than [`MAX_FILE_BYTES`].
 pub fn read_file(path: &Path) -> Result<Vec<u8>, BakeError> {
-    whole(path, |kind| kind.is_file() || is_pipe(kind))
+    read_whole(path, |kind| kind.is_file() || is_pipe(kind))
 }
 
 /// Reads a text file; `what` is the expected content for messages, such as `a recipe in TOML`.
@@ -51,11 +51,11 @@ pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
 ///
 /// The errors of [`read_file`]; [`BakeError::Io`] also for a pipe.
 pub fn read_named_file(path: &Path) -> Result<Vec<u8>, BakeError> {
-    whole(path, FileType::is_file)
+    read_whole(path, FileType::is_file)
 }
 
-fn whole(path: &Path, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
-    let bytes = start(path, MAX_FILE_BYTES + 1, may_be)?;
+fn read_whole(path: &Path, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
+    let bytes = read_prefix(path, MAX_FILE_BYTES + 1, may_be)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
         let text = format!("it is larger than the {MAX_FILE_BYTES} bytes that are read of a file");
         return Err(io_error(path, "read", io::Error::new(io::ErrorKind::FileTooLarge, text)));
@@ -64,7 +64,7 @@ fn whole(path: &Path, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeErro
 }
 
 /// Reads the first `most` bytes of a file.
-fn start(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
+fn read_prefix(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
     let fail = |source| io_error(path, "read", source);
     // Checked before opening, because opening a pipe waits for its writer.
     let found = std::fs::metadata(path).map_err(fail)?;
@@ -77,7 +77,7 @@ fn start(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<Vec<u8
     // The length is only a hint: files under /proc report 0, and any file may grow meanwhile.
     let mut bytes = Vec::with_capacity(found.len().min(most) as usize);
     std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)).map_err(fail)?;
-    traffic::read(path, most, Some(&bytes));
+    traffic::record_read(path, most, Some(&bytes));
     Ok(bytes)
 }
 
@@ -136,12 +136,12 @@ pub fn read_model_noting(
     named: &mut dyn FnMut(&Path),
 ) -> Result<Model, BakeError> {
     let bytes = read_file(path)?;
-    let mut resolve = beside(path, reach, named);
+    let mut resolve = resolver(path, reach, named);
     import(&path.display().to_string(), &bytes, &mut resolve, options)
 }
 
 /// Returns the function that reads the files a model refers to.
-fn beside<'a>(
+fn resolver<'a>(
     model: &'a Path,
     reach: Reach,
     named: &'a mut dyn FnMut(&Path),
@@ -159,12 +159,12 @@ fn beside<'a>(
         }
         let path = folder.join(relative);
         named(&path);
-        start(&path, most, FileType::is_file)
+        read_prefix(&path, most, FileType::is_file)
     }
 }
 
 /// Extensions of models whose lines are read as strands.
-const OF_LINES: [&str; 2] = ["glb", "gltf"];
+const LINE_EXTENSIONS: [&str; 2] = ["glb", "gltf"];
 
 /// Whether `folder` joined with `relative` is in `folder` or below, both lexically and after following links. A path
 /// that leaves the folder lexically is rejected even if no such file exists, so that the answer does not reveal which
@@ -214,16 +214,16 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
         let fail = |reason: String| BakeError::Input { file: file.to_owned(), place: key.clone(), reason };
         let extension = path.extension().unwrap_or_default().to_string_lossy().into_owned();
         let format = GuideFormat::of_extension(&extension);
-        if format.is_none() && !OF_LINES.iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+        if format.is_none() && !LINE_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)) {
             let known = GuideFormat::EXTENSIONS.map(|(extension, _)| extension);
-            let known: Vec<String> = known.iter().chain(&OF_LINES).map(|e| format!(".{e}")).collect();
+            let known: Vec<String> = known.iter().chain(&LINE_EXTENSIONS).map(|e| format!(".{e}")).collect();
             return Err(fail(format!("{}: expected a name that ends in {}", path.display(), known.join(", "))));
         }
         let bytes = read_named_file(&path).map_err(|error| fail(error.to_string()))?;
         let shown = path.display().to_string();
         let (strands, inputs) = match format {
             Some(format) => (format.read(&shown, &bytes)?, vec![input_record("strands", name, &bytes)]),
-            None => import_strands(&shown, &bytes, &mut beside(&path, Reach::OwnFolder, &mut |_| ()))?,
+            None => import_strands(&shown, &bytes, &mut resolver(&path, Reach::OwnFolder, &mut |_| ()))?,
         };
         read.strands.insert(name.to_owned(), strands);
         read.inputs.extend(inputs);
@@ -292,7 +292,7 @@ pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut dyn std::io::Write) -> io::Result<()>,
 ) -> Result<(), BakeError> {
-    prepare(path, write)?.map_or(Ok(()), Prepared::appear)
+    write_temporary(path, write)?.map_or(Ok(()), PendingFile::commit)
 }
 
 /// Writes several files, which appear only after all of them were written completely. If writing fails, none appears.
@@ -301,28 +301,28 @@ pub fn write_atomic_with(
 ///
 /// The errors of [`write_atomic`]. If renaming a file fails, the files before it already exist.
 pub fn write_all_atomic(files: &[(&Path, &[u8])]) -> Result<(), BakeError> {
-    let whole = files.iter().map(|(path, bytes)| prepare(path, |out| out.write_all(bytes)));
+    let whole = files.iter().map(|(path, bytes)| write_temporary(path, |out| out.write_all(bytes)));
     let whole = whole.collect::<Result<Vec<_>, _>>()?;
-    whole.into_iter().flatten().try_for_each(Prepared::appear)
+    whole.into_iter().flatten().try_for_each(PendingFile::commit)
 }
 
 /// Prefix and suffix of the names of temporary files.
-pub const TEMPORARY: (&str, &str) = (".pelage-", ".tmp");
+pub const TEMP_FILE_AFFIXES: (&str, &str) = (".pelage-", ".tmp");
 
 /// Complete temporary file that is not yet renamed.
-struct Prepared {
+struct PendingFile {
     // Drop order: the file is removed before its name is unregistered.
     file: tempfile::NamedTempFile,
-    unfinished: Unfinished,
+    unfinished: TempFileGuard,
     target: PathBuf,
     /// Path as the caller gave it.
     named: PathBuf,
 }
 
-impl Prepared {
-    fn appear(self) -> Result<(), BakeError> {
+impl PendingFile {
+    fn commit(self) -> Result<(), BakeError> {
         let Self { file, unfinished, target, named } = self;
-        traffic::written(&named, || digest(file.path(), u64::MAX).ok());
+        traffic::record_written(&named, || digest(file.path(), u64::MAX).ok());
         if same_bytes(file.path(), &target).unwrap_or(false) {
             // Dropping the handle removes the temporary file.
             return Ok(());
@@ -335,10 +335,10 @@ impl Prepared {
 }
 
 /// Writes a temporary file next to the target; `None` if the target was written to directly.
-fn prepare(
+fn write_temporary(
     path: &Path,
     write: impl FnOnce(&mut dyn std::io::Write) -> io::Result<()>,
-) -> Result<Option<Prepared>, BakeError> {
+) -> Result<Option<PendingFile>, BakeError> {
     let write = |file: &std::fs::File| {
         let mut out = io::BufWriter::new(file);
         write(&mut out)?;
@@ -367,15 +367,15 @@ fn prepare(
     }
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY.0).suffix(TEMPORARY.1);
+    builder.prefix(TEMP_FILE_AFFIXES.0).suffix(TEMP_FILE_AFFIXES.1);
     // Temporary files are private by default; request the usual permissions, from which the umask subtracts.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(folder).map_err(|source| io_error(folder, "create a file in", source))?;
-    let unfinished = Unfinished::new(file.path());
+    let unfinished = TempFileGuard::new(file.path());
     let written = write(file.as_file()).and_then(|()| file.as_file().sync_all());
     written.map_err(|source| io_error(path, "write", source))?;
-    Ok(Some(Prepared { file, unfinished, target, named: path.to_owned() }))
+    Ok(Some(PendingFile { file, unfinished, target, named: path.to_owned() }))
 }
 
 /// Returns the SHA-256 of the first `most` bytes of a file.

@@ -51,14 +51,14 @@ pub fn smooth(t: f32) -> f32 {
 }
 
 /// Returns smooth noise in -1..1 along a line, with one random value per unit.
-pub fn along(seed: u64, x: f32) -> Vec3 {
+pub fn noise_1d(seed: u64, x: f32) -> Vec3 {
     let cell = x.floor();
     let at = |i: i64| vector(seed, i as u64);
     at(cell as i64).lerp(at(cell as i64 + 1), smooth(x - cell))
 }
 
 /// Returns smooth noise in -1..1 over the tile, with `cells` random values per width: periodic in u and v, not in h.
-pub fn field(seed: u64, p: Vec3, cells: i64) -> Vec3 {
+pub fn noise_in_tile(seed: u64, p: Vec3, cells: i64) -> Vec3 {
     let q = p * cells as f32;
     let cell = q.floor();
     let f = (q - cell).map(smooth);

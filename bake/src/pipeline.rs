@@ -5,17 +5,17 @@
 //! contents ([`crate::reslice`]). After [`Outputs::forget`] the named output and everything derived from it is made
 //! again.
 
-mod lay;
-mod making;
+mod layout;
+mod run_step;
 mod outputs;
 
-pub use lay::{Laid, lay};
-pub use outputs::{Groomed, Kept, Output, Outputs, Packed, Shells, Told, Visible};
+pub use layout::{Layout, lay};
+pub use outputs::{Groomed, CachedStages, Output, Outputs, PackageBytes, Shells, BakeInput, StrandVisibility};
 
 use crate::decision::Decision;
 use crate::recipe::Recipe;
 use crate::stages::surface::Measures;
-use outputs::made;
+use outputs::required;
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use pelage_params::{Knob, Tables as _};
@@ -35,7 +35,7 @@ pub struct Step {
     pub reads: &'static [Output],
     /// Recipe tables or single keys that affect the output, apart from those that affect the inputs.
     pub tables: &'static [&'static str],
-    run: for<'a> fn(&Told<'a>, &mut Outputs<'a>) -> Result<(), BakeError>,
+    run: for<'a> fn(&BakeInput<'a>, &mut Outputs<'a>) -> Result<(), BakeError>,
 }
 
 use Output::*;
@@ -68,48 +68,48 @@ const ALL_TABLES: &[&str] = &{
 
 /// All steps, in order. Each line names a step's output and inputs.
 pub const STEPS: &[Step] = &[
-    Step { stage: "surface", makes: Laid, reads: &[Model], tables: LAYING, run: making::surface },
-    Step { stage: "simulate", makes: Hair, reads: &[Laid], tables: &[], run: making::simulate },
-    Step { stage: "visibility", makes: Visible, reads: &[Hair], tables: &["visibility"], run: making::visible },
+    Step { stage: "surface", makes: Layout, reads: &[Model], tables: LAYING, run: run_step::surface },
+    Step { stage: "simulate", makes: Hair, reads: &[Layout], tables: &[], run: run_step::simulate },
+    Step { stage: "visibility", makes: StrandVisibility, reads: &[Hair], tables: &["visibility"], run: run_step::visible },
     Step {
         stage: "slice",
         makes: Shells,
-        reads: &[Hair, Visible],
+        reads: &[Hair, StrandVisibility],
         tables: &["slice", "pack", "detail"],
-        run: making::slice,
+        run: run_step::slice,
     },
-    Step { stage: "slice", makes: Single, reads: &[Hair, Visible], tables: &["strands"], run: making::single },
-    Step { stage: "groom", makes: Groomed, reads: &[Model, Laid, Hair], tables: &[], run: making::groom },
-    Step { stage: "groom", makes: Guided, reads: &[Model, Laid, Groomed], tables: &["strands"], run: making::guided },
-    Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], tables: &[], run: making::fins },
+    Step { stage: "slice", makes: Single, reads: &[Hair, StrandVisibility], tables: &["strands"], run: run_step::single },
+    Step { stage: "groom", makes: Groomed, reads: &[Model, Layout, Hair], tables: &[], run: run_step::groom },
+    Step { stage: "groom", makes: Guided, reads: &[Model, Layout, Groomed], tables: &["strands"], run: run_step::guided },
+    Step { stage: "fins", makes: Fins, reads: &[Layout, Hair, Groomed], tables: &[], run: run_step::fins },
     Step {
         stage: "fins",
         makes: FinTextures,
         reads: &[Hair, Fins],
         tables: &["fins", "slice", "pack"],
-        run: making::fin_textures,
+        run: run_step::fin_textures,
     },
-    Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], tables: &["ink", "fins"], run: making::ink },
+    Step { stage: "ink", makes: Ink, reads: &[Model, Layout, Groomed], tables: &["ink", "fins"], run: run_step::ink },
     Step {
         stage: "ink",
         makes: InkTextures,
-        reads: &[Laid, Hair, Ink],
+        reads: &[Layout, Hair, Ink],
         tables: &["ink", "pack"],
-        run: making::ink_textures,
+        run: run_step::ink_textures,
     },
     Step {
         stage: "textures",
         makes: Skin,
-        reads: &[Model, Laid, Hair, Groomed],
+        reads: &[Model, Layout, Hair, Groomed],
         tables: &["pack", "detail"],
-        run: making::skin,
+        run: run_step::skin,
     },
     Step {
         stage: "scatter",
         makes: Fibres,
         reads: &[Guided, Skin],
         tables: &["fibre", "shading.model"],
-        run: making::scatter,
+        run: run_step::scatter,
     },
     Step {
         stage: "pack",
@@ -117,7 +117,7 @@ pub const STEPS: &[Step] = &[
         reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Fibres, Ink, InkTextures, Skin],
         // The package records its recipe.
         tables: ALL_TABLES,
-        run: making::pack,
+        run: run_step::pack,
     },
 ];
 
@@ -142,7 +142,7 @@ pub struct Baked {
 ///
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] if model and recipe do not fit together,
 /// [`BakeError::Internal`] for a bug in this crate.
-pub fn bake(told: &Told<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
+pub fn bake(told: &BakeInput<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     run(told, &mut outputs, on_stage)?;
     baked(&outputs)
@@ -150,9 +150,9 @@ pub fn bake(told: &Told<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static st
 
 /// Collects the result of a bake.
 pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
-    let groomed = made(&outputs.groomed, Output::Groomed)?;
-    let decisions = [&made(&outputs.laid, Output::Laid)?.decisions[..], &groomed.decisions].concat();
-    let Packed { bytes, warnings } = made(&outputs.package, Package)?.clone();
+    let groomed = required(&outputs.groomed, Output::Groomed)?;
+    let decisions = [&required(&outputs.laid, Output::Laid)?.decisions[..], &groomed.decisions].concat();
+    let PackageBytes { bytes, warnings } = required(&outputs.package, Package)?.clone();
     Ok(Baked { package: bytes, measures: groomed.surface.measures, decisions, warnings })
 }
 
@@ -162,7 +162,7 @@ pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
 ///
 /// The errors of [`bake`]; [`BakeError::Internal`] if a required input is missing and no step makes it.
 pub fn run<'a>(
-    told: &Told<'a>,
+    told: &BakeInput<'a>,
     outputs: &mut Outputs<'a>,
     on_stage: &mut dyn FnMut(&'static str),
 ) -> Result<(), BakeError> {
@@ -175,7 +175,7 @@ pub fn run<'a>(
 ///
 /// The errors of [`run`].
 pub fn make<'a>(
-    told: &Told<'a>,
+    told: &BakeInput<'a>,
     outputs: &mut Outputs<'a>,
     wanted: Output,
     on_stage: &mut dyn FnMut(&'static str),
@@ -207,14 +207,14 @@ impl Step {
     /// # Errors
     ///
     /// The errors of [`run`].
-    pub fn run<'a>(&self, told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
+    pub fn run<'a>(&self, told: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
         (self.run)(told, outputs)
     }
 }
 
 impl Outputs<'_> {
     /// Drops an output and everything derived from it, so that [`run`] makes them again.
-    pub fn forget(&mut self, output: Output) {
+    pub fn invalidate(&mut self, output: Output) {
         let mut gone = vec![output];
         for step in STEPS {
             if step.reads.iter().any(|read| gone.contains(read)) {
@@ -225,7 +225,7 @@ impl Outputs<'_> {
     }
 
     /// Drops the outputs affected by a change of recipe, so that [`run`] makes only those again.
-    pub fn follow(&mut self, before: &Recipe, after: &Recipe) {
+    pub fn invalidate_changes(&mut self, before: &Recipe, after: &Recipe) {
         let text = |recipe: &Recipe, knob: &'static Knob| knob.value(recipe);
         let changed = |name: &&str| {
             let of_table = |knob: &Knob| knob.name.strip_prefix(*name).is_some_and(|key| key.starts_with('.'));
@@ -235,7 +235,7 @@ impl Outputs<'_> {
         };
         for step in STEPS {
             if step.tables.iter().any(changed) {
-                self.forget(step.makes);
+                self.invalidate(step.makes);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Repeated bakes of one model while its recipe changes.
 
-use crate::pipeline::{Baked, Kept, Output, Outputs, Told, baked, run};
+use crate::pipeline::{Baked, CachedStages, Output, Outputs, BakeInput, baked, run};
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use pelage_import::BakeError;
@@ -27,12 +27,12 @@ impl<'a> Rebake<'a> {
     /// # Errors
     ///
     /// The errors of [`crate::pipeline::bake`].
-    pub fn bake(&mut self, told: &Told<'a>, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
+    pub fn bake(&mut self, told: &BakeInput<'a>, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
         match self.before {
-            Some((recipe, images)) if std::ptr::eq(images, told.images) => self.outputs.follow(recipe, told.recipe),
+            Some((recipe, images)) if std::ptr::eq(images, told.images) => self.outputs.invalidate_changes(recipe, told.recipe),
             Some(_) => {
-                self.outputs.forget(Output::Laid);
-                self.outputs.kept = Kept::default();
+                self.outputs.invalidate(Output::Laid);
+                self.outputs.kept = CachedStages::default();
             }
             None => {}
         }

@@ -125,7 +125,7 @@ fn each_once<'a>(named: impl IntoIterator<Item = (String, Option<&'a str>)>) -> 
 
 /// Converts an error in a recipe; without a line it comes from the command line.
 fn input(file: &str, fault: ParamError) -> BakeError {
-    BakeError::Input { file: file.to_owned(), place: fault.place(), reason: fault.reason }
+    BakeError::Input { file: file.to_owned(), place: fault.location(), reason: fault.reason }
 }
 
 impl DetailParams {
@@ -143,7 +143,7 @@ impl Recipe {
     /// outside its range.
     pub fn parse(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::default();
-        recipe.read(file, text)?;
+        recipe.merge(file, text)?;
         Ok(recipe)
     }
 
@@ -152,9 +152,9 @@ impl Recipe {
     ///
     /// # Errors
     /// The errors of [`Recipe::parse`].
-    pub fn recorded(file: &str, text: &str) -> Result<Self, BakeError> {
+    pub fn parse_recorded(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::of_coat(Coat::Natural)?;
-        recipe.read(file, text)?;
+        recipe.merge(file, text)?;
         Ok(recipe)
     }
 
@@ -174,8 +174,8 @@ impl Recipe {
     ///
     /// # Errors
     /// The errors of [`Recipe::parse`]; keys before the error are already set.
-    pub fn read(&mut self, file: &str, text: &str) -> Result<(), BakeError> {
-        self.dressed(file, |recipe| pelage_params::read(recipe, text))
+    pub fn merge(&mut self, file: &str, text: &str) -> Result<(), BakeError> {
+        self.change_with_coat(file, |recipe| pelage_params::read(recipe, text))
     }
 
     /// Sets one value, as in `--set hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`. Setting
@@ -184,12 +184,12 @@ impl Recipe {
     /// # Errors
     /// The errors of [`Recipe::parse`], with `--set` as the file; the recipe is then unchanged.
     pub fn set(&mut self, assignment: &str) -> Result<(), BakeError> {
-        self.dressed("--set", |recipe| pelage_params::set(recipe, assignment))
+        self.change_with_coat("--set", |recipe| pelage_params::set(recipe, assignment))
     }
 
     /// Applies a change. If it changes the coat, keys with the previous coat's value get the new one's, unless the
     /// change sets them.
-    fn dressed(&mut self, file: &str, change: impl Fn(&mut Self) -> Result<(), ParamError>) -> Result<(), BakeError> {
+    fn change_with_coat(&mut self, file: &str, change: impl Fn(&mut Self) -> Result<(), ParamError>) -> Result<(), BakeError> {
         let before = self.hair.coat;
         change(self).map_err(|fault| input(file, fault))?;
         let coat = self.hair.coat;

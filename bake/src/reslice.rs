@@ -6,22 +6,22 @@
 //!
 //! A [`Slicer`] has the model, and keeps the outputs of a bake.
 
-use crate::pipeline::{Output, Outputs, Told, run};
+use crate::pipeline::{Output, Outputs, BakeInput, run};
 use crate::recipe::Recipe;
-use crate::stages::assemble::{Content, carried, kept_texture};
+use crate::stages::assemble::{Content, copied_sections, copied_texture};
 use crate::stages::groom::MapImages;
-use crate::stages::hair::Strands;
+use crate::stages::simulate::Strands;
 use crate::stages::hair_groups::GuidedHair;
-use crate::stages::ink::{self, InkFiles, SkinInk};
-use crate::stages::pack::{Skin, SkinFins, simplified};
-use crate::steps::Steps;
+use crate::stages::ink::{self, InkFiles, VertexInk};
+use crate::stages::pack::{ModelPart, ModelFins, simplified};
+use crate::steps::StageProgress;
 use crate::strands::tile_hair;
 use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 
 /// Returns the package's mesh data unchanged, with or without simplified index lists according to `recipe`.
-fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<Skin<'a>, FormatError> {
+fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<ModelPart<'a>, FormatError> {
     let mut manifest = package.manifest().clone();
     // Textures of materials are copied. Several materials may share one, which is stored once in the package.
     let mut images = Vec::new();
@@ -29,18 +29,18 @@ fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<Skin<'a>, FormatEr
         for index in [&mut material.base_color_texture, &mut material.groom_texture] {
             let Some(old) = *index else { continue };
             *index = Some(images.len() as u32);
-            images.push(kept_texture(package, old)?);
+            images.push(copied_texture(package, old)?);
         }
     }
     let anew =
         [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY, Tag::SIMPLIFIED, Tag::STRANDS, Tag::HAIR, Tag::FIBRES];
-    let mut sections = carried(package, |tag| !anew.contains(&tag))?;
+    let mut sections = copied_sections(package, |tag| !anew.contains(&tag))?;
     if let Some(mesh) = package.mesh()?.filter(|_| recipe.detail.has_lists()) {
         let lists = simplified(&mesh.to_data(), &manifest, package.animation()?.as_deref());
         let after = sections.iter().position(|s| matches!(s, Content::Bytes(Tag::MESH, _))).map_or(0, |at| at + 1);
         sections.splice(after..after, lists);
     }
-    Ok(Skin { manifest, sections, images, ..Skin::default() })
+    Ok(ModelPart { manifest, sections, images, ..ModelPart::default() })
 }
 
 /// Returns the textures of the ink style. They are painted again if the format in `recipe` differs from the package's;
@@ -52,14 +52,14 @@ fn ink_files<'a>(
     recipe: &Recipe,
     strands: &Strands,
 ) -> Result<InkFiles<'a>, BakeError> {
-    let own = Recipe::recorded(file, &package.manifest().recipe)?;
+    let own = Recipe::parse_recorded(file, &package.manifest().recipe)?;
     let format = |recipe: &Recipe| (recipe.pack.shell_format, recipe.pack.bc_quality);
     let scanned = own.ink.stroke_image.is_some() || own.ink.wash_image.is_some();
     if !scanned && format(&own) != format(recipe) {
         let strands = info.fur_texture.and(Some(strands));
-        return ink::textures(&own.ink, &recipe.pack, &MapImages::default(), strands, Steps::unseen());
+        return ink::textures(&own.ink, &recipe.pack, &MapImages::default(), strands, StageProgress::ignored());
     }
-    let keep = |index| kept_texture(package, index).map_err(|source| fault(file, source));
+    let keep = |index| copied_texture(package, index).map_err(|source| fault(file, source));
     Ok(InkFiles {
         stroke: keep(info.stroke_texture)?,
         wash: keep(info.wash_texture)?,
@@ -90,14 +90,14 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
     };
     // Checked here, then copied unchanged.
     let fins = match package.fins().map_err(fault)? {
-        Some(_) => carried(package, |tag| tag == Tag::FINS).map_err(fault)?.pop(),
+        Some(_) => copied_sections(package, |tag| tag == Tag::FINS).map_err(fault)?.pop(),
         None => None,
     };
     // Ink depends on the mesh surface and the strands, which do not change; the format of its textures may.
     let (mut ink, mut ink_textures) = (None, None);
     if let Some(view) = package.ink().map_err(fault)? {
         ink_textures = Some(ink_files(file, package, &view.info, recipe, &hair.strands)?);
-        ink = Some(SkinInk {
+        ink = Some(VertexInk {
             grain_size_m: view.info.grain_size_m,
             shading: view.info.shading,
             vertices: view.vertices().collect(),
@@ -110,14 +110,14 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
     let mut outputs = Outputs {
         hair: Some(hair),
         guided: Some(guided),
-        fins: Some(SkinFins { section: fins, depth: None }),
+        fins: Some(ModelFins { section: fins, depth: None }),
         ink: Some(ink),
         ink_textures: Some(ink_textures),
         skin: Some(skin(package, recipe).map_err(fault)?),
         ..Outputs::default()
     };
     let images = MapImages::default();
-    let told = Told::new(file, &manifest.model, recipe, &images);
+    let told = BakeInput::new(file, &manifest.model, recipe, &images);
     run(&told, &mut outputs, &mut |_| ())?;
     finished(outputs)
 }
@@ -131,7 +131,7 @@ fn finished(outputs: Outputs<'_>) -> Result<Vec<u8>, BakeError> {
 /// strands, groom, positions of fins, ink, mesh) are made once.
 #[derive(Clone, Debug)]
 pub struct Slicer<'a> {
-    told: Told<'a>,
+    told: BakeInput<'a>,
     /// Outputs of the steps before slicing.
     outputs: Outputs<'a>,
 }
@@ -142,11 +142,11 @@ impl<'a> Slicer<'a> {
     /// # Errors
     ///
     /// The errors of [`crate::pipeline::bake`].
-    pub fn new(told: Told<'a>, model: &'a Model) -> Result<Self, BakeError> {
+    pub fn new(told: BakeInput<'a>, model: &'a Model) -> Result<Self, BakeError> {
         let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
         run(&told, &mut outputs, &mut |_| ())?;
-        outputs.forget(Output::Shells);
-        outputs.forget(Output::FinTextures);
+        outputs.invalidate(Output::Shells);
+        outputs.invalidate(Output::FinTextures);
         Ok(Self { told, outputs })
     }
 
@@ -164,7 +164,7 @@ impl<'a> Slicer<'a> {
         } else {
             Outputs { model: self.outputs.model, ..Outputs::default() }
         };
-        run(&Told { recipe, ..self.told }, &mut outputs, &mut |_| ())?;
+        run(&BakeInput { recipe, ..self.told }, &mut outputs, &mut |_| ())?;
         finished(outputs)
     }
 }

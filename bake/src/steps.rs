@@ -4,20 +4,20 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Step counter of the running work.
 #[derive(Debug, Default)]
-pub struct Steps {
+pub struct StageProgress {
     done: AtomicU64,
     total: AtomicU64,
 }
 
-impl Steps {
+impl StageProgress {
     /// Creates a counter without any work.
     pub const fn new() -> Self {
         Self { done: AtomicU64::new(0), total: AtomicU64::new(0) }
     }
 
     /// Returns a counter that nobody reads.
-    pub fn unseen() -> &'static Self {
-        static UNSEEN: Steps = Steps::new();
+    pub fn ignored() -> &'static Self {
+        static UNSEEN: StageProgress = StageProgress::new();
         &UNSEEN
     }
 
@@ -33,7 +33,7 @@ impl Steps {
     }
 
     /// Returns the number of completed steps and the total; `None` if the total is unknown.
-    pub fn so_far(&self) -> Option<(u64, u64)> {
+    pub fn get(&self) -> Option<(u64, u64)> {
         let total = self.total.load(Ordering::Relaxed);
         (total > 0).then(|| (self.done.load(Ordering::Relaxed).min(total), total))
     }
@@ -45,13 +45,13 @@ mod tests {
 
     #[test]
     fn steps_are_counted_from_each_beginning() {
-        let steps = Steps::new();
-        assert_eq!(steps.so_far(), None);
+        let steps = StageProgress::new();
+        assert_eq!(steps.get(), None);
         steps.begin(2);
-        assert_eq!(steps.so_far(), Some((0, 2)));
+        assert_eq!(steps.get(), Some((0, 2)));
         (0..3).for_each(|_| steps.step());
-        assert_eq!(steps.so_far(), Some((2, 2)), "never more than all");
+        assert_eq!(steps.get(), Some((2, 2)), "never more than all");
         steps.begin(0);
-        assert_eq!(steps.so_far(), None);
+        assert_eq!(steps.get(), None);
     }
 }

@@ -7,14 +7,14 @@ use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-static TRAFFIC: Mutex<Option<Traffic>> = Mutex::new(None);
+static TRAFFIC: Mutex<Option<IoTrace>> = Mutex::new(None);
 
 /// SHA-256 of data read or written.
 pub type Digest = [u8; 32];
 
 /// Recorded input.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum TracedInput {
     /// File.
     File {
         /// Path as opened.
@@ -35,7 +35,7 @@ pub enum Asked {
 
 /// File that was written completely.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Written {
+pub struct TracedOutput {
     /// Path as given.
     pub path: PathBuf,
     /// SHA-256 of the contents.
@@ -44,21 +44,21 @@ pub struct Written {
 
 /// Everything recorded, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Traffic {
+pub struct IoTrace {
     /// Inputs.
-    pub asked: Vec<Asked>,
+    pub asked: Vec<TracedInput>,
     /// Outputs.
-    pub written: Vec<Written>,
+    pub written: Vec<TracedOutput>,
     /// Whether some of the output existed before, so that `written` is incomplete.
     pub in_part: bool,
 }
 
-impl Traffic {
+impl IoTrace {
     /// Returns the existing files that were read, each once.
     pub fn files_read(&self) -> Vec<&Path> {
         let mut files: Vec<&Path> = Vec::new();
         for asked in &self.asked {
-            if let Asked::File { path, digest: Some(_), .. } = asked
+            if let TracedInput::File { path, digest: Some(_), .. } = asked
                 && !files.contains(&path.as_path())
             {
                 files.push(path);
@@ -68,57 +68,57 @@ impl Traffic {
     }
 }
 
-fn traffic() -> MutexGuard<'static, Option<Traffic>> {
+fn traffic() -> MutexGuard<'static, Option<IoTrace>> {
     // The list is valid even if a thread panicked while holding the lock.
     TRAFFIC.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Starts recording.
-pub fn note_down() {
-    *traffic() = Some(Traffic::default());
+pub fn start() {
+    *traffic() = Some(IoTrace::default());
 }
 
 /// Stops recording and returns everything recorded so far.
-pub fn take() -> Traffic {
+pub fn take() -> IoTrace {
     traffic().take().unwrap_or_default()
 }
 
 /// Records that a file was requested. The hash of its bytes is only computed while recording.
-pub(crate) fn read(path: &Path, most: u64, bytes: Option<&[u8]>) {
+pub(crate) fn record_read(path: &Path, most: u64, bytes: Option<&[u8]>) {
     if let Some(traffic) = &mut *traffic() {
         let digest = bytes.map(|bytes| Sha256::digest(bytes).into());
-        traffic.asked.push(Asked::File { path: path.to_owned(), most, digest });
+        traffic.asked.push(TracedInput::File { path: path.to_owned(), most, digest });
     }
 }
 
 /// Records a property of the machine that the output depends on.
-pub fn machine(what: &'static str, answer: &str) {
+pub fn record_machine(what: &'static str, answer: &str) {
     if let Some(traffic) = &mut *traffic() {
-        traffic.asked.push(Asked::Machine { what, answer: answer.to_owned() });
+        traffic.asked.push(TracedInput::Machine { what, answer: answer.to_owned() });
     }
 }
 
 /// Records that some of the output existed before.
-pub fn in_part() {
+pub fn mark_incomplete() {
     if let Some(traffic) = &mut *traffic() {
         traffic.in_part = true;
     }
 }
 
 /// Returns whether a file exists; if not, records that the output depends on its absence.
-pub fn is_there(path: &Path) -> bool {
+pub fn exists(path: &Path) -> bool {
     let there = path.exists();
     if !there {
-        read(path, 0, None);
+        record_read(path, 0, None);
     }
     there
 }
 
 /// Records that a file was written; `digest` is only called while recording.
-pub(crate) fn written(path: &Path, digest: impl FnOnce() -> Option<Digest>) {
+pub(crate) fn record_written(path: &Path, digest: impl FnOnce() -> Option<Digest>) {
     if let Some(traffic) = &mut *traffic()
         && let Some(digest) = digest()
     {
-        traffic.written.push(Written { path: path.to_owned(), digest });
+        traffic.written.push(TracedOutput { path: path.to_owned(), digest });
     }
 }

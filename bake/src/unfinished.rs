@@ -13,14 +13,14 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// Guard that registers a temporary file until it is dropped.
 #[derive(Debug)]
 #[must_use = "the name is forgotten where this is dropped"]
-pub struct Unfinished(PathBuf);
+pub struct TempFileGuard(PathBuf);
 
 fn list() -> MutexGuard<'static, Vec<PathBuf>> {
     // The list is valid even if a thread panicked while holding the lock.
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Unfinished {
+impl TempFileGuard {
     /// Registers a file, or a folder with its future contents.
     pub fn new(path: &Path) -> Self {
         // Absolute, in case the process changes its working directory.
@@ -30,7 +30,7 @@ impl Unfinished {
     }
 }
 
-impl Drop for Unfinished {
+impl Drop for TempFileGuard {
     fn drop(&mut self) {
         let mut list = list();
         if let Some(at) = list.iter().rposition(|path| *path == self.0) {
@@ -61,8 +61,8 @@ mod tests {
         std::fs::write(&done, "whole").expect("written");
         std::fs::create_dir(&tree).expect("made");
         std::fs::write(tree.join("half"), "half").expect("written");
-        let (_file, _tree) = (Unfinished::new(&file), Unfinished::new(&tree));
-        drop(Unfinished::new(&done));
+        let (_file, _tree) = (TempFileGuard::new(&file), TempFileGuard::new(&tree));
+        drop(TempFileGuard::new(&done));
         drop(remove_all());
         assert!(!file.exists() && !tree.exists() && done.exists());
     }

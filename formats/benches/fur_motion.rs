@@ -3,7 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "a benchmark makes no package")]
 
 use glam::Vec3;
-use pelage_formats::meaning::fur_motion::{Frame, Tip, advance, begun, lean, shown};
+use pelage_formats::meaning::fur_motion::{Frame, Tip, advance, initial_tip, lean, tip_offset};
 use pelage_formats::meaning::hair_motion::Wind;
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ const SECONDS: f32 = 1.0 / 60.0;
 fn main() {
     let wind = Wind { velocity: Vec3::new(4.0, 0.0, 1.0), gust: 0.5, turbulence: 0.4, ..Wind::default() };
     let root = |tip: usize| Vec3::new(0.001 * (tip % 1000) as f32, 0.001 * (tip / 1000) as f32, 0.0);
-    let mut tips: Vec<Tip> = (0..TIPS).map(|tip| begun(LENGTH_M, root(tip), &wind, 0.0)).collect();
+    let mut tips: Vec<Tip> = (0..TIPS).map(|tip| initial_tip(LENGTH_M, root(tip), &wind, 0.0)).collect();
     let mut leant = 0.0f64;
     let mut took: Vec<f64> = (1..=30u8)
         .map(|number| {
@@ -22,7 +22,7 @@ fn main() {
             let began = Instant::now();
             for (number, tip) in tips.iter_mut().enumerate() {
                 *tip = advance(*tip, LENGTH_M, root(number), Vec3::X * 0.01, &frame);
-                leant += lean(shown(tip, LENGTH_M, SECONDS), Vec3::Y, LENGTH_M, 1.0)
+                leant += lean(tip_offset(tip, LENGTH_M, SECONDS), Vec3::Y, LENGTH_M, 1.0)
                     .map_or(0.0, |(angle, _)| f64::from(angle));
             }
             began.elapsed().as_secs_f64() * 1e3

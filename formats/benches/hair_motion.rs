@@ -5,7 +5,7 @@
 
 use glam::{Mat3, Vec3};
 use pelage_formats::meaning::hair_motion::{
-    Capsule, Frame, GRAVITY, Groomed, Pearl, Rooted, Springs, Wind, advance_frame, ballast, steps,
+    Capsule, Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Springs, Wind, advance_frame, gravity_compensation, steps,
 };
 use std::time::Instant;
 
@@ -13,10 +13,10 @@ const GUIDES: usize = 1000;
 const FPS: f32 = 60.0;
 const SPRINGS: Springs = Springs { drag_per_s: 2.0, shape_hz: 0.5, bend_hz: 1.2, friction: 0.2 };
 
-fn rooted(guide: usize, time_s: f32) -> Rooted {
+fn rooted(guide: usize, time_s: f32) -> RootFrame {
     let turns = std::f32::consts::TAU * 2.2 * time_s;
     let root = Vec3::new(0.0004 * guide as f32, 0.15 * turns.sin(), 9.0 * time_s);
-    Rooted { root, frame: Mat3::from_rotation_x(0.3 * turns.sin()) }
+    RootFrame { root, frame: Mat3::from_rotation_x(0.3 * turns.sin()) }
 }
 
 fn colliders(time_s: f32) -> Vec<Capsule> {
@@ -31,10 +31,10 @@ fn main() {
     for points in [7usize, 16, 36, 64] {
         let groomed: Vec<Vec3> =
             (0..points).map(|k| Vec3::new(0.0, -0.3, 0.1) * (k as f32 / (points - 1) as f32)).collect();
-        let ballast = ballast(&groomed, Mat3::IDENTITY);
+        let ballast = gravity_compensation(&groomed, Mat3::IDENTITY);
         let free: Vec<f32> = (0..points).map(|k| (4.0 * k as f32 / points as f32).min(1.0)).collect();
-        let guide = Groomed { points: &groomed, ballast: &ballast, free: &free };
-        let mut all: Vec<Vec<Pearl>> = (0..GUIDES).map(|g| rooted(g, 0.0).groomed(&groomed)).collect();
+        let guide = GroomedGuide { points: &groomed, ballast: &gravity_compensation, free: &free };
+        let mut all: Vec<Vec<Particle>> = (0..GUIDES).map(|g| rooted(g, 0.0).groomed(&groomed)).collect();
         let mut took: Vec<f64> = (1..=120u16)
             .map(|number| {
                 let [from, to] = [number - 1, number].map(|n| f32::from(n) / FPS);

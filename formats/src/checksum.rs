@@ -9,11 +9,11 @@ pub(crate) fn crc32(parts: &[&[u8]]) -> u32 {
 }
 
 #[cfg(target_arch = "wasm32")]
-pub(crate) use by_one_table as crc32;
+pub(crate) use crc32_single_table as crc32;
 
 /// CRC-32 with a single table, which keeps the download small on WebAssembly.
 #[cfg(any(test, target_arch = "wasm32"))]
-pub(crate) fn by_one_table(parts: &[&[u8]]) -> u32 {
+pub(crate) fn crc32_single_table(parts: &[&[u8]]) -> u32 {
     static CRC: crc::Crc<u32, crc::Table<1>> = crc::Crc::<u32, crc::Table<1>>::new(&crc::CRC_32_ISO_HDLC);
     let mut digest = CRC.digest();
     parts.iter().for_each(|part| digest.update(part));
@@ -30,7 +30,7 @@ mod tests {
         assert_eq!(crc32(&[b"123456789"]), 0xcbf4_3926);
         for cut in [0, 1, 24, 999, 1000] {
             let (first, second) = bytes.split_at(cut);
-            assert_eq!(by_one_table(&[first, second]), crc32(&[&bytes]), "cut at {cut}");
+            assert_eq!(crc32_single_table(&[first, second]), crc32(&[&bytes]), "cut at {cut}");
         }
     }
 }

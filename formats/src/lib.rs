@@ -44,13 +44,13 @@ mod package;
 mod sampling;
 mod sections;
 mod tag;
-mod whole;
+mod open_validate;
 mod writer;
 
 pub use container::{FORMAT_VERSION, MAGIC, Section};
 pub use error::FormatError;
 pub use limits::Limits;
-pub use meaning::{Aside, decode_direction, encode_direction};
+pub use meaning::{RootOffset, decode_direction, encode_direction};
 pub use package::Package;
 pub use sampling::{ClipLayer, Pose};
 pub use sections::animation::{
@@ -58,7 +58,7 @@ pub use sections::animation::{
 };
 pub use sections::fibres::{FIBRE_LAYERS, FibreInfo, FibreOptics};
 pub use sections::fins::{Fin, FinData, FinsView};
-pub use sections::hair::{HairGroup, OnTriangle};
+pub use sections::hair::{HairGroup, TrianglePoint};
 pub use sections::hair_motion::{BodyCollider, GroupMotion, HairMotion};
 pub use sections::ink::{InkData, InkInfo, InkShading, InkTextures, InkVertex, InkView};
 pub use sections::manifest::choice::{Choice, ChoiceLimits, Trial};
@@ -66,7 +66,7 @@ pub use sections::manifest::data::{
     Bounds, FinInfo, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, ShellTextures,
     TextureEntry,
 };
-pub use sections::manifest::detail::{CoatInfo, DetailLevel};
+pub use sections::manifest::detail::{FarLayerInfo, DetailLevel};
 pub use sections::mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
 pub use sections::morphs::{MorphDelta, Morphs};
 pub use sections::roots::{ROOT_HEIGHTS, RootsInfo};

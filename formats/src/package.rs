@@ -123,7 +123,7 @@ impl<'a> Package<'a> {
     /// Returns the result of `read` for section `index` of the table; computed once, then cached.
     ///
     /// `read` may access other sections, but none of them may access this one, directly or indirectly.
-    pub(crate) fn keep<T>(&self, index: usize, read: impl Fn() -> Result<T, FormatError>) -> Result<T, FormatError>
+    pub(crate) fn cached<T>(&self, index: usize, read: impl Fn() -> Result<T, FormatError>) -> Result<T, FormatError>
     where
         T: Clone + Send + Sync + 'static,
     {

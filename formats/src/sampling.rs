@@ -41,7 +41,7 @@ impl Pose {
         for ClipLayer { clip, time_s, share } in layers {
             let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
             for (node, other) in all.iter_mut().zip(locals(animation, *clip, *time_s)) {
-                node.go_over(other, share);
+                node.blend_to(other, share);
             }
             for (shift, other) in self.shifts.iter_mut().zip(shifts(animation, *clip, *time_s)) {
                 *shift = if share >= 1.0 { other } else { *shift + (other - *shift) * share };
@@ -62,9 +62,9 @@ impl Pose {
         }
     }
 
-    fn place(&mut self, animation: &Animation, locals: Vec<Local>) {
+    fn place(&mut self, animation: &Animation, locals: Vec<LocalTransform>) {
         self.nodes.clear();
-        for (node, Local { translation, rotation, scale }) in animation.nodes.iter().zip(locals) {
+        for (node, LocalTransform { translation, rotation, scale }) in animation.nodes.iter().zip(locals) {
             let rotation = normalize_or_identity(rotation);
             let local = Mat4::from_scale_rotation_translation(scale, rotation, translation);
             let world = match node.parent.and_then(|p| self.nodes.get(p as usize)) {
@@ -93,14 +93,14 @@ pub struct ClipLayer {
 }
 
 /// Transform of a node in its parent's space.
-struct Local {
+struct LocalTransform {
     translation: Vec3,
     rotation: Quat,
     scale: Vec3,
 }
 
-impl Local {
-    fn go_over(&mut self, other: Self, share: f32) {
+impl LocalTransform {
+    fn blend_to(&mut self, other: Self, share: f32) {
         if share >= 1.0 {
             // Exact, whatever the value before.
             *self = other;
@@ -116,13 +116,13 @@ impl Local {
 }
 
 /// Returns the local transforms, one per node.
-fn locals(animation: &Animation, clip: Option<usize>, time_s: f32) -> Vec<Local> {
-    let at_rest = animation.nodes.iter().map(|node| Local {
+fn locals(animation: &Animation, clip: Option<usize>, time_s: f32) -> Vec<LocalTransform> {
+    let at_rest = animation.nodes.iter().map(|node| LocalTransform {
         translation: node.translation.into(),
         rotation: Quat::from_array(node.rotation),
         scale: node.scale.into(),
     });
-    let mut locals: Vec<Local> = at_rest.collect();
+    let mut locals: Vec<LocalTransform> = at_rest.collect();
     let channels = clip.and_then(|c| animation.clips.get(c)).map_or(&[][..], |c| &c.channels);
     for channel in channels {
         let Some(local) = locals.get_mut(channel.node as usize) else { continue };
@@ -167,8 +167,8 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
     let cubic = channel.interpolation == Interpolation::Cubic;
     let key = |k: usize| if cubic { value(3 * k + 1) } else { value(k) };
     let (before, t, span) = match moment(&channel.times, time_s) {
-        Moment::Key(k) => return Some(key(k)),
-        Moment::Between { before, t, span_s } => (before, t, span_s),
+        KeyPosition::Key(k) => return Some(key(k)),
+        KeyPosition::Between { before, t, span_s } => (before, t, span_s),
     };
     let next = before + 1;
     let rotation = channel.property == Property::Rotation;
@@ -213,8 +213,8 @@ fn sample_weight(channel: &MorphChannel, k: usize, time_s: f32) -> Option<f32> {
     let cubic = channel.interpolation == Interpolation::Cubic;
     let key = |k: usize| if cubic { value(3 * k + 1) } else { value(k) };
     Some(match moment(&channel.times, time_s) {
-        Moment::Key(k) => key(k),
-        Moment::Between { before, t, span_s } => match channel.interpolation {
+        KeyPosition::Key(k) => key(k),
+        KeyPosition::Between { before, t, span_s } => match channel.interpolation {
             Interpolation::Step => key(before),
             Interpolation::Linear => key(before) + (key(before + 1) - key(before)) * t,
             Interpolation::Cubic => {
@@ -229,7 +229,7 @@ fn sample_weight(channel: &MorphChannel, k: usize, time_s: f32) -> Option<f32> {
 }
 
 /// Position of a time among keys.
-enum Moment {
+enum KeyPosition {
     /// Before the first key, or at or after the last: the key's value holds.
     Key(usize),
     /// Between a key and the next, `span_s` seconds later, at the fraction `t`, 0..1.
@@ -237,16 +237,16 @@ enum Moment {
 }
 
 /// Returns the position of a time among `times`, which are ascending and not empty.
-fn moment(times: &[f32], time_s: f32) -> Moment {
+fn moment(times: &[f32], time_s: f32) -> KeyPosition {
     let next = times.partition_point(|t| *t <= time_s);
     if next == 0 || next == times.len() {
-        return Moment::Key(next.saturating_sub(1));
+        return KeyPosition::Key(next.saturating_sub(1));
     }
     let before = next - 1;
     // In f64, where the difference of two distinct f32 is finite and not zero.
     let span = f64::from(times[next]) - f64::from(times[before]);
     let t = ((f64::from(time_s) - f64::from(times[before])) / span) as f32;
-    Moment::Between { before, t, span_s: span as f32 }
+    KeyPosition::Between { before, t, span_s: span as f32 }
 }
 
 /// Returns the factors of a key's value, its out-tangent, the next key's value and its in-tangent, at fraction `t`

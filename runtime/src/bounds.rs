@@ -47,7 +47,7 @@ impl Hull {
     }
 
     /// Whether any part of the hull may be in the picture: no side of the view has all of it outside.
-    pub(crate) fn may_be_seen(&self, clip_from_world: Mat4) -> bool {
+    pub(crate) fn may_be_visible(&self, clip_from_world: Mat4) -> bool {
         let rows: [Vec4; 4] = std::array::from_fn(|k| clip_from_world.row(k));
         let [x, y, z, w] = rows;
         let beyond = |side: Vec4| {
@@ -59,7 +59,7 @@ impl Hull {
 
     /// Returns the rectangle that the hull may cover: left, top, right and bottom in pixels, widened by the margin on
     /// each side. Returns the whole viewport if any part is beside or behind the eye.
-    pub(crate) fn on_screen(&self, clip_from_world: Mat4, viewport: [u32; 2], margin_px: f32) -> [u32; 4] {
+    pub(crate) fn screen_rect(&self, clip_from_world: Mat4, viewport: [u32; 2], margin_px: f32) -> [u32; 4] {
         let size = Vec2::from(viewport.map(|n| n as f32));
         let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for (point, margin) in &self.0 {
@@ -94,7 +94,7 @@ mod tests {
         for (projection, reversed) in [(perspective, false), (perspective, true), (parallel, false), (parallel, true)] {
             let camera = Camera::look_at(Vec3::Z * 5.0, Vec3::ZERO, projection);
             let clip_from_world = projection.clip_from_view(reversed) * camera.view_from_world;
-            let seen = |center: Vec3, margin: f32| Hull(vec![(center, margin)]).may_be_seen(clip_from_world);
+            let seen = |center: Vec3, margin: f32| Hull(vec![(center, margin)]).may_be_visible(clip_from_world);
             assert!(seen(Vec3::ZERO, 0.0) && seen(Vec3::X * 1.9, 0.0), "{projection:?}");
             // Beside the picture, above it and behind the eye; visible only if the margin reaches in.
             for (center, reach) in [(Vec3::X * 20.0, 19.0), (Vec3::Y * 20.0, 19.5), (Vec3::Z * 8.0, 3.5)] {
@@ -102,8 +102,8 @@ mod tests {
                 assert!(seen(center, reach), "{projection:?} {center}");
             }
             // Corners outside different sides: what is between them may cross the picture.
-            assert!(Hull(vec![(Vec3::X * -20.0, 0.0), (Vec3::X * 20.0, 0.0)]).may_be_seen(clip_from_world));
-            assert!(Hull::default().may_be_seen(clip_from_world), "nothing known is nothing left out");
+            assert!(Hull(vec![(Vec3::X * -20.0, 0.0), (Vec3::X * 20.0, 0.0)]).may_be_visible(clip_from_world));
+            assert!(Hull::default().may_be_visible(clip_from_world), "nothing known is nothing left out");
             assert!(seen(Vec3::NAN, 0.0));
         }
     }

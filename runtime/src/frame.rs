@@ -8,7 +8,7 @@ use crate::light::{Casters, ShadowMaps};
 use crate::params::FrameParams;
 use crate::passes::*;
 use crate::report::{FrameReport, PassReport};
-use crate::scene::{self, Kept, Nearest, Seen};
+use crate::scene::{self, RendererState, NearestSegments, VisibleInstance};
 use crate::shared::receiver::ShadowReceiver;
 use std::sync::Arc;
 
@@ -57,13 +57,13 @@ pub struct Frame {
     /// While this lives, no other frame may write to its uniforms or draw to the textures it reads.
     _uniforms: Arc<()>,
     _targets: Arc<TargetSet>,
-    _instances: Arc<[Seen]>,
-    _nearest: Option<Nearest>,
+    _instances: Arc<[VisibleInstance]>,
+    _nearest: Option<NearestSegments>,
 }
 
 /// Prepares a frame: plans every pass and records those that run before the picture.
 pub(crate) fn prepare(
-    kept: &mut Kept,
+    kept: &mut RendererState,
     encoder: &mut wgpu::CommandEncoder,
     params: &FrameParams,
     instances: &[&Instance],
@@ -78,8 +78,8 @@ pub(crate) fn prepare(
     let (mut draws, mut passes) = (Vec::new(), Vec::new());
     for pass in PASSES {
         let id = PassId(pass);
-        let outcome = if of_style(&pass) { (pass.run)(&mut recording) } else { not_of(style) };
-        if let (PassPlace::Before, Some(mark)) = (id.place(), &mut mark) {
+        let outcome = if of_style(&pass) { (pass.run)(&mut recording) } else { skipped_for_style(style) };
+        if let (PassStage::Before, Some(mark)) = (id.stage(), &mut mark) {
             // The callback may submit the commands recorded so far.
             recording.uniforms.write(recording.gpu);
             mark(recording.encoder, id);
@@ -94,7 +94,7 @@ pub(crate) fn prepare(
         passes.push(PassReport { name: id.name(), ran, reason });
     }
     let seen = recording.instances.clone();
-    let instances = seen.iter().map(Seen::reported).collect();
+    let instances = seen.iter().map(VisibleInstance::detail_report).collect();
     let (shadows, targets) = (recording.maps.clone(), recording.targets.clone());
     let width = shadows.as_ref().and_then(|maps| maps.width.as_ref());
     let shadow_map = width.map_or(&recording.surfaces.white, |width| &width.width.view).clone();
@@ -103,7 +103,7 @@ pub(crate) fn prepare(
     let uploaded_bytes = recording.uniforms.uploaded();
     let nearest = recording.nearest.clone();
     let target_bytes = targets.gpu_bytes() + nearest.as_ref().map_or(0, |nearest| nearest.lists.gpu_bytes());
-    let hair_moves = seen.iter().any(Seen::moves_by_itself);
+    let hair_moves = seen.iter().any(VisibleInstance::is_animating);
     let report = FrameReport { passes, instances, hair_moves, created, uploaded_bytes, target_bytes };
     Ok(Frame {
         draws,

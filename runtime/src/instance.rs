@@ -35,7 +35,7 @@ pub enum Motion {
 
 impl Motion {
     /// Maximum number of layers of a [`Motion::Blend`]: each is a whole pose.
-    pub const MOST_LAYERS: usize = 16;
+    pub const MAX_LAYERS: usize = 16;
 
     /// Returns the fault of the motion for that skeleton, as found and expected values.
     fn fault(&self, animation: &Animation) -> Option<(String, String)> {
@@ -53,8 +53,8 @@ impl Motion {
         match self {
             Self::Rest => None,
             Self::Clip { clip, time_s } => moment(Some(*clip), *time_s),
-            Self::Blend(layers) if layers.len() > Self::MOST_LAYERS => {
-                Some((format!("{} layers", layers.len()), format!("at most {}", Self::MOST_LAYERS)))
+            Self::Blend(layers) if layers.len() > Self::MAX_LAYERS => {
+                Some((format!("{} layers", layers.len()), format!("at most {}", Self::MAX_LAYERS)))
             }
             Self::Blend(layers) => {
                 layers.iter().find_map(|layer| moment(layer.clip, layer.time_s).or_else(|| share(layer.share)))
@@ -91,7 +91,7 @@ pub struct Instance {
     pub morphs: Vec<(usize, f32)>,
     /// Revision of the hair motion: any number, constant between frames. A change resets hair to its groomed state
     /// instead of dragging it along. Increment it when the instance is teleported or a shot begins.
-    pub cut: u32,
+    pub hair_revision: u32,
     /// Colliders for the hair besides the instance's own body, in world space. Their number must stay constant between
     /// frames, or the hair is reset. At most [`Instance::MOST_COLLIDERS`].
     pub colliders: Vec<Capsule>,
@@ -99,9 +99,9 @@ pub struct Instance {
 
 impl Instance {
     /// Reserved number that no owner may have.
-    pub const NOBODY: u64 = u64::MAX;
+    pub const NO_OWNER: u64 = u64::MAX;
     /// Maximum number of colliders of the application; each point of each guide tests all of them.
-    pub const MOST_COLLIDERS: usize = 64;
+    pub const MAX_COLLIDERS: usize = 64;
 
     /// Creates an instance at the origin, in the rest pose.
     pub fn new(owner: u64, model: &Model) -> Self {
@@ -111,7 +111,7 @@ impl Instance {
             transform: Mat4::IDENTITY,
             motion: Motion::Rest,
             morphs: Vec::new(),
-            cut: 0,
+            hair_revision: 0,
             colliders: Vec::new(),
         }
     }
@@ -133,8 +133,8 @@ impl Instance {
 
     /// Whether a frame reads hair self-shadow from the instance's package.
     pub(crate) fn reads_baked_shadow(&self, params: &FrameParams) -> bool {
-        let may = matches!(params.form_of_self_shadow(), SelfShadow::Auto | SelfShadow::Baked);
-        may && self.model.knows_visibility()
+        let may = matches!(params.self_shadow_form(), SelfShadow::Auto | SelfShadow::Baked);
+        may && self.model.has_baked_visibility()
     }
 
     /// Returns the scattering mode of its hair by tables of its fibres; `None` if lit without them.
@@ -149,7 +149,7 @@ impl Instance {
     }
 
     pub(crate) fn check_owner(&self) -> Result<(), RuntimeError> {
-        if self.owner != Self::NOBODY {
+        if self.owner != Self::NO_OWNER {
             return Ok(());
         }
         let expected = "any other number: this one is nobody's".into();
@@ -162,9 +162,9 @@ impl Instance {
             let found = format!("{:?}", self.transform);
             return fail("Instance::transform", found, "a finite, invertible matrix".into());
         }
-        if self.colliders.len() > Self::MOST_COLLIDERS {
+        if self.colliders.len() > Self::MAX_COLLIDERS {
             let found = format!("{} colliders", self.colliders.len());
-            return fail("Instance::colliders", found, format!("at most {}", Self::MOST_COLLIDERS));
+            return fail("Instance::colliders", found, format!("at most {}", Self::MAX_COLLIDERS));
         }
         let sane = |c: &Capsule| c.from.is_finite() && c.to.is_finite() && c.radius_m.is_finite() && c.radius_m >= 0.0;
         if let Some(found) = self.colliders.iter().find(|collider| !sane(collider)) {

@@ -3,7 +3,7 @@
 use crate::frame::PASSES;
 use crate::gpu::WORKGROUP;
 use crate::ink::{InkFrame, InkModel};
-use crate::model::{Stand, Strand, StrandConstants};
+use crate::model::{SurfacePoint, Strand, StrandConstants};
 use crate::passes::fur_motion::FurMotion;
 use crate::passes::hair_motion::HairMotion;
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
@@ -11,11 +11,11 @@ use crate::passes::{
     fins, fur_motion, hair_motion, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_blend,
     strand_gather, strand_light, strand_pose, strand_shadow, strands,
 };
-use crate::scene::{NEAREST, NearestHair, TILE};
+use crate::scene::{NEAREST, NearestHairBlock, TILE};
 use crate::shared::deep_opacity::{self, DeepOpacity};
 use crate::shared::{frame, receiver, scattering, soft_shadow};
 use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform, SCAN_WORKGROUP};
-use crate::swing::WindBlock;
+use crate::guide_motion::WindBlock;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
 use pelage_formats::meaning::{FIN_CORNERS, LEANING_ROWS};
@@ -308,7 +308,7 @@ fn uniform_structs_agree() {
         assert_eq!((&wgsl[..6], wgsl[6].1, size), (&fields[..6], fields[6].1, rust_size));
     }
     for source in [&strand_gather::SHADER.wgsl(), &strand_blend::SHADER.wgsl()] {
-        assert_eq!(members(source, "NearestHair"), fields!(NearestHair, area, size, pieces, round));
+        assert_eq!(members(source, "NearestHair"), fields!(NearestHairBlock, area, size, pieces, round));
     }
     // These shaders read only the part of the frame that places corners.
     for source in [&strands::SHADER.wgsl(), &strand_gather::SHADER.wgsl()] {
@@ -351,11 +351,11 @@ fn storage_structs_agree() {
     for source in [&strand_pose::SHADER.wgsl(), &strand_shadow::SHADER.wgsl(), &strand_light::SHADER.wgsl()] {
         assert_eq!(
             members(source, "Strand"),
-            fields!(Strand, base_uv, color, groom, of_tile, chance, lean, fur_height)
+            fields!(Strand, base_uv, color, groom, of_tile, selection, lean, fur_height)
         );
     }
     let (stand, size) = members(&strand_pose::SHADER.wgsl(), "Stand");
-    assert_eq!((stand[3].1 as usize, size as usize), (offset_of!(Stand, weights), size_of::<Stand>()));
+    assert_eq!((stand[3].1 as usize, size as usize), (offset_of!(SurfacePoint, weights), size_of::<SurfacePoint>()));
     let (members, size) = members(&pose::SHADER.wgsl(), "SkinVertex");
     assert_eq!(size as usize, size_of::<SkinVertex>());
     let offset = |name: &str| members.iter().find(|m| m.0 == name).map(|m| m.1 as usize);

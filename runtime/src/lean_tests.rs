@@ -7,7 +7,7 @@ use crate::params::{FrameParams, HairMotionParams, RendererOptions, SelfShadow, 
 use crate::renderer::Renderer;
 use crate::swing_tests::read;
 use glam::{Mat3, Mat4, Quat, Vec3};
-use pelage_formats::meaning::fur_motion::{Frame, Tip, advance, begun, freedom, lean, leaned, shown};
+use pelage_formats::meaning::fur_motion::{Frame, Tip, advance, initial_tip, freedom, lean, leaning_direction, tip_offset};
 use pelage_formats::{AttributeVertex, FurInfo, GeometryVertex, Manifest, Material, MeshData, PackageWriter, Part};
 use pelage_stage::Gpu;
 
@@ -86,15 +86,15 @@ fn twin(frames: u32, fps: f32) -> Vec<Vec3> {
         if size == 0.0 {
             return normal;
         }
-        let mut tip: Tip = begun(size, place(0.0), &WIND, 0.0);
+        let mut tip: Tip = initial_tip(size, place(0.0), &WIND, 0.0);
         for number in 1..frames {
             let [from, to] = [number - 1, number].map(|n| n as f32 / fps);
             let frame = Frame { seconds: to - from, before_s: 1.0 / fps, wind: &WIND, time_s: to };
             tip = advance(tip, size, place(to), place(to) - place(from), &frame);
         }
         let freedom = freedom(LEANS[i], f32::from(WETNESS[i]) / 255.0);
-        let aside = shown(&tip, size, 1.0 / fps);
-        lean(aside, normal, size, freedom).map_or(normal, |(angle, along)| leaned(normal, angle, along))
+        let aside = tip_offset(&tip, size, 1.0 / fps);
+        lean(aside, normal, size, freedom).map_or(normal, |(angle, along)| leaning_direction(normal, angle, along))
     };
     (0..6).map(axis).collect()
 }

@@ -46,7 +46,7 @@ mod hair;
 mod hooks;
 mod ink;
 mod instance;
-mod lean;
+mod fur_motion;
 mod light;
 mod model;
 mod motion;
@@ -58,7 +58,7 @@ mod scene;
 pub mod shared;
 mod study;
 mod surface;
-mod swing;
+mod guide_motion;
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "tests")]
@@ -85,15 +85,15 @@ pub use instance::{Instance, Motion};
 pub use light::{CasterPass, Casters, LightView, ShadowMaps};
 pub use model::Model;
 #[cfg(feature = "study")]
-pub use params::{Anchoring, FeatureRule, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
+pub use params::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use params::{
-    DebugView, Detail, FrameParams, FurParams, FurShow, Hair, HairMotionParams, InkBackground, InkParams, InkShow,
+    DebugView, Detail, FrameParams, FurParams, FurDebugView, HairGeometry, HairMotionParams, InkBackground, InkParams, InkDebugView,
     LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering, SelfShadow, ShadowParams, StrandEdges, Style, StyleKind,
     Wind,
 };
-pub use passes::{PassId, PassPlace};
+pub use passes::{PassId, PassStage};
 pub use renderer::Renderer;
-pub use report::{Created, FrameReport, InstanceDetail, PassReport};
+pub use report::{CreatedObjects, FrameReport, InstanceDetail, PassReport};
 
 pub use glam;
 pub use pelage_formats as formats;

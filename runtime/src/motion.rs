@@ -3,21 +3,21 @@
 use crate::bounds::Hull;
 use crate::gpu::Gpu;
 use crate::instance::{Instance, Motion};
-use crate::lean::{self, Fur, Lean};
-use crate::model::{Guided, Model, Strands};
+use crate::fur_motion::{self, FurState, FurUpdate};
+use crate::model::{Guided, Model, StrandSet};
 use crate::params::{FrameParams, HairMotionParams, StyleKind};
-use crate::swing::{Past, Swing, swing};
+use crate::guide_motion::{GuideMotionState, GuideMotion, swing};
 use glam::Mat4;
 use pelage_formats::Pose;
 use pelage_formats::meaning::fur_motion;
 use std::collections::HashMap;
 
 /// Frames after which the state of an unused owner is dropped.
-const FORGOTTEN_AFTER: u64 = 256;
+const DROPPED_AFTER: u64 = 256;
 
 /// State of an owner.
 #[derive(Debug)]
-struct State {
+struct OwnerState {
     model: Model,
     /// Posed vertices, if the model has a skeleton.
     posed: Option<wgpu::Buffer>,
@@ -27,9 +27,9 @@ struct State {
     is_stale: bool,
     pose: Pose,
     /// Hair motion state, if its hair moves.
-    past: Option<Past>,
+    past: Option<GuideMotionState>,
     /// Fur motion state, if the fur has ever leaned, and whether it leans now.
-    fur: Option<Fur>,
+    fur: Option<FurState>,
     is_leaning: bool,
     /// Revision; changed whenever the shape in model space changes, and unique among all owners.
     revision: u64,
@@ -38,37 +38,37 @@ struct State {
 
 /// State of all owners.
 #[derive(Debug, Default)]
-pub(crate) struct States {
-    owners: HashMap<u64, State>,
+pub(crate) struct OwnerStates {
+    owners: HashMap<u64, OwnerState>,
     /// State by owner and strand set, only for recently drawn ones: many owners are never near enough.
     strands: HashMap<(u64, usize), StrandState>,
     frame: u64,
     revisions: u64,
     /// Number of hair motion updates so far.
-    lives: u64,
+    updates: u64,
 }
 
 /// Posed instance of a frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Moved {
+pub(crate) struct PosedInstance {
     /// First vertex stream as drawn: posed if the model has a skeleton, and leaned if its fur leans.
     pub(crate) geometry: wgpu::Buffer,
     /// First vertex stream without leaning.
     pub(crate) posed: wgpu::Buffer,
     /// Fur motion, if the fur moves in this frame.
-    pub(crate) lean: Option<Lean>,
+    pub(crate) lean: Option<FurUpdate>,
     /// Joints and morphs, if the posed vertices need to be recomputed.
-    pub(crate) pose: Option<Moves>,
+    pub(crate) pose: Option<PoseInputs>,
     pub(crate) revision: u64,
     /// Hair motion, if the frame enables it.
-    pub(crate) swing: Option<Swing>,
+    pub(crate) swing: Option<GuideMotion>,
     /// Bounds of the posed surface with its fur, in world space.
     pub(crate) hull: Hull,
 }
 
 /// Inputs that pose the vertices of an instance.
 #[derive(Clone, Debug)]
-pub(crate) struct Moves {
+pub(crate) struct PoseInputs {
     /// Transforms from mesh space to model space, one per joint.
     pub(crate) joints: Vec<Mat4>,
     /// Difference between the weight of each morph target and its rest weight.
@@ -82,7 +82,7 @@ struct StrandState {
     /// Guide points, if the strands follow guides.
     guides: Option<wgpu::Buffer>,
     /// Guide particles, if they may move, and the last motion update applied to them.
-    pearls: Option<wgpu::Buffer>,
+    particles: Option<wgpu::Buffer>,
     life: Option<u64>,
     /// Revision of both buffers; 0 if they are empty.
     revision: u64,
@@ -98,11 +98,11 @@ pub(crate) struct PosedStrands {
     /// Guide points relative to their roots, if the strands follow guides.
     pub(crate) guides: Option<wgpu::Buffer>,
     /// Guide particles, if they may move.
-    pub(crate) pearls: Option<wgpu::Buffer>,
+    pub(crate) particles: Option<wgpu::Buffer>,
     /// The particles do not continue the previous update: hair is reset to its groomed state.
     pub(crate) is_fresh: bool,
     /// The particles already went through this update in an earlier frame of the same moment.
-    pub(crate) has_lived: bool,
+    pub(crate) is_updated: bool,
     /// The points have another pose, or too few of them are posed.
     pub(crate) stale: bool,
     /// Share of the strands that is posed.
@@ -111,35 +111,35 @@ pub(crate) struct PosedStrands {
 
 impl PosedStrands {
     /// Whether the guides are moved by hair motion; otherwise they are as groomed.
-    pub(crate) fn swings(&self, moved: &Moved, guided: &Guided) -> bool {
+    pub(crate) fn is_moved(&self, moved: &PosedInstance, guided: &Guided) -> bool {
         let swing = moved.swing.as_ref().filter(|_| guided.motion.is_some());
         swing.is_some_and(|swing| !swing.is_fresh && !self.is_fresh)
     }
 }
 
-impl States {
+impl OwnerStates {
     /// Updates the owners of `instances`, which were validated, to their poses in this frame.
-    pub(crate) fn move_to(
+    pub(crate) fn pose_instances(
         &mut self,
         gpu: &Gpu,
         params: &FrameParams,
         clip_from_view: Mat4,
         instances: &[&Instance],
-    ) -> Vec<Moved> {
+    ) -> Vec<PosedInstance> {
         self.frame += 1;
-        let oldest = self.frame.saturating_sub(FORGOTTEN_AFTER);
+        let oldest = self.frame.saturating_sub(DROPPED_AFTER);
         self.owners.retain(|_, state| state.last_frame >= oldest);
         self.strands.retain(|_, state| state.last_frame >= oldest);
-        instances.iter().map(|instance| self.moved(gpu, params, clip_from_view, instance)).collect()
+        instances.iter().map(|instance| self.pose_instance(gpu, params, clip_from_view, instance)).collect()
     }
 
-    fn moved(&mut self, gpu: &Gpu, params: &FrameParams, clip_from_view: Mat4, instance: &Instance) -> Moved {
+    fn pose_instance(&mut self, gpu: &Gpu, params: &FrameParams, clip_from_view: Mat4, instance: &Instance) -> PosedInstance {
         let model = &instance.model;
         let frame = self.frame;
-        if self.owners.get(&instance.owner).is_some_and(|state| !state.model.is(model)) {
+        if self.owners.get(&instance.owner).is_some_and(|state| !state.model.shares_resources(model)) {
             self.forget(instance.owner);
         }
-        let state = self.owners.entry(instance.owner).or_insert_with(|| State {
+        let state = self.owners.entry(instance.owner).or_insert_with(|| OwnerState {
             model: model.clone(),
             posed: model.skeleton().map(|_| {
                 let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
@@ -178,7 +178,7 @@ impl States {
                     }
                 }
                 state.pose.morph(animation, morphs);
-                pose = Some(Moves { joints: state.pose.joints.clone(), shifts: state.pose.shifts.clone() });
+                pose = Some(PoseInputs { joints: state.pose.joints.clone(), shifts: state.pose.shifts.clone() });
             }
         }
         let mut hull = Hull::default();
@@ -191,7 +191,7 @@ impl States {
         let leaning = params.hair_motion.filter(leans);
         let fur_rest_s = leaning.map(|_| fur_motion::rest_s(model.manifest().fur.height_m * instance.scale()));
         let rest_s = fur_rest_s.into_iter().chain(model.hair_rest_s()).reduce(f32::max);
-        self.lives += 1;
+        self.updates += 1;
         let lives = params.hair_motion.zip(rest_s).map(|(moved, rest_s)| {
             let moment = (moved, params.time_s);
             swing(
@@ -201,13 +201,13 @@ impl States {
                 rest_s,
                 &state.pose,
                 is_posed && model.skeleton().is_some(),
-                self.lives,
+                self.updates,
             )
         });
         let (swing, past) = lives.unzip();
         // Hair that starts moving, moves or stops moving has a new shape.
         let mut is_other = match &swing {
-            Some(swing) => swing.life == self.lives && !swing.is_at_rest,
+            Some(swing) => swing.update == self.updates && !swing.is_at_rest,
             None => state.past.is_some(),
         };
         state.past = past;
@@ -216,17 +216,17 @@ impl States {
         let wanted = leaning.map_or(0.0, |moved| {
             let clip_from_world = clip_from_view * params.camera.view_from_world;
             let px_per_m = instance.scale() * hull.px_per_m(clip_from_view, clip_from_world, params.viewport[1]);
-            lean::strength(moved.fur, model.manifest().fur.height_m * px_per_m)
+            fur_motion::lean_strength(moved.fur, model.manifest().fur.height_m * px_per_m)
         });
         let mut is_leaning = false;
         if let (Some(swing), Some(_)) = (&swing, leaning) {
             if wanted > 0.0 && state.fur.is_none() {
-                state.fur = Some(Fur::new(gpu, &posed));
+                state.fur = Some(FurState::new(gpu, &posed));
             }
             if let Some(fur) = &mut state.fur
-                && fur.is_seen(swing, wanted)
+                && fur.begin_frame(swing, wanted)
             {
-                lean = fur.lean(swing, wanted);
+                lean = fur.update(swing, wanted);
                 geometry = fur.leaned().clone();
                 is_leaning = true;
             }
@@ -237,7 +237,7 @@ impl States {
             self.revisions += 1;
             state.revision = self.revisions;
         }
-        Moved { geometry, posed, lean, pose, revision: state.revision, swing, hull }
+        PosedInstance { geometry, posed, lean, pose, revision: state.revision, swing, hull }
     }
 
     /// Returns the buffers for posing a strand set of an instance, of which this frame draws `share`.
@@ -245,7 +245,7 @@ impl States {
         &mut self,
         gpu: &Gpu,
         instance: &Instance,
-        moved: &Moved,
+        moved: &PosedInstance,
         set: usize,
         share: f32,
     ) -> PosedStrands {
@@ -254,9 +254,9 @@ impl States {
         let state = self.strands.entry((instance.owner, set)).or_insert_with(made);
         state.last_frame = self.frame;
         let swing = moved.swing.as_ref();
-        let has_lived = swing.is_some_and(|swing| state.life == Some(swing.life));
-        let is_fresh = !has_lived && swing.is_none_or(|swing| swing.follows.is_none() || state.life != swing.follows);
-        state.life = swing.map(|swing| swing.life);
+        let has_lived = swing.is_some_and(|swing| state.life == Some(swing.update));
+        let is_fresh = !has_lived && swing.is_none_or(|swing| swing.previous_update.is_none() || state.life != swing.previous_update);
+        state.life = swing.map(|swing| swing.update);
         let wanted = share.max(strands.shadow_share());
         let stale = state.revision != moved.revision || state.share < wanted;
         if stale {
@@ -265,9 +265,9 @@ impl States {
         PosedStrands {
             buffer: state.points.clone(),
             guides: state.guides.clone(),
-            pearls: state.pearls.clone(),
+            particles: state.particles.clone(),
             is_fresh,
-            has_lived,
+            is_updated: has_lived,
             stale,
             share: state.share,
         }
@@ -291,7 +291,7 @@ impl States {
     }
 
     /// Invalidates all poses and resets the hair motion, for use when the device may have missed the last update.
-    pub(crate) fn lose(&mut self) {
+    pub(crate) fn invalidate_motion(&mut self) {
         self.invalidate();
         self.owners.values_mut().for_each(|state| state.past = None);
     }
@@ -304,22 +304,22 @@ impl States {
 
     /// Returns the size on the GPU in bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
-        let of_skin = |state: &State| {
-            state.posed.as_ref().map_or(0, wgpu::Buffer::size) + state.fur.as_ref().map_or(0, Fur::gpu_bytes)
+        let of_skin = |state: &OwnerState| {
+            state.posed.as_ref().map_or(0, wgpu::Buffer::size) + state.fur.as_ref().map_or(0, FurState::gpu_bytes)
         };
         self.owners.values().map(of_skin).sum::<u64>() + self.strands.values().map(StrandState::gpu_bytes).sum::<u64>()
     }
 }
 
 impl StrandState {
-    fn new(gpu: &Gpu, strands: &Strands) -> Self {
+    fn new(gpu: &Gpu, strands: &StrandSet) -> Self {
         // Tests read the buffer.
         let read = if cfg!(test) { wgpu::BufferUsages::COPY_SRC } else { wgpu::BufferUsages::empty() };
         let buffer = |label, bytes| gpu.buffer(label, bytes, wgpu::BufferUsages::STORAGE | read);
         Self {
             points: buffer("pelage posed strands", strands.posed_bytes()),
             guides: strands.guided().map(|guided| buffer("pelage posed guides", guided.guides.size())),
-            pearls: strands.pearl_bytes().map(|bytes| buffer("pelage pearls", bytes)),
+            particles: strands.particle_bytes().map(|bytes| buffer("pelage pearls", bytes)),
             life: None,
             revision: 0,
             share: 0.0,
@@ -328,7 +328,7 @@ impl StrandState {
     }
 
     fn gpu_bytes(&self) -> u64 {
-        let more = [&self.guides, &self.pearls].into_iter().flatten();
+        let more = [&self.guides, &self.particles].into_iter().flatten();
         self.points.size() + more.map(wgpu::Buffer::size).sum::<u64>()
     }
 }

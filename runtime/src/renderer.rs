@@ -3,14 +3,14 @@
 use crate::camera::Camera;
 use crate::error::RuntimeError;
 use crate::frame::{self, Frame};
-use crate::gpu::{Cache, Gpu, Ring, Shelf};
+use crate::gpu::{Cache, Gpu, UniformRing, Pool};
 use crate::hooks::Hooks;
 use crate::instance::Instance;
-use crate::light::Skies;
+use crate::light::EnvironmentCache;
 use crate::model::{self, Model};
-use crate::motion::States;
-use crate::params::{Detail, FrameParams, Hair, RendererOptions, StrandEdges, Style};
-use crate::scene::Kept;
+use crate::motion::OwnerStates;
+use crate::params::{Detail, FrameParams, HairGeometry, RendererOptions, StrandEdges, Style};
+use crate::scene::RendererState;
 use crate::surface::Surfaces;
 use glam::Vec3;
 use pelage_formats::{Limits, Package};
@@ -18,7 +18,7 @@ use pelage_formats::{Limits, Package};
 /// Draws models into the application's own render pass. Create one per device and kind of pass.
 #[derive(Debug)]
 pub struct Renderer {
-    kept: Kept,
+    state: RendererState,
 }
 
 impl Renderer {
@@ -29,24 +29,24 @@ impl Renderer {
         options.check(device)?;
         let gpu = Gpu::new(device, queue);
         let surfaces = Surfaces::new(&gpu);
-        let kept = Kept {
+        let kept = RendererState {
             gpu,
             cache: Cache::default(),
             surfaces,
             options: options.clone(),
-            states: States::default(),
-            shadows: Shelf::default(),
-            ribbons: Shelf::default(),
-            nearest: Shelf::default(),
-            skies: Skies::default(),
-            ring: Ring::default(),
+            states: OwnerStates::default(),
+            shadows: Pool::default(),
+            ribbons: Pool::default(),
+            nearest: Pool::default(),
+            skies: EnvironmentCache::default(),
+            ring: UniformRing::default(),
         };
-        Ok(Self { kept })
+        Ok(Self { state: kept })
     }
 
     /// Returns the options of the renderer.
     pub fn options(&self) -> &RendererOptions {
-        &self.kept.options
+        &self.state.options
     }
 
     /// Uploads a package directly from the slices that it borrows. The package's bytes may be dropped afterwards.
@@ -54,7 +54,7 @@ impl Renderer {
     /// Fails if a section is damaged, if a texture needs a feature that the device was created without, or if something
     /// exceeds the device's limits.
     pub fn load(&self, package: &Package<'_>) -> Result<Model, RuntimeError> {
-        model::load(&self.kept.gpu, &self.kept.options, &self.kept.surfaces, package)
+        model::load(&self.state.gpu, &self.state.options, &self.state.surfaces, package)
     }
 
     /// Opens a package with default [`Limits`] and uploads it.
@@ -78,46 +78,46 @@ impl Renderer {
             variants = (0..(2 * levels).max(1)).map(|k| params.clone().with_fur(|f| f.detail = level(k))).collect();
         }
         // Variants that explicit levels leave out, because those draw layers.
-        if params.style.fur().is_some_and(|fur| fur.hair == Hair::Auto) && model.coat_strands().is_some() {
-            variants.push(params.clone().with_fur(|fur| fur.hair = Hair::Strands));
+        if params.style.fur().is_some_and(|fur| fur.hair == HairGeometry::Auto) && model.fur_strands().is_some() {
+            variants.push(params.clone().with_fur(|fur| fur.hair = HairGeometry::Strands));
         }
         if params.style.fur().is_some_and(|fur| fur.strand_edges == StrandEdges::Blended) && !model.strands().is_empty()
         {
-            let strands = params.clone().with_fur(|fur| fur.hair = Hair::Strands);
+            let strands = params.clone().with_fur(|fur| fur.hair = HairGeometry::Strands);
             // The choice depends on the size of the picture and on the device.
             variants.push(strands.clone().with(|p| p.viewport = [64; 2]));
             variants.push(strands.with_fur(|fur| fur.strand_edges = StrandEdges::Samples));
         }
-        if self.kept.ring.lost_work() {
+        if self.state.ring.lost_work() {
             self.invalidate();
-            self.kept.states.lose();
+            self.state.states.invalidate_motion();
         }
         // State left behind by these frames is dropped with them.
-        let shadows = std::mem::take(&mut self.kept.shadows);
-        let ribbons = std::mem::take(&mut self.kept.ribbons);
-        let nearest = std::mem::take(&mut self.kept.nearest);
-        let targets = std::mem::take(&mut self.kept.cache.targets);
-        let bind_groups = std::mem::take(&mut self.kept.cache.bind_groups);
-        let mut encoder = self.kept.gpu.device.create_command_encoder(&Default::default());
+        let shadows = std::mem::take(&mut self.state.shadows);
+        let ribbons = std::mem::take(&mut self.state.ribbons);
+        let nearest = std::mem::take(&mut self.state.nearest);
+        let targets = std::mem::take(&mut self.state.cache.targets);
+        let bind_groups = std::mem::take(&mut self.state.cache.bind_groups);
+        let mut encoder = self.state.gpu.device.create_command_encoder(&Default::default());
         // The instance must not be culled, wherever the camera looks.
         let bounds = model.manifest().bounds;
         let radius = bounds.radius.max(1e-6) + model.manifest().fur.height_m;
-        let unseen = Instance::new(Instance::NOBODY, model);
+        let unseen = Instance::new(Instance::NO_OWNER, model);
         let prepared = variants.into_iter().try_for_each(|variant| {
             let [width, height] = variant.viewport.map(|side| side as f32);
             let framed = Camera::framing(bounds.center.into(), radius, Vec3::Z, 0.6, width / height);
             let variant = variant.with(|p| p.camera = framed);
-            frame::prepare(&mut self.kept, &mut encoder, &variant, &[&unseen], Hooks::default()).map(drop)
+            frame::prepare(&mut self.state, &mut encoder, &variant, &[&unseen], Hooks::default()).map(drop)
         });
-        self.kept.states.forget(Instance::NOBODY);
-        self.kept.shadows = shadows;
-        self.kept.ribbons = ribbons;
-        self.kept.nearest = nearest;
-        self.kept.cache.targets = targets;
-        self.kept.cache.bind_groups = bind_groups;
+        self.state.states.forget(Instance::NO_OWNER);
+        self.state.shadows = shadows;
+        self.state.ribbons = ribbons;
+        self.state.nearest = nearest;
+        self.state.cache.targets = targets;
+        self.state.cache.bind_groups = bind_groups;
         drop(encoder);
         // Dropping this encoder loses no work that is needed.
-        self.kept.ring.lost_work();
+        self.state.ring.lost_work();
         prepared
     }
 
@@ -161,39 +161,39 @@ impl Renderer {
         let instances: Vec<I::Item> = instances.into_iter().collect();
         let instances: Vec<&Instance> = instances.iter().map(AsRef::as_ref).collect();
         instances.iter().try_for_each(|instance| instance.check_owner())?;
-        frame::prepare(&mut self.kept, encoder, params, &instances, hooks)
+        frame::prepare(&mut self.state, encoder, params, &instances, hooks)
     }
 
     /// Returns the guide buffer of an owner.
     #[cfg(test)]
     pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
-        self.kept.states.posed_guides(owner, set)
+        self.state.states.posed_guides(owner, set)
     }
 
     /// Returns the buffer of an owner's leaned vertices.
     #[cfg(test)]
     pub(crate) fn leaned(&self, owner: u64) -> Option<&wgpu::Buffer> {
-        self.kept.states.leaned(owner)
+        self.state.states.leaned(owner)
     }
 
     /// Drops poses and shadow maps, so that the next frame recreates them, and frees the maps' memory. Not needed after
     /// an encoder is dropped instead of submitted; the renderer detects that.
     pub fn invalidate(&mut self) {
-        self.kept.states.invalidate();
-        self.kept.shadows = Shelf::default();
-        self.kept.ribbons = Shelf::default();
-        self.kept.nearest = Shelf::default();
-        self.kept.cache.bind_groups.clear();
+        self.state.states.invalidate();
+        self.state.shadows = Pool::default();
+        self.state.ribbons = Pool::default();
+        self.state.nearest = Pool::default();
+        self.state.cache.bind_groups.clear();
     }
 
     /// Drops the state of an owner immediately. Owners unused for 256 frames are dropped automatically. The state of an
     /// owner keeps its model alive.
     pub fn forget(&mut self, owner: u64) {
-        self.kept.states.forget(owner);
+        self.state.states.forget(owner);
     }
 
     /// Returns the size on the GPU in bytes of the state of all owners: posed vertices, leaned fur and posed strands.
     pub fn owners_gpu_bytes(&self) -> u64 {
-        self.kept.states.gpu_bytes()
+        self.state.states.gpu_bytes()
     }
 }

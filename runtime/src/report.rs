@@ -11,7 +11,7 @@ pub struct FrameReport {
     /// Whether hair is still moving: a frame at a later time differs even if nothing else changes.
     pub hair_moves: bool,
     /// Objects created for the frame.
-    pub created: Created,
+    pub created: CreatedObjects,
     /// Bytes of uniforms and storage uploaded; 0 if nothing changed since an earlier frame.
     pub uploaded_bytes: u64,
     /// Bytes on the GPU of textures of the picture's size that passes share, and of the per-pixel lists for blended
@@ -33,7 +33,7 @@ pub struct PassReport {
 /// Number of GPU objects created for a frame: none if nothing is new since earlier frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Created {
+pub struct CreatedObjects {
     /// Number of buffers.
     pub buffers: u32,
     /// Number of textures.
@@ -44,7 +44,7 @@ pub struct Created {
     pub pipelines: u32,
 }
 
-impl Created {
+impl CreatedObjects {
     /// Returns the number of objects created between two counts.
     pub(crate) fn since(self, before: Self) -> Self {
         Self {

@@ -8,11 +8,11 @@ use crate::renderer::Renderer;
 use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::meaning::hair_groups::{smoothed, triangle_frame};
 use pelage_formats::meaning::hair_motion::{
-    Capsule, Frame, GRAVITY, Groomed, Pearl, Rooted, Springs, Wind, advance_frame, ballast, steps,
+    Capsule, Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Springs, Wind, advance_frame, gravity_compensation, steps,
 };
 use pelage_formats::{
     AttributeVertex, BodyCollider, GeometryVertex, GroupMotion, HairGroup, HairMotion, Manifest, Material, MeshData,
-    OnTriangle, PackageWriter, Part,
+    TrianglePoint, PackageWriter, Part,
 };
 use pelage_stage::Gpu;
 
@@ -66,7 +66,7 @@ impl Scene {
             };
             (0..POINTS).map(point).collect::<Vec<_>>()
         };
-        let root = |side: usize| OnTriangle { triangle: side as u32, weights: [0.5, 0.25, 0.25] };
+        let root = |side: usize| TrianglePoint { triangle: side as u32, weights: [0.5, 0.25, 0.25] };
         let guides: Vec<_> = (0..8).map(|side| (root(side), groomed(side)[1..].to_vec())).collect();
         let mut group = HairGroup {
             name: "mop".into(),
@@ -96,11 +96,11 @@ impl Scene {
         Self { corners, points, package: writer.finish().unwrap() }
     }
 
-    fn rooted(&self, side: usize, transform: Mat4) -> Rooted {
+    fn rooted(&self, side: usize, transform: Mat4) -> RootFrame {
         let corners = self.corners[side];
         let root = corners[0] * 0.5 + (corners[1] + corners[2]) * 0.25;
         let frame = Mat3::from_mat4(transform) * triangle_frame(corners);
-        Rooted { root: transform.transform_point3(root), frame }
+        RootFrame { root: transform.transform_point3(root), frame }
     }
 
     /// Returns the final points of each guide as the Rust counterpart computes them, in model space relative to its
@@ -114,12 +114,12 @@ impl Scene {
         };
         let mut all = Vec::new();
         for (side, points) in self.points.iter().enumerate() {
-            let ballast = ballast(points, triangle_frame(self.corners[side]));
+            let ballast = gravity_compensation(points, triangle_frame(self.corners[side]));
             let of_guide = f32::from(FREEDOM[side]) / 255.0;
             let free: Vec<f32> =
                 (0..POINTS).map(|k| of_guide * MOTION.freedom(k as f32 / (POINTS - 1) as f32)).collect();
-            let groomed = Groomed { points, ballast: &ballast, free: &free };
-            let mut pearls: Vec<Pearl> = self.rooted(side, at(0).0).groomed(points);
+            let groomed = GroomedGuide { points, ballast: &gravity_compensation, free: &free };
+            let mut pearls: Vec<Particle> = self.rooted(side, at(0).0).groomed(points);
             for frame in 1..frames {
                 let colliders: Vec<_> = at(frame - 1).1.into_iter().zip(at(frame).1).map(|(a, b)| [a, b]).collect();
                 let moment = Frame {

@@ -9,9 +9,9 @@ use super::{
     crane_rig,
     glb::{Material, Model},
     regions::Regions,
-    remesh::{Sizing, even},
+    remesh::{Sizing, no_local_limit},
     shapes::eyes,
-    skin::Skin,
+    skin::SurfaceFunctions,
     trimesh::TriMesh,
 };
 
@@ -115,7 +115,7 @@ fn push_line(body: &mut Body, line: &[(DVec3, f64)], blend: f64) {
 /// Makes the body's mesh: closed, about 5 000 triangles, vertices on the surface.
 pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     let bounds = [v(-0.24, -0.03, -0.7), v(0.24, 1.57, 0.63)];
-    let sizing = Sizing { sagitta: 0.0019, shortest: 0.013, longest: 0.05, local: even };
+    let sizing = Sizing { sagitta: 0.0019, shortest: 0.013, longest: 0.05, local: no_local_limit };
     body::mesh(&|p| body.distance(p), bounds, 0.0085, sizing, Keep::Largest)
 }
 
@@ -143,7 +143,7 @@ pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let regions = regions(&body, body_mesh(&body)?);
     let weights = crane_rig::weights(&regions.mesh);
-    let skin = Skin {
+    let skin = SurfaceFunctions {
         field: &|p| body.distance(p),
         comb: &|p| body.comb(p),
         color: &|_, _, _| DVec4::ONE,

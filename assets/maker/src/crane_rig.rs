@@ -89,12 +89,12 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
 
     for (leg, touch) in LEGS.into_iter().zip([0.0, 0.5]) {
         let step = Step { touch, duty: 0.58, front: 0.2, stride: CYCLE_M, lift: 0.13 };
-        let since = step.since(phase);
+        let since = step.phase_since_touch(phase);
         let mut foot = step.foot(phase);
         foot.pitch_deg = cycle(
             &[(0.0, -4.0), (0.06, 0.0), (0.25, 0.0), (0.42, 8.0), (0.52, 32.0), (0.6, 58.0), (0.75, 75.0), (0.9, 12.0)],
             since,
         );
-        pose.lead(&leg, foot);
+        pose.solve_leg(&leg, foot);
     }
 }

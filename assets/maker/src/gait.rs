@@ -67,14 +67,14 @@ pub struct Step {
 
 impl Step {
     /// Returns the phase since touchdown, 0..1; the foot is on the ground while it is below [`Step::duty`].
-    pub fn since(&self, phase: f64) -> f64 {
+    pub fn phase_since_touch(&self, phase: f64) -> f64 {
         let since = phase - self.touch;
         since - libm::floor(since)
     }
 
     /// Returns the foot's offset at `phase`, without its rotations.
     pub fn foot(&self, phase: f64) -> Foot {
-        let since = self.since(phase);
+        let since = self.phase_since_touch(phase);
         if since <= self.duty {
             return Foot { forwards: self.front - self.stride * since, ..Foot::default() };
         }
@@ -171,7 +171,7 @@ impl Pose<'_> {
 
     /// Bends a leg so that its foot reaches `foot`, or as near as the leg's length allows; returns the remaining
     /// distance, metres.
-    pub fn lead(&mut self, leg: &Leg, foot: Foot) -> f64 {
+    pub fn solve_leg(&mut self, leg: &Leg, foot: Foot) -> f64 {
         let radians = PI / 180.0;
         let bone = |joint: u8| self.bones[joint as usize];
         let (upper, lower, end) = (bone(leg.upper), bone(leg.lower), bone(leg.foot));

@@ -10,10 +10,10 @@ use super::{
     glb::{Material, Model, Primitive},
     hare_rig::{self, ear},
     regions::Regions,
-    remesh::{Sizing, even},
+    remesh::{Sizing, no_local_limit},
     sdf::Solid,
     shapes::{METRES_PER_UV, eyes, push_ball},
-    skin::Skin,
+    skin::SurfaceFunctions,
     trimesh::TriMesh,
 };
 
@@ -88,7 +88,7 @@ fn eye(side: f64) -> (DVec3, DVec3) {
 }
 
 /// Returns the fur colour at a point of the mesh surface, linear RGB.
-fn coat(p: DVec3, n: DVec3) -> DVec3 {
+fn fur_color(p: DVec3, n: DVec3) -> DVec3 {
     let back = v(0.17, 0.105, 0.058);
     let flank = v(0.42, 0.26, 0.13);
     let cream = v(0.74, 0.62, 0.46);
@@ -153,7 +153,7 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
         &|p| body.distance(p),
         bounds,
         0.004,
-        Sizing { sagitta: 0.00057, shortest: 0.0034, longest: 0.0145, local: even },
+        Sizing { sagitta: 0.00057, shortest: 0.0034, longest: 0.0145, local: no_local_limit },
         Keep::Largest,
     )
 }
@@ -163,10 +163,10 @@ pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let mesh = body_mesh(&body)?;
     let weights = hare_rig::weights(&mesh);
-    let skin = Skin {
+    let skin = SurfaceFunctions {
         field: &|p| body.distance(p),
         comb: &|p| body.comb(p),
-        color: &|_, p, n| coat(p, n).extend(hair_length(p)),
+        color: &|_, p, n| fur_color(p, n).extend(hair_length(p)),
         metres_per_uv: METRES_PER_UV,
     };
     let mut primitives = skin.primitives(&Regions::new(mesh), &["body"], &weights)?;

@@ -102,7 +102,7 @@ pub fn weights(mesh: &TriMesh) -> Vec<Weights> {
 }
 
 /// Creates rotation keys about one axis: seconds and degrees.
-fn about(joint: u8, axis: DVec3, keys: &[(f64, f64)]) -> Channel {
+fn rotation_keys(joint: u8, axis: DVec3, keys: &[(f64, f64)]) -> Channel {
     rotations(joint, keys.iter().map(|&(t, degrees)| (t, turn(axis, degrees))))
 }
 
@@ -121,12 +121,12 @@ pub fn ear_breath() -> Clip {
     Clip {
         name: "EarBreath".into(),
         channels: vec![
-            about(EAR_L, DVec3::Z, &twitch),
-            about(EAR_L_TIP, DVec3::Z, &flick),
-            about(EAR_R, DVec3::X, &sway),
-            about(EAR_R_TIP, DVec3::X, &bend),
-            about(HEAD, DVec3::X, &nod),
-            about(TAIL, DVec3::X, &wag),
+            rotation_keys(EAR_L, DVec3::Z, &twitch),
+            rotation_keys(EAR_L_TIP, DVec3::Z, &flick),
+            rotation_keys(EAR_R, DVec3::X, &sway),
+            rotation_keys(EAR_R_TIP, DVec3::X, &bend),
+            rotation_keys(HEAD, DVec3::X, &nod),
+            rotation_keys(TAIL, DVec3::X, &wag),
             Channel {
                 joint: RIBS.into(),
                 target: Target::Scale,
@@ -183,15 +183,15 @@ fn hop(phase: f64, pose: &mut Pose<'_>) {
                 (0.78, 4.0),
                 (0.9, -6.0),
             ],
-            step.since(phase),
+            step.phase_since_touch(phase),
         );
-        pose.lead(&leg, foot);
+        pose.solve_leg(&leg, foot);
     }
     for (leg, touch) in FORELEGS.into_iter().zip([0.6, 0.55]) {
         let step = Step { touch, duty: 0.27, front: 0.1, stride: HOP_M, lift: 0.035 };
         let mut foot = step.foot(phase);
         foot.pitch_deg =
-            cycle(&[(0.0, -6.0), (0.06, 0.0), (0.2, 8.0), (0.32, 60.0), (0.6, 70.0), (0.85, 10.0)], step.since(phase));
-        pose.lead(&leg, foot);
+            cycle(&[(0.0, -6.0), (0.06, 0.0), (0.2, 8.0), (0.32, 60.0), (0.6, 70.0), (0.85, 10.0)], step.phase_since_touch(phase));
+        pose.solve_leg(&leg, foot);
     }
 }

@@ -10,12 +10,12 @@ use glam::{DMat3, DVec3, DVec4, dvec2, dvec3 as v};
 use super::{
     body::{self, Body, Comb, Keep, almond, bump, chain, cone, curve, ellipsoid, on_side, oval, pitch, ramp},
     glb::{Material, Model, Primitive},
-    regions::{Regions, mirrored},
+    regions::{Regions, mirror_half},
     remesh::Sizing,
     rig::bound_to,
     sdf::{Solid, smooth_max},
     shapes::METRES_PER_UV,
-    skin::Skin,
+    skin::SurfaceFunctions,
     trimesh::TriMesh,
 };
 
@@ -333,7 +333,7 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     }
     regions.paint(BROW, &brow, &surface);
     regions.paint(LASH, &lash, &surface);
-    mirrored(regions, &surface)
+    mirror_half(regions, &surface)
 }
 
 /// Returns the distance of a point inside the red of the lips to its border, metres; negative outside.
@@ -425,7 +425,7 @@ pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let regions = regions(&body, body_mesh(&body)?);
     let weights = vec![bound_to(0); regions.mesh.positions.len()];
-    let skin = Skin {
+    let skin = SurfaceFunctions {
         field: &|p| field(&body, p),
         comb: &|p| body.comb(p),
         color: &|material, p, _| color(material, p),

@@ -12,10 +12,10 @@ use super::{
     charts::{Atlas, ChartVertex},
     glb::{Material, Model, Primitive},
     regions::Regions,
-    remesh::{Sizing, even},
+    remesh::{Sizing, no_local_limit},
     rig::bound_to,
     sdf::smooth_max,
-    skin::Skin,
+    skin::SurfaceFunctions,
     trimesh::TriMesh,
 };
 
@@ -44,7 +44,7 @@ const NEAR: Ridge = Ridge {
     fold: (0.35, 2.6),
     size: DVec3::new(38.0, 11.0, 9.0),
     cell: 0.6,
-    sizing: Sizing { sagitta: 0.06, shortest: 0.4, longest: 2.0, local: even },
+    sizing: Sizing { sagitta: 0.06, shortest: 0.4, longest: 2.0, local: no_local_limit },
     peaks: &[
         [-27.0, 0.0, 5.2, 3.6],
         [-23.2, -1.2, 8.6, 3.0],
@@ -65,7 +65,7 @@ const MIDDLE: Ridge = Ridge {
     fold: (0.9, 5.0),
     size: DVec3::new(63.0, 28.0, 15.0),
     cell: 1.1,
-    sizing: Sizing { sagitta: 0.15, shortest: 0.9, longest: 3.6, local: even },
+    sizing: Sizing { sagitta: 0.15, shortest: 0.9, longest: 3.6, local: no_local_limit },
     peaks: &[
         [-46.0, 0.0, 12.0, 7.0],
         [-37.5, -2.0, 19.5, 6.0],
@@ -88,7 +88,7 @@ const FAR: Ridge = Ridge {
     fold: (1.4, 9.0),
     size: DVec3::new(114.0, 52.0, 27.0),
     cell: 2.0,
-    sizing: Sizing { sagitta: 0.34, shortest: 1.7, longest: 7.0, local: even },
+    sizing: Sizing { sagitta: 0.34, shortest: 1.7, longest: 7.0, local: no_local_limit },
     peaks: &[
         [-80.0, 0.0, 22.0, 14.0],
         [-62.0, -3.0, 36.0, 10.5],
@@ -154,7 +154,7 @@ impl Ridge {
         let high = middle + self.size;
         let mesh = body::mesh(&field, [low, high], self.cell, self.sizing, Keep::All)?;
         let weights = vec![bound_to(0); mesh.positions.len()];
-        let skin = Skin {
+        let skin = SurfaceFunctions {
             field: &field,
             comb: &|p| body.comb(p),
             color: &|_, p, n| rock(p, n, self.size.y),
@@ -222,7 +222,7 @@ fn ground() -> Vec<Primitive> {
         ..Atlas::default()
     };
     let skin =
-        Skin { field: &field, comb: &|_| DVec3::NEG_Z, color: &|_, _, _| DVec4::ONE, metres_per_uv: METRES_PER_UV };
+        SurfaceFunctions { field: &field, comb: &|_| DVec3::NEG_Z, color: &|_, _, _| DVec4::ONE, metres_per_uv: METRES_PER_UV };
     let weights = vec![bound_to(0); regions.mesh.positions.len()];
     skin.charted(&regions, &atlas, &["ground", "path"], &weights)
 }

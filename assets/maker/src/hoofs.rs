@@ -18,7 +18,7 @@ pub struct Pair<'a> {
     /// Index of the parent bone.
     pub parent: u8,
     /// Joints of the left leg from above, then the front end of the hoof, metres.
-    pub places: &'a [DVec3; 5],
+    pub joints: &'a [DVec3; 5],
     /// Radius of the flesh around each bone, metres.
     pub thickness: [f64; 4],
 }
@@ -30,7 +30,7 @@ pub fn add_legs(bones: &mut Vec<Bone>, fore: &Pair<'_>, hind: &Pair<'_>) {
         ["thigh_l", "shank_l", "hind_cannon_l", "hind_hoof_l"],
         ["thigh_r", "shank_r", "hind_cannon_r", "hind_hoof_r"],
     ];
-    for (names, Pair { parent, places, thickness }) in [(arms, fore), (thighs, hind)] {
+    for (names, Pair { parent, joints: places, thickness }) in [(arms, fore), (thighs, hind)] {
         for (names, side) in names.into_iter().zip([1.0, -1.0]) {
             let first = bones.len() as u8;
             for (k, name) in names.into_iter().enumerate() {
@@ -72,7 +72,7 @@ pub struct Gait {
 }
 
 /// Moves the legs of a pose, fore and hind, according to a gait.
-pub fn lead(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], gait: &Gait) {
+pub fn apply_gait(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], gait: &Gait) {
     let ([fore_bend, hind_bend], [fore_touches, hind_touches]) = (gait.bend, gait.touches);
     for (legs, bend, touches) in [
         (hind, [(0.0, 4.0), (0.3, 0.0), (0.58, 10.0), (0.78, hind_bend), (0.94, -4.0)], hind_touches),
@@ -80,7 +80,7 @@ pub fn lead(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], gait: 
     ] {
         for (leg, touch) in legs.into_iter().zip(touches) {
             let step = Step { touch, duty: gait.duty, front: gait.front, stride: gait.stride, lift: gait.lift };
-            let since = step.since(phase);
+            let since = step.phase_since_touch(phase);
             let key = if since < gait.duty {
                 since / gait.duty * KEYED_DUTY
             } else {
@@ -99,7 +99,7 @@ pub fn lead(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], gait: 
             ];
             foot.pitch_deg = cycle(&tilt, key);
             foot.cannon_deg = cycle(&bend, key);
-            pose.lead(&leg, foot);
+            pose.solve_leg(&leg, foot);
         }
     }
 }

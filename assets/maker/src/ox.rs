@@ -11,9 +11,9 @@ use super::{
     glb::{Material, Model},
     ox_rig,
     regions::Regions,
-    remesh::{Sizing, even},
+    remesh::{Sizing, no_local_limit},
     shapes::eyes,
-    skin::Skin,
+    skin::SurfaceFunctions,
     trimesh::TriMesh,
 };
 
@@ -154,7 +154,7 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
         &|p| body.distance(p),
         bounds,
         0.016,
-        Sizing { sagitta: 0.0026, shortest: 0.017, longest: 0.085, local: even },
+        Sizing { sagitta: 0.0026, shortest: 0.017, longest: 0.085, local: no_local_limit },
         Keep::Largest,
     )
 }
@@ -187,7 +187,7 @@ pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let regions = regions(&body, body_mesh(&body)?);
     let weights = ox_rig::weights(&regions.mesh, &|p| to_horns(p) < 0.02);
-    let skin = Skin {
+    let skin = SurfaceFunctions {
         field: &|p| body.distance(p),
         comb: &|p| body.comb(p),
         color: &|material, p, n| if material == HIDE { hide(p, n) } else { DVec4::ONE },

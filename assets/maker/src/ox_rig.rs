@@ -73,8 +73,8 @@ fn bones() -> Vec<Bone> {
         let parent = if k == 0 { HIPS } else { TAILS[k - 1] };
         bones.push(Bone::new(name, Some(parent), TAIL[k], to, 0.02));
     }
-    let fore = Pair { parent: CHEST, places: &FORELEG, thickness: [0.12, 0.08, 0.05, 0.05] };
-    let hind = Pair { parent: HIPS, places: &HIND_LEG, thickness: [0.14, 0.09, 0.05, 0.05] };
+    let fore = Pair { parent: CHEST, joints: &FORELEG, thickness: [0.12, 0.08, 0.05, 0.05] };
+    let hind = Pair { parent: HIPS, joints: &HIND_LEG, thickness: [0.14, 0.09, 0.05, 0.05] };
     add_legs(&mut bones, &fore, &hind);
     bones
 }
@@ -125,5 +125,5 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
 
     let (tilt, bend) = ([50.0, 52.0], [58.0, -34.0]);
     let walk = Gait { touches: WALK, duty: 0.62, stride: CYCLE_M, front: 0.36, lift: 0.085, tilt, bend };
-    hoofs::lead(phase, pose, [FORELEGS, HIND_LEGS], &walk);
+    hoofs::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &walk);
 }

@@ -10,11 +10,11 @@ use super::{
     body::{self, Body, Comb, Keep, almond, bump, cone, curve, ellipsoid, on_side, oval, pitch, ramp},
     glb::{Material, Model},
     pony_rig,
-    regions::{Regions, mirrored},
+    regions::{Regions, mirror_half},
     remesh::Sizing,
     sdf::{Solid, smooth_max},
     shapes::{METRES_PER_UV, eyes},
-    skin::Skin,
+    skin::SurfaceFunctions,
     trimesh::TriMesh,
 };
 
@@ -298,12 +298,12 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
         p.y - 0.058 - 0.22 * (p.z - (toe.z - 0.052))
     };
     regions.paint(HOOF, &heels, &surface);
-    mirrored(regions, &surface)
+    mirror_half(regions, &surface)
 }
 
 /// Returns the fur colour, linear RGB, and the hair length as a share of the longest: a chestnut with a mealy muzzle,
 /// belly and legs.
-fn coat(p: DVec3, n: DVec3) -> DVec4 {
+fn fur_color(p: DVec3, n: DVec3) -> DVec4 {
     let (chestnut, dark) = (v(0.33, 0.115, 0.034), v(0.2, 0.06, 0.018));
     let (mealy, skin) = (v(0.6, 0.38, 0.2), v(0.085, 0.06, 0.052));
     let mut color = chestnut.lerp(dark, 0.6 * ramp(0.35, 1.0, n.y) * ramp(0.75, 0.95, p.y));
@@ -349,10 +349,10 @@ pub fn model() -> anyhow::Result<Model> {
     let body = body();
     let regions = regions(&body, body_mesh(&body)?);
     let weights = pony_rig::weights(&regions.mesh);
-    let skin = Skin {
+    let skin = SurfaceFunctions {
         field: &|p| field(&body, p),
         comb: &|p| body.comb(p),
-        color: &|material, p, n| if material == HOOF { DVec4::ONE } else { coat(p, n) },
+        color: &|material, p, n| if material == HOOF { DVec4::ONE } else { fur_color(p, n) },
         metres_per_uv: METRES_PER_UV,
     };
     let mut primitives = skin.primitives(&regions, &["body", "crest", "poll", "dock", "hooves"], &weights)?;

@@ -80,8 +80,8 @@ fn bones() -> Vec<Bone> {
         let parent = if k == 0 { HIPS } else { TAILS[0] };
         bones.push(Bone::new(name, Some(parent), TAIL[k].0, TAIL[k + 1].0, 0.015));
     }
-    let fore = Pair { parent: CHEST, places: &FORELEG, thickness: [0.07, 0.05, 0.03, 0.03] };
-    let hind = Pair { parent: HIPS, places: &HIND_LEG, thickness: [0.09, 0.06, 0.03, 0.03] };
+    let fore = Pair { parent: CHEST, joints: &FORELEG, thickness: [0.07, 0.05, 0.03, 0.03] };
+    let hind = Pair { parent: HIPS, joints: &HIND_LEG, thickness: [0.09, 0.06, 0.03, 0.03] };
     add_legs(&mut bones, &fore, &hind);
     bones
 }
@@ -126,7 +126,7 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
 
     let (tilt, bend) = ([48.0, 50.0], [55.0, -30.0]);
     let walk = Gait { touches: WALK, duty: 0.62, stride: CYCLE_M, front: 0.29, lift: 0.07, tilt, bend };
-    hoofs::lead(phase, pose, [FORELEGS, HIND_LEGS], &walk);
+    hoofs::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &walk);
 }
 
 /// Returns a gallop, looping and in place. One cycle covers [`GALLOP_M`] metres in [`GALLOP_S`] seconds.
@@ -154,5 +154,5 @@ fn bound(phase: f64, pose: &mut Pose<'_>) {
     }
     let (tilt, bend) = ([55.0, 70.0], [80.0, -45.0]);
     let gallop = Gait { touches: GALLOP, duty: 0.26, stride: GALLOP_M, front: 0.33, lift: 0.2, tilt, bend };
-    hoofs::lead(phase, pose, [FORELEGS, HIND_LEGS], &gallop);
+    hoofs::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &gallop);
 }

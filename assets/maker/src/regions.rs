@@ -107,7 +107,7 @@ impl Regions {
 
 /// Joins the half x >= 0 of a painted closed mesh with its mirror image, materials included. The result is closed and
 /// exactly symmetric.
-pub fn mirrored(mut halves: Regions, surface: &dyn Fn(DVec3) -> f64) -> Regions {
+pub fn mirror_half(mut halves: Regions, surface: &dyn Fn(DVec3) -> f64) -> Regions {
     const LOST: usize = usize::MAX;
     halves.paint(LOST, &|p| p.x, surface);
     let Regions { mesh, materials } = halves;

@@ -29,13 +29,13 @@ pub struct Sizing {
 }
 
 /// Returns no local limit: the edge length follows from the curvature alone.
-pub fn even(_: DVec3) -> f64 {
+pub fn no_local_limit(_: DVec3) -> f64 {
     f64::MAX
 }
 
 /// Remeshes in place. `field` is negative inside; the mesh must be a closed manifold and stays one.
 pub fn remesh(mesh: &mut TriMesh, field: &dyn Fn(DVec3) -> f64, sizing: Sizing, rounds: usize) {
-    let mut work = Work::new(mesh, field, 2.0 * sizing.sagitta);
+    let mut work = Remesher::new(mesh, field, 2.0 * sizing.sagitta);
     for _ in 0..rounds {
         let wanted = work.edge_lengths(sizing);
         let wanted = work.split(wanted);
@@ -46,7 +46,7 @@ pub fn remesh(mesh: &mut TriMesh, field: &dyn Fn(DVec3) -> f64, sizing: Sizing, 
     *mesh = work.finish();
 }
 
-struct Work<'a> {
+struct Remesher<'a> {
     positions: Vec<DVec3>,
     /// Corner indices; a removed triangle has three equal ones.
     triangles: Vec<[u32; 3]>,
@@ -61,7 +61,7 @@ fn alive(t: &[u32; 3]) -> bool {
     t[0] != t[1]
 }
 
-impl<'a> Work<'a> {
+impl<'a> Remesher<'a> {
     fn new(mesh: &TriMesh, field: &'a dyn Fn(DVec3) -> f64, tolerance: f64) -> Self {
         let mut fans = vec![Vec::new(); mesh.positions.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -191,7 +191,7 @@ impl<'a> Work<'a> {
                 let limit = (wanted[v as usize] + target) * 0.5 * 4.0 / 3.0;
                 v != a && v != b && (self.position(v) - middle).length() > limit
             };
-            if ring_a.union(&ring_b).any(too_long) || self.turns(a, b, middle) || self.turns(b, a, middle) {
+            if ring_a.union(&ring_b).any(too_long) || self.would_rotate(a, b, middle) || self.would_rotate(b, a, middle) {
                 continue;
             }
             // Without this check, thin parts such as ears erode at their rims.
@@ -218,7 +218,7 @@ impl<'a> Work<'a> {
 
     /// Returns true if moving `v` to `to` would rotate one of its triangles by more than 45 degrees, ignoring those
     /// that contain `other`.
-    fn turns(&self, v: u32, other: u32, to: DVec3) -> bool {
+    fn would_rotate(&self, v: u32, other: u32, to: DVec3) -> bool {
         self.fans[v as usize].iter().map(|&t| self.triangles[t as usize]).filter(|c| !c.contains(&other)).any(|c| {
             let face = |p: [DVec3; 3]| (p[1] - p[0]).cross(p[2] - p[0]);
             let before = face(c.map(|w| self.position(w)));
@@ -299,7 +299,7 @@ impl<'a> Work<'a> {
             .collect();
         for (v, to) in moved.into_iter().enumerate() {
             let v = v as u32;
-            if self.turns(v, u32::MAX, to) {
+            if self.would_rotate(v, u32::MAX, to) {
                 continue;
             }
             // The error before the move is computed only if the error after it is too large, which is rare.

@@ -12,7 +12,7 @@ use super::{
 };
 
 /// Functions of the body that determine its mesh surface.
-pub struct Skin<'a> {
+pub struct SurfaceFunctions<'a> {
     /// Signed distance of the body.
     pub field: &'a dyn Fn(DVec3) -> f64,
     /// Comb direction at a point.
@@ -23,7 +23,7 @@ pub struct Skin<'a> {
     pub metres_per_uv: f64,
 }
 
-impl Skin<'_> {
+impl SurfaceFunctions<'_> {
     /// Builds one primitive per name; the index in `names` is the material. Each has the triangles painted with that
     /// material. `weights` belong to the mesh's vertices.
     pub fn primitives(&self, regions: &Regions, names: &[&str], weights: &[Weights]) -> anyhow::Result<Vec<Primitive>> {

@@ -29,7 +29,7 @@ impl TriMesh {
                 }
             }
         }
-        part_diagonals(&mut samples, size.map(|n| n as usize));
+        remove_alternating_signs(&mut samples, size.map(|n| n as usize));
         let mut buffer = SurfaceNetsBuffer::default();
         surface_nets(&samples, &shape, [0; 3], size.map(|n| n - 1), &mut buffer);
         let positions = buffer.positions.iter().map(|p| at(p[0].into(), p[1].into(), p[2].into())).collect();
@@ -116,7 +116,7 @@ impl TriMesh {
 /// Removes alternating signs around a cell's face by changing the sign of the smallest of the four samples. Surface
 /// nets pinch there, for example where a slanting limb just touches the face. `size` is the number of samples along x,
 /// y and z.
-fn part_diagonals(samples: &mut [f32], size: [usize; 3]) {
+fn remove_alternating_signs(samples: &mut [f32], size: [usize; 3]) {
     let steps = [1, size[0], size[0] * size[1]];
     // A changed sample may cause alternation on a neighbouring face; a few rounds are enough.
     for _ in 0..8 {

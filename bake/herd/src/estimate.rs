@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Measured cost of the last run of each command, by task name.
-pub type History = BTreeMap<String, Known>;
+pub type History = BTreeMap<String, CommandCost>;
 
 /// Time and memory of a command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Known {
+pub struct CommandCost {
     /// Wall-clock time.
     pub seconds: f64,
     /// Peak memory.
@@ -19,14 +19,14 @@ pub struct Known {
 
 const MIB: f64 = 1024.0 * 1024.0;
 
-impl Known {
+impl CommandCost {
     /// Estimates the cost of a command that has never run. The figures are from the models of bake/docs/herd.md,
     /// rounded up, on one core of two and lavapipe. The first run replaces them with measured values.
     ///
     /// * `model_bytes`: size of the model's file
     /// * `pixels`: number of pixels of all pictures
     /// * `samples`: number of samples of all pixels, millions
-    pub fn guess(kind: Kind, model_bytes: u64, pixels: f64, samples: f64) -> Self {
+    pub fn estimate(kind: Kind, model_bytes: u64, pixels: f64, samples: f64) -> Self {
         let model = model_bytes as f64 / MIB;
         let (seconds, mib) = match kind {
             Kind::Bake => (1.0 + 2.0 * model, 200.0 + 40.0 * model),
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn larger_things_are_guessed_larger() {
-        let of = |kind, model, pixels, samples| Known::guess(kind, model, pixels, samples);
+        let of = |kind, model, pixels, samples| CommandCost::estimate(kind, model, pixels, samples);
         assert!(of(Kind::Bake, 50 << 20, 0.0, 0.0).peak_bytes > 4 * of(Kind::Bake, 1 << 20, 0.0, 0.0).peak_bytes);
         assert!(of(Kind::Truth, 0, 1e6, 256.0).seconds > 100.0 * of(Kind::Truth, 0, 1e4, 0.1).seconds);
         assert!(of(Kind::Inspect, 0, 0.0, 0.0).seconds < of(Kind::Bake, 0, 0.0, 0.0).seconds);

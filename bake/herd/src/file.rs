@@ -1,6 +1,6 @@
 //! Contents of a herd file.
 
-use super::found::{Found, NAME};
+use super::found::{ModelFile, NAME};
 use super::pattern::{Patterns, base};
 use pelage_import::BakeError;
 use pelage_stage::{StageError, TomlText};
@@ -15,7 +15,7 @@ pub struct HerdFile {
     pub title: Option<String>,
     /// Models; at least one.
     #[serde(default, rename = "model")]
-    pub models: Vec<Models>,
+    pub models: Vec<ModelRule>,
     /// Rules that select the recipe of each model.
     #[serde(default, rename = "recipe")]
     pub recipes: Vec<RecipeRule>,
@@ -63,7 +63,7 @@ fn all() -> Words {
 /// `[[model]]`: models on disk.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Models {
+pub struct ModelRule {
     /// Patterns of their paths, relative to the herd file's folder.
     pub files: Words,
     /// Patterns of files to exclude.
@@ -135,13 +135,13 @@ pub struct View {
     /// Number of frames to time.
     pub bench: Option<u32>,
     /// Ray-traced reference picture to compare with.
-    pub truth: Option<Truth>,
+    pub truth: Option<TruthOptions>,
 }
 
 /// `[view.truth]`: the same view ray traced, and the difference of the picture from it.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Truth {
+pub struct TruthOptions {
     /// Samples per pixel.
     pub samples: Option<u32>,
     /// Number of parts that are traced separately.
@@ -224,7 +224,7 @@ impl HerdFile {
     /// * `source`: source of the herd file, for messages
     /// * `models`: models that were found
     /// * `is_file`: returns whether a file exists, relative to the herd file's folder
-    pub fn idle(&self, source: TomlText<'_>, models: &[Found], is_file: &dyn Fn(&str) -> bool) -> Vec<String> {
+    pub fn unused_entries(&self, source: TomlText<'_>, models: &[ModelFile], is_file: &dyn Fn(&str) -> bool) -> Vec<String> {
         let rules = &self.rules;
         let fits = |patterns: &Patterns| models.iter().any(|model| patterns.fits(&model.path));
         let all = [
@@ -241,7 +241,7 @@ impl HerdFile {
             idle.extend(of_table.map(|(i, _)| (format!("{table}[{i}].{key}"), "it fits no model".to_owned())));
         }
         for (key, file, patterns) in self.recipe_files().filter(|(_, file, _)| file.contains(NAME)) {
-            let mut named = models.iter().filter(|model| patterns.fits(&model.path)).map(|model| model.named(file));
+            let mut named = models.iter().filter(|model| patterns.fits(&model.path)).map(|model| model.expand_name(file));
             let Some(first) = named.next() else { continue };
             if !is_file(&first) && !named.any(|file| is_file(&file)) {
                 idle.push((key, format!("no model has such a recipe; that of the first would be {first:?}")));
@@ -318,7 +318,7 @@ impl HerdFile {
     /// Returns the folders of its models, relative to the file's own, each with the key of the first patterns that
     /// search there.
     pub fn folders(&self) -> BTreeMap<String, String> {
-        let of = |(i, models): (usize, &Models)| {
+        let of = |(i, models): (usize, &ModelRule)| {
             models.files.0.iter().map(|pattern| (base(pattern), format!("model[{i}].files"))).collect::<Vec<_>>()
         };
         // Reversed, so that the first entry of a folder is kept.
@@ -345,9 +345,9 @@ impl Rules {
             let patterns = |(i, words): (usize, &Words)| patterns(format!("{table}[{i}].models"), words);
             words.into_iter().enumerate().map(patterns).collect::<Result<Vec<_>, _>>()
         };
-        let models = |(i, models): (usize, &Models)| {
+        let models = |(i, models): (usize, &ModelRule)| {
             let found = patterns(format!("model[{i}].files"), &models.files)?;
-            found.but(&models.except.0).map_err(|reason| (format!("model[{i}].except"), reason))
+            found.excluding(&models.except.0).map_err(|reason| (format!("model[{i}].except"), reason))
         };
         let chart = |(i, chart): (usize, &Chart)| {
             chart.models.as_ref().map(|words| patterns(format!("chart[{i}].models"), words)).transpose()
@@ -469,8 +469,8 @@ mod tests {
             topic = "shells"
         "#;
         let file = HerdFile::parse(TomlText::new("h.toml", text)).unwrap();
-        let models = ["fox.glb", "hare.obj"].map(|path| Found { path: path.into(), bytes: 1 });
-        let idle = file.idle(TomlText::new("h.toml", text), &models, &|file| file == "hare.toml");
+        let models = ["fox.glb", "hare.obj"].map(|path| ModelFile { path: path.into(), bytes: 1 });
+        let idle = file.unused_entries(TomlText::new("h.toml", text), &models, &|file| file == "hare.toml");
         let expected = [
             "h.toml: line 5, model[1].files: it fits no model",
             "h.toml: line 12, recipe[2].models: it fits no model",

@@ -7,16 +7,16 @@ pub const NAME: &str = "{name}";
 
 /// Model on disk.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Found {
+pub struct ModelFile {
     /// Path relative to the herd file's folder, with slashes.
     pub path: String,
     /// Size of the file, bytes.
     pub bytes: u64,
 }
 
-impl Found {
+impl ModelFile {
     /// Returns `file` with [`NAME`] replaced by the name of the model's file.
-    pub(super) fn named(&self, file: &str) -> String {
+    pub(super) fn expand_name(&self, file: &str) -> String {
         file.replace(NAME, &Path::new(&self.path).file_stem().unwrap_or_default().to_string_lossy())
     }
 }

@@ -16,12 +16,12 @@ mod shell;
 pub mod slurm;
 mod words;
 
-pub use estimate::{History, Known};
-pub use file::{Chart, HerdFile, Models, RecipeRule, Rules, Sequence, Truth, Variant, View, Words};
-pub use found::{Found, NAME};
+pub use estimate::{History, CommandCost};
+pub use file::{Chart, HerdFile, ModelRule, RecipeRule, Rules, Sequence, TruthOptions, Variant, View, Words};
+pub use found::{ModelFile, NAME};
 pub use kind::Kind;
 pub use pattern::Patterns;
-pub use plan::{Plan, Row, Task, Told, plan};
-pub use report::{Became, Report, State};
+pub use plan::{Plan, Row, Task, PlanInput, plan};
+pub use report::{CommandOutcome, Report, State};
 pub use shell::{shell_line, shell_word};
-pub use words::Judge;
+pub use words::ArgumentValidators;

@@ -14,7 +14,7 @@ pub const STATUS: &str = "[%f/%t] ";
 
 /// Concurrency limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Room {
+pub struct ConcurrencyLimits {
     /// Number of concurrent commands, at least 1.
     pub jobs: u32,
     /// Number of concurrent commands that need more memory than [`Self::light_bytes`], at least 1.
@@ -25,7 +25,7 @@ pub struct Room {
     pub too_large: u64,
 }
 
-impl Room {
+impl ConcurrencyLimits {
     /// Computes the limits that cores and memory allow. Half of the memory is shared by light commands, the other half
     /// by heavy ones.
     ///
@@ -56,12 +56,12 @@ pub struct Settings<'a> {
     /// Folder of Ninja's own files.
     pub own: &'a str,
     /// Concurrency limits.
-    pub room: Room,
+    pub room: ConcurrencyLimits,
 }
 
 /// Returns the build file of `tasks`. Inputs that none of the tasks makes must exist. The file has no target for all
 /// tasks: Ninja would check all of that target's inputs whenever one of them is made.
-pub fn text(tasks: &[&Task], settings: &Settings<'_>) -> String {
+pub fn build_file(tasks: &[&Task], settings: &Settings<'_>) -> String {
     let Settings { tool, cache, own, room } = settings;
     let mut text = format!(
         "# Written by `pelage herd`, which writes it anew.\n\
@@ -121,11 +121,11 @@ fn value(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
-    use super::super::estimate::Known;
+    use super::super::estimate::CommandCost;
     use super::*;
 
     fn task(peak_bytes: u64) -> Task {
-        Task { expected: Known { seconds: 1.0, peak_bytes }, ..Task::default() }
+        Task { expected: CommandCost { seconds: 1.0, peak_bytes }, ..Task::default() }
     }
 
     #[test]
@@ -139,14 +139,14 @@ mod tests {
             (64, 24 << 30, vec![3 << 30, 200 << 20]),
         ] {
             let tasks: Vec<Task> = peaks.iter().map(|peak| task(*peak)).collect();
-            let room = Room::of(&tasks.iter().collect::<Vec<_>>(), jobs, memory);
+            let room = ConcurrencyLimits::of(&tasks.iter().collect::<Vec<_>>(), jobs, memory);
             let largest = *peaks.iter().max().unwrap();
             let heavy = if largest > room.light_bytes { u64::from(room.heavy) } else { 0 };
             let used = heavy * largest + (u64::from(room.jobs) - heavy) * room.light_bytes;
             let fits = used <= memory || room.heavy == 1;
             assert!(fits && room.jobs == jobs && room.too_large == 0, "{room:?} uses {used} of {memory}");
         }
-        assert_eq!(Room::of(&[&task(2000)], 2, 1000).too_large, 2000);
+        assert_eq!(ConcurrencyLimits::of(&[&task(2000)], 2, 1000).too_large, 2000);
     }
 
     #[test]
@@ -160,9 +160,9 @@ mod tests {
             depfile: Some("d.d".into()),
             ..Task::default()
         };
-        let room = Room::of(&[&task], 2, 1 << 30);
+        let room = ConcurrencyLimits::of(&[&task], 2, 1 << 30);
         let settings = Settings { tool: "/opt/my tools/pelage", cache: None, own: "out/.herd", room };
-        let text = text(&[&task], &settings);
+        let text = build_file(&[&task], &settings);
         for line in [
             "tool = '/opt/my tools/pelage'",
             "build out/my$ fox.pelage | r.json: read my$ fox$$1$:.glb | /opt/my$ tools/pelage",

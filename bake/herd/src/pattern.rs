@@ -25,7 +25,7 @@ impl Patterns {
     /// # Errors
     ///
     /// Same as [`Self::new`].
-    pub fn but(self, except: &[String]) -> Result<Self, String> {
+    pub fn excluding(self, except: &[String]) -> Result<Self, String> {
         Ok(Self { except: matchers(except)?, ..self })
     }
 
@@ -72,7 +72,7 @@ mod tests {
     fn paths_fit_as_in_a_shell() {
         let list = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
         let fits = |fit: &[&str], path: &str| {
-            Patterns::new(&list(fit)).and_then(|fit| fit.but(&list(&["**/wip/**"]))).unwrap().fits(path)
+            Patterns::new(&list(fit)).and_then(|fit| fit.excluding(&list(&["**/wip/**"]))).unwrap().fits(path)
         };
         for (pattern, path, expected) in [
             ("a/*.glb", "a/fox.glb", true),

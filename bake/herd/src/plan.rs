@@ -1,8 +1,8 @@
 //! Commands of a herd with their inputs and outputs.
 
-use super::estimate::{History, Known};
-use super::file::{Chart, HerdFile, Sequence, Truth, Variant, View, fitting};
-use super::found::{Found, NAME};
+use super::estimate::{History, CommandCost};
+use super::file::{Chart, HerdFile, Sequence, TruthOptions, Variant, View, fitting};
+use super::found::{ModelFile, NAME};
 use super::kind::Kind;
 use super::words::{Word, sets};
 use pelage_import::BakeError;
@@ -13,13 +13,13 @@ use std::path::Path;
 
 /// Input of a plan.
 #[derive(Clone, Copy)]
-pub struct Told<'a> {
+pub struct PlanInput<'a> {
     /// Name and text of the herd file, for messages.
     pub source: TomlText<'a>,
     /// Parsed herd file.
     pub file: &'a HerdFile,
     /// Models, in the order of their paths.
-    pub models: &'a [Found],
+    pub models: &'a [ModelFile],
     /// Output folder, relative to the herd file's folder.
     pub out: &'a str,
     /// Keys of looks without effect on a reference picture, such as `fur.layers`.
@@ -56,7 +56,7 @@ pub struct Task {
     #[serde(skip)]
     pub part: bool,
     /// Expected time and memory.
-    pub expected: Known,
+    pub expected: CommandCost,
 }
 
 impl Task {
@@ -66,14 +66,14 @@ impl Task {
         words.extend(self.words.iter().cloned());
         words.push("--quiet".into());
         let options = [("--depfile", self.depfile.as_deref()), ("--record", Some(self.record.as_str()))];
-        let cache = cache.filter(|_| self.may_be_kept());
+        let cache = cache.filter(|_| self.is_cacheable());
         for (option, value) in options.into_iter().chain([("--cache", cache)]) {
             words.extend(value.into_iter().flat_map(|value| [option.to_owned(), value.to_owned()]));
         }
         words
     }
 
-    fn may_be_kept(&self) -> bool {
+    fn is_cacheable(&self) -> bool {
         !matches!(self.kind, Kind::Inspect | Kind::Bench | Kind::Chart | Kind::Rows)
     }
 }
@@ -136,7 +136,7 @@ pub(super) fn join(folder: &str, name: &str) -> String {
 /// # Errors
 ///
 /// [`BakeError::Input`] in the herd file: no model matches, or two outputs have the same name.
-pub fn plan(told: &Told<'_>) -> Result<Plan, BakeError> {
+pub fn plan(told: &PlanInput<'_>) -> Result<Plan, BakeError> {
     if told.models.is_empty() {
         return Err(fault(told, "model", "no file fits these patterns, expected at least one model".into()));
     }
@@ -157,7 +157,7 @@ pub fn plan(told: &Told<'_>) -> Result<Plan, BakeError> {
         }
     }
     for chart in told.file.charts.iter().filter(|chart| chart.models.is_none()) {
-        let model = &Found::default();
+        let model = &ModelFile::default();
         Planner { told, plan: &mut plan, model, called: "" }.chart(chart, None);
     }
     let (mut makers, mut names) = (BTreeMap::new(), BTreeSet::new());
@@ -176,13 +176,13 @@ pub fn plan(told: &Told<'_>) -> Result<Plan, BakeError> {
     Ok(plan)
 }
 
-fn fault(told: &Told<'_>, key: &str, reason: String) -> BakeError {
+fn fault(told: &PlanInput<'_>, key: &str, reason: String) -> BakeError {
     HerdFile::fault(told.source, key, reason)
 }
 
 /// Returns the names of models: their paths without leading `..` and the like, and without extensions unless these are
 /// needed to distinguish models.
-fn names(models: &[Found]) -> Vec<String> {
+fn names(models: &[ModelFile]) -> Vec<String> {
     let inside = |path: &str| {
         let steps: Vec<&str> = path.split('/').filter(|step| !matches!(*step, "" | "." | "..")).collect();
         steps.join("/")
@@ -195,15 +195,15 @@ fn names(models: &[Found]) -> Vec<String> {
 
 /// Builder of the tasks of one model in one variant.
 struct Planner<'a, 'p> {
-    told: &'a Told<'a>,
+    told: &'a PlanInput<'a>,
     plan: &'p mut Plan,
-    model: &'a Found,
+    model: &'a ModelFile,
     /// Base name of its files.
     called: &'a str,
 }
 
 /// Model of a chart, as it is baked.
-struct Charted<'a> {
+struct ChartInput<'a> {
     row: usize,
     /// Paths of the model and its recipe.
     inputs: &'a [String],
@@ -253,7 +253,7 @@ impl Planner<'_, '_> {
 
     fn add(&mut self, draft: Draft, row: Option<usize>) {
         let own = Plan::own_folder(self.told.out);
-        let guess = || Known::guess(draft.kind, self.model.bytes, draft.pixels, draft.samples);
+        let guess = || CommandCost::estimate(draft.kind, self.model.bytes, draft.pixels, draft.samples);
         let expected = self.told.history.get(&draft.name).copied().unwrap_or_else(guess);
         self.plan.tasks.push(Task {
             kind: draft.kind,
@@ -324,7 +324,7 @@ impl Planner<'_, '_> {
         }
         for (chart, patterns) in told.file.charts.iter().zip(&told.file.rules.charts) {
             if patterns.as_ref().is_some_and(|patterns| patterns.fits(path)) {
-                self.chart(chart, Some(&Charted { row, inputs: &inputs, making: &making }));
+                self.chart(chart, Some(&ChartInput { row, inputs: &inputs, making: &making }));
             }
         }
     }
@@ -334,11 +334,11 @@ impl Planner<'_, '_> {
         if !file.contains(NAME) {
             return Some(file.to_owned());
         }
-        Some(self.model.named(file)).filter(|file| (self.told.is_file)(file))
+        Some(self.model.expand_name(file)).filter(|file| (self.told.is_file)(file))
     }
 
     /// Returns the known inputs of a picture of a package.
-    fn seen(view: &View, package: &str) -> Vec<String> {
+    fn view_inputs(view: &View, package: &str) -> Vec<String> {
         [package.to_owned()].into_iter().chain(view.look.clone()).collect()
     }
 
@@ -348,7 +348,7 @@ impl Planner<'_, '_> {
             kind,
             name: format!("{what} {called} {}", view.name),
             view: Some(view.name.clone()),
-            inputs: Self::seen(view, package),
+            inputs: Self::view_inputs(view, package),
             place: format!("{place}/{called}.{}", view.name),
             pixels: pixels(view.size.as_deref()),
             ..Draft::default()
@@ -374,13 +374,13 @@ impl Planner<'_, '_> {
     }
 
     /// Adds the reference picture of a view, in one piece or in parts; returns its file.
-    fn truth(&mut self, view: &View, truth: &Truth, row: usize, package: &str) -> String {
+    fn truth(&mut self, view: &View, truth: &TruthOptions, row: usize, package: &str) -> String {
         let (told, called) = (self.told, self.called);
         let place = format!("truths/{called}.{}", view.name);
         let picture = self.out(&format!("{place}.png"));
         let command = |output: &str| {
             let mut command = words(&["reference", package, "-o", output]);
-            command.extend(options(view.traced(told.only_drawn)));
+            command.extend(options(view.reference_words(told.only_drawn)));
             command.extend(options(truth.words()));
             command.extend(words(&["--threads", "1"]));
             command
@@ -391,7 +391,7 @@ impl Planner<'_, '_> {
             kind,
             name: format!("{what} {called} {}", view.name),
             view: Some(view.name.clone()),
-            inputs: Self::seen(view, package),
+            inputs: Self::view_inputs(view, package),
             outputs: vec![picture.clone()],
             place: place.clone(),
             pixels,
@@ -445,7 +445,7 @@ impl Planner<'_, '_> {
                 name: format!("sequence {} {} {first}..{end}", self.called, sequence.name),
                 view: Some(sequence.name.clone()),
                 words: command,
-                inputs: Self::seen(&view, package),
+                inputs: Self::view_inputs(&view, package),
                 outputs: pictures,
                 place: format!("{folder}/{first}"),
                 finds_more: true,
@@ -457,7 +457,7 @@ impl Planner<'_, '_> {
         }
     }
 
-    fn chart(&mut self, chart: &Chart, of: Option<&Charted<'_>>) {
+    fn chart(&mut self, chart: &Chart, of: Option<&ChartInput<'_>>) {
         let topic = chart.topic.as_str();
         let folder = if of.is_some() { format!("charts/{}", self.called) } else { "charts".to_owned() };
         let row = of.map(|of| of.row);

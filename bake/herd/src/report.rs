@@ -13,7 +13,7 @@ const PAGE: &str = include_str!("report.html");
 
 /// Outcome of a command, from its record.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-pub struct Became {
+pub struct CommandOutcome {
     /// Exit code.
     pub exit_code: u8,
     /// Wall-clock time, seconds.
@@ -50,14 +50,14 @@ pub enum State {
 #[derive(Clone, Debug)]
 pub struct Report<'a> {
     plan: &'a Plan,
-    became: &'a [Option<Became>],
+    became: &'a [Option<CommandOutcome>],
     /// State of each task.
     pub states: Vec<State>,
 }
 
 impl<'a> Report<'a> {
     /// Computes the states of a plan's tasks from their outcomes, in its order; `None` for a task without a record.
-    pub fn new(plan: &'a Plan, became: &'a [Option<Became>]) -> Self {
+    pub fn new(plan: &'a Plan, became: &'a [Option<CommandOutcome>]) -> Self {
         let mut broken: BTreeSet<&str> = BTreeSet::new();
         let mut states = Vec::new();
         for (task, became) in plan.tasks.iter().zip(became) {
@@ -65,8 +65,8 @@ impl<'a> Report<'a> {
                 // Output made from missing inputs is left over from an earlier run.
                 _ if task.inputs.iter().any(|input| broken.contains(input.as_str())) => State::Missing,
                 None => State::Missing,
-                Some(Became { exit_code: 0, .. }) => State::Done,
-                Some(Became { exit_code: DIFFERENT, .. }) => State::Differs,
+                Some(CommandOutcome { exit_code: 0, .. }) => State::Done,
+                Some(CommandOutcome { exit_code: DIFFERENT, .. }) => State::Differs,
                 Some(_) => State::Failed,
             };
             if matches!(state, State::Failed | State::Missing) {
@@ -88,7 +88,7 @@ impl<'a> Report<'a> {
             let tasks = self.states.iter().enumerate().filter(move |(_, found)| **found == state);
             tasks.map(|(i, _)| {
                 let became = self.became[i].as_ref();
-                (i, became.map_or(0, |became| became.exit_code), why(&self.plan.tasks[i], became))
+                (i, became.map_or(0, |became| became.exit_code), failure_reason(&self.plan.tasks[i], became))
             })
         };
         of(State::Failed).chain(of(State::Differs)).collect()
@@ -147,12 +147,12 @@ impl<'a> Report<'a> {
         });
         let data = serde_json::to_string(&data).map_err(|error| BakeError::Internal(error.to_string()))?;
         // Within a script no tag may begin.
-        let page = PAGE.replace("__HERD_TITLE__", &text(title));
+        let page = PAGE.replace("__HERD_TITLE__", &escape_html(title));
         Ok(page.replace("__HERD_DATA__", &data.replace('<', "\\u003c")))
     }
 
     fn row_name(&self, task: &Task) -> Option<String> {
-        task.row.map(|row| called(&self.plan.rows[row]))
+        task.row.map(|row| row_title(&self.plan.rows[row]))
     }
 
     fn charts(&self) -> Vec<Value> {
@@ -193,12 +193,12 @@ impl<'a> Report<'a> {
 }
 
 /// Returns the name of a model with its variant.
-fn called(row: &Row) -> String {
+fn row_title(row: &Row) -> String {
     row.variant.as_ref().map_or_else(|| row.name.clone(), |variant| format!("{}.{variant}", row.name))
 }
 
 /// Returns the reason that a task is not done.
-fn why(task: &Task, became: Option<&Became>) -> String {
+fn failure_reason(task: &Task, became: Option<&CommandOutcome>) -> String {
     let Some(became) = became else { return "it left no word".into() };
     if let Some(error) = &became.error {
         return error.clone();
@@ -214,7 +214,7 @@ fn why(task: &Task, became: Option<&Became>) -> String {
 }
 
 /// Escapes text for HTML.
-fn text(text: &str) -> String {
+fn escape_html(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
@@ -227,7 +227,7 @@ struct RowData<'a, 'r> {
 }
 
 impl RowData<'_, '_> {
-    fn of(&self, kind: Kind, view: Option<&str>) -> Option<(&Task, &Became)> {
+    fn of(&self, kind: Kind, view: Option<&str>) -> Option<(&Task, &CommandOutcome)> {
         let report = self.report;
         let tasks = self.tasks.iter().map(|i| (&report.plan.tasks[*i], report.states[*i], &report.became[*i]));
         let mut tasks = tasks.filter(|(task, state, _)| {
@@ -353,9 +353,9 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
-    fn became(exit_code: u8, result: Value) -> Option<Became> {
+    fn became(exit_code: u8, result: Value) -> Option<CommandOutcome> {
         let error = (exit_code == 3).then(|| "fox.glb: byte 0: </script> is no model".to_owned());
-        Some(Became { exit_code, seconds: 1.5, result, error, ..Became::default() })
+        Some(CommandOutcome { exit_code, seconds: 1.5, result, error, ..CommandOutcome::default() })
     }
 
     fn plan() -> Plan {

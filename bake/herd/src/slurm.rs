@@ -29,7 +29,7 @@ pub struct Shard {
 }
 
 /// Shard of each task in an earlier run, by task name; Ninja's state is kept per shard.
-pub type Placed = BTreeMap<String, usize>;
+pub type ShardsByTask = BTreeMap<String, usize>;
 
 /// Resources requested from Slurm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub const TIMED: &str = "timed";
 
 /// Divides a plan into stages, and those into shards of about `seconds` seconds. All commands of one model are in one
 /// shard of their stage. Commands with a shard in `known` stay there.
-pub fn stages(plan: &Plan, seconds: f64, known: &Placed) -> Vec<Stage> {
+pub fn stages(plan: &Plan, seconds: f64, known: &ShardsByTask) -> Vec<Stage> {
     let makers = plan.makers();
     let mut stage_of = vec![0_usize; plan.tasks.len()];
     for (i, task) in plan.tasks.iter().enumerate() {
@@ -93,7 +93,7 @@ pub fn stages(plan: &Plan, seconds: f64, known: &Placed) -> Vec<Stage> {
 }
 
 /// Returns the shard of each task.
-pub fn known(plan: &Plan, stages: &[Stage]) -> Placed {
+pub fn shards_by_task(plan: &Plan, stages: &[Stage]) -> ShardsByTask {
     let shards = stages.iter().flat_map(|stage| &stage.shards);
     let tasks = shards.flat_map(|shard| shard.tasks.iter().map(|task| (*task, shard.number)));
     tasks.map(|(task, shard)| (plan.tasks[task].name.clone(), shard)).collect()
@@ -168,7 +168,7 @@ impl Script<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::estimate::Known;
+    use super::super::estimate::CommandCost;
     use super::super::plan::Task;
     use super::*;
 
@@ -182,7 +182,7 @@ mod tests {
                 outputs: vec![name.into()],
                 inputs: strings(inputs),
                 part,
-                expected: Known { seconds: 10.0, peak_bytes: 100 << 20 },
+                expected: CommandCost { seconds: 10.0, peak_bytes: 100 << 20 },
                 ..Task::default()
             });
         };
@@ -205,7 +205,7 @@ mod tests {
     fn stages_wait_for_what_they_need() {
         let mut plan = plan();
         plan.tasks.iter_mut().enumerate().for_each(|(i, task)| task.name = i.to_string());
-        let stages = stages(&plan, 60.0, &Placed::new());
+        let stages = stages(&plan, 60.0, &ShardsByTask::new());
         let shape: Vec<_> = stages
             .iter()
             .map(|s| (s.name, s.shards.iter().map(|shard| shard.tasks.len()).collect::<Vec<_>>()))
@@ -216,10 +216,10 @@ mod tests {
         all.sort_unstable();
         assert_eq!(all, (0..plan.tasks.len()).collect::<Vec<_>>());
         // Known commands stay in their shards whatever their cost; new ones get new shards.
-        let known = known(&plan, &stages);
+        let known = shards_by_task(&plan, &stages);
         plan.tasks.iter_mut().for_each(|task| task.expected.seconds = 1.0);
         assert_eq!(super::stages(&plan, 60.0, &known), stages);
-        let fewer: Placed = known.into_iter().filter(|(name, _)| name != "0" && name != "1" && name != "7").collect();
+        let fewer: ShardsByTask = known.into_iter().filter(|(name, _)| name != "0" && name != "1" && name != "7").collect();
         let again = super::stages(&plan, 60.0, &fewer);
         assert!(again[0].shards.iter().any(|shard| shard.number == 2 && shard.tasks == [0, 1, 7]), "{again:?}");
         plan.tasks.iter_mut().for_each(|task| task.expected.seconds = 10.0);

@@ -1,12 +1,12 @@
 //! Conversion of herd file tables to command-line arguments, and their validation.
 
-use super::file::{Fault, HerdFile, Sequence, Truth, View};
+use super::file::{Fault, HerdFile, Sequence, TruthOptions, View};
 use pelage_import::BakeError;
 use pelage_stage::TomlText;
 
 /// Validators of command-line arguments.
 #[derive(Clone, Copy)]
-pub struct Judge<'a> {
+pub struct ArgumentValidators<'a> {
     /// Keys of looks without effect on a reference picture, such as `fur.layers`.
     pub only_drawn: &'a [&'a str],
     /// Returns the reason that `pelage` refuses a command line, if it does.
@@ -40,13 +40,13 @@ impl View {
     }
 
     /// Returns [`Self::words`] without keys of the look that have no effect on a reference picture.
-    pub(super) fn traced(&self, only_drawn: &[&str]) -> Vec<Word> {
+    pub(super) fn reference_words(&self, only_drawn: &[&str]) -> Vec<Word> {
         let drawn = |word: &Word| word.0.strip_prefix("set.").is_some_and(|key| only_drawn.contains(&key));
         self.words().into_iter().filter(|word| !drawn(word)).collect()
     }
 }
 
-impl Truth {
+impl TruthOptions {
     /// Returns the options for `reference`.
     pub(super) fn words(&self) -> Vec<Word> {
         let words = [
@@ -100,14 +100,14 @@ impl HerdFile {
     /// # Errors
     ///
     /// Same as [`Self::parse`]; also [`BakeError::Input`] with line and key for values that a command would refuse.
-    pub fn read(source: TomlText<'_>, judge: &Judge<'_>) -> Result<Self, BakeError> {
+    pub fn read(source: TomlText<'_>, judge: &ArgumentValidators<'_>) -> Result<Self, BakeError> {
         let file = Self::parse(source)?;
         let fault = file.words_fault(judge);
         fault.map_or(Ok(file), |(key, reason)| Err(Self::fault(source, &key, reason)))
     }
 
     /// Returns the first value that a command would refuse.
-    fn words_fault(&self, judge: &Judge<'_>) -> Option<Fault> {
+    fn words_fault(&self, judge: &ArgumentValidators<'_>) -> Option<Fault> {
         let recipes = self.recipes.iter().enumerate().map(|(i, rule)| (format!("recipe[{i}]"), &rule.set));
         let variants = self.variants.iter().enumerate().map(|(i, variant)| (format!("variant[{i}]"), &variant.set));
         let mut sets = recipes.chain(variants);
@@ -126,7 +126,7 @@ impl HerdFile {
             let frames = word("bench", "frames", view.bench).into_iter().collect();
             trials.push(Trial::new(&["bench", "a.pelage"], &place, frames));
             let Some(truth) = &view.truth else { continue };
-            trials.push(Trial::new(&reference, &place, view.traced(only_drawn)));
+            trials.push(Trial::new(&reference, &place, view.reference_words(only_drawn)));
             let place = format!("{place}.truth");
             trials.push(Trial::new(&reference, &place, truth.words()));
             let limit = word("max_flip", "max-flip", truth.max_flip).into_iter().collect();
@@ -171,7 +171,7 @@ impl Trial {
 }
 
 /// Returns the first recipe key that is unknown or has an invalid value.
-fn recipe_fault(place: &str, set: &toml::Table, judge: &Judge<'_>) -> Option<Fault> {
+fn recipe_fault(place: &str, set: &toml::Table, judge: &ArgumentValidators<'_>) -> Option<Fault> {
     assignments(set).iter().find_map(|set| Some((format!("{place}.set.{}", key_of(set)), (judge.recipe)(set)?)))
 }
 
@@ -195,7 +195,7 @@ mod tests {
         };
         let words = |words: Vec<Word>| words.into_iter().map(|(_, word)| word).collect::<Vec<_>>();
         assert_eq!(words(view.words()), ["--size=8x8", "--time=-0.5", "--look=fur.layers=3"]);
-        assert_eq!(words(view.traced(&["fur.layers"])), ["--size=8x8", "--time=-0.5"]);
+        assert_eq!(words(view.reference_words(&["fur.layers"])), ["--size=8x8", "--time=-0.5"]);
     }
 
     #[test]
@@ -205,7 +205,7 @@ mod tests {
         let fault = |refused: &'static [&'static str]| {
             let has = |words: &[String]| refused.iter().all(|word| words.iter().any(|w| w == word));
             let refusal = |words: &[String]| has(words).then(|| "no".to_owned());
-            file.words_fault(&Judge { only_drawn: &[], refusal: &refusal, recipe: &|_| None })
+            file.words_fault(&ArgumentValidators { only_drawn: &[], refusal: &refusal, recipe: &|_| None })
         };
         assert_eq!(fault(&["--orbit=1,2"]), Some(("view[0].orbit".into(), "no".into())));
         assert_eq!(fault(&["--orbit=1,2", "--size=8"]), Some(("view[0]".into(), "no".into())));
@@ -216,7 +216,7 @@ mod tests {
     fn what_a_command_would_refuse_is_told_with_its_line() {
         let refusal = |words: &[String]| words.contains(&"--size=96".to_owned()).then(|| "no size".to_owned());
         let recipe = |set: &str| set.contains("lenght").then(|| "no key".to_owned());
-        let judge = Judge { only_drawn: &[], refusal: &refusal, recipe: &recipe };
+        let judge = ArgumentValidators { only_drawn: &[], refusal: &refusal, recipe: &recipe };
         for (text, message) in [
             ("[[view]]\nname = \"a\"\nsize = \"96\"", "h.toml: line 5, view[0].size: no size"),
             (

@@ -1,7 +1,7 @@
 //! Accessors (glTF 2.0, section 3.6.2); every range is checked against the available bytes.
 
 use super::elements::{Component, Elements, WHOLE, width_of};
-use super::json::At;
+use super::json::JsonNode;
 use super::source::Source;
 use crate::BakeError;
 
@@ -10,8 +10,8 @@ const MAX_ZEROS: u64 = 12 << 24;
 
 impl<'a> Source<'a, '_> {
     /// Returns the number of elements of the accessor that `reference` names, without reading them.
-    pub fn accessor_count(&self, reference: &At<'a>) -> Result<u64, BakeError> {
-        let (_, at) = self.root.referred("accessors", reference)?;
+    pub fn accessor_count(&self, reference: &JsonNode<'a>) -> Result<u64, BakeError> {
+        let (_, at) = self.root.follow("accessors", reference)?;
         at.require("count")?.unsigned()
     }
 
@@ -20,11 +20,11 @@ impl<'a> Source<'a, '_> {
     /// Errors point at the accessor; a type that does not match `widths` and `components` is reported at the reference.
     pub fn accessor(
         &mut self,
-        reference: &At<'a>,
+        reference: &JsonNode<'a>,
         widths: &[usize],
         components: &[Component],
     ) -> Result<Elements, BakeError> {
-        let (index, at) = self.root.referred("accessors", reference)?;
+        let (index, at) = self.root.follow("accessors", reference)?;
         let component = Component::read(&at.require("componentType")?)?;
         let width = width_of(&at.require("type")?)?;
         if !widths.contains(&width) || !components.contains(&component) {
@@ -74,16 +74,16 @@ impl<'a> Source<'a, '_> {
     }
 
     /// Applies sparse storage: replaces single elements of `elements`.
-    fn replace_sparse(&mut self, sparse: &At<'a>, elements: &mut Elements) -> Result<(), BakeError> {
+    fn replace_sparse(&mut self, sparse: &JsonNode<'a>, elements: &mut Elements) -> Result<(), BakeError> {
         let count = sparse.require("count")?.unsigned()?;
         let size = elements.width * elements.component.size();
         let at = sparse.require("indices")?;
         let component_at = at.require("componentType")?;
         let component = Component::read(&component_at)?;
         if !WHOLE.contains(&component) {
-            return Err(component_at.expected("5121 (u8), 5123 (u16) or 5125 (u32)"));
+            return Err(component_at.unexpected("5121 (u8), 5123 (u16) or 5125 (u32)"));
         }
-        let mut part = |at: &At<'a>, size: usize| -> Result<Vec<u8>, BakeError> {
+        let mut part = |at: &JsonNode<'a>, size: usize| -> Result<Vec<u8>, BakeError> {
             let offset = at.unsigned_or("byteOffset", 0)?;
             let view = self.view(&at.require("bufferView")?)?;
             packed(view.bytes, offset, size, size, count).map_err(|reason| at.fault(reason))
@@ -91,7 +91,7 @@ impl<'a> Source<'a, '_> {
         let indices = part(&at, component.size())?;
         let values = part(&sparse.require("values")?, size)?;
         let indices =
-            Elements { count: count as usize, width: 1, component, normalized: false, bytes: indices }.wholes();
+            Elements { count: count as usize, width: 1, component, normalized: false, bytes: indices }.to_u32s();
         for (i, (index, value)) in indices.iter().zip(values.chunks_exact(size)).enumerate() {
             let start = *index as usize * size;
             let slot = elements.bytes.get_mut(start..start.saturating_add(size)).ok_or_else(|| {

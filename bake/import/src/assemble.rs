@@ -2,16 +2,16 @@
 
 use super::clips;
 use super::drawn;
-use super::json::At;
+use super::json::JsonNode;
 use super::morphs;
 use super::options::ImportOptions;
 use super::orient;
-use super::primitive::{Gathered, MeshUse, Primitive, read_mesh, within_limits};
-use super::scene::{Shows, Tree, mirrors};
+use super::primitive::{MeshTotals, MeshUse, Primitive, read_mesh, within_limits};
+use super::scene::{MeshVisibility, Tree, mirrors};
 use super::skin::Joints;
 use super::source::Source;
 use crate::BakeError;
-use crate::mesh::{Mesh, MeshPart, Model, NamedPlace, RestPose};
+use crate::mesh::{Mesh, MeshPart, Model, NamedPosition, RestPose};
 use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::meaning::transform_normal;
 use pelage_formats::{Animation, Joint, MorphMotion, Node, SkinVertex};
@@ -36,7 +36,7 @@ impl Instance<'_> {
     fn first_target(
         &self,
         tree: &Tree<'_>,
-        morphed: &mut morphs::Gathered,
+        morphed: &mut morphs::ModelMorphs,
         number: impl Fn(usize) -> u32,
     ) -> Result<Option<u32>, BakeError> {
         let first = self.primitives.iter().find_map(|p| p.morph.as_ref());
@@ -56,7 +56,7 @@ impl Instance<'_> {
 pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) -> Result<Model, BakeError> {
     let tree = Tree::read(source)?;
     let root = Mat4::from_scale(Vec3::splat(options.unit_m));
-    let mut gathered = Gathered::default();
+    let mut gathered = MeshTotals::default();
     let mut joints = Joints::default();
     let instances = instances(source, &tree, &mut gathered, &mut joints)?;
     if instances.iter().all(|i| i.primitives.is_empty()) {
@@ -78,7 +78,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     }
     let (numbers, nodes) = number_nodes(&tree, &joints, options);
     let number = |node: usize| numbers.get(node).copied().flatten().unwrap_or_default();
-    let mut morphed = morphs::Gathered::new();
+    let mut morphed = morphs::ModelMorphs::new();
     let first_targets = instances.iter().map(|instance| instance.first_target(&tree, &mut morphed, number));
     let first_targets = first_targets.collect::<Result<Vec<_>, _>>()?;
     let (clips, channels) = clips::read(source, &numbers, &morphed.of_nodes)?;
@@ -93,9 +93,9 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         for primitive in instance.primitives.iter() {
             let (first, count) = followed.next().unwrap_or_default();
             let placed = if moving {
-                Placed::Bound { first, count }
+                Placement::Bound { first, count }
             } else {
-                Placed::At(instance.node.map_or(root, |n| world[n]))
+                Placement::At(instance.node.map_or(root, |n| world[n]))
             };
             builder.add(primitive, &instance.names, placed)?;
             let morph = primitive.morph.as_ref().zip(first_target);
@@ -116,7 +116,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         mesh,
         materials: gathered.materials.materials,
         images: gathered.materials.images,
-        nodes: named(&tree, &world),
+        nodes: named_nodes(&tree, &world),
         combs,
         animation,
         morph_rows,
@@ -126,13 +126,13 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
 }
 
 /// Returns the named nodes in tree order, parents first.
-fn named(tree: &Tree<'_>, world: &[Mat4]) -> Vec<NamedPlace> {
-    let place = |node: &usize| NamedPlace {
+fn named_nodes(tree: &Tree<'_>, world: &[Mat4]) -> Vec<NamedPosition> {
+    let place = |node: &usize| NamedPosition {
         name: tree.nodes[*node].at.name().to_owned(),
         position_ws: world[*node].w_axis.truncate(),
     };
-    let is_one = |place: &NamedPlace| !place.name.is_empty() && place.position_ws.is_finite();
-    let of_document = |node: &&usize| tree.nodes[**node].shows != Shows::Instance;
+    let is_one = |place: &NamedPosition| !place.name.is_empty() && place.position_ws.is_finite();
+    let of_document = |node: &&usize| tree.nodes[**node].shows != MeshVisibility::Instance;
     tree.order.iter().filter(of_document).map(place).filter(is_one).collect()
 }
 
@@ -140,21 +140,21 @@ fn named(tree: &Tree<'_>, world: &[Mat4]) -> Vec<NamedPlace> {
 fn instances<'a>(
     source: &mut Source<'a, '_>,
     tree: &Tree<'a>,
-    gathered: &mut Gathered,
+    gathered: &mut MeshTotals,
     joints: &mut Joints,
 ) -> Result<Vec<Instance<'a>>, BakeError> {
     let mut known: BTreeMap<(usize, bool, bool), Rc<Vec<Primitive<'a>>>> = BTreeMap::new();
     let mut instances = Vec::new();
     if tree.nodes.is_empty() {
-        return library(source, gathered);
+        return all_meshes(source, gathered);
     }
     for node in tree.shown() {
         let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else { continue };
-        let (index, mesh_at) = source.root.referred("meshes", &reference)?;
+        let (index, mesh_at) = source.root.follow("meshes", &reference)?;
         let skin = at.get("skin").map(|s| joints.skin(source, &s)).transpose()?;
         let weights = at.get("weights");
-        let combs = [at.name(), mesh_at.name()].into_iter().any(drawn::combs);
+        let combs = [at.name(), mesh_at.name()].into_iter().any(drawn::is_comb_name);
         let (key, own) = ((index, skin.is_some(), combs), weights.is_some());
         let names = names([at.name(), mesh_at.name()]);
         let mesh = MeshUse { index, at: mesh_at, weights, skinned: skin.is_some(), combs };
@@ -185,13 +185,13 @@ fn names<const N: usize>(names: [&str; N]) -> Vec<String> {
 ///
 /// By the specification such a document is a library of meshes and shows nothing. A file with one animal and no scene
 /// more likely comes from a careless exporter.
-fn library<'a>(source: &mut Source<'a, '_>, gathered: &mut Gathered) -> Result<Vec<Instance<'a>>, BakeError> {
+fn all_meshes<'a>(source: &mut Source<'a, '_>, gathered: &mut MeshTotals) -> Result<Vec<Instance<'a>>, BakeError> {
     let Some(meshes) = source.root.get("meshes") else { return Ok(Vec::new()) };
     source.warn("the file has no nodes; all its meshes are shown as they are");
     let mut instances = Vec::new();
     for (index, at) in meshes.entries()?.enumerate() {
         let names = names([at.name()]);
-        let mesh = MeshUse { index, combs: drawn::combs(at.name()), at, weights: None, skinned: false };
+        let mesh = MeshUse { index, combs: drawn::is_comb_name(at.name()), at, weights: None, skinned: false };
         let primitives = Rc::new(read_mesh(source, gathered, &mesh)?);
         instances.push(Instance { node: None, skin: None, names, primitives });
     }
@@ -250,7 +250,7 @@ fn number_nodes(tree: &Tree<'_>, joints: &Joints, options: &ImportOptions) -> (V
 
 /// Placement of a primitive's vertices.
 #[derive(Clone, Copy)]
-enum Placed {
+enum Placement {
     /// Baked to world space by this matrix.
     At(Mat4),
     /// Kept in mesh space, bound to joints `first .. first + count`.
@@ -260,24 +260,24 @@ enum Placed {
 struct Builder<'a> {
     mesh: Mesh,
     /// Primitive and vertex range of each part.
-    places: Vec<(At<'a>, Range<usize>)>,
+    places: Vec<(JsonNode<'a>, Range<usize>)>,
     /// Whether the normals of each part come from the file.
     authored: Vec<bool>,
 }
 
 impl<'a> Builder<'a> {
-    fn add(&mut self, primitive: &Primitive<'a>, names: &[String], placed: Placed) -> Result<(), BakeError> {
+    fn add(&mut self, primitive: &Primitive<'a>, names: &[String], placed: Placement) -> Result<(), BakeError> {
         let mesh = &mut self.mesh;
         let (base, first_triangle) = (mesh.positions.len(), mesh.triangles.len());
         let mut flip = false;
         match placed {
-            Placed::At(world) => {
+            Placement::At(world) => {
                 flip = mirrors(&world);
                 mesh.positions.extend(primitive.positions.iter().map(|p| world.transform_point3(*p)));
                 let linear = Mat3::from_mat4(world);
                 mesh.normals.extend(primitive.normals.iter().map(|n| transform_normal(linear, *n)));
             }
-            Placed::Bound { first, count } => {
+            Placement::Bound { first, count } => {
                 mesh.positions.extend(&primitive.positions);
                 mesh.normals.extend(&primitive.normals);
                 bind(primitive, first, count, &mut mesh.skin)?;
@@ -331,7 +331,7 @@ fn bind(primitive: &Primitive<'_>, first: usize, count: usize, skin: &mut Vec<Sk
 }
 
 /// Checks that all positions at rest are finite: transforms of finite numbers may overflow.
-fn check_finite(rest: &RestPose, places: &[(At<'_>, Range<usize>)]) -> Result<(), BakeError> {
+fn check_finite(rest: &RestPose, places: &[(JsonNode<'_>, Range<usize>)]) -> Result<(), BakeError> {
     for (at, vertices) in places {
         let positions = &rest.positions[vertices.clone()];
         if let Some(i) = positions.iter().position(|p| !p.is_finite()) {

@@ -1,7 +1,7 @@
 //! Animation clips (glTF 2.0, section 3.11 "Animations").
 
 use super::elements::{Component, REAL};
-use super::json::{At, shorten};
+use super::json::{JsonNode, shorten};
 use super::source::Source;
 use crate::BakeError;
 use pelage_formats::{Channel, Clip, Interpolation, Limits, MorphChannel, Property};
@@ -43,8 +43,8 @@ pub(super) fn read<'a>(
                 Ok::<_, BakeError>(())
             };
             let property = match moves {
-                Moves::Node(property) => property,
-                Moves::Weights => {
+                ChannelTarget::Node(property) => property,
+                ChannelTarget::Weights => {
                     let Some((_, first, count)) = morphed.iter().copied().find(|(of, ..)| *of == node) else {
                         continue;
                     };
@@ -83,12 +83,12 @@ pub(super) fn read<'a>(
     Ok((clips, morphs))
 }
 
-fn replaces(channel: &At<'_>) -> String {
+fn replaces(channel: &JsonNode<'_>) -> String {
     format!("{} moves the same property as a channel before; it replaces that", channel.place)
 }
 
 /// Target property of a channel.
-enum Moves {
+enum ChannelTarget {
     Node(Property),
     /// Weights of the node's morph targets.
     Weights,
@@ -110,14 +110,14 @@ struct Curve {
 }
 
 /// Returns the target node (document index) and property of a channel, or `None` if the channel is left out.
-fn target<'a>(source: &mut Source<'a, '_>, channel: &At<'a>, clip: &str) -> Result<Option<(usize, Moves)>, BakeError> {
+fn target<'a>(source: &mut Source<'a, '_>, channel: &JsonNode<'a>, clip: &str) -> Result<Option<(usize, ChannelTarget)>, BakeError> {
     let target = channel.require("target")?;
     let path = target.require("path")?;
     let moves = match path.string()? {
-        "translation" => Moves::Node(Property::Translation),
-        "rotation" => Moves::Node(Property::Rotation),
-        "scale" => Moves::Node(Property::Scale),
-        "weights" => Moves::Weights,
+        "translation" => ChannelTarget::Node(Property::Translation),
+        "rotation" => ChannelTarget::Node(Property::Rotation),
+        "scale" => ChannelTarget::Node(Property::Scale),
+        "weights" => ChannelTarget::Weights,
         other => {
             let (clip, other) = (shorten(clip), shorten(other));
             source.warn(format!("clip \"{clip}\" moves \"{other}\", which pelage does not know; left out"));
@@ -126,13 +126,13 @@ fn target<'a>(source: &mut Source<'a, '_>, channel: &At<'a>, clip: &str) -> Resu
     };
     // "When node isn't defined, channel SHOULD be ignored."
     let Some(reference) = target.get("node") else { return Ok(None) };
-    Ok(Some((source.root.referred("nodes", &reference)?.0, moves)))
+    Ok(Some((source.root.follow("nodes", &reference)?.0, moves)))
 }
 
 fn read_curve<'a>(
     source: &mut Source<'a, '_>,
-    channel: &At<'a>,
-    samplers: &At<'a>,
+    channel: &JsonNode<'a>,
+    samplers: &JsonNode<'a>,
     width: Width,
 ) -> Result<Curve, BakeError> {
     let reference = channel.require("sampler")?;
@@ -147,11 +147,11 @@ fn read_curve<'a>(
             "LINEAR" => Interpolation::Linear,
             "STEP" => Interpolation::Step,
             "CUBICSPLINE" => Interpolation::Cubic,
-            _ => return Err(at.expected("LINEAR, STEP or CUBICSPLINE")),
+            _ => return Err(at.unexpected("LINEAR, STEP or CUBICSPLINE")),
         },
     };
     let input = sampler.require("input")?;
-    let times = source.accessor(&input, &[1], &[Component::F32])?.reals(false);
+    let times = source.accessor(&input, &[1], &[Component::F32])?.to_f32s(false);
     if times.is_empty() {
         return Err(input.fault("has no keys, expected at least one"));
     }
@@ -173,18 +173,18 @@ fn read_curve<'a>(
         return Err(output.fault(format!("has {found} elements, expected {expected} for {} keys", times.len())));
     }
     // Integer rotations and weights are fractions of 1 by definition; other integers only if the accessor says so.
-    let values = elements.reals(fractions && elements.component != Component::F32);
+    let values = elements.to_f32s(fractions && elements.component != Component::F32);
     if let Some(i) = values.iter().position(|v| !v.is_finite()) {
         return Err(output.fault(format!("element {} is not finite, expected finite numbers", i / width)));
     }
-    let (times, values) = rising(source, &input, times, values, width * per_key);
+    let (times, values) = drop_unordered_keys(source, &input, times, values, width * per_key);
     Ok(Curve { interpolation, times, values })
 }
 
 /// Drops keys whose time is not after that of the previous key.
-fn rising<'a>(
+fn drop_unordered_keys<'a>(
     source: &mut Source<'a, '_>,
-    input: &At<'a>,
+    input: &JsonNode<'a>,
     times: Vec<f32>,
     values: Vec<f32>,
     per_key: usize,

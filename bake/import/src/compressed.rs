@@ -1,7 +1,7 @@
 //! Decoding of primitives compressed with KHR_draco_mesh_compression.
 
 use super::elements::{Component, Elements, width_of};
-use super::json::At;
+use super::json::JsonNode;
 use super::source::{MAX_UNPACKED, Source};
 use crate::BakeError;
 use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
@@ -11,8 +11,8 @@ use pelage_formats::Limits;
 /// [`Source::supplied`] and returns the corners of its triangles.
 pub(super) fn unpack_primitive<'a>(
     source: &mut Source<'a, '_>,
-    primitive: &At<'a>,
-    at: &At<'a>,
+    primitive: &JsonNode<'a>,
+    at: &JsonNode<'a>,
 ) -> Result<Vec<u32>, BakeError> {
     let packed = source.view(&at.require("bufferView")?)?.bytes;
     let limits = Limits::default();
@@ -33,7 +33,7 @@ pub(super) fn unpack_primitive<'a>(
         let attribute = u32::try_from(id).ok().and_then(|id| mesh.attribute_by_unique_id(id));
         let attribute =
             attribute.ok_or_else(|| id_at.fault(format!("is {id}, which the packed data does not have")))?;
-        let (index, accessor) = source.root.referred("accessors", &reference)?;
+        let (index, accessor) = source.root.follow("accessors", &reference)?;
         let component = Component::read(&accessor.require("componentType")?)?;
         let width = width_of(&accessor.require("type")?)?;
         let (count, found) = (accessor.require("count")?.unsigned()?, usize::from(attribute.num_components()));

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// File formats that can be read.
 #[derive(Debug, PartialEq)]
-pub(super) enum Kind<'a> {
+pub(super) enum ModelFile<'a> {
     Gltf(Container<'a>),
     Obj,
 }
@@ -29,7 +29,7 @@ const CONVERT: &str =
     "expected glTF 2.0 (.gltf or .glb) or OBJ; other formats can be converted, for example with Blender's glTF export";
 
 /// Detects the format of `bytes`, and splits glTF into its parts.
-pub(super) fn split<'a>(file: &str, bytes: &'a [u8], notes: &mut Notes) -> Result<Kind<'a>, BakeError> {
+pub(super) fn detect<'a>(file: &str, bytes: &'a [u8], notes: &mut Notes) -> Result<ModelFile<'a>, BakeError> {
     let fail = |at: usize, reason: String| {
         Err(BakeError::Input { file: file.to_owned(), place: format!("byte {at}"), reason })
     };
@@ -37,7 +37,7 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8], notes: &mut Notes) -> Resul
         return fail(0, format!("the file is empty, {CONVERT}"));
     }
     if bytes.starts_with(b"glTF") {
-        return split_glb(bytes, notes).map(Kind::Gltf).or_else(|(at, reason)| fail(at, reason));
+        return split_glb(bytes, notes).map(ModelFile::Gltf).or_else(|(at, reason)| fail(at, reason));
     }
     // RFC 8259 forbids a byte order mark and allows readers to skip it.
     let json_offset = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
@@ -46,7 +46,7 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8], notes: &mut Notes) -> Resul
         return fail(json_offset, format!("the file holds only white space, {CONVERT}"));
     };
     if json[first] == b'{' {
-        return Ok(Kind::Gltf(Container { json, json_offset, bin: None }));
+        return Ok(ModelFile::Gltf(Container { json, json_offset, bin: None }));
     }
     let guess = match bytes {
         _ if bytes.starts_with(b"Kaydara FBX Binary") => "an FBX file",
@@ -55,7 +55,7 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8], notes: &mut Notes) -> Resul
         _ if bytes.starts_with(b"PELAGE") => "a pelage package",
         _ if bytes.starts_with(b"PK\x03\x04") => "a ZIP archive (perhaps of a model; unpack it)",
         _ if bytes.starts_with(b"\x89PNG") || bytes.starts_with(b"\xff\xd8\xff") => "an image",
-        _ if obj::begins_like_one(bytes) || has_extension(file, "obj") => return Ok(Kind::Obj),
+        _ if obj::begins_like_obj(bytes) || has_extension(file, "obj") => return Ok(ModelFile::Obj),
         _ if json[first] == b'<' => "an XML file",
         _ => "neither GLB nor JSON nor OBJ",
     };

@@ -4,29 +4,29 @@
 //! local z, along which the arrow points, into the node's y; an empty node therefore points along its own +y.
 
 use super::elements::REAL;
-use super::json::At;
-use super::lines::{Counted, strands_of};
+use super::json::JsonNode;
+use super::lines::{LineTotals, strands_of};
 use super::primitive::{are_lines, indices_of, vectors};
 use super::scene::Tree;
 use super::skin::Joints;
 use super::source::Source;
 use super::weights;
 use crate::BakeError;
-use crate::mesh::DrawnComb;
+use crate::mesh::CombLine;
 use glam::{Mat4, Vec3};
 
 /// Prefix of the names of such nodes and meshes, in any case.
 const COMB: &str = "comb";
 
 /// Returns whether lines of a node or mesh with this name define the comb direction.
-pub(super) fn combs(name: &str) -> bool {
+pub(super) fn is_comb_name(name: &str) -> bool {
     name.get(..COMB.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(COMB))
 }
 
 /// Returns whether an empty node with this name defines the comb direction; stricter than `combs`, because a joint of a
 /// cock's comb may begin with the same word.
-fn points(name: &str) -> bool {
-    combs(name) && name.chars().nth(COMB.len()).is_none_or(|next| matches!(next, '_' | '.' | '-' | ' '))
+fn is_comb_marker_name(name: &str) -> bool {
+    is_comb_name(name) && name.chars().nth(COMB.len()).is_none_or(|next| matches!(next, '_' | '.' | '-' | ' '))
 }
 
 /// Reads the comb lines and empties of a document, in world space at rest.
@@ -38,13 +38,13 @@ pub(super) fn drawn<'a>(
     world: &[Mat4],
     root: Mat4,
     joints: &mut Joints,
-) -> Result<Vec<DrawnComb>, BakeError> {
+) -> Result<Vec<CombLine>, BakeError> {
     let mut found = Vec::new();
-    let mut counted = Counted::default();
+    let mut counted = LineTotals::default();
     if tree.nodes.is_empty() {
         // Without nodes all meshes are shown where they are, as in the rest of the import.
         let meshes = source.root.get("meshes").map(|meshes| meshes.entries()).transpose()?;
-        for mesh in meshes.into_iter().flatten().filter(|mesh| combs(mesh.name())) {
+        for mesh in meshes.into_iter().flatten().filter(|mesh| is_comb_name(mesh.name())) {
             let place = |_: usize, p: Vec3| Some(root.transform_point3(p));
             for at in line_primitives(&mesh)? {
                 read_lines(source, &mut counted, &at, mesh.name(), &mut found, place)?;
@@ -56,17 +56,17 @@ pub(super) fn drawn<'a>(
     for node in tree.shown() {
         let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else {
-            if points(at.name()) && !are_joints[node] && at.get("camera").is_none() {
+            if is_comb_marker_name(at.name()) && !are_joints[node] && at.get("camera").is_none() {
                 read_empty(source, at, world[node], &mut found);
             }
             continue;
         };
-        let (_, mesh) = source.root.referred("meshes", &reference)?;
-        let Some(name) = [at.name(), mesh.name()].into_iter().find(|name| combs(name)) else { continue };
+        let (_, mesh) = source.root.follow("meshes", &reference)?;
+        let Some(name) = [at.name(), mesh.name()].into_iter().find(|name| is_comb_name(name)) else { continue };
         let skin = at.get("skin").map(|reference| joints.skin(source, &reference)).transpose()?;
         for at in line_primitives(&mesh)? {
             let bound = match skin {
-                Some(skin) => skinned(source, &at, name, world, &joints.binds(skin))?,
+                Some(skin) => rest_matrices(source, &at, name, world, &joints.binds(skin))?,
                 None => None,
             };
             let place = |v: usize, p: Vec3| match &bound {
@@ -86,22 +86,22 @@ fn joint_nodes<'a>(source: &Source<'a, '_>, tree: &Tree<'a>) -> Result<Vec<bool>
     for skin in skins.entries()? {
         let Some(joints) = skin.get("joints") else { continue };
         for reference in joints.entries()? {
-            are[source.root.referred("nodes", &reference)?.0] = true;
+            are[source.root.follow("nodes", &reference)?.0] = true;
         }
     }
     Ok(are)
 }
 
-fn read_empty(source: &mut Source<'_, '_>, at: &At<'_>, world: Mat4, found: &mut Vec<DrawnComb>) {
+fn read_empty(source: &mut Source<'_, '_>, at: &JsonNode<'_>, world: Mat4, found: &mut Vec<CombLine>) {
     let (place, direction) = (world.w_axis.truncate(), world.y_axis.truncate());
     match direction.try_normalize().filter(|_| place.is_finite()) {
-        Some(direction) => found.push(DrawnComb { name: at.name().to_owned(), places: vec![(place, direction)] }),
+        Some(direction) => found.push(CombLine { name: at.name().to_owned(), places: vec![(place, direction)] }),
         None => source.warn(format!("{}: {:?} points nowhere; left out of the comb", at.place, at.name())),
     }
 }
 
 /// Returns the primitives of a mesh that hold lines and have positions.
-fn line_primitives<'a>(mesh: &At<'a>) -> Result<Vec<At<'a>>, BakeError> {
+fn line_primitives<'a>(mesh: &JsonNode<'a>) -> Result<Vec<JsonNode<'a>>, BakeError> {
     let mut found = Vec::new();
     for at in mesh.require("primitives")?.entries()? {
         let has_places = at.get("attributes").is_some_and(|attributes| attributes.get("POSITION").is_some());
@@ -115,15 +115,15 @@ fn line_primitives<'a>(mesh: &At<'a>) -> Result<Vec<At<'a>>, BakeError> {
 /// Reads the lines of a primitive; `place` maps a vertex (index, position) to world space.
 fn read_lines<'a>(
     source: &mut Source<'a, '_>,
-    counted: &mut Counted,
-    at: &At<'a>,
+    counted: &mut LineTotals,
+    at: &JsonNode<'a>,
     name: &str,
-    found: &mut Vec<DrawnComb>,
+    found: &mut Vec<CombLine>,
     place: impl Fn(usize, Vec3) -> Option<Vec3>,
 ) -> Result<(), BakeError> {
     let position = at.require("attributes")?.require("POSITION")?;
-    counted.charge(source, at, &position)?;
-    let own = vectors(&source.accessor(&position, &[3], REAL)?.reals(false));
+    counted.count_primitive(source, at, &position)?;
+    let own = vectors(&source.accessor(&position, &[3], REAL)?.to_f32s(false));
     let placed: Vec<Vec3> = own.iter().enumerate().map(|(v, p)| place(v, *p).unwrap_or(Vec3::NAN)).collect();
     if let Some(v) = placed.iter().position(|p| !p.is_finite()) {
         let reason = format!("element {v} is {}, {} in the scene, expected finite numbers", own[v], placed[v]);
@@ -133,8 +133,8 @@ fn read_lines<'a>(
     for strand in strands_of(at, at.unsigned_or("mode", 4)?, &indices, &own)? {
         let mut points: Vec<Vec3> = strand.iter().map(|v| placed[*v as usize]).collect();
         points.dedup();
-        match along(&points) {
-            Some(places) => found.push(DrawnComb { name: name.to_owned(), places }),
+        match with_directions(&points) {
+            Some(places) => found.push(CombLine { name: name.to_owned(), places }),
             None => source.warn(format!("{}: a line of {name:?} has no length; left out of the comb", at.place)),
         }
     }
@@ -142,7 +142,7 @@ fn read_lines<'a>(
 }
 
 /// Returns the points with the direction of the line at each, from first to last; `None` if the line has no length.
-fn along(points: &[Vec3]) -> Option<Vec<(Vec3, Vec3)>> {
+fn with_directions(points: &[Vec3]) -> Option<Vec<(Vec3, Vec3)>> {
     let last = points.len().checked_sub(1).filter(|last| *last > 0)?;
     let mut directions = (0..=last).map(|i| (points[(i + 1).min(last)] - points[i.saturating_sub(1)]).try_normalize());
     let first = directions.clone().flatten().next()?;
@@ -160,9 +160,9 @@ fn along(points: &[Vec3]) -> Option<Vec<(Vec3, Vec3)>> {
 
 /// Returns for each vertex of a primitive the matrix of its joints at rest; `None` if the primitive has no joints and
 /// follows its node.
-fn skinned<'a>(
+fn rest_matrices<'a>(
     source: &mut Source<'a, '_>,
-    at: &At<'a>,
+    at: &JsonNode<'a>,
     name: &str,
     world: &[Mat4],
     binds: &[(usize, [f32; 16])],
@@ -201,18 +201,18 @@ mod tests {
             ("honeycomb_x", false, false),
             ("kömb", false, false),
         ] {
-            assert_eq!((combs(name), points(name)), (lines, empty), "{name}");
+            assert_eq!((is_comb_name(name), is_comb_marker_name(name)), (lines, empty), "{name}");
         }
     }
 
     #[test]
     fn directions_run_from_the_first_point_to_the_last() {
-        let places = along(&[Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]).unwrap_or_default();
+        let places = with_directions(&[Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]).unwrap_or_default();
         let corner = Vec3::new(1.0, 1.0, 0.0).normalize();
         let found: Vec<Vec3> = places.iter().map(|(_, direction)| *direction).collect();
         assert_eq!(found, [Vec3::X, corner, Vec3::Y]);
-        assert_eq!((along(&[Vec3::X]), along(&[])), (None, None));
-        let back = along(&[Vec3::ZERO, Vec3::X, Vec3::ZERO]).unwrap_or_default();
+        assert_eq!((with_directions(&[Vec3::X]), with_directions(&[])), (None, None));
+        let back = with_directions(&[Vec3::ZERO, Vec3::X, Vec3::ZERO]).unwrap_or_default();
         assert!(back.iter().all(|(_, direction)| direction.is_normalized()), "{back:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! Elements of an accessor after reading: tightly packed, as stored.
 
-use super::json::At;
+use super::json::JsonNode;
 use crate::BakeError;
 
 /// Type of one component.
@@ -15,7 +15,7 @@ pub(super) enum Component {
 }
 
 impl Component {
-    pub fn read(at: &At<'_>) -> Result<Self, BakeError> {
+    pub fn read(at: &JsonNode<'_>) -> Result<Self, BakeError> {
         Ok(match at.unsigned()? {
             5120 => Self::I8,
             5121 => Self::U8,
@@ -23,7 +23,7 @@ impl Component {
             5123 => Self::U16,
             5125 => Self::U32,
             5126 => Self::F32,
-            _ => return Err(at.expected("5120 (i8), 5121 (u8), 5122 (i16), 5123 (u16), 5125 (u32) or 5126 (f32)")),
+            _ => return Err(at.unexpected("5120 (i8), 5121 (u8), 5122 (i16), 5123 (u16), 5125 (u32) or 5126 (f32)")),
         })
     }
 
@@ -80,7 +80,7 @@ impl Elements {
 
     /// Returns all components as floats. Integers are divided by their maximum if the accessor says `normalized` or if
     /// `always` is set (glTF 2.0, section 3.11).
-    pub fn reals(&self, always: bool) -> Vec<f32> {
+    pub fn to_f32s(&self, always: bool) -> Vec<f32> {
         let fraction = self.normalized || always;
         let over = |x: f32, max: f32| if fraction { (x / max).max(-1.0) } else { x };
         match self.component {
@@ -94,7 +94,7 @@ impl Elements {
     }
 
     /// Returns all components as whole numbers; only for the types in [`WHOLE`].
-    pub fn wholes(&self) -> Vec<u32> {
+    pub fn to_u32s(&self) -> Vec<u32> {
         match self.component {
             Component::U8 | Component::I8 => self.map(|b| u8::from_le_bytes(b).into()),
             Component::U16 | Component::I16 => self.map(|b| u16::from_le_bytes(b).into()),
@@ -114,7 +114,7 @@ pub(super) fn grouped<const N: usize>(flat: &[f32]) -> impl ExactSizeIterator<It
 }
 
 /// Returns the number of components of an element of the type at `at`.
-pub(super) fn width_of(at: &At<'_>) -> Result<usize, BakeError> {
+pub(super) fn width_of(at: &JsonNode<'_>) -> Result<usize, BakeError> {
     Ok(match at.string()? {
         "SCALAR" => 1,
         "VEC2" => 2,
@@ -122,7 +122,7 @@ pub(super) fn width_of(at: &At<'_>) -> Result<usize, BakeError> {
         "VEC4" => 4,
         "MAT4" => 16,
         // Columns of these types are padded to four bytes; no attribute read here uses them.
-        "MAT2" | "MAT3" => return Err(at.expected("SCALAR, VEC2, VEC3, VEC4 or MAT4 here")),
-        _ => return Err(at.expected("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
+        "MAT2" | "MAT3" => return Err(at.unexpected("SCALAR, VEC2, VEC3, VEC4 or MAT4 here")),
+        _ => return Err(at.unexpected("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
     })
 }

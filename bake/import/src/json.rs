@@ -10,7 +10,7 @@ use serde_json::Value;
 
 /// A JSON value and its position.
 #[derive(Clone, Debug)]
-pub(super) struct At<'a> {
+pub(super) struct JsonNode<'a> {
     /// Name of the model file, as given by the user.
     pub file: &'a str,
     pub value: &'a Value,
@@ -20,7 +20,7 @@ pub(super) struct At<'a> {
 
 type Result<T> = std::result::Result<T, BakeError>;
 
-impl<'a> At<'a> {
+impl<'a> JsonNode<'a> {
     /// Wraps the root of a document.
     pub fn root(file: &'a str, value: &'a Value) -> Self {
         Self { file, value, place: String::new() }
@@ -33,19 +33,19 @@ impl<'a> At<'a> {
     }
 
     /// Returns the member `key`, if present. `null` counts as absent: some exporters write it for "none".
-    pub fn get(&self, key: &str) -> Option<At<'a>> {
+    pub fn get(&self, key: &str) -> Option<JsonNode<'a>> {
         let value = self.value.get(key).filter(|v| !v.is_null())?;
         let key = key.replace('~', "~0").replace('/', "~1");
-        Some(At { file: self.file, value, place: format!("{}/{key}", self.place) })
+        Some(JsonNode { file: self.file, value, place: format!("{}/{key}", self.place) })
     }
 
     /// Returns the member `key`, or an error if absent.
-    pub fn require(&self, key: &str) -> Result<At<'a>> {
+    pub fn require(&self, key: &str) -> Result<JsonNode<'a>> {
         match self.value {
             Value::Object(_) => {
                 self.get(key).ok_or_else(|| self.fault(format!("has no `{key}`, which glTF 2.0 requires here")))
             }
-            _ => Err(self.expected("an object")),
+            _ => Err(self.unexpected("an object")),
         }
     }
 
@@ -56,20 +56,20 @@ impl<'a> At<'a> {
 
     /// Returns the number of entries of an array.
     pub fn len(&self) -> Result<usize> {
-        self.value.as_array().map(Vec::len).ok_or_else(|| self.expected("an array"))
+        self.value.as_array().map(Vec::len).ok_or_else(|| self.unexpected("an array"))
     }
 
     /// Returns entry `index` of an array.
-    pub fn entry(&self, index: usize) -> Option<At<'a>> {
+    pub fn entry(&self, index: usize) -> Option<JsonNode<'a>> {
         let value = self.value.as_array()?.get(index)?;
-        Some(At { file: self.file, value, place: format!("{}/{index}", self.place) })
+        Some(JsonNode { file: self.file, value, place: format!("{}/{index}", self.place) })
     }
 
     /// Returns all entries of an array.
-    pub fn entries(&self) -> Result<impl Iterator<Item = At<'a>> + use<'a>> {
-        let values = self.value.as_array().ok_or_else(|| self.expected("an array"))?;
+    pub fn entries(&self) -> Result<impl Iterator<Item = JsonNode<'a>> + use<'a>> {
+        let values = self.value.as_array().ok_or_else(|| self.unexpected("an array"))?;
         let (file, place) = (self.file, self.place.clone());
-        Ok(values.iter().enumerate().map(move |(i, value)| At { file, value, place: format!("{place}/{i}") }))
+        Ok(values.iter().enumerate().map(move |(i, value)| JsonNode { file, value, place: format!("{place}/{i}") }))
     }
 
     /// Reads a non-negative whole number. `5.0` counts as 5, as in JSON Schema.
@@ -79,7 +79,7 @@ impl<'a> At<'a> {
         }
         // Above 2^53 a float no longer represents each whole number.
         let whole = self.value.as_f64().filter(|f| f.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(f));
-        whole.map(|f| f as u64).ok_or_else(|| self.expected("a whole number >= 0"))
+        whole.map(|f| f as u64).ok_or_else(|| self.unexpected("a whole number >= 0"))
     }
 
     /// Reads the non-negative whole number `key`, or returns `default` if it is absent.
@@ -89,8 +89,8 @@ impl<'a> At<'a> {
 
     /// Reads a finite number.
     pub fn number(&self) -> Result<f32> {
-        let found = self.value.as_f64().ok_or_else(|| self.expected("a number"))? as f32;
-        if found.is_finite() { Ok(found) } else { Err(self.expected("a number within the range of 32-bit floats")) }
+        let found = self.value.as_f64().ok_or_else(|| self.unexpected("a number"))? as f32;
+        if found.is_finite() { Ok(found) } else { Err(self.unexpected("a number within the range of 32-bit floats")) }
     }
 
     /// Reads an array of exactly `N` finite numbers.
@@ -108,12 +108,12 @@ impl<'a> At<'a> {
 
     /// Reads a string.
     pub fn string(&self) -> Result<&'a str> {
-        self.value.as_str().ok_or_else(|| self.expected("a string"))
+        self.value.as_str().ok_or_else(|| self.unexpected("a string"))
     }
 
     /// Reads the boolean `key`; false if it is absent.
     pub fn flag(&self, key: &str) -> Result<bool> {
-        self.get(key).map_or(Ok(false), |at| at.value.as_bool().ok_or_else(|| at.expected("true or false")))
+        self.get(key).map_or(Ok(false), |at| at.value.as_bool().ok_or_else(|| at.unexpected("true or false")))
     }
 
     /// Returns the member `name`, or an empty string if it is absent or not a string: names are labels and never cause
@@ -123,16 +123,16 @@ impl<'a> At<'a> {
     }
 
     /// Returns the index in `reference`, and the entry of the (root) object's array `list` at that index.
-    pub fn referred(&self, list: &str, reference: &At<'a>) -> Result<(usize, At<'a>)> {
+    pub fn follow(&self, list: &str, reference: &JsonNode<'a>) -> Result<(usize, JsonNode<'a>)> {
         let index = reference.unsigned()?;
         let array = self.get(list);
-        let count = array.as_ref().map_or(Ok(0), At::len)?;
+        let count = array.as_ref().map_or(Ok(0), JsonNode::len)?;
         let found = usize::try_from(index).ok().and_then(|i| Some((i, array?.entry(i)?)));
         found.ok_or_else(|| reference.fault(format!("is {index}, expected less than {count}, the number of {list}")))
     }
 
     /// Returns an error that says what was found instead of `expected`.
-    pub fn expected(&self, expected: &str) -> BakeError {
+    pub fn unexpected(&self, expected: &str) -> BakeError {
         let found = match self.value {
             Value::Null => "null".to_owned(),
             Value::Bool(b) => b.to_string(),

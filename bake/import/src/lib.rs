@@ -56,8 +56,8 @@ mod weights;
 
 use crate::guides::Guides;
 use crate::mesh::Model;
-use container::Kind;
-use json::At;
+use container::ModelFile;
+use json::JsonNode;
 use notes::Notes;
 use pelage_formats::InputRecord;
 use serde_json::Value;
@@ -86,17 +86,17 @@ pub fn import<'r>(
 ) -> Result<Model, BakeError> {
     options.validate()?;
     let mut notes = Notes::default();
-    let kind = container::split(file, bytes, &mut notes)?;
+    let kind = container::detect(file, bytes, &mut notes)?;
     notes.record("model", file, bytes);
     let model = match kind {
-        Kind::Gltf(container) => {
+        ModelFile::Gltf(container) => {
             let document = json::parse(file, container.json, container.json_offset)?;
-            let mut source = readable(file, &document, container.bin, resolve, notes)?;
+            let mut source = open_document(file, &document, container.bin, resolve, notes)?;
             let mut model = assemble::model(&mut source, options)?;
             (model.warnings, model.inputs) = source.notes.finish();
             model
         }
-        Kind::Obj => obj::read(file, bytes, resolve, options, notes)?,
+        ModelFile::Obj => obj::read(file, bytes, resolve, options, notes)?,
     };
     Ok(model)
 }
@@ -117,13 +117,13 @@ pub fn import_strands<'r>(
     resolve: &'r mut Resolve<'r>,
 ) -> Result<(Guides, Vec<InputRecord>), BakeError> {
     let mut notes = Notes::default();
-    let Kind::Gltf(container) = container::split(file, bytes, &mut notes)? else {
+    let ModelFile::Gltf(container) = container::detect(file, bytes, &mut notes)? else {
         let reason = "this is an OBJ, expected glTF 2.0 with lines".to_owned();
         return Err(BakeError::Input { file: file.to_owned(), place: "byte 0".into(), reason });
     };
     notes.record("strands", file, bytes);
     let document = json::parse(file, container.json, container.json_offset)?;
-    let mut source = readable(file, &document, container.bin, resolve, notes)?;
+    let mut source = open_document(file, &document, container.bin, resolve, notes)?;
     let mut guides = lines::strands(&mut source)?;
     let (warnings, inputs) = source.notes.finish();
     guides.warnings = warnings;
@@ -131,14 +131,14 @@ pub fn import_strands<'r>(
 }
 
 /// Opens a parsed document; checks its version and required extensions.
-fn readable<'a, 'r>(
+fn open_document<'a, 'r>(
     file: &'a str,
     document: &'a Value,
     bin: Option<&'a [u8]>,
     resolve: &'r mut Resolve<'r>,
     notes: Notes,
 ) -> Result<Source<'a, 'r>, BakeError> {
-    let mut source = Source::new(At::root(file, document), bin, resolve, notes);
+    let mut source = Source::new(JsonNode::root(file, document), bin, resolve, notes);
     check_version(&source)?;
     source.check_extensions()?;
     Ok(source)
@@ -147,14 +147,14 @@ fn readable<'a, 'r>(
 fn check_version(source: &Source<'_, '_>) -> Result<(), BakeError> {
     let asset = source.root.require("asset")?;
     let version_at = asset.require("version")?;
-    let major = |at: &At<'_>| at.string().map(|v| v.split('.').next().and_then(|m| m.parse::<u32>().ok()));
+    let major = |at: &JsonNode<'_>| at.string().map(|v| v.split('.').next().and_then(|m| m.parse::<u32>().ok()));
     match major(&version_at)? {
         Some(2) => {}
-        Some(1) => return Err(version_at.expected("2.x; convert glTF 1.0 with `gltf-pipeline -i in.gltf -o out.gltf`")),
-        _ => return Err(version_at.expected("2.x")),
+        Some(1) => return Err(version_at.unexpected("2.x; convert glTF 1.0 with `gltf-pipeline -i in.gltf -o out.gltf`")),
+        _ => return Err(version_at.unexpected("2.x")),
     }
     match asset.get("minVersion") {
-        Some(at) if at.string()? != "2.0" => Err(at.expected("2.0, the newest version that pelage reads")),
+        Some(at) if at.string()? != "2.0" => Err(at.unexpected("2.0, the newest version that pelage reads")),
         _ => Ok(()),
     }
 }

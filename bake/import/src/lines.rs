@@ -1,14 +1,14 @@
 //! Lines of a glTF scene as strands.
 
-use super::counts::{check_count, same_count};
+use super::counts::{check_count, read_per_vertex};
 use super::elements::REAL;
-use super::json::At;
+use super::json::JsonNode;
 use super::primitive::{are_lines, color_reals, indices_of, vectors, within_limits};
 use super::scene::Tree;
 use super::source::Source;
 use crate::BakeError;
 use crate::guides::Guides;
-use crate::guides::lines::joined;
+use crate::guides::lines::join_lines;
 use glam::{DMat4, Mat4, Vec3};
 
 /// Topologies of a primitive (glTF 2.0, section 3.7.2.1).
@@ -18,18 +18,18 @@ const LINE_STRIP: u64 = 3;
 
 /// Running totals of the lines read.
 #[derive(Default)]
-pub(super) struct Counted {
+pub(super) struct LineTotals {
     vertices: u64,
     indices: u64,
 }
 
-impl Counted {
+impl LineTotals {
     /// Counts a primitive before any of it is read: many primitives may share accessors, and many nodes a mesh.
-    pub(super) fn charge<'a>(
+    pub(super) fn count_primitive<'a>(
         &mut self,
         source: &Source<'a, '_>,
-        at: &At<'a>,
-        position: &At<'a>,
+        at: &JsonNode<'a>,
+        position: &JsonNode<'a>,
     ) -> Result<(), BakeError> {
         self.vertices = self.vertices.saturating_add(source.accessor_count(position)?);
         let listed = at.get("indices").map_or(Ok(0), |indices| source.accessor_count(&indices))?;
@@ -40,9 +40,9 @@ impl Counted {
 
 /// Strands and counts gathered from a scene.
 #[derive(Default)]
-struct Found {
+struct LineStrands {
     guides: Guides,
-    counted: Counted,
+    counted: LineTotals,
     /// Number of primitives that are not lines.
     others: usize,
     /// Whether any primitive lacks radii, and colours.
@@ -53,7 +53,7 @@ struct Found {
 pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeError> {
     let tree = Tree::read(source)?;
     let world = tree.world(Mat4::IDENTITY);
-    let mut found = Found::default();
+    let mut found = LineStrands::default();
     if tree.nodes.is_empty() {
         // Without nodes all meshes are shown where they are, as in models.
         if let Some(meshes) = source.root.get("meshes") {
@@ -65,13 +65,13 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
     for node in tree.shown() {
         let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else { continue };
-        let (_, mesh) = source.root.referred("meshes", &reference)?;
+        let (_, mesh) = source.root.follow("meshes", &reference)?;
         // A skin places vertices itself (glTF 2.0, section 3.7.3.3). At rest that is mostly where they are, so its
         // joints are ignored.
         let placed = if at.get("skin").is_some() { Mat4::IDENTITY } else { world[node] };
         read_mesh(source, &mut found, &mesh, placed)?;
     }
-    let Found { mut guides, others, lacks: [no_radii, no_colors], .. } = found;
+    let LineStrands { mut guides, others, lacks: [no_radii, no_colors], .. } = found;
     if guides.is_empty() && guides.left_out == 0 {
         let reason = format!(
             "the scene shows no line, expected primitives of mode {LINES} (LINES), {LINE_LOOP} (LINE_LOOP) or {LINE_STRIP} (LINE_STRIP); \
@@ -88,7 +88,7 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
     Ok(guides)
 }
 
-fn read_mesh<'a>(source: &mut Source<'a, '_>, found: &mut Found, mesh: &At<'a>, world: Mat4) -> Result<(), BakeError> {
+fn read_mesh<'a>(source: &mut Source<'a, '_>, found: &mut LineStrands, mesh: &JsonNode<'a>, world: Mat4) -> Result<(), BakeError> {
     for at in mesh.require("primitives")?.entries()? {
         let mode = at.unsigned_or("mode", 4)?;
         if are_lines(mode) {
@@ -102,15 +102,15 @@ fn read_mesh<'a>(source: &mut Source<'a, '_>, found: &mut Found, mesh: &At<'a>, 
 
 fn read_primitive<'a>(
     source: &mut Source<'a, '_>,
-    found: &mut Found,
-    at: &At<'a>,
+    found: &mut LineStrands,
+    at: &JsonNode<'a>,
     mode: u64,
     world: Mat4,
 ) -> Result<(), BakeError> {
     let attributes = at.require("attributes")?;
     let position = attributes.require("POSITION")?;
-    found.counted.charge(source, at, &position)?;
-    let own = vectors(&source.accessor(&position, &[3], REAL)?.reals(false));
+    found.counted.count_primitive(source, at, &position)?;
+    let own = vectors(&source.accessor(&position, &[3], REAL)?.to_f32s(false));
     let mut points = Vec::with_capacity(own.len());
     for (i, p) in own.iter().enumerate() {
         let placed = world.transform_point3(*p);
@@ -124,7 +124,7 @@ fn read_primitive<'a>(
     let radii = match attributes.get("_RADIUS") {
         Some(reference) => {
             let scale = libm::cbrt(size) as f32;
-            let radii = same_count(source, &reference, &[1], own.len(), false)?;
+            let radii = read_per_vertex(source, &reference, &[1], own.len(), false)?;
             if let Some(i) = radii.iter().position(|r| !(scale * r).is_finite()) {
                 return Err(reference.fault(format!("element {i} is {}, expected finite numbers", radii[i])));
             }
@@ -154,7 +154,7 @@ fn read_primitive<'a>(
 }
 
 /// Returns the vertices of each strand of a primitive.
-pub(super) fn strands_of(at: &At<'_>, mode: u64, indices: &[u32], points: &[Vec3]) -> Result<Vec<Vec<u32>>, BakeError> {
+pub(super) fn strands_of(at: &JsonNode<'_>, mode: u64, indices: &[u32], points: &[Vec3]) -> Result<Vec<Vec<u32>>, BakeError> {
     if mode != LINES {
         let ring = indices.first().filter(|_| mode == LINE_LOOP);
         return Ok(vec![indices.iter().chain(ring).copied().collect()]);
@@ -173,5 +173,5 @@ pub(super) fn strands_of(at: &At<'_>, mode: u64, indices: &[u32], points: &[Vec3
             }
         }
     }
-    Ok(joined(&lines, points.len()))
+    Ok(join_lines(&lines, points.len()))
 }

@@ -1,7 +1,7 @@
 //! Materials: base-colour factor, texture and its coordinates, cut-out alpha, roughness and metalness.
 
 use super::extensions::conversion;
-use super::json::At;
+use super::json::JsonNode;
 use super::source::Source;
 use crate::BakeError;
 use crate::angle::rotation;
@@ -35,9 +35,9 @@ impl Materials {
     pub fn read<'a>(
         &mut self,
         source: &mut Source<'a, '_>,
-        reference: Option<&At<'a>>,
+        reference: Option<&JsonNode<'a>>,
     ) -> Result<(usize, TextureCoords), BakeError> {
-        let found = reference.map(|r| source.root.referred("materials", r)).transpose()?;
+        let found = reference.map(|r| source.root.follow("materials", r)).transpose()?;
         let key = found.as_ref().map(|(index, _)| *index);
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);
@@ -56,7 +56,7 @@ impl Materials {
     fn fill<'a>(
         &mut self,
         source: &mut Source<'a, '_>,
-        at: &At<'a>,
+        at: &JsonNode<'a>,
         material: &mut Material,
     ) -> Result<TextureCoords, BakeError> {
         material.name = at.name().to_owned();
@@ -65,7 +65,7 @@ impl Materials {
             match mode.string()? {
                 "MASK" => material.alpha_cutoff = Some(at.get("alphaCutoff").map_or(Ok(0.5), |v| v.number())?),
                 "OPAQUE" | "BLEND" => {}
-                _ => return Err(mode.expected("OPAQUE, MASK or BLEND")),
+                _ => return Err(mode.unexpected("OPAQUE, MASK or BLEND")),
             }
         }
         // The diffuse colour of the older specular-glossiness model has the same meaning under other names.
@@ -92,8 +92,8 @@ impl Materials {
     }
 
     /// Returns the index of the decoded image behind the texture that `reference` names.
-    fn image<'a>(&mut self, source: &mut Source<'a, '_>, reference: &At<'a>) -> Result<usize, BakeError> {
-        let (_, texture) = source.root.referred("textures", reference)?;
+    fn image<'a>(&mut self, source: &mut Source<'a, '_>, reference: &JsonNode<'a>) -> Result<usize, BakeError> {
+        let (_, texture) = source.root.follow("textures", reference)?;
         let Some(reference) = texture.get("source") else {
             let name = texture.get("extensions").and_then(|e| e.keys().next());
             let reason = name.map_or("has no `source`, expected the number of an image".to_owned(), |name| {
@@ -102,7 +102,7 @@ impl Materials {
             });
             return Err(texture.fault(reason));
         };
-        let (index, at) = source.root.referred("images", &reference)?;
+        let (index, at) = source.root.follow("images", &reference)?;
         if let Some(known) = self.known_images.get(&index) {
             return Ok(*known);
         }
@@ -130,7 +130,7 @@ impl Materials {
 ///
 /// A material without `pbrMetallicRoughness` also keeps both unknown: by the specification it would be metal, which no
 /// author intends.
-fn gloss(at: &At<'_>, material: &mut Material) -> Result<(), BakeError> {
+fn gloss(at: &JsonNode<'_>, material: &mut Material) -> Result<(), BakeError> {
     let Some(base) = at.get("pbrMetallicRoughness") else { return Ok(()) };
     if base.get("metallicRoughnessTexture").is_none() {
         let factor = |key| base.get(key).map_or(Ok(1.0), |factor| factor.number());
@@ -142,7 +142,7 @@ fn gloss(at: &At<'_>, material: &mut Material) -> Result<(), BakeError> {
 
 /// Reads KHR_texture_transform: scale, then rotation, then offset. The extension rotates coordinates counter-clockwise
 /// as seen on the image, whose v axis points down.
-fn texture_transform(at: &At<'_>) -> Result<Affine2, BakeError> {
+fn texture_transform(at: &JsonNode<'_>) -> Result<Affine2, BakeError> {
     let offset: Vec2 = at.get("offset").map_or(Ok([0.0; 2]), |v| v.numbers())?.into();
     let scale: Vec2 = at.get("scale").map_or(Ok([1.0; 2]), |v| v.numbers())?.into();
     let angle = at.get("rotation").map_or(Ok(0.0), |v| v.number())?;

@@ -14,9 +14,9 @@ pub struct Model {
     /// Decoded base-colour images that the materials use.
     pub images: Vec<Image>,
     /// Named nodes of the scene: joints and authors' markers. Empty for an OBJ.
-    pub nodes: Vec<NamedPlace>,
+    pub nodes: Vec<NamedPosition>,
     /// Comb lines and comb markers drawn in the model. Empty for an OBJ.
-    pub combs: Vec<DrawnComb>,
+    pub combs: Vec<CombLine>,
     /// Skeleton and clips. Present if anything moves; then every vertex has an entry in [`Mesh::skin`].
     pub animation: Option<Animation>,
     /// Morph target deltas of the vertices; empty if [`Animation::morphs`] has no targets.
@@ -29,7 +29,7 @@ pub struct Model {
 
 /// A named position.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct NamedPlace {
+pub struct NamedPosition {
     /// Name, not empty, not necessarily unique.
     pub name: String,
     /// Position in world space at rest, metres.
@@ -38,7 +38,7 @@ pub struct NamedPlace {
 
 /// A line along which hair is combed, or one position and direction given by an empty node.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct DrawnComb {
+pub struct CombLine {
     /// Name of the node or mesh.
     pub name: String,
     /// Positions along the line with the comb direction at each, world space at rest, metres; at least one, directions

@@ -203,7 +203,7 @@ impl Triangles<'_> {
     }
 
     /// Decodes a triangle without a recent edge, from the codes of its corners.
-    fn free(&mut self, a: u8, b: u8, c: u8) -> Result<[u32; 3], Fault> {
+    fn without_edge(&mut self, a: u8, b: u8, c: u8) -> Result<[u32; 3], Fault> {
         // New vertices are numbered before any explicit index is read.
         let mut corners = [(0, false); 3];
         for (corner, code) in corners.iter_mut().zip([a, b, c]).filter(|(_, code)| *code != 15) {
@@ -240,7 +240,7 @@ pub(super) fn decode_triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, F
             code @ 0..0xf0 => state.on_edge(code)?,
             code @ 0xf0..0xfe => {
                 let pair = table[usize::from(code & 15)];
-                state.free(0, pair >> 4, pair & 15)?
+                state.without_edge(0, pair >> 4, pair & 15)?
             }
             code => {
                 let pair = state.data.byte()?;
@@ -248,7 +248,7 @@ pub(super) fn decode_triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, F
                     // Numbering restarts.
                     state.next = 0;
                 }
-                state.free(if code == 0xfe { 0 } else { 15 }, pair >> 4, pair & 15)?
+                state.without_edge(if code == 0xfe { 0 } else { 15 }, pair >> 4, pair & 15)?
             }
         };
         out.extend(triangle);

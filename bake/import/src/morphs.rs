@@ -1,7 +1,7 @@
 //! Morph targets (glTF 2.0, section 3.7.2.2): applied at their default weights, with the deltas that each weight adds.
 
-use super::counts::same_count;
-use super::json::{At, shorten};
+use super::counts::read_per_vertex;
+use super::json::{JsonNode, shorten};
 use super::source::Source;
 use crate::BakeError;
 use crate::mesh::{Mesh, MorphRows, RowDelta};
@@ -16,14 +16,14 @@ const MOST_ENTRIES: u64 = (256 << 20) / size_of::<MorphDelta>() as u64;
 
 /// Names and default weights of the morph targets of a mesh as shown by a node.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Targets {
+pub(super) struct TargetInfo {
     names: Vec<String>,
     weights: Vec<f32>,
 }
 
-impl Targets {
+impl TargetInfo {
     /// Reads the targets of a mesh, with the node's weights if it has any.
-    pub(super) fn of(mesh: &At<'_>, node_weights: Option<&At<'_>>) -> Result<Self, BakeError> {
+    pub(super) fn from_mesh(mesh: &JsonNode<'_>, node_weights: Option<&JsonNode<'_>>) -> Result<Self, BakeError> {
         let list = node_weights.cloned().or_else(|| mesh.get("weights"));
         let weights = match &list {
             Some(list) => list.entries()?.map(|w| w.number()).collect::<Result<Vec<f32>, _>>()?,
@@ -40,7 +40,7 @@ impl Targets {
 /// Morph targets of a primitive: deltas of its vertices.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Morph {
-    pub(super) targets: Targets,
+    pub(super) targets: TargetInfo,
     /// Number of targets.
     pub(super) count: usize,
     /// Deltas of each vertex; target indices are those of the mesh.
@@ -51,9 +51,9 @@ pub(super) struct Morph {
 /// counts the deltas of the whole model.
 pub(super) fn read<'a>(
     source: &mut Source<'a, '_>,
-    at: &At<'a>,
+    at: &JsonNode<'a>,
     label: &str,
-    targets: &Targets,
+    targets: &TargetInfo,
     positions: &mut [Vec3],
     mut normals: Option<&mut [Vec3]>,
     entries: &mut u64,
@@ -75,7 +75,7 @@ pub(super) fn read<'a>(
     for (number, target) in list.entries()?.enumerate() {
         let mut deltas = |key: &str, wanted: bool| -> Result<Option<Vec<f32>>, BakeError> {
             let Some(reference) = target.get(key).filter(|_| wanted) else { return Ok(None) };
-            let deltas = same_count(source, &reference, &[3], positions.len(), false)?;
+            let deltas = read_per_vertex(source, &reference, &[3], positions.len(), false)?;
             match deltas.iter().position(|x| !x.is_finite()) {
                 Some(i) => Err(reference.fault(format!("element {} is not finite, expected finite numbers", i / 3))),
                 None => Ok(Some(deltas)),
@@ -114,12 +114,12 @@ pub(super) fn read<'a>(
     let (mut names, mut weights) = (targets.names[..known(targets.names.len())].to_vec(), weights.clone());
     names.resize(count, String::new());
     weights.resize(count, 0.0);
-    Ok(Some(Morph { targets: Targets { names, weights }, count, rows }))
+    Ok(Some(Morph { targets: TargetInfo { names, weights }, count, rows }))
 }
 
 /// Morph targets of the whole model.
 #[derive(Debug)]
-pub(super) struct Gathered {
+pub(super) struct ModelMorphs {
     /// Targets in the order of the package.
     pub(super) targets: Vec<MorphTarget>,
     rows: MorphRows,
@@ -129,7 +129,7 @@ pub(super) struct Gathered {
     pub(super) of_nodes: Vec<(usize, u32, u32)>,
 }
 
-impl Gathered {
+impl ModelMorphs {
     /// Returns an empty collection. Row 0 belongs to vertices that no target moves.
     pub(super) fn new() -> Self {
         let known = BTreeMap::from([(Vec::new(), 0)]);
@@ -138,7 +138,7 @@ impl Gathered {
 
     /// Adds the targets of a node, with index `node` in the document and `number` in the package; returns the index of
     /// the first.
-    pub(super) fn add_node(&mut self, at: &At<'_>, node: usize, number: u32, morph: &Morph) -> Result<u32, BakeError> {
+    pub(super) fn add_node(&mut self, at: &JsonNode<'_>, node: usize, number: u32, morph: &Morph) -> Result<u32, BakeError> {
         let first = self.targets.len();
         if first + morph.count > MOST_TARGETS {
             let (name, total) = (shorten(at.name()), first + morph.count);

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 const ROUNDING: f64 = 0.02;
 
 /// Part of a mesh whose normals are to be completed.
-pub(super) struct Shape<'m> {
+pub(super) struct NormalInput<'m> {
     /// Name in messages.
     pub label: &'m str,
     pub positions: &'m [Vec3],
@@ -25,7 +25,7 @@ pub(super) struct Shape<'m> {
 }
 
 /// Gives every vertex of a mesh a unit normal.
-pub(super) fn complete(notes: &mut Notes, shapes: &mut [Shape<'_>]) {
+pub(super) fn complete_normals(notes: &mut Notes, shapes: &mut [NormalInput<'_>]) {
     let mut wanted = Vec::new();
     for (i, shape) in shapes.iter_mut().enumerate() {
         let (mut off, mut bad) = (0, 0);

@@ -1,8 +1,8 @@
 //! Primitives: attributes and topology of one mesh (glTF 2.0, section 3.7.2).
 
-use super::counts::{check_count, same_count};
+use super::counts::{check_count, read_per_vertex};
 use super::elements::{Component, REAL, WHOLE, grouped};
-use super::json::{At, shorten};
+use super::json::{JsonNode, shorten};
 use super::material::{Materials, TextureCoords};
 use super::source::Source;
 use super::{compressed, morphs, normals, weights};
@@ -14,7 +14,7 @@ use pelage_formats::Limits;
 #[derive(Debug)]
 pub(super) struct Primitive<'a> {
     /// Position in the file, for errors.
-    pub at: At<'a>,
+    pub at: JsonNode<'a>,
     /// Readable description, for warnings.
     pub label: String,
     /// Index into [`Materials::materials`].
@@ -37,9 +37,9 @@ pub(super) struct Primitive<'a> {
 /// The mesh of a node.
 pub(super) struct MeshUse<'a> {
     pub index: usize,
-    pub at: At<'a>,
+    pub at: JsonNode<'a>,
     /// Morph weights of the node, which override the mesh's own.
-    pub weights: Option<At<'a>>,
+    pub weights: Option<JsonNode<'a>>,
     pub skinned: bool,
     /// Whether lines of the mesh define the comb direction of hair.
     pub combs: bool,
@@ -47,7 +47,7 @@ pub(super) struct MeshUse<'a> {
 
 /// Running totals and materials of the meshes read.
 #[derive(Debug, Default)]
-pub(super) struct Gathered {
+pub(super) struct MeshTotals {
     pub materials: Materials,
     /// Number of primitives left out.
     pub skipped: usize,
@@ -57,12 +57,12 @@ pub(super) struct Gathered {
     morphed: u64,
 }
 
-impl Gathered {
+impl MeshTotals {
     /// Counts a primitive before any of it is read: primitives may share accessors, so a small file can expand to any
     /// amount of memory.
-    fn charge<'a>(&mut self, source: &Source<'a, '_>, at: &At<'a>) -> Result<(), BakeError> {
+    fn count_primitive<'a>(&mut self, source: &Source<'a, '_>, at: &JsonNode<'a>) -> Result<(), BakeError> {
         let position = at.get("attributes").and_then(|a| a.get("POSITION"));
-        let count = |reference: Option<At<'a>>| reference.map_or(Ok(0), |r| source.accessor_count(&r));
+        let count = |reference: Option<JsonNode<'a>>| reference.map_or(Ok(0), |r| source.accessor_count(&r));
         self.vertices = self.vertices.saturating_add(count(position)?);
         self.indices = self.indices.saturating_add(count(at.get("indices"))?);
         within_limits(at, self.vertices, self.indices)
@@ -75,7 +75,7 @@ pub(super) fn are_lines(mode: u64) -> bool {
 }
 
 /// Fails if a model exceeds the limits of a package.
-pub(super) fn within_limits(at: &At<'_>, vertices: u64, indices: u64) -> Result<(), BakeError> {
+pub(super) fn within_limits(at: &JsonNode<'_>, vertices: u64, indices: u64) -> Result<(), BakeError> {
     let limits = Limits::default();
     if vertices <= limits.vertices.into() && indices <= limits.indices.into() {
         return Ok(());
@@ -87,14 +87,14 @@ pub(super) fn within_limits(at: &At<'_>, vertices: u64, indices: u64) -> Result<
 /// Reads all primitives of a mesh that hold triangles; others are counted and reported.
 pub(super) fn read_mesh<'a>(
     source: &mut Source<'a, '_>,
-    gathered: &mut Gathered,
+    gathered: &mut MeshTotals,
     mesh: &MeshUse<'a>,
 ) -> Result<Vec<Primitive<'a>>, BakeError> {
-    let targets = morphs::Targets::of(&mesh.at, mesh.weights.as_ref())?;
+    let targets = morphs::TargetInfo::from_mesh(&mesh.at, mesh.weights.as_ref())?;
     let name = mesh.at.name();
     let name = if name.is_empty() { String::new() } else { format!(" \"{}\"", shorten(name)) };
     for at in mesh.at.require("primitives")?.entries()? {
-        gathered.charge(source, &at)?;
+        gathered.count_primitive(source, &at)?;
     }
     let mut primitives = Vec::new();
     for (i, at) in mesh.at.require("primitives")?.entries()?.enumerate() {
@@ -107,27 +107,27 @@ pub(super) fn read_mesh<'a>(
             None => gathered.skipped += 1,
         }
     }
-    let shapes = primitives.iter_mut().map(|p| normals::Shape {
+    let shapes = primitives.iter_mut().map(|p| normals::NormalInput {
         label: &p.label,
         positions: &p.positions,
         triangles: &p.triangles,
         normals: &mut p.normals,
     });
-    normals::complete(&mut source.notes, &mut shapes.collect::<Vec<_>>());
+    normals::complete_normals(&mut source.notes, &mut shapes.collect::<Vec<_>>());
     Ok(primitives)
 }
 
 fn read_primitive<'a>(
     source: &mut Source<'a, '_>,
-    gathered: &mut Gathered,
-    at: &At<'a>,
+    gathered: &mut MeshTotals,
+    at: &JsonNode<'a>,
     label: String,
-    targets: &morphs::Targets,
+    targets: &morphs::TargetInfo,
     skinned: bool,
 ) -> Result<Option<Primitive<'a>>, BakeError> {
     let mode = at.unsigned_or("mode", 4)?;
     if mode > 6 {
-        return at.get("mode").map_or(Ok(None), |mode| Err(mode.expected("0..=6 (4 is triangles)")));
+        return at.get("mode").map_or(Ok(None), |mode| Err(mode.unexpected("0..=6 (4 is triangles)")));
     }
     if mode < 4 {
         let what = ["points", "lines", "a line loop", "a line strip"][mode as usize];
@@ -143,7 +143,7 @@ fn read_primitive<'a>(
         source.warn(format!("{label} has no POSITION; left out"));
         return Ok(None);
     };
-    let mut positions = vectors(&source.accessor(&position_at, &[3], REAL)?.reals(false));
+    let mut positions = vectors(&source.accessor(&position_at, &[3], REAL)?.to_f32s(false));
     // Draco data holds triangles, whatever the original mode.
     let mode = if unpacked.is_some() { 4 } else { mode };
     let indices = match unpacked {
@@ -160,7 +160,7 @@ fn read_primitive<'a>(
         return Ok(None);
     }
     let mut normals = match attributes.get("NORMAL") {
-        Some(reference) => Some(vectors(&same_count(source, &reference, &[3], positions.len(), false)?)),
+        Some(reference) => Some(vectors(&read_per_vertex(source, &reference, &[3], positions.len(), false)?)),
         None => None,
     };
     let entries = &mut gathered.morphed;
@@ -189,23 +189,23 @@ fn read_primitive<'a>(
 }
 
 /// Returns the extension of a primitive that has Draco data and no uncompressed data.
-fn draco_only<'a>(source: &Source<'a, '_>, at: &At<'a>) -> Option<At<'a>> {
+fn draco_only<'a>(source: &Source<'a, '_>, at: &JsonNode<'a>) -> Option<JsonNode<'a>> {
     let extension = at.get("extensions")?.get("KHR_draco_mesh_compression")?;
     let position = at.get("attributes").and_then(|a| a.get("POSITION"));
-    let accessor = position.and_then(|p| source.root.referred("accessors", &p).ok());
+    let accessor = position.and_then(|p| source.root.follow("accessors", &p).ok());
     let plain = accessor.is_some_and(|(_, a)| a.get("bufferView").is_some() || a.get("sparse").is_some());
     (!plain).then_some(extension)
 }
 
 /// Returns the vertices of a primitive in index order.
-pub(super) fn indices_of<'a>(source: &mut Source<'a, '_>, at: &At<'a>, vertices: usize) -> Result<Vec<u32>, BakeError> {
+pub(super) fn indices_of<'a>(source: &mut Source<'a, '_>, at: &JsonNode<'a>, vertices: usize) -> Result<Vec<u32>, BakeError> {
     match at.get("indices") {
-        Some(reference) => in_range(at, source.accessor(&reference, &[1], WHOLE)?.wholes(), vertices),
+        Some(reference) => in_range(at, source.accessor(&reference, &[1], WHOLE)?.to_u32s(), vertices),
         None => Ok((0..vertices as u32).collect()),
     }
 }
 
-fn in_range(at: &At<'_>, indices: Vec<u32>, vertices: usize) -> Result<Vec<u32>, BakeError> {
+fn in_range(at: &JsonNode<'_>, indices: Vec<u32>, vertices: usize) -> Result<Vec<u32>, BakeError> {
     let Some(i) = indices.iter().position(|v| *v as usize >= vertices) else { return Ok(indices) };
     let at = at.get("indices").unwrap_or_else(|| at.clone());
     Err(at.fault(format!("element {i} is {}, expected less than the {vertices} vertices", indices[i])))
@@ -234,7 +234,7 @@ fn triangulate(mode: u64, indices: &[u32]) -> Vec<[u32; 3]> {
 /// Reads the transformed texture coordinates of the material; without a texture the first set present.
 fn read_uvs<'a>(
     source: &mut Source<'a, '_>,
-    attributes: &At<'a>,
+    attributes: &JsonNode<'a>,
     label: &str,
     coords: &TextureCoords,
     vertices: usize,
@@ -250,7 +250,7 @@ fn read_uvs<'a>(
         }
     }
     let Some(reference) = found else { return Ok(None) };
-    let flat = same_count(source, &reference, &[2], vertices, false)?;
+    let flat = read_per_vertex(source, &reference, &[2], vertices, false)?;
     let mut uvs: Vec<Vec2> = grouped::<2>(&flat).map(|uv| coords.transform.transform_point2(uv.into())).collect();
     let mut bad = 0;
     for uv in uvs.iter_mut().filter(|uv| !uv.is_finite()) {
@@ -265,7 +265,7 @@ fn read_uvs<'a>(
 
 fn read_colors<'a>(
     source: &mut Source<'a, '_>,
-    attributes: &At<'a>,
+    attributes: &JsonNode<'a>,
     vertices: usize,
 ) -> Result<Vec<[u8; 4]>, BakeError> {
     let Some(reference) = attributes.get("COLOR_0") else { return Ok(vec![[255; 4]; vertices]) };
@@ -279,10 +279,10 @@ fn read_colors<'a>(
 }
 
 /// Returns the width and the numbers of a colour attribute.
-pub(super) fn color_reals<'a>(source: &mut Source<'a, '_>, reference: &At<'a>) -> Result<(usize, Vec<f32>), BakeError> {
+pub(super) fn color_reals<'a>(source: &mut Source<'a, '_>, reference: &JsonNode<'a>) -> Result<(usize, Vec<f32>), BakeError> {
     let elements = source.accessor(reference, &[3, 4], REAL)?;
     // Integer colours are fractions of 1, even if the file, against the rules, does not say `normalized`.
-    Ok((elements.width, elements.reals(elements.component != Component::F32)))
+    Ok((elements.width, elements.to_f32s(elements.component != Component::F32)))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The node tree: parents, order, transforms.
 
 use super::elements::Component;
-use super::json::At;
+use super::json::JsonNode;
 use super::source::Source;
 use crate::BakeError;
 use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Quat, Vec3};
@@ -9,19 +9,19 @@ use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Quat, Vec3};
 /// A node of the document.
 #[derive(Debug)]
 pub(super) struct TreeNode<'a> {
-    pub at: At<'a>,
+    pub at: JsonNode<'a>,
     pub parent: Option<usize>,
     /// Transform to the parent's space.
     pub local: Mat4,
     /// `local` as translation, rotation and scale; without shear.
     pub trs: (Vec3, Quat, Vec3),
     /// Visibility of its mesh.
-    pub shows: Shows,
+    pub shows: MeshVisibility,
 }
 
 /// Visibility of a node's mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shows {
+pub(super) enum MeshVisibility {
     /// Shown at the node.
     Mesh,
     /// Shown by the node's instances only.
@@ -47,14 +47,14 @@ impl<'a> Tree<'a> {
         if let Some(list) = source.root.get("nodes") {
             for at in list.entries()? {
                 let (local, trs) = transform(&at, source)?;
-                nodes.push(TreeNode { at, parent: None, local, trs, shows: Shows::Mesh });
+                nodes.push(TreeNode { at, parent: None, local, trs, shows: MeshVisibility::Mesh });
             }
         }
         let mut children = vec![Vec::new(); nodes.len()];
         for (parent, list) in children.iter_mut().enumerate() {
             let Some(named) = nodes[parent].at.get("children") else { continue };
             for reference in named.entries()? {
-                let (child, _) = source.root.referred("nodes", &reference)?;
+                let (child, _) = source.root.follow("nodes", &reference)?;
                 if let Some(other) = nodes[child].parent {
                     let reason = format!("is {child}, which is also a child of node {other}; expected one parent");
                     return Err(reference.fault(reason));
@@ -67,12 +67,12 @@ impl<'a> Tree<'a> {
         for parent in 0..of_document {
             let left = MOST_INSTANCES.saturating_sub(nodes.len() - of_document);
             let Some(instances) = instances(source, &nodes[parent].at, left)? else { continue };
-            nodes[parent].shows = Shows::Instances;
+            nodes[parent].shows = MeshVisibility::Instances;
             for (local, trs) in instances {
                 let at = nodes[parent].at.clone();
                 children[parent].push(nodes.len());
                 children.push(Vec::new());
-                nodes.push(TreeNode { at, parent: Some(parent), local, trs, shows: Shows::Instance });
+                nodes.push(TreeNode { at, parent: Some(parent), local, trs, shows: MeshVisibility::Instance });
             }
         }
         let roots: Vec<usize> = (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
@@ -90,7 +90,7 @@ impl<'a> Tree<'a> {
 
     /// Returns the nodes of the scene whose mesh (if any) is shown, parents first.
     pub fn shown(&self) -> impl Iterator<Item = usize> {
-        self.scene.iter().copied().filter(|node| self.nodes[*node].shows != Shows::Instances)
+        self.scene.iter().copied().filter(|node| self.nodes[*node].shows != MeshVisibility::Instances)
     }
 
     /// Returns the transforms to world space, one per node, under `root`.
@@ -125,7 +125,7 @@ fn walk(roots: &[usize], children: &[Vec<usize>]) -> Vec<usize> {
 fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Result<Option<Vec<usize>>, BakeError> {
     let root = source.root.clone();
     let scene = match root.get("scene") {
-        Some(reference) => root.referred("scenes", &reference)?.1,
+        Some(reference) => root.follow("scenes", &reference)?.1,
         None => match root.get("scenes").and_then(|scenes| scenes.entry(0)) {
             Some(first) => first,
             None => return Ok(None),
@@ -135,7 +135,7 @@ fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Resul
     let Some(list) = scene.get("nodes") else { return Ok(Some(roots)) };
     let mut seen = vec![false; nodes.len()];
     for reference in list.entries()? {
-        let (index, _) = root.referred("nodes", &reference)?;
+        let (index, _) = root.follow("nodes", &reference)?;
         if let Some(parent) = nodes[index].parent {
             return Err(reference.fault(format!("is {index}, which is a child of node {parent}; expected a root node")));
         }
@@ -157,7 +157,7 @@ const MOST_INSTANCES: usize = 1 << 16;
 
 /// Reads the transforms of a node's instances (`EXT_mesh_gpu_instancing`), in the node's space; more than `most` are an
 /// error. `None` without the extension, without a mesh, and with a skin.
-fn instances<'a>(source: &mut Source<'a, '_>, node: &At<'a>, most: usize) -> Result<Option<Vec<Transform>>, BakeError> {
+fn instances<'a>(source: &mut Source<'a, '_>, node: &JsonNode<'a>, most: usize) -> Result<Option<Vec<Transform>>, BakeError> {
     let Some(at) = node.get("extensions").and_then(|all| all.get("EXT_mesh_gpu_instancing")) else { return Ok(None) };
     if node.get("mesh").is_none() {
         return Ok(None);
@@ -185,9 +185,9 @@ fn instances<'a>(source: &mut Source<'a, '_>, node: &At<'a>, most: usize) -> Res
     let Some((count, _)) = count else {
         return Err(attributes.fault("has none of TRANSLATION, ROTATION and SCALE, expected at least one"));
     };
-    let mut read = |reference: Option<At<'a>>, width: usize, components: &[Component], plain: [f32; 4]| {
+    let mut read = |reference: Option<JsonNode<'a>>, width: usize, components: &[Component], plain: [f32; 4]| {
         let Some(reference) = reference else { return Ok(vec![plain; count as usize]) };
-        let numbers = source.accessor(&reference, &[width], components)?.reals(false);
+        let numbers = source.accessor(&reference, &[width], components)?.to_f32s(false);
         let vectors = numbers.chunks_exact(width).enumerate().map(|(i, vector)| {
             let mut all = plain;
             all[..width].copy_from_slice(vector);
@@ -215,7 +215,7 @@ fn unit(q: [f32; 4]) -> Option<(Quat, f64)> {
 }
 
 /// Reads the transform of a node as a matrix and as translation, rotation and scale.
-fn transform(at: &At<'_>, source: &mut Source<'_, '_>) -> Result<Transform, BakeError> {
+fn transform(at: &JsonNode<'_>, source: &mut Source<'_, '_>) -> Result<Transform, BakeError> {
     if let Some(matrix_at) = at.get("matrix") {
         let matrix = Mat4::from_cols_array(&matrix_at.numbers::<16>()?);
         if matrix.row(3) != glam::Vec4::W {

@@ -1,7 +1,7 @@
 //! glTF skins: joints and inverse bind matrices, and the list of joints of the whole model.
 
 use super::elements::{Component, grouped};
-use super::json::At;
+use super::json::JsonNode;
 use super::source::Source;
 use crate::BakeError;
 use std::collections::BTreeMap;
@@ -19,11 +19,11 @@ pub(super) struct Skin {
 const IDENTITY: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
 
 impl Skin {
-    fn read<'a>(source: &mut Source<'a, '_>, at: &At<'a>) -> Result<Self, BakeError> {
+    fn read<'a>(source: &mut Source<'a, '_>, at: &JsonNode<'a>) -> Result<Self, BakeError> {
         let mut joints = Vec::new();
         let joints_at = at.require("joints")?;
         for reference in joints_at.entries()? {
-            joints.push(source.root.referred("nodes", &reference)?.0);
+            joints.push(source.root.follow("nodes", &reference)?.0);
         }
         if joints.is_empty() {
             return Err(joints_at.fault("is empty, expected at least one joint"));
@@ -35,7 +35,7 @@ impl Skin {
                 let (found, expected) = (elements.count, joints.len());
                 return Err(reference.fault(format!("has {found} matrices, expected {expected}, one per joint")));
             }
-            for (i, (slot, matrix)) in inverse_binds.iter_mut().zip(grouped::<16>(&elements.reals(false))).enumerate() {
+            for (i, (slot, matrix)) in inverse_binds.iter_mut().zip(grouped::<16>(&elements.to_f32s(false))).enumerate() {
                 if !matrix.iter().all(|x| x.is_finite()) {
                     return Err(reference.fault(format!("element {i} is not finite, expected finite numbers")));
                 }
@@ -68,8 +68,8 @@ pub(super) struct Joints {
 
 impl Joints {
     /// Reads the skin that `reference` names, once, and returns its index.
-    pub fn skin<'a>(&mut self, source: &mut Source<'a, '_>, reference: &At<'a>) -> Result<usize, BakeError> {
-        let (index, at) = source.root.referred("skins", reference)?;
+    pub fn skin<'a>(&mut self, source: &mut Source<'a, '_>, reference: &JsonNode<'a>) -> Result<usize, BakeError> {
+        let (index, at) = source.root.follow("skins", reference)?;
         if let Entry::Vacant(slot) = self.skins.entry(index) {
             slot.insert(Skin::read(source, &at)?);
         }
@@ -83,18 +83,18 @@ impl Joints {
     }
 
     /// Returns the index of the first joint of a skin, and the number of its joints.
-    pub fn of_skin(&mut self, at: &At<'_>, skin: usize) -> Result<(usize, usize), BakeError> {
+    pub fn of_skin(&mut self, at: &JsonNode<'_>, skin: usize) -> Result<(usize, usize), BakeError> {
         let entries = self.binds(skin);
         let count = entries.len();
         Ok((self.add(at, Owner::Skin(skin), entries)?, count))
     }
 
     /// Returns the index of the joint of a node with a rigid mesh.
-    pub fn of_node(&mut self, at: &At<'_>, node: usize) -> Result<usize, BakeError> {
+    pub fn of_node(&mut self, at: &JsonNode<'_>, node: usize) -> Result<usize, BakeError> {
         self.add(at, Owner::Node(node), vec![(node, IDENTITY)])
     }
 
-    fn add(&mut self, at: &At<'_>, owner: Owner, entries: Vec<(usize, [f32; 16])>) -> Result<usize, BakeError> {
+    fn add(&mut self, at: &JsonNode<'_>, owner: Owner, entries: Vec<(usize, [f32; 16])>) -> Result<usize, BakeError> {
         if let Some(first) = self.first.get(&owner) {
             return Ok(*first);
         }

@@ -1,7 +1,7 @@
 //! Binary data of a model: buffers, buffer views, URIs, and the record of what was read.
 
 use super::elements::Elements;
-use super::json::{At, shorten};
+use super::json::{JsonNode, shorten};
 use super::notes::{Notes, why_unreadable};
 use crate::BakeError;
 use base64::Engine as _;
@@ -32,7 +32,7 @@ pub(super) const MAX_BESIDE: u64 = 256 << 20;
 const MAX_FILES: u64 = 2 << 30;
 
 /// Fetches a file of at most [`MAX_BESIDE`] bytes. The error continues a sentence that begins with the file's name.
-pub(super) fn beside(uri: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
+pub(super) fn fetch_file(uri: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
     let bytes = resolve(uri, MAX_BESIDE + 1).map_err(why_unreadable)?;
     if bytes.len() as u64 > MAX_BESIDE {
         return Err(format!("it is larger than {MAX_BESIDE} bytes"));
@@ -43,7 +43,7 @@ pub(super) fn beside(uri: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, St
 /// A model being read.
 pub(super) struct Source<'a, 'r> {
     /// The JSON document.
-    pub root: At<'a>,
+    pub root: JsonNode<'a>,
     bin: Option<&'a [u8]>,
     resolve: &'r mut Resolve<'r>,
     buffers: BTreeMap<usize, Cow<'a, [u8]>>,
@@ -68,7 +68,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 );
 
 impl<'a, 'r> Source<'a, 'r> {
-    pub fn new(root: At<'a>, bin: Option<&'a [u8]>, resolve: &'r mut Resolve<'r>, notes: Notes) -> Self {
+    pub fn new(root: JsonNode<'a>, bin: Option<&'a [u8]>, resolve: &'r mut Resolve<'r>, notes: Notes) -> Self {
         let (unpacked, supplied) = (BTreeMap::new(), BTreeMap::new());
         Self {
             root,
@@ -95,7 +95,7 @@ impl<'a, 'r> Source<'a, 'r> {
 
     /// Returns the data in `uri`, or the contents of the file that it names, at most `declared` bytes if the model
     /// gives a length. `role` is stored in the record.
-    pub fn uri(&mut self, at: &At<'a>, role: &str, declared: Option<u64>) -> Result<Vec<u8>, BakeError> {
+    pub fn uri(&mut self, at: &JsonNode<'a>, role: &str, declared: Option<u64>) -> Result<Vec<u8>, BakeError> {
         let uri = at.string()?;
         if let Some(data) = uri.get(..5).filter(|s| s.eq_ignore_ascii_case("data:")).and_then(|_| uri.get(5..)) {
             let bytes = decode_data(data).map_err(|reason| at.fault(reason))?;
@@ -111,7 +111,7 @@ impl<'a, 'r> Source<'a, 'r> {
         }
         let fetched = match declared {
             Some(bytes) => (self.resolve)(uri, bytes).map_err(why_unreadable),
-            None => beside(uri, self.resolve),
+            None => fetch_file(uri, self.resolve),
         };
         let bytes =
             fetched.map_err(|cause| at.fault(format!("names the {role} file \"{}\": {cause}", shorten(uri))))?;
@@ -122,8 +122,8 @@ impl<'a, 'r> Source<'a, 'r> {
         Ok(bytes)
     }
 
-    fn buffer(&mut self, reference: &At<'a>) -> Result<usize, BakeError> {
-        let (index, at) = self.root.referred("buffers", reference)?;
+    fn buffer(&mut self, reference: &JsonNode<'a>) -> Result<usize, BakeError> {
+        let (index, at) = self.root.follow("buffers", reference)?;
         if self.buffers.contains_key(&index) {
             return Ok(index);
         }
@@ -151,7 +151,7 @@ impl<'a, 'r> Source<'a, 'r> {
     /// # Errors
     ///
     /// [`BakeError::Input`] at `at` above `MAX_UNPACKED`.
-    pub fn count_unpacked(&mut self, at: &At<'_>, bytes: u64) -> Result<(), BakeError> {
+    pub fn count_unpacked(&mut self, at: &JsonNode<'_>, bytes: u64) -> Result<(), BakeError> {
         self.unpacked_bytes = self.unpacked_bytes.saturating_add(bytes);
         if self.unpacked_bytes > MAX_UNPACKED {
             return Err(at.fault(format!("takes what is unpacked of the model past {MAX_UNPACKED} bytes")));
@@ -160,7 +160,7 @@ impl<'a, 'r> Source<'a, 'r> {
     }
 
     /// Returns the bytes that `at` names by `buffer`, `byteOffset` and `byteLength`.
-    pub fn range(&mut self, at: &At<'a>) -> Result<&[u8], BakeError> {
+    pub fn buffer_range(&mut self, at: &JsonNode<'a>) -> Result<&[u8], BakeError> {
         let index = self.buffer(&at.require("buffer")?)?;
         let (offset, length) = (at.unsigned_or("byteOffset", 0)?, at.require("byteLength")?.unsigned()?);
         let have = self.buffers.get(&index).map_or(0, |b| b.len()) as u64;

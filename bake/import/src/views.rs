@@ -1,6 +1,6 @@
 //! Buffer views (glTF 2.0, section 3.6.1), plain or compressed with EXT_meshopt_compression.
 
-use super::json::At;
+use super::json::JsonNode;
 use super::meshopt;
 use super::source::Source;
 use crate::BakeError;
@@ -13,11 +13,11 @@ pub(super) struct View<'b> {
 
 impl<'a> Source<'a, '_> {
     /// Returns the bytes of the buffer view that `reference` names.
-    pub fn view(&mut self, reference: &At<'a>) -> Result<View<'_>, BakeError> {
-        let (index, at) = self.root.referred("bufferViews", reference)?;
+    pub fn view(&mut self, reference: &JsonNode<'a>) -> Result<View<'_>, BakeError> {
+        let (index, at) = self.root.follow("bufferViews", reference)?;
         let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);
         let Some(packed) = at.get("extensions").and_then(|e| e.get("EXT_meshopt_compression")) else {
-            return Ok(View { bytes: self.range(&at)?, stride });
+            return Ok(View { bytes: self.buffer_range(&at)?, stride });
         };
         if !self.unpacked.contains_key(&index) {
             let bytes = unpack_view(self, &packed, at.require("byteLength")?.unsigned()?)?;
@@ -28,7 +28,7 @@ impl<'a> Source<'a, '_> {
 }
 
 /// Decompresses a buffer view by its extension (at `at`); `length` is the size that the view declares.
-fn unpack_view<'a>(source: &mut Source<'a, '_>, at: &At<'a>, length: u64) -> Result<Vec<u8>, BakeError> {
+fn unpack_view<'a>(source: &mut Source<'a, '_>, at: &JsonNode<'a>, length: u64) -> Result<Vec<u8>, BakeError> {
     let count_at = at.require("count")?;
     let (count, stride) = (count_at.unsigned()?, at.require("byteStride")?.unsigned()?);
     let mode_at = at.require("mode")?;
@@ -36,7 +36,7 @@ fn unpack_view<'a>(source: &mut Source<'a, '_>, at: &At<'a>, length: u64) -> Res
     let fits = match mode {
         "ATTRIBUTES" => (4..=256).contains(&stride) && stride % 4 == 0,
         "TRIANGLES" | "INDICES" => matches!(stride, 2 | 4),
-        _ => return Err(mode_at.expected("ATTRIBUTES, TRIANGLES or INDICES")),
+        _ => return Err(mode_at.unexpected("ATTRIBUTES, TRIANGLES or INDICES")),
     };
     if !fits {
         return Err(at.fault(format!("has elements of {stride} bytes, which {mode} does not allow")));
@@ -46,12 +46,12 @@ fn unpack_view<'a>(source: &mut Source<'a, '_>, at: &At<'a>, length: u64) -> Res
         return Err(at.fault(reason));
     }
     if mode == "TRIANGLES" && count % 3 != 0 {
-        return Err(count_at.expected("a multiple of 3"));
+        return Err(count_at.unexpected("a multiple of 3"));
     }
     source.count_unpacked(at, length)?;
     let filter_at = at.get("filter");
-    let filter = filter_at.as_ref().map_or(Ok("NONE"), At::string)?;
-    let packed = source.range(at)?;
+    let filter = filter_at.as_ref().map_or(Ok("NONE"), JsonNode::string)?;
+    let packed = source.buffer_range(at)?;
     let (count, stride) = (count as usize, stride as usize);
     let decoded = match mode {
         "ATTRIBUTES" => meshopt::decode_vertices(packed, count, stride)

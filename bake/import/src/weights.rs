@@ -1,8 +1,8 @@
 //! Skin weights of a primitive: reads any number of sets, keeps four joints per vertex.
 
-use super::counts::{check_count, same_count};
+use super::counts::{check_count, read_per_vertex};
 use super::elements::{WHOLE, grouped};
-use super::json::At;
+use super::json::JsonNode;
 use super::source::Source;
 use crate::BakeError;
 
@@ -21,7 +21,7 @@ const MAX_SETS: u32 = 8;
 /// A vertex whose weights are all zero follows the first joint that it names.
 pub(super) fn read<'a>(
     source: &mut Source<'a, '_>,
-    attributes: &At<'a>,
+    attributes: &JsonNode<'a>,
     label: &str,
     vertices: usize,
 ) -> Result<Option<Vec<Influence>>, BakeError> {
@@ -40,8 +40,8 @@ pub(super) fn read<'a>(
         };
         check_count(source, &joints_at, vertices)?;
         let joints = source.accessor(&joints_at, &[4], WHOLE)?;
-        let weights = same_count(source, &weights_at, &[4], vertices, true)?;
-        sets.push((joints.wholes(), weights));
+        let weights = read_per_vertex(source, &weights_at, &[4], vertices, true)?;
+        sets.push((joints.to_u32s(), weights));
     }
     if attributes.get(&format!("JOINTS_{MAX_SETS}")).is_some() {
         source.warn(format!("{label} has more than {MAX_SETS} sets of joints; the rest is ignored"));

@@ -51,7 +51,7 @@ fn page(command: &mut Command) -> String {
     text += "\n## Subcommands\n\n";
     for sub in &subcommands {
         let name = sub.get_name();
-        text += &item("", &format!("[`pelage {name}`](#pelage-{name}): {}", styled(sub.get_about())));
+        text += &item("", &format!("[`pelage {name}`](#pelage-{name}): {}", single_line(sub.get_about())));
     }
     let everywhere: Vec<_> = command.get_arguments().filter(|arg| arg.is_global_set()).collect();
     text += "\n## Options of every subcommand\n\n";
@@ -154,14 +154,14 @@ fn is_ours(arg: &Arg) -> bool {
 fn synopsis(command: &Command, above: &str) -> String {
     let required = command.get_arguments().filter(|arg| arg.is_required_set());
     let (places, options): (Vec<_>, Vec<_>) = required.partition(|arg| arg.is_positional());
-    let words = options.into_iter().chain(places).map(|arg| spelled(arg, false));
+    let words = options.into_iter().chain(places).map(|arg| typed_form(arg, false));
     let words: Vec<_> = [command.get_name().to_owned()].into_iter().chain(words).collect();
     let action = if command.has_subcommands() { " ACTION" } else { "" };
     format!("pelage {above}{}{action} [OPTIONS]", words.join(" "))
 }
 
 /// Formats an argument as it is typed: `--output <PNG>`, with its short form `-o, --output <PNG>`.
-fn spelled(arg: &Arg, with_short: bool) -> String {
+fn typed_form(arg: &Arg, with_short: bool) -> String {
     let short = arg.get_short().filter(|_| with_short).map(|c| format!("-{c}"));
     let names: Vec<_> = short.into_iter().chain(arg.get_long().map(|l| format!("--{l}"))).collect();
     let takes = arg.get_action().takes_values();
@@ -176,9 +176,9 @@ fn entry(arg: &Arg) -> String {
     let default: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
     let default =
         if takes && !default.is_empty() { format!(" [default: {}]", default.join(" ")) } else { String::new() };
-    let mut text = item("", &format!("`{}`: {}{default}", spelled(arg, true), styled(help)));
+    let mut text = item("", &format!("`{}`: {}{default}", typed_form(arg, true), single_line(help)));
     for value in arg.get_possible_values().iter().filter(|value| takes && !value.is_hide_set()) {
-        let meaning = styled(value.get_help());
+        let meaning = single_line(value.get_help());
         let colon = if meaning.is_empty() { "" } else { ": " };
         text += &item("  ", &format!("`{}`{colon}{meaning}", value.get_name()));
     }
@@ -191,7 +191,7 @@ fn item(indent: &str, text: &str) -> String {
 }
 
 /// Returns a help text on one line; its paragraphs become sentences.
-fn styled(text: Option<&clap::builder::StyledStr>) -> String {
+fn single_line(text: Option<&clap::builder::StyledStr>) -> String {
     let text = text.map(ToString::to_string).unwrap_or_default();
     let paragraphs = text.split("\n\n").map(|paragraph| paragraph.split_whitespace().collect::<Vec<_>>().join(" "));
     paragraphs.collect::<Vec<_>>().join(". ").replace(".. ", ". ")

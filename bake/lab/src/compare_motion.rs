@@ -13,14 +13,14 @@
 use glam::DVec2;
 use pelage_bake::mask::Mask;
 use pelage_import::BakeError;
-use pelage_truth::{Sight, TrueCamera};
+use pelage_truth::{SurfaceVisibility, TrueCamera};
 use rayon::prelude::*;
 
 /// Frame: a picture and what it shows.
 #[derive(Clone, Copy)]
-pub struct Moment<'a> {
+pub struct FlickerFrame<'a> {
     /// Posed mesh surface.
-    pub sight: &'a Sight,
+    pub sight: &'a SurfaceVisibility,
     /// Camera of the picture.
     pub camera: &'a TrueCamera,
     /// Grey of each of `width * height` pixels as displayed, sRGB-encoded, 0 black to 1 white, row-major from the top.
@@ -90,7 +90,7 @@ const SLACK: f64 = 1e-4;
 /// # Errors
 ///
 /// [`BakeError::Params`] if a picture or mask has another size, or the frames have different meshes.
-pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32)) -> Result<Flicker, BakeError> {
+pub fn flicker(now: &FlickerFrame<'_>, next: &FlickerFrame<'_>, size: (u32, u32)) -> Result<Flicker, BakeError> {
     let (width, height) = size;
     let pixels = width as usize * height as usize;
     let wrong = |what, found: String, expected: String| {
@@ -105,11 +105,11 @@ pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32)) -> Result<
             return wrong("lines", format!("{}x{}", lines.width, lines.height), format!("{width}x{height}"));
         }
     }
-    let faces = |moment: &Moment<'_>| moment.sight.skin().triangles.len();
+    let faces = |moment: &FlickerFrame<'_>| moment.sight.skin().triangles.len();
     if faces(now) != faces(next) {
         return wrong("frames", format!("{} triangles", faces(next)), format!("{} as in the first", faces(now)));
     }
-    let (look, next_look) = (now.sight.from(now.camera, size), next.sight.from(next.camera, size));
+    let (look, next_look) = (now.sight.view(now.camera, size), next.sight.view(next.camera, size));
     let row = |y: u32| {
         let mut out = Flicker::default();
         for x in 0..width {
@@ -121,9 +121,9 @@ pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32)) -> Result<
                 }
                 continue;
             };
-            let place = next.sight.place_ws(seen.triangle, seen.weights);
-            let Some(at) = next_look.place_px(place).filter(|at| next_look.holds(*at)) else { continue };
-            if !next_look.sees(place, SLACK * place.distance(next.camera.eye_ws.as_dvec3())) {
+            let place = next.sight.position_ws(seen.triangle, seen.weights);
+            let Some(at) = next_look.project_px(place).filter(|at| next_look.contains(*at)) else { continue };
+            if !next_look.is_visible(place, SLACK * place.distance(next.camera.eye_ws.as_dvec3())) {
                 continue;
             }
             let apart = (f64::from(now.grey[i]) - bilinear(next.grey, size, at)).abs();

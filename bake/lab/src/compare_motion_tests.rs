@@ -1,29 +1,29 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
 use glam::{DVec3, Vec3, Vec4};
-use pelage_bake::strands::{Skin, SkinMaterial, SkinPoint};
+use pelage_bake::strands::{PosedMesh, PosedMaterial, PosedVertex};
 use pelage_truth::Lens;
 
 const SIZE: (u32, u32) = (60, 40);
 
 /// Returns squares two metres wide, each at its position.
-fn squares(places: &[DVec3]) -> Sight {
+fn squares(places: &[DVec3]) -> SurfaceVisibility {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let mut skin =
-        Skin { materials: vec![SkinMaterial { base_color: Vec4::ONE, ..SkinMaterial::default() }], ..Skin::default() };
+        PosedMesh { materials: vec![PosedMaterial { base_color: Vec4::ONE, ..PosedMaterial::default() }], ..PosedMesh::default() };
     for place in places {
         let base = skin.vertices.len() as u32;
-        skin.vertices.extend(corners.map(|(x, y)| SkinPoint {
+        skin.vertices.extend(corners.map(|(x, y)| PosedVertex {
             position_ws: *place + DVec3::new(x, y, 0.0),
             normal_ws: DVec3::Z,
             color: Vec4::ONE,
-            ..SkinPoint::default()
+            ..PosedVertex::default()
         }));
         skin.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
     }
     skin.same_place = (0..skin.vertices.len() as u32).collect();
     skin.material_of = vec![0; skin.triangles.len()];
-    Sight::new(skin).unwrap()
+    SurfaceVisibility::new(skin).unwrap()
 }
 
 /// Returns a camera whose picture is four metres high, so that a pixel is a tenth of a metre.
@@ -49,9 +49,9 @@ fn picture(place: DVec3, slip: DVec3) -> Vec<f32> {
     (0..SIZE.0 * SIZE.1).map(pixel).collect()
 }
 
-fn measure(now: (&Sight, &[f32]), next: (&Sight, &[f32]), lines: &Mask) -> Flicker {
+fn measure(now: (&SurfaceVisibility, &[f32]), next: (&SurfaceVisibility, &[f32]), lines: &Mask) -> Flicker {
     let camera = camera();
-    let moment = |(sight, grey)| Moment { sight, camera: &camera, grey, lines };
+    let moment = |(sight, grey)| FlickerFrame { sight, camera: &camera, grey, lines };
     flicker(&moment(now), &moment(next), SIZE).unwrap()
 }
 
@@ -118,8 +118,8 @@ fn frames_that_do_not_match_are_refused() {
     let (one, two) = (squares(&[DVec3::ZERO]), squares(&[DVec3::ZERO, DVec3::X]));
     let (camera, grey) = (camera(), picture(DVec3::ZERO, DVec3::ZERO));
     let (lines, turned) = (Mask::empty(60, 40), Mask::empty(40, 60));
-    let moment = |sight, grey, lines| Moment { sight, camera: &camera, grey, lines };
-    let refused = |next: &Moment<'_>, words: &str| {
+    let moment = |sight, grey, lines| FlickerFrame { sight, camera: &camera, grey, lines };
+    let refused = |next: &FlickerFrame<'_>, words: &str| {
         let error = flicker(&moment(&one, &grey[..], &lines), next, SIZE).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     };

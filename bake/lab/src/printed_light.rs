@@ -9,7 +9,7 @@ use glam::DVec3;
 use pelage_formats::meaning::scattering::gaussian_light::GaussianLight;
 use pelage_formats::meaning::scattering::longitudinal::i0e;
 use pelage_formats::meaning::scattering::optics::LEAST_COS_D;
-use pelage_formats::meaning::scattering::{Angles, Around, Fibre, FibreSection};
+use pelage_formats::meaning::scattering::{Angles, AzimuthalScattering, Fibre, FibreSection};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Number of values of cos θd at which paths are fitted.
@@ -23,15 +23,15 @@ const FADES: f64 = 0.3;
 
 /// Circular Gaussian: strength · exp(κ (cos(φ − μ) − 1)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Bump {
+struct CircularGaussian {
     strength: f64,
     middle: f64,
     sharpness: f64,
 }
 
-impl Bump {
+impl CircularGaussian {
     /// Returns the integral of the Gaussian times exp(κ (cos(φ − δ) − 1)).
-    fn met(&self, sharpness: f64, delta: f64) -> f64 {
+    fn integral(&self, sharpness: f64, delta: f64) -> f64 {
         let (a, b) = (self.sharpness, sharpness);
         let both = (a * a + b * b + 2.0 * a * b * libm::cos(self.middle - delta)).max(0.0).sqrt();
         self.strength * TAU * i0e(both) * libm::exp(both - a - b)
@@ -39,7 +39,7 @@ impl Bump {
 }
 
 /// Returns the integral of exp(κ (cos φ − 1)) over all azimuths.
-fn whole(sharpness: f64) -> f64 {
+fn full_integral(sharpness: f64) -> f64 {
     TAU * i0e(sharpness)
 }
 
@@ -51,24 +51,24 @@ fn sharpness_of(light: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e6);
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
-        if whole(middle) > light { low = middle } else { high = middle }
+        if full_integral(middle) > light { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
 
 /// Fitted distribution of light around a section of a fibre.
 #[derive(Clone, Copy, Debug, Default)]
-struct Fitted {
+struct FittedSection {
     reflected: [f64; POWERS],
-    through: Bump,
-    within: [Bump; 3],
+    through: CircularGaussian,
+    within: [CircularGaussian; 3],
 }
 
-impl Fitted {
+impl FittedSection {
     fn new(section: &FibreSection, width: f64, sigma: f64) -> Self {
         let light = |p: u32, phi: f64| {
             let mut sum = 0.0;
-            section.ways(p, phi, &mut |way| sum += way.left(sigma));
+            section.contributions(p, phi, &mut |way| sum += way.attenuated(sigma));
             sum
         };
         let all = |p: u32| {
@@ -80,13 +80,13 @@ impl Fitted {
         let through = {
             let (strength, all) = (light(1, PI), all(1));
             let sharpness = sharpness_of(all / strength.max(1e-300));
-            Bump { strength, middle: PI, sharpness }
+            CircularGaussian { strength, middle: PI, sharpness }
         };
         Self { reflected: powers(|phi| light(0, phi)), through, within: within(section, width, light(2, 0.0), all(2)) }
     }
 
     /// Returns the integral of path `p` times exp(κ (cos(φ − δ) − 1)).
-    fn met(&self, p: u32, sharpness: f64, delta: f64) -> f64 {
+    fn integral(&self, p: u32, sharpness: f64, delta: f64) -> f64 {
         match p {
             0 => {
                 let at = |i: usize| {
@@ -97,8 +97,8 @@ impl Fitted {
                 };
                 (0..AZIMUTHS).map(at).sum::<f64>() * TAU / AZIMUTHS as f64
             }
-            1 => self.through.met(sharpness, delta),
-            _ => self.within.iter().map(|bump| bump.met(sharpness, delta)).sum(),
+            1 => self.through.integral(sharpness, delta),
+            _ => self.within.iter().map(|bump| bump.integral(sharpness, delta)).sum(),
         }
     }
 }
@@ -112,25 +112,25 @@ fn powers(of: impl Fn(f64) -> f64) -> [f64; POWERS] {
 }
 
 /// Fits TRT in its three regimes. `middle`: its light towards azimuth 0; `all`: its light towards all azimuths.
-fn within(section: &FibreSection, width: f64, middle: f64, all: f64) -> [Bump; 3] {
+fn within(section: &FibreSection, width: f64, middle: f64, all: f64) -> [CircularGaussian; 3] {
     let across = section.section.across;
     let sharp = 1.0 / (width * width);
     let one = |sharpness: f64| {
-        [Bump { strength: all / whole(sharpness), middle: 0.0, sharpness }, Bump::default(), Bump::default()]
+        [CircularGaussian { strength: all / full_integral(sharpness), middle: 0.0, sharpness }, CircularGaussian::default(), CircularGaussian::default()]
     };
     if let Some((_, turned)) = section.section.caustic() {
         let at = turned.abs();
         let wide = (1.0 / (at * at)).min(1e6);
         let shared = 1.0 - libm::exp(sharp * (libm::cos(at) - 1.0));
         let between = middle * shared * shared;
-        let strength = (all - between * whole(wide)) / (2.0 * whole(sharp));
+        let strength = (all - between * full_integral(wide)) / (2.0 * full_integral(sharp));
         if strength < 0.0 {
             return one(wide);
         }
         return [
-            Bump { strength, middle: at, sharpness: sharp },
-            Bump { strength, middle: -at, sharpness: sharp },
-            Bump { strength: between, middle: 0.0, sharpness: wide },
+            CircularGaussian { strength, middle: at, sharpness: sharp },
+            CircularGaussian { strength, middle: -at, sharpness: sharp },
+            CircularGaussian { strength: between, middle: 0.0, sharpness: wide },
         ];
     }
     let spread = sharpness_of(all / middle.max(1e-300));
@@ -144,19 +144,19 @@ fn within(section: &FibreSection, width: f64, middle: f64, all: f64) -> [Bump; 3
 #[derive(Clone, Debug)]
 pub struct PrintedLight {
     fibre: Fibre,
-    sections: Vec<Fitted>,
+    sections: Vec<FittedSection>,
 }
 
 impl PrintedLight {
     /// Fits a fibre; a rough one is treated as a smooth one with glints of the same width.
     pub fn new(fibre: &Fibre, sigma: f64) -> Self {
         let width = match fibre.around {
-            Around::Smooth(glint) => glint.width,
-            Around::Rough(scale) => scale * PI / 3.0_f64.sqrt(),
+            AzimuthalScattering::Smooth(glint) => glint.width,
+            AzimuthalScattering::Rough(scale) => scale * PI / 3.0_f64.sqrt(),
         };
         let section = |i: usize| {
             let cos_d = LEAST_COS_D + (1.0 - LEAST_COS_D) * i as f64 / (SECTIONS - 1) as f64;
-            Fitted::new(&fibre.section(cos_d), width, sigma)
+            FittedSection::new(&fibre.section(cos_d), width, sigma)
         };
         Self { fibre: *fibre, sections: (0..SECTIONS).map(section).collect() }
     }
@@ -185,7 +185,7 @@ impl PrintedLight {
                 let below = (place as usize).min(SECTIONS - 2);
                 let share = place - below as f64;
                 let sharpness = light.sharpness * cos * middle.from.1;
-                let [a, b] = [below, below + 1].map(|i| self.sections[i].met(p, sharpness, middle.phi));
+                let [a, b] = [below, below + 1].map(|i| self.sections[i].integral(p, sharpness, middle.phi));
                 sum += along * (a + (b - a) * share);
             }
         }
@@ -196,14 +196,14 @@ impl PrintedLight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pelage_formats::meaning::scattering::azimuthal::Glint;
-    use pelage_formats::meaning::scattering::gaussian_light::BroadlyLit;
+    use pelage_formats::meaning::scattering::azimuthal::GlintShape;
+    use pelage_formats::meaning::scattering::gaussian_light::BroadlyLitFibre;
 
     #[test]
     fn it_is_near_where_light_is_broad_and_glints_do_not_meet() {
-        let glint = Glint { width: 15_f64.to_radians(), ..Glint::default() };
-        let fibre = Fibre { around: Around::Smooth(glint), ..Fibre::default() };
-        let (printed, exact) = (PrintedLight::new(&fibre, 0.2), BroadlyLit::new(&fibre));
+        let glint = GlintShape { width: 15_f64.to_radians(), ..GlintShape::default() };
+        let fibre = Fibre { around: AzimuthalScattering::Smooth(glint), ..Fibre::default() };
+        let (printed, exact) = (PrintedLight::new(&fibre, 0.2), BroadlyLitFibre::new(&fibre));
         let light = GaussianLight { towards: DVec3::new(0.6, 0.1, 0.8).normalize(), sharpness: 1.0 };
         for eye in [DVec3::X, DVec3::new(-1.0, 0.2, 0.0), DVec3::new(0.3, 0.3, -1.0)] {
             let eye = eye.normalize();
@@ -212,7 +212,7 @@ mod tests {
             // Paths with more than one internal reflection are not part of the printed form.
             assert!((found / expected - 1.0).abs() < 0.12, "{eye}: {found}, {expected}");
         }
-        let sharp = sharpness_of(whole(30.0));
+        let sharp = sharpness_of(full_integral(30.0));
         assert!((sharp - 30.0).abs() < 1e-6, "{sharp}");
     }
 }

@@ -14,7 +14,7 @@ const ROUNDS: usize = 12;
 const ENOUGH: f32 = 0.05 / 255.0;
 
 /// Image to paint, and the points at which it is sampled.
-pub(super) struct Reading<'a> {
+pub(super) struct SampledImage<'a> {
     pub(super) canvas: &'a Canvas,
     /// Width and height, texels.
     pub(super) side: u32,
@@ -24,7 +24,7 @@ pub(super) struct Reading<'a> {
     pub(super) uvs: &'a [Vec<Vec2>],
 }
 
-impl Reading<'_> {
+impl SampledImage<'_> {
     /// Returns the fitted texels and the largest remaining error. The target of a sample is the mean of its values in
     /// `corners`.
     pub(super) fn fitted(&self, corners: &[[Vec4; 3]]) -> (Vec<Vec4>, f32) {
@@ -65,7 +65,7 @@ impl Reading<'_> {
     fn paint(&self, values: &[Vec4]) -> Vec<Vec4> {
         self.canvas.paint(|spot, _| {
             let [a, b, c] = self.places[spot.triangle].map(|place| values[place as usize]);
-            let weights = spot.inside().weights;
+            let weights = spot.clamped().weights;
             (a * weights.x + b * weights.y + c * weights.z).clamp(Vec4::ZERO, Vec4::ONE)
         })
     }

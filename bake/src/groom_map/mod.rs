@@ -6,13 +6,13 @@
 
 mod fit;
 
-use crate::pipeline::{self, Groomed, Laid, Output, Outputs, Told};
+use crate::pipeline::{self, Groomed, Layout, Output, Outputs, BakeInput};
 use crate::recipe::{CombSource, GroomCoordinates};
 use crate::sample::{Encoding, Wrap, bilinear};
-use crate::stages::groom::canvas::{Canvas, Piece, Spot};
+use crate::stages::groom::canvas::{Canvas, CanvasTriangle, SurfacePoint};
 use crate::stages::groom::{ModelAtlas, linear_image};
 use crate::stages::surface::Surface;
-use fit::Reading;
+use fit::SampledImage;
 use glam::{Vec2, Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
 use pelage_import::BakeError;
@@ -95,7 +95,7 @@ pub struct GroomMap {
 /// The errors of [`crate::pipeline::bake`] up to the `groom` stage; [`BakeError::Input`] if the map is to use the
 /// model's own texture coordinates and it has none.
 pub fn groom_map(
-    told: &Told<'_>,
+    told: &BakeInput<'_>,
     model: &Model,
     quantity: Quantity,
     coordinates: Option<GroomCoordinates>,
@@ -104,15 +104,15 @@ pub fn groom_map(
     // The map shows the colours of the mesh surface, not those at the roots of the hair over it.
     let mut recipe = told.recipe.clone();
     recipe.color.at_root = false;
-    let told = &Told { recipe: &recipe, ..*told };
+    let told = &BakeInput { recipe: &recipe, ..*told };
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     pipeline::make(told, &mut outputs, Output::Groomed, &mut |_| ())?;
     let missing = || BakeError::Internal("the model was not laid and groomed, expected both".into());
     let (laid, groomed) = (outputs.laid.as_ref().ok_or_else(missing)?, outputs.groomed.as_ref().ok_or_else(missing)?);
     let over = coordinates.unwrap_or_else(|| usual_coordinates(told, laid));
     let ground = match over {
-        GroomCoordinates::Atlas => Ground::of_atlas(ModelAtlas::new(told.file, model)?, texels),
-        _ => Ground::of_model(told.file, laid, texels)?,
+        GroomCoordinates::Atlas => MapLayout::of_atlas(ModelAtlas::new(told.file, model)?, texels),
+        _ => MapLayout::of_model(told.file, laid, texels)?,
     };
     if ground.mesh.triangles.len() != groomed.surface.mesh.triangles.len() {
         return Err(BakeError::Internal("atlas and surface have other triangles, expected the same".into()));
@@ -120,13 +120,13 @@ pub fn groom_map(
     let canvas = Canvas::new(texels, ground.pieces, ground.gutter);
     let groomed_model = GroomedModel { told, model, laid, groomed };
     let (painted, misses_by) = match groomed_model.values(quantity)? {
-        Values::OfVertices(values) => {
+        Values::PerVertex(values) => {
             let corner = |t: usize| groomed.surface.mesh.triangles[t].map(|v| values[v as usize]);
             let corners: Vec<[Vec4; 3]> = (0..groomed.surface.mesh.triangles.len()).map(corner).collect();
-            let reading = Reading { canvas: &canvas, side: texels, places: &ground.places, uvs: &ground.uvs };
+            let reading = SampledImage { canvas: &canvas, side: texels, places: &ground.places, uvs: &ground.uvs };
             reading.fitted(&corners)
         }
-        Values::OfTexels(value) => (canvas.paint(|spot, _| value(spot.inside())), 0.0),
+        Values::PerTexel(value) => (canvas.paint(|spot, _| value(spot.clamped())), 0.0),
     };
     // Rounding errors must not decide which way half a byte is rounded.
     let painted: Vec<Vec4> = painted.into_iter().map(|texel| (texel * 65536.0).round() / 65536.0).collect();
@@ -150,7 +150,7 @@ pub fn groom_map(
     })
 }
 
-fn usual_coordinates(told: &Told<'_>, laid: &Laid<'_>) -> GroomCoordinates {
+fn usual_coordinates(told: &BakeInput<'_>, laid: &Layout<'_>) -> GroomCoordinates {
     let mut furred = laid.surface.mesh.parts.iter().filter(|part| is_furred(laid, part.material));
     match told.recipe.groom.coordinates {
         _ if furred.any(|part| !part.has_uvs) => GroomCoordinates::Atlas,
@@ -160,15 +160,15 @@ fn usual_coordinates(told: &Told<'_>, laid: &Laid<'_>) -> GroomCoordinates {
     }
 }
 
-fn is_furred(laid: &Laid<'_>, material: usize) -> bool {
+fn is_furred(laid: &Layout<'_>, material: usize) -> bool {
     laid.furred.get(material).copied().unwrap_or(false)
 }
 
 /// Layout of the image that a map is painted into.
-struct Ground {
+struct MapLayout {
     mesh: Mesh,
     rest: RestPose,
-    pieces: Vec<Piece>,
+    pieces: Vec<CanvasTriangle>,
     /// Width of the gutter around pieces, texels.
     gutter: u32,
     /// Index of the sample for each corner of each triangle.
@@ -177,18 +177,18 @@ struct Ground {
     uvs: Vec<Vec<Vec2>>,
 }
 
-impl Ground {
+impl MapLayout {
     fn of_atlas(atlas: ModelAtlas, texels: u32) -> Self {
-        let (places, uvs) = atlas.places();
+        let (places, uvs) = atlas.corner_coordinates();
         let corners = |t: &[u32; 3]| t.map(|v| atlas.mesh.uvs[v as usize] * texels as f32);
         let triangles = atlas.mesh.triangles.iter().zip(0..);
-        let pieces = triangles.map(|(t, triangle)| Piece { triangle, corners: corners(t) }).collect();
+        let pieces = triangles.map(|(t, triangle)| CanvasTriangle { triangle, corners: corners(t) }).collect();
         let gutter = (atlas.gutter * texels).div_ceil(atlas.side).max(1);
         Self { mesh: atlas.mesh, rest: atlas.rest, pieces, gutter, places, uvs }
     }
 
     /// Lays out the furred parts that have texture coordinates of their own.
-    fn of_model(file: &str, laid: &Laid<'_>, texels: u32) -> Result<Self, BakeError> {
+    fn of_model(file: &str, laid: &Layout<'_>, texels: u32) -> Result<Self, BakeError> {
         let Surface { mesh, rest, .. } = &laid.surface;
         let parts = || mesh.parts.iter().filter(|part| is_furred(laid, part.material));
         if !parts().any(|part| part.has_uvs) {
@@ -202,7 +202,7 @@ impl Ground {
             for t in part.first_triangle..part.first_triangle + part.triangle_count {
                 let uvs = mesh.triangles[t].map(|v| mesh.uvs[v as usize]);
                 repeated(uvs, |uvs| {
-                    pieces.push(Piece { triangle: t as u32, corners: uvs.map(|uv| uv * texels as f32) });
+                    pieces.push(CanvasTriangle { triangle: t as u32, corners: uvs.map(|uv| uv * texels as f32) });
                 });
             }
         }
@@ -233,18 +233,18 @@ fn repeated(uvs: [Vec2; 3], mut each: impl FnMut([Vec2; 3])) {
 
 /// Model after the `groom` stage.
 struct GroomedModel<'a> {
-    told: &'a Told<'a>,
+    told: &'a BakeInput<'a>,
     model: &'a Model,
-    laid: &'a Laid<'a>,
+    laid: &'a Layout<'a>,
     groomed: &'a Groomed,
 }
 
 /// Values of a map as RGBA, 0..=1, in the encoding of the image.
 enum Values<'a> {
     /// Values per vertex of the groomed surface.
-    OfVertices(Vec<Vec4>),
+    PerVertex(Vec<Vec4>),
     /// Function of a point on the groomed surface.
-    OfTexels(Box<dyn Fn(Spot) -> Vec4 + Sync + 'a>),
+    PerTexel(Box<dyn Fn(SurfacePoint) -> Vec4 + Sync + 'a>),
 }
 
 fn grey(share: f32) -> Vec4 {
@@ -255,20 +255,20 @@ impl<'a> GroomedModel<'a> {
     fn values(&self, quantity: Quantity) -> Result<Values<'a>, BakeError> {
         let coat = &self.groomed.coat;
         Ok(match quantity {
-            Quantity::Length => Values::OfVertices(coat.length.iter().copied().map(grey).collect()),
-            Quantity::Lean => Values::OfVertices(coat.lean.iter().copied().map(grey).collect()),
-            Quantity::Density => Values::OfVertices(self.of_inputs(self.laid.lay.density.as_deref(), 1.0, |hairs| {
+            Quantity::Length => Values::PerVertex(coat.length.iter().copied().map(grey).collect()),
+            Quantity::Lean => Values::PerVertex(coat.lean.iter().copied().map(grey).collect()),
+            Quantity::Density => Values::PerVertex(self.from_input_vertices(self.laid.lay.density.as_deref(), 1.0, |hairs| {
                 grey((libm::log2f(hairs.max(f32::MIN_POSITIVE)) + 2.0) / 4.0)
             })),
-            Quantity::Comb => Values::OfVertices(self.comb()),
-            Quantity::Wetness => self.followed(&coat.wetness, |texel| texel.y),
-            Quantity::Bare => self.followed(&coat.bareness, |texel| 1.0 - texel.x),
+            Quantity::Comb => Values::PerVertex(self.comb()),
+            Quantity::Wetness => self.per_texel_or_vertex(&coat.wetness, |texel| texel.y),
+            Quantity::Bare => self.per_texel_or_vertex(&coat.bareness, |texel| 1.0 - texel.x),
             Quantity::Color => self.colors(),
         })
     }
 
     /// Maps values per vertex of the imported mesh to the vertices of the groomed surface.
-    fn of_inputs<T: Copy>(&self, values: Option<&[T]>, without: T, write: impl Fn(T) -> Vec4) -> Vec<Vec4> {
+    fn from_input_vertices<T: Copy>(&self, values: Option<&[T]>, without: T, write: impl Fn(T) -> Vec4) -> Vec<Vec4> {
         let value = |v: &u32| values.and_then(|all| all.get(*v as usize)).copied().unwrap_or(without);
         self.groomed.surface.input_vertex.iter().map(|v| write(value(v))).collect()
     }
@@ -277,22 +277,22 @@ impl<'a> GroomedModel<'a> {
     fn comb(&self) -> Vec<Vec4> {
         let write = |direction: Vec3| (direction.clamp_length_max(1.0) * 0.5 + 0.5).extend(1.0);
         match &self.laid.lay.comb {
-            Some(wishes) => self.of_inputs(Some(wishes), Vec3::ZERO, write),
+            Some(wishes) => self.from_input_vertices(Some(wishes), Vec3::ZERO, write),
             None if self.told.recipe.surface.comb == CombSource::None => {
                 vec![write(Vec3::ZERO); self.groomed.surface.mesh.positions.len()]
             }
-            None => along_v(&self.groomed.surface).into_iter().map(write).collect(),
+            None => comb_directions(&self.groomed.surface).into_iter().map(write).collect(),
         }
     }
 
     /// Returns the values per vertex, or the textures if there are any.
-    fn followed(&self, of_vertices: &'a [f32], of_texel: fn(Vec4) -> f32) -> Values<'a> {
+    fn per_texel_or_vertex(&self, of_vertices: &'a [f32], of_texel: fn(Vec4) -> f32) -> Values<'a> {
         let Groomed { surface, grooms, .. } = self.groomed;
         if grooms.images.is_empty() {
-            return Values::OfVertices(of_vertices.iter().copied().map(grey).collect());
+            return Values::PerVertex(of_vertices.iter().copied().map(grey).collect());
         }
         let material_of = material_of_triangles(&surface.mesh);
-        Values::OfTexels(Box::new(move |spot| {
+        Values::PerTexel(Box::new(move |spot| {
             let corners = surface.mesh.triangles[spot.triangle].map(|v| v as usize);
             let own: f32 = corners.iter().zip(spot.weights.to_array()).map(|(v, w)| of_vertices[*v] * w).sum();
             let material = material_of[spot.triangle];
@@ -309,7 +309,7 @@ impl<'a> GroomedModel<'a> {
         let gain = |material| if is_furred(laid, material) { laid.hair_colors.gain } else { 1.0 };
         let factors: Vec<Vec4> = self.model.materials.iter().map(|m| Vec4::from(m.base_color)).collect();
         let material_of = material_of_triangles(&surface.mesh);
-        Values::OfTexels(Box::new(move |spot| {
+        Values::PerTexel(Box::new(move |spot| {
             let material = material_of[spot.triangle];
             let own = colors.materials.get(material);
             let factor = own.map(|m| Vec4::from(m.factor)).or(factors.get(material).copied()).unwrap_or(Vec4::ONE);
@@ -334,14 +334,14 @@ fn material_of_triangles(mesh: &Mesh) -> Vec<usize> {
 }
 
 /// Samples an image at the mesh's texture coordinates.
-fn read(mesh: &Mesh, spot: Spot, image: &Image, encoding: Encoding) -> Vec4 {
+fn read(mesh: &Mesh, spot: SurfacePoint, image: &Image, encoding: Encoding) -> Vec4 {
     let [a, b, c] = mesh.triangles[spot.triangle].map(|v| mesh.uvs[v as usize]);
     bilinear(image, a * spot.weights.x + b * spot.weights.y + c * spot.weights.z, Wrap::Repeat, encoding)
 }
 
 /// Returns for each vertex the unit direction, at rest, of increasing tile coordinate v, which is the comb direction;
 /// zero on bare parts.
-fn along_v(surface: &Surface) -> Vec<Vec3> {
+fn comb_directions(surface: &Surface) -> Vec<Vec3> {
     let Surface { mesh, rest, .. } = surface;
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
     let furred = mesh.triangles.iter().zip(&surface.patch_of_triangle).filter(|(_, patch)| **patch != u32::MAX);

@@ -57,13 +57,13 @@ fn written(
     texels: u32,
 ) -> Result<GroomMap, BakeError> {
     let recipe = recipe(text);
-    groom_map(&Told::new("torus", "torus", &recipe, images), model, quantity, None, texels)
+    groom_map(&BakeInput::new("torus", "torus", &recipe, images), model, quantity, None, texels)
 }
 
 /// Returns length, lean and density per vertex of the model for a recipe, encoded as in maps.
 fn groomed(model: &Model, text: &str, images: &MapImages) -> [Vec<f32>; 3] {
     let recipe = recipe(text);
-    let told = Told::new("torus", "torus", &recipe, images);
+    let told = BakeInput::new("torus", "torus", &recipe, images);
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     pipeline::make(&told, &mut outputs, Output::Groomed, &mut |_| ()).unwrap();
     let (laid, groomed) = (outputs.laid.unwrap(), outputs.groomed.unwrap());
@@ -171,7 +171,7 @@ fn what_is_followed_by_texels_is_written_by_texels() {
 #[test]
 fn a_model_without_coordinates_is_not_written_over_them() {
     let (model, none, recipe) = (torus(false), MapImages::default(), Recipe::default());
-    let told = Told::new("torus.glb", "torus", &recipe, &none);
+    let told = BakeInput::new("torus.glb", "torus", &recipe, &none);
     let error = groom_map(&told, &model, Quantity::Length, Some(GroomCoordinates::Model), 64).unwrap_err().to_string();
     assert!(error.contains("torus.glb") && error.contains("TEXCOORD_0"), "{error}");
 }

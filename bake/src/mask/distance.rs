@@ -16,13 +16,13 @@ pub(super) fn squared(width: usize, height: usize, is_in: impl Fn(usize) -> bool
         for (y, value) in column.iter_mut().enumerate() {
             *value = grid[y * width + x];
         }
-        envelope.lower(&mut column);
+        envelope.transform_line(&mut column);
         for (y, value) in column.iter().enumerate() {
             grid[y * width + x] = *value;
         }
     }
     if width > 0 {
-        grid.chunks_exact_mut(width).for_each(|row| envelope.lower(row));
+        grid.chunks_exact_mut(width).for_each(|row| envelope.transform_line(row));
     }
     grid
 }
@@ -38,7 +38,7 @@ struct Envelope {
 
 impl Envelope {
     /// Replaces each value f(q) by the minimum of f(p) + (p − q)² over all p.
-    fn lower(&mut self, values: &mut [f64]) {
+    fn transform_line(&mut self, values: &mut [f64]) {
         self.feet.clear();
         self.from.clear();
         for (q, height) in values.iter().enumerate().filter(|(_, height)| height.is_finite()) {

@@ -6,7 +6,7 @@
 
 mod distance;
 mod set;
-mod thin;
+mod thinning;
 
 pub use set::{Mask, Stroke};
 

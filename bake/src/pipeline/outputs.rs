@@ -1,19 +1,19 @@
 //! Input and outputs of the steps, and results cached between runs.
 
-use super::lay::Laid;
+use super::layout::Layout;
 use crate::decision::Decision;
 use crate::recipe::{InkParams, PackParams, Recipe};
-use crate::remade::Remade;
-use crate::stages::groom::{Coat, Colors, GroomTextures, MapImages};
-use crate::stages::hair::TileHair;
+use crate::memo::Memo;
+use crate::stages::groom::{VertexGroom, Colors, GroomTextures, MapImages};
+use crate::stages::simulate::TileHair;
 use crate::stages::hair_groups::GuidedHair;
-use crate::stages::ink::{InkFiles, Painting, SkinInk};
-use crate::stages::pack::{KeptOfSkin, Skin, SkinFins};
+use crate::stages::ink::{InkFiles, PaintedTextures, VertexInk};
+use crate::stages::pack::{ModelMemo, ModelPart, ModelFins};
 use crate::stages::scatter::FibreTables;
 use crate::stages::surface::Surface;
-use crate::stages::textures::{self, FinTextures, ShellTextures};
+use crate::stages::slice::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::Visibility;
-use crate::steps::Steps;
+use crate::steps::StageProgress;
 use pelage_formats::{RootsInfo, StrandsData};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Model};
@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 /// Input of a bake, the same for all steps.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'a> {
+pub struct BakeInput<'a> {
     /// Model or package as the user named it, for messages.
     pub file: &'a str,
     /// Name of the model in the package.
@@ -31,13 +31,13 @@ pub struct Told<'a> {
     /// Images that the recipe names.
     pub images: &'a MapImages,
     /// Progress counter of long stages.
-    pub steps: &'a Steps,
+    pub steps: &'a StageProgress,
 }
 
-impl<'a> Told<'a> {
+impl<'a> BakeInput<'a> {
     /// Creates the input with an unobserved progress counter. Arguments are the fields.
     pub fn new(file: &'a str, name: &'a str, recipe: &'a Recipe, images: &'a MapImages) -> Self {
-        Self { file, name, recipe, images, steps: Steps::unseen() }
+        Self { file, name, recipe, images, steps: StageProgress::ignored() }
     }
 }
 
@@ -85,11 +85,11 @@ outputs! {
     /// Imported model; no step makes it.
     Model model: &'a Model,
     /// Model with the hair tile laid out on it.
-    Laid laid: Laid<'a>,
+    Laid laid: Layout<'a>,
     /// Strands of the tile.
     Hair hair: TileHair,
     /// Light that reaches the strands; `None` if the package is not to store it.
-    Visible visible: Option<Visible>,
+    Visible visible: Option<StrandVisibility>,
     /// Strands sliced into layers.
     Shells shells: Shells,
     /// Strands in the package's format; `None` if the package is to have no strands.
@@ -99,30 +99,30 @@ outputs! {
     /// Guide-driven hair, with its warnings.
     Guided guided: GuidedHair,
     /// Positions of the fins.
-    Fins fins: SkinFins<'a>,
+    Fins fins: ModelFins<'a>,
     /// Textures of the fins; `None` if the package is to have no fins.
     FinTextures fin_textures: Option<FinTextures>,
     /// Per-vertex data of the ink style; `None` without the style.
-    Ink ink: Option<SkinInk>,
+    Ink ink: Option<VertexInk>,
     /// Textures of the ink style; `None` without the style.
     InkTextures ink_textures: Option<InkFiles<'a>>,
     /// Mesh surface, with its textures in the package's formats.
-    Skin skin: Skin<'a>,
+    Skin skin: ModelPart<'a>,
     /// Scattering of light by the hair's fibres; `None` if the shading model does not use it.
     Fibres fibres: Option<FibreTables>,
     /// Package.
-    Package package: Packed,
+    Package package: PackageBytes,
 }
 
 /// Expensive intermediate results that often stay the same when the hair changes.
 #[derive(Clone, Debug, Default)]
-pub struct Kept {
+pub struct CachedStages {
     /// Textures of the ink style, without its fur.
-    pub(super) painting: Remade<(InkParams, PackParams), Painting>,
+    pub(super) painting: Memo<(InkParams, PackParams), PaintedTextures>,
     /// Textures of the mesh surface.
-    pub(super) skin: Remade<SkinImages, Arc<SkinFiles>>,
+    pub(super) skin: Memo<SkinImages, Arc<SkinFiles>>,
     /// Simplified index lists and openness.
-    pub(super) of_skin: KeptOfSkin,
+    pub(super) of_skin: ModelMemo,
 }
 
 /// Images of the mesh surface and their encoding.
@@ -152,15 +152,15 @@ impl SkinFiles {
             images.iter().map(|image| encode(image, pack)).collect::<Result<Vec<_>, _>>()
         };
         Ok(Arc::new(Self {
-            base_colors: all(&groomed.colors.images, textures::encode_base_color)?,
-            grooms: all(&groomed.grooms.images, textures::encode_groom)?,
+            base_colors: all(&groomed.colors.images, slice::encode_base_color)?,
+            grooms: all(&groomed.grooms.images, slice::encode_groom)?,
         }))
     }
 }
 
 /// Light that reaches the strands.
 #[derive(Clone, Debug)]
-pub struct Visible {
+pub struct StrandVisibility {
     /// Dry strands.
     pub dry: Visibility,
     /// Wet strands, if dry and wet hair mix.
@@ -182,7 +182,7 @@ pub struct Groomed {
     /// Laid-out surface; with a pattern, it is cut along the borders of its charts.
     pub surface: Surface,
     /// Groom values at its vertices.
-    pub coat: Coat,
+    pub coat: VertexGroom,
     /// Colours of its materials and vertices.
     pub colors: Colors,
     /// Groom textures.
@@ -201,7 +201,7 @@ pub struct Groomed {
 
 /// Result of the `pack` stage.
 #[derive(Clone, Debug)]
-pub struct Packed {
+pub struct PackageBytes {
     /// Contents of the package.
     pub bytes: Vec<u8>,
     /// Warnings of all stages.
@@ -213,6 +213,6 @@ fn missing(what: Output) -> BakeError {
 }
 
 /// Returns an output of an earlier step.
-pub(super) fn made<T>(output: &Option<T>, what: Output) -> Result<&T, BakeError> {
+pub(super) fn required<T>(output: &Option<T>, what: Output) -> Result<&T, BakeError> {
     output.as_ref().ok_or_else(|| missing(what))
 }

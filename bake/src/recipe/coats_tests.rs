@@ -67,7 +67,7 @@ fn another_coat_changes_what_the_coat_before_gave() {
     recipe.set("hair.lean=0.5").unwrap();
     recipe.set("hair.coat=animal").unwrap();
     assert_eq!((recipe.hair.lean, recipe.hair.density), (0.5, Recipe::default().hair.density));
-    recipe.read("more.toml", "[hair]\ncoat = \"short\"\ndensity = 700\n").unwrap();
+    recipe.merge("more.toml", "[hair]\ncoat = \"short\"\ndensity = 700\n").unwrap();
     assert_eq!((recipe.hair.density, recipe.hair.tip_radius), (700, of(Coat::Short).hair.tip_radius));
 }
 
@@ -96,13 +96,13 @@ fn the_page_has_every_coat_and_the_pictures_that_are_there() {
 
 #[test]
 fn packages_of_before_there_were_coats_keep_theirs() {
-    let recorded = Recipe::recorded("old", "[hair]\nlean = 0.7\n").unwrap();
+    let recorded = Recipe::parse_recorded("old", "[hair]\nlean = 0.7\n").unwrap();
     let natural = of(Coat::Natural);
     assert_eq!(recorded, Recipe { hair: crate::recipe::HairParams { lean: 0.7, ..natural.hair.clone() }, ..natural });
     assert_eq!((recorded.underfur.density, recorded.hair.density, recorded.groom.by_body), (0, 700, 0.0));
     // Recipes recorded now name every key.
     for coat in Coat::ALL {
         let recipe = of(*coat);
-        assert_eq!(Recipe::recorded("new", &recipe.to_toml()).unwrap(), recipe);
+        assert_eq!(Recipe::parse_recorded("new", &recipe.to_toml()).unwrap(), recipe);
     }
 }

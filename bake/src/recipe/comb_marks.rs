@@ -9,7 +9,7 @@ const PLACE: Range<f32> = -1e6..=1e6;
 
 named_table! {
     /// Hair properties and comb direction near a point. A mark needs `at` and at least one property.
-    CombMarkParams of "a mark" checked by is_whole {
+    CombMarkParams of "a mark" checked by check_mark {
         /// Position near the mesh surface, metres in world space at rest. Required.
         at: [f32; 3], in PLACE;
         /// Comb direction, any length but 0. Used if `surface.comb` is `"marks"`, or `"auto"`, which means `marks` if
@@ -32,7 +32,7 @@ named_table! {
     }
 }
 
-fn is_whole(mark: &CombMarkParams) -> Result<(), String> {
+fn check_mark(mark: &CombMarkParams) -> Result<(), String> {
     if mark.at.is_none() {
         return Err("found no at, expected a place, [x, y, z] in metres".into());
     }
@@ -48,7 +48,7 @@ fn is_whole(mark: &CombMarkParams) -> Result<(), String> {
 
 impl CombMarkParams {
     /// Returns the mark and, if it is mirrored, its mirror image.
-    pub fn with_likeness(&self) -> impl Iterator<Item = Self> + use<> {
+    pub fn with_mirror_image(&self) -> impl Iterator<Item = Self> + use<> {
         let turned = |v: [f32; 3]| [-v[0], v[1], v[2]];
         let mirrored = self.mirrored().then(|| Self {
             at: self.at.map(turned),

@@ -45,7 +45,7 @@ fn what_is_wrong_is_said_with_key_and_reason() {
 fn a_likeness_stands_on_the_other_side() {
     let mark = &marks("{ name = \"ear\", at = [0.1, 1, 0.5], direction = [1, 2, 3], length = 0.5, mirrored = true }")
         .unwrap()[0];
-    let both: Vec<_> = mark.with_likeness().collect();
+    let both: Vec<_> = mark.with_mirror_image().collect();
     assert_eq!((both.len(), &both[0]), (2, mark));
     assert_eq!(
         (both[1].at, both[1].direction, both[1].length),

@@ -144,7 +144,7 @@ named_table! {
 
 named_table! {
     /// Capsule that keeps guide-driven hair out; replaces the capsule fitted to its joint.
-    HairColliderParams of "a collider" checked by is_body {
+    HairColliderParams of "a collider" checked by check_capsule {
         /// Name of the joint that the capsule follows. Required, unless the model has no skeleton.
         joint: String, in ();
         /// First end of its axis, metres in world space at rest.
@@ -156,7 +156,7 @@ named_table! {
     }
 }
 
-fn is_body(collider: &HairColliderParams) -> Result<(), String> {
+fn check_capsule(collider: &HairColliderParams) -> Result<(), String> {
     match (collider.from, collider.radius_m) {
         (None, _) => Err("found no from, expected a place, [x, y, z] in metres".into()),
         (_, None) => Err("found no radius_m, expected metres".into()),

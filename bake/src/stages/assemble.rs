@@ -1,6 +1,6 @@
 //! Assembly of packages: from a bake, from slicing again, and from the folder written by `pelage unpack`.
 
-use super::textures::ShellTextures;
+use super::slice::ShellTextures;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
     Animation, FibreInfo, FinData, FormatError, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs, Package,
@@ -48,7 +48,7 @@ pub enum Content<'a> {
 
 impl Content<'_> {
     /// Returns the same content with borrowed bytes.
-    pub fn lent(&self) -> Content<'_> {
+    pub fn borrowed(&self) -> Content<'_> {
         match self {
             Content::Texture(file) => Content::Texture(Cow::Borrowed(file)),
             Content::Bytes(tag, bytes) => Content::Bytes(*tag, Cow::Borrowed(bytes)),
@@ -92,7 +92,7 @@ pub fn assemble<'a>(
 ///
 /// # Errors
 /// The error of a damaged section.
-pub fn carried<'a>(package: &Package<'a>, take: impl Fn(Tag) -> bool) -> Result<Vec<Content<'a>>, FormatError> {
+pub fn copied_sections<'a>(package: &Package<'a>, take: impl Fn(Tag) -> bool) -> Result<Vec<Content<'a>>, FormatError> {
     let taken = package.sections().iter().enumerate().filter(|(_, s)| s.tag != Tag::MANIFEST && take(s.tag));
     taken.map(|(index, s)| Ok(Content::Bytes(s.tag, package.section_bytes(index)?.into()))).collect()
 }
@@ -101,7 +101,7 @@ pub fn carried<'a>(package: &Package<'a>, take: impl Fn(Tag) -> bool) -> Result<
 pub type NamedTexture<'a> = (Cow<'a, str>, Cow<'a, [u8]>);
 
 /// Returns the same texture, borrowed.
-pub fn lent<'a>((name, file): &'a NamedTexture<'_>) -> NamedTexture<'a> {
+pub fn borrowed_texture<'a>((name, file): &'a NamedTexture<'_>) -> NamedTexture<'a> {
     (Cow::Borrowed(name), Cow::Borrowed(file))
 }
 
@@ -109,7 +109,7 @@ pub fn lent<'a>((name, file): &'a NamedTexture<'_>) -> NamedTexture<'a> {
 ///
 /// # Errors
 /// The error of a damaged or missing texture.
-pub fn kept_texture<'a>(package: &Package<'a>, index: u32) -> Result<NamedTexture<'a>, FormatError> {
+pub fn copied_texture<'a>(package: &Package<'a>, index: u32) -> Result<NamedTexture<'a>, FormatError> {
     let name = package.manifest().textures.get(index as usize).map_or("", |entry| &entry.name);
     Ok((name.to_owned().into(), package.texture(index)?.ktx2.into()))
 }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 /// Returns the barycentric coordinates of the point of a triangle that is closest to `p` (Ericson, *Real-Time Collision
 /// Detection*, 5.1.5).
-pub(crate) fn closest(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
+pub(crate) fn closest_barycentric(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {
@@ -39,7 +39,7 @@ pub(crate) fn closest(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
 }
 
 /// Triangles by the grid cells that their bounding boxes overlap.
-pub(crate) struct Cells {
+pub(crate) struct TriangleGrid {
     size: f32,
     of_cell: HashMap<IVec3, Vec<u32>>,
 }
@@ -47,7 +47,7 @@ pub(crate) struct Cells {
 /// Maximum mean number of cells per triangle; the cells are enlarged if a few triangles are far larger than the others.
 const MOST_CELLS: f64 = 64.0;
 
-impl Cells {
+impl TriangleGrid {
     /// Builds the grid with cells of at least `size`. Triangles with non-finite corners are left out.
     pub(crate) fn new(triangles: &[[u32; 3]], place: &dyn Fn(u32) -> Vec3, size: f32) -> Self {
         let corners_of = |corners: &[u32; 3]| {
@@ -117,7 +117,7 @@ mod tests {
         places.extend([Vec3::ZERO, Vec3::X * 100.0, Vec3::ONE * 100.0, Vec3::ZERO, Vec3::X, Vec3::splat(f32::NAN)]);
         let triangles: Vec<[u32; 3]> = (0..1002).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let place = |v: u32| places[v as usize];
-        let cells = Cells::new(&triangles, &place, 1e-3);
+        let cells = TriangleGrid::new(&triangles, &place, 1e-3);
         let met: usize = cells.of_cell.values().map(Vec::len).sum();
         assert!(met <= 64 * 1001 && cells.size > 0.1, "{met} cells of {} m", cells.size);
         // From nearby and from far away, where iterating over all occupied cells is faster.
@@ -126,7 +126,7 @@ mod tests {
             let found: std::collections::BTreeSet<u32> = cells.within(p, reach).collect();
             let missed = (0..1001u32).find(|t| {
                 let corners = triangles[*t as usize].map(place);
-                let w = closest(p, corners);
+                let w = closest_barycentric(p, corners);
                 let at = corners[0] * w.x + corners[1] * w.y + corners[2] * w.z;
                 at.distance(p) <= 0.99 * reach && !found.contains(t)
             });

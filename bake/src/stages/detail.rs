@@ -2,9 +2,9 @@
 //! texture made for them.
 
 use crate::recipe::{DetailParams, Recipe};
-use crate::stages::textures::Coat;
+use crate::stages::slice::FarFurStats;
 use pelage_formats::DetailLevel;
-use pelage_formats::meaning::layers_stood_for;
+use pelage_formats::meaning::represented_layers;
 
 /// Minimum number of layers of a level, without the one on the mesh surface. A hundred distant hares take two thirds of
 /// the time with four that they take with six or more.
@@ -14,7 +14,7 @@ const FEWEST: u32 = 4;
 const MOST_TEXTURE_LAYERS: u32 = 256;
 
 /// Whether a package has the far-fur layer, an additional array layer; devices are only guaranteed 256.
-pub fn has_coat(recipe: &Recipe) -> bool {
+pub fn has_far_layer(recipe: &Recipe) -> bool {
     recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS
 }
 
@@ -23,7 +23,7 @@ pub fn has_coat(recipe: &Recipe) -> bool {
 ///
 /// A level of step s is drawn in full where the gap of s layers is [`DetailParams::gap_px`] on screen. It is gone at
 /// [`DetailParams::fade`] of that size: at a half, the next level is then drawn in full.
-pub fn levels(params: &DetailParams, layers: u32, coat: Option<&Coat>) -> Vec<DetailLevel> {
+pub fn levels(params: &DetailParams, layers: u32, coat: Option<&FarFurStats>) -> Vec<DetailLevel> {
     if !params.enabled || layers < 2 {
         return Vec::new();
     }
@@ -67,7 +67,7 @@ fn density(opacities: &[f32], step: u32) -> f32 {
     let (mut all, mut drawn) = (0.0, 0.0);
     for (k, opacity) in (1..layers).zip(opacities) {
         all += depth(*opacity);
-        drawn += f64::from(layers_stood_for(k, layers, step)) * depth(*opacity);
+        drawn += f64::from(represented_layers(k, layers, step)) * depth(*opacity);
     }
     // If a level's layers contain almost no hair, its density cannot be corrected.
     if step == 1 || drawn <= 0.0 { 1.0 } else { (all / drawn).clamp(0.25, 4.0) as f32 }
@@ -76,11 +76,11 @@ fn density(opacities: &[f32], step: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pelage_formats::{CoatInfo, FurInfo, Manifest, PackageWriter, TextureEntry};
+    use pelage_formats::{FarLayerInfo, FurInfo, Manifest, PackageWriter, TextureEntry};
 
     /// Returns opacities that increase towards the mesh surface, typical of hair of many lengths.
-    fn coat() -> Coat {
-        Coat { opacities: (1..16).map(|k| 0.3 - 0.02 * k as f32).collect(), ..Coat::default() }
+    fn coat() -> FarFurStats {
+        FarFurStats { opacities: (1..16).map(|k| 0.3 - 0.02 * k as f32).collect(), ..FarFurStats::default() }
     }
 
     #[test]
@@ -135,7 +135,7 @@ mod tests {
                             },
                             textures: vec![texture("color"), texture("direction")],
                             detail: chain.clone(),
-                            coat: coat.as_ref().map(|_| CoatInfo::default()),
+                            coat: coat.as_ref().map(|_| FarLayerInfo::default()),
                             ..Manifest::default()
                         };
                         let fault = PackageWriter::new(manifest).finish().map_err(|e| e.to_string());

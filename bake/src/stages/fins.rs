@@ -4,9 +4,9 @@
 //! are seen from the side.
 
 use crate::noise;
-use crate::stages::groom::Coat;
+use crate::stages::groom::VertexGroom;
 use crate::stages::surface::Surface;
-use crate::stages::textures::{SLABS, slab_along};
+use crate::stages::slice::{SLABS, slab_along};
 use glam::{Vec2, Vec3};
 use pelage_formats::Fin;
 use std::collections::HashMap;
@@ -36,7 +36,7 @@ pub struct EdgeFins {
 /// The length of a fin in the texture is the edge's length at rest. Its start is random but deterministic for the mesh,
 /// so that neighbouring fins do not repeat (ibid.). The amount of hair on a fin depends on how many fins a view ray
 /// along the outline crosses. That follows from the edge's share of the surface and from the curvature.
-pub fn fins(surface: &Surface, furred: &[bool], coat: &Coat, height_m: f32, tile_size_m: f32) -> EdgeFins {
+pub fn fins(surface: &Surface, furred: &[bool], coat: &VertexGroom, height_m: f32, tile_size_m: f32) -> EdgeFins {
     let place = |vertex: u32| surface.rest.positions[vertex as usize];
     let height_at = |vertex: u32| {
         let bare = coat.bareness[vertex as usize] >= 1.0;

@@ -18,6 +18,6 @@ pub fn import<'r>(
     options: &ImportOptions,
 ) -> Result<Model, BakeError> {
     let mut model = pelage_import::import(file, bytes, resolve, options)?;
-    groom::tell_apart(&mut model);
+    groom::split_features(&mut model);
     Ok(model)
 }

@@ -20,7 +20,7 @@ const MM2: f64 = 1e6;
 
 /// Recipe converted to units of its tile.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct InTile {
+pub struct TileRecipe {
     /// Converted recipe; no hair is left per square millimetre or with a radius in metres.
     pub recipe: Recipe,
     /// Decisions made for the conversion.
@@ -46,8 +46,8 @@ pub fn is_metric(recipe: &Recipe) -> bool {
 ///
 /// [`BakeError::Params`] with the key, what was found and what would be possible, if a tile of the recipe's own width
 /// cannot hold the hair.
-pub fn in_tile(recipe: &Recipe, bounds: &Bounds) -> Result<InTile, BakeError> {
-    let mut done = InTile { recipe: recipe.clone(), ..InTile::default() };
+pub fn to_tile_units(recipe: &Recipe, bounds: &Bounds) -> Result<TileRecipe, BakeError> {
+    let mut done = TileRecipe { recipe: recipe.clone(), ..TileRecipe::default() };
     if !is_metric(recipe) {
         return Ok(done);
     }
@@ -113,7 +113,7 @@ fn tile_size(recipe: &Recipe, bounds: &Bounds) -> (f32, String) {
     {
         match metric {
             Some(metric) => per_mm2 += f64::from(metric),
-            None => fixed += f64::from(in_tile),
+            None => fixed += f64::from(to_tile_units),
         }
     }
     if per_mm2 > 0.0 {

@@ -14,19 +14,19 @@ fn recipe(sets: &[&str]) -> Recipe {
 }
 
 fn refused(sets: &[&str]) -> String {
-    in_tile(&recipe(sets), &bounds(0.5)).unwrap_err().to_string()
+    to_tile_units(&recipe(sets), &bounds(0.5)).unwrap_err().to_string()
 }
 
 #[test]
 fn what_says_nothing_in_true_measure_stays_as_it_is() {
     let own = recipe(&["hair.density=900", "hair.root_radius=0.01"]);
-    assert_eq!(in_tile(&own, &bounds(0.5)).unwrap(), InTile { recipe: own, ..InTile::default() });
+    assert_eq!(to_tile_units(&own, &bounds(0.5)).unwrap(), TileRecipe { recipe: own, ..TileRecipe::default() });
 }
 
 #[test]
 fn a_tile_of_a_known_width_has_as_many_strands_as_its_area_asks_for() {
     let own = recipe(&["hair.density_mm2=2", "underfur.density_mm2=0.5", "surface.tile_size_m=0.05"]);
-    let found = in_tile(&own, &bounds(0.5)).unwrap();
+    let found = to_tile_units(&own, &bounds(0.5)).unwrap();
     assert_eq!((found.recipe.hair.density, found.recipe.underfur.density), (5000, 1250));
     assert_eq!((found.recipe.hair.density_mm2, found.recipe.underfur.density_mm2), (None, None));
     assert_eq!(found.recipe.surface, own.surface, "nothing of it was open");
@@ -34,13 +34,13 @@ fn a_tile_of_a_known_width_has_as_many_strands_as_its_area_asks_for() {
     assert_eq!(said, ["hair.density = 5000", "underfur.density = 1250"]);
     assert_eq!(found.decisions[0].chosen, "5000, 2 per mm² on 2500.0 mm² of skin");
     // A second conversion changes nothing.
-    assert_eq!(in_tile(&found.recipe, &bounds(0.5)).unwrap().recipe, found.recipe);
-    assert!(in_tile(&found.recipe, &bounds(0.5)).unwrap().decisions.is_empty());
+    assert_eq!(to_tile_units(&found.recipe, &bounds(0.5)).unwrap().recipe, found.recipe);
+    assert!(to_tile_units(&found.recipe, &bounds(0.5)).unwrap().decisions.is_empty());
 }
 
 #[test]
 fn an_open_tile_holds_the_strands_and_no_texel_is_wider_than_a_hair() {
-    let of = |sets: &[&str]| in_tile(&recipe(sets), &bounds(0.5)).unwrap();
+    let of = |sets: &[&str]| to_tile_units(&recipe(sets), &bounds(0.5)).unwrap();
     // Derived from the model's size: 0.15 m.
     assert_eq!(of(&["hair.density_mm2=0.1"]).recipe.surface.tile_size_m, Some(0.15));
     assert_eq!(of(&["hair.density_mm2=0.1"]).recipe.hair.density, 2250);
@@ -62,7 +62,7 @@ fn an_open_tile_holds_the_strands_and_no_texel_is_wider_than_a_hair() {
 #[test]
 fn patches_and_comb_reach_as_far_in_metres_as_with_the_ordinary_tile() {
     let own = recipe(&["hair.density_mm2=20"]);
-    let found = in_tile(&own, &bounds(0.5)).unwrap().recipe.surface;
+    let found = to_tile_units(&own, &bounds(0.5)).unwrap().recipe.surface;
     let [ours, ordinary] = [found.tile_size_m.unwrap(), 0.15];
     assert!(ours < 0.1);
     assert!((found.patch_size * ours / (own.surface.patch_size * ordinary) - 1.0).abs() < 1e-5);
@@ -77,7 +77,7 @@ fn what_no_tile_holds_is_refused_with_what_it_would_hold() {
     }
     let none = refused(&["hair.density_mm2=0.00001", "surface.tile_size_m=0.01"]);
     assert!(none.contains("0 strands") && none.contains("1.000e-2"), "{none}");
-    assert!(in_tile(&recipe(&["underfur.density_mm2=0", "surface.tile_size_m=0.01"]), &bounds(0.5)).is_ok());
+    assert!(to_tile_units(&recipe(&["underfur.density_mm2=0", "surface.tile_size_m=0.01"]), &bounds(0.5)).is_ok());
     let thick = refused(&["hair.tip_radius_m=0.05", "surface.tile_size_m=0.1"]);
     for word in ["hair.tip_radius_m", "found 50 mm", "25 mm", "100 mm wide"] {
         assert!(thick.contains(word), "{word}: {thick}");
@@ -86,7 +86,7 @@ fn what_no_tile_holds_is_refused_with_what_it_would_hold() {
 
 #[test]
 fn hair_thinner_than_a_texel_is_told_with_what_would_hold_it() {
-    let of = |sets: &[&str]| in_tile(&recipe(sets), &bounds(0.5)).unwrap().warnings;
+    let of = |sets: &[&str]| to_tile_units(&recipe(sets), &bounds(0.5)).unwrap().warnings;
     let told = of(&["hair.root_radius_m=0.00005", "surface.tile_size_m=0.05"]);
     assert_eq!(told.len(), 1);
     for word in ["hair of 100 µm", "391 µm", "slice.tile_texels = 512", "surface.tile_size_m = 1.28e-2"] {

@@ -10,7 +10,7 @@ const LEAST: f32 = 1e-6;
 
 /// Effect of one target around one position.
 #[derive(Clone, Copy, Debug)]
-struct Around {
+struct VertexMorph {
     /// Change of the normals of adjacent triangles, each with a length of twice the triangle's area.
     normals: DVec3,
     /// Change of a direction on the mesh surface, times twice the area.
@@ -20,7 +20,7 @@ struct Around {
     authored_count: u32,
 }
 
-impl Around {
+impl VertexMorph {
     /// No change. (The default of a matrix is the identity.)
     const NOTHING: Self =
         Self { normals: DVec3::ZERO, gradient: DMat3::ZERO, authored: DVec3::ZERO, authored_count: 0 };
@@ -32,7 +32,7 @@ impl Around {
 /// Vertices with the same position and normal share the change of the normal, so that fur stays closed over patch
 /// seams. The change is the file's, if given, otherwise derived from the triangles. The tile's axes follow the mesh
 /// surface.
-pub fn of_mesh(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
+pub fn mesh_morphs(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
     let motion =
         model.animation.as_ref().map(|animation| &animation.morphs).filter(|motion| !motion.targets.is_empty())?;
     let row_of = |v: usize| {
@@ -49,7 +49,7 @@ pub fn of_mesh(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
             *groups.entry([a, b, c, d, e, f]).or_insert(next)
         })
         .collect();
-    let mut around: BTreeMap<(u32, u32), Around> = BTreeMap::new();
+    let mut around: BTreeMap<(u32, u32), VertexMorph> = BTreeMap::new();
     let mut still = vec![(DVec3::ZERO, 0.0); groups.len()];
     for triangle in mesh.indices.chunks_exact(3) {
         let corners = [triangle[0] as usize, triangle[1] as usize, triangle[2] as usize];
@@ -75,7 +75,7 @@ pub fn of_mesh(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
             let outer = |u: DVec3, v: DVec3| DMat3::from_cols(u * v.x, u * v.y, u * v.z);
             let gradient = outer(d1, along_1) + outer(d2, along_2);
             for v in corners {
-                let entry = around.entry((group_of[v], target)).or_insert(Around::NOTHING);
+                let entry = around.entry((group_of[v], target)).or_insert(VertexMorph::NOTHING);
                 entry.normals += change;
                 entry.gradient += gradient;
             }
@@ -83,7 +83,7 @@ pub fn of_mesh(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
     }
     for (v, group) in group_of.iter().enumerate() {
         for delta in row_of(v) {
-            let entry = around.entry((*group, delta.target)).or_insert(Around::NOTHING);
+            let entry = around.entry((*group, delta.target)).or_insert(VertexMorph::NOTHING);
             if let Some(normal) = delta.normal {
                 entry.authored += normal.as_dvec3();
                 entry.authored_count += 1;
@@ -161,7 +161,7 @@ mod tests {
             ..Model::default()
         };
         let rows: Vec<u32> = (0..mesh.geometry.len() as u32).collect();
-        of_mesh(&mesh, &rows, &model).unwrap()
+        mesh_morphs(&mesh, &rows, &model).unwrap()
     }
 
     fn near(found: [f32; 3], expected: Vec3) {
@@ -204,6 +204,6 @@ mod tests {
 
     #[test]
     fn a_model_without_targets_has_none() {
-        assert_eq!(of_mesh(&MeshData::default(), &[], &Model::default()), None);
+        assert_eq!(mesh_morphs(&MeshData::default(), &[], &Model::default()), None);
     }
 }

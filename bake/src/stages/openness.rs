@@ -81,7 +81,7 @@ pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(u
         .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (place, _)| (low.min(*place), high.max(*place)));
     let away = AWAY * (0.5 * (high - low).length());
     let found: Vec<(f32, Vec3)> =
-        places.par_iter().map(|(place, normal)| look(&tree, &facets, *place, *normal, &ways, away)).collect();
+        places.par_iter().map(|(place, normal)| open_share(&tree, &facets, *place, *normal, &ways, away)).collect();
     at_rest
         .iter()
         .zip(place_of)
@@ -91,7 +91,7 @@ pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(u
             let mut middle = to_tile(frame, middle);
             middle.z = middle.z.max(0.0);
             let middle = normalize_or(middle, Vec3::Z);
-            Openness { share, aside: [middle.x, middle.y] }
+            Openness { share, tangential: [middle.x, middle.y] }
         })
         .collect()
 }
@@ -106,7 +106,7 @@ struct AtRest {
 }
 
 /// Returns the share of all directions that is open from a point, and a unit vector towards their mean.
-fn look(tree: &CwBvh, facets: &[Triangle], place: Vec3, normal: Vec3, ways: &[Vec3], away: f32) -> (f32, Vec3) {
+fn open_share(tree: &CwBvh, facets: &[Triangle], place: Vec3, normal: Vec3, ways: &[Vec3], away: f32) -> (f32, Vec3) {
     let (along, across) = normal.any_orthonormal_pair();
     // Slightly above the surface, so that the surface occludes the directions below it.
     let from = place + normal * away;
@@ -171,12 +171,12 @@ mod tests {
         assert!((found[0].share - 0.25).abs() < 0.03, "{:?}", found[0]);
         // The mean of a quarter of all directions points midway between both faces.
         let frame = tile_frame(Vec3::Y, Vec3::from_slice(&mesh.geometry[0].tangent), 1.0);
-        let middle = found[0].open().normalize();
+        let middle = found[0].vector().normalize();
         assert!((middle.dot(to_tile(frame, Vec3::X)) - std::f32::consts::FRAC_1_SQRT_2).abs() < 0.05, "{middle}");
         // Without occluders everything is open; a floor alone occludes half.
         assert_eq!(openness(&mesh, None, |_| false)[0], Openness::default());
         let floor = openness(&mesh, None, |triangle| triangle > 1)[0];
-        assert!((floor.share - 0.5).abs() < 0.02 && floor.aside.iter().all(|x| x.abs() < 0.05), "{floor:?}");
+        assert!((floor.share - 0.5).abs() < 0.02 && floor.tangential.iter().all(|x| x.abs() < 0.05), "{floor:?}");
     }
 
     #[test]

@@ -1,20 +1,20 @@
 //! `pack` stage: conversion of the stages' results to a package's data, and assembly of the package.
 
-use super::assemble::{Content, NamedTexture, Textures, assemble, carried, lent};
+use super::assemble::{Content, NamedTexture, Textures, assemble, copied_sections, borrowed_texture};
 use crate::recipe::{HairColors, Recipe};
-use crate::remade::Remade;
+use crate::memo::Memo;
 use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
-use crate::stages::groom::{Coat, Colors, Lengths};
+use crate::stages::groom::{VertexGroom, Colors, Lengths};
 use crate::stages::hair_groups::GuidedHair;
 use crate::stages::hair_motion;
-use crate::stages::ink::{InkFiles, SkinInk};
+use crate::stages::ink::{InkFiles, VertexInk};
 use crate::stages::morphs;
 use crate::stages::openness::openness;
 use crate::stages::scatter::FibreTables;
 use crate::stages::simplify;
 use crate::stages::surface::Surface;
-use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
+use crate::stages::slice::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
@@ -28,7 +28,7 @@ use std::sync::Arc;
 
 /// Model part of a package, without hair.
 #[derive(Clone, Debug, Default)]
-pub struct Skin<'a> {
+pub struct ModelPart<'a> {
     /// Manifest as far as the model determines it. Textures of materials are indices into `images`; of the fur it
     /// contains the tile's size, the height, and the numbers of strands and patches.
     pub manifest: Manifest,
@@ -52,7 +52,7 @@ pub struct Skin<'a> {
 
 /// Fins of a model, without their textures.
 #[derive(Clone, Debug, Default)]
-pub struct SkinFins<'a> {
+pub struct ModelFins<'a> {
     /// Section of the fins; `None` for a model without fins.
     pub section: Option<Content<'a>>,
     /// Default depth of the slab of hair that the fins show, in tile widths; `None` if the recipe gives it.
@@ -61,7 +61,7 @@ pub struct SkinFins<'a> {
 
 /// Results of the stages for the model part of a package.
 #[derive(Clone, Copy, Debug)]
-pub struct SkinPieces<'a> {
+pub struct ModelResults<'a> {
     /// Model name, for the manifest.
     pub name: &'a str,
     /// Model: materials and motions.
@@ -77,7 +77,7 @@ pub struct SkinPieces<'a> {
     /// Distance from bare materials at which hair has its full length, metres.
     pub bare_margin_m: Option<f32>,
     /// Per-vertex properties of the fur.
-    pub coat: &'a Coat,
+    pub coat: &'a VertexGroom,
     /// Colours of materials and vertices.
     pub colors: &'a Colors,
     /// Bounding box and sphere in the rest pose.
@@ -110,38 +110,38 @@ pub struct SkinPieces<'a> {
 
 /// Input of the simplified triangle lists, besides the model's skeleton; compared to decide on reuse.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Simplifies {
+pub struct SimplifyInput {
     mesh: Arc<MeshData>,
     parts: Vec<Part>,
     tile_size_m: f32,
 }
 
 /// Simplified triangle lists, by decreasing size.
-pub type Lists = Arc<[SimplifiedLevel]>;
+pub type SimplifiedLists = Arc<[SimplifiedLevel]>;
 
 /// Input of the openness, besides the model's skeleton; compared to decide on reuse.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Opens {
+pub struct OpennessInput {
     mesh: Arc<MeshData>,
     /// Whether each triangle occludes what is behind it.
     hides: Vec<bool>,
 }
 
 /// Openness of each vertex: share of all directions that the body leaves open to its hair.
-pub type Opened = Arc<[Openness]>;
+pub type VertexOpenness = Arc<[Openness]>;
 
 /// Reusable intermediate results for the same model.
 #[derive(Clone, Debug, Default)]
-pub struct KeptOfSkin {
+pub struct ModelMemo {
     /// Simplified triangle lists.
-    lists: Remade<Simplifies, Lists>,
+    lists: Memo<SimplifyInput, SimplifiedLists>,
     /// Openness.
-    opened: Remade<Opens, Opened>,
+    opened: Memo<OpennessInput, VertexOpenness>,
 }
 
 /// Converts the model part to a package's data. `kept`: reusable results from an earlier call with the same model.
-pub fn skin(pieces: &SkinPieces<'_>, kept: &mut KeptOfSkin) -> Skin<'static> {
-    let SkinPieces { model, surface, .. } = *pieces;
+pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<'static> {
+    let ModelResults { model, surface, .. } = *pieces;
     let mut textures = Vec::new();
     let mut add_all = |prefix: &str, files: &[Vec<u8>]| {
         let first = textures.len() as u32;
@@ -172,7 +172,7 @@ pub fn skin(pieces: &SkinPieces<'_>, kept: &mut KeptOfSkin) -> Skin<'static> {
     let mesh = Arc::new(mesh_data(pieces));
     let lists = pieces.simplified.then(|| {
         let tile_size_m = manifest.fur.tile_size_m;
-        kept.lists.of(Simplifies { mesh: mesh.clone(), parts: manifest.parts.clone(), tile_size_m }, |of| {
+        kept.lists.of(SimplifyInput { mesh: mesh.clone(), parts: manifest.parts.clone(), tile_size_m }, |of| {
             simplify::levels(&of.mesh, &of.parts, model.animation.as_ref(), of.tile_size_m).into()
         })
     });
@@ -180,14 +180,14 @@ pub fn skin(pieces: &SkinPieces<'_>, kept: &mut KeptOfSkin) -> Skin<'static> {
     // Materials with holes cut by a texture do not occlude: rays ignore textures.
     let solid = |part: &Part| manifest.materials.get(part.material as usize).is_none_or(|of| of.alpha_cutoff.is_none());
     let hides = manifest.parts.iter().flat_map(|part| std::iter::repeat_n(solid(part), part.index_count as usize / 3));
-    let opened = kept.opened.of(Opens { mesh: mesh.clone(), hides: hides.collect() }, |of| {
+    let opened = kept.opened.of(OpennessInput { mesh: mesh.clone(), hides: hides.collect() }, |of| {
         openness(&of.mesh, model.animation.as_ref(), |triangle| of.hides.get(triangle).copied().unwrap_or(true)).into()
     });
     let morphs =
-        morphs::of_mesh(&mesh, &surface.mesh.morph_rows, model).map(|morphs| Content::Morphs(Arc::new(morphs)));
+        morphs::mesh_morphs(&mesh, &surface.mesh.morph_rows, model).map(|morphs| Content::Morphs(Arc::new(morphs)));
     let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
     let roots = pieces.roots.map(|info| Content::Roots(info.clone()));
-    Skin {
+    ModelPart {
         manifest,
         sections: [Content::Mesh(mesh)]
             .into_iter()
@@ -212,25 +212,25 @@ pub fn simplified(mesh: &MeshData, manifest: &Manifest, animation: Option<&Anima
     in_section(simplify::levels(mesh, &manifest.parts, animation, manifest.fur.tile_size_m).into())
 }
 
-fn in_section(lists: Lists) -> Option<Content<'static>> {
+fn in_section(lists: SimplifiedLists) -> Option<Content<'static>> {
     (!lists.is_empty()).then_some(Content::Simplified(lists))
 }
 
 /// Converts a model's fins to a package's data.
-pub fn skin_fins(surface: &Surface, fins: &EdgeFins) -> SkinFins<'static> {
+pub fn model_fins(surface: &Surface, fins: &EdgeFins) -> ModelFins<'static> {
     let section = || Content::Fins(fin_data(fins, &parts(surface)));
-    SkinFins { section: (!fins.fins.is_empty()).then(section), depth: Some(fins.depth) }
+    ModelFins { section: (!fins.fins.is_empty()).then(section), depth: Some(fins.depth) }
 }
 
 /// Parts of a package, in its own data types.
 #[derive(Clone, Copy, Debug)]
-pub struct Pieces<'a> {
+pub struct PackInput<'a> {
     /// Recipe; settings that it leaves open come from the other parts.
     pub recipe: &'a Recipe,
     /// Constants of the lighting equation.
     pub shading: Shading,
     /// Model part.
-    pub skin: &'a Skin<'a>,
+    pub skin: &'a ModelPart<'a>,
     /// Shell textures.
     pub shells: &'a ShellTextures,
     /// Shell textures of wet hair, if dry and wet are mixed.
@@ -240,13 +240,13 @@ pub struct Pieces<'a> {
     /// Hair on guides, with its warnings.
     pub hair: &'a GuidedHair,
     /// Fins.
-    pub fins: &'a SkinFins<'a>,
+    pub fins: &'a ModelFins<'a>,
     /// Textures of the fins; without them the package has no fins.
     pub fin_textures: Option<&'a FinTextures>,
     /// Scattering tables of the fibres, if any.
     pub fibres: Option<&'a FibreTables>,
     /// Data of the ink style, if any.
-    pub ink: Option<(&'a SkinInk, &'a InkFiles<'a>)>,
+    pub ink: Option<(&'a VertexInk, &'a InkFiles<'a>)>,
 }
 
 /// Writes the package, which opens and validates, and returns it with the warnings of all stages.
@@ -254,11 +254,11 @@ pub struct Pieces<'a> {
 /// # Errors
 /// [`BakeError::Params`] if a value derived from the model's size is out of a recipe's range; otherwise
 /// [`BakeError::Internal`], because earlier stages have checked all user input.
-pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
-    let Pieces { recipe, skin, .. } = *pieces;
+pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
+    let PackInput { recipe, skin, .. } = *pieces;
     let mut textures = Textures::default();
     let shells = textures.add_shells("shell", pieces.shells);
-    let images: Vec<u32> = skin.images.iter().map(|image| textures.add(lent(image))).collect();
+    let images: Vec<u32> = model_part.images.iter().map(|image| textures.add(borrowed_texture(image))).collect();
     let wet = pieces.wet_shells.map(|shells| textures.add_shells("wet_shell", shells));
     let fins = pieces.fin_textures.zip(pieces.fins.section.clone()).map(|(made, section)| {
         let indices = textures.add_shells("fin", &made.textures);
@@ -273,10 +273,10 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     });
     let ink = pieces.ink.map(|(ink, files)| InkData {
         info: InkInfo {
-            stroke_texture: textures.add(lent(&files.stroke)),
-            wash_texture: textures.add(lent(&files.wash)),
-            paper_texture: textures.add(lent(&files.paper)),
-            fur_texture: files.fur.as_ref().map(|fur| textures.add(lent(fur))),
+            stroke_texture: textures.add(borrowed_texture(&files.stroke)),
+            wash_texture: textures.add(borrowed_texture(&files.wash)),
+            paper_texture: textures.add(borrowed_texture(&files.paper)),
+            fur_texture: files.fur.as_ref().map(|fur| textures.add(borrowed_texture(fur))),
             grain_size_m: ink.grain_size_m,
             shading: ink.shading,
         },
@@ -290,13 +290,13 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     });
     let fibres = pieces.fibres.map(|made| made.info(textures.add(("fibres".into(), (&made.file).into()))));
     let coat = pieces.shells.coat.as_ref();
-    let mut materials = skin.manifest.materials.clone();
+    let mut materials = model_part.manifest.materials.clone();
     for material in &mut materials {
         for index in [&mut material.base_color_texture, &mut material.groom_texture] {
             *index = index.map(|image| images[image as usize]);
         }
     }
-    let mut warnings = skin.manifest.warnings.clone();
+    let mut warnings = model_part.manifest.warnings.clone();
     warnings.extend(pieces.hair.warnings.iter().cloned());
     // A package that is sliced again already contains these warnings.
     let of_fibres = pieces.fibres.iter().flat_map(|made| &made.warnings).filter(|text| !warnings.contains(text));
@@ -308,7 +308,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     recorded.validate()?;
     let moves = hair_motion(pieces);
     warnings.extend(moves.iter().flat_map(|(_, fitted)| fitted.warnings.iter().cloned()));
-    let mut quality = skin.manifest.quality.clone();
+    let mut quality = model_part.manifest.quality.clone();
     quality.extend(moves.iter().flat_map(|(_, fitted)| {
         let figure = |name: &str, value, unit: &str| QualityFigure { name: name.into(), value, unit: unit.into() };
         let count = fitted.colliders.len() as f64;
@@ -325,7 +325,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
             direction_texture: shells.direction_texture,
             wet,
             fins: fins.as_ref().map(|(info, _)| *info),
-            ..skin.manifest.fur
+            ..model_part.manifest.fur
         },
         materials,
         textures: names,
@@ -333,13 +333,13 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
         coat: coat.map(|coat| coat.info),
         detail: detail::levels(&recipe.detail, recipe.slice.layers, coat),
         choice: None,
-        ..skin.manifest.clone()
+        ..model_part.manifest.clone()
     };
     let fins = fins.map(|(_, section)| section);
     // A hair motion section copied from an earlier package must be behind the hair.
     let is_motion = |section: &&Content<'_>| matches!(section, Content::Bytes(Tag::HAIR_MOTION, _));
-    let kept_motion = skin.sections.iter().filter(is_motion).cloned();
-    let sections = skin.sections.iter().filter(|section| !is_motion(section)).cloned();
+    let kept_motion = model_part.sections.iter().filter(is_motion).cloned();
+    let sections = model_part.sections.iter().filter(|section| !is_motion(section)).cloned();
     let sections = sections.chain(files).chain(fins).chain(ink.map(Content::Ink));
     let strands = pieces.strands.cloned().map(Content::Strands);
     let hair = (!pieces.hair.groups.is_empty()).then(|| Content::Hair(pieces.hair.groups.clone()));
@@ -353,15 +353,15 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
 
 /// Returns the motion of hair on guides; `None` if no hair moves, or if the model part is from another package that
 /// already contains the section.
-fn hair_motion(pieces: &Pieces<'_>) -> Option<(HairMotion, hair_motion::Fitted)> {
+fn hair_motion(pieces: &PackInput<'_>) -> Option<(HairMotion, hair_motion::FittedColliders)> {
     let sections = &pieces.skin.sections;
     let mesh = sections.iter().find_map(|s| if let Content::Mesh(mesh) = s { Some(mesh) } else { None })?;
     let animation = sections.iter().find_map(|s| if let Content::Animation(a) = s { Some(&**a) } else { None });
-    hair_motion::of_groups(&pieces.recipe.strands, pieces.hair, mesh, animation)
+    hair_motion::group_motion(&pieces.recipe.strands, pieces.hair, mesh, animation)
 }
 
 /// Returns the recipe with all open settings filled in.
-fn resolved(pieces: &Pieces<'_>) -> Recipe {
+fn resolved(pieces: &PackInput<'_>) -> Recipe {
     let mut recipe = pieces.recipe.clone();
     if let Some(filled) = &pieces.skin.filled {
         (recipe.hair, recipe.underfur) = (filled.hair.clone(), filled.underfur.clone());
@@ -395,7 +395,7 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
     let write = || {
         let opened = Package::open(package, &Limits::default())?;
         let manifest = Manifest { choice: Some(choice), ..opened.manifest().clone() };
-        assemble(FORMAT_VERSION, manifest, carried(&opened, |_| true)?)
+        assemble(FORMAT_VERSION, manifest, copied_sections(&opened, |_| true)?)
     };
     write().map_err(|fault| BakeError::Internal(format!("the package with its evidence does not read back: {fault}")))
 }
@@ -416,11 +416,11 @@ pub fn with_recipe(package: &[u8], file: &str, text: &str, inputs: Vec<InputReco
     let opened = Package::open(package, &Limits::default()).map_err(fault)?;
     let recipe = Recipe::parse(file, text)?.to_toml();
     let manifest = Manifest { recipe, inputs, choice: None, ..opened.manifest().clone() };
-    let sections = carried(&opened, |_| true).map_err(fault)?;
+    let sections = copied_sections(&opened, |_| true).map_err(fault)?;
     assemble(FORMAT_VERSION, manifest, sections).map_err(fault)
 }
 
-fn materials(pieces: &SkinPieces<'_>, base_colors: &[u32], grooms: &[u32]) -> Vec<Material> {
+fn materials(pieces: &ModelResults<'_>, base_colors: &[u32], grooms: &[u32]) -> Vec<Material> {
     let convert =
         |((i, m), color): ((usize, &pelage_import::mesh::Material), &crate::stages::groom::MaterialColor)| Material {
             name: m.full_name(),
@@ -455,8 +455,8 @@ fn fin_data(fins: &EdgeFins, parts: &[Part]) -> FinData {
     FinData { part_counts: parts.iter().map(count).collect(), fins: fins.fins.clone() }
 }
 
-fn mesh_data(pieces: &SkinPieces<'_>) -> MeshData {
-    let SkinPieces { surface, coat, colors, .. } = *pieces;
+fn mesh_data(pieces: &ModelResults<'_>) -> MeshData {
+    let ModelResults { surface, coat, colors, .. } = *pieces;
     let mesh = &surface.mesh;
     let geometry = (0..mesh.positions.len()).map(|i| GeometryVertex {
         position: mesh.positions[i].into(),

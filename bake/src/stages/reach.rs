@@ -4,52 +4,52 @@ use crate::noise::smooth_step;
 use std::ops::{Add, Mul};
 
 /// Default reach of a mark, as a share of the model's radius.
-const CHOSEN: f32 = 0.3;
+const DEFAULT_REACH: f32 = 0.3;
 /// Share of the reach within which a mark has full weight.
 pub(crate) const FULL: f32 = 0.25;
 /// Lower limit of 1 − share in a mark's weight, so that two marks with full weight at one point share it.
-const SHORT: f32 = 1e-3;
+const MIN_REMAINDER: f32 = 1e-3;
 
 /// Returns the default reach of a mark, metres, on a model with the given radius.
-pub(crate) fn chosen_m(radius_m: f32) -> f32 {
-    CHOSEN * if radius_m > 0.0 { radius_m } else { 1.0 }
+pub(crate) fn default_reach_m(radius_m: f32) -> f32 {
+    DEFAULT_REACH * if radius_m > 0.0 { radius_m } else { 1.0 }
 }
 
 /// Returns the influence of a mark at distance `way`: 1 within a quarter of its reach, falling to 0 at its reach. Both
 /// have the same unit; the reach is above 0.
-pub(crate) fn share(way: f32, reach: f32) -> f32 {
+pub(crate) fn influence(way: f32, reach: f32) -> f32 {
     1.0 - smooth_step(FULL, 1.0, way / reach)
 }
 
 /// Accumulated values of several marks at one point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Said<T> {
+pub(crate) struct MarkBlend<T> {
     sum: T,
     weight: f32,
     /// Share left to the value that applies elsewhere.
     left: f32,
 }
 
-impl<T: Default> Default for Said<T> {
+impl<T: Default> Default for MarkBlend<T> {
     fn default() -> Self {
         Self { sum: T::default(), weight: 0.0, left: 1.0 }
     }
 }
 
-impl<T: Copy + Add<Output = T> + Mul<f32, Output = T>> Said<T> {
+impl<T: Copy + Add<Output = T> + Mul<f32, Output = T>> MarkBlend<T> {
     /// Adds a mark with `value` and influence `share`. A mark with full influence outweighs all that have less.
     pub(crate) fn add(&mut self, share: f32, value: T) {
         if share <= 0.0 {
             return;
         }
-        let weight = share / (1.0 - share).max(SHORT);
+        let weight = share / (1.0 - share).max(MIN_REMAINDER);
         self.sum = self.sum + value * weight;
         self.weight += weight;
         self.left *= 1.0 - share;
     }
 
     /// Returns the marks' joint influence, above 0, and their weighted mean; `None` if no mark reaches the point.
-    pub(crate) fn together(&self) -> Option<(f32, T)> {
+    pub(crate) fn finish(&self) -> Option<(f32, T)> {
         (self.weight > 0.0).then(|| (1.0 - self.left, self.sum * self.weight.recip()))
     }
 }
@@ -60,18 +60,18 @@ mod tests {
 
     #[test]
     fn a_mark_counts_in_full_nearby_and_fades_to_nothing() {
-        assert_eq!([0.0, 0.25, 1.0, 3.0].map(|way| share(way, 1.0)), [1.0, 1.0, 0.0, 0.0]);
-        let shares: Vec<f32> = (0..=40).map(|k| share(0.1 * k as f32, 4.0)).collect();
+        assert_eq!([0.0, 0.25, 1.0, 3.0].map(|way| influence(way, 1.0)), [1.0, 1.0, 0.0, 0.0]);
+        let shares: Vec<f32> = (0..=40).map(|k| influence(0.1 * k as f32, 4.0)).collect();
         assert!(shares.windows(2).all(|s| s[1] <= s[0] && s[0] - s[1] < 0.06), "{shares:?}");
-        assert_eq!((chosen_m(2.0), chosen_m(0.0)), (0.6, 0.3));
+        assert_eq!((default_reach_m(2.0), default_reach_m(0.0)), (0.6, 0.3));
     }
 
     #[test]
     fn the_nearer_rules_and_what_is_left_is_elsewheres() {
         let said = |marks: &[(f32, f32)]| {
-            let mut said = Said::default();
+            let mut said = MarkBlend::default();
             marks.iter().for_each(|(share, value)| said.add(*share, *value));
-            said.together()
+            said.finish()
         };
         assert_eq!((said(&[]), said(&[(0.0, 5.0)])), (None, None));
         assert_eq!(said(&[(0.25, 5.0)]), Some((0.25, 5.0)));

@@ -3,10 +3,10 @@
 
 use crate::recipe::{BcQuality, FibreParams};
 use crate::stages::groom::report_unmatched;
-use crate::stages::textures::{AlphaMode, RawLevel, TextureEncoder};
+use crate::stages::slice::{AlphaMode, RawLevel, TextureEncoder};
 use half::f16;
-use pelage_formats::meaning::scattering::means::Means;
-use pelage_formats::meaning::scattering::tables::Tables;
+use pelage_formats::meaning::scattering::means::FibreMeans;
+use pelage_formats::meaning::scattering::tables::ScatteringTables;
 use pelage_formats::{FibreInfo, FibreOptics, TextureFormat};
 use pelage_import::BakeError;
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ pub struct FibreTables {
     /// Distinct kinds of fibres; that of the fur is first.
     pub fibres: Vec<FibreOptics>,
     /// Mean values of each kind, which need no table.
-    pub means: Vec<Means>,
+    pub means: Vec<FibreMeans>,
     /// Index of the fibre kind for each hair group.
     pub of_groups: Vec<u8>,
     /// Index of the fibre kind of the fur on each material.
@@ -67,9 +67,9 @@ pub fn tables<'a>(
     let of_groups: Vec<u8> =
         groups.map(|name| number("fibre.group", params.of_group(name))).collect::<Result<_, _>>()?;
     let size = params.table_texels;
-    let made: Vec<Tables> = fibres.par_iter().map(|of| Tables::new(&of.fibre(), size as usize)).collect();
+    let made: Vec<ScatteringTables> = fibres.par_iter().map(|of| ScatteringTables::new(&of.fibre(), size as usize)).collect();
     let mut encoder = TextureEncoder::new(TextureFormat::Rgba16Float, AlphaMode::Opaque, BcQuality::Basic);
-    for layer in made.iter().flat_map(Tables::layers) {
+    for layer in made.iter().flat_map(ScatteringTables::layers) {
         let halves = |x: &f32| f16::from_f32(*x).to_le_bytes();
         let texels: Vec<u8> = layer.as_flattened().iter().flat_map(halves).collect();
         encoder.push_layer(&[RawLevel { width: size, height: size, texels: &texels }])?;
@@ -119,7 +119,7 @@ mod tests {
         for (number, fibre) in made.fibres.iter().enumerate() {
             let layers = [0, 1].map(|layer| view.floats(2 * number as u32 + layer).unwrap());
             let exact = fibre.fibre();
-            let read = Tables::of_layers(exact.eta, made.means[number], layers).unwrap();
+            let read = ScatteringTables::of_layers(exact.eta, made.means[number], layers).unwrap();
             let (sin, cos) = (libm::sin(0.3), libm::cos(0.3));
             for phi in [0.2, 1.6, 3.0] {
                 let angles = Angles { from: (sin, cos), to: (-0.2, 0.96_f64.sqrt()), phi };

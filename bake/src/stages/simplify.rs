@@ -4,7 +4,7 @@
 //! collapse of an edge must preserve more than surface positions: also the position of the outermost layer, the texels
 //! of the tile there, the colour of the surface, and its motion with joints. All of it is measured in metres.
 
-use super::cells::{Cells, closest};
+use super::cells::{TriangleGrid, closest_barycentric};
 use glam::{Mat4, Vec3};
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify_scale, simplify_with_attributes_and_locks};
 use pelage_formats::{Animation, MeshData, Part, SimplifiedLevel};
@@ -108,7 +108,7 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
     }
     let triangles: Vec<[u32; 3]> = list.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     let edges = triangles.iter().map(|t| place(t[0]).distance(place(t[1]))).sum::<f32>();
-    let cells = Cells::new(&triangles, &place, (edges / triangles.len().max(1) as f32).max(1e-4));
+    let cells = TriangleGrid::new(&triangles, &place, (edges / triangles.len().max(1) as f32).max(1e-4));
     let step = gone.len().div_ceil(MEASURED);
     let of = |v: &u32| {
         let numbers = |v: u32| &attributes[ATTRIBUTES * v as usize..][..ATTRIBUTES];
@@ -117,7 +117,7 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
         let nearer = |best: f32, t: u32| {
             let t = &triangles[t as usize];
             let [a, b, c] = t.map(place);
-            let weights = closest(place(*v), [a, b, c]);
+            let weights = closest_barycentric(place(*v), [a, b, c]);
             let moved = (place(*v) - (weights.x * a + weights.y * b + weights.z * c)).length_squared();
             if moved >= best {
                 return best;

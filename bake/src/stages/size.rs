@@ -24,12 +24,12 @@ pub fn sides_m(bounds: &Bounds) -> [f64; 3] {
 }
 
 /// Formats side lengths: `0.42 x 0.25 x 0.61 m`.
-pub fn words(sides_m: [f64; 3]) -> String {
-    format!("{} m", lengths(sides_m).join(" x "))
+pub fn format_sides(sides_m: [f64; 3]) -> String {
+    format!("{} m", format_lengths(sides_m).join(" x "))
 }
 
 /// Formats lengths in metres, each with three significant digits.
-pub fn lengths(lengths_m: [f64; 3]) -> [String; 3] {
+pub fn format_lengths(lengths_m: [f64; 3]) -> [String; 3] {
     lengths_m.map(meters)
 }
 
@@ -51,10 +51,10 @@ fn meters(value: f64) -> String {
 /// [`BakeError::Input`] with the model's size, the derived value, and the unit that would give it an animal's size.
 pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) -> Result<(), BakeError> {
     let mut told = recipe.clone();
-    told.hair.length_m = Some(lengths.length_m);
-    told.surface.tile_size_m = Some(lengths.tile_size_m);
+    told.hair.length_m = Some(format_lengths.length_m);
+    told.surface.tile_size_m = Some(format_lengths.tile_size_m);
     let Err(BakeError::Params { what, reason }) = told.validate() else { return Ok(()) };
-    let size = words(sides_m(bounds));
+    let size = format_sides(sides_m(bounds));
     let unit_m = recipe.model.unit_m;
     let unit = match fitting_unit_m(bounds, unit_m) {
         Some(fitting) => format!("set model.unit_m={fitting} if it was made in another unit (now {unit_m})"),
@@ -86,7 +86,7 @@ fn fitting_unit_m(bounds: &Bounds, unit_m: f32) -> Option<f32> {
 /// inwards.
 ///
 /// * `positions`, `triangles`: the mesh at rest, metres
-pub fn remarks(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<String> {
+pub fn warnings(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<String> {
     let mut out = Vec::new();
     let sides = sides_m(bounds);
     let longest = sides.into_iter().fold(0.0, f64::max);
@@ -94,7 +94,7 @@ pub fn remarks(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles: 
         let unit = fitting_unit_m(bounds, recipe.model.unit_m).map_or_else(String::new, |unit_m| {
             format!("; if it was made in another unit than metres, set model.unit_m={unit_m} or the like")
         });
-        out.push(format!("the model is {} at rest{unit}", words(sides)));
+        out.push(format!("the model is {} at rest{unit}", format_sides(sides)));
     }
     let away = DVec3::from(bounds.center.map(f64::from)).length();
     let radius = f64::from(bounds.radius);
@@ -151,7 +151,7 @@ mod tests {
     }
 
     fn remarks_of((bounds, positions, triangles): (Bounds, Vec<Vec3>, Vec<[u32; 3]>)) -> Vec<String> {
-        remarks(&Recipe::default(), &bounds, &positions, &triangles)
+        warnings(&Recipe::default(), &bounds, &positions, &triangles)
     }
 
     #[test]
@@ -193,7 +193,7 @@ mod tests {
         let check_of = |radius: f32, recipe: &Recipe| {
             let (bounds, ..) = ball(radius, false);
             let lengths = Lengths::resolve(recipe, &bounds);
-            check("big.obj", recipe, &bounds, &lengths).map_err(|e| e.to_string())
+            check("big.obj", recipe, &bounds, &format_lengths).map_err(|e| e.to_string())
         };
         let mut recipe = Recipe::default();
         assert_eq!(check_of(1.0, &recipe), Ok(()));

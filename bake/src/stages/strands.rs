@@ -1,7 +1,7 @@
 //! Strands of the tile in the form that a package stores: a few points each, in an order in which every prefix is an
 //! even sample of the fur.
 
-use crate::stages::hair::{Strands, TileHair};
+use crate::stages::simulate::{Strands, TileHair};
 use crate::stages::visibility::{Visibility, encode_visibility};
 use glam::{Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;

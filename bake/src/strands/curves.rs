@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2, Vec3};
 use std::ops::Range;
 
 /// Name of the group of the tile's strands.
-pub const COAT: &str = "coat";
+pub const TILE_GROUP: &str = "coat";
 /// Default group name.
 const UNNAMED: &str = "strands";
 
@@ -117,12 +117,12 @@ impl Curves {
     }
 
     /// Returns every `step`-th strand, starting with the first; `step` 0 counts as 1. Strands keep their groups.
-    pub fn every(&self, step: usize) -> Self {
+    pub fn every_nth(&self, step: usize) -> Self {
         self.chosen(&mut |_, i| i.is_multiple_of(step.max(1)))
     }
 
     /// Returns the groups with the given names, with all their strands.
-    pub fn only(&self, names: &[&str]) -> Self {
+    pub fn only_groups(&self, names: &[&str]) -> Self {
         self.chosen(&mut |group, _| names.contains(&group.name.as_str()))
     }
 

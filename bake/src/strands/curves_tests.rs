@@ -47,15 +47,15 @@ fn groups_are_consecutive_and_cover_all_strands() {
 #[test]
 fn strands_keep_their_groups_when_some_are_left_out() {
     let curves = named(&[("coat", 5), ("lash", 1), ("mane", 4)]);
-    let third = curves.every(3);
+    let third = curves.every_nth(3);
     assert_eq!(found(&third), [("coat", 0..2), ("mane", 2..4)]);
     assert_eq!(counted(&third), [0.0, 3.0, 6.0, 9.0]);
     assert_eq!(third.root_uv, [0.0, 3.0, 6.0, 9.0].map(|x| Vec2::new(x, 0.5)));
-    assert_eq!((curves.every(1) == curves, curves.every(0) == curves), (true, true));
-    let only = curves.only(&["mane", "lash"]);
+    assert_eq!((curves.every_nth(1) == curves, curves.every_nth(0) == curves), (true, true));
+    let only = curves.only_groups(&["mane", "lash"]);
     assert_eq!(found(&only), [("lash", 0..1), ("mane", 1..5)]);
     assert_eq!(counted(&only), [5.0, 6.0, 7.0, 8.0, 9.0]);
-    assert!(curves.only(&["tail"]).is_empty());
+    assert!(curves.only_groups(&["tail"]).is_empty());
 }
 
 #[test]

@@ -2,21 +2,21 @@
 
 use super::curves::{CurvePoint, Curves, simplified};
 use super::plant::SIMPLIFICATION;
-use super::skin::{Skin, mix};
+use super::skin::{PosedMesh, mix};
 use glam::{DVec3, Vec2, Vec3};
 use pelage_formats::HairGroup;
-use pelage_formats::meaning::hair_groups::{Hair, Planted, hair_color, hair_radius};
+use pelage_formats::meaning::hair_groups::{Hair, GrownGroup, hair_color, hair_radius};
 use rayon::prelude::*;
 
 /// Grows the hairs of hair groups.
 ///
 /// * `rest`: the mesh at rest, which determines the guides that each hair follows
 /// * `posed`: the same mesh in the wanted pose
-pub fn grow_groups(groups: &[HairGroup], rest: &Skin, posed: &Skin) -> Curves {
+pub fn grow_groups(groups: &[HairGroup], rest: &PosedMesh, posed: &PosedMesh) -> Curves {
     let mut curves = Curves::default();
     let at_rest: Vec<Vec3> = rest.vertices.iter().map(|v| v.position_ws.as_vec3()).collect();
     for group in groups {
-        let planted = Planted::new(group, &at_rest, &rest.triangles, u32::MAX);
+        let planted = GrownGroup::new(group, &at_rest, &rest.triangles, u32::MAX);
         let corners = |triangle: u32| posed.corners(triangle as usize).map(|c| c.position_ws.as_vec3());
         let guides = planted.posed_guides(corners);
         curves.begin_group(&group.name);

@@ -11,7 +11,7 @@ mod groups;
 mod plant;
 mod skin;
 
-pub use curves::{COAT, CurveGroup, CurvePoint, Curves, simplified};
+pub use curves::{TILE_GROUP, CurveGroup, CurvePoint, Curves, simplified};
 pub use groups::grow_groups;
 pub use plant::{GroomReport, grow_on, tile_hair};
-pub use skin::{Skin, SkinMaterial, SkinPoint};
+pub use skin::{PosedMesh, PosedMaterial, PosedVertex};

@@ -12,15 +12,15 @@
 //!   wet with that probability.
 
 use super::curves::{CurvePoint, Curves, simplified};
-use super::skin::{Skin, mix};
+use super::skin::{PosedMesh, mix};
 use crate::noise::{hash, uniform};
 use crate::recipe::Recipe;
-use crate::stages::groom::{Lengths, Water};
-use crate::stages::hair::{Strands, TileHair};
+use crate::stages::groom::{Lengths, FurWetness};
+use crate::stages::simulate::{Strands, TileHair};
 use glam::DVec3;
 use pelage_formats::Manifest;
 use pelage_formats::meaning::hair_offset;
-use pelage_formats::meaning::planting::{Crossed, Footing, Roots, SurfaceWalk};
+use pelage_formats::meaning::planting::{WalkEvents, WalkPosition, Roots, SurfaceWalk};
 use pelage_import::BakeError;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -93,7 +93,7 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
     }
     let fail =
         |reason: String| BakeError::Input { file: file.to_owned(), place: "the manifest's recipe".into(), reason };
-    let recipe = Recipe::recorded("recipe", &manifest.recipe).map_err(|error| {
+    let recipe = Recipe::parse_recorded("recipe", &manifest.recipe).map_err(|error| {
         fail(format!("strands cannot be grown from it: {error}; expected the recipe that `pelage bake` writes"))
     })?;
     let (Some(length_m), Some(tile_size_m)) = (recipe.hair.length_m, recipe.surface.tile_size_m) else {
@@ -102,7 +102,7 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
         return Err(fail(what.into()));
     };
     let furred: Vec<&str> = manifest.materials.iter().filter(|m| m.furred).map(|m| m.name.as_str()).collect();
-    let water = Water::of(&recipe.groom, &furred);
+    let water = FurWetness::of(&recipe.groom, &furred);
     let hair = TileHair::grow(&recipe, Lengths { length_m, tile_size_m }, water).map_err(|e| fail(e.to_string()))?;
     let height_m = hair.strands.height * tile_size_m;
     let same_height = (height_m - fur.height_m).abs() <= 1e-4 * fur.height_m.abs();
@@ -128,7 +128,7 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
 ///
 /// # Errors
 /// [`BakeError::Params`] if that would be more strands than memory permits.
-pub fn grow_on(skin: &Skin, hair: &TileHair, tile_size_m: f64) -> Result<(Curves, GroomReport), BakeError> {
+pub fn grow_on(skin: &PosedMesh, hair: &TileHair, tile_size_m: f64) -> Result<(Curves, GroomReport), BakeError> {
     hair.strands.validate()?;
     let ground = skin.ground();
     let walk = SurfaceWalk::new(&ground);
@@ -146,13 +146,13 @@ pub fn grow_on(skin: &Skin, hair: &TileHair, tile_size_m: f64) -> Result<(Curves
         let root = hair.strands.points.get(hair.strands.range(i).start)?;
         (!hair.strands.range(i).is_empty()).then_some((root.truncate().as_dvec2(), i as u32))
     });
-    let gardener = Gardener { skin, walk: &walk, hair, tile_size_m, roots: Roots::new(roots) };
+    let gardener = Planter { skin, walk: &walk, hair, tile_size_m, roots: Roots::new(roots) };
     let fibre_at = |t: &usize| skin.material(*t).fibre;
     let fibres: BTreeSet<u8> = furred.iter().map(fibre_at).collect();
     let mut parts: Vec<(Curves, GroomReport)> = Vec::new();
     for fibre in fibres {
         let of: Vec<usize> = furred.iter().copied().filter(|t| fibre_at(t) == fibre).collect();
-        let name = skin.coat_of(fibre);
+        let name = skin.fibre_group_name(fibre);
         parts.par_extend(of.par_chunks(64).map(|chunk| gardener.plant(&name, chunk.iter().copied())));
     }
     let mut curves = Curves::default();
@@ -177,29 +177,29 @@ enum Draw {
     Wetness,
 }
 
-struct Gardener<'a> {
-    skin: &'a Skin,
+struct Planter<'a> {
+    skin: &'a PosedMesh,
     walk: &'a SurfaceWalk<'a>,
     hair: &'a TileHair,
     tile_size_m: f64,
     roots: Roots,
 }
 
-impl Gardener<'_> {
+impl Planter<'_> {
     fn plant(&self, name: &str, triangles: impl Iterator<Item = usize>) -> (Curves, GroomReport) {
         let mut out = (Curves::default(), GroomReport::default());
         out.0.begin_group(name);
         for triangle in triangles {
             let corners = self.skin.corners(triangle).map(|c| c.tile_uv);
             self.roots.for_each_in(corners, |strand, weights| {
-                self.root(triangle, strand, weights, &mut out);
+                self.plant_strand(triangle, strand, weights, &mut out);
             });
         }
         out
     }
 
     /// Plants one strand, unless its root is cut away, bare or thinned out.
-    fn root(&self, triangle: usize, strand: usize, weights: DVec3, (curves, report): &mut (Curves, GroomReport)) {
+    fn plant_strand(&self, triangle: usize, strand: usize, weights: DVec3, (curves, report): &mut (Curves, GroomReport)) {
         let base = self.skin.base_color(triangle, weights);
         if self.skin.is_cut(triangle, base.w) {
             report.dropped_cut += 1;
@@ -218,8 +218,8 @@ impl Gardener<'_> {
         }
         let wet = self.hair.wet.as_ref().filter(|_| draw(Draw::Wetness) < groom.y);
         let strands = wet.unwrap_or(&self.hair.strands);
-        let mut at = Footing { triangle, weights, beyond: None };
-        let mut crossed = Crossed::default();
+        let mut at = WalkPosition { triangle, weights, beyond: None };
+        let mut crossed = WalkEvents::default();
         let range = strands.range(strand);
         let mut points = Vec::with_capacity(range.len());
         for i in range.clone() {
@@ -240,7 +240,7 @@ impl Gardener<'_> {
         report.lost += u64::from(crossed.lost);
     }
 
-    fn point(&self, strands: &Strands, i: usize, at: &Footing, tint: glam::Vec3) -> CurvePoint {
+    fn point(&self, strands: &Strands, i: usize, at: &WalkPosition, tint: glam::Vec3) -> CurvePoint {
         let share = f64::from(strands.points[i].z / strands.height);
         let corners = self.skin.corners(at.triangle);
         let sum = |each: [DVec3; 3]| each[0] * at.weights.x + each[1] * at.weights.y + each[2] * at.weights.z;

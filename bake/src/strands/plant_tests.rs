@@ -1,22 +1,22 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
-use crate::strands::COAT;
-use crate::strands::{SkinMaterial, SkinPoint};
+use crate::strands::TILE_GROUP;
+use crate::strands::{PosedMaterial, PosedVertex};
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
 /// Makes a flat sheet in the xz plane of `side` × `side` squares of two triangles, one tile per metre. Tile coordinates
 /// of squares with x beyond `border` squares are shifted by `shift`, as another patch.
-fn sheet(side: u32, border: u32, shift: DVec2) -> Skin {
-    let mut skin = Skin {
-        materials: vec![SkinMaterial { base_color: Vec4::ONE, furred: true, ..SkinMaterial::default() }],
-        ..Skin::default()
+fn sheet(side: u32, border: u32, shift: DVec2) -> PosedMesh {
+    let mut skin = PosedMesh {
+        materials: vec![PosedMaterial { base_color: Vec4::ONE, furred: true, ..PosedMaterial::default() }],
+        ..PosedMesh::default()
     };
     let corners = side + 1;
     for patch in 0..2 {
         for (x, y) in (0..corners).flat_map(|y| (0..corners).map(move |x| (x, y))) {
             let uv = DVec2::new(f64::from(x), f64::from(y)) * 0.37 + 0.011;
             skin.same_place.push(y * corners + x);
-            skin.vertices.push(SkinPoint {
+            skin.vertices.push(PosedVertex {
                 position_ws: DVec3::new(uv.x, 0.0, -uv.y),
                 normal_ws: DVec3::Y,
                 tangent_ws: DVec3::X,
@@ -26,7 +26,7 @@ fn sheet(side: u32, border: u32, shift: DVec2) -> Skin {
                 base_uv: uv.as_vec2(),
                 color: Vec4::ONE,
                 groom: Vec2::X,
-                ..SkinPoint::default()
+                ..PosedVertex::default()
             });
         }
     }
@@ -129,7 +129,7 @@ fn every_root_belongs_to_one_triangle() {
 fn strands_are_the_coat_and_know_where_they_root() {
     let (curves, report) = grow_on(&sheet(6, 3, DVec2::new(5.0, 7.0)), &leaning(40), 1.0).unwrap();
     let groups = curves.groups();
-    assert_eq!((groups.len(), groups[0].name.as_str(), u64::from(groups[0].strands.end)), (1, COAT, report.strands));
+    assert_eq!((groups.len(), groups[0].name.as_str(), u64::from(groups[0].strands.end)), (1, TILE_GROUP, report.strands));
     for (i, uv) in curves.root_uv.iter().enumerate() {
         let root = curves.strand(i)[0].position_ws;
         assert!(uv.distance(Vec2::new(root.x, -root.z)) < 1e-5, "{uv} at {root}");
@@ -142,12 +142,12 @@ fn coats_of_other_fibres_are_other_groups() {
     let hair = leaning(40);
     let mut skin = sheet(6, 99, DVec2::ZERO);
     let (alike, all) = grow_on(&skin, &hair, 1.0).unwrap();
-    let belly = SkinMaterial { name: "belly".into(), fibre: 3, ..skin.materials[0].clone() };
+    let belly = PosedMaterial { name: "belly".into(), fibre: 3, ..skin.materials[0].clone() };
     skin.materials.push(belly);
     skin.material_of.iter_mut().step_by(3).for_each(|material| *material = 1);
     let (curves, report) = grow_on(&skin, &hair, 1.0).unwrap();
     let names: Vec<_> = curves.groups().iter().map(|group| group.name.as_str()).collect();
-    assert_eq!((names, report), (vec![COAT, "coat/belly"], all));
+    assert_eq!((names, report), (vec![TILE_GROUP, "coat/belly"], all));
     let roots = |curves: &Curves| {
         let mut roots: Vec<_> =
             (0..curves.len()).map(|i| curves.strand(i)[0].position_ws.to_array().map(f32::to_bits)).collect();
@@ -160,7 +160,7 @@ fn coats_of_other_fibres_are_other_groups() {
 #[test]
 fn groom_and_length_thin_the_strands_out() {
     let hair = leaning(400);
-    let grow = |change: &dyn Fn(&mut SkinPoint)| {
+    let grow = |change: &dyn Fn(&mut PosedVertex)| {
         let mut skin = sheet(6, 99, DVec2::ZERO);
         skin.vertices.iter_mut().for_each(change);
         grow_on(&skin, &hair, 1.0).unwrap()
@@ -228,9 +228,9 @@ fn what_is_left_out_lies_near_the_line() {
 fn a_recipe_that_does_not_fit_is_refused() {
     let recipe = "[hair]\ndensity = 50\nlength_m = 0.02\n[surface]\ntile_size_m = 0.1\n";
     let hair = TileHair::grow(
-        &Recipe::recorded("r", recipe).unwrap(),
+        &Recipe::parse_recorded("r", recipe).unwrap(),
         Lengths { length_m: 0.02, tile_size_m: 0.1 },
-        Water::Dry,
+        FurWetness::Dry,
     )
     .unwrap();
     let fur = pelage_formats::FurInfo {

@@ -1,10 +1,10 @@
 //! Mesh of an opened package in one pose, as the ground for strands and as a receiver and caster of shadows.
 
-use super::curves::COAT;
+use super::curves::TILE_GROUP;
 use crate::sample::{Encoding, Wrap, bilinear};
-use crate::stages::textures::decode_texture;
+use crate::stages::slice::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
-use pelage_formats::meaning::planting::{Ground, same_places};
+use pelage_formats::meaning::planting::{PlantingMesh, same_places};
 use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
 use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Package, Pose, SkinVertex};
 use pelage_import::BakeError;
@@ -13,9 +13,9 @@ use pelage_import::mesh::Image;
 /// Mesh in world space with its per-vertex data. Per-vertex lists are as long as [`Skin::vertices`], per-triangle lists
 /// as [`Skin::triangles`].
 #[derive(Clone, Debug, Default)]
-pub struct Skin {
+pub struct PosedMesh {
     /// Vertices; a position occurs once for each patch, part and seam that meets there.
-    pub vertices: Vec<SkinPoint>,
+    pub vertices: Vec<PosedVertex>,
     /// Index of the first vertex with the same position and motion, for each vertex.
     pub same_place: Vec<u32>,
     /// Corners, counter-clockwise as seen from outside.
@@ -23,12 +23,12 @@ pub struct Skin {
     /// Index into `materials` for each triangle.
     pub material_of: Vec<u32>,
     /// Materials of the triangles.
-    pub materials: Vec<SkinMaterial>,
+    pub materials: Vec<PosedMaterial>,
 }
 
 /// Vertex of the posed mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SkinPoint {
+pub struct PosedVertex {
     /// Position, world space, metres.
     pub position_ws: DVec3,
     /// Unit normal, outwards.
@@ -53,7 +53,7 @@ pub struct SkinPoint {
 
 /// Material of the mesh.
 #[derive(Clone, Debug, Default)]
-pub struct SkinMaterial {
+pub struct PosedMaterial {
     /// Name in the model.
     pub name: String,
     /// Base colour, linear RGBA.
@@ -72,7 +72,7 @@ pub struct SkinMaterial {
     pub fibre: u8,
 }
 
-impl Skin {
+impl PosedMesh {
     /// Reads the mesh of a package and poses it.
     ///
     /// * `file`: the package's name as the user gave it, for messages
@@ -108,7 +108,7 @@ impl Skin {
         let morphs = package.morphs().map_err(fault)?;
         for (posed, attributes) in posed_vertices(&mesh, morphs.as_deref(), &pose).zip(mesh.attributes()) {
             let share = |byte: u8| f32::from(byte) / 255.0;
-            out.vertices.push(SkinPoint {
+            out.vertices.push(PosedVertex {
                 tile_uv: Vec2::from(attributes.tile_uv).as_dvec2(),
                 base_uv: attributes.base_uv.into(),
                 color: Vec4::from(attributes.color.map(share)),
@@ -130,7 +130,7 @@ impl Skin {
                 })
                 .transpose()
             };
-            out.materials.push(SkinMaterial {
+            out.materials.push(PosedMaterial {
                 name: material.name.clone(),
                 base_color: material.base_color.into(),
                 texture: read(package.base_color_texture(index).map_err(fault)?)?,
@@ -145,8 +145,8 @@ impl Skin {
     }
 
     /// Returns the data that planting needs.
-    pub fn ground(&self) -> Ground {
-        Ground {
+    pub fn ground(&self) -> PlantingMesh {
+        PlantingMesh {
             triangles: self.triangles.clone(),
             furred: (0..self.triangles.len()).map(|t| self.material(t).furred).collect(),
             positions: self.vertices.iter().map(|v| v.position_ws).collect(),
@@ -156,21 +156,21 @@ impl Skin {
     }
 
     /// Returns the corners of a triangle.
-    pub fn corners(&self, triangle: usize) -> [&SkinPoint; 3] {
+    pub fn corners(&self, triangle: usize) -> [&PosedVertex; 3] {
         self.triangles[triangle].map(|v| &self.vertices[v as usize])
     }
 
     /// Returns the group name for strands of the tile with the given fibre: it contains the first material with that
     /// fibre, unless it is the fur's default fibre.
-    pub fn coat_of(&self, fibre: u8) -> String {
+    pub fn fibre_group_name(&self, fibre: u8) -> String {
         match self.materials.iter().find(|material| material.furred && material.fibre == fibre) {
-            Some(material) if fibre > 0 => format!("{COAT}/{}", material.name),
-            _ => COAT.to_owned(),
+            Some(material) if fibre > 0 => format!("{TILE_GROUP}/{}", material.name),
+            _ => TILE_GROUP.to_owned(),
         }
     }
 
     /// Returns the material of a triangle.
-    pub fn material(&self, triangle: usize) -> &SkinMaterial {
+    pub fn material(&self, triangle: usize) -> &PosedMaterial {
         &self.materials[self.material_of[triangle] as usize]
     }
 
@@ -215,17 +215,17 @@ where
     a * weights.x as f32 + b * weights.y as f32 + c * weights.z as f32
 }
 
-fn point(v: &GeometryVertex) -> SkinPoint {
+fn point(v: &GeometryVertex) -> PosedVertex {
     let [x, y, z, handedness] = v.tangent;
     let normal = Vec3::from(v.normal).as_dvec3().normalize_or(DVec3::Y);
     let [tangent_ws, bitangent_ws] = tile_axes_f64(normal, Vec3::new(x, y, z).as_dvec3(), f64::from(handedness));
-    SkinPoint {
+    PosedVertex {
         position_ws: Vec3::from(v.position).as_dvec3(),
         normal_ws: normal,
         tangent_ws,
         bitangent_ws,
         fur_height_m: f64::from(v.fur_height),
         lean: f64::from(v.lean),
-        ..SkinPoint::default()
+        ..PosedVertex::default()
     }
 }

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use pelage_bake::stages::size;
-use pelage_bake::stages::textures::decode_texture;
+use pelage_bake::stages::slice::decode_texture;
 use pelage_formats::meaning::{linear_to_srgb, posed_vertices, srgb_to_linear};
 use pelage_formats::{FormatError, Package, Pose};
 use serde::Serialize;
@@ -74,7 +74,7 @@ impl Anatomy {
         let positions: Vec<Vec3> =
             mesh.iter().flat_map(|m| posed_vertices(m, None, &pose)).map(|v| v.position.into()).collect();
         let indices: Vec<u32> = mesh.iter().flat_map(pelage_formats::MeshView::indices).collect();
-        let mut found: Vec<Found> = manifest.materials.iter().map(|_| Found::default()).collect();
+        let mut found: Vec<MaterialBounds> = manifest.materials.iter().map(|_| MaterialBounds::default()).collect();
         for part in &manifest.parts {
             let corners = indices.get(part.first_index as usize..(part.first_index + part.index_count) as usize);
             let found = &mut found[part.material as usize];
@@ -112,11 +112,11 @@ impl Anatomy {
 
     /// Formats the anatomy as rows of a name and a value.
     pub fn rows(&self, row: &mut dyn FnMut(&str, String)) {
-        row("size", format!("{} (x, y, z), at rest", size::words(self.size_m)));
+        row("size", format!("{} (x, y, z), at rest", size::format_sides(self.size_m)));
         for m in &self.materials {
             let furred = if m.furred { "furred" } else { "bare" };
             let textured = if m.textured { ", textured" } else { "" };
-            let place = |corner: [f32; 3]| size::lengths(corner.map(f64::from)).join(" ");
+            let place = |corner: [f32; 3]| size::format_lengths(corner.map(f64::from)).join(" ");
             let where_ = match m.from_m.zip(m.to_m) {
                 Some((from, to)) => format!("from {} to {} m", place(from), place(to)),
                 None => "nowhere".to_owned(),
@@ -143,20 +143,20 @@ impl Anatomy {
 }
 
 /// Triangles of a material, at rest.
-struct Found {
+struct MaterialBounds {
     triangles: u64,
     area: f64,
     from: Vec3,
     to: Vec3,
 }
 
-impl Default for Found {
+impl Default for MaterialBounds {
     fn default() -> Self {
         Self { triangles: 0, area: 0.0, from: Vec3::INFINITY, to: Vec3::NEG_INFINITY }
     }
 }
 
-impl Found {
+impl MaterialBounds {
     fn add(&mut self, [a, b, c]: [Vec3; 3]) {
         self.triangles += 1;
         self.area += (b - a).as_dvec3().cross((c - a).as_dvec3()).length() / 2.0;

@@ -1,28 +1,28 @@
 //! `pelage bake`: bakes a model into a package.
 
 use super::anatomy::Anatomy;
-use super::errand::Errand;
+use super::errand::Job;
 use super::exit::{Exit, Failure};
-use super::limits::{Judged, choose};
+use super::limits::{TrialFigures, choose};
 use super::output::{Output, human_bytes, require_parent};
 use super::picture_args::{PictureArgs, positive};
 use super::shell_judge::Source;
 use super::threads;
-use super::write_recipe::{self, Chosen};
+use super::write_recipe::{self, RecipeChoices};
 use pelage_bake::decision::Decision;
 use pelage_bake::io::{self, Reach};
-use pelage_bake::pipeline::{self, Baked, Told};
+use pelage_bake::pipeline::{self, Baked, BakeInput};
 use pelage_bake::recipe::{Recipe, SliceParams};
 use pelage_bake::reslice::Slicer;
-use pelage_bake::stages::detail::has_coat;
+use pelage_bake::stages::detail::has_far_layer;
 use pelage_bake::stages::groom;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::metric;
-use pelage_bake::stages::metric::InTile;
+use pelage_bake::stages::metric::TileRecipe;
 use pelage_bake::stages::pack;
 use pelage_bake::stages::surface::Measures;
-use pelage_bake::stages::textures::shell_bytes;
-use pelage_bake::steps::Steps;
+use pelage_bake::stages::slice::shell_bytes;
+use pelage_bake::steps::StageProgress;
 use pelage_bake::traffic;
 use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
 use pelage_import::BakeError;
@@ -61,12 +61,12 @@ pub struct BakeArgs {
 impl BakeArgs {
     /// Returns the dependencies and outputs of the bake for the cache. A bake with limits is not cached, because
     /// measurements differ each time. Nor is one that writes a recipe, which names images relative to its own folder.
-    pub fn errand(&self) -> Option<Errand> {
+    pub fn errand(&self) -> Option<Job> {
         if !self.limits.limits().is_empty() || self.write_recipe.is_some() {
             return None;
         }
-        let args = Self { output: Errand::name(&self.output), threads: None, ..self.clone() };
-        Some(Errand::new("bake", &args, &[&self.output]))
+        let args = Self { output: Job::name(&self.output), threads: None, ..self.clone() };
+        Some(Job::new("bake", &args, &[&self.output]))
     }
 }
 
@@ -138,8 +138,8 @@ impl RecipeArgs {
     pub fn image_path(&self, name: &str) -> PathBuf {
         let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let beside = folder.join(name);
-        let mut given = self.set.iter().filter_map(|assignment| Named::of(assignment)).filter(|n| n.name == name);
-        match given.find(|named| named.is_absolute() || !traffic::is_there(&beside)) {
+        let mut given = self.set.iter().filter_map(|assignment| ImageAssignment::of(assignment)).filter(|n| n.name == name);
+        match given.find(|named| named.is_absolute() || !traffic::exists(&beside)) {
             Some(named) if named.path.exists() || named.is_absolute() => named.path.to_owned(),
             _ => beside,
         }
@@ -147,7 +147,7 @@ impl RecipeArgs {
 
     /// Adds the source of the value to an error; stages name only the key of a recipe. Without a recipe the value is
     /// derived from the model.
-    pub fn placed(&self, model: &str, error: BakeError) -> BakeError {
+    pub fn with_source(&self, model: &str, error: BakeError) -> BakeError {
         let BakeError::Params { what, reason } = error else { return error };
         let set = self.set.iter().any(|assignment| assignment.split('=').next().is_some_and(|key| key.trim() == what));
         let file = match &self.recipe {
@@ -159,7 +159,7 @@ impl RecipeArgs {
     }
 
     /// Returns which files the model may reference.
-    pub fn reach(&self) -> Reach {
+    pub fn file_access(&self) -> Reach {
         if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
     }
 
@@ -175,7 +175,7 @@ impl RecipeArgs {
     /// Applies the changes of `--set` to a recipe.
     pub fn apply_to(&self, recipe: &mut Recipe) -> Result<(), BakeError> {
         self.set.iter().try_for_each(|assignment| {
-            let Some(named) = Named::of(assignment).filter(Named::is_absolute) else { return recipe.set(assignment) };
+            let Some(named) = ImageAssignment::of(assignment).filter(ImageAssignment::is_absolute) else { return recipe.set(assignment) };
             let mut changed = recipe.clone();
             let known = |recipe: &Recipe| recipe.images().iter().any(|(_, name)| *name == named.name);
             if changed.set(&named.by_name()).is_err() || !known(&changed) {
@@ -194,7 +194,7 @@ impl RecipeArgs {
 }
 
 /// Image that `--set key=PATH#channel` may name.
-struct Named<'a> {
+struct ImageAssignment<'a> {
     key: &'a str,
     path: &'a Path,
     channel: &'a str,
@@ -203,7 +203,7 @@ struct Named<'a> {
     name: &'a str,
 }
 
-impl<'a> Named<'a> {
+impl<'a> ImageAssignment<'a> {
     fn of(assignment: &'a str) -> Option<Self> {
         let (key, word) = assignment.split_once('=')?;
         let (key, word) = (key.trim(), word.trim());
@@ -241,7 +241,7 @@ pub struct BakeResult<'a> {
     /// Settings chosen for the limits, as in the package's manifest; null without limits.
     choice: Option<&'a Choice>,
     /// Figures of the trials of `choice`, in their order, that the package does not keep; null without limits.
-    judged: Option<&'a [Judged]>,
+    judged: Option<&'a [TrialFigures]>,
 }
 
 /// Time of a stage.
@@ -273,18 +273,18 @@ pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
 }
 
 /// Finished bake, with the information that the command reports.
-struct Done {
+struct FinishedBake {
     baked: Baked,
     stages: Vec<StageTime>,
     /// Choice of its settings: evidence and figures for scripts, text for people.
-    choice: Option<(Choice, Vec<Judged>, String)>,
+    choice: Option<(Choice, Vec<TrialFigures>, String)>,
     /// Whether the size of a large package was already reported before the bake.
     told_size: bool,
     /// Text of the recipe to write.
     recipe: Option<String>,
 }
 
-fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Done, Failure> {
+fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<FinishedBake, Failure> {
     let (mut recipe, recipe_input) = args.recipe.read()?;
     let mut watch = StageWatch::new(output);
     watch.begin("import");
@@ -292,24 +292,24 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     if let Some(path) = &args.write_recipe {
         write_recipe::require_files(path, &recipe, &images)?;
     }
-    let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
+    let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.file_access())?;
     let inputs = model.inputs.clone();
     model.inputs.extend(recipe_input);
     let file = args.model.display().to_string();
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let asked = recipe.clone();
-    let placed = |error| args.recipe.placed(&file, error);
+    let placed = |error| args.recipe.with_source(&file, error);
     // Values of the tile chosen before the bake.
-    let mut tile = InTile::default();
-    let mut choice: Option<(Choice, Vec<Judged>, String)> = None;
+    let mut tile = TileRecipe::default();
+    let mut choice: Option<(Choice, Vec<TrialFigures>, String)> = None;
     if !limits.is_empty() {
         watch.begin("choose");
         // The settings to try differ in their texels, not in their tile.
-        tile = metric::in_tile(&recipe, &groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref())))
+        tile = metric::to_tile_units(&recipe, &groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref())))
             .map_err(placed)?;
         let recipe_of_tile = tile.recipe.clone();
         let chosen = {
-            let slicer = Slicer::new(Told::new(&file, &name, &recipe_of_tile, &images), &model).map_err(placed)?;
+            let slicer = Slicer::new(BakeInput::new(&file, &name, &recipe_of_tile, &images), &model).map_err(placed)?;
             let source = Source::Baked { name: &name, slicer: &slicer };
             choose(&file, source, &recipe_of_tile, limits, args.limits.exhaustive, watch.output())?
         };
@@ -319,15 +319,15 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     if !args.pictures.is_empty() {
         watch.begin("choose");
         tile =
-            args.pictures.fit(Told::new(&file, &name, &recipe, &images), &model).map_err(|failure| match failure {
+            args.pictures.fit(BakeInput::new(&file, &name, &recipe, &images), &model).map_err(|failure| match failure {
                 Failure::Bake(error) => Failure::Bake(placed(error)),
                 other => other,
             })?;
         recipe = tile.recipe.clone();
-        watch.output.note(&args.pictures.said(&recipe.slice));
+        watch.output.note(&args.pictures.description(&recipe.slice));
     }
     let steps = watch.steps();
-    let told = Told { steps: &steps, ..Told::new(&file, &name, &recipe, &images) };
+    let told = BakeInput { steps: &steps, ..BakeInput::new(&file, &name, &recipe, &images) };
     let large = large_layers(&recipe);
     large.iter().for_each(|note| watch.output.note(note));
     let mut baked = pipeline::bake(&told, &model, &mut |stage| watch.begin(stage)).map_err(placed)?;
@@ -335,7 +335,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     baked.warnings.extend(tile.warnings);
     let written = args.write_recipe.as_ref().map(|path| {
         let options = write_recipe::options(limits, &args.pictures);
-        let chosen = Chosen { model: &name, asked: &asked, recipe: &recipe, options: &options };
+        let chosen = RecipeChoices { model: &name, asked: &asked, recipe: &recipe, options: &options };
         chosen.put_into(&mut baked, path, inputs, &images)
     });
     let written = written.transpose()?;
@@ -347,7 +347,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
         let text = format!("{bytes} bytes with what the package says of its bake, more than --max-bytes {limit}");
         return Err(BakeError::Internal(text).into());
     }
-    Ok(Done { baked, stages: watch.finish(), choice, told_size: large.is_some(), recipe: written })
+    Ok(FinishedBake { baked, stages: watch.finish(), choice, told_size: large.is_some(), recipe: written })
 }
 
 /// Size above which a package is reported as large, bytes: it is slow to load, especially in web pages.
@@ -356,7 +356,7 @@ const LARGE: u64 = 32 << 20;
 /// Returns a note before the bake if the layers alone will make a large package.
 fn large_layers(recipe: &Recipe) -> Option<String> {
     let SliceParams { layers, tile_texels: n, .. } = recipe.slice;
-    let bytes = shell_bytes(&recipe.slice, &recipe.pack, has_coat(recipe), recipe.visibility.enabled);
+    let bytes = shell_bytes(&recipe.slice, &recipe.pack, has_far_layer(recipe), recipe.visibility.enabled);
     (bytes > LARGE).then(|| {
         format!(
             "note: {layers} layers of {n} x {n} texels will have {} in the package and take their time; slice.layers and slice.tile_texels decide it",
@@ -399,7 +399,7 @@ impl<'a> StageWatch<'a> {
     }
 
     /// Returns the step counter of the stages, for the display.
-    pub fn steps(&self) -> Arc<Steps> {
+    pub fn steps(&self) -> Arc<StageProgress> {
         self.output.steps()
     }
 
@@ -429,8 +429,8 @@ impl<'a> StageWatch<'a> {
     }
 }
 
-fn report(output: &mut Output, args: &BakeArgs, done: &Done, seconds: f64) -> Result<(), Failure> {
-    let Done { baked, stages, choice, told_size, .. } = done;
+fn report(output: &mut Output, args: &BakeArgs, done: &FinishedBake, seconds: f64) -> Result<(), Failure> {
+    let FinishedBake { baked, stages, choice, told_size, .. } = done;
     let path = &args.output;
     for warning in &baked.warnings {
         output.note(&format!("warning: {warning}"));

@@ -1,6 +1,6 @@
 //! `pelage compare`: measures the difference of two pictures.
 
-use super::errand::Errand;
+use super::errand::Job;
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use pelage_bake::io;
@@ -46,9 +46,9 @@ pub struct CompareArgs {
 
 impl CompareArgs {
     /// Returns the dependencies and outputs of the comparison for the cache.
-    pub fn errand(&self) -> Option<Errand> {
-        let args = Self { output: self.output.as_deref().map(Errand::name), ..self.clone() };
-        Some(Errand::new("compare", &args, &self.output.iter().collect::<Vec<_>>()))
+    pub fn errand(&self) -> Option<Job> {
+        let args = Self { output: self.output.as_deref().map(Job::name), ..self.clone() };
+        Some(Job::new("compare", &args, &self.output.iter().collect::<Vec<_>>()))
     }
 }
 

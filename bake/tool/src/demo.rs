@@ -8,7 +8,7 @@ use super::shoot;
 use super::staged::stage_of;
 use super::view::View;
 use pelage_bake::io;
-use pelage_bake::pipeline::{self, Baked, Told};
+use pelage_bake::pipeline::{self, Baked, BakeInput};
 use pelage_bake::stages::groom::MapImages;
 use pelage_stage::{Background, Gpu, LookStyle, NamedPackage, Rgb, Samples, find_clip};
 use serde::Serialize;
@@ -73,7 +73,7 @@ fn bake(model: &BuiltIn, output: &mut Output) -> Result<Baked, Failure> {
     watch.begin("import");
     let imported = model.import(&recipe)?;
     let (file, images, steps) = (model.file(), MapImages::default(), watch.steps());
-    let told = Told { steps: &steps, ..Told::new(&file, model.name, &recipe, &images) };
+    let told = BakeInput { steps: &steps, ..BakeInput::new(&file, model.name, &recipe, &images) };
     let baked = pipeline::bake(&told, &imported, &mut |stage| watch.begin(stage))?;
     watch.finish();
     Ok(baked)

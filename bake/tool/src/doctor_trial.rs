@@ -3,7 +3,7 @@
 use super::exit::Failure;
 use super::output::Output;
 use super::staged::{pixels, stage_of};
-use super::truth::{self, Truth};
+use super::truth::{self, ReferenceTracer};
 use super::view::View;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
@@ -36,8 +36,8 @@ pub fn try_advice(
     }
     let Ok(gpu) = Gpu::open() else { return Ok(advice) };
     let package = file.open()?;
-    let mut recipe = Recipe::recorded(&file.name, &package.manifest().recipe)?;
-    let truth = Truth::new(file, view)?;
+    let mut recipe = Recipe::parse_recorded(&file.name, &package.manifest().recipe)?;
+    let truth = ReferenceTracer::new(file, view)?;
     // More samples than the recipe's judge uses would not be more accurate.
     let samples = samples.min(u64::from(recipe.judge.samples)) as u32;
     let mut show = |done: u64, all: u64| output.progress_of(done as usize, all as usize, "pixels of the true picture");

@@ -1,11 +1,11 @@
 //! Build-system support around every command: dependency files, records of the outcome, and the cache.
 
 use super::exit::{Exit, Failure};
-use super::output::{Output, Said};
-use pelage_bake::cache::{Cache, Found, Kept, KeptFile};
+use super::output::{Output, RecordedOutput};
+use pelage_bake::cache::{Cache, CacheHit, CommandResult, CachedFile};
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
-use pelage_bake::traffic::{self, Digest, Traffic};
+use pelage_bake::traffic::{self, Digest, IoTrace};
 use pelage_import::BakeError;
 use serde::Serialize;
 use serde_json::Value;
@@ -17,7 +17,7 @@ use std::time::Instant;
 
 /// Options of every subcommand for build systems.
 #[derive(Clone, Debug, Default, clap::Args)]
-pub struct ErrandArgs {
+pub struct JobArgs {
     /// Write a Make rule that lists every file that the command has read, including those named by a model or a scene;
     /// Ninja, Make and CMake read it
     #[arg(long, value_name = "FILE", global = true, help_heading = "Builds and farms")]
@@ -32,7 +32,7 @@ pub struct ErrandArgs {
     cache: Option<PathBuf>,
 }
 
-impl ErrandArgs {
+impl JobArgs {
     /// Returns the cache folder.
     pub fn cache(&self) -> Option<&Path> {
         self.cache.as_deref()
@@ -45,14 +45,14 @@ impl ErrandArgs {
 
 /// Deterministic command, whose outputs can be cached.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Errand {
+pub struct Job {
     /// Arguments, without output folders and options that do not change the outputs.
     arguments: String,
     /// Output folders.
     folders: Vec<PathBuf>,
 }
 
-impl Errand {
+impl Job {
     /// Creates the cache description of a command from its name and arguments, in which `outputs` must be reduced to
     /// their file names.
     pub fn new(command: &str, args: &impl Debug, outputs: &[&PathBuf]) -> Self {
@@ -78,8 +78,8 @@ impl Errand {
 
 /// Runs a command with the dependency file, record and cache that the options ask for.
 pub fn run(
-    args: &ErrandArgs,
-    errand: Option<&Errand>,
+    args: &JobArgs,
+    errand: Option<&Job>,
     command: impl FnOnce(&mut Output) -> Result<Exit, Failure>,
     output: &mut Output,
 ) -> Result<Exit, Failure> {
@@ -92,17 +92,17 @@ pub fn run(
         // fails, so will writing, which reports the error.
         let _ = std::fs::remove_file(record);
     }
-    let cache = args.cache.as_deref().zip(errand).and_then(|(folder, errand)| Kitchen::open(folder, errand, output));
-    output.listen();
-    let found = cache.as_ref().and_then(Kitchen::find);
+    let cache = args.cache.as_deref().zip(errand).and_then(|(folder, errand)| CacheSession::open(folder, errand, output));
+    output.start_recording();
+    let found = cache.as_ref().and_then(CacheSession::find);
     let cached = found.is_some();
     let (mut result, mut read, written): (_, Vec<PathBuf>, Vec<PathBuf>) = match found {
-        Some((Found { kept, read }, files)) => {
-            let served = serve(&kept, &files, output);
+        Some((CacheHit { kept, read }, files)) => {
+            let served = replay(&kept, &files, output);
             (served, read, files.into_iter().map(|(path, _)| path).collect())
         }
         None => {
-            traffic::note_down();
+            traffic::start();
             let result = command(output);
             let traffic = traffic::take();
             if let (Some(cache), Ok(exit)) = (&cache, &result) {
@@ -119,7 +119,7 @@ pub fn run(
         let targets =
             if written.is_empty() { vec![args.record.clone().unwrap_or_else(|| path.clone())] } else { written };
         result = result.and_then(|exit| {
-            io::write_atomic(path, rule(&targets, &read).as_bytes()).map(|()| exit).map_err(Into::into)
+            io::write_atomic(path, make_rule(&targets, &read).as_bytes()).map(|()| exit).map_err(Into::into)
         });
     }
     if let Some(path) = &args.record {
@@ -134,19 +134,19 @@ pub fn run(
 type Files = Vec<(PathBuf, Vec<u8>)>;
 
 /// Cache access for one command.
-struct Kitchen<'a> {
+struct CacheSession<'a> {
     cache: Cache,
-    errand: &'a Errand,
+    errand: &'a Job,
     key: Digest,
 }
 
-impl<'a> Kitchen<'a> {
+impl<'a> CacheSession<'a> {
     /// Opens the cache; returns `None` if the tool cannot be identified, because a cache must never be a reason to
     /// fail.
-    fn open(folder: &Path, errand: &'a Errand, output: &Output) -> Option<Self> {
+    fn open(folder: &Path, errand: &'a Job, output: &Output) -> Option<Self> {
         let cache = Cache::new(folder);
         let tool = std::env::current_exe().map_err(|error| error.to_string());
-        match tool.and_then(|program| cache.tool(&program).map_err(|error| error.to_string())) {
+        match tool.and_then(|program| cache.tool_hash(&program).map_err(|error| error.to_string())) {
             Ok(tool) => Some(Self { cache, errand, key: errand.key(&tool) }),
             Err(error) => {
                 output.note(&format!("note: --cache: {error}; nothing is taken from it"));
@@ -156,38 +156,38 @@ impl<'a> Kitchen<'a> {
     }
 
     /// Looks up a cached result; returns it with the paths and contents of its files.
-    fn find(&self) -> Option<(Found, Files)> {
-        let found = self.cache.find(&self.key, &mut answer)?;
+    fn find(&self) -> Option<(CacheHit, Files)> {
+        let found = self.cache.lookup(&self.key, &mut machine_property)?;
         let file =
-            |file: &KeptFile| Some((self.errand.folders.get(file.folder)?.join(&file.name), self.cache.bytes(file)?));
+            |file: &CachedFile| Some((self.errand.folders.get(file.folder)?.join(&file.name), self.cache.read(file)?));
         let files = found.kept.files.iter().map(file).collect::<Option<Vec<_>>>()?;
         Some((found, files))
     }
 
     /// Stores the outputs of a command.
-    fn keep(&self, traffic: &Traffic, exit: Exit, output: &Output) {
-        let Said { result: Some((text, json)), notes } = output.said() else { return };
-        let file = |written: &traffic::Written| {
+    fn keep(&self, traffic: &IoTrace, exit: Exit, output: &Output) {
+        let RecordedOutput { result: Some((text, json)), notes } = output.said() else { return };
+        let file = |written: &traffic::TracedOutput| {
             let (folder, name) = self.errand.place(&written.path)?;
-            Some(KeptFile { folder, name, shown: shown(&written.path), sha256: hex(&written.digest) })
+            Some(CachedFile { folder, name, shown: shown(&written.path), sha256: hex(&written.digest) })
         };
         // Files written outside the output folders could not be restored.
         let Some(files) = traffic.written.iter().map(file).collect::<Option<Vec<_>>>() else { return };
         if traffic.in_part {
             return;
         }
-        let kept = Kept { files, exit: exit as u8, text, json, notes };
+        let kept = CommandResult { files, exit: exit as u8, text, json, notes };
         let paths: Vec<&Path> = traffic.written.iter().map(|written| written.path.as_path()).collect();
-        if let Err(error) = self.cache.keep(&self.key, traffic, &kept, &paths) {
+        if let Err(error) = self.cache.store(&self.key, traffic, &kept, &paths) {
             output.note(&format!("note: --cache: {error}; what was made is not kept there"));
         }
     }
 }
 
 /// Returns a property of this machine that a result depends on.
-fn answer(what: &str) -> Option<String> {
+fn machine_property(what: &str) -> Option<String> {
     match what {
-        ADAPTER => pelage_stage::Gpu::adapter_in_words().ok(),
+        ADAPTER => pelage_stage::Gpu::describe_adapter().ok(),
         _ => None,
     }
 }
@@ -200,7 +200,7 @@ fn shown(path: &Path) -> String {
 }
 
 /// Writes the files of a cached result, and prints its notes and result.
-fn serve(kept: &Kept, files: &[(PathBuf, Vec<u8>)], output: &mut Output) -> Result<Exit, Failure> {
+fn replay(kept: &CommandResult, files: &[(PathBuf, Vec<u8>)], output: &mut Output) -> Result<Exit, Failure> {
     let whole: Vec<(&Path, &[u8])> = files.iter().map(|(path, bytes)| (path.as_path(), bytes.as_slice())).collect();
     io::write_all_atomic(&whole)?;
     kept.notes.iter().for_each(|note| output.note(note));
@@ -262,7 +262,7 @@ impl CommandRecord {
         }
     }
 
-    fn of(result: &Result<Exit, Failure>, said: Said, seconds: f64, cached: bool) -> Self {
+    fn of(result: &Result<Exit, Failure>, said: RecordedOutput, seconds: f64, cached: bool) -> Self {
         let (exit, error) = match result {
             Ok(exit) => (*exit, None),
             Err(failure) => (failure.exit(), Some(failure.to_string())),
@@ -314,7 +314,7 @@ fn peak_bytes() -> Option<u64> {
 }
 
 /// Formats a Make rule: the files written depend on the files read, each of which gets an empty rule.
-fn rule(written: &[PathBuf], read: &[PathBuf]) -> String {
+fn make_rule(written: &[PathBuf], read: &[PathBuf]) -> String {
     let words = |paths: &[PathBuf]| paths.iter().map(|path| make_word(&shown(path))).collect::<Vec<_>>();
     let (targets, sources) = (words(written), words(read));
     let mut text = format!("{}: \\\n  {}\n", targets.join(" "), sources.join(" \\\n  "));
@@ -346,15 +346,15 @@ mod tests {
     #[test]
     fn a_rule_names_what_was_read() {
         let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
-        let text = rule(&paths(&["out/a b.pelage"]), &paths(&["fox.glb", "skins/$1#.png"]));
+        let text = make_rule(&paths(&["out/a b.pelage"]), &paths(&["fox.glb", "skins/$1#.png"]));
         let expected = "out/a\\ b.pelage: \\\n  fox.glb \\\n  skins/$$1\\#.png\n\nfox.glb:\n\nskins/$$1\\#.png:\n";
         assert_eq!(text, expected);
     }
 
     #[test]
     fn a_key_leaves_out_where_things_go() {
-        let errand = |folder: &str, n: u8| Errand::new("bake", &n, &[&PathBuf::from(folder).join("a.pelage")]);
-        let key = |errand: &Errand, tool: u8| errand.key(&[tool; 32]);
+        let errand = |folder: &str, n: u8| Job::new("bake", &n, &[&PathBuf::from(folder).join("a.pelage")]);
+        let key = |errand: &Job, tool: u8| errand.key(&[tool; 32]);
         let (here, there, other) = (errand("here", 1), errand("there", 1), errand("here", 2));
         assert_eq!(key(&here, 1), key(&there, 1));
         assert_ne!(key(&here, 1), key(&other, 1));

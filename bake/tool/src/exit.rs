@@ -105,7 +105,7 @@ impl From<StageError> for Failure {
             StageError::Input { file, place, reason } => BakeError::Input { file, place, reason }.into(),
             StageError::Package { file, source } => BakeError::Package { file, source }.into(),
             // Requests to a stage correspond to command-line options.
-            StageError::Asked { what, reason } => Self::Usage(format!("--{what}: {reason}")),
+            StageError::Request { what, reason } => Self::Usage(format!("--{what}: {reason}")),
             StageError::Params(text) => Self::Usage(text),
             StageError::NoAdapter(text) => Self::NoAdapter(text),
             StageError::Internal(text) => BakeError::Internal(text).into(),

@@ -4,7 +4,7 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use super::package_file;
 use super::reference::CameraResult;
-use super::truth::Truth;
+use super::truth::ReferenceTracer;
 use super::view::View;
 use super::view_args::parse_seconds;
 use glam::DVec3;
@@ -112,7 +112,7 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     let size = (args.size.width, args.size.height);
     let view = View { clip: args.clip.clone(), time_s: args.time, ..View::sized(size) };
     output.progress("growing strands");
-    let truth = Truth::new(&file, &view)?;
+    let truth = ReferenceTracer::new(&file, &view)?;
     let mut files = Vec::new();
     let chosen = args.chosen(truth.scene.curves())?;
     let curves = args.thinned(&chosen);
@@ -204,7 +204,7 @@ impl ExportArgs {
                 self.package.display()
             )));
         }
-        Ok(Cow::Owned(curves.only(&names)))
+        Ok(Cow::Owned(curves.only_groups(&names)))
     }
 
     /// Thins the strands to the requested number.
@@ -212,7 +212,7 @@ impl ExportArgs {
         let every = self.every as usize;
         let kept = curves.len().div_ceil(every);
         let more = self.max_strands.map_or(1, |most| kept.div_ceil(most as usize).max(1));
-        if every * more == 1 { Cow::Borrowed(curves) } else { Cow::Owned(curves.every(every * more)) }
+        if every * more == 1 { Cow::Borrowed(curves) } else { Cow::Owned(curves.every_nth(every * more)) }
     }
 }
 

@@ -1,12 +1,12 @@
 //! `pelage sky`: fits a small set of lights to an environment map.
 
-use super::errand::Errand;
+use super::errand::Job;
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use pelage_bake::io::write_atomic;
-use pelage_bake::sky_file::SkyFile;
+use pelage_bake::environment_file::EnvironmentFile;
 use pelage_stage::Look;
-use pelage_stage::sky::{Environment, FitParams, Fitted, environment_to_toml};
+use pelage_stage::sky::{Environment, FitParams, FitResult, environment_to_toml};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -64,9 +64,9 @@ struct SkySun {
 
 impl SkyArgs {
     /// Returns the dependencies and outputs of the fit for the cache.
-    pub fn errand(&self) -> Option<Errand> {
-        let args = Self { output: Errand::name(&self.output), ..self.clone() };
-        Some(Errand::new("sky", &args, &[&self.output]))
+    pub fn errand(&self) -> Option<Job> {
+        let args = Self { output: Job::name(&self.output), ..self.clone() };
+        Some(Job::new("sky", &args, &[&self.output]))
     }
 }
 
@@ -83,19 +83,19 @@ fn parse_ground(text: &str) -> Result<[f32; 3], String> {
 /// Runs the subcommand.
 pub fn run(args: &SkyArgs, output: &mut Output) -> Result<Exit, Failure> {
     require_parent(&args.output)?;
-    let sky = SkyFile::read(&args.input)?;
+    let sky = EnvironmentFile::read(&args.input)?;
     output.progress("fitting");
     let began = Instant::now();
     let sky = sky.over_ground(args.ground, args.lobes as usize)?;
     let (fitted, size) = match sky {
-        SkyFile::Panorama(panorama) => {
+        EnvironmentFile::Panorama(panorama) => {
             let sun = if args.sun < 1.0 { args.sun } else { f64::INFINITY };
             (panorama.fit(FitParams { lobes: args.lobes as usize, sun }), Some(panorama.size()))
         }
-        SkyFile::Lights(environment) => {
+        EnvironmentFile::Lights(environment) => {
             let most = args.lobes as usize;
             let environment = environment.with_fewer(most);
-            (Fitted { environment, sun_share: 0.0, energy: 0.0, error: 0.0, mended: 0 }, None)
+            (FitResult { environment, sun_share: 0.0, energy: 0.0, error: 0.0, repaired_pixels: 0 }, None)
         }
     };
     let seconds = began.elapsed().as_secs_f64();
@@ -106,17 +106,17 @@ pub fn run(args: &SkyArgs, output: &mut Output) -> Result<Exit, Failure> {
 
 fn report(
     args: &SkyArgs,
-    fitted: &Fitted,
+    fitted: &FitResult,
     size: Option<(u32, u32)>,
     seconds: f64,
     output: &mut Output,
 ) -> Result<Exit, Failure> {
     let Environment { lobes, sun, .. } = &fitted.environment;
-    if fitted.mended > 0 {
+    if fitted.repaired_pixels > 0 {
         let name = args.input.display();
         output.note(&format!(
             "note: {name}: {} pixels were no light (negative, infinite or no numbers): mended",
-            fitted.mended
+            fitted.repaired_pixels
         ));
     }
     let name = args.output.display().to_string();
@@ -141,7 +141,7 @@ fn report(
         sun: sun.map(|sun| SkySun { towards: sun.towards, color: sun.color, share: fitted.sun_share }),
         energy: fitted.energy,
         error: fitted.error,
-        mended: fitted.mended,
+        mended: fitted.repaired_pixels,
         seconds,
     };
     output.result(&text, &result)?;

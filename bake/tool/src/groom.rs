@@ -8,7 +8,7 @@ use super::threads;
 use pelage_bake::groom_map::{GroomMap, Quantity, groom_map};
 use pelage_bake::io;
 use pelage_bake::picture::encode_png;
-use pelage_bake::pipeline::Told;
+use pelage_bake::pipeline::BakeInput;
 use pelage_bake::recipe::GroomCoordinates;
 use pelage_import::ImportOptions;
 use serde::Serialize;
@@ -131,15 +131,15 @@ fn evaluate(args: &GroomArgs, quantity: Quantity, output: &mut Output) -> Result
     let (recipe, _) = args.recipe.read()?;
     output.progress("import");
     let images = args.recipe.images(&recipe)?;
-    let model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
+    let model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.file_access())?;
     let file = args.model.display().to_string();
     let coordinates = args
         .coordinates
         .as_deref()
         .map(|word| if word == "atlas" { GroomCoordinates::Atlas } else { GroomCoordinates::Model });
     output.progress("groom");
-    let told = Told::new(&file, "groom", &recipe, &images);
+    let told = BakeInput::new(&file, "groom", &recipe, &images);
     let map = groom_map(&told, &model, quantity, coordinates, args.texels);
-    let map = map.map_err(|error| args.recipe.placed(&file, error))?;
+    let map = map.map_err(|error| args.recipe.with_source(&file, error))?;
     Ok((map, model.materials.into_iter().map(|material| material.name).collect()))
 }

@@ -5,7 +5,7 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file;
 use pelage_bake::hexadecimal::hex;
-use pelage_formats::{Choice, CoatInfo, DetailLevel, FormatError, InkInfo, Package, QualityFigure};
+use pelage_formats::{Choice, FarLayerInfo, DetailLevel, FormatError, InkInfo, Package, QualityFigure};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -59,7 +59,7 @@ pub struct InspectResult<'a> {
     /// Size on the device, bytes: textures, vertices and indices.
     gpu_bytes: u64,
     /// Appearance of the fur from afar; null without it.
-    coat: Option<CoatInfo>,
+    coat: Option<FarLayerInfo>,
     /// Levels of detail, finest first.
     detail: &'a [DetailLevel],
     /// Settings chosen by a bake with limits; null for a bake without limits.
@@ -249,7 +249,7 @@ fn table(name: &str, r: &InspectResult<'_>) -> String {
     for s in &r.sections {
         row("section", format!("{}, {}", s.tag, human_bytes(s.bytes)));
     }
-    if let Some(CoatInfo { height, light_straight, .. }) = r.coat {
+    if let Some(FarLayerInfo { height, light_straight, .. }) = r.coat {
         row("coat", format!("at {height:.2} of the height, {light_straight:.2} of the key light reaches it"));
     }
     for level in r.detail {

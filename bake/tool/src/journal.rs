@@ -62,7 +62,7 @@ impl<T: Entry> Journal<T> {
 
     /// Imports pieces from another run's journal file, which is not modified; returns the number of its pieces that
     /// belong to other jobs.
-    pub fn take(&mut self, path: &Path) -> Result<usize, Failure> {
+    pub fn import(&mut self, path: &Path) -> Result<usize, Failure> {
         let (ours, others) = entries::<T>(&read_text(path, "rows that `pelage chart --part` has left")?, &self.key);
         self.entries.extend(ours.into_iter().map(|entry| (entry.number(), entry)));
         Ok(others)
@@ -133,24 +133,24 @@ pub struct Key(Sha256);
 impl Key {
     /// Creates a key that differs between versions and builds of the tool.
     pub fn of_build() -> Self {
-        Self::of_version().and(build())
+        Self::of_version().with(build())
     }
 
     /// Creates a key like [`Self::of_build`], but independent of where the tool is installed: its program is hashed,
     /// which takes a moment.
     pub fn of_program() -> Self {
         let program = std::env::current_exe().and_then(|program| digest(&program, u64::MAX));
-        Self::of_version().and(program.unwrap_or_default())
+        Self::of_version().with(program.unwrap_or_default())
     }
 
     /// Creates a key that differs only between versions of the tool: for results combined from machines with their own
     /// builds.
     pub fn of_version() -> Self {
-        Self(Sha256::new()).and(env!("CARGO_PKG_VERSION"))
+        Self(Sha256::new()).with(env!("CARGO_PKG_VERSION"))
     }
 
     /// Adds a part to the hash.
-    pub fn and(mut self, part: impl AsRef<[u8]>) -> Self {
+    pub fn with(mut self, part: impl AsRef<[u8]>) -> Self {
         let part = part.as_ref();
         self.0.update((part.len() as u64).to_le_bytes());
         self.0.update(part);

@@ -105,7 +105,7 @@ pub trait Commands: Subcommand {
     fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure>;
 
     /// Returns the inputs, options and outputs of a subcommand whose outputs depend on nothing else.
-    fn errand(&self) -> Option<errand::Errand>;
+    fn errand(&self) -> Option<errand::Job>;
 }
 
 /// Command line around a subcommand.
@@ -131,7 +131,7 @@ struct Global {
     #[arg(long, global = true)]
     json: bool,
     #[command(flatten)]
-    errand: errand::ErrandArgs,
+    errand: errand::JobArgs,
 }
 
 /// Subcommands of `pelage`.
@@ -189,7 +189,7 @@ impl Commands for Command {
         }
     }
 
-    fn errand(&self) -> Option<errand::Errand> {
+    fn errand(&self) -> Option<errand::Job> {
         match self {
             Self::Bake(args) => args.errand(),
             Self::Render(args) => args.errand(),
@@ -205,7 +205,7 @@ impl Commands for Command {
 /// Runs the command line of this process.
 pub fn run<C: Commands>() -> std::process::ExitCode {
     #[cfg(target_os = "linux")]
-    spare_mesa_a_missing_variable();
+    restart_with_xdg_runtime_dir();
     install_panic_hook();
     install_signal_handler();
     let exit = match Cli::<C>::try_parse() {
@@ -227,7 +227,7 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
 /// opens an adapter, and on servers it complains on stderr if the variable is missing. If the restart fails, Mesa
 /// complains.
 #[cfg(target_os = "linux")]
-fn spare_mesa_a_missing_variable() {
+fn restart_with_xdg_runtime_dir() {
     use std::os::unix::process::CommandExt as _;
     const NAME: &str = "XDG_RUNTIME_DIR";
     // A folder without displays. It is absolute, as Mesa requires, so that this happens only once.
@@ -245,7 +245,7 @@ fn spare_mesa_a_missing_variable() {
 }
 
 /// Returns clap's message in one line: the error and what was expected, without advice.
-fn said_in_a_line(error: &clap::Error) -> String {
+fn one_line_message(error: &clap::Error) -> String {
     let message = error.to_string();
     let lines = message.lines().take_while(|line| !line.trim().is_empty());
     let line = lines.map(str::trim).collect::<Vec<_>>().join(" ");
@@ -268,7 +268,7 @@ fn hint(error: &clap::Error) -> Option<&'static str> {
 /// Returns the reason that a command line is refused, if it is.
 fn refusal<C: Commands>(words: &[String]) -> Option<String> {
     let error = Cli::<C>::try_parse_from(words).err()?;
-    error.use_stderr().then(|| said_in_a_line(&error))
+    error.use_stderr().then(|| one_line_message(&error))
 }
 
 /// Runs `body`; a panic in it becomes an internal error, which the hook has already reported.
@@ -302,9 +302,9 @@ fn usage(error: &clap::Error) -> Exit {
         output::to_stderr(&format!("note: {hint}\n"));
     }
     if std::env::args_os().any(|arg| arg == "--json") {
-        Output::new(true, true).error_object(Exit::Usage, &said_in_a_line(error));
+        Output::new(true, true).error_object(Exit::Usage, &one_line_message(error));
     }
-    if let Err(unwritten) = errand::record_refusal(&said_in_a_line(error)) {
+    if let Err(unwritten) = errand::record_refusal(&one_line_message(error)) {
         output::to_stderr(&format!("error: {unwritten}\n"));
     }
     Exit::Usage

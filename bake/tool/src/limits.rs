@@ -9,7 +9,7 @@ use pelage_formats::Choice;
 use pelage_import::BakeError;
 use pelage_stage::{Gpu, LookDetail};
 use pelage_truth::decide;
-use pelage_truth::decide::{Decision, Figure, FrameTime, Judge, Limits, Measured, Setting, Space, Trial};
+use pelage_truth::decide::{Decision, Figure, FrameTime, Judge, Limits, SettingFigures, Setting, SettingSpace, Trial};
 use pelage_truth::likeness::Likeness;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -21,7 +21,7 @@ const EVIDENCE_BYTES: u64 = 16 << 10;
 /// Figures of a trial.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Judged {
+pub struct TrialFigures {
     /// Mean FLIP against the reference pictures, 0 to 1.
     pub flip: f64,
     /// Mean absolute difference of coverage within one fur height of the reference outline, 0 to 1.
@@ -33,13 +33,13 @@ pub struct Judged {
 }
 
 /// Chosen setting, and the reasons.
-pub struct Chosen {
+pub struct ChosenSetting {
     /// The recipe with the chosen setting.
     pub recipe: Recipe,
     /// Evidence for the manifest.
     pub choice: Choice,
     /// Figures of the trials that the package does not store, in their order, for scripts.
-    pub judged: Vec<Judged>,
+    pub judged: Vec<TrialFigures>,
     /// Explanation for people.
     pub text: String,
 }
@@ -57,7 +57,7 @@ pub fn choose(
     limits: &Limits,
     exhaustive: bool,
     output: &mut Output,
-) -> Result<Chosen, Failure> {
+) -> Result<ChosenSetting, Failure> {
     limits.validate()?;
     recipe.validate()?;
     let gpu = Gpu::open()?;
@@ -76,7 +76,7 @@ pub fn choose(
 }
 
 /// Result of a search.
-struct Found {
+struct SearchResult {
     recipe: Recipe,
     decision: Decision,
     /// Comparison of each trial with the reference pictures.
@@ -94,9 +94,9 @@ fn search(
     limits: &Limits,
     exhaustive: bool,
     output: &mut Output,
-) -> Result<Found, Failure> {
-    let space = Space::around(recipe).up_to(judge.most_layers(recipe));
-    let mut counted = Counted { judge, recipe, output, likenesses: Vec::new() };
+) -> Result<SearchResult, Failure> {
+    let space = SettingSpace::around(recipe).up_to(judge.most_layers(recipe));
+    let mut counted = CountingJudge { judge, recipe, output, likenesses: Vec::new() };
     let decision = if exhaustive {
         decide::exhaustive(&space, limits, &mut counted)?
     } else {
@@ -112,12 +112,12 @@ fn search(
     };
     // Trials are in the order of their measurement.
     let likenesses = counted.likenesses;
-    Ok(Found { recipe: recipe.clone(), decision, likenesses, evidence, settings: space.settings().len() })
+    Ok(SearchResult { recipe: recipe.clone(), decision, likenesses, evidence, settings: space.settings().len() })
 }
 
-impl Found {
+impl SearchResult {
     /// Converts the result for the bake; `left_out`: single strands were disabled to meet the limits.
-    fn chosen(self, file: &str, limits: &Limits, left_out: bool) -> Result<Chosen, Failure> {
+    fn chosen(self, file: &str, limits: &Limits, left_out: bool) -> Result<ChosenSetting, Failure> {
         let Self { recipe, decision, likenesses, evidence, settings } = self;
         let mut text = describe(&decision, &likenesses, limits, &evidence.adapter, settings);
         if left_out {
@@ -128,7 +128,7 @@ impl Found {
         if !decision.meets {
             return Err(BakeError::Input { file: file.into(), place: asked(limits), reason: text }.into());
         }
-        Ok(Chosen {
+        Ok(ChosenSetting {
             recipe: decision.chosen().setting.applied_to(&recipe),
             choice: decision.evidence(limits, evidence),
             judged: decision.trials.iter().zip(&likenesses).map(judged).collect(),
@@ -138,7 +138,7 @@ impl Found {
 }
 
 /// Judge with a progress display.
-struct Counted<'a, 'o> {
+struct CountingJudge<'a, 'o> {
     judge: &'a ShellJudge<'a>,
     recipe: &'a Recipe,
     output: &'o mut Output,
@@ -146,18 +146,18 @@ struct Counted<'a, 'o> {
     likenesses: Vec<Likeness>,
 }
 
-impl Judge for Counted<'_, '_> {
+impl Judge for CountingJudge<'_, '_> {
     type Error = Failure;
 
-    fn measure(&mut self, setting: &Setting) -> Result<Measured, Failure> {
+    fn measure(&mut self, setting: &Setting) -> Result<SettingFigures, Failure> {
         self.output.progress(&setting.to_string());
         let (m, likeness) = self.judge.measure(&setting.applied_to(self.recipe))?;
         self.likenesses.push(likeness);
         let frame = FrameTime::exactly(m.frame_ms);
-        Ok(Measured { error: likeness.error, frame, bytes: m.package_bytes + EVIDENCE_BYTES })
+        Ok(SettingFigures { error: likeness.error, frame, bytes: m.package_bytes + EVIDENCE_BYTES })
     }
 
-    fn time_again(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Failure> {
+    fn retime(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Failure> {
         self.output.progress(&format!("timing {} settings again", settings.len()));
         let recipes: Vec<Recipe> = settings.iter().map(|setting| setting.applied_to(self.recipe)).collect();
         self.judge.time_in_turns(&recipes)
@@ -165,10 +165,10 @@ impl Judge for Counted<'_, '_> {
 }
 
 /// Returns the figures of a trial that the package does not keep.
-fn judged((trial, likeness): (&Trial, &Likeness)) -> Judged {
+fn judged((trial, likeness): (&Trial, &Likeness)) -> TrialFigures {
     let FrameTime { low, high, .. } = trial.measured.frame;
     let Likeness { flip, outline, contrast, .. } = *likeness;
-    Judged { flip, outline, contrast, frame_ms_quartiles: [low, high] }
+    TrialFigures { flip, outline, contrast, frame_ms_quartiles: [low, high] }
 }
 
 /// Returns the limits as given.
@@ -194,7 +194,7 @@ fn describe(decision: &Decision, likenesses: &[Likeness], limits: &Limits, adapt
     };
     let word = if decision.meets { "chosen" } else { "found no setting within the limits, nearest" };
     line(format_args!("{word}: {}", trial(decision.chosen)));
-    line(format_args!("  (--set {})", decision.chosen().setting.words().join(" --set ")));
+    line(format_args!("  (--set {})", decision.chosen().setting.set_arguments().join(" --set ")));
     match decision.binding {
         Some(figure) if decision.meets => line(format_args!("{} binds", figure.option())),
         Some(figure) => line(format_args!("{} cannot be met", figure.option())),

@@ -89,7 +89,7 @@ fn read(path: &Path, look: &mut Look) -> Result<(), Failure> {
 pub const LOOK: &str = "a look in TOML";
 
 fn input(file: &str, error: ParamError) -> BakeError {
-    BakeError::Input { file: file.to_owned(), place: error.place(), reason: error.reason }
+    BakeError::Input { file: file.to_owned(), place: error.location(), reason: error.reason }
 }
 
 /// Returns true for `key=value`, false for a file name.
@@ -166,7 +166,7 @@ pub fn parser(short: &'static ShortForm) -> ValueParser {
 }
 
 /// Validates a value of `--look`: a look file, or an assignment, which is checked.
-fn look_word(word: &str) -> Result<String, String> {
+fn validate_look_value(word: &str) -> Result<String, String> {
     if is_assignment(word) {
         Look::default().set(word).map_err(|error| error.to_string())?;
     }
@@ -179,7 +179,7 @@ impl Args for LookArgs {
             .long("look")
             .value_name("L.toml|KEY=VALUE")
             .action(ArgAction::Append)
-            .value_parser(look_word)
+            .value_parser(validate_look_value)
             .help("Look of the picture: a file, or one key such as shadow.penumbra=0.3 (bake/docs/look.md lists them); later ones win, and flags before all [may be given again]");
         command.arg(look).args(SHORT_FORMS.iter().map(argument))
     }

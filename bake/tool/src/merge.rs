@@ -1,6 +1,6 @@
 //! `pelage merge`: combines the parts of a picture that several machines have traced.
 
-use super::errand::Errand;
+use super::errand::Job;
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use super::reference::{Format, exr, png};
@@ -41,9 +41,9 @@ pub struct MergeResult {
 
 impl MergeArgs {
     /// Returns the dependencies and outputs of the merge for the cache.
-    pub fn errand(&self) -> Option<Errand> {
-        let args = Self { output: Errand::name(&self.output), ..self.clone() };
-        Some(Errand::new("merge", &args, &[&self.output]))
+    pub fn errand(&self) -> Option<Job> {
+        let args = Self { output: Job::name(&self.output), ..self.clone() };
+        Some(Job::new("merge", &args, &[&self.output]))
     }
 }
 

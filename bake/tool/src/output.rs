@@ -1,9 +1,9 @@
 //! Results on stdout, progress and notes on stderr.
 
 use super::exit::{Exit, Failure};
-use super::work::{Herald, Work};
+use super::work::{ProgressPrinter, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use pelage_bake::steps::Steps;
+use pelage_bake::steps::StageProgress;
 use pelage_import::BakeError;
 use serde::Serialize;
 use std::fmt;
@@ -22,16 +22,16 @@ pub struct Output {
     /// Current work.
     work: Arc<Mutex<Work>>,
     /// Step counter of the stages.
-    steps: Arc<Steps>,
+    steps: Arc<StageProgress>,
     /// Progress display.
-    shown: Option<Shown>,
+    shown: Option<ProgressDisplay>,
     /// Result and notes since [`Self::listen`].
-    said: Mutex<Option<Said>>,
+    said: Mutex<Option<RecordedOutput>>,
 }
 
 /// Recorded output of a command.
 #[derive(Clone, Debug, Default)]
-pub struct Said {
+pub struct RecordedOutput {
     /// Result, as text and as JSON.
     pub result: Option<(String, serde_json::Value)>,
     /// Notes, including those that `--quiet` suppressed.
@@ -39,11 +39,11 @@ pub struct Said {
 }
 
 #[derive(Debug)]
-enum Shown {
+enum ProgressDisplay {
     /// Progress bar on a terminal, with its template.
     Bar(ProgressBar, &'static str),
     /// Lines, if stderr is not a terminal.
-    Lines(#[expect(dead_code, reason = "it tells until it is dropped")] Herald),
+    Lines(#[expect(dead_code, reason = "it tells until it is dropped")] ProgressPrinter),
 }
 
 /// Progress templates: without a count or with a count of its own, and for steps counted by the command.
@@ -53,7 +53,7 @@ const STEPS: &str = "{bar:30} {msg} {elapsed}{left}";
 impl Output {
     /// Creates the output. `quiet` suppresses everything but errors and JSON; `json` makes stdout one JSON object.
     pub fn new(quiet: bool, json: bool) -> Self {
-        let steps = Arc::new(Steps::new());
+        let steps = Arc::new(StageProgress::new());
         let work = Arc::new(Mutex::new(Work::new(steps.clone())));
         Self { quiet, json, done: false, work, steps, shown: None, said: Mutex::default() }
     }
@@ -77,7 +77,7 @@ impl Output {
             bytes.push('\n');
         }
         self.done = true;
-        if let Some(said) = &mut *self.heard() {
+        if let Some(said) = &mut *self.lock_recording() {
             said.result = Some((text.to_owned(), json));
         }
         let mut stdout = io::stdout().lock();
@@ -86,34 +86,34 @@ impl Output {
 
     /// Prints a note on stderr, unless quiet.
     pub fn note(&self, text: &str) {
-        if let Some(said) = &mut *self.heard() {
+        if let Some(said) = &mut *self.lock_recording() {
             said.notes.push(text.to_owned());
         }
         if !self.quiet {
             let line = || to_stderr(&format!("{text}\n"));
             match &self.shown {
-                Some(Shown::Bar(bar, _)) => bar.suspend(line),
+                Some(ProgressDisplay::Bar(bar, _)) => bar.suspend(line),
                 _ => line(),
             }
         }
     }
 
     /// Starts recording the result and notes.
-    pub fn listen(&self) {
-        *self.heard() = Some(Said::default());
+    pub fn start_recording(&self) {
+        *self.lock_recording() = Some(RecordedOutput::default());
     }
 
     /// Returns the result and notes recorded since [`Self::listen`].
-    pub fn said(&self) -> Said {
-        self.heard().clone().unwrap_or_default()
+    pub fn said(&self) -> RecordedOutput {
+        self.lock_recording().clone().unwrap_or_default()
     }
 
-    fn heard(&self) -> MutexGuard<'_, Option<Said>> {
+    fn lock_recording(&self) -> MutexGuard<'_, Option<RecordedOutput>> {
         self.said.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns the step counter of the stages, from which [`Self::progress`] shows the progress.
-    pub fn steps(&self) -> Arc<Steps> {
+    pub fn steps(&self) -> Arc<StageProgress> {
         self.steps.clone()
     }
 
@@ -142,13 +142,13 @@ impl Output {
         let work = &self.work;
         let shown = self.shown.get_or_insert_with(|| {
             if !io::stderr().is_terminal() {
-                return Shown::Lines(Herald::new(work.clone(), to_stderr));
+                return ProgressDisplay::Lines(ProgressPrinter::new(work.clone(), to_stderr));
             }
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
             bar.enable_steady_tick(Duration::from_millis(100));
-            Shown::Bar(bar, "")
+            ProgressDisplay::Bar(bar, "")
         });
-        let Shown::Bar(bar, shown) = shown else { return };
+        let ProgressDisplay::Bar(bar, shown) = shown else { return };
         if let Some((done, total)) = steps {
             bar.set_length(total);
             bar.set_position(done);
@@ -170,7 +170,7 @@ impl Output {
 
     /// Ends the progress display, as [`Self::result`] does; clears it from a terminal.
     pub fn end_progress(&mut self) {
-        if let Some(Shown::Bar(bar, _)) = self.shown.take() {
+        if let Some(ProgressDisplay::Bar(bar, _)) = self.shown.take() {
             bar.finish_and_clear();
         }
     }

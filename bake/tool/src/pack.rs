@@ -51,7 +51,7 @@ pub fn run(args: &PackArgs, output: &mut Output) -> Result<Exit, Failure> {
     let folder = args.folder.display().to_string();
     let bytes = unpacked::pack(&folder, &mut |name| {
         let path = args.folder.join(name);
-        if !traffic::is_there(&path) {
+        if !traffic::exists(&path) {
             return Ok(None);
         }
         read_named_file(&path).map(Some)
@@ -82,7 +82,7 @@ fn report_leftovers(args: &PackArgs, bytes: &[u8], output: &Output) {
         ));
     }
     if let Ok(package) = Package::open(bytes, &Limits::default())
-        && let Err(e) = Recipe::recorded("recipe.toml", &package.manifest().recipe)
+        && let Err(e) = Recipe::parse_recorded("recipe.toml", &package.manifest().recipe)
     {
         output.note(&format!("note: {e}"));
     }

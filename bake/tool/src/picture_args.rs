@@ -2,10 +2,10 @@
 
 use super::exit::Failure;
 use super::view::View;
-use pelage_bake::pipeline::{self, Told};
+use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::SliceParams;
 use pelage_bake::stages::groom;
-use pelage_bake::stages::metric::{self, InTile};
+use pelage_bake::stages::metric::{self, TileRecipe};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Model, RestPose};
 use pelage_stage::{NamedPackage, Size, Viewpoint};
@@ -49,13 +49,13 @@ impl PictureArgs {
     /// # Errors
     ///
     /// Same as [`pipeline::bake`].
-    pub fn fit(&self, told: Told<'_>, model: &Model) -> Result<InTile, Failure> {
+    pub fn fit(&self, told: BakeInput<'_>, model: &Model) -> Result<TileRecipe, Failure> {
         let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
-        let mut coarse = metric::in_tile(told.recipe, &bounds)?.recipe;
+        let mut coarse = metric::to_tile_units(told.recipe, &bounds)?.recipe;
         (coarse.slice.layers, coarse.slice.tile_texels) = (4, 16);
         (coarse.ink.enabled, coarse.fins.enabled, coarse.visibility.enabled, coarse.detail.enabled) =
             (false, false, false, false);
-        let baked = pipeline::bake(&Told { recipe: &coarse, ..told }, model, &mut |_| ())?;
+        let baked = pipeline::bake(&BakeInput { recipe: &coarse, ..told }, model, &mut |_| ())?;
         let file = NamedPackage::new(told.file, baked.package);
         let package = file.open()?;
         let shown = self.for_size.map_or_else(View::default, |size| View::sized((size.width, size.height)));
@@ -65,24 +65,24 @@ impl PictureArgs {
         let view = doctor::View { eye, target, fov_y_rad, size: shown.size(), instances: 1, shadow_map: 0 };
         let fault = |source| BakeError::Package { file: file.name.clone(), source };
         let found = doctor::diagnose(&package, &view, &fault)?.on_screen;
-        let near = self.for_distance.map_or(found, |distance_m| found.seen_from(distance_m));
+        let near = self.for_distance.map_or(found, |distance_m| found.at_distance(distance_m));
         let tile_px = near.texel_px * f64::from(coarse.slice.tile_texels);
         let px_per_m = tile_px / f64::from(fur.tile_size_m);
         let mut sized = told.recipe.clone();
         if let Some(width_m) = metric::hair_width_m(&sized).filter(|_| sized.surface.tile_size_m.is_none()) {
             sized.slice.tile_texels = texels_of_period(width_m * px_per_m);
         }
-        let done = metric::in_tile(&sized, &bounds)?;
+        let done = metric::to_tile_units(&sized, &bounds)?;
         let tile_px = match done.recipe.surface.tile_size_m {
             Some(tile_size_m) if metric::is_metric(&sized) => f64::from(tile_size_m) * px_per_m,
             _ => tile_px,
         };
         let recipe = doctor::fitted(&done.recipe, &OnScreen { texel_px: tile_px, ..near }, 1);
-        Ok(InTile { recipe, ..done })
+        Ok(TileRecipe { recipe, ..done })
     }
 
     /// Returns a description of the pictures and of the chosen values.
-    pub fn said(&self, slice: &SliceParams) -> String {
+    pub fn description(&self, slice: &SliceParams) -> String {
         let Size { width, height, .. } = self.for_size.unwrap_or(View::default().look.picture.size);
         let from = self.for_distance.map_or_else(String::new, |distance_m| format!(" from {distance_m} m"));
         let SliceParams { layers, tile_texels, .. } = slice;

@@ -1,14 +1,14 @@
 //! `pelage reference`: traces the reference picture of a package, strand by strand.
 
 use super::backdrop::lay_over_sky;
-use super::errand::Errand;
+use super::errand::Job;
 use super::exit::{Exit, Failure};
 use super::journal::Key;
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file;
 use super::share::share;
 use super::threads;
-use super::truth::{Truth, encode};
+use super::truth::{ReferenceTracer, encode};
 use super::view::View;
 use super::view_args::ViewArgs;
 use image::RgbaImage;
@@ -17,7 +17,7 @@ use pelage_bake::strands::GroomReport;
 use pelage_import::BakeError;
 use pelage_params::Knob;
 use pelage_stage::{Background, Look, NamedPackage, SHORT_FORMS, ShortForm};
-use pelage_truth::{Lens, OfPicture, Part, Portion, TracedPart, TracedPicture, TrueCamera, TrueScattering};
+use pelage_truth::{Lens, PartHeader, Part, Portion, TracedPart, TracedPicture, TrueCamera, TrueScattering};
 use serde::Serialize;
 use std::io::Cursor;
 use std::ops::ControlFlow;
@@ -43,7 +43,7 @@ pub struct ReferenceArgs {
     /// How hair is lit: as `render` lights it, or `exact`, with light passing between fibres. Packages with
     /// `shading.model = "marschner"` are always `exact`, except with `--scattering off`
     #[arg(long, value_name = "HOW", default_value = "package")]
-    fibre: FibreTruth,
+    fibre: FibreLighting,
     /// Maximum number of times that light meets hair or mesh surface, for light passing between fibres; 1 is light from
     /// the lights by a single fibre [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -72,15 +72,15 @@ const MOST_PARTS: u32 = 10_000;
 
 impl ReferenceArgs {
     /// Returns the dependencies and outputs of the trace for the cache.
-    pub fn errand(&self) -> Option<Errand> {
-        let args = Self { output: Errand::name(&self.output), threads: None, ..self.clone() };
-        Some(Errand::new("reference", &args, &[&self.output]))
+    pub fn errand(&self) -> Option<Job> {
+        let args = Self { output: Job::name(&self.output), threads: None, ..self.clone() };
+        Some(Job::new("reference", &args, &[&self.output]))
     }
 }
 
 /// Lighting of hair in a reference picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum FibreTruth {
+enum FibreLighting {
     /// Lit as the package says
     Package,
     /// With light passing between fibres
@@ -135,8 +135,8 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
 
     output.progress("growing strands");
     let start = Instant::now();
-    let mut truth = pool.install(|| Truth::new(&file, &view))?;
-    if args.fibre == FibreTruth::Exact || args.bounces.is_some() {
+    let mut truth = pool.install(|| ReferenceTracer::new(&file, &view))?;
+    if args.fibre == FibreLighting::Exact || args.bounces.is_some() {
         truth.scatter(args.bounces.unwrap_or(TrueScattering::BOUNCES))?;
     }
     let grown_s = start.elapsed().as_secs_f64();
@@ -153,7 +153,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     let camera = truth.camera(&view);
     let bytes = match write {
         Format::Part(part) => {
-            let of = OfPicture {
+            let of = PartHeader {
                 picture: args.identity(&file, &view),
                 width: picture.width,
                 height: picture.height,
@@ -164,10 +164,10 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
                 primary_rays: picture.rays.primary,
                 shadow_rays: picture.rays.shadow,
             };
-            let shown = shown(&picture, &view, &camera);
+            let shown = png_pixels(&picture, &view, &camera);
             TracedPart { of, traced: picture.clone(), shown }.encode()
         }
-        Format::Png => png(&shown(&picture, &view, &camera))?,
+        Format::Png => png(&png_pixels(&picture, &view, &camera))?,
         Format::Exr => exr(&picture)?,
     };
     io::write_atomic(&args.output, &bytes)?;
@@ -178,12 +178,12 @@ impl ReferenceArgs {
     /// Returns a key of everything that the picture depends on, the same for all parts and machines.
     fn identity(&self, file: &NamedPackage<'_>, view: &View) -> String {
         let args = (self.samples, self.fibre, self.bounces);
-        Key::of_version().and(format!("{args:?} {view:?}")).and(&file.bytes).finish()
+        Key::of_version().with(format!("{args:?} {view:?}")).with(&file.bytes).finish()
     }
 }
 
 /// Returns the pixels of a PNG.
-fn shown(picture: &TracedPicture, view: &View, camera: &TrueCamera) -> RgbaImage {
+fn png_pixels(picture: &TracedPicture, view: &View, camera: &TrueCamera) -> RgbaImage {
     let mut pixels = encode(picture, view.look.background());
     lay_over_sky(&view.look, view.sky.as_deref(), &mut pixels, camera, 0.0);
     pixels
@@ -211,7 +211,7 @@ fn encoded(write: impl FnOnce(&mut Cursor<Vec<u8>>) -> image::ImageResult<()>) -
 fn report(
     args: &ReferenceArgs,
     output: &mut Output,
-    truth: &Truth,
+    truth: &ReferenceTracer,
     camera: &TrueCamera,
     picture: &TracedPicture,
     (grown_s, seconds): (f64, f64),

@@ -1,14 +1,14 @@
 //! `pelage render`: draws a package or a scene into a picture, or over time into many.
 
-use super::errand::{ADAPTER, Errand};
+use super::errand::{ADAPTER, Job};
 use super::exit::{Exit, Failure};
 use super::journal::Key;
 use super::look_args::SamplesArgs;
 use super::output::Output;
 use super::package_file;
-use super::scene::{Scene, speaks_of_models};
-use super::sequence::{Drawn, Sink};
-use super::shoot::{PassRun, Shoot};
+use super::scene::{Scene, is_scene};
+use super::sequence::{DrawnPictures, Sink};
+use super::shoot::{PassRun, PictureSeries};
 use super::staged::{self, FurDetail, crowd};
 use super::view::View;
 use super::view_args::{Frames, ViewArgs};
@@ -104,9 +104,9 @@ struct RenderedScene<'a> {
 
 impl RenderArgs {
     /// Returns the dependencies and outputs of the pictures for the cache.
-    pub fn errand(&self) -> Option<Errand> {
-        let args = Self { output: Errand::name(&self.output), restart: false, ..self.clone() };
-        (self.output != Path::new("-")).then(|| Errand::new("render", &args, &[&self.output]))
+    pub fn errand(&self) -> Option<Job> {
+        let args = Self { output: Job::name(&self.output), restart: false, ..self.clone() };
+        (self.output != Path::new("-")).then(|| Job::new("render", &args, &[&self.output]))
     }
 }
 
@@ -139,7 +139,7 @@ impl Subject {
     fn read(path: &Path) -> Result<Self, Failure> {
         let file = package_file::read(path)?;
         let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-        if !file.bytes.starts_with(&MAGIC) && (named || speaks_of_models(&file.bytes)) {
+        if !file.bytes.starts_with(&MAGIC) && (named || is_scene(&file.bytes)) {
             return Ok(Self::Scene(Box::new(Scene::read(path, file.bytes.into_owned())?)));
         }
         Ok(Self::Package(file))
@@ -161,8 +161,8 @@ impl Subject {
 
     /// Adds the subject to the key of a picture.
     fn key(&self, key: Key) -> Key {
-        let key = key.and(self.scene().map_or("", |scene| &scene.file.text));
-        self.packages().iter().fold(key, |key, file| key.and(&file.bytes))
+        let key = key.with(self.scene().map_or("", |scene| &scene.file.text));
+        self.packages().iter().fold(key, |key, file| key.with(&file.bytes))
     }
 
     fn cast(&self, view: &View) -> Result<Cast<'_>, StageError> {
@@ -215,13 +215,13 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
     let cast = subject.cast(&view)?;
     let stage = staged::stage(&cast, &view, Gpu::open)?;
-    traffic::machine(ADAPTER, &stage.gpu.in_words());
+    traffic::record_machine(ADAPTER, &stage.gpu.description());
     let (light, shot) = (stage.params.light, cast.camera);
     let (turn_light, auto_rotate) = (args.turn_light, args.auto_rotate);
     if view.camera.is_none() {
         output.note(&format!("camera: --camera={}", shot.at(view.time_s)));
     }
-    let mut shoot = Shoot { scene: stage, view, shot, light, first, count, fps, turn_light, auto_rotate, lived: None };
+    let mut shoot = PictureSeries { scene: stage, view, shot, light, first, count, fps, turn_light, auto_rotate, lived: None };
     let key = subject.key(shoot.key());
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
     if sink == Sink::Stdout {
@@ -234,10 +234,10 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
 
 fn report(
     output: &mut Output,
-    shoot: &Shoot,
+    shoot: &PictureSeries,
     subject: &Subject,
     files: &[String],
-    Drawn { pictures, skipped }: &Drawn,
+    DrawnPictures { pictures, skipped }: &DrawnPictures,
 ) -> Result<(), Failure> {
     let info = &shoot.scene.gpu.info;
     let (width, height) = shoot.view.size();

@@ -32,13 +32,13 @@ impl Scene {
             let text = read_text(&path, look_args::LOOK).map_err(|error| error.to_string())?;
             Ok((path.display().to_string(), text))
         })?;
-        look.files_in(folder);
+        look.resolve_files(folder);
         let loaded = file.load(&package_file::Folder(folder))?;
         Ok(Self { file, loaded, look })
     }
 }
 
 /// Returns true if the bytes are a scene and not a package. The file name is ignored; every scene has a `[[model]]`.
-pub fn speaks_of_models(bytes: &[u8]) -> bool {
+pub fn is_scene(bytes: &[u8]) -> bool {
     !bytes.starts_with(&MAGIC) && std::str::from_utf8(bytes).is_ok_and(|text| text.contains("[[model]]"))
 }

@@ -3,7 +3,7 @@
 use super::exit::Failure;
 use super::journal::{Entry, Journal, Key};
 use super::output::{Output, make_folder, require_parent};
-use super::shoot::{Picture, Shoot, write_png};
+use super::shoot::{Picture, PictureSeries, write_png};
 use super::view_args::Frames;
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io::write_atomic_with;
@@ -40,7 +40,7 @@ pub enum Sink {
 
 /// Drawn pictures.
 #[derive(Debug)]
-pub struct Drawn {
+pub struct DrawnPictures {
     /// Results of each picture.
     pub pictures: Vec<Picture>,
     /// Number of pictures kept from an earlier run.
@@ -107,7 +107,7 @@ impl Sink {
     ///
     /// * `key`: hash of everything that they depend on, for numbered pictures
     /// * `restart`: redraws existing pictures of an earlier run
-    pub fn fill(&self, shoot: &mut Shoot, key: Key, restart: bool, output: &mut Output) -> Result<Drawn, Failure> {
+    pub fn fill(&self, shoot: &mut PictureSeries, key: Key, restart: bool, output: &mut Output) -> Result<DrawnPictures, Failure> {
         let pictures = match self {
             Self::Picture(path) => {
                 vec![shoot.picture(0, output).and_then(|(p, pixels)| write_png(path, &pixels).and(Ok(p)))?]
@@ -124,13 +124,13 @@ impl Sink {
                 film(&mut BufWriter::new(io::stdout().lock()), shoot, output)?
             }
         };
-        Ok(Drawn { pictures, skipped: 0 })
+        Ok(DrawnPictures { pictures, skipped: 0 })
     }
 }
 
 /// Entry of the journal for a picture of a numbered sequence.
 #[derive(Debug, Serialize, Deserialize)]
-struct Noted {
+struct JournalEntry {
     picture: usize,
     /// SHA-256 of the file, hexadecimal; a file changed since is redrawn.
     sha256: String,
@@ -138,7 +138,7 @@ struct Noted {
     drawn: Picture,
 }
 
-impl Entry for Noted {
+impl Entry for JournalEntry {
     fn number(&self) -> usize {
         self.picture
     }
@@ -151,18 +151,18 @@ fn is_video(output: &Path) -> bool {
 fn numbered(
     (first, names): (usize, &[PathBuf]),
     journal: &Path,
-    shoot: &mut Shoot,
+    shoot: &mut PictureSeries,
     key: Key,
     restart: bool,
     output: &mut Output,
-) -> Result<Drawn, Failure> {
+) -> Result<DrawnPictures, Failure> {
     // A sequence may have its own folder, or a folder per picture.
     for folder in names.iter().chain([&journal.to_owned()]).filter_map(|name| name.parent()) {
         if !folder.as_os_str().is_empty() && !folder.is_dir() {
             make_folder(folder)?;
         }
     }
-    let mut journal = Journal::<Noted>::open(journal.to_owned(), &key.finish(), restart)?;
+    let mut journal = Journal::<JournalEntry>::open(journal.to_owned(), &key.finish(), restart)?;
     if journal.others() > 0 {
         let what = "another scene, view, tool or adapter are drawn anew";
         output.note(&format!("{} pictures of {what}", journal.others()));
@@ -170,7 +170,7 @@ fn numbered(
     let digest = |bytes: &[u8]| hex(&Sha256::digest(bytes));
     // Read without the I/O trace, which records the inputs of pictures.
     let there =
-        |noted: &Noted| std::fs::read(&names[noted.picture - first]).is_ok_and(|bytes| digest(&bytes) == noted.sha256);
+        |noted: &JournalEntry| std::fs::read(&names[noted.picture - first]).is_ok_and(|bytes| digest(&bytes) == noted.sha256);
     let numbers: Vec<usize> = (first..first + names.len()).collect();
     let known: Vec<Option<Picture>> = numbers
         .iter()
@@ -179,7 +179,7 @@ fn numbered(
         .collect();
     let skipped = known.iter().flatten().count();
     if skipped > 0 {
-        traffic::in_part();
+        traffic::mark_incomplete();
         output.note(&format!(
             "{skipped} of {} pictures are there from a run before; --restart draws them anew",
             names.len()
@@ -192,16 +192,16 @@ fn numbered(
             None => {
                 let (picture, pixels) = shoot.picture(index, output)?;
                 let bytes = write_png(name, &pixels)?;
-                journal.add(Noted { picture: index, sha256: digest(&bytes), drawn: picture.clone() })?;
+                journal.add(JournalEntry { picture: index, sha256: digest(&bytes), drawn: picture.clone() })?;
                 picture
             }
         });
     }
     journal.finish(&numbers)?;
-    Ok(Drawn { pictures, skipped })
+    Ok(DrawnPictures { pictures, skipped })
 }
 
-fn video(path: &Path, shoot: &mut Shoot, output: &mut Output) -> Result<Vec<Picture>, Failure> {
+fn video(path: &Path, shoot: &mut PictureSeries, output: &mut Output) -> Result<Vec<Picture>, Failure> {
     let mut result = Ok(Vec::new());
     let written = write_atomic_with(path, |out| {
         // Either the file or the drawing may fail; only an error of the file is reported with its path.
@@ -220,7 +220,7 @@ fn video(path: &Path, shoot: &mut Shoot, output: &mut Output) -> Result<Vec<Pict
 }
 
 /// Draws a video into `out`; write errors are [`Failure::Stdout`].
-fn film(out: &mut dyn Write, shoot: &mut Shoot, output: &mut Output) -> Result<Vec<Picture>, Failure> {
+fn film(out: &mut dyn Write, shoot: &mut PictureSeries, output: &mut Output) -> Result<Vec<Picture>, Failure> {
     let (width, height) = shoot.size();
     let background = shoot.background().unwrap_or(WHITE);
     let mut video = Y4m::new(out, width, height, shoot.fps).map_err(Failure::Stdout)?;

@@ -3,10 +3,10 @@
 
 use super::exit::Failure;
 use super::staged::{pixels, stage_of};
-use super::truth::{self, Truth};
+use super::truth::{self, ReferenceTracer};
 use super::view::View;
 use pelage_bake::picture::Picture;
-use pelage_bake::pipeline::{self, Told};
+use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
@@ -21,7 +21,7 @@ use std::time::Instant;
 
 /// Measurements of one setting.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct SettingMeasurements {
     /// Mean FLIP of all views, 0..=1.
     pub flip: f64,
     /// Mean FLIP where either picture covers a pixel.
@@ -72,7 +72,7 @@ pub enum Source<'a> {
 }
 
 /// View with its reference picture.
-struct TrueView {
+struct ReferenceView {
     view: View,
     picture: Picture,
     /// Height of the fur in the view, pixels.
@@ -82,7 +82,7 @@ struct TrueView {
 /// Judge of settings of one model: bakes, draws and compares them with the reference pictures.
 pub struct ShellJudge<'a> {
     source: Source<'a>,
-    views: Vec<TrueView>,
+    views: Vec<ReferenceView>,
     /// Level of detail to draw.
     detail: LookDetail,
     gpu: Gpu,
@@ -103,7 +103,7 @@ impl<'a> ShellJudge<'a> {
         doing: &mut dyn FnMut(&str),
     ) -> Result<Self, Failure> {
         let file = source.bake(recipe)?;
-        let truth = Truth::new(&file, &View::default())?;
+        let truth = ReferenceTracer::new(&file, &View::default())?;
         let size = (recipe.judge.width, recipe.judge.height);
         let views = cameras(recipe, &truth);
         Ok(Self { detail, ..Self::of_views(source, &truth, size, &views, recipe.judge.samples, gpu, doing) })
@@ -112,7 +112,7 @@ impl<'a> ShellJudge<'a> {
     /// Traces the reference pictures of a size in pixels, from given cameras, with a number of samples per pixel.
     pub fn of_views(
         source: Source<'a>,
-        truth: &Truth,
+        truth: &ReferenceTracer,
         size: (u32, u32),
         cameras: &[Viewpoint],
         samples: u32,
@@ -128,7 +128,7 @@ impl<'a> ShellJudge<'a> {
             // Quantised to bytes, like the pictures that it is compared with.
             let picture = Picture::from(&truth::encode(&picture, view.look.background()));
             let fur_px = truth.fur_px(&view);
-            views.push(TrueView { view, picture, fur_px });
+            views.push(ReferenceView { view, picture, fur_px });
         }
         Self { source, views, detail: EVERYTHING, gpu: gpu.clone(), meter: Meter::new(gpu) }
     }
@@ -151,20 +151,20 @@ impl<'a> ShellJudge<'a> {
     }
 
     /// Bakes a recipe, draws and times it from all views, and compares it with the reference pictures.
-    pub fn measure(&self, recipe: &Recipe) -> Result<(Measured, Likeness), Failure> {
+    pub fn measure(&self, recipe: &Recipe) -> Result<(SettingMeasurements, Likeness), Failure> {
         let begun = Instant::now();
         let file = self.source.bake(recipe)?;
         let bake_s = begun.elapsed().as_secs_f64();
         let (measured, likeness) = self.measure_drawn(&file, self.detail)?;
-        Ok((Measured { bake_s, ..measured }, likeness))
+        Ok((SettingMeasurements { bake_s, ..measured }, likeness))
     }
 
     /// Draws and times a package from all views at a level of detail, and compares it with the reference pictures. The
     /// bake is not timed.
-    pub fn measure_drawn(&self, file: &NamedPackage<'_>, detail: LookDetail) -> Result<(Measured, Likeness), Failure> {
+    pub fn measure_drawn(&self, file: &NamedPackage<'_>, detail: LookDetail) -> Result<(SettingMeasurements, Likeness), Failure> {
         let mut scene: Option<Stage> = None;
-        let (mut sum, mut likenesses) = (Measured::default(), Vec::new());
-        for TrueView { view, picture: truth, fur_px } in &self.views {
+        let (mut sum, mut likenesses) = (SettingMeasurements::default(), Vec::new());
+        for ReferenceView { view, picture: truth, fur_px } in &self.views {
             let scene = match &mut scene {
                 Some(scene) => {
                     view.camera.into_iter().for_each(|camera| scene.look_from(camera));
@@ -192,7 +192,7 @@ impl<'a> ShellJudge<'a> {
             sum.gpu_bytes = model.gpu_bytes() + scene.copies_bytes() + scene.shadow_bytes();
         }
         let count = self.views.len() as f64;
-        let measured = Measured {
+        let measured = SettingMeasurements {
             flip: sum.flip / count,
             flip_covered: sum.flip_covered / count,
             rmse: (sum.rmse / count).sqrt(),
@@ -212,7 +212,7 @@ impl<'a> ShellJudge<'a> {
         for _ in 0..ROUNDS {
             for (stage, times) in stages.iter_mut().zip(&mut rounds) {
                 let mut slowest = 0.0_f64;
-                for TrueView { view, .. } in &self.views {
+                for ReferenceView { view, .. } in &self.views {
                     view.camera.into_iter().for_each(|camera| stage.look_from(camera));
                     // The previous frame left another setting's data in the caches.
                     self.meter.frame(stage)?;
@@ -231,7 +231,7 @@ impl<'a> ShellJudge<'a> {
     /// Returns the height of a package's fur in the first view at the nearest point of the model, pixels, computed as
     /// in the runtime. `None` if the package has no levels of detail, or the eye is within the model's bounds.
     pub fn fur_px(&self, file: &NamedPackage<'_>) -> Result<Option<f32>, Failure> {
-        let Some(TrueView { view, .. }) = self.views.first() else { return Ok(None) };
+        let Some(ReferenceView { view, .. }) = self.views.first() else { return Ok(None) };
         let frame = self.stage(file, view, LookDetail::Auto)?.draw()?;
         Ok(frame.report().instances.first().and_then(|drawn| drawn.fur_px).filter(|px| px.is_finite()))
     }
@@ -256,7 +256,7 @@ impl Source<'_> {
     pub fn bake(&self, recipe: &Recipe) -> Result<NamedPackage<'static>, Failure> {
         match *self {
             Self::Model { file, name, model, images } => {
-                let baked = pipeline::bake(&Told::new(file, name, recipe, images), model, &mut |_| ())?;
+                let baked = pipeline::bake(&BakeInput::new(file, name, recipe, images), model, &mut |_| ())?;
                 Ok(NamedPackage { name: name.into(), bytes: baked.package.into() })
             }
             Self::Baked { name, slicer } => Ok(NamedPackage { name: name.into(), bytes: slicer.slice(recipe)?.into() }),
@@ -269,7 +269,7 @@ impl Source<'_> {
 }
 
 /// Returns the recipe's views; if empty, two that frame the model.
-pub fn cameras(recipe: &Recipe, truth: &Truth) -> Vec<Viewpoint> {
+pub fn cameras(recipe: &Recipe, truth: &ReferenceTracer) -> Vec<Viewpoint> {
     if !recipe.judge.views.is_empty() {
         return recipe.judge.views.clone();
     }

@@ -12,14 +12,14 @@ use pelage_bake::io;
 use pelage_bake::picture::encode_png;
 use pelage_formats::meaning::{hair_motion, srgb_to_linear};
 use pelage_runtime::{Camera, Frame, Light, PassReport, Projection};
-use pelage_stage::{Shot, Stage};
+use pelage_stage::{CameraTrack, Stage};
 use pelage_truth::{Lens, TrueCamera};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Minimum simulation rate of moving hair, per second. Equal to its step rate, so that 12, 24, 30 and 60 pictures per
 /// second show the same motion.
-const LIVED_PER_S: u32 = hair_motion::STEPS_PER_S as u32;
+const MIN_SIMULATION_RATE: u32 = hair_motion::STEPS_PER_S as u32;
 
 /// Measurements of a picture.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -47,13 +47,13 @@ pub struct PassRun {
 }
 
 /// Scene, and the times at which pictures of it are taken.
-pub struct Shoot {
+pub struct PictureSeries {
     /// Stage, with its device.
     pub scene: Stage,
     /// View of the scene.
     pub view: View,
     /// Camera, before `auto_rotate`.
-    pub shot: Shot,
+    pub shot: CameraTrack,
     /// Key light, before `turn_light`.
     pub light: Light,
     /// Whether the light and the environment make one full turn over the sequence.
@@ -70,7 +70,7 @@ pub struct Shoot {
     pub lived: Option<i64>,
 }
 
-impl Shoot {
+impl PictureSeries {
     /// Returns the width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
         self.view.size()
@@ -90,7 +90,7 @@ impl Shoot {
         }
         let time_s = self.time_s(index as i64 * self.moments());
         if self.count > 1 {
-            self.live_until(index)?;
+            self.advance_to(index)?;
         } else {
             self.scene.set_time(time_s);
         }
@@ -120,7 +120,7 @@ impl Shoot {
     /// Returns the number of simulated moments per picture: at least [`LIVED_PER_S`] per second, however few pictures
     /// there are.
     fn moments(&self) -> i64 {
-        i64::from(LIVED_PER_S.div_ceil(self.fps))
+        i64::from(MIN_SIMULATION_RATE.div_ceil(self.fps))
     }
 
     /// Returns the time of a moment; negative before the first picture.
@@ -130,7 +130,7 @@ impl Shoot {
 
     /// Advances to picture `index`. Hair is simulated for a second before the first picture, and through all previous
     /// ones, even if those are already drawn.
-    fn live_until(&mut self, index: usize) -> Result<(), Failure> {
+    fn advance_to(&mut self, index: usize) -> Result<(), Failure> {
         let motion = self.view.look.hair_motion().filter(|motion| self.scene.may_move_hair(motion));
         let begins_s = f64::from(self.view.time_s);
         let fps = (self.moments() * i64::from(self.fps)) as f64;
@@ -140,7 +140,7 @@ impl Shoot {
             let first = self.lived.map_or(-self.moments() * i64::from(self.fps), |last| last + 1);
             for earlier in first..now {
                 self.scene.advance(self.time_s(earlier), clock_s(earlier), motion);
-                self.scene.pass_by()?;
+                self.scene.simulate_frame()?;
             }
         }
         self.scene.advance(self.time_s(now), clock_s(now), motion);
@@ -151,10 +151,10 @@ impl Shoot {
     /// Returns a key of everything that a picture depends on, except its number and the subject.
     pub fn key(&self) -> Key {
         let key =
-            Key::of_build().and(self.scene.gpu.in_words()).and(format!("{:?}", self.view)).and(self.fps.to_le_bytes());
+            Key::of_build().with(self.scene.gpu.description()).with(format!("{:?}", self.view)).with(self.fps.to_le_bytes());
         match (self.turn_light, self.auto_rotate) {
             (false, false) => key,
-            (light, camera) => key.and(self.count.to_le_bytes()).and([u8::from(light), u8::from(camera)]),
+            (light, camera) => key.with(self.count.to_le_bytes()).with([u8::from(light), u8::from(camera)]),
         }
     }
 }

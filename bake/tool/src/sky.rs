@@ -2,12 +2,12 @@
 
 use super::exit::Failure;
 use glam::{DQuat, DVec3};
-use pelage_bake::sky_file::SkyFile;
+use pelage_bake::environment_file::EnvironmentFile;
 use pelage_import::BakeError;
 #[cfg(feature = "view")]
 use pelage_stage::LightsRead;
-use pelage_stage::sky::{Environment, FitParams, Fitted, Sun};
-use pelage_stage::{Look, SkyOf};
+use pelage_stage::sky::{Environment, FitParams, FitResult, Sun};
+use pelage_stage::{Look, SkyKind};
 use pelage_truth::TrueSky;
 use std::path::Path;
 #[cfg(feature = "view")]
@@ -26,18 +26,18 @@ pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRea
 }
 
 /// Reads an environment map, with a ground if one is given.
-fn read(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> Result<SkyFile, BakeError> {
-    SkyFile::read(path)?.over_ground(ground, lobes as usize)
+fn read(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> Result<EnvironmentFile, BakeError> {
+    EnvironmentFile::read(path)?.over_ground(ground, lobes as usize)
 }
 
 /// Environment of a look.
 #[derive(Debug)]
 pub struct Sky {
-    of: SkyFile,
+    of: EnvironmentFile,
     yaw_deg: f32,
     strength: f32,
     lobes: usize,
-    fitted: OnceLock<Option<Fitted>>,
+    fitted: OnceLock<Option<FitResult>>,
 }
 
 impl PartialEq for Sky {
@@ -54,9 +54,9 @@ impl Sky {
     /// Unreadable file, or one that is not an environment.
     pub fn of(look: &Look) -> Result<Option<Self>, Failure> {
         let Some(source) = &look.environment.sky else { return Ok(None) };
-        let of = match &source.of {
-            SkyOf::File(path) => read(Path::new(path), look.environment.lobes, look.environment.ground_color())?,
-            _ => SkyFile::Lights(look.environment.said().unwrap_or_default()),
+        let of = match &source.kind {
+            SkyKind::File(path) => read(Path::new(path), look.environment.lobes, look.environment.ground_color())?,
+            _ => EnvironmentFile::Lights(look.environment.from_colors().unwrap_or_default()),
         };
         let (yaw_deg, strength) = (source.yaw_deg, look.environment.strength);
         let lobes = look.environment.lobes as usize;
@@ -64,10 +64,10 @@ impl Sky {
     }
 
     /// Returns the fit of lights to a panorama; `None` for lights given directly.
-    pub fn fitted(&self) -> Option<&Fitted> {
+    pub fn fitted(&self) -> Option<&FitResult> {
         let fit = || match &self.of {
-            SkyFile::Panorama(panorama) => Some(panorama.fit(FitParams { lobes: self.lobes, ..FitParams::default() })),
-            SkyFile::Lights(_) => None,
+            EnvironmentFile::Panorama(panorama) => Some(panorama.fit(FitParams { lobes: self.lobes, ..FitParams::default() })),
+            EnvironmentFile::Lights(_) => None,
         };
         self.fitted.get_or_init(fit).as_ref()
     }
@@ -75,33 +75,33 @@ impl Sky {
     /// Returns the lights without the look's rotation and strength.
     pub fn lights(&self) -> Environment {
         match (&self.of, self.fitted()) {
-            (SkyFile::Lights(lights), _) => lights.clone(),
-            (SkyFile::Panorama(_), fitted) => fitted.map(|fitted| fitted.environment.clone()).unwrap_or_default(),
+            (EnvironmentFile::Lights(lights), _) => lights.clone(),
+            (EnvironmentFile::Panorama(_), fitted) => fitted.map(|fitted| fitted.environment.clone()).unwrap_or_default(),
         }
     }
 
     /// Returns the lights with the look's rotation and strength.
     pub fn environment(&self) -> Environment {
-        self.lights().turned(self.yaw_deg).times(self.strength)
+        self.lights().turned(self.yaw_deg).scaled(self.strength)
     }
 
     /// Returns the radiance from a unit direction, linear RGB, with the sky rotated by another `turn_deg`; the sun of
     /// lights is not visible.
-    pub fn seen(&self, towards: DVec3, turn_deg: f32) -> DVec3 {
+    pub fn radiance(&self, towards: DVec3, turn_deg: f32) -> DVec3 {
         let inside = DQuat::from_rotation_y(-f64::from(self.yaw_deg + turn_deg).to_radians()) * towards;
         let radiance = match &self.of {
-            SkyFile::Panorama(panorama) => panorama.seen(inside),
-            SkyFile::Lights(lights) => lights.radiance(inside),
+            EnvironmentFile::Panorama(panorama) => panorama.sample(inside),
+            EnvironmentFile::Lights(lights) => lights.radiance(inside),
         };
         radiance * f64::from(self.strength)
     }
 
     /// Returns the environment for path tracing: a panorama unchanged, with its sun in it; otherwise lights, and their
     /// sun separately.
-    pub fn truth(&self) -> (TrueSky, Option<Sun>) {
+    pub fn for_tracing(&self) -> (TrueSky, Option<Sun>) {
         match &self.of {
-            SkyFile::Panorama(panorama) => (TrueSky::of_panorama(panorama.clone(), self.yaw_deg, self.strength), None),
-            SkyFile::Lights(_) => {
+            EnvironmentFile::Panorama(panorama) => (TrueSky::of_panorama(panorama.clone(), self.yaw_deg, self.strength), None),
+            EnvironmentFile::Lights(_) => {
                 let lights = self.environment();
                 let sun = lights.sun;
                 (TrueSky::of_environment(lights), sun)

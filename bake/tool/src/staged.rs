@@ -39,7 +39,7 @@ pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, St
     let framing = (&view.framing, view.look.aspect());
     let crowd = Cast::crowd(file, package, view.clip.as_deref(), view.crowd, view.camera, framing)?;
     let crowd = match &view.blend {
-        Some(blend) => crowd.over(&blend.clip, blend.share)?,
+        Some(blend) => crowd.fading_to(&blend.clip, blend.share)?,
         None => crowd,
     };
     view.morphs.iter().try_fold(crowd, |crowd, morph| crowd.morphing(&morph.target, morph.weight))

@@ -4,7 +4,7 @@
 use super::exit::Failure;
 use super::view::View;
 use glam::Vec3;
-use pelage_bake::strands::{Curves, GroomReport, Skin, grow_groups, grow_on, tile_hair};
+use pelage_bake::strands::{Curves, GroomReport, PosedMesh, grow_groups, grow_on, tile_hair};
 use pelage_formats::meaning::scattering::Fibre;
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
@@ -14,7 +14,7 @@ use pelage_stage::{KeyLight, LookScattering, LookSelfShadow, LookStyle, NamedPac
 use pelage_truth::{Lens, Portion, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene};
 
 /// Package in one pose and style, ready to be traced from any camera and in any light.
-pub struct Truth {
+pub struct ReferenceTracer {
     /// Strands and mesh surface.
     pub scene: TrueScene,
     /// Report of growing the tile's strands.
@@ -26,13 +26,13 @@ pub struct Truth {
     height_m: f32,
 }
 
-impl Truth {
+impl ReferenceTracer {
     /// Grows the strands of the package in `file` on its mesh surface, at the clip time and in the style of `view`.
     pub fn new(file: &NamedPackage<'_>, view: &View) -> Result<Self, Failure> {
         let package = &file.open()?;
         let manifest = package.manifest();
         let morphs = view.morph_weights(file, package)?;
-        let mut skin = Skin::morphed(&file.name, package, &view.layers(file, package)?, &morphs)?;
+        let mut skin = PosedMesh::morphed(&file.name, package, &view.layers(file, package)?, &morphs)?;
         let hair = match view.look.picture.style {
             LookStyle::Bare => None,
             _ => tile_hair(&file.name, manifest)?,
@@ -43,7 +43,7 @@ impl Truth {
         };
         let groups = package.hair_groups().map_err(|source| BakeError::Package { file: file.name.clone(), source })?;
         if view.look.picture.style != LookStyle::Bare && !groups.is_empty() {
-            let grown = grow_groups(&groups, &Skin::posed(&file.name, package, &[])?, &skin);
+            let grown = grow_groups(&groups, &PosedMesh::posed(&file.name, package, &[])?, &skin);
             report.strands += grown.len() as u64;
             report.points_before += grown.points.len() as u64;
             curves.append(&grown);
@@ -112,7 +112,7 @@ impl Truth {
     }
 }
 
-impl Truth {
+impl ReferenceTracer {
     /// Lights hair as scattering fibres, whatever the look and the package say: with the package's own fibres, or human
     /// hair if it has none.
     ///
@@ -147,7 +147,7 @@ impl Truth {
 fn scattering(
     info: &FibreInfo,
     groups: &[HairGroup],
-    skin: &Skin,
+    skin: &PosedMesh,
     curves: &Curves,
 ) -> Result<TrueScattering, BakeError> {
     let first = info.fibres.first().map_or_else(Fibre::default, FibreOptics::fibre);
@@ -156,7 +156,7 @@ fn scattering(
         let group = groups.iter().position(|group| group.name == run.name).and_then(|i| info.of_groups.get(i));
         // A bare material may name a fibre that no fur has.
         let furred = || skin.materials.iter().filter(|material| material.furred).map(|material| &material.fibre);
-        let of_coat = || furred().find(|fibre| skin.coat_of(**fibre) == run.name);
+        let of_coat = || furred().find(|fibre| skin.fibre_group_name(**fibre) == run.name);
         let fibre =
             group.or_else(of_coat).and_then(|i| info.fibres.get(usize::from(*i))).map_or(first, FibreOptics::fibre);
         all = all.with_run(&run.name, run.strands.end, fibre)?;
@@ -169,7 +169,7 @@ fn lighting(view: &View) -> TrueLighting {
     let look = &view.look;
     let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
     let strength = Vec3::splat(look.key_strength());
-    let (sky, sun) = view.sky.as_ref().map(|sky| sky.truth()).unzip();
+    let (sky, sun) = view.sky.as_ref().map(|sky| sky.for_tracing()).unzip();
     let key = match (look.key_light(), sun.flatten().filter(|_| look.light.strength.is_none())) {
         (_, Some(sun)) => distant(sun.towards.into(), sun.color.into()),
         (KeyLight::Distant(towards), None) => distant(towards, strength),
@@ -224,7 +224,7 @@ pub fn encode(picture: &TracedPicture, background: Option<[u8; 3]>) -> image::Rg
 mod tests {
     use super::*;
     use glam::Vec2;
-    use pelage_bake::strands::{CurvePoint, SkinMaterial};
+    use pelage_bake::strands::{CurvePoint, PosedMaterial};
 
     #[test]
     fn pixels_become_what_a_canvas_holds() {
@@ -245,11 +245,11 @@ mod tests {
         let optics = |eta| FibreOptics { eta, along: 0.2, tilt: 0.0, around: 0.3 };
         let info = FibreInfo { fibres: vec![optics(1.5), optics(1.6), optics(1.7)], ..FibreInfo::default() };
         let material =
-            |name: &str, furred, fibre| SkinMaterial { name: name.into(), furred, fibre, ..Default::default() };
+            |name: &str, furred, fibre| PosedMaterial { name: name.into(), furred, fibre, ..Default::default() };
         let materials = vec![material("Hoof", false, 2), material("Body", true, 0), material("Mane", true, 1)];
-        let skin = Skin { materials, ..Skin::default() };
+        let skin = PosedMesh { materials, ..PosedMesh::default() };
         let mut curves = Curves::default();
-        for name in [skin.coat_of(0), skin.coat_of(1)] {
+        for name in [skin.fibre_group_name(0), skin.fibre_group_name(1)] {
             curves.begin_group(&name);
             curves.push(&[CurvePoint::default(); 2], false, Vec2::ZERO);
         }

@@ -4,7 +4,7 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use super::package_file;
 use super::unpacked::{self, File};
-use pelage_bake::unfinished::Unfinished;
+use pelage_bake::unfinished::TempFileGuard;
 use pelage_import::BakeError;
 use serde::Serialize;
 use serde_json::Value;
@@ -90,7 +90,7 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
     let fresh = work.path().join("new");
     std::fs::create_dir(&fresh).map_err(fail(&fresh, "create"))?;
     // Until the files are complete; after that the folder may briefly hold the old contents.
-    let unfinished = Unfinished::new(work.path());
+    let unfinished = TempFileGuard::new(work.path());
     for (name, bytes) in files {
         let path = fresh.join(name);
         std::fs::write(&path, bytes).map_err(fail(&path, "write"))?;

@@ -20,9 +20,9 @@ pub use json::File;
 use json::{deserialize, json_value, known_keys, parse, shorten_floats, to_text};
 use pelage_bake::hexadecimal::{from_hex, hex};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::recorded::{Disagreement, disagreements};
+use pelage_bake::recipe_mismatch::{Mismatch, mismatches};
 use pelage_bake::stages::assemble::{Content, assemble};
-use pelage_bake::stages::hair_groups::RestSkin;
+use pelage_bake::stages::hair_groups::RestMesh;
 use pelage_formats::{
     Animation, FORMAT_VERSION, FormatError, Limits, Manifest, MorphMotion, Package, Tag, TextureEntry,
 };
@@ -91,7 +91,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
             Tag::HAIR => {
                 let groups = package.hair_groups().map_err(damaged)?;
                 // A section with another tag in older versions has no groups.
-                if groups.is_empty() { None } else { hair::write(&groups, &RestSkin::of(package).map_err(damaged)?)? }
+                if groups.is_empty() { None } else { hair::write(&groups, &RestMesh::of(package).map_err(damaged)?)? }
             }
             Tag::FINS if package.fins().map_err(damaged)?.is_some() => Some(alone((FINS.to_owned(), bytes.to_vec()))),
             Tag::INK if package.ink().map_err(damaged)?.is_some() => Some(alone((INK.to_owned(), bytes.to_vec()))),
@@ -116,7 +116,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
         FORM.0: FORM.1,
         VERSION: package.version(),
         RECIPE_DIGEST: digest_of(&manifest.recipe),
-        RECIPE_DISAGREES: disagreements(manifest, &manifest.recipe).iter().map(in_words).collect::<Vec<_>>(),
+        RECIPE_DISAGREES: mismatches(manifest, &manifest.recipe).iter().map(in_words).collect::<Vec<_>>(),
         "sections": list,
         "manifest": manifest_to_json(manifest).map_err(internal)?,
     });
@@ -155,7 +155,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     let manifest = manifest_from_json(&path(MANIFEST), document["manifest"].take(), recipe)?;
     if edited {
         // The recipe only records how the fur was made; an edit could make that record wrong.
-        Recipe::recorded(&path(RECIPE), &manifest.recipe)?;
+        Recipe::parse_recorded(&path(RECIPE), &manifest.recipe)?;
     }
     let advice = "`pelage pack` makes no fur: take the edit back, or bake the model with this recipe";
     let known = match document.get(RECIPE_DISAGREES) {
@@ -165,7 +165,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
             return Err(fail(MANIFEST, &format!("/{RECIPE_DISAGREES}"), format!("found {other}, expected a list")));
         }
     };
-    for found in disagreements(&manifest, &manifest.recipe) {
+    for found in mismatches(&manifest, &manifest.recipe) {
         if edited {
             return Err(fail(RECIPE, found.key, format!("{}; {advice}", found.reason)));
         }
@@ -283,8 +283,8 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         // Guides need the mesh surface at rest, which the package without them provides. Their motion is meaningless
         // without them.
         let skin = sections.iter().filter(|section| !matches!(section, Content::Bytes(Tag::HAIR_MOTION, _)));
-        let without = assemble(version, manifest.clone(), skin.map(Content::lent)).map_err(faulty)?;
-        let skin = Package::open(&without, &Limits::default()).and_then(|package| RestSkin::of(&package));
+        let without = assemble(version, manifest.clone(), skin.map(Content::borrowed)).map_err(faulty)?;
+        let skin = Package::open(&without, &Limits::default()).and_then(|package| RestMesh::of(&package));
         let groups = hair::read(&described, &found, &skin.map_err(faulty)?)?;
         sections.insert(index, Content::Hair(groups));
     }
@@ -313,7 +313,7 @@ fn check_texture(file: &str, bytes: &[u8]) -> Result<(), BakeError> {
     Err(BakeError::Input { file: file.to_owned(), place, reason })
 }
 
-fn in_words(found: &Disagreement) -> String {
+fn in_words(found: &Mismatch) -> String {
     format!("{} {}", found.key, found.reason)
 }
 

@@ -4,7 +4,7 @@ use super::exit::{Exit, Failure};
 use super::output::Output;
 use super::package_file;
 use pelage_bake::recipe::Recipe;
-use pelage_bake::recorded::disagreements;
+use pelage_bake::recipe_mismatch::mismatches;
 use pelage_formats::{FormatError, Limits, MAGIC, Package, Tag};
 use pelage_stage::NamedPackage;
 use serde::Serialize;
@@ -82,8 +82,8 @@ fn find(file: &NamedPackage<'_>) -> Result<Vec<Fault>, Failure> {
     found.extend(drawing.iter().filter(|e| !found.contains(e)).cloned().collect::<Vec<_>>());
     let mut faults: Vec<_> = found.iter().map(|e| fault(e, Some(&package), drawing.contains(e))).collect();
     let recipe = &package.manifest().recipe;
-    let broken = Recipe::recorded("recipe", recipe).err().map(|e| e.to_string());
-    let others = disagreements(package.manifest(), recipe);
+    let broken = Recipe::parse_recorded("recipe", recipe).err().map(|e| e.to_string());
+    let others = mismatches(package.manifest(), recipe);
     for message in broken.into_iter().chain(others.iter().map(|d| format!("recipe: {}: {}", d.key, d.reason))) {
         let offset = package.sections().first().map(|s| s.offset);
         faults.push(Fault { section: Tag::MANIFEST.to_string(), offset, message, stops_drawing: false });

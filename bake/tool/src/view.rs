@@ -9,7 +9,7 @@ use glam::Vec3;
 use pelage_formats::{ClipLayer, Package};
 use pelage_runtime::FrameParams;
 use pelage_stage::{
-    Framing, Look, NamedPackage, Playing, Size, StageError, Viewpoint, find_clip, find_morph, nothing_named, outline,
+    Framing, Look, NamedPackage, Playback, Size, StageError, Viewpoint, find_clip, find_morph, no_match_error, outline,
 };
 use std::sync::Arc;
 
@@ -88,7 +88,7 @@ impl View {
         let mut look = self.look.clone();
         if let Some(sky) = &self.sky {
             // The lights were read with the look.
-            let _ = look.take_lights(&mut |_, _, _| Ok(Arc::new(sky.lights())));
+            let _ = look.read_environment(&mut |_, _, _| Ok(Arc::new(sky.lights())));
         }
         look.frame_params()
     }
@@ -110,7 +110,7 @@ impl View {
     /// Unknown clip, damaged package.
     pub fn layers(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<ClipLayer>, StageError> {
         let layer = |name: Option<&str>, share: f32| {
-            let playing = Playing::named(file, package, name)?;
+            let playing = Playback::named(file, package, name)?;
             Ok::<_, StageError>(playing.map(|playing| playing.layer(self.time_s, share)))
         };
         let wholly = layer(self.clip.as_deref(), 1.0)?;
@@ -141,7 +141,7 @@ impl View {
         let (clip, part) = (find_clip(file, package, self.clip.as_deref())?, self.framing.look_at.as_deref());
         let points = outline(file, package, clip, part)?;
         match part {
-            Some(part) if points.is_empty() => Err(nothing_named([(file, package)].into_iter(), part)),
+            Some(part) if points.is_empty() => Err(no_match_error([(file, package)].into_iter(), part)),
             _ => Ok(points),
         }
     }

@@ -1,6 +1,6 @@
 //! Progress of the current work and its remaining time; printed as occasional lines without a terminal.
 
-use pelage_bake::steps::Steps;
+use pelage_bake::steps::StageProgress;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -22,12 +22,12 @@ pub struct Work {
     /// Steps already finished at the start (by an earlier run), steps finished now, and total.
     counted: Option<(u64, u64, u64)>,
     /// Step counter of the stage itself; used if `counted` is `None`.
-    steps: Arc<Steps>,
+    steps: Arc<StageProgress>,
 }
 
 impl Work {
     /// Creates the progress before any work; `steps` is the counter of the stages.
-    pub fn new(steps: Arc<Steps>) -> Self {
+    pub fn new(steps: Arc<StageProgress>) -> Self {
         let now = Instant::now();
         Self { since: now, doing: String::new(), begun: now, counted: None, steps }
     }
@@ -49,7 +49,7 @@ impl Work {
 
     /// Formats `, 12 of 64, 8 s left`; empty without a count. The time is omitted until one step is finished.
     pub fn left(&self, now: Instant) -> String {
-        let counted = self.counted.or_else(|| self.steps.so_far().map(|(done, total)| (0, done, total)));
+        let counted = self.counted.or_else(|| self.steps.get().map(|(done, total)| (0, done, total)));
         let Some((first, done, total)) = counted else { return String::new() };
         let own = done.saturating_sub(first);
         if own == 0 {
@@ -74,13 +74,13 @@ fn span(seconds: f64) -> String {
 
 /// Printer of the work's line, after [`FIRST_LINE`] and then every [`NEXT_LINE`], until it is dropped.
 #[derive(Debug)]
-pub struct Herald {
+pub struct ProgressPrinter {
     /// Dropped first, which ends the thread.
     end: Option<mpsc::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Herald {
+impl ProgressPrinter {
     /// Starts printing the lines of `work` with `write`. If no thread can be started, nothing is printed.
     pub fn new(work: Arc<Mutex<Work>>, write: fn(&str)) -> Self {
         let (end, ended) = mpsc::channel();
@@ -96,7 +96,7 @@ impl Herald {
     }
 }
 
-impl Drop for Herald {
+impl Drop for ProgressPrinter {
     fn drop(&mut self) {
         drop(self.end.take());
         if let Some(thread) = self.thread.take() {
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn the_line_says_how_far_it_is_and_what_is_left() {
-        let steps = Arc::new(Steps::new());
+        let steps = Arc::new(StageProgress::new());
         let mut work = Work::new(steps.clone());
         work.begin("slice");
         work.since = work.begun - Duration::from_secs(3);
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn steps_of_an_earlier_run_took_no_time_of_this_one() {
-        let mut work = Work::new(Arc::new(Steps::new()));
+        let mut work = Work::new(Arc::new(StageProgress::new()));
         work.count(10, 20, "row 11");
         let after = |work: &Work, seconds: u64| work.left(work.begun + Duration::from_secs(seconds));
         assert_eq!(after(&work, 4), ", 10 of 20");

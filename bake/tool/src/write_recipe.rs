@@ -71,7 +71,7 @@ pub fn options(limits: &Limits, pictures: &PictureArgs) -> String {
 }
 
 /// Recipe as given, and as changed by the options of the command.
-pub struct Chosen<'a> {
+pub struct RecipeChoices<'a> {
     /// Name of the model, for people.
     pub model: &'a str,
     /// Recipe as given.
@@ -82,7 +82,7 @@ pub struct Chosen<'a> {
     pub options: &'a str,
 }
 
-impl Chosen<'_> {
+impl RecipeChoices<'_> {
     /// Changes a package into the one that a bake with the written recipe gives, and returns that recipe.
     ///
     /// * `path`: path of the recipe to write
@@ -118,10 +118,10 @@ impl Chosen<'_> {
     ///
     /// [`BakeError::Internal`] if the line of a decision is not a line of a recipe.
     fn text(&self, recorded: &str, decisions: &[Decision]) -> Result<String, BakeError> {
-        let mut recipe = Recipe::recorded("the package's recipe", recorded)?;
+        let mut recipe = Recipe::parse_recorded("the package's recipe", recorded)?;
         for Decision { what, line, .. } in decisions {
             let fault = |fault| BakeError::Internal(format!("the decision on {what} is no line of a recipe: {fault}"));
-            recipe.read("decision", line).map_err(fault)?;
+            recipe.merge("decision", line).map_err(fault)?;
         }
         let by_options: Vec<&str> =
             keys().filter(|key| key.value(self.asked) != key.value(self.recipe)).map(|key| key.name).collect();

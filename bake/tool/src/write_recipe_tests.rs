@@ -3,8 +3,8 @@
 
 use super::*;
 
-fn chosen<'a>(asked: &'a Recipe, recipe: &'a Recipe) -> Chosen<'a> {
-    Chosen { model: "fox", asked, recipe, options: "--max-error 0.05" }
+fn chosen<'a>(asked: &'a Recipe, recipe: &'a Recipe) -> RecipeChoices<'a> {
+    RecipeChoices { model: "fox", asked, recipe, options: "--max-error 0.05" }
 }
 
 #[test]
@@ -15,7 +15,7 @@ fn what_was_chosen_is_said_above_its_line_and_counts() {
     // Value filled in by the bake without a decision.
     let mut recorded = fitted.clone();
     (recorded.hair.length_m, recorded.ink.fur) = (Some(0.031), Some(0.0));
-    let decisions = [Decision::of_length("length of hair", "hair.length_m", 0.031)];
+    let decisions = [Decision::length("length of hair", "hair.length_m", 0.031)];
     let text = chosen(&asked, &fitted).text(&recorded.to_toml(), &decisions).unwrap();
     assert!(text.contains("\n# chosen by the bake: length of hair, 31 mm\nlength_m = 0.031\n"), "{text}");
     assert!(text.contains("\n# chosen by the bake: for --max-error 0.05\nlayers = 11\n"), "{text}");

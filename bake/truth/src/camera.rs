@@ -40,17 +40,17 @@ impl TrueCamera {
     }
 
     /// Returns the view directions of a picture of `size` pixels.
-    pub fn ways(&self, size: (u32, u32)) -> Ways {
-        Ways(RayCaster::new(self, size))
+    pub fn view_directions(&self, size: (u32, u32)) -> ViewDirections {
+        ViewDirections(RayCaster::new(self, size))
     }
 }
 
 /// View directions of a camera.
-pub struct Ways(RayCaster);
+pub struct ViewDirections(RayCaster);
 
-impl Ways {
+impl ViewDirections {
     /// Returns the unit vector from the eye through a point of the picture, pixels from its upper left corner.
-    pub fn towards(&self, at: DVec2) -> DVec3 {
+    pub fn direction_at(&self, at: DVec2) -> DVec3 {
         self.0.ray(at).1
     }
 }
@@ -95,7 +95,7 @@ impl RayCaster {
 
     /// Projects a point into the picture: pixels from its upper left corner, and depth along the view, metres; `None`
     /// for a point not in front of a perspective camera.
-    pub fn place(&self, point_ws: DVec3) -> Option<(DVec2, f64)> {
+    pub fn project(&self, point_ws: DVec3) -> Option<(DVec2, f64)> {
         let from = point_ws - self.origin;
         let depth = self.depth(point_ws);
         let scale = if self.parallel { 1.0 } else { depth };
@@ -145,17 +145,17 @@ mod tests {
             let (eye_ws, target_ws) = (Vec3::new(2.0, 1.0, 4.0), Vec3::new(0.3, -0.2, 0.1));
             let camera = TrueCamera { eye_ws, target_ws, up_ws: Vec3::Y, lens };
             let rays = RayCaster::new(&camera, (120, 80));
-            let (middle, depth) = rays.place(target_ws.as_dvec3()).unwrap();
+            let (middle, depth) = rays.project(target_ws.as_dvec3()).unwrap();
             assert!(middle.distance(DVec2::new(60.0, 40.0)) < 1e-5, "{lens:?}: {middle}");
             assert!((depth - f64::from(eye_ws.distance(target_ws))).abs() < 1e-6);
             for at in [DVec2::new(0.5, 0.5), DVec2::new(119.0, 3.0), DVec2::new(31.25, 78.0)] {
                 let (origin, way) = rays.ray(at);
                 let point = origin + way * 3.7;
-                assert!(rays.place(point).unwrap().0.distance(at) < 1e-9, "{lens:?} {at}");
+                assert!(rays.project(point).unwrap().0.distance(at) < 1e-9, "{lens:?} {at}");
                 let (from, again, distance) = rays.ray_to(point);
                 assert!(again.distance(way) < 1e-12 && from.distance(origin) < 1e-9 && (distance - 3.7).abs() < 1e-9);
             }
-            let behind = rays.place(2.0 * eye_ws.as_dvec3() - target_ws.as_dvec3());
+            let behind = rays.project(2.0 * eye_ws.as_dvec3() - target_ws.as_dvec3());
             assert_eq!(behind.is_none(), matches!(lens, Lens::Perspective { .. }));
         }
     }

@@ -30,7 +30,7 @@ impl Capsule {
     /// starts beyond.
     ///
     /// The sides are the cone that touches both balls (after Quilez, "round cone intersection").
-    pub(super) fn enter(&self, origin: DVec3, way: DVec3) -> f64 {
+    pub(super) fn intersect(&self, origin: DVec3, way: DVec3) -> f64 {
         let (a, b) = (self.from.as_dvec3(), self.to.as_dvec3());
         let (ra, rb) = (f64::from(self.from_radius), f64::from(self.to_radius));
         // Measured from the ray's point nearest to the first end, to reduce cancellation below.
@@ -49,7 +49,7 @@ impl Capsule {
         if slant <= 0.0 {
             // One ball contains the other.
             let enter = if ra > rb { ball(oa, ra) } else { ball(ob, rb) };
-            return ahead(start + enter);
+            return positive_or_infinity(start + enter);
         }
         let square = slant - along_way * along_way;
         let half = slant * way_oa - along_oa * along_way + along_way * taper * ra;
@@ -61,9 +61,9 @@ impl Capsule {
         let side = (-root.sqrt() - half) / square;
         let height = along_oa - ra * taper + side * along_way;
         if height > 0.0 && height < slant {
-            return ahead(start + side);
+            return positive_or_infinity(start + side);
         }
-        ahead(start + ball(oa, ra).min(ball(ob, rb)))
+        positive_or_infinity(start + ball(oa, ra).min(ball(ob, rb)))
     }
 
     /// Returns the position of `point` along the axis, 0..=1, by orthogonal projection.
@@ -77,7 +77,7 @@ impl Capsule {
     }
 }
 
-fn ahead(distance: f64) -> f64 {
+fn positive_or_infinity(distance: f64) -> f64 {
     if distance > 0.0 { distance } else { f64::INFINITY }
 }
 
@@ -89,7 +89,7 @@ mod tests {
     ///
     /// Along the axis the distance to a ball's centre is convex and its radius is linear, so ternary search finds the
     /// minimum.
-    fn outside(capsule: &Capsule, p: DVec3) -> f64 {
+    fn distance_to_hull(capsule: &Capsule, p: DVec3) -> f64 {
         let ball = |t: f64| {
             let middle = capsule.from.as_dvec3().lerp(capsule.to.as_dvec3(), t);
             let radius = f64::from(capsule.from_radius) * (1.0 - t) + f64::from(capsule.to_radius) * t;
@@ -120,18 +120,18 @@ mod tests {
                 let origin = 3.0 * DVec3::new(turn(1.3), turn(2.1), turn(3.7)).normalize();
                 let aim = DVec3::new(turn(5.1), turn(7.3), turn(9.7)) * 0.4 + DVec3::splat(0.1);
                 let way = (aim - origin).normalize();
-                let enter = capsule.enter(origin, way);
+                let enter = capsule.intersect(origin, way);
                 if enter.is_finite() {
                     hits += 1;
-                    assert!(outside(capsule, origin + way * enter).abs() < 1e-4, "{capsule:?}, ray {i}");
+                    assert!(distance_to_hull(capsule, origin + way * enter).abs() < 1e-4, "{capsule:?}, ray {i}");
                     // No part of the capsule is before the entry point.
-                    let before = (0..50).map(|k| outside(capsule, origin + way * (enter * f64::from(k) / 50.0)));
+                    let before = (0..50).map(|k| distance_to_hull(capsule, origin + way * (enter * f64::from(k) / 50.0)));
                     assert!(before.fold(f64::INFINITY, f64::min) > -1e-9, "{capsule:?}, ray {i}");
-                    assert!(!capsule.enter(origin, -way).is_finite());
-                    assert!(!capsule.enter(origin + way * (enter + 1e-9), way).is_finite(), "from within");
+                    assert!(!capsule.intersect(origin, -way).is_finite());
+                    assert!(!capsule.intersect(origin + way * (enter + 1e-9), way).is_finite(), "from within");
                 } else {
                     misses += 1;
-                    let nearest = (0..400).map(|k| outside(capsule, origin + way * (f64::from(k) / 60.0)));
+                    let nearest = (0..400).map(|k| distance_to_hull(capsule, origin + way * (f64::from(k) / 60.0)));
                     assert!(nearest.fold(f64::INFINITY, f64::min) > -1e-3, "{capsule:?}, ray {i} should hit");
                 }
             }
@@ -143,9 +143,9 @@ mod tests {
     fn thin_hair_far_away_is_still_there() {
         let hair = Capsule { from: Vec3::ZERO, from_radius: 1e-5, to: Vec3::new(0.0, 0.3, 0.0), to_radius: 1e-5 };
         for x in [0.0, 0.9e-5] {
-            let t = hair.enter(DVec3::new(x, 0.1, 1e4), DVec3::NEG_Z);
+            let t = hair.intersect(DVec3::new(x, 0.1, 1e4), DVec3::NEG_Z);
             assert!((t - 1e4).abs() < 1e-4, "{t}");
         }
-        assert!(!hair.enter(DVec3::new(1.1e-5, 0.1, 1e4), DVec3::NEG_Z).is_finite());
+        assert!(!hair.intersect(DVec3::new(1.1e-5, 0.1, 1e4), DVec3::NEG_Z).is_finite());
     }
 }

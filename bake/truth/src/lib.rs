@@ -28,14 +28,14 @@ mod sky;
 mod strand_light;
 mod tracer;
 
-pub use camera::{Lens, RayCaster, TrueCamera, Ways};
+pub use camera::{Lens, RayCaster, TrueCamera, ViewDirections};
 pub use lighting::{TrueLight, TrueLighting};
-pub use part_file::{OfPicture, TracedPart};
+pub use part_file::{PartHeader, TracedPart};
 pub use picture::{Part, Portion, Rays, Square, TracedPicture, TrueScene};
 pub use scattering::TrueScattering;
-pub use sight::{Look, SeenPoint, Sight};
+pub use sight::{SurfaceView, VisiblePoint, SurfaceVisibility};
 pub use sky::TrueSky;
-pub use strand_light::SeenStrand;
+pub use strand_light::VisibleStrand;
 
 use glam::DVec2;
 use pelage_bake::noise::{hash, uniform};

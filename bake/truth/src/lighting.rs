@@ -15,11 +15,11 @@
 use super::disc;
 use super::scattering::TrueScattering;
 use super::sky::TrueSky;
-use super::tracer::{Hit, Start, Tracer};
+use super::tracer::{Hit, RayOrigin, Tracer};
 use glam::{DVec2, DVec3, Vec3};
 use pelage_bake::noise::{hash, uniform};
-use pelage_bake::stages::hair::Strands;
-use pelage_bake::strands::Skin;
+use pelage_bake::stages::simulate::Strands;
+use pelage_bake::strands::PosedMesh;
 use pelage_formats::Shading;
 use pelage_formats::meaning::tile_axes_f64;
 
@@ -50,7 +50,7 @@ impl TrueLight {
     }
 
     /// Returns the unit direction from a point towards the middle of the light, and its distance, metres.
-    pub(super) fn seen_from(&self, point_ws: DVec3) -> (DVec3, f64) {
+    pub(super) fn direction_and_distance(&self, point_ws: DVec3) -> (DVec3, f64) {
         match *self {
             Self::Directional { towards_light_ws, .. } => {
                 (towards_light_ws.as_dvec3().normalize_or(DVec3::Y), f64::INFINITY)
@@ -115,7 +115,7 @@ impl TrueLighting {
 }
 
 /// Constants and root directions of a tile.
-pub(super) struct Material {
+pub(super) struct TileShading {
     pub(super) dry: Shading,
     pub(super) wet: Shading,
     /// Root directions of dry and of wet hair, in the tile's frame.
@@ -136,14 +136,14 @@ pub(super) fn root_directions(strands: &Strands) -> Vec<DVec3> {
 /// Light sample: scene, lighting, and the seed of its random numbers.
 pub(super) struct Sample<'a> {
     pub(super) tracer: &'a Tracer,
-    pub(super) material: &'a Material,
+    pub(super) material: &'a TileShading,
     pub(super) lighting: &'a TrueLighting,
     /// Seed of all random numbers of this sample.
     pub(super) seed: u64,
 }
 
 /// Properties of a hair at the shaded point.
-struct Hair {
+struct HairSample {
     color: DVec3,
     tangent: DVec3,
     height: f64,
@@ -161,14 +161,14 @@ impl Sample<'_> {
             Hit::Hair { point, share, strand } => {
                 let points = &self.tracer.curves.points;
                 let (a, b) = (&points[point], &points[point + 1]);
-                let hair = Hair {
+                let hair = HairSample {
                     color: a.color.as_dvec3().lerp(b.color.as_dvec3(), share),
                     tangent: (b.position_ws.as_dvec3() - a.position_ws.as_dvec3()).normalize_or_zero(),
                     height: f64::from(a.height) + f64::from(b.height - a.height) * share,
                     normal: a.normal_ws.as_dvec3().lerp(b.normal_ws.as_dvec3(), share).normalize_or_zero(),
                     wet: self.tracer.curves.wet[strand as usize],
                 };
-                let start = Start { strand: Some(strand), triangle: None };
+                let start = RayOrigin { strand: Some(strand), triangle: None };
                 let visible = self.visibility(place_ws, start, shadow_rays);
                 self.hair(&hair, place_ws, to_eye, visible, start)
             }
@@ -191,17 +191,17 @@ impl Sample<'_> {
         let base = skin.base_color(triangle, weights).truncate().as_dvec3();
         let [normal, tangent, bitangent] = frame(skin, triangle, weights);
         let side = if front { 1.0 } else { -1.0 };
-        let start = Start { strand: None, triangle: Some(triangle) };
+        let start = RayOrigin { strand: None, triangle: Some(triangle) };
         let visible = self.visibility(place_ws, start, shadow_rays);
         let bare = self.bare(base, normal * side, place_ws, visible, start);
         if !self.has_undercoat(triangle) {
             return bare;
         }
         let (coat, wetness) = self.undercoat(triangle, weights);
-        let wet = self.draw(2) < wetness;
+        let wet = self.random(2) < wetness;
         let roots = &self.material.roots[usize::from(wet)];
-        let root = roots[((self.draw(3) * roots.len() as f64) as usize).min(roots.len() - 1)];
-        let undercoat = Hair {
+        let root = roots[((self.random(3) * roots.len() as f64) as usize).min(roots.len() - 1)];
+        let undercoat = HairSample {
             color: base * self.material.root_colors[usize::from(wet)],
             tangent: tangent * root.x + bitangent * root.y + normal * root.z,
             height: 0.0,
@@ -227,21 +227,21 @@ impl Sample<'_> {
         (coat, if self.material.roots[1].is_empty() { 0.0 } else { groom.y })
     }
 
-    fn hair(&self, hair: &Hair, place_ws: DVec3, to_eye: DVec3, visible: f64, start: Start) -> DVec3 {
+    fn hair(&self, hair: &HairSample, place_ws: DVec3, to_eye: DVec3, visible: f64, start: RayOrigin) -> DVec3 {
         let k = if hair.wet { &self.material.wet } else { &self.material.dry };
         let lighting = self.lighting;
         let floor = if lighting.ambient_attenuation { f64::from(k.ambient_floor) } else { 1.0 };
         let gamma = floor + (1.0 - floor) * hair.height;
         let mut sum = vector(k.ambient) * gamma * hair.color * self.ambient();
         let past_strands = |light: &TrueLight| {
-            let (towards, distance) = light.seen_from(place_ws);
+            let (towards, distance) = light.direction_and_distance(place_ws);
             f64::from(self.tracer.is_lit(place_ws, towards, distance, start, (lighting.fill_shadows, false)))
         };
         let fills = lighting.fill.iter().map(|light| (light, past_strands(light)));
-        let sky = self.of_sky(place_ws, start);
+        let sky = self.sample_sky(place_ws, start);
         let sky = sky.iter().map(|(light, visible)| (light, *visible));
         for (light, visible) in std::iter::once((&lighting.key, visible)).chain(fills).chain(sky) {
-            let (towards, _) = light.seen_from(place_ws);
+            let (towards, _) = light.direction_and_distance(place_ws);
             let half = (towards + to_eye).normalize_or_zero();
             let sine = |to: DVec3| (1.0 - hair.tangent.dot(to).powi(2)).clamp(0.0, 1.0).sqrt();
             let diffuse = vector(k.diffuse) * hair.color * sine(towards).powf(f64::from(k.diffuse_exponent));
@@ -262,25 +262,25 @@ impl Sample<'_> {
     }
 
     /// Returns a light equivalent to one random direction of the environment map, and its visibility, 1 or 0.
-    fn of_sky(&self, place_ws: DVec3, start: Start) -> Option<(TrueLight, f64)> {
+    fn sample_sky(&self, place_ws: DVec3, start: RayOrigin) -> Option<(TrueLight, f64)> {
         let sky = self.lighting.sky.as_ref()?;
-        let (way, likely) = sky.draw([self.draw(4), self.draw(5)])?;
+        let (way, likely) = sky.sample([self.random(4), self.random(5)])?;
         // A light of colour 1 causes an irradiance of π.
         let color = (sky.radiance(way) / (likely * std::f64::consts::PI)).as_vec3();
         let visible = self.tracer.is_lit(place_ws, way, f64::INFINITY, start, (true, true));
         Some((TrueLight::Directional { towards_light_ws: way.as_vec3(), color }, f64::from(visible)))
     }
 
-    fn bare(&self, color: DVec3, normal: DVec3, place_ws: DVec3, visible: f64, start: Start) -> DVec3 {
+    fn bare(&self, color: DVec3, normal: DVec3, place_ws: DVec3, visible: f64, start: RayOrigin) -> DVec3 {
         let k = &self.material.dry;
         let key = self.lighting.key;
         let mut sum = vector(k.ambient) * self.ambient();
         let mut full = sum;
-        let sky = self.of_sky(place_ws, start);
+        let sky = self.sample_sky(place_ws, start);
         let sky = sky.iter().map(|(light, visible)| (light, *visible));
         let lights = std::iter::once((&key, visible)).chain(self.lighting.fill.iter().map(|l| (l, 1.0))).chain(sky);
         for (light, visible) in lights {
-            let cosine = normal.dot(light.seen_from(place_ws).0).max(0.0);
+            let cosine = normal.dot(light.direction_and_distance(place_ws).0).max(0.0);
             sum += vector(k.diffuse) * cosine * visible * light.color();
             full += vector(k.diffuse) * light.color();
         }
@@ -290,14 +290,14 @@ impl Sample<'_> {
     }
 
     /// Returns the visibility of this sample's point of the key light: 1 or 0.
-    fn visibility(&self, place_ws: DVec3, start: Start, shadow_rays: &mut u64) -> f64 {
+    fn visibility(&self, place_ws: DVec3, start: RayOrigin, shadow_rays: &mut u64) -> f64 {
         let past = (self.lighting.hair_shadows, self.lighting.skin_shadows);
         if past == (false, false) {
             return 1.0;
         }
         *shadow_rays += 1;
-        let (axis, distance) = self.lighting.key.seen_from(place_ws);
-        let way = self.on_disc(axis, DVec2::new(self.draw(0), self.draw(1)));
+        let (axis, distance) = self.lighting.key.direction_and_distance(place_ws);
+        let way = self.on_disc(axis, DVec2::new(self.random(0), self.random(1)));
         let reach = distance / axis.dot(way);
         f64::from(self.tracer.is_lit(place_ws, way, reach, start, past))
     }
@@ -310,13 +310,13 @@ impl Sample<'_> {
     }
 
     /// Returns random number `what` of this sample, uniform in 0..1.
-    fn draw(&self, what: u64) -> f64 {
+    fn random(&self, what: u64) -> f64 {
         f64::from(uniform(hash(self.seed, 0x71a5), what))
     }
 }
 
 /// Returns normal, tangent and bitangent of the mesh surface at a point, world space, unit length.
-pub(super) fn frame(skin: &Skin, triangle: usize, weights: DVec3) -> [DVec3; 3] {
+pub(super) fn frame(skin: &PosedMesh, triangle: usize, weights: DVec3) -> [DVec3; 3] {
     let corners = skin.corners(triangle);
     let sum = |of: [DVec3; 3]| of[0] * weights.x + of[1] * weights.y + of[2] * weights.z;
     let normal = sum(corners.map(|c| c.normal_ws)).normalize_or(corners[0].normal_ws);

@@ -22,7 +22,7 @@ const MOST_PIXELS: u64 = 8192 * 8192;
 #[derive(Clone, Debug, PartialEq)]
 pub struct TracedPart {
     /// Description of the whole picture and of the part.
-    pub of: OfPicture,
+    pub of: PartHeader,
     /// Traced pixels of the part; all others are empty.
     pub traced: TracedPicture,
     /// The same pixels as stored in a PNG.
@@ -32,7 +32,7 @@ pub struct TracedPart {
 /// Description of a picture and one of its parts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct OfPicture {
+pub struct PartHeader {
     /// Identifier of all that a pixel depends on.
     pub picture: String,
     /// Width, pixels.
@@ -60,7 +60,7 @@ impl TracedPart {
         // Numbers and a string always serialise to JSON.
         bytes.extend(serde_json::to_vec(&self.of).unwrap_or_default());
         bytes.push(b'\n');
-        for at in places(&self.of) {
+        for at in pixel_indices(&self.of) {
             let shown = self.shown.as_raw().get(4 * at..4 * at + 4).unwrap_or_default();
             bytes.extend(self.traced.pixels[at].iter().flat_map(|channel| channel.to_le_bytes()));
             bytes.extend_from_slice(shown);
@@ -82,7 +82,7 @@ impl TracedPart {
         })?;
         let end = rest.iter().position(|byte| *byte == b'\n');
         let end = end.ok_or_else(|| wrong("line 2", "it does not end; the file is cut off".into()))?;
-        let of: OfPicture = serde_json::from_slice(&rest[..end]).map_err(|e| wrong("line 2", e.to_string()))?;
+        let of: PartHeader = serde_json::from_slice(&rest[..end]).map_err(|e| wrong("line 2", e.to_string()))?;
         let squares = u64::from(of.width) * u64::from(of.height);
         if of.parts == 0 || of.part >= of.parts || squares > MOST_PIXELS || squares == 0 {
             let found = format!("part {} of {} of {}x{} pixels", of.part, of.parts, of.width, of.height);
@@ -106,7 +106,7 @@ impl TracedPart {
         }
         let count = squares as usize;
         let (mut pixels, mut shown) = (vec![[0.0; 4]; count], vec![0; 4 * count]);
-        for (at, pixel) in places(&of).into_iter().zip(body[begin..].chunks_exact(PIXEL)) {
+        for (at, pixel) in pixel_indices(&of).into_iter().zip(body[begin..].chunks_exact(PIXEL)) {
             let (floats, bytes) = pixel.split_at(16);
             for (channel, float) in pixels[at].iter_mut().zip(floats.chunks_exact(4)) {
                 *channel = f32::from_le_bytes(float.try_into().unwrap_or_default());
@@ -125,17 +125,17 @@ impl TracedPart {
     ///
     /// The reason, if it belongs to another picture.
     pub fn add(&mut self, other: &Self) -> Result<(), String> {
-        let whole = |of: &OfPicture| OfPicture { part: 0, primary_rays: 0, shadow_rays: 0, ..of.clone() };
+        let whole = |of: &PartHeader| PartHeader { part: 0, primary_rays: 0, shadow_rays: 0, ..of.clone() };
         let (here, there) = (whole(&self.of), whole(&other.of));
         if here != there {
-            let words = |of: &OfPicture| {
-                let OfPicture { width, height, spp, parts, picture, .. } = of;
+            let words = |of: &PartHeader| {
+                let PartHeader { width, height, spp, parts, picture, .. } = of;
                 let picture = picture.get(..12).unwrap_or(picture);
                 format!("one of {parts} parts of {width}x{height} pixels, {spp} samples, of picture {picture}")
             };
             return Err(format!("found {}, expected {}", words(&there), words(&here)));
         }
-        for at in places(&other.of) {
+        for at in pixel_indices(&other.of) {
             self.traced.pixels[at] = other.traced.pixels[at];
             let (here, there) = (self.shown.get_mut(4 * at..4 * at + 4), other.shown.get(4 * at..4 * at + 4));
             if let (Some(here), Some(there)) = (here, there) {
@@ -149,7 +149,7 @@ impl TracedPart {
 }
 
 /// Returns the indices of a part's pixels in the picture, in the order of its file.
-fn places(of: &OfPicture) -> Vec<usize> {
+fn pixel_indices(of: &PartHeader) -> Vec<usize> {
     let squares = Part { number: of.part, of: of.parts }.squares((of.width, of.height));
     let width = of.width as usize;
     let pixels = squares.into_iter().flat_map(|square| {
@@ -165,7 +165,7 @@ mod tests {
     use super::*;
 
     fn part(number: u32) -> TracedPart {
-        let of = OfPicture {
+        let of = PartHeader {
             picture: "a".into(),
             width: 40,
             height: 20,
@@ -180,7 +180,7 @@ mod tests {
         traced.rays = Rays { primary: 7, shadow: 3 };
         traced.pixels = vec![[0.0; 4]; 800];
         let mut shown = RgbaImage::new(40, 20);
-        for at in places(&of) {
+        for at in pixel_indices(&of) {
             traced.pixels[at] = [at as f32, 0.1, f32::MIN_POSITIVE, 1.0];
             shown.put_pixel(at as u32 % 40, at as u32 / 40, image::Rgba([at as u8, 1, 2, 255]));
         }

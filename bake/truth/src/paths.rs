@@ -11,7 +11,7 @@
 use super::lighting::{Sample, TrueLight, frame, vector};
 use super::scattering::TrueScattering;
 use super::sky::TrueSky;
-use super::tracer::{Hit, Start};
+use super::tracer::{Hit, RayOrigin};
 use glam::DVec3;
 use pelage_bake::noise::{hash, uniform};
 use pelage_formats::meaning::scattering::near;
@@ -24,8 +24,8 @@ const SURE_BOUNCES: u32 = 4;
 const MOST_OF_SKIN: f64 = 0.98;
 
 /// Scattering at a hit point.
-enum Met<'a> {
-    Hair { hit: near::Hit<'a>, tip: DVec3, to_eye: DVec3 },
+enum Scatterer<'a> {
+    Hair { hit: near::FibreHit<'a>, tip: DVec3, to_eye: DVec3 },
     Skin { albedo: DVec3, normal: DVec3 },
 }
 
@@ -46,33 +46,33 @@ impl Sample<'_> {
         for bounce in 0..scattering.bounces() {
             let draw = |what: u64| f64::from(uniform(hash(self.seed, 0xb0c5 + u64::from(bounce)), what));
             let start = match hit {
-                Hit::Hair { strand, .. } => Start { strand: Some(strand), triangle: None },
-                Hit::Skin { triangle, .. } => Start { strand: None, triangle: Some(triangle) },
+                Hit::Hair { strand, .. } => RayOrigin { strand: Some(strand), triangle: None },
+                Hit::Skin { triangle, .. } => RayOrigin { strand: None, triangle: Some(triangle) },
             };
-            let met = self.met(scattering, &hit, to_eye, place);
+            let met = self.scatterer_at(scattering, &hit, to_eye, place);
             for (i, light) in std::iter::once(&self.lighting.key).chain(&self.lighting.fill).enumerate() {
                 *shadow_rays += 1;
                 let aside = [draw(10), draw(11)];
-                let (way, seen) = self.seen_light(light, i == 0, place, start, aside);
+                let (way, seen) = self.light_visibility(light, i == 0, place, start, aside);
                 if seen {
                     sum += left * met.value(way) * light.color() * PI;
                 }
             }
             if let Some(sky) = &self.lighting.sky {
                 *shadow_rays += 1;
-                sum += left * self.seen_sky(sky, &met, place, start, [draw(13), draw(14)]);
+                sum += left * self.sky_contribution(sky, &met, place, start, [draw(13), draw(14)]);
             }
-            let (way, weight) = met.draw(std::array::from_fn(|i| draw(i as u64)));
+            let (way, weight) = met.sample(std::array::from_fn(|i| draw(i as u64)));
             left *= weight;
             if left.max_element() <= 0.0 {
                 break;
             }
             *shadow_rays += 1;
-            let Some((next, distance)) = self.tracer.first_from(place, way, start) else {
+            let Some((next, distance)) = self.tracer.first_hit_from(place, way, start) else {
                 sum += left
                     * self.lighting.sky.as_ref().map_or(ambient, |sky| {
                         // The rest comes from the sky's own samples.
-                        let (ours, other) = (met.likely(way), sky.likely(way));
+                        let (ours, other) = (met.pdf(way), sky.pdf(way));
                         sky.radiance(way) * (ours / (ours + other))
                     });
                 break;
@@ -92,8 +92,8 @@ impl Sample<'_> {
 
     /// Returns the direction of a light from a point and its visibility. For the key light the direction is a random
     /// one to its disc.
-    fn seen_light(&self, light: &TrueLight, key: bool, place: DVec3, start: Start, aside: [f64; 2]) -> (DVec3, bool) {
-        let (axis, distance) = light.seen_from(place);
+    fn light_visibility(&self, light: &TrueLight, key: bool, place: DVec3, start: RayOrigin, aside: [f64; 2]) -> (DVec3, bool) {
+        let (axis, distance) = light.direction_and_distance(place);
         let way = if key { self.on_disc(axis, aside.into()) } else { axis };
         let skin = key && self.lighting.skin_shadows;
         let hair = if key { self.lighting.hair_shadows } else { self.lighting.fill_shadows };
@@ -102,16 +102,16 @@ impl Sample<'_> {
 
     /// Returns the light of one sampled sky direction that is scattered to the eye, weighted against the sampling of
     /// the scattering (Veach and Guibas 1995, the balance heuristic).
-    fn seen_sky(&self, sky: &TrueSky, met: &Met<'_>, place: DVec3, start: Start, even: [f64; 2]) -> DVec3 {
-        let Some((way, likely)) = sky.draw(even) else { return DVec3::ZERO };
+    fn sky_contribution(&self, sky: &TrueSky, met: &Scatterer<'_>, place: DVec3, start: RayOrigin, even: [f64; 2]) -> DVec3 {
+        let Some((way, likely)) = sky.sample(even) else { return DVec3::ZERO };
         let value = met.value(way);
         if value.max_element() <= 0.0 || !self.tracer.is_lit(place, way, f64::INFINITY, start, (true, true)) {
             return DVec3::ZERO;
         }
-        value * sky.radiance(way) / (likely + met.likely(way))
+        value * sky.radiance(way) / (likely + met.pdf(way))
     }
 
-    fn met<'a>(&self, scattering: &'a TrueScattering, hit: &Hit, to_eye: DVec3, place: DVec3) -> Met<'a> {
+    fn scatterer_at<'a>(&self, scattering: &'a TrueScattering, hit: &Hit, to_eye: DVec3, place: DVec3) -> Scatterer<'a> {
         match *hit {
             Hit::Hair { point, share, strand } => {
                 let of = scattering.of_strand(strand);
@@ -127,8 +127,8 @@ impl Sample<'_> {
                 let normal = (out - tip * out.dot(tip)).normalize_or(across);
                 let offset = -normal.dot(tip.cross(across));
                 let angles = (sin, (1.0 - sin * sin).max(0.0).sqrt());
-                let hit = near::Hit::new(&of.fibre, of.scale, sigma, offset, angles);
-                Met::Hair { hit, tip, to_eye }
+                let hit = near::FibreHit::new(&of.fibre, of.scale, sigma, offset, angles);
+                Scatterer::Hair { hit, tip, to_eye }
             }
             Hit::Skin { triangle, weights, front } => {
                 let skin = &self.tracer.skin;
@@ -138,13 +138,13 @@ impl Sample<'_> {
                 let (coat, wetness) = self.undercoat(triangle, weights);
                 let [dry, wet] = self.material.root_colors;
                 let albedo = base * DVec3::ONE.lerp(dry.lerp(wet, wetness), coat);
-                Met::Skin { albedo: albedo.clamp(DVec3::ZERO, DVec3::splat(MOST_OF_SKIN)), normal }
+                Scatterer::Skin { albedo: albedo.clamp(DVec3::ZERO, DVec3::splat(MOST_OF_SKIN)), normal }
             }
         }
     }
 }
 
-impl Met<'_> {
+impl Scatterer<'_> {
     /// Returns the scattering to the eye of light from a direction, per steradian, cosine included.
     fn value(&self, way: DVec3) -> DVec3 {
         match self {
@@ -158,7 +158,7 @@ impl Met<'_> {
     }
 
     /// Returns the probability density with which [`Self::draw`] chooses a direction, per steradian.
-    fn likely(&self, way: DVec3) -> f64 {
+    fn pdf(&self, way: DVec3) -> f64 {
         match self {
             Self::Hair { hit, tip, to_eye } => {
                 let angles = Angles::between(*tip, way, *to_eye);
@@ -169,10 +169,10 @@ impl Met<'_> {
     }
 
     /// Samples a direction of incoming light; returns it with its scattering divided by the probability density.
-    fn draw(&self, even: [f64; 4]) -> (DVec3, DVec3) {
+    fn sample(&self, even: [f64; 4]) -> (DVec3, DVec3) {
         match self {
             Self::Hair { hit, tip, to_eye } => {
-                let drawn = hit.draw(even);
+                let drawn = hit.sample(even);
                 let across = (*to_eye - *tip * tip.dot(*to_eye)).normalize_or(tip.any_orthonormal_vector());
                 let around = across * libm::cos(drawn.phi) + tip.cross(across) * libm::sin(drawn.phi);
                 let way = (*tip * drawn.from.0 + around * drawn.from.1).normalize_or(around);

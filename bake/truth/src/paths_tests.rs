@@ -2,9 +2,9 @@
 use crate::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene, TrueSky};
 use glam::{Vec2, Vec3};
 use pelage_bake::noise::uniform;
-use pelage_bake::strands::{CurvePoint, Curves, Skin};
+use pelage_bake::strands::{CurvePoint, Curves, PosedMesh};
 use pelage_formats::Shading;
-use pelage_formats::meaning::scattering::{Angles, Around, Fibre, colour};
+use pelage_formats::meaning::scattering::{Angles, AzimuthalScattering, Fibre, colour};
 use pelage_stage::sky::{Environment, LightLobe, Panorama};
 
 /// Returns a tangle of strands of that colour in a ball of 1 m.
@@ -37,7 +37,7 @@ fn lighting(sun: f32, bounces: u32) -> TrueLighting {
 /// Traces a picture and returns the mean light of its covered part.
 fn mean(curves: Curves, ambient: f32, lighting: &TrueLighting, size: u32, spp: u32) -> Vec3 {
     let shading = Shading { ambient: [ambient; 3], ..Shading::default() };
-    let scene = TrueScene::new(curves, Skin::default(), None, shading).unwrap();
+    let scene = TrueScene::new(curves, PosedMesh::default(), None, shading).unwrap();
     let picture = scene.picture(&camera(), lighting, (size, size), spp, &mut |_, _| ());
     let sum = picture.pixels.iter().fold(glam::DVec4::ZERO, |sum, p| sum + glam::Vec4::from(*p).as_dvec4());
     (sum.truncate() / sum.w).as_vec3()
@@ -70,7 +70,7 @@ fn a_fibre_over_its_width_is_the_fibre_from_afar() {
     let fibre = Fibre { tilt: 0.1, ..Fibre::default() };
     let color = Vec3::new(0.6, 0.3, 0.1);
     let scattering = TrueScattering::new(fibre, 1).unwrap();
-    let Around::Rough(scale) = fibre.around else { unreachable!() };
+    let AzimuthalScattering::Rough(scale) = fibre.around else { unreachable!() };
     // The near formula uses the section of θo, the far one that of θd; the lights are chosen so that both are almost
     // the same.
     for light in [Vec3::new(0.06, 0.3, 0.5), Vec3::new(-0.06, -0.2, 0.4), Vec3::new(0.03, 0.1, -0.9)] {
@@ -108,7 +108,7 @@ fn skies_light_a_tangle_from_where_they_are_bright() {
     // The same light as a panorama and as a lobe, on absorbing hair.
     let lobe = LightLobe { towards: [0.3, 0.4, 0.8], width_deg: 10.0, radiance: [20.0; 3] };
     let window = Environment { lobes: vec![lobe], ..Environment::default() };
-    let picture = Panorama::painted((256, 128), |way| window.radiance(way)).unwrap();
+    let picture = Panorama::from_fn((256, 128), |way| window.radiance(way)).unwrap();
     let color = Vec3::new(0.6, 0.3, 0.1);
     let [painted, formula] =
         [TrueSky::of_panorama(picture, 0.0, 1.0), TrueSky::of_environment(window)].map(|sky| under(sky, color, 64));

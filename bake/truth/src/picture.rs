@@ -1,13 +1,13 @@
 //! Ray-traced picture of a package: its strands and mesh surface.
 
 use super::camera::{RayCaster, TrueCamera};
-use super::lighting::{Material, Sample, TrueLighting, root_directions};
+use super::lighting::{TileShading, Sample, TrueLighting, root_directions};
 use super::tracer::Tracer;
 use glam::{DVec2, DVec3};
 use pelage_bake::noise::{hash, uniform};
-use pelage_bake::stages::hair::TileHair;
+use pelage_bake::stages::simulate::TileHair;
 use pelage_bake::strands::Curves;
-use pelage_bake::strands::Skin;
+use pelage_bake::strands::PosedMesh;
 use pelage_formats::Shading;
 use pelage_import::BakeError;
 use rayon::prelude::*;
@@ -44,7 +44,7 @@ pub struct Rays {
 /// Strands and mesh surface, ready for ray tracing.
 pub struct TrueScene {
     pub(super) tracer: Tracer,
-    material: Material,
+    material: TileShading,
 }
 
 impl TracedPicture {
@@ -71,15 +71,15 @@ impl TrueScene {
     ///
     /// # Errors
     /// [`BakeError::Internal`] for positions that are not finite.
-    pub fn new(curves: Curves, skin: Skin, hair: Option<&TileHair>, shading: Shading) -> Result<Self, BakeError> {
+    pub fn new(curves: Curves, skin: PosedMesh, hair: Option<&TileHair>, shading: Shading) -> Result<Self, BakeError> {
         let wet = hair.and_then(|h| h.wet.as_ref());
         let directions =
-            |strands: Option<&pelage_bake::stages::hair::Strands>| strands.map_or_else(Vec::new, root_directions);
-        let color = |strands: Option<&pelage_bake::stages::hair::Strands>| {
+            |strands: Option<&pelage_bake::stages::simulate::Strands>| strands.map_or_else(Vec::new, root_directions);
+        let color = |strands: Option<&pelage_bake::stages::simulate::Strands>| {
             strands.map_or(DVec3::ONE, |s| s.root_color.as_dvec3())
         };
         let dry = hair.map(|h| &h.strands);
-        let material = Material {
+        let material = TileShading {
             dry: shading,
             wet: shading.wet(),
             roots: [directions(dry), directions(wet)],
@@ -94,7 +94,7 @@ impl TrueScene {
     }
 
     /// Returns the mesh surface.
-    pub fn skin(&self) -> &Skin {
+    pub fn skin(&self) -> &PosedMesh {
         &self.tracer.skin
     }
 
@@ -186,10 +186,10 @@ impl TrueScene {
         let mut sum = DVec3::ZERO;
         let mut met = 0u32;
         for i in samples.clone() {
-            let inside = spread(i, shift);
+            let inside = r2_point(i, shift);
             let (origin, way) = rays.ray(DVec2::new(f64::from(x), f64::from(y)) + inside);
             count.primary += 1;
-            if let Some((hit, distance)) = self.tracer.first(origin, way) {
+            if let Some((hit, distance)) = self.tracer.first_hit(origin, way) {
                 let seed = hash(seed, u64::from(i) + 2);
                 let sample = Sample { tracer: &self.tracer, material: &self.material, lighting, seed };
                 met += 1;
@@ -266,7 +266,7 @@ impl Part {
 
 /// Returns point `i` of a sequence that covers the unit square evenly at any length (Roberts 2018, "R2"), shifted with
 /// wrap-around.
-fn spread(i: u32, shift: DVec2) -> DVec2 {
+fn r2_point(i: u32, shift: DVec2) -> DVec2 {
     // Powers of the reciprocal of the plastic number, the root of x³ = x + 1.
     const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
     let p = STEP * f64::from(i) + shift;

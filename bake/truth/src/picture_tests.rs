@@ -2,7 +2,7 @@
 use super::*;
 use crate::{Lens, TrueLight};
 use glam::{Vec3, Vec4};
-use pelage_bake::strands::{CurvePoint, SkinMaterial, SkinPoint};
+use pelage_bake::strands::{CurvePoint, PosedMaterial, PosedVertex};
 
 /// Adds a straight strand of constant radius whose surface normal faces the eye.
 fn strand(curves: &mut Curves, from: Vec3, to: Vec3, radius_m: f32) {
@@ -17,7 +17,7 @@ fn strand(curves: &mut Curves, from: Vec3, to: Vec3, radius_m: f32) {
 }
 
 fn scene(curves: Curves) -> TrueScene {
-    TrueScene::new(curves, Skin::default(), None, Shading::default()).unwrap()
+    TrueScene::new(curves, PosedMesh::default(), None, Shading::default()).unwrap()
 }
 
 /// Returns a camera that shows two metres of the plane z = 0 from the front.
@@ -148,8 +148,8 @@ fn a_strand_is_lit_as_the_equation_says() {
 }
 
 /// Returns a quad at height z, seen from the front.
-fn skin(z: f64, material: SkinMaterial) -> Skin {
-    let vertex = |x: f64, y: f64| SkinPoint {
+fn skin(z: f64, material: PosedMaterial) -> PosedMesh {
+    let vertex = |x: f64, y: f64| PosedVertex {
         position_ws: DVec3::new(x, y, z),
         normal_ws: DVec3::Z,
         tangent_ws: DVec3::X,
@@ -157,9 +157,9 @@ fn skin(z: f64, material: SkinMaterial) -> Skin {
         color: Vec4::ONE,
         groom: glam::Vec2::X,
         fur_height_m: 0.1,
-        ..SkinPoint::default()
+        ..PosedVertex::default()
     };
-    Skin {
+    PosedMesh {
         vertices: vec![vertex(-1.0, -1.0), vertex(1.0, -1.0), vertex(1.0, 1.0), vertex(-1.0, 1.0)],
         same_place: vec![0, 1, 2, 3],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -170,9 +170,9 @@ fn skin(z: f64, material: SkinMaterial) -> Skin {
 
 #[test]
 fn skin_is_bare_or_an_undercoat() {
-    let bare = SkinMaterial { base_color: Vec4::new(0.5, 0.5, 0.5, 0.6), ..SkinMaterial::default() };
-    let furred = SkinMaterial { furred: true, ..bare.clone() };
-    let upright = pelage_bake::stages::hair::Strands {
+    let bare = PosedMaterial { base_color: Vec4::new(0.5, 0.5, 0.5, 0.6), ..PosedMaterial::default() };
+    let furred = PosedMaterial { furred: true, ..bare.clone() };
+    let upright = pelage_bake::stages::simulate::Strands {
         points: vec![Vec3::ZERO, Vec3::Z],
         radii: vec![0.1; 2],
         colors: vec![Vec3::ONE; 2],
@@ -185,7 +185,7 @@ fn skin_is_bare_or_an_undercoat() {
         key: TrueLight::Directional { towards_light_ws: Vec3::new(0.0, 0.8, 0.6), color: Vec3::ONE },
         ..lighting()
     };
-    let shade = |material: SkinMaterial, groom: f32| {
+    let shade = |material: PosedMaterial, groom: f32| {
         let mut skin = skin(0.0, material);
         skin.vertices.iter_mut().for_each(|v| v.groom.x = groom);
         let scene = TrueScene::new(Curves::default(), skin, Some(&hair), Shading::default()).unwrap();
@@ -202,11 +202,11 @@ fn skin_is_bare_or_an_undercoat() {
         assert!((found[0] - expected).abs() < 1e-5 && found[3] == 1.0, "{found:?}, expected {expected}");
     }
     // Surface below its alpha cut-off is not there.
-    let cut = SkinMaterial { alpha_cutoff: Some(0.7), ..bare.clone() };
+    let cut = PosedMaterial { alpha_cutoff: Some(0.7), ..bare.clone() };
     assert_eq!(shade(cut, 1.0), [0.0; 4]);
     // From behind a single-sided surface is invisible, and a double-sided one is lit by light on its back.
     let behind = |double_sided: bool| {
-        let mut skin = skin(0.0, SkinMaterial { double_sided, ..bare.clone() });
+        let mut skin = skin(0.0, PosedMaterial { double_sided, ..bare.clone() });
         skin.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         let scene = TrueScene::new(Curves::default(), skin, None, Shading::default()).unwrap();
         trace(&scene, &slanted, 3, 4).pixels[4]
@@ -221,7 +221,7 @@ fn skin_throws_shadows_on_hair() {
     strand(&mut curves, Vec3::new(-0.5, 0.0, -1.0), Vec3::new(0.5, 0.0, -1.0), 0.5);
     // The surface hides the strand from the light; seen from below.
     let camera = TrueCamera { eye_ws: Vec3::new(0.0, 0.0, -5.0), ..camera() };
-    let scene = TrueScene::new(curves, skin(0.0, SkinMaterial::default()), None, Shading::default()).unwrap();
+    let scene = TrueScene::new(curves, skin(0.0, PosedMaterial::default()), None, Shading::default()).unwrap();
     let center = |lighting: TrueLighting| scene.picture(&camera, &lighting, (3, 3), 4, &mut |_, _| ()).pixels[4][0];
     let (dark, lit) = (center(lighting()), center(TrueLighting { skin_shadows: false, ..lighting() }));
     let ambient = 0.5 * 0.35 * 0.65;

@@ -1,6 +1,6 @@
 //! Fibre data for light paths.
 
-use pelage_formats::meaning::scattering::{Around, Fibre, Keeps};
+use pelage_formats::meaning::scattering::{AzimuthalScattering, Fibre, LobeShape};
 use pelage_import::BakeError;
 
 /// Hair as fibres that scatter light to each other, in place of Yang 2006, eq. (3), which treats each fibre alone.
@@ -71,7 +71,7 @@ impl TrueScattering {
 
 fn near(fibre: Fibre) -> Result<TrueFibre, BakeError> {
     match (fibre.around, fibre.keeps) {
-        (Around::Rough(scale), Keeps::Energy) => Ok(TrueFibre { fibre, scale }),
+        (AzimuthalScattering::Rough(scale), LobeShape::Energy) => Ok(TrueFibre { fibre, scale }),
         _ => Err(BakeError::Internal("paths need a fibre that is rough all around and keeps energy".into())),
     }
 }
@@ -80,7 +80,7 @@ fn near(fibre: Fibre) -> Result<TrueFibre, BakeError> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
     use super::*;
-    use pelage_formats::meaning::scattering::azimuthal::Glint;
+    use pelage_formats::meaning::scattering::azimuthal::GlintShape;
 
     #[test]
     fn strands_are_the_fibre_of_their_run() {
@@ -90,7 +90,7 @@ mod tests {
         let found = [0, 1, 2, 4, 5, 9].map(|strand| mixed.of_strand(strand).fibre.eta);
         assert_eq!((found, mixed.bounces()), ([1.6, 1.6, 1.7, 1.7, 1.5, 1.5], 3));
         assert_eq!((mixed.of_group("tail").0.eta, mixed.of_group("mane").0.eta), (1.7, 1.5));
-        let smooth = Fibre { around: Around::Smooth(Glint::default()), ..Fibre::default() };
+        let smooth = Fibre { around: AzimuthalScattering::Smooth(GlintShape::default()), ..Fibre::default() };
         assert!(TrueScattering::new(smooth, 1).is_err());
     }
 }

@@ -4,18 +4,18 @@ use super::camera::{RayCaster, TrueCamera};
 use super::tracer::{Hit, Tracer};
 use glam::{DVec2, DVec3};
 use pelage_bake::strands::Curves;
-use pelage_bake::strands::Skin;
+use pelage_bake::strands::PosedMesh;
 use pelage_import::BakeError;
 
 /// A mesh surface ready for visibility queries. Back faces are visible only if their material is double-sided; texels
 /// below the alpha cut-off are holes.
-pub struct Sight {
+pub struct SurfaceVisibility {
     tracer: Tracer,
 }
 
 /// A visible point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SeenPoint {
+pub struct VisiblePoint {
     /// Index of the triangle.
     pub triangle: usize,
     /// Barycentric weights; they add up to 1.
@@ -24,30 +24,30 @@ pub struct SeenPoint {
     pub distance_m: f64,
 }
 
-impl Sight {
+impl SurfaceVisibility {
     /// Builds the acceleration structure.
     ///
     /// # Errors
     ///
     /// [`BakeError::Internal`] for positions that are not finite.
-    pub fn new(skin: Skin) -> Result<Self, BakeError> {
+    pub fn new(skin: PosedMesh) -> Result<Self, BakeError> {
         Ok(Self { tracer: Tracer::new(Curves::default(), skin)? })
     }
 
     /// Returns the mesh surface.
-    pub fn skin(&self) -> &Skin {
+    pub fn skin(&self) -> &PosedMesh {
         &self.tracer.skin
     }
 
     /// Returns the position of a point of a triangle, metres in world space.
-    pub fn place_ws(&self, triangle: usize, weights: DVec3) -> DVec3 {
+    pub fn position_ws(&self, triangle: usize, weights: DVec3) -> DVec3 {
         let [a, b, c] = self.skin().corners(triangle).map(|c| c.position_ws);
         a * weights.x + b * weights.y + c * weights.z
     }
 
     /// Returns the view of a camera with a picture of `size` pixels.
-    pub fn from(&self, camera: &TrueCamera, size: (u32, u32)) -> Look<'_> {
-        Look { sight: self, rays: RayCaster::new(camera, size) }
+    pub fn view(&self, camera: &TrueCamera, size: (u32, u32)) -> SurfaceView<'_> {
+        SurfaceView { sight: self, rays: RayCaster::new(camera, size) }
     }
 
     /// Returns half the diagonal of the surface's bounding box, metres; 1 if that is zero.
@@ -57,42 +57,42 @@ impl Sight {
 }
 
 /// A mesh surface seen by a camera.
-pub struct Look<'a> {
-    sight: &'a Sight,
+pub struct SurfaceView<'a> {
+    sight: &'a SurfaceVisibility,
     rays: RayCaster,
 }
 
-impl Look<'_> {
+impl SurfaceView<'_> {
     /// Returns the surface point at a point of the picture, pixels from its upper left corner; a pixel's middle is at a
     /// half.
-    pub fn at(&self, at_px: DVec2) -> Option<SeenPoint> {
+    pub fn at(&self, at_px: DVec2) -> Option<VisiblePoint> {
         let (origin, way) = self.rays.ray(at_px);
-        match self.sight.tracer.first(origin, way)? {
-            (Hit::Skin { triangle, weights, .. }, distance_m) => Some(SeenPoint { triangle, weights, distance_m }),
+        match self.sight.tracer.first_hit(origin, way)? {
+            (Hit::Skin { triangle, weights, .. }, distance_m) => Some(VisiblePoint { triangle, weights, distance_m }),
             (Hit::Hair { .. }, _) => None,
         }
     }
 
     /// Returns the position of a point in the picture, pixels from its upper left corner, possibly outside of it;
     /// `None` for a point not in front of the eye.
-    pub fn place_px(&self, point_ws: DVec3) -> Option<DVec2> {
-        self.rays.place(point_ws).map(|(at, _)| at)
+    pub fn project_px(&self, point_ws: DVec3) -> Option<DVec2> {
+        self.rays.project(point_ws).map(|(at, _)| at)
     }
 
     /// Returns whether a point is visible, ignoring occluders at most `slack_m` metres nearer.
-    pub fn sees(&self, point_ws: DVec3, slack_m: f64) -> bool {
+    pub fn is_visible(&self, point_ws: DVec3, slack_m: f64) -> bool {
         let (origin, way, distance) = self.rays.ray_to(point_ws);
-        distance > 0.0 && self.sight.tracer.first(origin, way).is_none_or(|(_, first)| first >= distance - slack_m)
+        distance > 0.0 && self.sight.tracer.first_hit(origin, way).is_none_or(|(_, first)| first >= distance - slack_m)
     }
 
     /// Returns whether a point is in the picture.
-    pub fn holds(&self, at_px: DVec2) -> bool {
+    pub fn contains(&self, at_px: DVec2) -> bool {
         let size = self.rays.size();
         (0.0..size.x).contains(&at_px.x) && (0.0..size.y).contains(&at_px.y)
     }
 
     /// Returns the unit view direction at a point.
-    pub fn way_to(&self, point_ws: DVec3) -> DVec3 {
+    pub fn direction_to(&self, point_ws: DVec3) -> DVec3 {
         self.rays.ray_to(point_ws).1
     }
 

@@ -43,7 +43,7 @@ impl TrueSky {
     /// Returns the uniform light and the lobes of an environment; its sun is a separate light.
     pub fn of_environment(environment: Environment) -> Self {
         // Painting succeeds at this size.
-        let picture = Panorama::painted(OF_LOBES, |way| environment.radiance(way)).unwrap_or_default();
+        let picture = Panorama::from_fn(OF_LOBES, |way| environment.radiance(way)).unwrap_or_default();
         Self::new(Light::Lobes(environment), picture, 0.0, 1.0)
     }
 
@@ -69,7 +69,7 @@ impl TrueSky {
     /// Returns the radiance from a unit direction, linear RGB.
     pub fn radiance(&self, from: DVec3) -> DVec3 {
         let of = &*self.of;
-        let inside = turned(from, -of.yaw);
+        let inside = rotate_about_vertical(from, -of.yaw);
         let light = match &of.light {
             Light::Picture => {
                 let (x, y) = of.picture.pixel(inside);
@@ -82,7 +82,7 @@ impl TrueSky {
 
     /// Samples a direction from two uniform numbers in 0..1; returns it with its probability density, per steradian.
     /// `None` if all is black.
-    pub fn draw(&self, even: [f64; 2]) -> Option<(DVec3, f64)> {
+    pub fn sample(&self, even: [f64; 2]) -> Option<(DVec3, f64)> {
         let of = &*self.of;
         let (width, _) = of.picture.size();
         let whole = *of.rows.last()?;
@@ -93,12 +93,12 @@ impl TrueSky {
         let row = &of.columns[y * width as usize..(y + 1) * width as usize];
         let (x, across) = pick(row, even[1] * row[row.len() - 1]);
         let way = of.picture.towards_within(x as u32, y as u32, [across, down]);
-        Some((turned(way, of.yaw), self.likely_in(x as u32, y as u32)))
+        Some((rotate_about_vertical(way, of.yaw), self.likely_in(x as u32, y as u32)))
     }
 
     /// Returns the probability density of a sampled direction, per steradian.
-    pub fn likely(&self, way: DVec3) -> f64 {
-        let (x, y) = self.of.picture.pixel(turned(way, -self.of.yaw));
+    pub fn pdf(&self, way: DVec3) -> f64 {
+        let (x, y) = self.of.picture.pixel(rotate_about_vertical(way, -self.of.yaw));
         self.likely_in(x, y)
     }
 
@@ -114,7 +114,7 @@ fn weight(light: DVec3) -> f64 {
 }
 
 /// Rotates about the vertical, from +x towards −z.
-fn turned(way: DVec3, yaw: f64) -> DVec3 {
+fn rotate_about_vertical(way: DVec3, yaw: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(yaw);
     DVec3::new(way.x * cos + way.z * sin, way.y, way.z * cos - way.x * sin)
 }
@@ -137,29 +137,29 @@ mod tests {
     /// their stated probability.
     #[test]
     fn directions_are_drawn_where_light_is() {
-        let panorama = Panorama::painted((96, 48), |way| {
+        let panorama = Panorama::from_fn((96, 48), |way| {
             let window = if way.dot(DVec3::new(0.6, 0.0, 0.8)) > 0.95 { 40.0 } else { 0.0 };
             DVec3::new(0.1 + 0.2 * way.y.max(0.0), 0.2, 0.3) + DVec3::splat(window)
         });
         let panorama = panorama.unwrap();
-        let whole = panorama.whole();
+        let whole = panorama.total();
         let sky = TrueSky::of_panorama(panorama, 30.0, 2.0);
         let mut sum = DVec3::ZERO;
         const COUNT: u64 = 4_000;
         for i in 0..COUNT {
-            let (way, likely) = sky.draw([0, 1].map(|n| uniform(i, n).into())).unwrap();
+            let (way, likely) = sky.sample([0, 1].map(|n| uniform(i, n).into())).unwrap();
             assert!((way.length() - 1.0).abs() < 1e-9 && likely > 0.0);
             // On an edge between pixels either may be used.
-            let asked = sky.likely(way);
+            let asked = sky.pdf(way);
             assert!((asked / likely - 1.0).abs() < 1e-9 || asked > 0.0, "{asked} {likely}");
             sum += sky.radiance(way) / likely / COUNT as f64;
         }
         assert!((sum / whole / 2.0 - 1.0).abs().max_element() < 0.02, "{sum}, expected twice {whole}");
         // Rotated from +x towards −z, as models are.
-        let window = turned(DVec3::new(0.6, 0.0, 0.8), 30_f64.to_radians());
+        let window = rotate_about_vertical(DVec3::new(0.6, 0.0, 0.8), 30_f64.to_radians());
         assert!(sky.radiance(window).x > 80.0 && sky.radiance(-window).x < 1.0);
         let lobes = TrueSky::of_environment(Environment::gradient([1.0; 3], [0.5; 3]));
         assert!((lobes.radiance(DVec3::Y) - 1.0).length() < 1e-6);
-        assert!(TrueSky::of_environment(Environment::default()).draw([0.5; 2]).is_none());
+        assert!(TrueSky::of_environment(Environment::default()).sample([0.5; 2]).is_none());
     }
 }

@@ -3,14 +3,14 @@
 use super::camera::{RayCaster, TrueCamera};
 use super::lighting::TrueLight;
 use super::picture::TrueScene;
-use super::tracer::{Hit, Start};
+use super::tracer::{Hit, RayOrigin};
 use super::{seed_of, stratified};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// A visible point of a strand.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SeenStrand {
+pub struct VisibleStrand {
     /// Nearest point on the strand's axis, metres in world space.
     pub axis_ws: DVec3,
     /// Direction along the strand, unit length.
@@ -28,15 +28,15 @@ const ALONG: f64 = 4.0;
 impl TrueScene {
     /// Returns the strands that a camera sees in the middle of every `step`th pixel of a picture of `size` pixels, row
     /// by row. `step` 0 counts as 1.
-    pub fn seen_strands(&self, camera: &TrueCamera, size: (u32, u32), step: u32) -> Vec<SeenStrand> {
+    pub fn visible_strands(&self, camera: &TrueCamera, size: (u32, u32), step: u32) -> Vec<VisibleStrand> {
         let (rays, step) = (RayCaster::new(camera, size), step.max(1));
         let rows: Vec<u32> = (0..size.1).step_by(step as usize).collect();
         let seen = |x: u32, y: u32| {
             let (origin, way) = rays.ray(DVec2::new(f64::from(x), f64::from(y)) + 0.5);
-            let (Hit::Hair { point, share, strand }, _) = self.tracer.first(origin, way)? else { return None };
+            let (Hit::Hair { point, share, strand }, _) = self.tracer.first_hit(origin, way)? else { return None };
             let (a, b) = (&self.curves().points[point], &self.curves().points[point + 1]);
             let (from, to) = (a.position_ws.as_dvec3(), b.position_ws.as_dvec3());
-            Some(SeenStrand {
+            Some(VisibleStrand {
                 axis_ws: from.lerp(to, share),
                 tangent: (to - from).normalize_or(DVec3::Y),
                 to_eye: -way,
@@ -53,9 +53,9 @@ impl TrueScene {
     ///
     /// Casts `rays` rays, rounded up to a square number, as in [`TrueScene::picture`]. They start on the side that the
     /// eye sees, over its width and four radii up and down.
-    pub fn light_on_strand(&self, at: &SeenStrand, light: &TrueLight, rays: u32) -> Option<f64> {
-        let start = Start { strand: Some(at.strand), triangle: None };
-        let (way, reach) = light.seen_from(at.axis_ws);
+    pub fn light_on_strand(&self, at: &VisibleStrand, light: &TrueLight, rays: u32) -> Option<f64> {
+        let start = RayOrigin { strand: Some(at.strand), triangle: None };
+        let (way, reach) = light.direction_and_distance(at.axis_ws);
         if !self.tracer.is_lit(at.axis_ws, way, reach, start, (false, true)) {
             return None;
         }

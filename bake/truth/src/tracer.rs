@@ -7,7 +7,7 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::{Ray, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
 use pelage_bake::strands::Curves;
-use pelage_bake::strands::Skin;
+use pelage_bake::strands::PosedMesh;
 use pelage_import::BakeError;
 use std::time::Duration;
 
@@ -28,7 +28,7 @@ pub(super) enum Hit {
 
 /// Origin of a shadow ray: the strand or triangle that it ignores.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Start {
+pub(super) struct RayOrigin {
     pub(super) strand: Option<u32>,
     pub(super) triangle: Option<usize>,
 }
@@ -39,7 +39,7 @@ pub(super) struct Start {
 /// full precision for models of a millimetre as for those of a hundred metres.
 pub(super) struct Tracer {
     pub(super) curves: Curves,
-    pub(super) skin: Skin,
+    pub(super) skin: PosedMesh,
     /// Strand segments, in the order of the tree's leaves.
     capsules: Vec<Capsule>,
     /// Index of the first point, and strand, of each segment.
@@ -53,7 +53,7 @@ pub(super) struct Tracer {
 }
 
 impl Tracer {
-    pub fn new(curves: Curves, skin: Skin) -> Result<Self, BakeError> {
+    pub fn new(curves: Curves, skin: PosedMesh) -> Result<Self, BakeError> {
         let places = || {
             let hair = curves.points.iter().map(|p| (p.position_ws.as_dvec3(), f64::from(p.radius_m)));
             hair.chain(skin.vertices.iter().map(|v| (v.position_ws, 0.0)))
@@ -116,12 +116,12 @@ impl Tracer {
     }
 
     /// Returns the first intersection of a ray from the eye, and its distance in metres. `way` has unit length.
-    pub fn first(&self, origin_ws: DVec3, way: DVec3) -> Option<(Hit, f64)> {
-        self.first_from(origin_ws, way, Start::default())
+    pub fn first_hit(&self, origin_ws: DVec3, way: DVec3) -> Option<(Hit, f64)> {
+        self.first_hit_from(origin_ws, way, RayOrigin::default())
     }
 
     /// Returns the first intersection of a ray that continues from `start`, which it cannot hit again.
-    pub fn first_from(&self, origin_ws: DVec3, way: DVec3, start: Start) -> Option<(Hit, f64)> {
+    pub fn first_hit_from(&self, origin_ws: DVec3, way: DVec3, start: RayOrigin) -> Option<(Hit, f64)> {
         let (mut origin, skipped) = self.enter_scene(origin_ws, way)?;
         if start.triangle.is_some() {
             origin += way * LIFT;
@@ -130,7 +130,7 @@ impl Tracer {
         let ray = Ray::new(origin.as_vec3a(), way.as_vec3a(), 0.0, f32::INFINITY);
         if let Some(tree) = &self.skin_tree {
             tree.ray_traverse(ray, &mut RayHit::none(), |_, id| {
-                let Some((t, weights, front)) = self.facets[id].meet(origin, way) else { return f32::INFINITY };
+                let Some((t, weights, front)) = self.facets[id].intersect(origin, way) else { return f32::INFINITY };
                 let triangle = self.facets[id].triangle as usize;
                 if start.triangle != Some(triangle)
                     && t < best.1
@@ -147,7 +147,7 @@ impl Tracer {
             let ray = Ray { tmax: best.1 as f32, ..ray };
             let mut nearest = None;
             tree.ray_traverse(ray, &mut RayHit::none(), |_, id| {
-                let t = self.capsules[id].enter(origin, way);
+                let t = self.capsules[id].intersect(origin, way);
                 if t < best.1 && start.strand != Some(self.pieces[id].1) {
                     best.1 = t;
                     nearest = Some(id);
@@ -168,7 +168,7 @@ impl Tracer {
     ///
     /// The surface occludes from both sides. A strand does not occlude itself: the lighting equation's sine accounts
     /// for the lit part of a thin hair's circumference, including the half that the eye does not see.
-    pub fn is_lit(&self, origin_ws: DVec3, way: DVec3, reach_m: f64, start: Start, past: (bool, bool)) -> bool {
+    pub fn is_lit(&self, origin_ws: DVec3, way: DVec3, reach_m: f64, start: RayOrigin, past: (bool, bool)) -> bool {
         let (past_hair, past_skin) = past;
         let mut origin = (origin_ws - self.center) / self.radius;
         if start.triangle.is_some() {
@@ -180,7 +180,7 @@ impl Tracer {
             let free = tree.ray_traverse_miss(ray, |_, id| {
                 let triangle = self.facets[id].triangle as usize;
                 let met =
-                    self.facets[id].meet(origin, way).filter(|(t, ..)| *t < reach && start.triangle != Some(triangle));
+                    self.facets[id].intersect(origin, way).filter(|(t, ..)| *t < reach && start.triangle != Some(triangle));
                 match met {
                     Some((_, weights, _)) if !self.is_cut(triangle, weights) => 0.0,
                     _ => f32::INFINITY,
@@ -192,7 +192,7 @@ impl Tracer {
         }
         self.hair.as_ref().filter(|_| past_hair).is_none_or(|tree| {
             tree.ray_traverse_miss(ray, |_, id| {
-                let hidden = start.strand != Some(self.pieces[id].1) && self.capsules[id].enter(origin, way) < reach;
+                let hidden = start.strand != Some(self.pieces[id].1) && self.capsules[id].intersect(origin, way) < reach;
                 if hidden { 0.0 } else { f32::INFINITY }
             })
         })
@@ -235,7 +235,7 @@ impl Boundable for Facet {
 
 impl Facet {
     /// Returns the distance, the weights of the corners, and whether the front was hit (Möller and Trumbore 1997).
-    fn meet(&self, origin: DVec3, way: DVec3) -> Option<(f64, DVec3, bool)> {
+    fn intersect(&self, origin: DVec3, way: DVec3) -> Option<(f64, DVec3, bool)> {
         let [a, b, c] = self.corners;
         let (e, f) = (b - a, c - a);
         let p = way.cross(f);

@@ -2,7 +2,7 @@
 
 /// Error in a text or in one `key=value`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}: {reason}", self.place())]
+#[error("{}: {reason}", self.location())]
 pub struct ParamError {
     /// Line in the text, from 1; `None` if there are no lines.
     pub line: Option<usize>,
@@ -14,7 +14,7 @@ pub struct ParamError {
 
 impl ParamError {
     /// Returns the location, such as `line 3, hair.lean`.
-    pub fn place(&self) -> String {
+    pub fn location(&self) -> String {
         match (self.line, self.key.as_str()) {
             (Some(line), "") => format!("line {line}"),
             (Some(line), key) => format!("line {line}, {key}"),

@@ -27,12 +27,12 @@ pub trait Field: Sized {
     fn to_toml(&self) -> Option<String>;
 
     /// Returns the value for documents, as TOML with no more digits than a reader needs.
-    fn shown(&self) -> Option<String> {
+    fn to_display(&self) -> Option<String> {
         self.to_toml()
     }
 
     /// Parses a command-line word into an unchecked value.
-    fn raw_of_word(word: &str) -> Raw {
+    fn parse_word(word: &str) -> Raw {
         Raw::from_word(word)
     }
 
@@ -41,7 +41,7 @@ pub trait Field: Sized {
     /// # Errors
     /// Message with what was found and what was expected.
     fn read(raw: &Raw, range: &Self::Range) -> Result<Self, String> {
-        Self::from_raw(raw).filter(|value| value.in_range(range)).ok_or_else(|| raw.instead_of(&Self::expected(range)))
+        Self::from_raw(raw).filter(|value| value.in_range(range)).ok_or_else(|| raw.unexpected(&Self::expected(range)))
     }
 
     /// Checks the value against its range.
@@ -85,13 +85,13 @@ impl Field for f32 {
         Some(format!("{self:?}"))
     }
 
-    fn raw_of_word(word: &str) -> Raw {
-        number_of_word(word)
+    fn parse_word(word: &str) -> Raw {
+        parse_number(word)
     }
 }
 
 /// Parses a number of a command line, which TOML may not accept: `.5`, `3.`, `+007`.
-fn number_of_word(word: &str) -> Raw {
+fn parse_number(word: &str) -> Raw {
     match (Raw::from_word(word.trim()), word.trim().parse()) {
         (Raw::String(_), Ok(number)) => Raw::Float(number),
         (Raw::String(text), Err(_)) => Raw::String(text),
@@ -100,8 +100,8 @@ fn number_of_word(word: &str) -> Raw {
 }
 
 /// Parses comma-separated numbers, `1,2,3`, or a TOML array.
-fn numbers_of_word(word: &str) -> Raw {
-    let items: Vec<Raw> = word.split(',').map(number_of_word).collect();
+fn parse_numbers(word: &str) -> Raw {
+    let items: Vec<Raw> = word.split(',').map(parse_number).collect();
     match Raw::from_word(word) {
         Raw::String(_) if items.iter().all(|item| item.number().is_some()) => Raw::Array(items),
         raw => raw,
@@ -131,8 +131,8 @@ impl<T: Field> Field for Option<T> {
         self.as_ref().and_then(Field::to_toml)
     }
 
-    fn raw_of_word(word: &str) -> Raw {
-        T::raw_of_word(word)
+    fn parse_word(word: &str) -> Raw {
+        T::parse_word(word)
     }
 
     fn read(raw: &Raw, range: &Self::Range) -> Result<Self, String> {
@@ -210,8 +210,8 @@ impl Field for PowerOfTwo {
         self.0.to_toml()
     }
 
-    fn raw_of_word(word: &str) -> Raw {
-        u32::raw_of_word(word)
+    fn parse_word(word: &str) -> Raw {
+        u32::parse_word(word)
     }
 }
 
@@ -241,7 +241,7 @@ impl Field for bool {
         Some(self.to_string())
     }
 
-    fn raw_of_word(word: &str) -> Raw {
+    fn parse_word(word: &str) -> Raw {
         match word {
             "on" => Raw::Bool(true),
             "off" => Raw::Bool(false),
@@ -279,8 +279,8 @@ impl Field for [f32; 3] {
         Some(format!("[{:?}, {:?}, {:?}]", self[0], self[1], self[2]))
     }
 
-    fn raw_of_word(word: &str) -> Raw {
-        numbers_of_word(word)
+    fn parse_word(word: &str) -> Raw {
+        parse_numbers(word)
     }
 }
 
@@ -328,7 +328,7 @@ impl Field for SrgbColor {
         self.0.to_toml()
     }
 
-    fn shown(&self) -> Option<String> {
+    fn to_display(&self) -> Option<String> {
         let [r, g, b] = self.0.map(|x| (x * 255.0).round() as u8);
         Some(format!("\"#{r:02x}{g:02x}{b:02x}\""))
     }

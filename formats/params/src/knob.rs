@@ -33,7 +33,7 @@ impl Knob {
     }
 
     /// Whether `table.key` is the current or a deprecated name of the knob.
-    pub(crate) fn answers_to(&self, table: &str, key: &str) -> bool {
+    pub(crate) fn has_name(&self, table: &str, key: &str) -> bool {
         let is_here = self.table() == table;
         let was = |old: &&str| (is_here && *old == key) || old.split_once('.') == Some((table, key));
         (is_here && self.key() == key) || self.was.iter().any(was)
@@ -93,7 +93,7 @@ pub trait Tables: Default {
 
     /// Returns why a table or `table.key` is unknown in this build but known in another; `None` (default) if it is
     /// simply a mistake.
-    fn elsewhere(_name: &str) -> Option<String> {
+    fn unavailable_reason(_name: &str) -> Option<String> {
         None
     }
 }
@@ -106,7 +106,7 @@ pub fn knobs<S: Tables>() -> impl Iterator<Item = &'static Knob> {
 /// Returns the knob with the current or deprecated name `table.key`.
 pub(crate) fn knob_named<S: Tables>(name: &str) -> Option<&'static Knob> {
     let (table, key) = name.split_once('.')?;
-    knobs::<S>().find(|knob| knob.answers_to(table, key))
+    knobs::<S>().find(|knob| knob.has_name(table, key))
 }
 
 /// Checks every value of a set against its range.
@@ -129,7 +129,7 @@ pub fn validate_table(table: &dyn Table) -> Result<(), OutOfRange> {
 }
 
 /// Whether two names are equal, as a `const fn` for the compile-time check of [`tables!`](crate::tables).
-pub const fn same(a: &str, b: &str) -> bool {
+pub const fn str_eq(a: &str, b: &str) -> bool {
     let (a, b) = (a.as_bytes(), b.as_bytes());
     let mut i = 0;
     while i < a.len() && i < b.len() && a[i] == b[i] {

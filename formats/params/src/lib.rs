@@ -64,7 +64,7 @@ pub use control::{Choice, Control, TableKey};
 pub use error::{OutOfRange, ParamError};
 pub use field::{Field, PowerOfTwo, Range, SrgbColor, hex};
 pub use glob::glob;
-pub use knob::{Knob, Table, TableInfo, Tables, knobs, same, validate, validate_table};
+pub use knob::{Knob, Table, TableInfo, Tables, knobs, str_eq, validate, validate_table};
 pub use list::Item;
 pub use nearest::{closest, nearest, unknown_key};
 pub use page::{reference_page, wrap};

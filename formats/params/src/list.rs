@@ -7,7 +7,7 @@ use crate::raw::Raw;
 /// Entry of a list. `Vec<T>` is then a [`Field`].
 pub trait Item: Sized {
     /// Whether a single entry may be written without brackets.
-    const ALONE: bool;
+    const ALLOW_SINGLE: bool;
     /// Keys of the entries, if they are tables.
     const KEYS: &'static [TableKey] = &[];
 
@@ -15,7 +15,7 @@ pub trait Item: Sized {
     fn expected_list() -> String;
 
     /// Returns the name of an entry in messages.
-    fn place(index: usize, raw: &Raw) -> String {
+    fn entry_name(index: usize, raw: &Raw) -> String {
         let _ = raw;
         format!("entry {index}")
     }
@@ -57,17 +57,17 @@ impl<T: Item> Field for Vec<T> {
     }
 
     fn read(raw: &Raw, (): &()) -> Result<Self, String> {
-        let whole = || raw.instead_of(&T::expected_list());
+        let whole = || raw.unexpected(&T::expected_list());
         let items = match raw {
             Raw::Array(items) => items.as_slice(),
-            one if T::ALONE => std::slice::from_ref(one),
+            one if T::ALLOW_SINGLE => std::slice::from_ref(one),
             _ => return Err(whole()),
         };
         let mut list = Self::new();
         for (i, item) in items.iter().enumerate() {
             let read = T::read(item);
             list.push(
-                read.map_err(|reason| reason.map_or_else(whole, |reason| format!("{}: {reason}", T::place(i, item))))?,
+                read.map_err(|reason| reason.map_or_else(whole, |reason| format!("{}: {reason}", T::entry_name(i, item))))?,
             );
         }
         if list.iter().all(T::in_range) { Ok(list) } else { Err(whole()) }
@@ -76,7 +76,7 @@ impl<T: Item> Field for Vec<T> {
 
 /// Names.
 impl Item for String {
-    const ALONE: bool = true;
+    const ALLOW_SINGLE: bool = true;
 
     fn expected_list() -> String {
         "a list of strings".into()

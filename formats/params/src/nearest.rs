@@ -2,14 +2,14 @@
 
 /// Minimum similarity of a misspelling: candidates below both this and `LEAST_WINKLER` are not suggested, because they
 /// would mislead.
-const LEAST_EDITS: f64 = 0.4;
-const LEAST_WINKLER: f64 = 0.85;
+const MIN_EDIT_SIMILARITY: f64 = 0.4;
+const MIN_WINKLER_SIMILARITY: f64 = 0.85;
 
 /// Returns the similarity of two names, 0..=1, and whether it is enough for a suggestion.
 fn likeness(name: &str, candidate: &str) -> (f64, bool) {
     let (winkler, edits) =
         (strsim::jaro_winkler(name, candidate), strsim::normalized_damerau_levenshtein(name, candidate));
-    (winkler.max(edits), winkler >= LEAST_WINKLER || edits >= LEAST_EDITS)
+    (winkler.max(edits), winkler >= MIN_WINKLER_SIMILARITY || edits >= MIN_EDIT_SIMILARITY)
 }
 
 /// Returns the candidate most similar to `name`: the first of several equals, `None` if none is similar.

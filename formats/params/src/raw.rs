@@ -77,7 +77,7 @@ impl Raw {
     }
 
     /// Returns the message for an unexpected value.
-    pub fn instead_of(&self, expected: &str) -> String {
+    pub fn unexpected(&self, expected: &str) -> String {
         format!("found {self}, expected {expected}")
     }
 }

@@ -48,7 +48,7 @@ pub fn read<S: Tables>(set: &mut S, text: &str) -> Result<(), ParamError> {
                         .map_err(|error| fault(key.span().start, error))?;
                 }
             }
-            other => return Err(fault(at, no_table::<S>(name.get_ref(), &Raw::from_de(other)))),
+            other => return Err(fault(at, not_a_table::<S>(name.get_ref(), &Raw::from_de(other)))),
         }
     }
     Ok(())
@@ -66,7 +66,7 @@ pub fn read_table<S: Tables>(set: &mut S, document: &toml::Table) -> Result<(), 
                     read_key(set, name, key, &Raw::from_value(value))?;
                 }
             }
-            other => return Err(no_table::<S>(name, &Raw::from_value(other))),
+            other => return Err(not_a_table::<S>(name, &Raw::from_value(other))),
         }
     }
     Ok(())
@@ -77,8 +77,8 @@ fn has_table<S: Tables>(name: &str) -> bool {
 }
 
 /// Returns the error for a top-level entry that is not one of the tables.
-fn no_table<S: Tables>(name: &str, found: &Raw) -> ParamError {
-    let reason = if has_table::<S>(name) { found.instead_of("a table") } else { unknown_table::<S>(name) };
+fn not_a_table<S: Tables>(name: &str, found: &Raw) -> ParamError {
+    let reason = if has_table::<S>(name) { found.unexpected("a table") } else { unknown_table::<S>(name) };
     ParamError { line: None, key: name.to_owned(), reason }
 }
 
@@ -160,7 +160,7 @@ fn write<S: Tables>(set: &S, comment: impl Fn(&Knob, Option<&str>) -> String) ->
 }
 
 fn unknown_table<S: Tables>(name: &str) -> String {
-    if let Some(reason) = S::elsewhere(name) {
+    if let Some(reason) = S::unavailable_reason(name) {
         return reason;
     }
     let all: Vec<_> = S::TABLES.iter().map(|table| table.name).collect();
@@ -171,7 +171,7 @@ fn unknown_table<S: Tables>(name: &str) -> String {
 }
 
 fn unknown_key<S: Tables>(name: &str) -> String {
-    if let Some(reason) = S::elsewhere(name) {
+    if let Some(reason) = S::unavailable_reason(name) {
         return reason;
     }
     let (table, key) = name.split_once('.').unwrap_or(("", name));

@@ -95,7 +95,7 @@ impl Environment {
     }
 
     /// Returns ∫ of all light over all directions, including the sun's irradiance.
-    pub fn whole(&self) -> DVec3 {
+    pub fn total(&self) -> DVec3 {
         let sun = self.sun.map_or(DVec3::ZERO, |sun| color(sun.color) * core::f64::consts::PI);
         let even = color(self.even) * (4.0 * core::f64::consts::PI);
         self.lobes.iter().fold(sun + even, |sum, lobe| sum + lobe.whole())
@@ -103,7 +103,7 @@ impl Environment {
 
     /// Returns the irradiance over π of a horizontal surface under the environment, including the sun: the radiance
     /// that white ground reflects in all directions.
-    pub fn onto_ground(&self) -> DVec3 {
+    pub fn ground_irradiance(&self) -> DVec3 {
         const ROWS: u32 = 32;
         const COLUMNS: u32 = 64;
         let sun = self.sun.map_or(DVec3::ZERO, |sun| color(sun.color) * unit(sun.towards).y.max(0.0));
@@ -121,7 +121,7 @@ impl Environment {
     }
 
     /// Returns the mean direction of the light, of unit length; upwards if the light has no predominant direction.
-    pub fn middle(&self) -> DVec3 {
+    pub fn mean_direction(&self) -> DVec3 {
         let lobe = |lobe: &LightLobe| {
             let light = lobe.light();
             light.towards * (brightness(lobe.whole()) * mean_cosine(light.sharpness))
@@ -149,7 +149,7 @@ impl Environment {
     }
 
     /// Returns the environment with its brightness multiplied by `strength`.
-    pub fn times(&self, strength: f32) -> Self {
+    pub fn scaled(&self, strength: f32) -> Self {
         let scaled = |color: [f32; 3]| color.map(|x| x * strength);
         let mut out = self.clone();
         out.even = scaled(out.even);
@@ -164,7 +164,7 @@ impl Environment {
     /// there are then too many lobes, the most similar ones are merged. The direction between two suns is interpolated:
     /// they are the same sun at different times.
     pub fn blended(&self, other: &Self, share: f32) -> Self {
-        let (here, there) = (self.times(1.0 - share), other.times(share));
+        let (here, there) = (self.scaled(1.0 - share), other.scaled(share));
         let mut lobes = here.lobes;
         lobes.extend(there.lobes);
         lobes.retain(|lobe| lobe.radiance != [0.0; 3]);

@@ -24,10 +24,10 @@ fn all_light(environment: &Environment) -> DVec3 {
 fn what_it_is_in_whole_is_the_sum_over_directions() {
     let lobes = vec![lobe([0.3, 1.0, -0.5], 8.0, [9.0, 4.0, 1.0]), lobe([-1.0, 0.0, 0.0], 70.0, [0.1, 0.2, 0.4])];
     let sky = Environment { even: [0.5, 0.25, 0.125], lobes, sun: None };
-    let off = (all_light(&sky) / sky.whole() - 1.0).abs().max_element();
+    let off = (all_light(&sky) / sky.total() - 1.0).abs().max_element();
     assert!(off < 1e-3, "{off}");
     let sun = Sun { towards: [0.0, 2.0, 0.0], color: [1.0, 0.5, 0.0] };
-    let more = Environment { sun: Some(sun), ..sky.clone() }.whole() - sky.whole();
+    let more = Environment { sun: Some(sun), ..sky.clone() }.total() - sky.total();
     assert!((more - PI * DVec3::new(1.0, 0.5, 0.0)).length() < 1e-12, "{more}");
 }
 
@@ -38,9 +38,9 @@ fn a_ground_meets_what_comes_from_above() {
     let sky = Environment { even: [0.5, 0.25, 0.125], lobes, sun: Some(sun) };
     let sum = sphere(40_000).map(|(way, angle)| sky.radiance(way) * (way.y.max(0.0) * angle / PI)).sum::<DVec3>();
     let expected = sum + 0.8 * DVec3::new(1.0, 2.0, 0.0);
-    assert!((sky.onto_ground() / expected - 1.0).abs().max_element() < 2e-3, "{} {expected}", sky.onto_ground());
+    assert!((sky.ground_irradiance() / expected - 1.0).abs().max_element() < 2e-3, "{} {expected}", sky.ground_irradiance());
     let low = Environment { sun: Some(Sun { towards: [1.0, -0.2, 0.0], ..sun }), ..Environment::default() };
-    assert_eq!(low.onto_ground(), DVec3::ZERO);
+    assert_eq!(low.ground_irradiance(), DVec3::ZERO);
 }
 
 #[test]
@@ -61,8 +61,8 @@ fn a_quarter_turn_brings_x_to_where_z_was_not() {
         sun: Some(Sun { towards: [0.0, 0.0, 1.0], color: [1.0; 3] }),
         ..Environment::default()
     };
-    let middle = sky.middle();
-    assert!(middle.x > 0.0 && middle.z > middle.x && Environment::default().middle() == DVec3::Y, "{middle}");
+    let middle = sky.mean_direction();
+    assert!(middle.x > 0.0 && middle.z > middle.x && Environment::default().mean_direction() == DVec3::Y, "{middle}");
     let turned = sky.turned(90.0);
     assert!(Vec3::from(turned.lobes[0].towards).distance(Vec3::new(0.0, 0.5, -1.0)) < 1e-6);
     assert!(Vec3::from(turned.sun.unwrap().towards).distance(Vec3::X) < 1e-6);
@@ -94,8 +94,8 @@ fn between_two_skies_every_direction_is_between() {
     let (day, dusk) = (many(0.2), many(0.7));
     let half = day.blended(&dusk, 0.5);
     assert_eq!((half.lobes.len(), half.fault()), (Environment::MOST_LOBES, None));
-    let expected = 0.5 * (day.whole() + dusk.whole());
-    assert!((half.whole() / expected - 1.0).abs().max_element() < 1e-5, "light is neither lost nor made");
+    let expected = 0.5 * (day.total() + dusk.total());
+    assert!((half.total() / expected - 1.0).abs().max_element() < 1e-5, "light is neither lost nor made");
     let off = |way: DVec3| (half.radiance(way) - 0.5 * (day.radiance(way) + dusk.radiance(way))).length();
     let size = |way: DVec3| day.radiance(way).length();
     let (worst, most) =
@@ -104,7 +104,7 @@ fn between_two_skies_every_direction_is_between() {
     assert_eq!((day.blended(&dusk, 0.0), day.blended(&dusk, 1.0)), (day.clone(), dusk.clone()));
     let fewer = day.with_fewer(4);
     assert_eq!(fewer.lobes.len(), 4);
-    assert!((fewer.whole() / day.whole() - 1.0).abs().max_element() < 1e-5);
+    assert!((fewer.total() / day.total() - 1.0).abs().max_element() < 1e-5);
     assert_eq!(day.with_fewer(0).lobes.len(), 1);
 }
 

@@ -28,7 +28,7 @@ pub const DAMPING: f32 = 0.35;
 /// from the surface.
 pub const MOST_LEAN_RAD: f32 = 0.7;
 /// Maximum distance of a tip from its groomed position, hair lengths.
-const FARTHEST: f32 = 2.0;
+const MAX_OFFSET: f32 = 2.0;
 /// Length below which hair does not move, metres.
 pub const SHORTEST_M: f32 = 1e-5;
 
@@ -36,11 +36,11 @@ pub const SHORTEST_M: f32 = 1e-5;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tip {
     /// Offset from the groomed position.
-    pub aside: Vec3,
+    pub offset: Vec3,
     /// Velocity relative to the root, m/s.
-    pub beside: Vec3,
+    pub velocity: Vec3,
     /// Velocity of the surface, m/s; `None` while unknown.
-    pub of_skin: Option<Vec3>,
+    pub surface_velocity: Option<Vec3>,
 }
 
 /// Frame of time.
@@ -60,9 +60,9 @@ pub struct Frame<'a> {
 ///
 /// * `length_m`: length of the hair, [`SHORTEST_M`] or more
 /// * `root`: position of the surface
-pub fn begun(length_m: f32, root: Vec3, wind: &Wind, time_s: f32) -> Tip {
+pub fn initial_tip(length_m: f32, root: Vec3, wind: &Wind, time_s: f32) -> Tip {
     let held = wind.at(root, time_s) * (DRAG_PER_S * length_m / stiffness(length_m));
-    Tip { aside: within(held, FARTHEST * length_m), ..Tip::default() }
+    Tip { offset: within(held, MAX_OFFSET * length_m), ..Tip::default() }
 }
 
 /// Moves a tip by one frame.
@@ -78,17 +78,17 @@ pub fn advance(tip: Tip, length_m: f32, root: Vec3, went: Vec3, frame: &Frame<'_
     let square = stiffness(length_m) / length_m;
     let of_skin = went / h;
     // From the middle of the previous frame to the middle of this one.
-    let faster = (of_skin - tip.of_skin.unwrap_or(of_skin)) / (0.5 * (h + frame.before_s));
+    let faster = (of_skin - tip.surface_velocity.unwrap_or(of_skin)) / (0.5 * (h + frame.before_s));
     let pulled = (frame.wind.at(root, frame.time_s) - of_skin) * DRAG_PER_S - faster;
-    let goal = within(pulled / square, FARTHEST * length_m);
-    let off = tip.aside - goal;
+    let goal = within(pulled / square, MAX_OFFSET * length_m);
+    let off = tip.offset - goal;
     let turns = square.sqrt();
     let damped = turns * (1.0 - DAMPING * DAMPING).sqrt();
     let kept = libm::expf(-DAMPING * turns * h);
     let (sine, cosine) = (libm::sinf(damped * h) / damped, libm::cosf(damped * h));
-    let aside = goal + (off * (cosine + DAMPING * turns * sine) + tip.beside * sine) * kept;
-    let beside = (tip.beside * (cosine - DAMPING * turns * sine) - off * (square * sine)) * kept;
-    Tip { aside: within(aside, FARTHEST * length_m), beside, of_skin: Some(of_skin) }
+    let aside = goal + (off * (cosine + DAMPING * turns * sine) + tip.velocity * sine) * kept;
+    let beside = (tip.velocity * (cosine - DAMPING * turns * sine) - off * (square * sine)) * kept;
+    Tip { offset: within(aside, MAX_OFFSET * length_m), velocity: beside, surface_velocity: Some(of_skin) }
 }
 
 /// Returns the acceleration that would bend hair by one radian if springs were linear that far, m/s².
@@ -102,8 +102,8 @@ pub fn stiffness(length_m: f32) -> f32 {
 /// This function compensates for it.
 ///
 /// * `seconds`: duration of the frame
-pub fn shown(tip: &Tip, length_m: f32, seconds: f32) -> Vec3 {
-    within(tip.aside + tip.beside * (0.5 * seconds), FARTHEST * length_m)
+pub fn tip_offset(tip: &Tip, length_m: f32, seconds: f32) -> Vec3 {
+    within(tip.offset + tip.velocity * (0.5 * seconds), MAX_OFFSET * length_m)
 }
 
 /// Returns `v` with its length limited to `most`.
@@ -134,7 +134,7 @@ pub fn lean(aside: Vec3, normal: Vec3, length_m: f32, strength: f32) -> Option<(
 
 /// Returns the growth direction of leaning hair, unit length. Tangents follow as on a bent surface: their component
 /// along this direction is removed.
-pub fn leaned(normal: Vec3, angle_rad: f32, along: Vec3) -> Vec3 {
+pub fn leaning_direction(normal: Vec3, angle_rad: f32, along: Vec3) -> Vec3 {
     normal * libm::cosf(angle_rad) + along * libm::sinf(angle_rad)
 }
 
@@ -154,15 +154,15 @@ mod tests {
 
     /// Returns the tip of a hair frame by frame, on a surface at `place` at each time.
     fn run(length_m: f32, fps: f32, seconds: f32, place: impl Fn(f32) -> Vec3, wind: &Wind) -> Vec<Vec3> {
-        let mut tip = begun(length_m, place(0.0), wind, 0.0);
+        let mut tip = initial_tip(length_m, place(0.0), wind, 0.0);
         let frames = (seconds * fps).round() as u32;
         let moved = (1..=frames).map(|number| {
             let [from, to] = [number - 1, number].map(|n| n as f32 / fps);
             let frame = Frame { seconds: to - from, before_s: 1.0 / fps, wind, time_s: to };
             tip = advance(tip, length_m, place(to), place(to) - place(from), &frame);
-            assert!(tip.aside.is_finite() && tip.beside.is_finite());
-            assert!(tip.aside.length() <= 1.001 * FARTHEST * length_m);
-            shown(&tip, length_m, to - from)
+            assert!(tip.offset.is_finite() && tip.velocity.is_finite());
+            assert!(tip.offset.length() <= 1.001 * MAX_OFFSET * length_m);
+            tip_offset(&tip, length_m, to - from)
         });
         moved.collect()
     }
@@ -178,13 +178,13 @@ mod tests {
         let turns = (stiffness(length) / length).sqrt();
         let damped = turns * (1.0 - DAMPING * DAMPING).sqrt();
         for fps in [20.0f32, 60.0, 1000.0] {
-            let mut tip = Tip { beside: Vec3::X * push, of_skin: Some(Vec3::ZERO), ..Tip::default() };
+            let mut tip = Tip { velocity: Vec3::X * push, surface_velocity: Some(Vec3::ZERO), ..Tip::default() };
             for number in 1..=(0.2 * fps) as u32 {
                 let frame = Frame { seconds: 1.0 / fps, before_s: 1.0 / fps, wind: &CALM, time_s: 0.0 };
                 tip = advance(tip, length, Vec3::ZERO, Vec3::ZERO, &frame);
                 let t = number as f32 / fps;
                 let exact = push / damped * (-DAMPING * turns * t).exp() * (damped * t).sin();
-                assert!((tip.aside.x - exact).abs() < 2e-5 * push, "{fps} a second, {t} s: {} {exact}", tip.aside.x);
+                assert!((tip.offset.x - exact).abs() < 2e-5 * push, "{fps} a second, {t} s: {} {exact}", tip.offset.x);
             }
         }
     }
@@ -222,7 +222,7 @@ mod tests {
             run(SHORTEST_M, fps, 1e3f32.min(1000.0 / fps), jump, &CALM);
             run(0.3, fps, 1e3f32.min(1000.0 / fps), jump, &Wind { velocity: Vec3::splat(100.0), gust: 3.0, ..CALM });
         }
-        let tip = Tip { aside: Vec3::X, beside: Vec3::Y, of_skin: None };
+        let tip = Tip { offset: Vec3::X, velocity: Vec3::Y, surface_velocity: None };
         let frame = Frame { seconds: 0.0, before_s: 0.0, wind: &CALM, time_s: 0.0 };
         assert_eq!(advance(tip, 1.0, Vec3::ZERO, Vec3::X, &frame), tip);
     }
@@ -235,7 +235,7 @@ mod tests {
         assert!((small - 0.05).abs() < 0.002 && towards.dot(normal).abs() < 1e-6 && towards.x > 0.9);
         let (most, towards) = lean(Vec3::X * 1e3, normal, 0.02, 1.0).unwrap();
         assert!(most <= MOST_LEAN_RAD && most > 0.99 * MOST_LEAN_RAD);
-        let axis = leaned(normal, most, towards);
+        let axis = leaning_direction(normal, most, towards);
         assert!((axis.length() - 1.0).abs() < 1e-6 && (axis.dot(normal) - most.cos()).abs() < 1e-6);
         assert!(freedom(0.0, 0.0) == 1.0 && freedom(1.0, 1.0) > 0.1);
     }

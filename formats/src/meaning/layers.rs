@@ -15,7 +15,7 @@ pub fn layer_height(layer: u32, layers: u32) -> f32 {
 /// Returns how many of the `baked` layers a layer in 1..`baked` represents in a level of that step: itself and those
 /// below it, down to the next drawn layer. 0 if the level does not draw it, and in a level of step 0, which draws no
 /// layers.
-pub fn layers_stood_for(layer: u32, baked: u32, step: u32) -> u32 {
+pub fn represented_layers(layer: u32, baked: u32, step: u32) -> u32 {
     if step == 0 || !(baked - 1 - layer).is_multiple_of(step) { 0 } else { step.min(layer) }
 }
 
@@ -64,7 +64,7 @@ pub fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
 /// Returns the level of detail for fur that is `px` pixels high, and the share of the transition to the next level.
 ///
 /// Between two levels the number of layers equals the height of the fur in pixels.
-pub fn detail_place(levels: &[DetailLevel], px: f32) -> (usize, f32) {
+pub fn detail_position(levels: &[DetailLevel], px: f32) -> (usize, f32) {
     let last = levels.len().saturating_sub(1);
     let level = levels.iter().position(|level| px > level.gone_px).unwrap_or(last);
     let Some(found) = levels.get(level).filter(|found| level < last && px < found.full_px) else { return (level, 0.0) };
@@ -93,7 +93,7 @@ mod tests {
     fn sizes_find_their_level() {
         let level = |step, full_px, gone_px| DetailLevel { step, full_px, gone_px, fins: 1.0, density: 1.0 };
         let levels = [level(1, 16.0, 12.0), level(2, 8.0, 8.0), level(4, 2.0, 1.0), level(0, 0.0, 0.0)];
-        let at = |px| detail_place(&levels, px);
+        let at = |px| detail_position(&levels, px);
         assert_eq!([f32::INFINITY, 100.0, 16.0].map(at), [(0, 0.0); 3]);
         assert_eq!([12.0, 9.0, 8.5].map(at), [(1, 0.0); 3]);
         assert_eq!([8.0, 7.0, 2.0].map(at), [(2, 0.0); 3], "levels without a range switch at once");
@@ -101,7 +101,7 @@ mod tests {
         assert_eq!((at(14.0), at(1.25)), ((0, 0.5), (2, 0.75)), "layers are as many as pixels");
         // The last level of a package without far layer, and a level that never fades.
         let endless = [level(1, 4.0, 0.0), level(2, 0.0, 0.0)];
-        assert_eq!((detail_place(&endless, 0.5), detail_place(&endless[..1], 0.0)), ((0, 0.0), (0, 0.0)));
+        assert_eq!((detail_position(&endless, 0.5), detail_position(&endless[..1], 0.0)), ((0, 0.0), (0, 0.0)));
     }
 
     #[test]
@@ -125,12 +125,12 @@ mod tests {
                 let drawn: Vec<u32> =
                     (0..detail_count(baked, step)).map(|i| detail_layer(i, baked, step, 0.0)).collect();
                 assert_eq!(drawn.last(), Some(&(baked - 1)), "the outermost is always drawn");
-                let found: Vec<u32> = (1..baked).filter(|l| layers_stood_for(*l, baked, step) > 0).collect();
+                let found: Vec<u32> = (1..baked).filter(|l| represented_layers(*l, baked, step) > 0).collect();
                 assert_eq!(drawn, found);
-                let sum: u32 = drawn.iter().map(|l| layers_stood_for(*l, baked, step)).sum();
+                let sum: u32 = drawn.iter().map(|l| represented_layers(*l, baked, step)).sum();
                 assert_eq!(sum, baked - 1, "{baked} layers, step {step}");
             }
-            assert_eq!((detail_count(baked, 0), layers_stood_for(1, baked, 0)), (0, 0));
+            assert_eq!((detail_count(baked, 0), represented_layers(1, baked, 0)), (0, 0));
         }
     }
 
@@ -149,7 +149,7 @@ mod tests {
                     let whole: Vec<u32> = drawn(0)
                         .into_iter()
                         .filter(|l| {
-                            layers_stood_for(*l, baked, 2 * step) > 0 || detail_fade(*l, baked, step, gone as f32) < 1.0
+                            represented_layers(*l, baked, 2 * step) > 0 || detail_fade(*l, baked, step, gone as f32) < 1.0
                         })
                         .collect();
                     assert_eq!(layers, whole, "{baked} layers, step {step}, {gone} gone");

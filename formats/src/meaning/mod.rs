@@ -4,7 +4,7 @@
 //! The runtime's shaders implement the same in WGSL. Its tests compare shader, function and an f64 reference. The
 //! functions for points of hair accept f32 and f64, because tracing single hairs from afar needs the precision.
 
-mod coat;
+mod far_layer;
 mod direction;
 pub mod environment;
 mod fins;
@@ -24,16 +24,16 @@ mod tile_frame;
 mod view;
 mod visibility;
 
-pub use coat::{coat_light, coat_light_numbers};
+pub use far_layer::{far_layer_light, far_layer_light_coefficients};
 pub use direction::{decode_direction, encode_direction};
 pub use fins::{FIN_CORNERS, LEANING_ROWS, fin_face, fin_opacity, fin_rows, row_heights};
 pub use groom::{groom_bytes, groom_of_vertex, groom_with_texel};
 pub use hair_point::{grown_tangent, hair_direction, hair_offset, lean_offset, lean_slope};
 pub use layers::{
-    MOST_DEVIATION_PX, TOTAL_MAP_LAYERS, detail_count, detail_fade, detail_layer, detail_pairs, detail_place,
-    layer_height, layers_stood_for, simplest_list,
+    MOST_DEVIATION_PX, TOTAL_MAP_LAYERS, detail_count, detail_fade, detail_layer, detail_pairs, detail_position,
+    layer_height, represented_layers, simplest_list,
 };
-pub use root::{Aside, root_aside};
+pub use root::{RootOffset, root_offset};
 pub use skinning::{
     blend, handedness_of, morphed, normalize_or, posed, posed_vertices, skin_matrix, transform_normal, weighted,
 };

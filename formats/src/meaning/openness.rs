@@ -10,13 +10,13 @@ pub struct Openness {
     pub share: f32,
     /// Components along u and v of the tile of the unit vector towards the centre of the open directions; length at
     /// most 1. The centre is never below the surface's horizon.
-    pub aside: [f32; 2],
+    pub tangential: [f32; 2],
 }
 
 impl Default for Openness {
     /// Returns the openness of a plane.
     fn default() -> Self {
-        Self { share: 0.5, aside: [0.0; 2] }
+        Self { share: 0.5, tangential: [0.0; 2] }
     }
 }
 
@@ -25,19 +25,19 @@ impl Openness {
     pub fn to_bytes(self) -> [u8; 4] {
         let share = (self.share.clamp(0.0, 1.0) * 255.0).round() as u8;
         // Rounded towards 0, so that the stored vector is never longer than 1.
-        let [u, v] = self.aside.map(|x| (x.clamp(-1.0, 1.0) * 127.0) as i8 as u8);
+        let [u, v] = self.tangential.map(|x| (x.clamp(-1.0, 1.0) * 127.0) as i8 as u8);
         [share, u, v, 0]
     }
 
     /// Decodes four bytes of a package.
-    pub fn of_bytes([share, u, v, _]: [u8; 4]) -> Self {
-        Self { share: f32::from(share) / 255.0, aside: [u, v].map(|x| (f32::from(x as i8) / 127.0).max(-1.0)) }
+    pub fn from_bytes([share, u, v, _]: [u8; 4]) -> Self {
+        Self { share: f32::from(share) / 255.0, tangential: [u, v].map(|x| (f32::from(x as i8) / 127.0).max(-1.0)) }
     }
 
     /// Returns the vector towards the centre of the open directions, as long as the share: along u and v of the tile
     /// and the surface normal.
-    pub fn open(self) -> Vec3 {
-        let [u, v] = self.aside;
+    pub fn vector(self) -> Vec3 {
+        let [u, v] = self.tangential;
         self.share * Vec3::new(u, v, (1.0 - u * u - v * v).max(0.0).sqrt())
     }
 }
@@ -49,13 +49,13 @@ mod tests {
     #[test]
     fn bytes_say_what_they_were_made_of() {
         for (share, aside) in [(0.0, [0.0, 0.0]), (1.0, [0.6, -0.8]), (0.3, [-0.25, 0.9]), (0.7, [1.0, 0.0])] {
-            let bytes = Openness { share, aside }.to_bytes();
-            let back = Openness::of_bytes(bytes);
+            let bytes = Openness { share, tangential: aside }.to_bytes();
+            let back = Openness::from_bytes(bytes);
             assert_eq!(back.to_bytes(), bytes);
-            let off = (back.share - share).abs().max((back.aside[0] - aside[0]).abs());
-            assert!(off.max((back.aside[1] - aside[1]).abs()) < 0.01, "{back:?}");
-            assert!(back.aside.iter().map(|x| x * x).sum::<f32>() <= 1.0, "{back:?}");
-            assert!((back.open().length() - back.share).abs() < 1e-5, "{back:?}");
+            let off = (back.share - share).abs().max((back.tangential[0] - aside[0]).abs());
+            assert!(off.max((back.tangential[1] - aside[1]).abs()) < 0.01, "{back:?}");
+            assert!(back.tangential.iter().map(|x| x * x).sum::<f32>() <= 1.0, "{back:?}");
+            assert!((back.vector().length() - back.share).abs() < 1e-5, "{back:?}");
         }
         assert_eq!(Openness::default().to_bytes(), [128, 0, 0, 0]);
     }

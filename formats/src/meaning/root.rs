@@ -5,25 +5,25 @@ use serde::{Deserialize, Serialize};
 
 /// Lateral offset of hair at one height from its root, widths of the tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Aside {
+pub struct RootOffset {
     /// Offset of hair that points straight away from the surface, along u and v.
     pub mean: [f32; 2],
     /// Additional offset per unit of the lateral component of its unit direction.
     pub along: f32,
 }
 
-impl Aside {
+impl RootOffset {
     /// Returns the offset along u and v from the root of hair to the point where it is seen, widths of the tile.
     ///
     /// * `direction` - of the hair there, in the frame of the tile, unit length
-    pub fn of(&self, direction: Vec3) -> Vec2 {
-        root_aside(Vec2::from(self.mean).extend(self.along), direction)
+    pub fn offset(&self, direction: Vec3) -> Vec2 {
+        root_offset(Vec2::from(self.mean).extend(self.along), direction)
     }
 }
 
 /// Returns the offset from the root of hair to the point where it is seen. `aside` is mean and along of an [`Aside`],
 /// in any unit.
-pub fn root_aside(aside: Vec3, direction: Vec3) -> Vec2 {
+pub fn root_offset(aside: Vec3, direction: Vec3) -> Vec2 {
     aside.truncate() + direction.truncate() * aside.z
 }
 
@@ -33,8 +33,8 @@ mod tests {
 
     #[test]
     fn hair_lies_aside_by_its_height_and_its_direction() {
-        let aside = Aside { mean: [0.01, 0.2], along: 0.5 };
-        assert_eq!(aside.of(Vec3::Z), Vec2::new(0.01, 0.2));
-        assert!(aside.of(Vec3::new(0.6, -0.4, 0.69)).distance(Vec2::new(0.31, 0.0)) < 1e-6);
+        let aside = RootOffset { mean: [0.01, 0.2], along: 0.5 };
+        assert_eq!(aside.offset(Vec3::Z), Vec2::new(0.01, 0.2));
+        assert!(aside.offset(Vec3::new(0.6, -0.4, 0.69)).distance(Vec2::new(0.31, 0.0)) < 1e-6);
     }
 }

@@ -27,7 +27,7 @@ impl Package<'_> {
     /// Returns the contents of the section itself.
     pub(super) fn skeleton(&self) -> Result<Option<Arc<Animation>>, FormatError> {
         let Some((index, section)) = self.find(Tag::ANIMATION, 0) else { return Ok(None) };
-        let kept = self.keep(index, || {
+        let kept = self.cached(index, || {
             section.check_length("animation length", self.limits().animation_bytes)?;
             let animation: Animation = decode_section(Tag::ANIMATION, section.offset, self.section_bytes(index)?)?;
             let fail = |reason| FormatError::Content { tag: Tag::ANIMATION, offset: section.offset, reason };

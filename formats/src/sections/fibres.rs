@@ -4,8 +4,8 @@ use super::kind::{Count, Kind, Row, faults};
 use super::textures::{TextureFormat, TextureView};
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
-use crate::meaning::scattering::means::Means;
-use crate::meaning::scattering::{Around, Fibre, Keeps};
+use crate::meaning::scattering::means::FibreMeans;
+use crate::meaning::scattering::{AzimuthalScattering, Fibre, LobeShape};
 use crate::package::Package;
 use crate::tag::Tag;
 use crate::writer::PackageWriter;
@@ -38,7 +38,7 @@ pub struct FibreInfo {
     /// Fibres; that of the fur first. At most [`FibreInfo::MOST`].
     pub fibres: Vec<FibreOptics>,
     /// Properties of each fibre that need no table.
-    pub means: Vec<Means>,
+    pub means: Vec<FibreMeans>,
     /// For each group of the section `HAIR`, the index of its fibre.
     pub of_groups: Vec<u8>,
     /// For each of the manifest's materials, the index of the fibre of its fur.
@@ -65,8 +65,8 @@ impl FibreOptics {
             eta: self.eta.into(),
             along: self.along.into(),
             tilt: self.tilt.into(),
-            around: Around::Rough(self.around.into()),
-            keeps: Keeps::Energy,
+            around: AzimuthalScattering::Rough(self.around.into()),
+            keeps: LobeShape::Energy,
         }
     }
 
@@ -120,7 +120,7 @@ impl<'a> Package<'a> {
     /// Fails if the section is damaged, or is inconsistent with the hair groups or the materials.
     pub fn fibres(&self) -> Result<Option<Arc<FibreInfo>>, FormatError> {
         let Some((index, section)) = self.find(Tag::FIBRES, 0) else { return Ok(None) };
-        let info = self.keep(index, || {
+        let info = self.cached(index, || {
             let info: FibreInfo = decode_section(Tag::FIBRES, section.offset, self.section_bytes(index)?)?;
             let fail = |reason| FormatError::Content { tag: Tag::FIBRES, offset: section.offset, reason };
             let fault = info.fault(self.hair_groups()?.len(), self.manifest().materials.len());

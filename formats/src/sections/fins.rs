@@ -46,7 +46,7 @@ impl<'a> Package<'a> {
                 return Err(FormatError::Content { tag: Tag::FINS, offset: section.offset, reason });
             }
         };
-        let counts = self.keep(index, || {
+        let counts = self.cached(index, || {
             let view = FinsView::parse(self.section_bytes(index)?, section.offset, self.limits())?;
             self.check_fins(&view, info.slabs, section.offset)?;
             Ok(view.counts())

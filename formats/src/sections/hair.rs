@@ -33,16 +33,16 @@ const MOST_POINTS: u32 = 65;
 
 /// Point on a triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OnTriangle {
+pub struct TrianglePoint {
     /// Index of the triangle.
     pub triangle: u32,
     /// Weights of its corners, with sum 1.
     pub weights: [f32; 3],
 }
 
-impl OnTriangle {
+impl TrianglePoint {
     /// Returns the position for given corners of the triangle.
-    pub fn place(&self, corners: [Vec3; 3]) -> Vec3 {
+    pub fn position(&self, corners: [Vec3; 3]) -> Vec3 {
         corners[0] * self.weights[0] + corners[1] * self.weights[1] + corners[2] * self.weights[2]
     }
 
@@ -103,7 +103,7 @@ impl HairGroup {
     ///
     /// * `guides`: root of each guide, and its other points relative to the root in the frame of its triangle, metres;
     ///   the same number for each
-    pub fn set_guides(&mut self, guides: &[(OnTriangle, Vec<Vec3>)]) {
+    pub fn set_guides(&mut self, guides: &[(TrianglePoint, Vec<Vec3>)]) {
         let all = || guides.iter().flat_map(|(_, points)| points);
         self.guide_points = guides.first().map_or(2, |(_, points)| points.len() as u32 + 1);
         self.reach_m = all().map(|p| p.abs().max_element()).fold(f32::MIN_POSITIVE, f32::max);
@@ -113,10 +113,10 @@ impl HairGroup {
     }
 
     /// Returns the roots of the guides.
-    pub fn roots(&self) -> impl ExactSizeIterator<Item = OnTriangle> + '_ {
+    pub fn roots(&self) -> impl ExactSizeIterator<Item = TrianglePoint> + '_ {
         self.guide_roots.iter().map(|(triangle, weights)| {
             let [b, c] = weights.map(|w| f32::from(w) / 65535.0);
-            OnTriangle { triangle: *triangle, weights: [1.0 - b - c, b, c] }
+            TrianglePoint { triangle: *triangle, weights: [1.0 - b - c, b, c] }
         })
     }
 
@@ -192,7 +192,7 @@ impl<'a> Package<'a> {
     /// Fails if the section is damaged, or names triangles that the mesh does not have.
     pub fn hair_groups(&self) -> Result<Arc<[HairGroup]>, FormatError> {
         let Some((index, section)) = self.find(Tag::HAIR, 0) else { return Ok(Arc::default()) };
-        self.keep(index, || {
+        self.cached(index, || {
             let groups: Vec<HairGroup> = decode_section(Tag::HAIR, section.offset, self.section_bytes(index)?)?;
             let fail = |reason: String| FormatError::Content { tag: Tag::HAIR, offset: section.offset, reason };
             if !(1..=MOST_GROUPS).contains(&groups.len()) {

@@ -164,7 +164,7 @@ impl Package<'_> {
     /// Fails if the section is damaged, or is inconsistent with the hair groups or the skeleton.
     pub fn hair_motion(&self) -> Result<Option<Arc<HairMotion>>, FormatError> {
         let Some((index, section)) = self.find(Tag::HAIR_MOTION, 0) else { return Ok(None) };
-        let kept = self.keep(index, || {
+        let kept = self.cached(index, || {
             let motion: HairMotion = decode_section(Tag::HAIR_MOTION, section.offset, self.section_bytes(index)?)?;
             let joints = self.animation()?.map_or(0, |animation| animation.joints.len());
             match motion.fault(&self.hair_groups()?, joints) {

@@ -33,7 +33,7 @@ impl<'a> Package<'a> {
     /// Fails if the section is damaged, or its vertex count is not that of the mesh.
     pub fn ink(&self) -> Result<Option<InkView<'a>>, FormatError> {
         let Some((index, section)) = self.find(Tag::INK, 0) else { return Ok(None) };
-        let (info, first) = self.keep(index, || {
+        let (info, first) = self.cached(index, || {
             let bytes = self.section_bytes(index)?;
             let view = InkView::parse(bytes, section.offset, self.limits())?;
             let (found, expected) = (view.vertices().len(), self.mesh()?.map_or(0, |mesh| mesh.vertex_count));
@@ -54,7 +54,7 @@ impl<'a> Package<'a> {
     pub fn ink_textures(&self) -> Result<Option<InkTextures<'a>>, FormatError> {
         let Some(ink) = self.ink()? else { return Ok(None) };
         let read = |what: &str, index: u32, layers: u32| {
-            let view = self.picture(index)?;
+            let view = self.image_texture(index)?;
             if view.layers != layers || view.format.components() != 4 || view.format.is_srgb() {
                 let reason = format!(
                     "is {} in {} layers, expected four components that are not sRGB in {layers} as {what} of the ink style",

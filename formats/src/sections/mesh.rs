@@ -42,7 +42,7 @@ impl<'a> Package<'a> {
             let reason = format!("the manifest has {parts} parts of its indices");
             return Err(FormatError::MissingSection { tag: Tag::MESH, index: 0, reason });
         };
-        let counts = self.keep(index, || {
+        let counts = self.cached(index, || {
             let view = MeshView::parse(self.section_bytes(index)?, section.offset, self.version(), self.limits())?;
             self.check_mesh(&view, section.offset)?;
             Ok(view.counts())

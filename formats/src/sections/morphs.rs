@@ -31,7 +31,7 @@ pub(crate) const KIND: Kind = Kind {
 const MOST_TARGETS: usize = 1 << 12;
 
 /// Targets of the section, and the skeleton with their animation.
-type Kept = (Arc<Morphs>, Arc<Animation>);
+type MorphedAnimation = (Arc<Morphs>, Arc<Animation>);
 
 impl Package<'_> {
     /// Returns the morph targets; `None` if the package has none. Decoded and checked once, then cached.
@@ -50,9 +50,9 @@ impl Package<'_> {
         }
     }
 
-    fn morphed_animation(&self) -> Result<Option<Kept>, FormatError> {
+    fn morphed_animation(&self) -> Result<Option<MorphedAnimation>, FormatError> {
         let Some((index, section)) = self.find(Tag::MORPHS, 0) else { return Ok(None) };
-        let kept = self.keep(index, || {
+        let kept = self.cached(index, || {
             section.check_length("morph targets length", self.limits().animation_bytes)?;
             let morphs: Morphs = decode_section(Tag::MORPHS, section.offset, self.section_bytes(index)?)?;
             let fail = |reason| FormatError::Content { tag: Tag::MORPHS, offset: section.offset, reason };

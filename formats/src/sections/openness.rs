@@ -53,7 +53,7 @@ impl<'a> Package<'a> {
     pub fn openness(&self) -> Result<Option<&'a [u8]>, FormatError> {
         let Some((index, section)) = self.find(Tag::OPENNESS, 0) else { return Ok(None) };
         let bytes = self.section_bytes(index)?;
-        self.keep(index, || {
+        self.cached(index, || {
             let start = section.offset as usize;
             let vertices = self.mesh()?.map_or(0, |mesh| mesh.vertex_count as usize);
             if bytes.len() != VERTEX_BYTES * vertices {

@@ -37,7 +37,7 @@ impl<'a> Package<'a> {
                 false => Ok(None),
             };
         };
-        let sum = self.keep(index, || {
+        let sum = self.cached(index, || {
             CHECKED.set(CHECKED.get() + 1);
             let bytes = self.section_bytes(index)?;
             match bytes.iter().position(|byte| *byte == 0) {

@@ -4,7 +4,7 @@
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
-use crate::meaning::Aside;
+use crate::meaning::RootOffset;
 use crate::package::Package;
 use crate::tag::Tag;
 use crate::writer::PackageWriter;
@@ -31,7 +31,7 @@ pub const ROOT_HEIGHTS: usize = 8;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RootsInfo {
     /// Offset at each height, for dry hair.
-    pub asides: [Aside; ROOT_HEIGHTS],
+    pub asides: [RootOffset; ROOT_HEIGHTS],
     /// For each material, the change of its texture coordinates over the width of a tile, the same for both axes: u
     /// with the tile's u, v with its v. 0 if hair has the base colour of the surface below it.
     pub uv_per_tile: Vec<f32>,
@@ -44,7 +44,7 @@ impl Package<'_> {
     /// Fails if the section is damaged, or is inconsistent with the manifest.
     pub fn roots(&self) -> Result<Option<RootsInfo>, FormatError> {
         let Some((index, section)) = self.find(Tag::ROOTS, 0) else { return Ok(None) };
-        let info = self.keep(index, || {
+        let info = self.cached(index, || {
             let info: RootsInfo = decode_section(Tag::ROOTS, section.offset, self.section_bytes(index)?)?;
             let fail = |reason: String| FormatError::Content { tag: Tag::ROOTS, offset: section.offset, reason };
             let manifest = self.manifest();
@@ -58,7 +58,7 @@ impl Package<'_> {
                 )));
             }
             for (i, aside) in info.asides.iter().enumerate() {
-                let Aside { mean: [u, v], along } = *aside;
+                let RootOffset { mean: [u, v], along } = *aside;
                 if let Some(found) = [u, v, along].iter().find(|x| !x.is_finite()) {
                     return Err(fail(format!("asides[{i}] has {found}, expected finite numbers")));
                 }

@@ -29,7 +29,7 @@ impl<'a> Package<'a> {
     /// Fails if the section is damaged, or is inconsistent with the manifest's parts or the mesh's vertices.
     pub fn simplified(&self) -> Result<Option<SimplifiedView<'a>>, FormatError> {
         let Some((index, section)) = self.find(Tag::SIMPLIFIED, 0) else { return Ok(None) };
-        let counts = self.keep(index, || {
+        let counts = self.cached(index, || {
             let view = SimplifiedView::parse(self.section_bytes(index)?, section.offset, self.limits())?;
             self.check_simplified(&view, section.offset)?;
             Ok(view.counts())

@@ -50,7 +50,7 @@ impl<'a> Package<'a> {
     /// Fails if the section is damaged, or is inconsistent with the manifest's fur.
     pub fn visibility(&self) -> Result<Option<VisibilityInfo>, FormatError> {
         let Some((index, section)) = self.find(Tag::VISIBILITY, 0) else { return Ok(None) };
-        let info = self.keep(index, || {
+        let info = self.cached(index, || {
             let info: VisibilityInfo = decode_section(Tag::VISIBILITY, section.offset, self.section_bytes(index)?)?;
             let fail = |reason: &str| FormatError::Content {
                 tag: Tag::VISIBILITY,
@@ -80,7 +80,7 @@ impl<'a> Package<'a> {
         let texels = self.manifest().fur.tile_texels;
         let expected = (texels, texels, self.manifest().shell_texture_layers());
         let read = |index: u32| {
-            let view = self.picture(index)?;
+            let view = self.image_texture(index)?;
             let found = (view.width, view.height, view.layers);
             if found != expected || view.format.components() != 4 || view.format.is_srgb() {
                 let reason = format!(

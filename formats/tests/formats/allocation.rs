@@ -9,7 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 /// Allocator that counts the bytes of each thread, so that tests can run in parallel.
-struct Counting;
+struct CountingAllocator;
 
 thread_local! {
     /// Bytes allocated minus bytes freed by this thread; negative if it frees memory of another thread.
@@ -24,7 +24,7 @@ fn count(bytes: isize) {
 }
 
 // SAFETY: every call goes to the system's allocator unchanged; the counters neither allocate nor have destructors.
-unsafe impl GlobalAlloc for Counting {
+unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as isize);
         // SAFETY: the caller's layout, as it came.
@@ -39,7 +39,7 @@ unsafe impl GlobalAlloc for Counting {
 }
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// Returns the maximum number of bytes that this thread had allocated at once while `f` ran, beyond those before.
 fn peak<T>(f: impl FnOnce() -> T) -> (usize, T) {

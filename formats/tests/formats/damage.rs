@@ -134,13 +134,13 @@ fn version_1_keeps_its_reserved_bytes() {
     assert!(fins.contains("fur.fins is given, expected none in version 1"), "{fins}");
     assert!(old(|m| m.fur.wet = Some(ShellTextures::default())).contains("fur.wet is given"));
     assert!(old(|m| m.materials[1].groom_texture = Some(0)).contains("materials[1].groom_texture is given"));
-    assert!(old(|m| m.coat = Some(CoatInfo::default())).contains("coat is given, expected none in version 1"));
+    assert!(old(|m| m.coat = Some(FarLayerInfo::default())).contains("coat is given, expected none in version 1"));
     let before_3 = |change: fn(&mut Manifest)| {
         let mut manifest = common::sample_manifest_v2();
         change(&mut manifest);
         PackageWriter::new(manifest).version(2).finish().unwrap_err().to_string()
     };
-    let coat = before_3(|m| m.coat = Some(CoatInfo::default()));
+    let coat = before_3(|m| m.coat = Some(FarLayerInfo::default()));
     assert!(coat.contains("coat is given, expected none in version 2"), "{coat}");
     assert!(before_3(|m| m.detail = sample_manifest().detail).contains("detail is given"));
     assert!(before_3(|m| m.choice = sample_manifest().choice).contains("choice is given"));

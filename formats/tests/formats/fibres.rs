@@ -1,15 +1,15 @@
 //! The `FIBR` section: round trip and rejected contents.
 
 use crate::common::{self, furless_manifest, ktx2_file, sample_animation, sample_mesh};
-use pelage_formats::meaning::scattering::means::Means;
-use pelage_formats::meaning::scattering::tables::Tables;
+use pelage_formats::meaning::scattering::means::FibreMeans;
+use pelage_formats::meaning::scattering::tables::ScatteringTables;
 use pelage_formats::*;
 
 const HAIR: FibreOptics = FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.12 };
 
 fn sample() -> FibreInfo {
     let fibres = vec![HAIR, FibreOptics { tilt: -0.05, ..HAIR }];
-    let means = Means { aside: 0.45, on: [[0.25; 4], [0.0; 4], [0.0; 4]], back: [[0.0; 4]; 3] };
+    let means = FibreMeans { aside: 0.45, on: [[0.25; 4], [0.0; 4], [0.0; 4]], back: [[0.0; 4]; 3] };
     FibreInfo { texture: 0, fibres, means: vec![means; 2], of_groups: Vec::new(), of_materials: vec![1, 0] }
 }
 
@@ -37,7 +37,7 @@ fn fibres_come_back() {
     assert_eq!((view.width, view.layers, view.format), (8, 4, TextureFormat::Rgba16Float));
     let layers = [2, 3].map(|layer| view.floats(layer).unwrap());
     let info = sample();
-    let read = Tables::of_layers(info.fibres[1].eta.into(), info.means[1], layers).unwrap();
+    let read = ScatteringTables::of_layers(info.fibres[1].eta.into(), info.means[1], layers).unwrap();
     assert_eq!((read.size, view.floats(4)), (8, None));
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
     let without = common::sample_package();
@@ -89,7 +89,7 @@ fn what_does_not_fit_is_told() {
 #[test]
 fn groups_name_their_fibres() {
     let mut group = HairGroup { points: 3, lock_hairs: 1, root_radius_m: 1e-4, ..HairGroup::default() };
-    let root = OnTriangle { triangle: 0, weights: [0.5, 0.25, 0.25] };
+    let root = TrianglePoint { triangle: 0, weights: [0.5, 0.25, 0.25] };
     group.set_guides(&[(root, vec![glam::Vec3::Z * 0.1, glam::Vec3::Z * 0.2])]);
     let pack = |of_groups: Vec<u8>| {
         let textures = vec![TextureEntry { name: "fibres".into() }];

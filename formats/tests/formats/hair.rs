@@ -29,7 +29,7 @@ fn group() -> HairGroup {
         scalp: vec![(0, 65535)],
         ..HairGroup::default()
     };
-    let root = OnTriangle { triangle: 0, weights: [0.5, 0.25, 0.25] };
+    let root = TrianglePoint { triangle: 0, weights: [0.5, 0.25, 0.25] };
     let points = [Vec3::new(0.0, 0.01, 0.1), Vec3::new(0.02, -0.1, 0.2)];
     group.set_guides(&[0; 3].map(|_| (root, points.to_vec())));
     group

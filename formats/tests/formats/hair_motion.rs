@@ -5,7 +5,7 @@ use pelage_formats::*;
 
 fn group() -> HairGroup {
     let mut group = HairGroup { points: 3, lock_hairs: 1, root_radius_m: 1e-4, ..HairGroup::default() };
-    let root = OnTriangle { triangle: 0, weights: [0.5, 0.25, 0.25] };
+    let root = TrianglePoint { triangle: 0, weights: [0.5, 0.25, 0.25] };
     group.set_guides(&[(root, vec![glam::Vec3::Z * 0.1, glam::Vec3::Z * 0.2])]);
     group
 }

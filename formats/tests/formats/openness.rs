@@ -8,7 +8,7 @@ use pelage_formats::*;
 fn vertices() -> Vec<Openness> {
     let bytes = sample_package();
     let count = Package::open(&bytes, &Limits::default()).unwrap().mesh().unwrap().unwrap().vertex_count;
-    (0..count).map(|i| Openness { share: i as f32 / count as f32, aside: [0.5, -0.25] }).collect()
+    (0..count).map(|i| Openness { share: i as f32 / count as f32, tangential: [0.5, -0.25] }).collect()
 }
 
 /// Returns the sample package with an appended section.

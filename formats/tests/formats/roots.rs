@@ -4,7 +4,7 @@ use crate::common::{sample_manifest, sample_package};
 use pelage_formats::*;
 
 fn info() -> RootsInfo {
-    let asides = std::array::from_fn(|i| Aside { mean: [0.0, 0.02 * i as f32], along: 0.01 * i as f32 });
+    let asides = std::array::from_fn(|i| RootOffset { mean: [0.0, 0.02 * i as f32], along: 0.01 * i as f32 });
     RootsInfo { asides, uv_per_tile: vec![0.25; sample_manifest().materials.len()] }
 }
 

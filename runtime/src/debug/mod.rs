@@ -1,7 +1,7 @@
 //! Debug views: pipelines that show something other than the final picture. Frames without a debug view pay no cost.
 
 use crate::gpu::RenderSpec;
-use crate::params::{FrameParams, FurShow, InkShow};
+use crate::params::{FrameParams, FurDebugView, InkDebugView};
 
 /// Replaces a requested pipeline by its debug-view variant.
 pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
@@ -12,11 +12,11 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
             spec.constants.retain(|(name, _)| ["LEAN", "DETAIL"].contains(name));
         }
         "pelage skin" | "pelage fins" | "pelage shells" | "pelage strands" | "pelage strand blend"
-            if view.fur != FurShow::Picture && spec.fragment != Some("fs_depth") =>
+            if view.fur != FurDebugView::Picture && spec.fragment != Some("fs_depth") =>
         {
             spec.constants.push(("SHOW_AS", view.fur as u32));
         }
-        "pelage ink composite" if view.ink != InkShow::Painting => {
+        "pelage ink composite" if view.ink != InkDebugView::Painting => {
             spec.fragment = Some("fs_show");
             spec.constants.retain(|(name, _)| *name != "PICTURE");
             spec.constants.push(("SHOW", view.ink as u32));

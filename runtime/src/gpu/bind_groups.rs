@@ -1,14 +1,14 @@
 //! Bind groups, cached by what they bind: a frame that binds nothing new creates none.
 
-use super::bound::Bound;
+use super::binding_resource::BindingResource;
 use super::device::Gpu;
 use std::collections::HashMap;
 
 /// Frames after which an unused bind group is dropped, so that its resources can be freed.
-const FORGOTTEN_AFTER: u64 = 64;
+const DROPPED_AFTER: u64 = 64;
 
 /// Layout, and entries with their binding numbers.
-type Key = (wgpu::BindGroupLayout, Vec<(u32, Bound)>);
+type Key = (wgpu::BindGroupLayout, Vec<(u32, BindingResource)>);
 
 #[derive(Debug, Default)]
 pub(crate) struct BindGroups {
@@ -24,7 +24,7 @@ impl BindGroups {
         gpu: &Gpu,
         label: &str,
         layout: &wgpu::BindGroupLayout,
-        entries: Vec<(u32, Bound)>,
+        entries: Vec<(u32, BindingResource)>,
     ) -> wgpu::BindGroup {
         let key = (layout.clone(), entries);
         if let Some((group, last)) = self.made.get_mut(&key) {
@@ -44,7 +44,7 @@ impl BindGroups {
     /// Drops bind groups that have not been bound for long, so that their resources can be freed.
     pub(crate) fn next_frame(&mut self) {
         self.frame += 1;
-        let oldest = self.frame.saturating_sub(FORGOTTEN_AFTER);
+        let oldest = self.frame.saturating_sub(DROPPED_AFTER);
         self.made.retain(|_, (_, last)| *last >= oldest);
     }
 }

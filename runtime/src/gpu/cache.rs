@@ -3,7 +3,7 @@
 use super::bind_groups::BindGroups;
 use super::layouts::Layouts;
 use super::pipelines::Pipelines;
-use super::shelf::Shelf;
+use super::pool::Pool;
 use super::targets::TargetSet;
 
 /// Cache of GPU objects that are created on first use.
@@ -12,5 +12,5 @@ pub(crate) struct Cache {
     pub(crate) layouts: Layouts,
     pub(crate) pipelines: Pipelines,
     pub(crate) bind_groups: BindGroups,
-    pub(crate) targets: Shelf<TargetSet>,
+    pub(crate) targets: Pool<TargetSet>,
 }

@@ -1,7 +1,7 @@
 //! Device and queue, counting the objects that are created.
 
-use super::bound::Bound;
-use crate::report::Created;
+use super::binding_resource::BindingResource;
+use crate::report::CreatedObjects;
 use std::sync::atomic::{AtomicU32, Ordering};
 use wgpu::util::DeviceExt;
 
@@ -29,10 +29,10 @@ impl Gpu {
     }
 
     /// Returns the number of objects created so far.
-    pub(crate) fn created(&self) -> Created {
+    pub(crate) fn created(&self) -> CreatedObjects {
         let [buffers, textures, bind_groups, pipelines] =
             [&self.buffers, &self.textures, &self.bind_groups, &self.pipelines].map(|n| n.load(Ordering::Relaxed));
-        Created { buffers, textures, bind_groups, pipelines }
+        CreatedObjects { buffers, textures, bind_groups, pipelines }
     }
 
     /// Creates a buffer of `size` bytes.
@@ -58,7 +58,7 @@ impl Gpu {
         &self,
         label: &str,
         layout: &wgpu::BindGroupLayout,
-        entries: &[(u32, Bound)],
+        entries: &[(u32, BindingResource)],
     ) -> wgpu::BindGroup {
         self.bind_groups.fetch_add(1, Ordering::Relaxed);
         let entries: Vec<_> = entries

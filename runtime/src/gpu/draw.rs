@@ -4,12 +4,12 @@ use std::ops::Range;
 
 /// Bind group and its dynamic offset.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Group {
+pub(crate) struct DrawBindGroup {
     pub(crate) group: wgpu::BindGroup,
     pub(crate) offset: Option<u32>,
 }
 
-impl Group {
+impl DrawBindGroup {
     pub(crate) fn of(group: &wgpu::BindGroup) -> Option<Self> {
         Some(Self { group: group.clone(), offset: None })
     }
@@ -24,7 +24,7 @@ impl Group {
 pub(crate) struct Draw {
     pub(crate) pipeline: wgpu::RenderPipeline,
     /// Bind groups by number.
-    pub(crate) groups: [Option<Group>; 4],
+    pub(crate) groups: [Option<DrawBindGroup>; 4],
     /// Vertex buffers by slot.
     pub(crate) vertices: [Option<wgpu::Buffer>; 4],
     /// Index buffer of 32-bit indices. Without it, vertices are drawn in order.
@@ -41,7 +41,7 @@ impl Draw {
     pub(crate) fn screen(pipeline: wgpu::RenderPipeline, group: &wgpu::BindGroup) -> Self {
         Self {
             pipeline,
-            groups: [Group::of(group), None, None, None],
+            groups: [DrawBindGroup::of(group), None, None, None],
             vertices: Default::default(),
             indices: None,
             range: 0..3,
@@ -59,7 +59,7 @@ pub(crate) fn record<'d>(pass: &mut wgpu::RenderPass<'_>, draws: impl IntoIterat
             pass.set_pipeline(&draw.pipeline);
         }
         for (number, group) in draw.groups.iter().enumerate() {
-            let Some(Group { group: bind_group, offset }) = group else { continue };
+            let Some(DrawBindGroup { group: bind_group, offset }) = group else { continue };
             if last.is_none_or(|last| last.groups[number] != *group) {
                 pass.set_bind_group(number as u32, bind_group, offset.as_slice());
             }

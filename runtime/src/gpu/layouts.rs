@@ -6,7 +6,7 @@ use std::num::NonZeroU64;
 
 /// Sampler settings; filters are always linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Sampling {
+pub(crate) struct SamplerSettings {
     pub(crate) label: &'static str,
     pub(crate) u: wgpu::AddressMode,
     pub(crate) v: wgpu::AddressMode,
@@ -15,7 +15,7 @@ pub(crate) struct Sampling {
     pub(crate) anisotropy: u16,
 }
 
-impl Sampling {
+impl SamplerSettings {
     pub(crate) fn new(label: &'static str, mode: wgpu::AddressMode) -> Self {
         Self { label, u: mode, v: mode, mipmaps: true, anisotropy: 1 }
     }
@@ -37,7 +37,7 @@ impl Sampling {
 #[derive(Debug, Default)]
 pub(crate) struct Layouts {
     groups: HashMap<&'static str, wgpu::BindGroupLayout>,
-    samplers: HashMap<Sampling, wgpu::Sampler>,
+    samplers: HashMap<SamplerSettings, wgpu::Sampler>,
 }
 
 impl Layouts {
@@ -55,7 +55,7 @@ impl Layouts {
         self.groups.entry(label).or_insert_with(make).clone()
     }
 
-    pub(crate) fn sampler(&mut self, gpu: &Gpu, sampling: Sampling) -> wgpu::Sampler {
+    pub(crate) fn sampler(&mut self, gpu: &Gpu, sampling: SamplerSettings) -> wgpu::Sampler {
         self.samplers.entry(sampling).or_insert_with(|| sampling.make(&gpu.device)).clone()
     }
 }

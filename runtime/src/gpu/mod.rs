@@ -2,25 +2,25 @@
 //! are cached by their descriptors.
 
 mod bind_groups;
-mod bound;
+mod binding_resource;
 mod cache;
 mod device;
 mod draw;
 mod layouts;
 mod pipelines;
-mod shelf;
+mod pool;
 mod targets;
 mod uniforms;
 
-pub(crate) use bound::Bound;
+pub(crate) use binding_resource::BindingResource;
 pub(crate) use cache::Cache;
 pub(crate) use device::{Gpu, largest_buffer};
-pub(crate) use draw::{Draw, Group, record};
+pub(crate) use draw::{Draw, DrawBindGroup, record};
 pub(crate) use layouts::{
-    Sampling, WORKGROUP, depth_texture, in_compute, sampler, storage, storage_in, storage_out, texture, uniform,
+    SamplerSettings, WORKGROUP, depth_texture, in_compute, sampler, storage, storage_in, storage_out, texture, uniform,
     workgroups,
 };
-pub(crate) use pipelines::{ComputeSpec, Constants, RenderSpec, Shader, Stream, attribute, depth_state, faces, on};
-pub(crate) use shelf::Shelf;
+pub(crate) use pipelines::{ComputeSpec, Constants, RenderSpec, Shader, VertexLayout, attribute, depth_state, primitive_state, flag};
+pub(crate) use pool::Pool;
 pub(crate) use targets::{Target, TargetSet, take_targets};
-pub(crate) use uniforms::{Place, Ring, Uniforms};
+pub(crate) use uniforms::{UniformRange, UniformRing, UniformSlot};

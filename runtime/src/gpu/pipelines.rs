@@ -39,19 +39,19 @@ impl Hash for Shader {
 pub(crate) type Constants = Vec<(&'static str, u32)>;
 
 /// Returns a boolean override constant.
-pub(crate) fn on(name: &'static str, value: bool) -> (&'static str, u32) {
+pub(crate) fn flag(name: &'static str, value: bool) -> (&'static str, u32) {
     (name, u32::from(value))
 }
 
 /// Layout of vertices in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Stream {
+pub(crate) struct VertexLayout {
     /// Bytes from one vertex to the next.
     pub(crate) stride: u64,
     pub(crate) attributes: &'static [wgpu::VertexAttribute],
 }
 
-impl Stream {
+impl VertexLayout {
     /// Creates a layout of vertices `T`.
     pub(crate) const fn of<T>(attributes: &'static [wgpu::VertexAttribute]) -> Self {
         Self { stride: size_of::<T>() as u64, attributes }
@@ -67,7 +67,7 @@ pub(crate) const fn attribute(
 }
 
 /// Returns which sides of a surface are drawn. `mirrored`: the instance is mirrored.
-pub(crate) fn faces(mirrored: bool, double_sided: bool) -> wgpu::PrimitiveState {
+pub(crate) fn primitive_state(mirrored: bool, double_sided: bool) -> wgpu::PrimitiveState {
     wgpu::PrimitiveState {
         front_face: if mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
         cull_mode: (!double_sided).then_some(wgpu::Face::Back),
@@ -98,7 +98,7 @@ pub(crate) struct RenderSpec {
     pub(crate) vertex: &'static str,
     pub(crate) fragment: Option<&'static str>,
     pub(crate) groups: Vec<wgpu::BindGroupLayout>,
-    pub(crate) streams: Vec<Stream>,
+    pub(crate) streams: Vec<VertexLayout>,
     pub(crate) constants: Constants,
     pub(crate) primitive: wgpu::PrimitiveState,
     pub(crate) colors: Vec<wgpu::ColorTargetState>,
@@ -162,7 +162,7 @@ fn layout(gpu: &Gpu, label: &str, groups: &[wgpu::BindGroupLayout]) -> wgpu::Pip
 }
 
 /// Converts override constants to the form that wgpu takes.
-fn declared(shader: Shader, constants: &Constants) -> Vec<(&'static str, f64)> {
+fn to_wgpu_constants(shader: Shader, constants: &Constants) -> Vec<(&'static str, f64)> {
     // A browser rejects constants that the shader does not declare.
     let declares = |name: &str| shader.parts.iter().any(|part| part.contains(&format!("override {name}:")));
     debug_assert!(constants.iter().all(|(name, _)| declares(name)), "{constants:?}");
@@ -176,7 +176,7 @@ impl Pipelines {
         }
         let module = self.modules.entry(spec.shader).or_insert_with(|| module(gpu, spec.shader));
         let label = spec.fragment.unwrap_or(spec.vertex);
-        let constants = declared(spec.shader, &spec.constants);
+        let constants = to_wgpu_constants(spec.shader, &spec.constants);
         let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         let streams: Vec<_> = spec
             .streams
@@ -219,7 +219,7 @@ impl Pipelines {
             return made.clone();
         }
         let module = self.modules.entry(spec.shader).or_insert_with(|| module(gpu, spec.shader));
-        let constants = declared(spec.shader, &spec.constants);
+        let constants = to_wgpu_constants(spec.shader, &spec.constants);
         let pipeline = gpu.compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(spec.entry),
             layout: Some(&layout(gpu, spec.entry, &spec.groups)),

@@ -1,7 +1,7 @@
 //! Textures of the picture's size that passes pass on to each other.
 
 use super::device::Gpu;
-use super::shelf::Shelf;
+use super::pool::Pool;
 use std::sync::Arc;
 
 /// Texture that a pass draws to and later passes read.
@@ -54,7 +54,7 @@ impl TargetSet {
 
 /// Returns the `wanted` textures, excluding any that a living frame still draws from.
 pub(crate) fn take_targets(
-    shelf: &mut Shelf<TargetSet>,
+    shelf: &mut Pool<TargetSet>,
     gpu: &Gpu,
     size: [u32; 2],
     wanted: &[Target],

@@ -13,7 +13,7 @@ const SPARE_SLOTS: usize = 16;
 
 /// Location of uploaded data: `offset` bytes into a buffer of the slot.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
+pub(crate) struct UniformRange {
     pub(crate) buffer: wgpu::Buffer,
     pub(crate) offset: u64,
     /// Bytes from one element to the next.
@@ -32,7 +32,7 @@ struct Chunk {
 
 /// Slot of the ring while a frame is prepared: collects bytes and writes them all at once.
 #[derive(Debug)]
-pub(crate) struct Uniforms {
+pub(crate) struct UniformSlot {
     chunks: Vec<Chunk>,
     /// Shared with the frame, which holds it as long as it needs the slot.
     in_use: Arc<()>,
@@ -41,7 +41,7 @@ pub(crate) struct Uniforms {
     uploaded: u64,
 }
 
-impl Uniforms {
+impl UniformSlot {
     fn new(gpu: &Gpu) -> Self {
         let limits = gpu.device.limits();
         let alignment = limits.min_uniform_buffer_offset_alignment.max(limits.min_storage_buffer_offset_alignment);
@@ -49,19 +49,19 @@ impl Uniforms {
     }
 
     /// Appends values, each at an offset that is valid for a binding.
-    pub(crate) fn put<T: Pod>(&mut self, gpu: &Gpu, values: &[T]) -> Place {
+    pub(crate) fn put<T: Pod>(&mut self, gpu: &Gpu, values: &[T]) -> UniformRange {
         let stride = (size_of::<T>() as u64).next_multiple_of(self.alignment);
         self.put_bytes(gpu, stride, values.iter().map(bytemuck::bytes_of))
     }
 
     /// Appends an array, tightly packed.
-    pub(crate) fn put_array<T: Pod>(&mut self, gpu: &Gpu, values: &[T]) -> Place {
+    pub(crate) fn put_array<T: Pod>(&mut self, gpu: &Gpu, values: &[T]) -> UniformRange {
         let bytes = bytemuck::cast_slice(values);
         let stride = (bytes.len() as u64).next_multiple_of(self.alignment);
         self.put_bytes(gpu, stride, std::iter::once(bytes))
     }
 
-    fn put_bytes<'b>(&mut self, gpu: &Gpu, stride: u64, values: impl ExactSizeIterator<Item = &'b [u8]>) -> Place {
+    fn put_bytes<'b>(&mut self, gpu: &Gpu, stride: u64, values: impl ExactSizeIterator<Item = &'b [u8]>) -> UniformRange {
         let needed = stride * values.len().max(1) as u64;
         let fits = |chunk: &Chunk| chunk.bytes.len() as u64 + needed <= chunk.buffer.size();
         let index = self.chunks.iter().position(fits).unwrap_or_else(|| {
@@ -78,7 +78,7 @@ impl Uniforms {
             chunk.bytes.extend_from_slice(value);
         }
         chunk.bytes.resize(offset + needed as usize, 0);
-        Place { buffer: chunk.buffer.clone(), offset: offset as u64, stride }
+        UniformRange { buffer: chunk.buffer.clone(), offset: offset as u64, stride }
     }
 
     /// Uploads what the queue does not have yet; nothing if the slot holds the same bytes from an earlier frame.
@@ -105,25 +105,25 @@ impl Uniforms {
 /// Slots of the ring. A slot is free once its frame is dropped and its commands have finished, or were dropped
 /// unsubmitted.
 #[derive(Debug, Default)]
-pub(crate) struct Ring {
-    slots: Vec<Uniforms>,
+pub(crate) struct UniformRing {
+    slots: Vec<UniformSlot>,
     /// Set when an encoder that a frame was prepared into is dropped instead of submitted.
     lost: Arc<AtomicBool>,
 }
 
 /// Holds a slot. Dropping it without [`Submitted::done`] means that the recorded commands never ran.
-struct Submitted {
+struct SubmissionGuard {
     in_use: Option<Arc<()>>,
     lost: Arc<AtomicBool>,
 }
 
-impl Submitted {
+impl SubmissionGuard {
     fn done(mut self) {
         self.in_use = None;
     }
 }
 
-impl Drop for Submitted {
+impl Drop for SubmissionGuard {
     fn drop(&mut self) {
         if self.in_use.is_some() {
             self.lost.store(true, Ordering::Relaxed);
@@ -131,11 +131,11 @@ impl Drop for Submitted {
     }
 }
 
-impl Ring {
+impl UniformRing {
     /// Returns a slot that no frame needs any more.
-    pub(crate) fn take(&mut self, gpu: &Gpu) -> Uniforms {
+    pub(crate) fn acquire(&mut self, gpu: &Gpu) -> UniformSlot {
         let free = self.slots.iter().position(|slot| Arc::strong_count(&slot.in_use) == 1);
-        let mut slot = free.map_or_else(|| Uniforms::new(gpu), |index| self.slots.swap_remove(index));
+        let mut slot = free.map_or_else(|| UniformSlot::new(gpu), |index| self.slots.swap_remove(index));
         // Frees slots beyond the spare ones, which many frames at once had needed.
         let mut spare = 0;
         self.slots.retain(|slot| {
@@ -152,9 +152,9 @@ impl Ring {
     }
 
     /// Returns the slot of a frame prepared into `encoder` to the ring. The frame keeps the returned handle.
-    pub(crate) fn give(&mut self, slot: Uniforms, encoder: &wgpu::CommandEncoder) -> Arc<()> {
+    pub(crate) fn release(&mut self, slot: UniformSlot, encoder: &wgpu::CommandEncoder) -> Arc<()> {
         let in_use = slot.in_use.clone();
-        let submitted = Submitted { in_use: Some(in_use.clone()), lost: self.lost.clone() };
+        let submitted = SubmissionGuard { in_use: Some(in_use.clone()), lost: self.lost.clone() };
         encoder.on_submitted_work_done(move || submitted.done());
         self.slots.push(slot);
         in_use

@@ -4,22 +4,22 @@
 //! ones, and last the mesh surface with the far fur layer. No level is drawn twice: between two levels, layers
 //! disappear one after another and pass their opacity to those that stay.
 
-use super::thin::{found_as, point_step, share_of_hairs, shares_on_the_way, way_to_strands};
+use super::strand_lod::{effective_samples, point_step, drawn_share, transition_shares, strand_transition};
 use crate::bounds::Hull;
 use crate::gpu::largest_buffer;
 use crate::instance::Instance;
-use crate::model::{Model, Strands};
-use crate::params::{Detail, FrameParams, FurParams, Hair, Style};
+use crate::model::{Model, StrandSet};
+use crate::params::{Detail, FrameParams, FurParams, HairGeometry, Style};
 use crate::report::InstanceDetail;
 use crate::shared::detail::{detail_count, detail_pairs};
 use glam::Mat4;
-use pelage_formats::meaning::{detail_place, simplest_list};
+use pelage_formats::meaning::{detail_position, simplest_list};
 use pelage_formats::{FurInfo, Manifest};
 use std::ops::Range;
 
 /// Drawing state of an instance in a frame, for pipelines and shaders.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Drawing {
+pub(crate) struct InstanceDrawing {
     pub(crate) detail: InstanceDetail,
     /// Layer count used by the shaders, skin included; 1 if no fur is visible.
     pub(crate) layers: u32,
@@ -49,7 +49,7 @@ pub(crate) struct Drawing {
 
 /// Drawing state of one of the model's strand sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DrawnSet {
+pub(crate) struct StrandSetDrawing {
     /// Index of the model's strand set.
     pub(crate) set: usize,
     /// Share of the strands that is drawn.
@@ -60,17 +60,17 @@ pub(crate) struct DrawnSet {
     pub(crate) step: u32,
 }
 
-impl DrawnSet {
+impl StrandSetDrawing {
     /// Returns the set drawn with all points of all strands, at their natural width.
-    pub(crate) fn whole(&self) -> Self {
+    pub(crate) fn full_detail(&self) -> Self {
         Self { share: 1.0, widened: 1.0, step: 1, ..*self }
     }
 }
 
-impl Drawing {
+impl InstanceDrawing {
     /// Returns how `params` draws an instance, with that many samples per pixel. `hull`: bounds of the posed instance
     /// in world space.
-    pub(crate) fn of(
+    pub(crate) fn for_instance(
         instance: &Instance,
         hull: &Hull,
         params: &FrameParams,
@@ -79,29 +79,29 @@ impl Drawing {
     ) -> Self {
         let clip_from_world = clip_from_view * params.camera.view_from_world;
         let px_per_m = instance.scale() * hull.px_per_m(clip_from_view, clip_from_world, params.viewport[1]);
-        let detail = params.style.fur().map_or(1.0, |fur| bias(fur.detail));
+        let detail = params.style.fur().map_or(1.0, |fur| detail_bias(fur.detail));
         let most_pieces = crate::study::strand_pieces(params);
-        let drawing = Self { px_per_m: px_per_m * detail, most_pieces, ..Self::layered(instance, px_per_m, params) };
+        let drawing = Self { px_per_m: px_per_m * detail, most_pieces, ..Self::from_layers(instance, px_per_m, params) };
         let Some(fur) = params.style.fur().filter(|_| params.debug.only_layer.is_none()) else {
             return drawing;
         };
-        let Some(strands) = instance.model.coat_strands().filter(|_| drawing.has_shells()) else { return drawing };
+        let Some(strands) = instance.model.fur_strands().filter(|_| drawing.has_shells()) else { return drawing };
         let way = match fur.hair {
-            Hair::Shells => 0.0,
-            Hair::Strands => 1.0,
+            HairGeometry::Shells => 0.0,
+            HairGeometry::Strands => 1.0,
             // A caller who asks for layers wants to see them.
-            Hair::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
-            Hair::Auto => way_to_strands(fur, px_per_m * strands.mean_width_m * bias(fur.detail), samples),
+            HairGeometry::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
+            HairGeometry::Auto => strand_transition(fur, px_per_m * strands.mean_width_m * detail_bias(fur.detail), samples),
         };
         Self {
-            point_step: point_step(strands, px_per_m, found_as(fur, samples), most_pieces),
+            point_step: point_step(strands, px_per_m, effective_samples(fur, samples), most_pieces),
             ..drawing.with_strands(way)
         }
     }
 
     /// Applies the [transition](way_to_strands) from layers to single strands. The far fur layer is part of both.
     fn with_strands(mut self, way: f32) -> Self {
-        let [strands, layers] = shares_on_the_way(way);
+        let [strands, layers] = transition_shares(way);
         self.detail.strands = strands * (1.0 - self.detail.coat);
         self.layer_share = layers;
         self.detail.fins *= self.layer_share;
@@ -109,11 +109,11 @@ impl Drawing {
     }
 
     /// Returns the drawing adapted to the device limits: with fewer points if its buffers cannot hold all.
-    pub(crate) fn within(self, limits: &wgpu::Limits, model: &Model) -> Self {
-        let Some(strands) = model.coat_strands().filter(|_| self.has_strands()) else { return self };
+    pub(crate) fn clamped_to(self, limits: &wgpu::Limits, model: &Model) -> Self {
+        let Some(strands) = model.fur_strands().filter(|_| self.has_strands()) else { return self };
         let fits = |step: &u32| *step >= self.point_step && strands.ribbon_bytes(*step) <= largest_buffer(limits);
         let point_step = strands.steps().find(fits).unwrap_or(strands.points - 1);
-        let detail = InstanceDetail { strand_pieces: strands.pieces(point_step), ..self.detail };
+        let detail = InstanceDetail { strand_pieces: strands.segments(point_step), ..self.detail };
         Self { point_step, detail, ..self }
     }
 
@@ -121,44 +121,44 @@ impl Drawing {
     ///
     /// Hair groups are drawn as strands at any size. If they are too thin for the samples, fewer and wider ones are
     /// drawn.
-    pub(crate) fn sets(&self, model: &Model, style: &Style, samples: u32, limits: &wgpu::Limits) -> Vec<DrawnSet> {
+    pub(crate) fn sets(&self, model: &Model, style: &Style, samples: u32, limits: &wgpu::Limits) -> Vec<StrandSetDrawing> {
         let Some(fur) = style.fur() else { return Vec::new() };
-        let found = found_as(fur, samples);
-        let of = |(set, strands): (usize, &Strands)| {
+        let found = effective_samples(fur, samples);
+        let of = |(set, strands): (usize, &StrandSet)| {
             let guided = strands.guided().is_some();
-            let fewer = share_of_hairs(fur, guided, self.px_per_m * strands.mean_width_m, samples);
+            let fewer = drawn_share(fur, guided, self.px_per_m * strands.mean_width_m, samples);
             let widened = fewer.recip();
             if !guided {
                 let (share, step) = (fewer * self.detail.strands, self.point_step);
-                return self.has_strands().then_some(DrawnSet { set, share, widened, step });
+                return self.has_strands().then_some(StrandSetDrawing { set, share, widened, step });
             }
             let fits = |step: &u32| strands.ribbon_bytes(*step) <= largest_buffer(limits);
             let wanted = point_step(strands, self.px_per_m, found, self.most_pieces);
             let step = strands.steps().find(|step| *step >= wanted && fits(step)).unwrap_or(strands.points - 1);
-            Some(DrawnSet { set, share: fewer, widened, step })
+            Some(StrandSetDrawing { set, share: fewer, widened, step })
         };
         model.strands().iter().enumerate().filter_map(of).collect()
     }
 
-    fn layered(instance: &Instance, px_per_m: f32, params: &FrameParams) -> Self {
+    fn from_layers(instance: &Instance, px_per_m: f32, params: &FrameParams) -> Self {
         let manifest = instance.model.manifest();
         let high_px = if px_per_m.is_finite() { manifest.fur.height_m * px_per_m } else { f32::INFINITY };
         let texel_level = texel_level(&manifest.fur, high_px);
         let fur = params.style.fur().filter(|_| params.debug.only_layer.is_none());
         let Some(FurParams { layers: None, detail, .. }) = fur.filter(|_| !manifest.detail.is_empty()) else {
-            return Self { texel_level, ..Self::at(manifest, params, 0, 0.0) }.with_list(&instance.model, 0);
+            return Self { texel_level, ..Self::at_level(manifest, params, 0, 0.0) }.with_list(&instance.model, 0);
         };
         let fur_px = matches!(detail, Detail::Auto { .. }).then_some(high_px);
         let (level, fade) = match *detail {
             Detail::Full => (0, 0.0),
-            Detail::Auto { bias } => detail_place(&manifest.detail, fur_px.map_or(f32::INFINITY, |px| px * bias)),
+            Detail::Auto { bias } => detail_position(&manifest.detail, fur_px.map_or(f32::INFINITY, |px| px * bias)),
             Detail::Level(level) => {
                 let last = manifest.detail.len() - 1;
                 let whole = (level as usize).min(last);
                 (whole, if whole == last { 0.0 } else { level.fract() })
             }
         };
-        let mut drawing = Self::at(manifest, params, level, fade);
+        let mut drawing = Self::at_level(manifest, params, level, fade);
         drawing.detail.fur_px = fur_px;
         drawing.texel_level = texel_level;
         let list = match detail {
@@ -173,7 +173,7 @@ impl Drawing {
         self
     }
 
-    fn at(manifest: &Manifest, params: &FrameParams, level: usize, fade: f32) -> Self {
+    fn at_level(manifest: &Manifest, params: &FrameParams, level: usize, fade: f32) -> Self {
         let baked = manifest.fur.layers;
         let fur = params.style.fur().filter(|_| baked > 1);
         let layers = fur.map_or(1, |fur| fur.layers.unwrap_or(baked));
@@ -287,7 +287,7 @@ impl Drawing {
 }
 
 /// Returns the factor on the size on screen.
-fn bias(detail: Detail) -> f32 {
+fn detail_bias(detail: Detail) -> f32 {
     if let Detail::Auto { bias } = detail { bias } else { 1.0 }
 }
 

@@ -1,10 +1,10 @@
 use super::*;
 use crate::camera::{Camera, Projection};
 use crate::params::Style;
-use crate::shared::detail::{coat_light, coat_light_numbers, detail_exponent, detail_layer, layers_stood_for};
+use crate::shared::detail::{far_layer_light, far_layer_light_coefficients, detail_exponent, detail_layer, represented_layers};
 use glam::Vec3;
 use pelage_formats::DetailLevel;
-use pelage_formats::{CoatInfo, FurInfo};
+use pelage_formats::{FarLayerInfo, FurInfo};
 
 fn levels() -> Vec<DetailLevel> {
     vec![
@@ -19,7 +19,7 @@ fn manifest() -> Manifest {
     Manifest {
         fur: FurInfo { layers: 16, height_m: 0.1, ..FurInfo::default() },
         detail: levels(),
-        coat: Some(CoatInfo { height: 0.75, ambient_height: 0.5, light_straight: 0.75, light_slanted: 0.5 }),
+        coat: Some(FarLayerInfo { height: 0.75, ambient_height: 0.5, light_straight: 0.75, light_slanted: 0.5 }),
         ..Manifest::default()
     }
 }
@@ -35,7 +35,7 @@ fn levels_keep_the_number_of_layers_that_are_stood_for() {
     for baked in [2u32, 3, 4, 5, 16, 17, 64] {
         for step in [1u32, 2, 4, 8] {
             let drawn: Vec<_> = (0..detail_count(baked, step)).map(|i| detail_layer(i, baked, step, 0.0)).collect();
-            let counted: Vec<_> = (1..baked).filter(|k| layers_stood_for(*k, baked, step) > 0).collect();
+            let counted: Vec<_> = (1..baked).filter(|k| represented_layers(*k, baked, step) > 0).collect();
             assert_eq!(drawn, counted, "{baked} layers, step {step}");
             assert_eq!(drawn.last(), Some(&(baked - 1)), "the outermost is kept");
             for fade in [0.0, 0.3, 1.0] {
@@ -53,7 +53,7 @@ fn levels_keep_the_number_of_layers_that_are_stood_for() {
 #[test]
 fn an_instance_draws_what_its_level_says() {
     let (manifest, params) = (manifest(), params());
-    let at = |level, fade| Drawing::at(&manifest, &params, level, fade);
+    let at = |level, fade| InstanceDrawing::at_level(&manifest, &params, level, fade);
     let full = at(0, 0.0);
     assert!(!full.is_reduced() && full.shell_instances() == (1..16) && full.map_layers == 16);
     let fading = at(0, 0.5);
@@ -70,10 +70,10 @@ fn an_instance_draws_what_its_level_says() {
     assert_eq!(fading.weights, [1.0, 1.25]);
     // An explicit number of layers takes precedence.
     let eight = params.clone().with_fur(|fur| fur.layers = Some(8));
-    assert_eq!(Drawing::at(&manifest, &eight, 2, 0.5), Drawing::at(&manifest, &eight, 0, 0.0));
+    assert_eq!(InstanceDrawing::at_level(&manifest, &eight, 2, 0.5), InstanceDrawing::at_level(&manifest, &eight, 0, 0.0));
     let bare = params.clone().with(|params| params.style = Style::Bare);
     assert!(
-        !Drawing::at(&manifest, &bare, 3, 0.0).has_shells() && Drawing::at(&manifest, &bare, 3, 0.0).detail.coat == 0.0
+        !InstanceDrawing::at_level(&manifest, &bare, 3, 0.0).has_shells() && InstanceDrawing::at_level(&manifest, &bare, 3, 0.0).detail.coat == 0.0
     );
 }
 
@@ -81,11 +81,11 @@ fn an_instance_draws_what_its_level_says() {
 fn the_light_in_the_coat_meets_what_was_baked() {
     let manifest = manifest();
     let coat = manifest.coat.as_ref().unwrap();
-    let [base, slope] = coat_light_numbers(coat);
-    assert!((coat_light(1.0, base, slope) - 0.75).abs() < 1e-6 && (coat_light(4.0, base, slope) - 0.5).abs() < 1e-6);
+    let [base, slope] = far_layer_light_coefficients(coat);
+    assert!((far_layer_light(1.0, base, slope) - 0.75).abs() < 1e-6 && (far_layer_light(4.0, base, slope) - 0.5).abs() < 1e-6);
     // Black hair gives only finite numbers.
-    let dark = coat_light_numbers(&CoatInfo::default());
-    assert!(dark.iter().all(|x| x.is_finite()) && coat_light(2.0, dark[0], dark[1]) <= 1e-3);
+    let dark = far_layer_light_coefficients(&FarLayerInfo::default());
+    assert!(dark.iter().all(|x| x.is_finite()) && far_layer_light(2.0, dark[0], dark[1]) <= 1e-3);
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn what_makes_no_sense_is_refused() {
 #[test]
 fn strands_come_in_before_layers_go() {
     let (manifest, params) = (manifest(), params());
-    let layers = Drawing::at(&manifest, &params, 1, 0.25);
+    let layers = InstanceDrawing::at_level(&manifest, &params, 1, 0.25);
     assert_eq!(layers.with_strands(0.0), layers);
     let come = layers.with_strands(0.3);
     assert_eq!((come.detail.strands, come.layer_share, come.detail.fins), (0.5, 1.0, layers.detail.fins));
@@ -115,6 +115,6 @@ fn strands_come_in_before_layers_go() {
     assert!(
         !all.draws_shells() && all.has_shells() && all.reported().layers == 0 && all.map_layers == layers.map_layers
     );
-    let coat = Drawing::at(&manifest, &params, 2, 0.5);
+    let coat = InstanceDrawing::at_level(&manifest, &params, 2, 0.5);
     assert_eq!((coat.with_strands(1.0).detail.strands, coat.with_strands(1.0).weights), (0.5, coat.weights));
 }

@@ -2,8 +2,8 @@
 //! geometries.
 
 mod detail;
-mod look;
-mod thin;
+mod variant;
+mod strand_lod;
 
-pub(crate) use detail::{Drawing, DrawnSet};
-pub(crate) use look::{Look, groom, grown, grown_by, hair_wgsl, holes, material};
+pub(crate) use detail::{InstanceDrawing, StrandSetDrawing};
+pub(crate) use variant::{Variant, groom_constants, growth_and_wetness_constants, growth_constants, hair_wgsl, cutout_constants, material_constants};

@@ -126,6 +126,6 @@ fn px_per_unit(clip_from_view: Mat4, viewport: [u32; 2]) -> f32 {
 pub(crate) fn painted_rect(hull: &Hull, clip_from_world: Mat4, params: &InkParams, viewport: [u32; 2]) -> [u32; 4] {
     // Lines extend beyond their features, and features lie beside the drawn geometry.
     let margin = (params.reach_px(viewport[1]) + params.step_px + 1) as f32;
-    let [left, top, right, bottom] = hull.on_screen(clip_from_world, viewport, margin);
+    let [left, top, right, bottom] = hull.screen_rect(clip_from_world, viewport, margin);
     [left, top, right - left, bottom - top]
 }

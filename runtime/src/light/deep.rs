@@ -9,7 +9,7 @@ use crate::study;
 
 /// Settings of a deep opacity map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DeepKey {
+pub(crate) struct DeepMapSettings {
     /// Texels along each edge.
     pub(crate) size: u32,
     /// Number of slabs per texel.
@@ -34,15 +34,15 @@ const LEAST_SIZE: u32 = 16;
 
 /// Properties of the hair in a map: greatest height and greatest strand width.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DeepHair {
+pub(crate) struct DeepMapHair {
     pub(crate) fur_m: f32,
     pub(crate) width_m: f32,
     pub(crate) guided: bool,
 }
 
-impl DeepHair {
+impl DeepMapHair {
     /// Returns the settings that suit both.
-    pub(crate) fn and(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self {
             fur_m: self.fur_m.max(other.fur_m),
             width_m: self.width_m.max(other.width_m),
@@ -51,12 +51,12 @@ impl DeepHair {
     }
 }
 
-impl DeepKey {
+impl DeepMapSettings {
     /// Returns the settings of a map for `params`. The texel size is doubled until it suits the strands and the
     /// device's buffer limits. `hull`: bounds of all objects that cast a shadow.
     pub(crate) fn new(
         params: &FrameParams,
-        hair: DeepHair,
+        hair: DeepMapHair,
         hull: &Hull,
         view: &LightView,
         limits: &wgpu::Limits,
@@ -74,7 +74,7 @@ impl DeepKey {
         };
         let thin = study::texels_may_be_thin(params);
         let too_fine = |size: u32| !thin && view.texel_m(size) < TEXEL_WIDTHS * hair.width_m;
-        let too_large = |size: u32| bytes(size, slabs) > largest_buffer(limits);
+        let too_large = |size: u32| map_bytes(size, slabs) > largest_buffer(limits);
         let mut size = params.shadows.map_size;
         while size > LEAST_SIZE && (too_fine(size) || too_large(size)) {
             size /= 2;
@@ -95,15 +95,15 @@ fn depths(hull: &Hull, view: &LightView) -> (f32, f32) {
 }
 
 /// Returns the size in bytes of a map with `size` texels along each edge.
-fn bytes(size: u32, slabs: u32) -> u64 {
+fn map_bytes(size: u32, slabs: u32) -> u64 {
     4 * u64::from(size) * u64::from(size) * u64::from(2 + slabs)
 }
 
 /// Creates an empty map.
-pub(super) fn make(gpu: &Gpu, key: &DeepKey) -> wgpu::Buffer {
+pub(super) fn create_map(gpu: &Gpu, key: &DeepMapSettings) -> wgpu::Buffer {
     use wgpu::BufferUsages as Usage;
     let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
-    gpu.buffer("pelage deep opacity", bytes(key.size, key.slabs), usage)
+    gpu.buffer("pelage deep opacity", map_bytes(key.size, key.slabs), usage)
 }
 
 #[cfg(test)]
@@ -123,9 +123,9 @@ mod tests {
         let hull = Hull(vec![(Vec3::ZERO, 0.5)]);
         let view = LightView::new(&Light::default(), &hull, hull.sphere().unwrap());
         let key = |params: &FrameParams, width_m| {
-            DeepKey::new(
+            DeepMapSettings::new(
                 params,
-                DeepHair { fur_m: 0.01, width_m, guided: false },
+                DeepMapHair { fur_m: 0.01, width_m, guided: false },
                 &hull,
                 &view,
                 &wgpu::Limits::default(),
@@ -140,12 +140,12 @@ mod tests {
         assert_eq!((slabs(4, 512).reach_m, slabs(16, 512).reach_m, slabs(16, 512).slabs), (0.02, 0.02, 16));
         // 128 MiB hold 18 numbers for each of 1024² texels, but not for 2048².
         assert_eq!((slabs(16, 1024).size, slabs(16, 2048).size), (1024, 1024));
-        let both = DeepHair { fur_m: 1.0, width_m: 0.1, guided: false }.and(DeepHair {
+        let both = DeepMapHair { fur_m: 1.0, width_m: 0.1, guided: false }.union(DeepMapHair {
             fur_m: 2.0,
             width_m: 0.05,
             guided: true,
         });
-        assert_eq!(both, DeepHair { fur_m: 2.0, width_m: 0.1, guided: true });
+        assert_eq!(both, DeepMapHair { fur_m: 2.0, width_m: 0.1, guided: true });
     }
 
     /// Checks 16 planes over a sphere of 1 m diameter: from its near end to its far end, or in the printed form to a
@@ -162,9 +162,9 @@ mod tests {
             let key = |form| {
                 let params =
                     frame(512).with(|p| (p.shadows.slabs, p.study.opacity, p.study.thin_texels) = (16, form, true));
-                DeepKey::new(
+                DeepMapSettings::new(
                     &params,
-                    DeepHair { fur_m: 0.01, width_m: 1.0, guided: false },
+                    DeepMapHair { fur_m: 0.01, width_m: 1.0, guided: false },
                     &hull,
                     &view,
                     &wgpu::Limits::default(),

@@ -1,10 +1,10 @@
 //! Shadow maps of the key light: what is requested, what is drawn, and when maps must be redrawn.
 
-use super::deep::{self, DeepHair, DeepKey};
+use super::deep::{self, DeepMapHair, DeepMapSettings};
 use super::view::LightView;
 use crate::bounds::Hull;
 use crate::camera::Light;
-use crate::gpu::{Gpu, Shelf};
+use crate::gpu::{Gpu, Pool};
 use crate::params::{FrameParams, ShadowParams};
 use crate::shared::deep_opacity::DeepOpacity;
 use crate::shared::receiver::ShadowReceiver;
@@ -88,7 +88,7 @@ impl ShadowMaps {
     /// Returns the layer-wise maps, [`Self::LAYER_FORMAT`]. Array layer k holds the transmittance of the hair above map
     /// layer k. Layer 0 is the light that reaches the skin; the last is 1. `None` if hair is not shadowed by them.
     pub fn layers(&self) -> Option<&wgpu::Texture> {
-        self.layers.as_ref().filter(|_| self.key.hair == HairMaps::LayerWise).map(|layers| &layers.map.texture)
+        self.layers.as_ref().filter(|_| self.key.hair == HairMapKind::LayerWise).map(|layers| &layers.map.texture)
     }
 
     /// Returns the shadow-width map, [`Self::WIDTH_FORMAT`], for a linear filter; `None` without soft shadow. Channels:
@@ -159,7 +159,7 @@ fn blur_texels(shrink: u32) -> f32 {
 
 /// Kinds of hair shadow maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum HairMaps {
+pub(crate) enum HairMapKind {
     /// No maps: hair casts no shadow.
     None,
     /// Transmittance of all hair together, from a few layers, for the shadow of fur on other objects. Hair self-shadow
@@ -175,9 +175,9 @@ pub(crate) struct ShadowKey {
     pub(crate) light: Light,
     pub(crate) view: LightView,
     pub(crate) params: ShadowParams,
-    pub(crate) hair: HairMaps,
+    pub(crate) hair: HairMapKind,
     /// Deep opacity map, if single strands shadow each other.
-    pub(crate) deep: Option<DeepKey>,
+    pub(crate) deep: Option<DeepMapSettings>,
     pub(crate) soft_shadow: bool,
     /// The light's path through a layer grows with its slant.
     pub(crate) slanted: bool,
@@ -217,7 +217,7 @@ impl ShadowKey {
     pub(crate) fn new(
         params: &FrameParams,
         by_maps: bool,
-        deep: Option<(DeepHair, wgpu::Limits)>,
+        deep: Option<(DeepMapHair, wgpu::Limits)>,
         layers: u32,
         hull: &Hull,
         instances: Vec<InstanceKey>,
@@ -227,13 +227,13 @@ impl ShadowKey {
         let soft_shadow = params.soft_shadow && !params.is_key_dark();
         let guided = deep.as_ref().is_some_and(|(hair, _)| hair.guided);
         let hair = match params.self_shadow() && (layers > 1 || guided) {
-            true if by_maps => HairMaps::LayerWise,
-            true if soft_shadow => HairMaps::Total,
-            _ => HairMaps::None,
+            true if by_maps => HairMapKind::LayerWise,
+            true if soft_shadow => HairMapKind::Total,
+            _ => HairMapKind::None,
         };
         // A black light casts no shadow.
         let is_black = params.light.color() == Vec3::ZERO && !params.is_key_dark();
-        if !(hair != HairMaps::None || soft_shadow || deep.is_some()) || is_black {
+        if !(hair != HairMapKind::None || soft_shadow || deep.is_some()) || is_black {
             return None;
         }
         let shadows = params.shadows;
@@ -242,15 +242,15 @@ impl ShadowKey {
             light: params.light,
             params: shadows,
             hair,
-            deep: deep.map(|(hair, limits)| DeepKey::new(params, hair, hull, &view, &limits)),
+            deep: deep.map(|(hair, limits)| DeepMapSettings::new(params, hair, hull, &view, &limits)),
             view,
             soft_shadow,
-            slanted: hair != HairMaps::None && study::light_is_slanted(params),
+            slanted: hair != HairMapKind::None && study::light_is_slanted(params),
             centred: study::penumbra_is_centred(params),
             map_layers: match hair {
-                HairMaps::None => 1,
-                HairMaps::Total => layers.min(TOTAL_MAP_LAYERS),
-                HairMaps::LayerWise => shadows.map_layers.unwrap_or(layers).min(MAX_MAP_LAYERS),
+                HairMapKind::None => 1,
+                HairMapKind::Total => layers.min(TOTAL_MAP_LAYERS),
+                HairMapKind::LayerWise => shadows.map_layers.unwrap_or(layers).min(MAX_MAP_LAYERS),
             },
             instances,
             casters,
@@ -288,10 +288,10 @@ impl ShadowMaps {
             Map { view: texture.create_view(&wgpu::TextureViewDescriptor::default()), texture }
         };
         let small = size.div_ceil(key.params.shrink);
-        let layers = (key.hair != HairMaps::None).then(|| {
+        let layers = (key.hair != HairMapKind::None).then(|| {
             let count = match key.hair {
                 // Guided hair has a separate map of its own.
-                HairMaps::Total => 1 + u32::from(key.guided()),
+                HairMapKind::Total => 1 + u32::from(key.guided()),
                 _ => key.map_layers,
             };
             // Each layer starts as a copy of the one above.
@@ -317,7 +317,7 @@ impl ShadowMaps {
             width: map("pelage shadow width", size, Self::WIDTH_FORMAT),
         });
         let nearest = map("pelage nearest depth", size, Self::DEPTH_FORMAT);
-        let deep = key.deep.map(|deep| deep::make(gpu, &deep));
+        let deep = key.deep.map(|deep| deep::create_map(gpu, &deep));
         Self { key, nearest, layers, width, deep }
     }
 
@@ -332,7 +332,7 @@ impl ShadowMaps {
 }
 
 /// Returns the maps of `key`, and whether they must be redrawn. Maps that another frame still reads are left unchanged.
-pub(crate) fn settle(shelf: &mut Shelf<ShadowMaps>, gpu: &Gpu, key: ShadowKey) -> (Arc<ShadowMaps>, bool) {
+pub(crate) fn get_or_create(shelf: &mut Pool<ShadowMaps>, gpu: &Gpu, key: ShadowKey) -> (Arc<ShadowMaps>, bool) {
     if let Some(maps) = shelf.share(|maps| maps.key == key) {
         return (maps, false);
     }

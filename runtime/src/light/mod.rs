@@ -4,12 +4,12 @@
 mod casters;
 mod deep;
 mod maps;
-mod sky;
+mod environment;
 mod view;
 
 pub use casters::{CasterPass, Casters};
-pub(crate) use deep::DeepHair;
+pub(crate) use deep::DeepMapHair;
 pub use maps::ShadowMaps;
-pub(crate) use maps::{HairMaps, InstanceKey, ShadowKey, settle};
-pub(crate) use sky::Skies;
+pub(crate) use maps::{HairMapKind, InstanceKey, ShadowKey, get_or_create};
+pub(crate) use environment::EnvironmentCache;
 pub use view::LightView;

@@ -8,7 +8,7 @@ use glam::{Mat4, Vec3, Vec4};
 const MARGIN: f32 = 1.03;
 
 /// Rounds a length up to coarse steps, so that texels keep their size while an animation changes the bounds slightly.
-fn rounded_up(length: f32) -> f32 {
+fn round_up_coarsely(length: f32) -> f32 {
     let step = 2f32.powf(1.0 / 16.0);
     step.powf((length.max(1e-6).ln() / step.ln()).ceil())
 }
@@ -18,7 +18,7 @@ const MAX_FOV_RAD: f32 = 2.4;
 
 /// Distance in radii from which a point light is treated as a distant one. Its rays differ by less than a texel, and
 /// distances from it would leave too few digits for the scene.
-const DISTANT: f32 = 500.0;
+const DISTANT_RADII: f32 = 500.0;
 
 /// Projection of a light's shadow maps. They cover the instances of the frame with their fur, and
 /// [`crate::Casters::bounds`]. A point light sees at most 137°; if it is inside the scene, its maps face the centre.
@@ -55,7 +55,7 @@ impl LightView {
     pub(crate) fn new(light: &Light, hull: &Hull, sphere: Sphere) -> Self {
         match *light {
             Light::Directional { towards_light, .. } => Self::distant(towards_light, hull, sphere),
-            Light::Point { position, .. } if position.distance(sphere.center) < DISTANT * sphere.radius => {
+            Light::Point { position, .. } if position.distance(sphere.center) < DISTANT_RADII * sphere.radius => {
                 Self::near(position, hull, sphere)
             }
             Light::Point { position, .. } => Self::distant(position - sphere.center, hull, sphere),
@@ -68,8 +68,8 @@ impl LightView {
         let axis = |row: Vec4| row.truncate();
         let view = looking.view_from_world;
         let [x, y, z] = [view.row(0), view.row(1), view.row(2)].map(|row| hull.range(sphere.center, axis(row)));
-        let extent = rounded_up(MARGIN * (x.1 - x.0).max(y.1 - y.0));
-        let range_m = rounded_up(MARGIN * (z.1 - z.0));
+        let extent = round_up_coarsely(MARGIN * (x.1 - x.0).max(y.1 - y.0));
+        let range_m = round_up_coarsely(MARGIN * (z.1 - z.0));
         // Centre the maps on the hull.
         let middle = |range: (f32, f32), row: Vec4| 0.5 * (range.0 + range.1) * axis(row);
         let center = sphere.center + middle(x, view.row(0)) + middle(y, view.row(1)) + middle(z, view.row(2));
@@ -93,9 +93,9 @@ impl LightView {
             let aside = p.x.abs().max(p.y.abs()) + margin;
             tangent = tangent.max(if ahead > 0.0 { aside / ahead } else { f32::INFINITY });
         }
-        let fov_y_rad = (2.0 * rounded_up(MARGIN * tangent).atan()).min(MAX_FOV_RAD);
+        let fov_y_rad = (2.0 * round_up_coarsely(MARGIN * tangent).atan()).min(MAX_FOV_RAD);
         let (least, most) = hull.range(position, (target - position).normalize());
-        let far_m = rounded_up(MARGIN * most.max(1e-6));
+        let far_m = round_up_coarsely(MARGIN * most.max(1e-6));
         let near_m = (least / MARGIN).max(0.01 * far_m);
         let projection = Projection::Perspective { fov_y_rad, aspect: 1.0, near_m, far_m };
         let camera = Camera { projection, ..looking };

@@ -30,7 +30,7 @@ pub(super) fn load(
     let vertices = uploader.buffer("ink vertices", ink.vertices, wgpu::BufferUsages::VERTEX)?;
     let mut bytes = vertices.size();
     let mut view = |index, texture: &pelage_formats::TextureView<'_>, dimension| {
-        bytes += uploader.bytes_here(texture);
+        bytes += uploader.device_bytes(texture);
         let array = wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() };
         Ok::<_, RuntimeError>(uploader.texture(index, texture)?.create_view(&array))
     };

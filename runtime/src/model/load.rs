@@ -1,19 +1,19 @@
 //! Loading: from a package to a model.
 
-use super::extent::Extent;
+use super::bounds::ModelBounds;
 use super::ink;
-use super::resources::{Fins, Model, MorphBuffers, Part, Resources, Varies};
+use super::resources::{Fins, Model, MorphBuffers, Part, Resources, VaryingAttributes};
 use super::strands;
 use super::upload::Uploader;
 use crate::error::RuntimeError;
-use crate::gpu::{Gpu, Sampling};
+use crate::gpu::{Gpu, SamplerSettings};
 use crate::params::RendererOptions;
 use crate::shared::environment::pack_openness;
 use crate::shared::scattering::Fibre;
 use crate::surface::{FibreBlock, FibreResources, HairViews, MaterialUniform, Surfaces};
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
-    Aside, AttributeVertex, FinsView, Manifest, MeshView, Package, Part as PackagePart, ROOT_HEIGHTS, RootsInfo,
+    RootOffset, AttributeVertex, FinsView, Manifest, MeshView, Package, Part as PackagePart, ROOT_HEIGHTS, RootsInfo,
     SimplifiedView, TextureView,
 };
 use std::ops::Range;
@@ -60,8 +60,8 @@ pub(crate) fn load(
     let mut gpu_bytes: u64 = buffers.flatten().map(wgpu::Buffer::size).sum();
 
     let sampler = |label, v, anisotropy| {
-        let sampling = Sampling::new(label, wgpu::AddressMode::Repeat);
-        Sampling { v, anisotropy, ..sampling }.make(&gpu.device)
+        let sampling = SamplerSettings::new(label, wgpu::AddressMode::Repeat);
+        SamplerSettings { v, anisotropy, ..sampling }.make(&gpu.device)
     };
 
     let hair = hair(&uploader, package, &mut gpu_bytes)?;
@@ -90,13 +90,13 @@ pub(crate) fn load(
         Some(*end)
     });
 
-    let strands = if single { strands::load(&uploader, package, &mesh, options.most_strands)? } else { Vec::new() };
-    gpu_bytes += strands.iter().map(strands::Strands::gpu_bytes).sum::<u64>();
+    let strands = if single { strands::load(&uploader, package, &mesh, options.max_strands)? } else { Vec::new() };
+    gpu_bytes += strands.iter().map(strands::StrandSet::gpu_bytes).sum::<u64>();
     let base_sampler = sampler("pelage base colour", wgpu::AddressMode::Repeat, options.anisotropy);
     let fibres = package.fibres()?;
     let scattering = match (&fibres, package.fibre_tables()?) {
         (Some(info), Some(view)) => {
-            gpu_bytes += uploader.bytes_here(&view) + size_of::<FibreBlock>() as u64;
+            gpu_bytes += uploader.device_bytes(&view) + size_of::<FibreBlock>() as u64;
             let each: Vec<Fibre> =
                 info.fibres.iter().zip(&info.means).map(|(of, means)| Fibre::new(of, means)).collect();
             FibreResources::new(gpu, uploader.array(info.texture, &view)?, &each)
@@ -113,7 +113,7 @@ pub(crate) fn load(
             if let Some(Some(shared)) = uploaded.get(index as usize) {
                 return Ok(wgpu::TextureView::clone(shared));
             }
-            gpu_bytes += uploader.bytes_here(&texture);
+            gpu_bytes += uploader.device_bytes(&texture);
             let made = uploader.texture(index, &texture)?.create_view(&wgpu::TextureViewDescriptor::default());
             uploaded[index as usize] = Some(made.clone());
             Ok::<_, RuntimeError>(made)
@@ -125,10 +125,10 @@ pub(crate) fn load(
             alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
             share_per_m: if manifest.fur.height_m > 0.0 { manifest.fur.height_m.recip() } else { 0.0 },
             horizon: package.visibility()?.map_or(1.0, |info| info.horizon),
-            rim: rim(manifest),
+            rim: rim_sine(manifest),
             reserved: [0.0; 3],
             fibre: fibres.as_ref().and_then(|info| info.of_materials.get(i)).copied().unwrap_or(0).into(),
-            asides: asides(roots.as_ref(), i),
+            asides: root_offsets(roots.as_ref(), i),
         };
         gpu_bytes += size_of::<MaterialUniform>() as u64;
         materials.push(surfaces.material_group(gpu, &uniform, &base_color, &base_sampler, &groom, &scattering));
@@ -172,7 +172,7 @@ pub(crate) fn load(
 
     let (ink, ink_bytes) = ink::load(&uploader, package, &mesh)?.unzip();
     gpu_bytes += ink_bytes.unwrap_or(0);
-    let varies = Varies::of(&mesh, manifest.fur.height_m);
+    let varies = VaryingAttributes::of(&mesh, manifest.fur.height_m);
     let has_skeleton = animation.is_some();
     let resources = Resources {
         animation,
@@ -189,7 +189,7 @@ pub(crate) fn load(
         knows_visibility,
         fibres,
         varies,
-        extent: Extent::of(&mesh, morphs.as_deref(), skinned && has_skeleton),
+        extent: ModelBounds::of(&mesh, morphs.as_deref(), skinned && has_skeleton),
         parts,
         deviations_m: simplified.iter().flat_map(SimplifiedView::deviations).collect(),
         ink,
@@ -201,7 +201,7 @@ pub(crate) fn load(
 /// Returns the sine of the angle behind the outline of a body up to which tips of its fur are lit. Hair of height h on
 /// a body of radius R sees beyond it by the angle whose sine is √(2 h / R). The radius is derived from the bounding
 /// box, for a body that fills it as animals do.
-fn rim(manifest: &Manifest) -> f32 {
+fn rim_sine(manifest: &Manifest) -> f32 {
     const OF_SIZE: f32 = 2.53;
     let bounds = &manifest.bounds;
     let sides: [f32; 3] = std::array::from_fn(|i| bounds.max[i] - bounds.min[i]);
@@ -214,7 +214,7 @@ fn rim(manifest: &Manifest) -> f32 {
 fn with_openness(attributes: &[u8], openness: &[u8]) -> Vec<u8> {
     let mut out = attributes.to_vec();
     for (vertex, of) in out.chunks_exact_mut(size_of::<AttributeVertex>()).zip(openness.chunks_exact(4)) {
-        let packed = pack_openness(Openness::of_bytes([of[0], of[1], of[2], of[3]]));
+        let packed = pack_openness(Openness::from_bytes([of[0], of[1], of[2], of[3]]));
         let spare = vertex.len() - packed.len();
         vertex[spare..].copy_from_slice(&packed);
     }
@@ -227,9 +227,9 @@ fn uv_per_tile(roots: Option<&RootsInfo>, material: usize) -> f32 {
 }
 
 /// Returns the offset of a material's hair from its root by height, in the material's texture coordinates.
-fn asides(roots: Option<&RootsInfo>, material: usize) -> [[f32; 4]; ROOT_HEIGHTS] {
+fn root_offsets(roots: Option<&RootsInfo>, material: usize) -> [[f32; 4]; ROOT_HEIGHTS] {
     let scale = uv_per_tile(roots, material);
-    let scaled = |aside: Aside| [aside.mean[0] * scale, aside.mean[1] * scale, aside.along * scale, 0.0];
+    let scaled = |aside: RootOffset| [aside.mean[0] * scale, aside.mean[1] * scale, aside.along * scale, 0.0];
     roots.map_or([[0.0; 4]; ROOT_HEIGHTS], |roots| roots.asides.map(scaled))
 }
 
@@ -275,7 +275,7 @@ fn hair(
         let found = [(Some(info.texture), Some(textures.dry)), (info.wet_texture, textures.wet)];
         for (view, found) in visibility.iter_mut().zip(found) {
             if let (Some(index), Some(texture)) = found {
-                *gpu_bytes += uploader.bytes_here(&texture);
+                *gpu_bytes += uploader.device_bytes(&texture);
                 *view = Some(uploader.array(index, &texture)?);
             }
         }

@@ -1,6 +1,6 @@
 //! Package on the GPU.
 
-mod extent;
+mod bounds;
 mod ink;
 mod load;
 mod resources;
@@ -11,4 +11,4 @@ pub(crate) use ink::ModelInk;
 pub(crate) use load::load;
 pub use resources::Model;
 pub(crate) use resources::Part;
-pub(crate) use strands::{CORNER_BYTES, Growth, Guided, HairRoot, Stand, Strand, StrandConstants, Strands};
+pub(crate) use strands::{CORNER_BYTES, StrandSource, Guided, HairRoot, SurfacePoint, Strand, StrandConstants, StrandSet};

@@ -1,8 +1,8 @@
 //! Package on the GPU.
 
-use super::extent::Extent;
+use super::bounds::ModelBounds;
 use super::ink::ModelInk;
-use super::strands::Strands;
+use super::strands::StrandSet;
 use crate::error::RuntimeError;
 use crate::params::check_shading;
 use pelage_formats::meaning::fur_motion;
@@ -29,17 +29,17 @@ pub(super) struct Resources {
     pub(super) indices: wgpu::Buffer,
     pub(super) fur: Option<wgpu::BindGroup>,
     pub(super) fins: Option<Fins>,
-    pub(super) strands: Vec<Strands>,
+    pub(super) strands: Vec<StrandSet>,
     /// Colliders of the body for hair.
     pub(super) colliders: Vec<BodyCollider>,
     pub(super) planar_directions: bool,
     pub(super) knows_visibility: bool,
     /// Fibre scattering data, if the package has it.
     pub(super) fibres: Option<Arc<FibreInfo>>,
-    pub(super) varies: Varies,
+    pub(super) varies: VaryingAttributes,
     pub(super) parts: Vec<Part>,
     pub(super) deviations_m: Vec<f32>,
-    pub(super) extent: Extent,
+    pub(super) extent: ModelBounds,
     pub(super) ink: Option<ModelInk>,
     pub(super) gpu_bytes: u64,
 }
@@ -65,7 +65,7 @@ pub(crate) struct Fins {
 
 /// Attributes that vary over the vertices of a model. Shaders skip those that do not.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Varies {
+pub(crate) struct VaryingAttributes {
     /// At least one vertex leans more than the tile's strands.
     pub(crate) lean: bool,
     /// At least one vertex has shorter or longer fur than the manifest's height, which is that of the tile.
@@ -76,7 +76,7 @@ pub(crate) struct Varies {
     pub(crate) beyond_height: bool,
 }
 
-impl Varies {
+impl VaryingAttributes {
     pub(super) fn of(mesh: &MeshView<'_>, height_m: f32) -> Self {
         Self {
             lean: mesh.geometry().any(|v| v.lean > 0.0),
@@ -202,18 +202,18 @@ impl Model {
     }
 
     /// Returns its strand sets: first the fur strands, if any, then the hair groups.
-    pub(crate) fn strands(&self) -> &[Strands] {
+    pub(crate) fn strands(&self) -> &[StrandSet] {
         &self.resources.strands
     }
 
     /// Returns its fur strands.
-    pub(crate) fn coat_strands(&self) -> Option<&Strands> {
+    pub(crate) fn fur_strands(&self) -> Option<&StrandSet> {
         self.resources.strands.first().filter(|strands| strands.guided().is_none())
     }
 
     /// Returns the greatest distance of hair groups from the surface, metres.
     pub(crate) fn hair_reach_m(&self) -> f32 {
-        self.resources.strands.iter().filter_map(Strands::guided).map(|guided| guided.reach_m).fold(0.0, f32::max)
+        self.resources.strands.iter().filter_map(StrandSet::guided).map(|guided| guided.reach_m).fold(0.0, f32::max)
     }
 
     pub(crate) fn planar_directions(&self) -> bool {
@@ -226,16 +226,16 @@ impl Model {
     }
 
     /// Whether the package has baked visibility for its hair.
-    pub(crate) fn knows_visibility(&self) -> bool {
+    pub(crate) fn has_baked_visibility(&self) -> bool {
         self.resources.knows_visibility
     }
 
-    pub(crate) fn varies(&self) -> Varies {
+    pub(crate) fn varies(&self) -> VaryingAttributes {
         self.resources.varies
     }
 
     /// Returns an error if the model has no ink style.
-    pub(crate) fn has_ink(&self) -> Result<(), RuntimeError> {
+    pub(crate) fn require_ink(&self) -> Result<(), RuntimeError> {
         if self.resources.ink.is_some() {
             return Ok(());
         }
@@ -252,12 +252,12 @@ impl Model {
     }
 
     /// Returns the bounds of the mesh surface.
-    pub(crate) fn extent(&self) -> &Extent {
+    pub(crate) fn extent(&self) -> &ModelBounds {
         &self.resources.extent
     }
 
     /// Whether the other model shares all buffers and textures with this one.
-    pub(crate) fn is(&self, other: &Self) -> bool {
+    pub(crate) fn shares_resources(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.resources, &other.resources)
     }
 

@@ -54,7 +54,7 @@ impl Uploader<'_> {
     ///
     /// On software rasterisers, two-byte texels become four-byte ones: those are fetched eight at a time, these one by
     /// one, which makes reading directions a quarter slower.
-    fn format_here(&self, format: TextureFormat) -> TextureFormat {
+    fn device_format(&self, format: TextureFormat) -> TextureFormat {
         let software = self.gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let samples_blocks = self.gpu.device.features().contains(wgpu::Features::TEXTURE_COMPRESSION_BC);
         if format == TextureFormat::Rgba16Float {
@@ -65,13 +65,13 @@ impl Uploader<'_> {
     }
 
     /// Returns the size of a texture on the device in bytes.
-    pub(super) fn bytes_here(&self, view: &TextureView<'_>) -> u64 {
-        view.gpu_bytes_as(self.format_here(view.format))
+    pub(super) fn device_bytes(&self, view: &TextureView<'_>) -> u64 {
+        view.gpu_bytes_as(self.device_format(view.format))
     }
 
     /// Returns the size of colours and directions on the device in bytes.
     pub(super) fn hair_bytes(&self, textures: &FurTextures<'_>) -> u64 {
-        self.bytes_here(&textures.color).saturating_add(self.bytes_here(&textures.direction))
+        self.device_bytes(&textures.color).saturating_add(self.device_bytes(&textures.direction))
     }
 
     /// Uploads colours and directions of hair as array textures.
@@ -104,7 +104,7 @@ impl Uploader<'_> {
         )?;
         let (layers, allowed) = (view.layers.into(), limits.max_texture_array_layers.into());
         self.within(|| what("array layers"), layers, "max_texture_array_layers", allowed)?;
-        let format = self.format_here(view.format);
+        let format = self.device_format(view.format);
         let block = format.block_size();
         if !view.width.is_multiple_of(block) || !view.height.is_multiple_of(block) {
             let reason = format!(

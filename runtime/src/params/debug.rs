@@ -2,7 +2,7 @@
 
 /// Contents of a fur frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum FurShow {
+pub enum FurDebugView {
     /// Lit picture.
     #[default]
     Picture,
@@ -14,7 +14,7 @@ pub enum FurShow {
 
 /// Contents of an ink frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum InkShow {
+pub enum InkDebugView {
     /// Finished painting.
     #[default]
     Painting,
@@ -31,9 +31,9 @@ pub enum InkShow {
 #[non_exhaustive]
 pub struct DebugView {
     /// Contents of a fur frame.
-    pub fur: FurShow,
+    pub fur: FurDebugView,
     /// Contents of an ink frame.
-    pub ink: InkShow,
+    pub ink: InkDebugView,
     /// Draws the shells with one texture read and no lighting: the baseline of `pelage bench`.
     pub yardstick: bool,
     /// Draws only this shell layer, 1.. ; used to count fragments.

@@ -109,11 +109,11 @@ impl FrameParams {
 
     /// Whether hair shadows hair.
     pub(crate) fn self_shadow(&self) -> bool {
-        self.form_of_self_shadow() != SelfShadow::Off
+        self.self_shadow_form() != SelfShadow::Off
     }
 
     /// Returns the form of hair self-shadow.
-    pub(crate) fn form_of_self_shadow(&self) -> SelfShadow {
+    pub(crate) fn self_shadow_form(&self) -> SelfShadow {
         self.style.fur().map_or(SelfShadow::Off, |fur| fur.self_shadow)
     }
 

@@ -33,7 +33,7 @@ pub enum Scattering {
 
 /// Geometry of hair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Hair {
+pub enum HairGeometry {
     /// Single strands if the package has them and they are wide enough on screen, otherwise layers.
     #[default]
     Auto,
@@ -67,7 +67,7 @@ pub struct FurParams {
     /// Whether fins are drawn, if the package has them (default true).
     pub fins: bool,
     /// Geometry of hair (default [`Hair::Auto`]).
-    pub hair: Hair,
+    pub hair: HairGeometry,
     /// Rendering of strand edges (default [`StrandEdges::Samples`]).
     pub strand_edges: StrandEdges,
     /// Form of hair self-shadow, t of Yang 2006, eq. (2) (default [`SelfShadow::Auto`]).
@@ -85,7 +85,7 @@ impl Default for FurParams {
             layers: None,
             detail: Detail::default(),
             fins: true,
-            hair: Hair::Auto,
+            hair: HairGeometry::Auto,
             strand_edges: StrandEdges::Samples,
             self_shadow: SelfShadow::Auto,
             scattering: Scattering::Multiple,

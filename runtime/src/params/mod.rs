@@ -12,15 +12,15 @@ mod shadows;
 mod study;
 mod style;
 
-pub use debug::{DebugView, FurShow, InkShow};
+pub use debug::{DebugView, FurDebugView, InkDebugView};
 pub use detail::Detail;
 pub(crate) use frame::check_shading;
 pub use frame::{FrameParams, MAX_FILL_LIGHTS};
-pub use fur::{FurParams, Hair, Scattering, SelfShadow, StrandEdges};
+pub use fur::{FurParams, HairGeometry, Scattering, SelfShadow, StrandEdges};
 pub use hair_motion::{HairMotionParams, Wind};
 pub use ink::{InkBackground, InkParams, LineWidth};
 pub use renderer::RendererOptions;
 pub use shadows::ShadowParams;
 #[cfg(feature = "study")]
-pub use study::{Anchoring, FeatureRule, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
+pub use study::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use style::{Style, StyleKind};

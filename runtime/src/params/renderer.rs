@@ -24,7 +24,7 @@ pub struct RendererOptions {
     ///
     /// Strands are placed at load time, in about a microsecond each. A strand of nine points takes 176 bytes on the
     /// GPU, and 320 to 660 more while it is drawn.
-    pub most_strands: u32,
+    pub max_strands: u32,
 }
 
 impl Default for RendererOptions {
@@ -35,7 +35,7 @@ impl Default for RendererOptions {
             sample_count: 1,
             reversed_depth: false,
             anisotropy: 1,
-            most_strands: 300_000,
+            max_strands: 300_000,
         }
     }
 }

@@ -39,7 +39,7 @@ pub enum OpacityForm {
 
 /// Stage that computes the key light's diffuse and specular factors, Yang 2006, eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Lighting {
+pub enum LightingStage {
     /// Per pixel, with the direction of its hair.
     #[default]
     Pixel,
@@ -87,9 +87,9 @@ pub enum Anchoring {
 #[non_exhaustive]
 pub struct Study {
     /// Stage that computes the key light (default per pixel).
-    pub lighting: Lighting,
+    pub lighting: LightingStage,
     /// Opacity of a layer for slanted view rays.
-    pub look_slant: SlantForm,
+    pub view_slant: SlantForm,
     /// Opacity of a layer for slanted light.
     pub light_slant: SlantForm,
     /// Position of the penumbra.
@@ -125,8 +125,8 @@ pub struct Study {
 impl Default for Study {
     fn default() -> Self {
         Self {
-            lighting: Lighting::default(),
-            look_slant: SlantForm::default(),
+            lighting: LightingStage::default(),
+            view_slant: SlantForm::default(),
             light_slant: SlantForm::default(),
             penumbra: PenumbraForm::default(),
             opacity: OpacityForm::default(),

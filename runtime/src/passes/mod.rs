@@ -34,7 +34,7 @@ use std::fmt;
 
 /// Stage of the frame at which a pass is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum PassPlace {
+pub enum PassStage {
     /// Recorded by [`crate::Renderer::prepare`], before the application's render pass.
     Before,
     /// Recorded by [`crate::Frame::draw`], in the application's render pass.
@@ -45,7 +45,7 @@ pub enum PassPlace {
 /// owns all persistent data.
 pub(crate) struct Pass {
     pub(crate) name: &'static str,
-    pub(crate) place: PassPlace,
+    pub(crate) place: PassStage,
     /// Styles of the frames that include the pass.
     pub(crate) styles: &'static [StyleKind],
     /// Description for documentation.
@@ -76,7 +76,7 @@ impl PassId {
     }
 
     /// Returns when the pass is recorded.
-    pub fn place(self) -> PassPlace {
+    pub fn stage(self) -> PassStage {
         self.0.place
     }
 
@@ -132,7 +132,7 @@ pub(crate) fn any_reduced(frame: &Recording<'_>) -> bool {
 }
 
 /// Returns the outcome for frames whose style does not include the pass.
-pub(crate) fn not_of(style: StyleKind) -> Outcome {
+pub(crate) fn skipped_for_style(style: StyleKind) -> Outcome {
     Outcome::Skipped(match style {
         StyleKind::Fur => "style is fur",
         StyleKind::Bare => "style is bare",

@@ -1,7 +1,7 @@
 //! Uniform blocks of a frame and of its instances.
 
 use crate::error::RuntimeError;
-use crate::hair::Drawing;
+use crate::hair::InstanceDrawing;
 use crate::instance::Instance;
 use crate::light::ShadowMaps;
 use crate::params::{FrameParams, MAX_FILL_LIGHTS};
@@ -9,7 +9,7 @@ use crate::shared::kajiya_kay::BACK_ATTENUATION_OFF;
 use crate::shared::{detail, frame as blocks, skinning};
 use crate::study;
 use glam::{Mat3, Mat4, Vec3, Vec4};
-use pelage_formats::{CoatInfo, Shading};
+use pelage_formats::{FarLayerInfo, Shading};
 
 /// Returns the frame block for the eye. `maps`: maps that it reads; `sky_most`: peak irradiance of the environment,
 /// over π.
@@ -65,7 +65,7 @@ pub(super) fn map_level(instance: &Instance, maps: &ShadowMaps) -> f32 {
 pub(super) fn instance_block(
     instance: &Instance,
     params: &FrameParams,
-    drawing: &Drawing,
+    drawing: &InstanceDrawing,
     drawn: u32,
 ) -> blocks::Instance {
     let manifest = instance.model.manifest();
@@ -121,11 +121,11 @@ pub(super) fn instance_block(
 
 /// Returns the arguments `base` and `slope` of `coat_light` in the shaders: attenuation of the key light in the far fur
 /// layer.
-fn coat_light(coat: &CoatInfo, params: &FrameParams) -> [f32; 2] {
+fn coat_light(coat: &FarLayerInfo, params: &FrameParams) -> [f32; 2] {
     if !params.self_shadow() {
         return [1.0, 0.0];
     }
-    let [base, slope] = detail::coat_light_numbers(coat);
+    let [base, slope] = detail::far_layer_light_coefficients(coat);
     let slope = slope * params.shadows.density;
     // If slant has no effect, all light is treated as perpendicular.
     if study::light_is_slanted(params) { [base, slope] } else { [base + slope, 0.0] }

@@ -1,10 +1,10 @@
 //! Depth passes of the opaque mesh as seen from the key light, and render passes into the light's maps.
 
 use super::recording::Recording;
-use super::seen::Seen;
+use super::visible_instance::VisibleInstance;
 use crate::camera::Light;
-use crate::gpu::{Draw, RenderSpec, Shader, depth_state, faces, record};
-use crate::hair::holes;
+use crate::gpu::{Draw, RenderSpec, Shader, depth_state, primitive_state, record};
+use crate::hair::cutout_constants;
 use crate::light::{CasterPass, ShadowMaps};
 use crate::model::Part;
 use crate::surface::STREAMS;
@@ -63,7 +63,7 @@ pub(crate) fn begin_maps<'e>(
 }
 
 /// Returns the draws of an instance's mesh into one of the depth maps.
-fn depth_draws(frame: &mut Recording<'_>, seen: &Seen, kind: CasterPass) -> Vec<Draw> {
+fn depth_draws(frame: &mut Recording<'_>, seen: &VisibleInstance, kind: CasterPass) -> Vec<Draw> {
     // Back faces cast shadows too.
     let both = kind == CasterPass::Nearest;
     let spec = |frame: &Recording<'_>, part: &Part| RenderSpec {
@@ -73,13 +73,13 @@ fn depth_draws(frame: &mut Recording<'_>, seen: &Seen, kind: CasterPass) -> Vec<
         fragment: part.cutout.then_some("fs_caster"),
         groups: vec![frame.surfaces.frame.clone(), frame.surfaces.material.clone()],
         streams: STREAMS.to_vec(),
-        constants: holes(part),
-        primitive: faces(seen.look.mirrored && !both, part.double_sided || both),
+        constants: cutout_constants(part),
+        primitive: primitive_state(seen.look.mirrored && !both, part.double_sided || both),
         colors: Vec::new(),
         depth: Some(depth_state(ShadowMaps::DEPTH_FORMAT, true, kind.compare())),
         samples: 1,
     };
-    frame.part_draws(seen, |_| true, [frame.seen_from_light(seen), None], 0..1, spec)
+    frame.part_draws(seen, |_| true, [frame.light_group(seen), None], 0..1, spec)
 }
 
 /// Records one of the depth maps, with the application's casters.
@@ -101,7 +101,7 @@ pub(crate) fn record_depth(frame: &mut Recording<'_>, maps: &ShadowMaps, kind: C
 }
 
 /// Returns a report remark for maps of a light inside the scene, which cannot see all of it.
-pub(crate) fn light_inside(maps: &ShadowMaps) -> &'static str {
+pub(crate) fn light_inside_remark(maps: &ShadowMaps) -> &'static str {
     let sphere = maps.view().sphere;
     match maps.key.light {
         Light::Point { position, .. } if position.distance(sphere.center) < sphere.radius => {

@@ -1,13 +1,13 @@
 //! Compute dispatches as plain data: passes describe them, and one function records them.
 
-use crate::gpu::{Group, WORKGROUP, workgroups};
+use crate::gpu::{DrawBindGroup, WORKGROUP, workgroups};
 
 /// Dispatch with its pipeline and bind groups.
 #[derive(Debug)]
 pub(crate) struct Dispatch {
     pub(crate) pipeline: wgpu::ComputePipeline,
     /// Bind groups by index.
-    pub(crate) groups: Vec<Option<Group>>,
+    pub(crate) groups: Vec<Option<DrawBindGroup>>,
     /// Total threads, in workgroups of 64.
     pub(crate) threads: u32,
 }
@@ -19,7 +19,7 @@ pub(crate) fn record_dispatches(encoder: &mut wgpu::CommandEncoder, label: &str,
     for Dispatch { pipeline, groups, threads } in dispatches {
         pass.set_pipeline(pipeline);
         for (number, group) in groups.iter().enumerate() {
-            let Some(Group { group, offset }) = group else { continue };
+            let Some(DrawBindGroup { group, offset }) = group else { continue };
             pass.set_bind_group(number as u32, group, offset.as_slice());
         }
         let [columns, rows] = workgroups(threads.div_ceil(WORKGROUP));

@@ -1,8 +1,8 @@
 //! Draws of fins, whose shaders read vertices from storage buffers.
 
 use super::recording::Recording;
-use super::seen::Seen;
-use crate::gpu::{Bound, Draw, Group, RenderSpec};
+use super::visible_instance::VisibleInstance;
+use crate::gpu::{BindingResource, Draw, DrawBindGroup, RenderSpec};
 use crate::model::Part;
 use pelage_formats::meaning::{FIN_CORNERS, fin_rows};
 
@@ -10,14 +10,14 @@ use pelage_formats::meaning::{FIN_CORNERS, fin_rows};
 /// of a part, whose groups and streams are set here.
 pub(crate) fn fin_draws(
     frame: &mut Recording<'_>,
-    seen: &Seen,
-    textures: Option<Group>,
+    seen: &VisibleInstance,
+    textures: Option<DrawBindGroup>,
     spec: impl Fn(&Recording<'_>, &Part) -> RenderSpec,
 ) -> Vec<Draw> {
     let model = &seen.model;
     let (Some(fins), Some(layout)) = (model.fins(), &frame.surfaces.fins) else { return Vec::new() };
     let buffers = [&seen.moved.geometry, model.attributes(), &fins.buffer];
-    let entries = (0..).zip(buffers.map(Bound::all)).collect();
+    let entries = (0..).zip(buffers.map(BindingResource::all)).collect();
     let group = frame.cache.bind_groups.get(frame.gpu, "pelage fins", layout, entries);
     let vertices = FIN_CORNERS * fin_rows(model.varies().lean);
     let mut draws = Vec::new();
@@ -27,7 +27,7 @@ pub(crate) fn fin_draws(
         spec.streams.clear();
         draws.push(Draw {
             pipeline: frame.pipeline(spec),
-            groups: [frame.seen_from_eye(seen), Group::of(&part.material), textures.clone(), Group::of(&group)],
+            groups: [frame.eye_group(seen), DrawBindGroup::of(&part.material), textures.clone(), DrawBindGroup::of(&group)],
             vertices: Default::default(),
             indices: None,
             range: part.fins.start * vertices..part.fins.end * vertices,

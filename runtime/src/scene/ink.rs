@@ -1,8 +1,8 @@
 //! Ink part of a frame: uniform blocks, and WGSL shared by the passes over surfaces.
 
-use super::seen::Seen;
+use super::visible_instance::VisibleInstance;
 use crate::bounds::Hull;
-use crate::gpu::{Gpu, Place, Uniforms};
+use crate::gpu::{Gpu, UniformRange, UniformSlot};
 use crate::ink::{InkFrame, InkModel, painted_rect};
 use crate::model::ModelInk;
 use crate::params::InkParams;
@@ -39,13 +39,13 @@ pub(crate) struct InkScene {
     /// Rectangle of the picture with content: left, top, width and height, pixels.
     pub(super) painted: [u32; 4],
     /// Location of the [`InkFrame`] block.
-    pub(super) frame: Place,
+    pub(super) frame: UniformRange,
     /// Location of the [`InkModel`] blocks, one per instance.
-    pub(super) models: Place,
+    pub(super) models: UniformRange,
 }
 
 impl InkScene {
-    pub(super) fn new(uniforms: &mut Uniforms, gpu: &Gpu, params: &InkParams, view: &View, instances: &[Seen]) -> Self {
+    pub(super) fn new(uniforms: &mut UniformSlot, gpu: &Gpu, params: &InkParams, view: &View, instances: &[VisibleInstance]) -> Self {
         let models: Vec<_> = instances
             .iter()
             .filter_map(|seen| seen.model.ink())
@@ -63,7 +63,7 @@ impl InkScene {
 }
 
 /// Returns whether a model has fur strokes to draw.
-pub(crate) fn has_strokes(seen: &Seen, params: &InkParams) -> bool {
+pub(crate) fn has_strokes(seen: &VisibleInstance, params: &InkParams) -> bool {
     let fur = |ink: &ModelInk| params.shading.unwrap_or(ink.info.shading).fur;
     seen.model.ink().is_some_and(|ink| ink.fur.is_some() && fur(ink) > 0.0)
 }

@@ -1,8 +1,8 @@
 //! Nearest hair segments of each pixel: buffers filled on the GPU once per frame.
 
-use super::seen::Seen;
+use super::visible_instance::VisibleInstance;
 use crate::bounds::Hull;
-use crate::gpu::{Gpu, Shelf, largest_buffer};
+use crate::gpu::{Gpu, Pool, largest_buffer};
 use crate::params::{FrameParams, StrandEdges};
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
@@ -22,7 +22,7 @@ pub(crate) const TILE: u32 = 8;
 /// Uniform block as declared in `hair/nearest.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct NearestHair {
+pub(crate) struct NearestHairBlock {
     /// Area of the picture: left, top, width and height in pixels, the last two multiples of [`TILE`].
     pub(crate) area: [u32; 4],
     /// Size of the whole picture, pixels.
@@ -35,14 +35,14 @@ pub(crate) struct NearestHair {
 
 /// Buffers of the nearest hair segments in a frame, and the area of the picture that they cover.
 #[derive(Clone, Debug)]
-pub(crate) struct Nearest {
-    pub(crate) lists: Arc<NearestLists>,
-    pub(crate) block: NearestHair,
+pub(crate) struct NearestSegments {
+    pub(crate) lists: Arc<NearestBuffers>,
+    pub(crate) block: NearestHairBlock,
 }
 
 /// Buffers of the nearest hair segments.
 #[derive(Debug)]
-pub(crate) struct NearestLists {
+pub(crate) struct NearestBuffers {
     /// Per pixel: sorted keys of its segments, and the opacity of the rest.
     pub(crate) keys: wgpu::Buffer,
     /// Light of each key.
@@ -51,14 +51,14 @@ pub(crate) struct NearestLists {
     pub(crate) layers: wgpu::Buffer,
 }
 
-impl NearestLists {
+impl NearestBuffers {
     /// Returns the size in GPU memory, bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         self.keys.size() + self.lights.size() + self.layers.size()
     }
 
     /// Takes buffers for `tiles` tiles that no live frame uses. `most`: upper limit of the reserve.
-    fn take(shelf: &mut Shelf<Self>, gpu: &Gpu, tiles: u64, most: u64) -> Arc<Self> {
+    fn take(shelf: &mut Pool<Self>, gpu: &Gpu, tiles: u64, most: u64) -> Arc<Self> {
         // Reserve: an approaching animal must not create buffers in every frame. Much larger buffers, left from an
         // earlier close view, are not reused.
         let room = tiles.next_power_of_two().min(most).max(tiles);
@@ -85,7 +85,7 @@ impl NearestLists {
 
 /// Returns the area of the picture that a hull may cover, in whole tiles: left, top, width and height, pixels.
 pub(super) fn area(hull: &Hull, clip_from_world: Mat4, viewport: [u32; 2]) -> [u32; 4] {
-    let [left, top, right, bottom] = hull.on_screen(clip_from_world, viewport, 1.0);
+    let [left, top, right, bottom] = hull.screen_rect(clip_from_world, viewport, 1.0);
     [left, top, (right - left).next_multiple_of(TILE), (bottom - top).next_multiple_of(TILE)]
 }
 
@@ -95,7 +95,7 @@ fn tiles(area: [u32; 4]) -> u32 {
 
 /// Returns `params` as the device can draw them. Strand edges fall back to samples if its buffers cannot hold the lists
 /// of all pixels in `area`.
-pub(super) fn drawable<'p>(
+pub(super) fn with_supported_edges<'p>(
     params: &'p FrameParams,
     limits: &wgpu::Limits,
     area: impl FnOnce() -> [u32; 4],
@@ -108,11 +108,11 @@ pub(super) fn drawable<'p>(
     Cow::Borrowed(params)
 }
 
-impl Nearest {
+impl NearestSegments {
     /// Returns the buffers of a frame with blended strand edges and visible strands. `hull`: extent of the instances
     /// with strands.
-    pub(super) fn of(
-        shelf: &mut Shelf<NearestLists>,
+    pub(super) fn take(
+        shelf: &mut Pool<NearestBuffers>,
         gpu: &Gpu,
         params: &FrameParams,
         hull: &Hull,
@@ -124,8 +124,8 @@ impl Nearest {
         let most = largest_buffer(&gpu.device.limits()) / (u64::from(TILE * TILE) * KEY_BYTES);
         let picture = params.viewport.map(|side| u64::from(side.div_ceil(TILE))).iter().product::<u64>();
         let size = params.viewport.map(|side| side as f32);
-        let block = NearestHair { area, size, pieces: 0, round: 0 };
-        Some(Self { lists: NearestLists::take(shelf, gpu, count.into(), most.min(picture)), block })
+        let block = NearestHairBlock { area, size, pieces: 0, round: 0 };
+        Some(Self { lists: NearestBuffers::take(shelf, gpu, count.into(), most.min(picture)), block })
     }
 
     /// Clears the part of the buffers that this frame uses.
@@ -143,6 +143,6 @@ impl Nearest {
 }
 
 /// Returns whether single strands of the instance may be in the picture.
-pub(super) fn has_ribbons(seen: &Seen) -> bool {
+pub(super) fn has_ribbons(seen: &VisibleInstance) -> bool {
     seen.sets.iter().any(|set| set.ribbons.is_some())
 }

@@ -1,17 +1,17 @@
 //! Frame during preparation: all data that passes plan with.
 
 use super::ink::InkScene;
-use super::nearest::{Nearest, NearestLists};
+use super::nearest::{NearestSegments, NearestBuffers};
 use super::ribbons::Ribbons;
-use super::seen::Seen;
+use super::visible_instance::VisibleInstance;
 use crate::debug;
 use crate::gpu::{
-    Cache, ComputeSpec, Constants, Draw, Gpu, Group, RenderSpec, Ring, Shader, Shelf, TargetSet, Uniforms, depth_state,
-    faces,
+    Cache, ComputeSpec, Constants, Draw, Gpu, DrawBindGroup, RenderSpec, UniformRing, Shader, Pool, TargetSet, UniformSlot, depth_state,
+    primitive_state,
 };
-use crate::light::{Casters, ShadowMaps, Skies};
+use crate::light::{Casters, ShadowMaps, EnvironmentCache};
 use crate::model::Part;
-use crate::motion::States;
+use crate::motion::OwnerStates;
 use crate::params::{FrameParams, RendererOptions};
 #[cfg(feature = "study")]
 use crate::study;
@@ -21,17 +21,17 @@ use std::sync::Arc;
 
 /// State that a renderer keeps from frame to frame.
 #[derive(Debug)]
-pub(crate) struct Kept {
+pub(crate) struct RendererState {
     pub(crate) gpu: Gpu,
     pub(crate) cache: Cache,
     pub(crate) surfaces: Surfaces,
     pub(crate) options: RendererOptions,
-    pub(crate) states: States,
-    pub(crate) shadows: Shelf<ShadowMaps>,
-    pub(crate) ribbons: Shelf<Ribbons>,
-    pub(crate) nearest: Shelf<NearestLists>,
-    pub(crate) skies: Skies,
-    pub(crate) ring: Ring,
+    pub(crate) states: OwnerStates,
+    pub(crate) shadows: Pool<ShadowMaps>,
+    pub(crate) ribbons: Pool<Ribbons>,
+    pub(crate) nearest: Pool<NearestBuffers>,
+    pub(crate) skies: EnvironmentCache,
+    pub(crate) ring: UniformRing,
 }
 
 /// Frame data that passes plan with, and the encoder that they record into.
@@ -43,17 +43,17 @@ pub(crate) struct Recording<'f> {
     pub(crate) params: &'f FrameParams,
     pub(crate) encoder: &'f mut wgpu::CommandEncoder,
     /// Instances, in the order given.
-    pub(crate) instances: Arc<[Seen]>,
+    pub(crate) instances: Arc<[VisibleInstance]>,
     /// Shadow maps of the key light, if the frame has any.
     pub(crate) maps: Option<Arc<ShadowMaps>>,
     pub(crate) casters: Option<Casters<'f>>,
     /// Buffers of the nearest hair segments, if strands are drawn with blended edges.
-    pub(crate) nearest: Option<Nearest>,
+    pub(crate) nearest: Option<NearestSegments>,
     /// Intermediate targets shared by passes.
     pub(crate) targets: Arc<TargetSet>,
     pub(crate) ink: Option<InkScene>,
-    pub(crate) uniforms: Uniforms,
-    pub(super) ring: &'f mut Ring,
+    pub(crate) uniforms: UniformSlot,
+    pub(super) ring: &'f mut UniformRing,
     /// Group 0 for the eye; `light`: group 0 for the key light, if maps are redrawn.
     pub(super) view: wgpu::BindGroup,
     pub(super) light: Option<wgpu::BindGroup>,
@@ -79,9 +79,9 @@ impl Recording<'_> {
     /// `spec`: pipeline of a part.
     pub(crate) fn part_draws(
         &mut self,
-        seen: &Seen,
+        seen: &VisibleInstance,
         wanted: impl Fn(&Part) -> bool,
-        [at, hair]: [Option<Group>; 2],
+        [at, hair]: [Option<DrawBindGroup>; 2],
         layers: Range<u32>,
         spec: impl Fn(&Self, &Part) -> RenderSpec,
     ) -> Vec<Draw> {
@@ -93,7 +93,7 @@ impl Recording<'_> {
             let pipeline = self.pipeline(spec);
             draws.push(Draw {
                 pipeline,
-                groups: [at.clone(), Group::of(&part.material), hair.clone(), None],
+                groups: [at.clone(), DrawBindGroup::of(&part.material), hair.clone(), None],
                 vertices: [Some(seen.moved.geometry.clone()), Some(seen.model.attributes().clone()), None, None],
                 indices: Some(seen.model.indices().clone()),
                 range: range.clone(),
@@ -122,7 +122,7 @@ impl Recording<'_> {
             groups: vec![surfaces.frame.clone(), surfaces.material.clone(), surfaces.fur.clone()],
             streams: STREAMS.to_vec(),
             constants,
-            primitive: faces(mirrored, double_sided),
+            primitive: primitive_state(mirrored, double_sided),
             colors: vec![self.picture_color(over)],
             // Strict comparison hides layers that coincide with the mesh surface (fur of height 0).
             depth: Some(self.picture_depth(true, over)),
@@ -142,12 +142,12 @@ impl Recording<'_> {
     /// Returns the state of the application's depth target: draws nearer fragments, and equally near ones unless
     /// `strictly`.
     pub(crate) fn picture_depth(&self, write: bool, strictly: bool) -> wgpu::DepthStencilState {
-        depth_state(self.options.depth_format, write, nearer(strictly, self.options.reversed_depth))
+        depth_state(self.options.depth_format, write, depth_compare(strictly, self.options.reversed_depth))
     }
 
     /// Returns group 0 of an instance for the eye.
-    pub(crate) fn seen_from_eye(&self, seen: &Seen) -> Option<Group> {
-        Group::at(&self.view, seen.view_offset)
+    pub(crate) fn eye_group(&self, seen: &VisibleInstance) -> Option<DrawBindGroup> {
+        DrawBindGroup::at(&self.view, seen.view_offset)
     }
 
     /// Returns whether the shadow maps are redrawn.
@@ -156,18 +156,18 @@ impl Recording<'_> {
     }
 
     /// Returns group 0 of an instance for the key light; `None` if no maps are drawn.
-    pub(crate) fn seen_from_light(&self, seen: &Seen) -> Option<Group> {
-        self.light.as_ref().and_then(|group| Group::at(group, seen.light_offset))
+    pub(crate) fn light_group(&self, seen: &VisibleInstance) -> Option<DrawBindGroup> {
+        self.light.as_ref().and_then(|group| DrawBindGroup::at(group, seen.light_offset))
     }
 
     /// Returns the written uniform slot to the ring. The frame keeps the returned token.
     pub(crate) fn finish(self) -> Arc<()> {
-        self.ring.give(self.uniforms, self.encoder)
+        self.ring.release(self.uniforms, self.encoder)
     }
 }
 
 /// Returns the depth comparison for nearer fragments, and for equally near ones unless `strictly`.
-pub(crate) fn nearer(strictly: bool, reversed_depth: bool) -> wgpu::CompareFunction {
+pub(crate) fn depth_compare(strictly: bool, reversed_depth: bool) -> wgpu::CompareFunction {
     match (strictly, reversed_depth) {
         (true, false) => wgpu::CompareFunction::Less,
         (true, true) => wgpu::CompareFunction::Greater,

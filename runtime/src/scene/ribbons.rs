@@ -1,7 +1,7 @@
 //! Ribbon buffers of strands, filled on the GPU: one set for each instance and frame in flight.
 
-use crate::gpu::{Gpu, Shelf};
-use crate::model::Strands;
+use crate::gpu::{Gpu, Pool};
+use crate::model::StrandSet;
 use std::sync::Arc;
 use wgpu::util::DrawIndexedIndirectArgs;
 
@@ -27,8 +27,8 @@ const PIECE: [u32; 6] = [0, 1, 2, 2, 1, 3];
 impl Ribbons {
     /// Takes buffers that no live frame uses, for strands of which every `step`th point is drawn. `drawn`: whether they
     /// are drawn as triangles.
-    pub(super) fn take(shelf: &mut Shelf<Self>, gpu: &Gpu, strands: &Strands, step: u32, drawn: bool) -> Arc<Self> {
-        let pieces = strands.pieces(step);
+    pub(super) fn take(shelf: &mut Pool<Self>, gpu: &Gpu, strands: &StrandSet, step: u32, drawn: bool) -> Arc<Self> {
+        let pieces = strands.segments(step);
         let numbers = u64::from(strands.count / OF_A_NUMBER);
         let sizes =
             [4 * numbers, size_of::<DrawIndexedIndirectArgs>() as u64 + 4 * numbers, strands.ribbon_bytes(step)];

@@ -2,7 +2,7 @@
 
 use super::recording::Recording;
 use crate::gpu::{
-    Bound, Constants, Draw, Group, RenderSpec, Sampling, Shader, Target, depth_texture, record, sampler, texture,
+    BindingResource, Constants, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target, depth_texture, record, sampler, texture,
     uniform,
 };
 use crate::ink::{InkFrame, InkModel};
@@ -23,7 +23,7 @@ pub(crate) use ink_screen_wgsl;
 
 /// Full-screen pass: override constants, and inputs by binding number.
 #[derive(Default)]
-pub(crate) struct Screen<'a> {
+pub(crate) struct ScreenPass<'a> {
     pub(crate) constants: Constants,
     pub(crate) reads: &'a [(u32, Target)],
     /// Depth texture to read.
@@ -34,14 +34,14 @@ pub(crate) struct Screen<'a> {
     pub(crate) clamped: Option<u32>,
 }
 
-fn sampling(mode: wgpu::AddressMode) -> Sampling {
-    Sampling::new("pelage ink", mode)
+fn sampling(mode: wgpu::AddressMode) -> SamplerSettings {
+    SamplerSettings::new("pelage ink", mode)
 }
 
 impl Recording<'_> {
     /// Returns layout and group 2 of the ink passes over an instance's surface; `None` for a model without ink data.
     /// `behind`: additional target to read, at binding 7.
-    pub(crate) fn ink_model(&mut self, index: usize, behind: Option<Target>) -> Option<(wgpu::BindGroupLayout, Group)> {
+    pub(crate) fn ink_model_group(&mut self, index: usize, behind: Option<Target>) -> Option<(wgpu::BindGroupLayout, DrawBindGroup)> {
         use wgpu::TextureViewDimension::{D2, D2Array};
         let places = self.ink.as_ref()?.models.clone();
         let seen = self.instances.clone();
@@ -60,10 +60,10 @@ impl Recording<'_> {
             own.into_iter().chain(behind.map(|_| texture(7, D2))).collect()
         });
         let [tile, clamp] = [wgpu::AddressMode::Repeat, wgpu::AddressMode::ClampToEdge]
-            .map(|mode| Bound::Sampler(self.cache.layouts.sampler(self.gpu, sampling(mode))));
-        let view = |view: &wgpu::TextureView| Bound::View(view.clone());
+            .map(|mode| BindingResource::Sampler(self.cache.layouts.sampler(self.gpu, sampling(mode))));
+        let view = |view: &wgpu::TextureView| BindingResource::View(view.clone());
         let mut entries = vec![
-            (0, Bound::block::<InkModel>(&places.buffer, 0)),
+            (0, BindingResource::block::<InkModel>(&places.buffer, 0)),
             (1, view(&ink.stroke)),
             (2, view(&ink.wash)),
             (3, view(ink.fur.as_ref().unwrap_or(&self.surfaces.white_array))),
@@ -75,7 +75,7 @@ impl Recording<'_> {
             entries.push((7, view(self.targets.view(&target)?)));
         }
         let group = self.cache.bind_groups.get(self.gpu, name, &layout, entries);
-        Some((layout, Group::at(&group, places.offset + index as u64 * places.stride)?))
+        Some((layout, DrawBindGroup::at(&group, places.offset + index as u64 * places.stride)?))
     }
 
     /// Returns the paper texture of the first instance with ink data.
@@ -90,30 +90,30 @@ impl Recording<'_> {
     }
 
     /// Returns pipeline spec and bind group of a full-screen pass to a target of `format`.
-    pub(crate) fn screen(
+    pub(crate) fn screen_spec(
         &mut self,
         shader: Shader,
         fragment: &'static str,
-        screen: &Screen<'_>,
+        screen: &ScreenPass<'_>,
         format: wgpu::TextureFormat,
     ) -> Option<(RenderSpec, wgpu::BindGroup)> {
         use wgpu::AddressMode::{ClampToEdge, Repeat};
         let constants = self.ink.as_ref()?.frame.clone();
-        let mut entries = vec![(0, Bound::block::<InkFrame>(&constants.buffer, constants.offset))];
+        let mut entries = vec![(0, BindingResource::block::<InkFrame>(&constants.buffer, constants.offset))];
         let mut layout = vec![uniform::<InkFrame>(0, false)];
         let textures = screen.reads.iter().map(|read| (*read, texture as fn(_, _) -> _));
         for ((number, target), entry) in textures.chain(screen.depth.map(|read| (read, depth_texture as _))) {
             layout.push(entry(number, wgpu::TextureViewDimension::D2));
-            entries.push((number, Bound::View(self.targets.view(&target)?.clone())));
+            entries.push((number, BindingResource::View(self.targets.view(&target)?.clone())));
         }
         if let Some([number, _]) = screen.paper {
             layout.push(texture(number, wgpu::TextureViewDimension::D2));
-            entries.push((number, Bound::View(self.paper())));
+            entries.push((number, BindingResource::View(self.paper())));
         }
         let samplers = [(screen.paper.map(|[_, number]| number), Repeat), (screen.clamped, ClampToEdge)];
         for (number, mode) in samplers.into_iter().filter_map(|(number, mode)| Some((number?, mode))) {
             layout.push(sampler(number));
-            entries.push((number, Bound::Sampler(self.cache.layouts.sampler(self.gpu, sampling(mode)))));
+            entries.push((number, BindingResource::Sampler(self.cache.layouts.sampler(self.gpu, sampling(mode)))));
         }
         let layout = self.cache.layouts.get(self.gpu, shader.name, || layout);
         let group = self.cache.bind_groups.get(self.gpu, shader.name, &layout, entries);
@@ -123,8 +123,8 @@ impl Recording<'_> {
     }
 
     /// Runs a full-screen pass over the painted part of a target.
-    pub(crate) fn fill(&mut self, shader: Shader, fragment: &'static str, screen: &Screen<'_>, target: &Target) {
-        let made = self.screen(shader, fragment, screen, target.format);
+    pub(crate) fn run_screen_pass(&mut self, shader: Shader, fragment: &'static str, screen: &ScreenPass<'_>, target: &Target) {
+        let made = self.screen_spec(shader, fragment, screen, target.format);
         let targets = self.targets.clone();
         let (Some(view), Some((spec, group))) = (targets.view(target), made) else { return };
         let draw = Draw::screen(self.pipeline(spec), &group);

@@ -1,14 +1,14 @@
 //! Helpers of the strand passes: iteration over strand sets, and their bindings.
 
 use super::recording::Recording;
-use super::seen::{Seen, StrandSet};
-use crate::gpu::{Bound, in_compute, storage_in, uniform};
-use crate::hair::DrawnSet;
+use super::visible_instance::{VisibleInstance, StrandSet};
+use crate::gpu::{BindingResource, in_compute, storage_in, uniform};
+use crate::hair::StrandSetDrawing;
 use crate::model::{Strand, StrandConstants};
 use std::ops::Range;
 
 /// Returns the drawn strand sets of all instances.
-pub(crate) fn strand_sets(instances: &[Seen]) -> impl Iterator<Item = (&Seen, StrandSet<'_>)> {
+pub(crate) fn strand_sets(instances: &[VisibleInstance]) -> impl Iterator<Item = (&VisibleInstance, StrandSet<'_>)> {
     instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set)))
 }
 
@@ -28,20 +28,20 @@ impl Recording<'_> {
         &mut self,
         set: &StrandSet<'_>,
         of_part: &Range<u32>,
-        drawn: &DrawnSet,
-    ) -> [(u32, Bound); 4] {
+        drawn: &StrandSetDrawing,
+    ) -> [(u32, BindingResource); 4] {
         [
-            (0, Bound::all(&set.posed.buffer)),
-            (1, Bound::all(&set.strands.strands)),
-            (2, Bound::all(&set.strands.tile)),
+            (0, BindingResource::all(&set.posed.buffer)),
+            (1, BindingResource::all(&set.strands.strands)),
+            (2, BindingResource::all(&set.strands.tile)),
             (3, self.strand_constants(set, of_part, drawn)),
         ]
     }
 
     /// Returns the uniform block with the constants of a part's strands.
-    pub(crate) fn strand_constants(&mut self, set: &StrandSet<'_>, of_part: &Range<u32>, drawn: &DrawnSet) -> Bound {
+    pub(crate) fn strand_constants(&mut self, set: &StrandSet<'_>, of_part: &Range<u32>, drawn: &StrandSetDrawing) -> BindingResource {
         let place =
             self.uniforms.put(self.gpu, &[set.strands.constants(of_part, [drawn.share, drawn.widened], drawn.step)]);
-        Bound::block::<StrandConstants>(&place.buffer, place.offset)
+        BindingResource::block::<StrandConstants>(&place.buffer, place.offset)
     }
 }

@@ -1,5 +1,5 @@
-pub use pelage_formats::meaning::{coat_light, coat_light_numbers};
-pub use pelage_formats::meaning::{detail_count, detail_fade, detail_layer, detail_pairs, layers_stood_for};
+pub use pelage_formats::meaning::{far_layer_light, far_layer_light_coefficients};
+pub use pelage_formats::meaning::{detail_count, detail_fade, detail_layer, detail_pairs, represented_layers};
 
 /// WGSL source of this topic.
 pub const WGSL: &str = include_str!("detail.wgsl");
@@ -9,7 +9,7 @@ pub const WGSL: &str = include_str!("detail.wgsl");
 /// density of 1, the exponents of all layers add up to their number.
 pub fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, there: f32) -> f32 {
     let fade = detail_fade(layer, baked, step, gone);
-    let stood_for = |step| layers_stood_for(layer, baked, step) as f32;
+    let stood_for = |step| represented_layers(layer, baked, step) as f32;
     (1.0 - fade) * here * stood_for(step) + fade * there * stood_for(2 * step)
 }
 
@@ -18,7 +18,7 @@ pub fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, 
 /// their number on average, less if they are denser.
 ///
 /// Measured on hare, knot and torus: with it the mean luminance of half the layers stays within 3 %.
-pub fn seen_height(height: f32, stood_for: f32, layers: u32) -> f32 {
+pub fn visible_height(height: f32, stood_for: f32, layers: u32) -> f32 {
     height - 0.25 * (stood_for - 1.0).max(0.0) / (layers - 1) as f32
 }
 

@@ -37,7 +37,7 @@ const LEAST_MEAN: f32 = broad::LEAST_MEAN as f32;
 
 /// Returns the coordinate of light with that mean cosine in the tables of broad light, 0..=1
 /// ([`pelage_formats::meaning::scattering::broad`]).
-pub fn broad_place(mean: f32) -> f32 {
+pub fn broad_coordinate(mean: f32) -> f32 {
     let rest = (1.0 - mean.clamp(LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
     ((1.0 - rest.sqrt()) / 0.83).clamp(0.0, 1.0)
 }
@@ -60,13 +60,13 @@ pub const USUALLY_OPEN: f32 = 0.725;
 /// Packs the openness of a vertex into its two bytes. The first is the share, 1 at least. The second has the components
 /// along u and v of the tile in four bits each, within 1/14. Both bytes are 0 if the openness is unknown.
 pub fn pack_openness(of: Openness) -> [u8; 2] {
-    let [u, v] = of.aside.map(|x| (7.0 * x.clamp(-1.0, 1.0)).round() as i8 + 7);
+    let [u, v] = of.tangential.map(|x| (7.0 * x.clamp(-1.0, 1.0)).round() as i8 + 7);
     [((of.share.clamp(0.0, 1.0) * 255.0).round() as u8).max(1), 16 * u as u8 + v as u8]
 }
 
 /// Unpacks the openness of a vertex from its bytes, given as numbers 0..=1. The result is a vector in the tile frame
 /// towards the middle of the open directions. Its length is the open share relative to that of most bodies.
-pub fn open_to_hair(packed: Vec2) -> Vec3 {
+pub fn unpack_openness(packed: Vec2) -> Vec3 {
     if packed.x <= 0.0 {
         return Vec3::Z;
     }
@@ -79,6 +79,6 @@ pub fn open_to_hair(packed: Vec2) -> Vec3 {
 
 /// Returns the share of environment light that reaches a point of a body of that colour, if the body hides the share
 /// `hidden` of it. The hiding surface is about as bright as the point itself, and lights it.
-pub fn left_open(color: Vec3, hidden: f32) -> Vec3 {
+pub fn environment_share(color: Vec3, hidden: f32) -> Vec3 {
     Vec3::splat(1.0 - hidden) / (1.0 - color.clamp(Vec3::ZERO, Vec3::splat(0.98)) * hidden)
 }

@@ -41,7 +41,7 @@ const LEAST_ACROSS: f32 = 0.1;
 ///
 /// Measured on a sheet of the default hair, at view angles from 0 to 75 degrees, against traced strands (formulas 4.5).
 /// The rms error of the mean brightness is 30 % with [`view_path`] alone, 20 % without the divisor, and 8 % with it.
-pub fn look_path(tangent: Vec3, agreed: f32, eye: Vec3, n_dot_e: f32) -> f32 {
+pub fn view_depth_factor(tangent: Vec3, agreed: f32, eye: Vec3, n_dot_e: f32) -> f32 {
     let rest = 2.0 / 3.0 * (1.0 - agreed * agreed).max(0.0);
     let across = (eye.cross(tangent).length_squared() + rest).sqrt().max(LEAST_ACROSS);
     let from_above = (tangent.truncate().length_squared() + rest).sqrt();

@@ -45,7 +45,7 @@ impl Default for ShadowReceiver {
 
 impl ShadowReceiver {
     /// Returns the map coordinates of a world-space point, as [`light_at_place`] takes them: (u·w, v·w, depth, w).
-    pub fn place(&self, position_ws: Vec3) -> Vec4 {
+    pub fn map_coordinates(&self, position_ws: Vec3) -> Vec4 {
         self.map_from_world * position_ws.extend(1.0)
     }
 }

@@ -2,7 +2,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
 use pelage_formats::FibreOptics;
 use pelage_formats::meaning::scattering::colour;
-use pelage_formats::meaning::scattering::means::Means;
+use pelage_formats::meaning::scattering::means::FibreMeans;
 use std::f32::consts::PI;
 
 /// WGSL source; depends on no other topic.
@@ -36,7 +36,7 @@ pub struct Fibre {
 
 impl Fibre {
     /// Creates the shader constants of a package's fibre.
-    pub fn new(optics: &FibreOptics, means: &Means) -> Self {
+    pub fn new(optics: &FibreOptics, means: &FibreMeans) -> Self {
         let per_depth = colour::depth(optics.around.into()).recip() as f32;
         Self {
             optics: [
@@ -89,7 +89,7 @@ pub fn fibre_absorption(color: Vec3, per_depth: f32) -> Vec3 {
 
 /// Returns the transmittance of one crossing of a fibre with that absorption per radius. `cos_d`: cosine of the
 /// difference angle; `optics`: as in [`Fibre`].
-pub fn fibre_left(cos_d: f32, optics: Vec4, absorbed: Vec3) -> Vec3 {
+pub fn fibre_transmittance(cos_d: f32, optics: Vec4, absorbed: Vec3) -> Vec3 {
     let c = cos_d.max(LEAST_COS_D);
     // Squares of 1 / cos θt, and of the sine of the refraction angle in the cross-section, at the mean square offset of
     // incidence.
@@ -119,7 +119,7 @@ pub fn fibre_shares(fibre: &Fibre, cos_theta: f32) -> [Vec4; 2] {
 }
 
 /// Returns the shares of light that an absorbing fibre scatters forward and backward.
-pub fn fibre_sides(fibre: &Fibre, cos_theta: f32, left: Vec3) -> [Vec3; 2] {
+pub fn absorbing_fibre_shares(fibre: &Fibre, cos_theta: f32, left: Vec3) -> [Vec3; 2] {
     fibre_shares(fibre, cos_theta).map(|share| {
         let share = share.to_array().map(Vec3::splat);
         share[0] + left * (share[1] + left * (share[2] + left * share[3]))
@@ -128,7 +128,7 @@ pub fn fibre_sides(fibre: &Fibre, cos_theta: f32, left: Vec3) -> [Vec3; 2] {
 
 /// Light in deep fur, relative to the incident light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Diffused {
+pub struct DiffusedLight {
     /// Light that other fibres have only scattered forward; its direction is close to that of the light.
     pub sent_on: Vec3,
     /// Other light from the light's side.
@@ -142,7 +142,7 @@ pub struct Diffused {
 /// Returns the light in deep fur at a point where the share `direct`, 0..=1, passes all fibres. `on` and `back`: shares
 /// that each fibre scatters forward and backward (Kubelka and Munk 1931). Never negative or infinite, even without
 /// absorption.
-pub fn diffused(on: Vec3, back: Vec3, direct: f32) -> Diffused {
+pub fn diffused_light(on: Vec3, back: Vec3, direct: f32) -> DiffusedLight {
     let lost = (Vec3::ONE - on - back).max(Vec3::splat(1e-4));
     let root_lost = lost.map(f32::sqrt);
     let less = root_lost * (lost + 2.0 * back).map(f32::sqrt);
@@ -150,7 +150,7 @@ pub fn diffused(on: Vec3, back: Vec3, direct: f32) -> Diffused {
     let depth = direct.clamp(1e-30, 1.0).log2();
     let arrives = (less * depth).map(f32::exp2);
     let sent_on = ((Vec3::ONE - on) * depth).map(f32::exp2);
-    Diffused {
+    DiffusedLight {
         sent_on: (sent_on - direct).max(Vec3::ZERO),
         from_light: (arrives - sent_on).max(Vec3::ZERO),
         from_below: given_back * arrives,
@@ -160,7 +160,7 @@ pub fn diffused(on: Vec3, back: Vec3, direct: f32) -> Diffused {
 
 /// Returns the multiply scattered light under a light at a height of that sine, 0..=1, relative to one at the zenith.
 /// Proportional to the excess of Hapke's H function over 1 (after Hapke 1981).
-pub fn falls_in(root_lost: Vec3, sine: f32) -> Vec3 {
+pub fn multiple_scattering_by_height(root_lost: Vec3, sine: f32) -> Vec3 {
     let root = 2.0 * root_lost;
     sine * (1.0 + root) / (1.0 + sine * root)
 }
@@ -174,7 +174,7 @@ const LEAKS: f32 = 0.12;
 
 /// Returns the forward and backward shares of a sheet of hanging fibres for [`diffused`], given those of one fibre. The
 /// two differ: light turned aside by many fibres goes back in the end, and some of it leaves the sheet at its edges.
-pub fn hanging_sides(sides: [Vec3; 2]) -> [Vec3; 2] {
+pub fn hanging_sheet_shares(sides: [Vec3; 2]) -> [Vec3; 2] {
     let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
     [(1.0 - LEAKS) * (sides[0] + sides[1]) - back, back]
 }

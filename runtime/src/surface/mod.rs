@@ -1,6 +1,6 @@
 //! Bindings, vertex streams and materials shared by all passes over a model's surface.
 
-use crate::gpu::{Bound, Gpu, Sampling, Stream, attribute, sampler, storage, texture, uniform};
+use crate::gpu::{BindingResource, Gpu, SamplerSettings, VertexLayout, attribute, sampler, storage, texture, uniform};
 use crate::params::MAX_FILL_LIGHTS;
 use crate::shared::frame;
 use crate::shared::scattering::Fibre;
@@ -29,8 +29,8 @@ pub(crate) struct MaterialUniform {
 }
 
 /// Vertex streams of all passes over surfaces, except fins, which read vertices from storage buffers.
-pub(crate) const STREAMS: [Stream; 2] =
-    [Stream::of::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), Stream::of::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)];
+pub(crate) const STREAMS: [VertexLayout; 2] =
+    [VertexLayout::of::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), VertexLayout::of::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)];
 
 /// First vertex stream, [`GeometryVertex`].
 pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 5] = [
@@ -142,7 +142,7 @@ impl Surfaces {
             storage::<Fin>(2, vertices),
         ];
         let map_sampling =
-            Sampling { mipmaps: false, ..Sampling::new("pelage shadow maps", wgpu::AddressMode::ClampToEdge) };
+            SamplerSettings { mipmaps: false, ..SamplerSettings::new("pelage shadow maps", wgpu::AddressMode::ClampToEdge) };
         let white_array =
             white.create_view(&wgpu::TextureViewDescriptor { dimension: Some(D2Array), ..Default::default() });
         Self {
@@ -170,12 +170,12 @@ impl Surfaces {
     ) -> wgpu::BindGroup {
         let bytes = bytemuck::bytes_of(constants);
         let entries = [
-            (0, Bound::Buffer(gpu.buffer_of("pelage material", bytes, wgpu::BufferUsages::UNIFORM))),
-            (1, Bound::View(base_color.clone())),
-            (2, Bound::Sampler(base_color_sampler.clone())),
-            (3, Bound::View(groom.clone())),
-            (4, Bound::View(fibres.tables.clone())),
-            (5, Bound::Buffer(fibres.constants.clone())),
+            (0, BindingResource::Buffer(gpu.buffer_of("pelage material", bytes, wgpu::BufferUsages::UNIFORM))),
+            (1, BindingResource::View(base_color.clone())),
+            (2, BindingResource::Sampler(base_color_sampler.clone())),
+            (3, BindingResource::View(groom.clone())),
+            (4, BindingResource::View(fibres.tables.clone())),
+            (5, BindingResource::Buffer(fibres.constants.clone())),
         ];
         gpu.bind_group("pelage material", &self.material, &entries)
     }
@@ -184,11 +184,11 @@ impl Surfaces {
     pub(crate) fn fur_group(&self, gpu: &Gpu, hair: &HairViews, sampler: &wgpu::Sampler) -> wgpu::BindGroup {
         let [wet_colors, wet_directions] = hair.wet.as_ref().map_or([&self.white_array; 2], <[_; 2]>::each_ref);
         let [seen, wet_seen] = hair.visibility.each_ref().map(|view| view.as_ref().unwrap_or(&self.white_array));
-        let view = |binding, view: &wgpu::TextureView| (binding, Bound::View(view.clone()));
+        let view = |binding, view: &wgpu::TextureView| (binding, BindingResource::View(view.clone()));
         let entries = [
             view(0, &hair.dry[0]),
             view(1, &hair.dry[1]),
-            (2, Bound::Sampler(sampler.clone())),
+            (2, BindingResource::Sampler(sampler.clone())),
             view(3, wet_colors),
             view(4, wet_directions),
             view(5, seen),

@@ -1,6 +1,6 @@
 //! Clip playback of a character that an application moves.
 
-use crate::cast::Playing;
+use crate::cast::Playback;
 use crate::stage::motion;
 use pelage_formats::ClipLayer;
 use pelage_runtime::Motion;
@@ -18,7 +18,7 @@ pub struct Animator {
 #[derive(Clone, Debug, PartialEq)]
 struct Layer {
     /// Clip; `None` is rest.
-    playing: Option<Playing>,
+    playing: Option<Playback>,
     /// Seconds since the request.
     time_s: f32,
     /// Duration of the fade-in, seconds.
@@ -44,7 +44,7 @@ impl Animator {
 
     /// Fades to that clip, or to rest, within `fade_s` seconds. 0, negative values and NaN switch immediately. The clip
     /// begins at its `start_s`.
-    pub fn play(&mut self, playing: Option<Playing>, fade_s: f32) {
+    pub fn play(&mut self, playing: Option<Playback>, fade_s: f32) {
         let fade_s = if fade_s.is_nan() { 0.0 } else { fade_s.max(0.0) };
         self.layers.push(Layer { playing, time_s: 0.0, fade_s });
         self.tidy();
@@ -59,7 +59,7 @@ impl Animator {
     }
 
     /// Returns the latest request; `None` is rest.
-    pub fn playing(&self) -> Option<&Playing> {
+    pub fn playing(&self) -> Option<&Playback> {
         self.layers.last().and_then(|layer| layer.playing.as_ref())
     }
 
@@ -71,7 +71,7 @@ impl Animator {
     /// Whether a clip that does not loop has faded in completely and reached its end.
     pub fn is_over(&self) -> bool {
         let Some(layer) = self.layers.last() else { return false };
-        let at_end = |playing: &Playing| !playing.looped && playing.moment(layer.time_s) >= playing.duration_s;
+        let at_end = |playing: &Playback| !playing.looped && playing.moment(layer.time_s) >= playing.duration_s;
         !self.is_fading() && layer.playing.as_ref().is_some_and(at_end)
     }
 
@@ -87,7 +87,7 @@ impl Animator {
     /// Drops layers without weight, and the oldest ones beyond the maximum of a pose.
     fn tidy(&mut self) {
         let whole = self.layers.iter().rposition(|layer| layer.share() >= 1.0).unwrap_or(0);
-        let most = self.layers.len().saturating_sub(Motion::MOST_LAYERS);
+        let most = self.layers.len().saturating_sub(Motion::MAX_LAYERS);
         self.layers.drain(..whole.max(most));
     }
 }
@@ -96,9 +96,9 @@ impl Animator {
 mod tests {
     use super::*;
 
-    const WALK: Playing = Playing { clip: 0, duration_s: 1.0, start_s: 0.0, speed: 1.0, looped: true };
-    const RUN: Playing = Playing { clip: 1, duration_s: 0.5, start_s: 0.1, speed: 2.0, looped: true };
-    const LAND: Playing = Playing { clip: 2, duration_s: 0.4, start_s: 0.0, speed: 1.0, looped: false };
+    const WALK: Playback = Playback { clip: 0, duration_s: 1.0, start_s: 0.0, speed: 1.0, looped: true };
+    const RUN: Playback = Playback { clip: 1, duration_s: 0.5, start_s: 0.1, speed: 2.0, looped: true };
+    const LAND: Playback = Playback { clip: 2, duration_s: 0.4, start_s: 0.0, speed: 1.0, looped: false };
 
     fn layers(animator: &Animator) -> Vec<ClipLayer> {
         match animator.motion() {
@@ -166,7 +166,7 @@ mod tests {
             animator.advance(0.001);
         }
         let layers = layers(&animator);
-        assert!(layers.len() <= Motion::MOST_LAYERS);
+        assert!(layers.len() <= Motion::MAX_LAYERS);
         assert!(
             layers.iter().all(|layer| layer.time_s.is_finite() && (0.0..=1.0).contains(&layer.share)),
             "{layers:?}"

@@ -1,9 +1,9 @@
 //! Models in the picture, and the position of each of them and of the camera over time; independent of a device.
 
-use crate::extent::{nothing_named, outline};
+use crate::extent::{no_match_error, outline};
 use crate::framing::{Framing, outermost};
 use crate::track::Track;
-use crate::{NamedPackage, Shot, StageError, Viewpoint};
+use crate::{NamedPackage, CameraTrack, StageError, Viewpoint};
 use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::{Animation, ClipLayer, Manifest, Package, Pose};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ pub struct Cast<'a> {
     /// Copies of their models; at least one.
     pub actors: Vec<Actor>,
     /// Camera over time.
-    pub camera: Shot,
+    pub camera: CameraTrack,
 }
 
 /// Copy of a package's model.
@@ -28,14 +28,14 @@ pub struct Actor {
     /// Index into [`Cast::packages`].
     pub package: usize,
     /// Position and heading over time.
-    pub place: Place,
+    pub place: Placement,
     /// Clip that plays; `None` at rest.
-    pub clip: Option<Playing>,
+    pub clip: Option<Playback>,
     /// Clip that it fades to, and progress of the fade, 0..=1.
-    pub over: Option<(Playing, f32)>,
+    pub fade_to: Option<(Playback, f32)>,
     /// Displacement per cycle of its clip: when the clip restarts, the model continues from there. In model space, as
     /// returned by [`carried_by`]; zero keeps it at the same position.
-    pub carried: Vec3,
+    pub cycle_displacement: Vec3,
     /// Morph targets with their own weights, regardless of the clips: index and weight.
     pub morphs: Vec<(usize, f32)>,
 }
@@ -43,14 +43,14 @@ pub struct Actor {
 impl Actor {
     /// Whether position or pose change over time.
     pub fn moves(&self) -> bool {
-        let Place { position, heading_deg, scale: _ } = &self.place;
-        self.clip.is_some() || self.over.is_some() || position.moves() || heading_deg.as_ref().is_some_and(Track::moves)
+        let Placement { position, heading_deg, scale: _ } = &self.place;
+        self.clip.is_some() || self.fade_to.is_some() || position.is_animated() || heading_deg.as_ref().is_some_and(Track::is_animated)
     }
 }
 
 /// Position, heading and size over time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct Placement {
     /// Position in metres.
     pub position: Track<Vec3>,
     /// Heading in degrees about the vertical axis, from +z towards +x; `None` follows the path, as [`Track::direction`]
@@ -62,7 +62,7 @@ pub struct Place {
 
 /// Playback of a clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Playing {
+pub struct Playback {
     /// Index of the clip in its package.
     pub clip: usize,
     /// Length of the clip, seconds.
@@ -75,7 +75,7 @@ pub struct Playing {
     pub looped: bool,
 }
 
-impl Place {
+impl Placement {
     /// Returns a fixed position, facing +z.
     pub fn fixed(position: Vec3) -> Self {
         Self { position: Track::fixed(position), heading_deg: Some(Track::fixed(0.0)), scale: 1.0 }
@@ -95,18 +95,18 @@ impl Place {
 impl Actor {
     /// Returns the model to world transform at `time_s`.
     pub fn transform(&self, time_s: f32) -> Mat4 {
-        let rounds = self.clip.map_or(0.0, |playing| playing.rounds(time_s));
-        self.place.transform(time_s) * Mat4::from_translation(rounds * self.carried)
+        let rounds = self.clip.map_or(0.0, |playing| playing.cycles(time_s));
+        self.place.transform(time_s) * Mat4::from_translation(rounds * self.cycle_displacement)
     }
 
     /// Returns the clip layers of its pose at `time_s`; empty at rest.
     pub fn layers(&self, time_s: f32) -> Vec<ClipLayer> {
         let wholly = self.clip.map(|playing| playing.layer(time_s, 1.0));
-        wholly.into_iter().chain(self.over.map(|(playing, share)| playing.layer(time_s, share))).collect()
+        wholly.into_iter().chain(self.fade_to.map(|(playing, share)| playing.layer(time_s, share))).collect()
     }
 }
 
-impl Playing {
+impl Playback {
     /// Returns looped playback of the clip with that name, from its beginning and at its own speed; `None` without a
     /// name. `package` is `file` opened.
     ///
@@ -130,12 +130,12 @@ impl Playing {
     /// Returns the time within the clip, seconds, at `time_s` of the scene.
     pub fn moment(&self, time_s: f32) -> f32 {
         let time_s = self.start_s + self.speed * time_s;
-        if self.looped { within(time_s, self.duration_s) } else { time_s.min(self.duration_s).max(0.0) }
+        if self.looped { wrap_time(time_s, self.duration_s) } else { time_s.min(self.duration_s).max(0.0) }
     }
 
     /// Returns how often the clip has restarted at `time_s` of the scene; negative before its beginning, 0 if it does
     /// not loop.
-    pub fn rounds(&self, time_s: f32) -> f32 {
+    pub fn cycles(&self, time_s: f32) -> f32 {
         if !self.looped || self.duration_s <= 0.0 {
             return 0.0;
         }
@@ -160,22 +160,22 @@ impl<'a> Cast<'a> {
         camera: Option<Viewpoint>,
         (framing, aspect): (&Framing, f32),
     ) -> Result<Self, StageError> {
-        let clip = Playing::named(file, &package, clip)?;
+        let clip = Playback::named(file, &package, clip)?;
         let actor = |place| Actor {
             package: 0,
-            place: Place::fixed(place),
+            place: Placement::fixed(place),
             clip,
-            over: None,
-            carried: Vec3::ZERO,
+            fade_to: None,
+            cycle_displacement: Vec3::ZERO,
             morphs: Vec::new(),
         };
-        let actors: Vec<Actor> = places(package.manifest(), copies).into_iter().map(actor).collect();
+        let actors: Vec<Actor> = crowd_positions(package.manifest(), copies).into_iter().map(actor).collect();
         let packages = vec![(file, Arc::new(package))];
         let camera = match camera {
             Some(camera) => camera,
-            None => framed(&packages, &actors, aspect, framing)?,
+            None => frame_actors(&packages, &actors, aspect, framing)?,
         };
-        Ok(Self { packages, actors, camera: Shot::fixed(camera) })
+        Ok(Self { packages, actors, camera: CameraTrack::fixed(camera) })
     }
 
     /// Returns the cast with every actor fading from its clip to the named one; `share`: progress, 0..=1.
@@ -183,10 +183,10 @@ impl<'a> Cast<'a> {
     /// # Errors
     ///
     /// [`StageError::Asked`] if a package has no such clip, [`StageError::Package`] for a damaged one.
-    pub fn over(mut self, name: &str, share: f32) -> Result<Self, StageError> {
+    pub fn fading_to(mut self, name: &str, share: f32) -> Result<Self, StageError> {
         for actor in &mut self.actors {
             let Some((file, package)) = self.packages.get(actor.package) else { continue };
-            actor.over = Playing::named(file, package, Some(name))?.map(|playing| (playing, share));
+            actor.fade_to = Playback::named(file, package, Some(name))?.map(|playing| (playing, share));
         }
         Ok(self)
     }
@@ -206,14 +206,14 @@ impl<'a> Cast<'a> {
 }
 
 /// Wraps a time into a looped clip.
-pub fn within(time_s: f32, duration_s: f32) -> f32 {
+pub fn wrap_time(time_s: f32, duration_s: f32) -> f32 {
     let inside = (0.0..=duration_s).contains(&time_s) || duration_s <= 0.0;
     if inside { time_s } else { time_s.rem_euclid(duration_s) }
 }
 
 /// Returns the displacement of the skeleton's root from a clip's first to its last moment, in model space; zero for a
 /// clip in place. The root's rotation at the end is not carried over.
-pub fn carried_by(animation: &Animation, clip: usize) -> Vec3 {
+pub fn root_displacement(animation: &Animation, clip: usize) -> Vec3 {
     let Some(duration_s) = animation.clips.get(clip).map(|clip| clip.duration_s) else { return Vec3::ZERO };
     // Nodes follow their parents.
     let Some(root) = (0..animation.joints.len()).min_by_key(|joint| animation.joints[*joint].node) else {
@@ -236,7 +236,7 @@ pub fn find_clip(
 ) -> Result<Option<(usize, f32)>, StageError> {
     let Some(name) = name else { return Ok(None) };
     let animation = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default();
-    clip_named(&animation, name).map(Some).map_err(|has| StageError::Asked {
+    clip_named(&animation, name).map(Some).map_err(|has| StageError::Request {
         what: format!("clip {name}"),
         reason: format!("no such clip; {} {has}", file.name),
     })
@@ -251,7 +251,7 @@ pub fn find_morph(file: &NamedPackage<'_>, package: &Package<'_>, name: &str) ->
     let animation = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default();
     morph_named(&animation, name).map_err(|has| {
         let (what, reason) = (format!("morph target {name}"), format!("no such target; {} {has}", file.name));
-        StageError::Asked { what, reason }
+        StageError::Request { what, reason }
     })
 }
 
@@ -286,7 +286,7 @@ pub fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), Str
 }
 
 /// Returns the positions of a crowd's copies, metres: the first at the origin, the others in rows beside and behind it.
-fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
+fn crowd_positions(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
     let b = &manifest.bounds;
     let fur_m = 2.0 * manifest.fur.height_m;
     let [width, _, depth] = std::array::from_fn(|axis| 1.1 * (b.max[axis] - b.min[axis] + fur_m));
@@ -305,7 +305,7 @@ fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
 ///
 /// [`StageError::Asked`] if nothing matches the name to look at, listing the names there are; [`StageError::Package`]
 /// for a damaged package.
-pub fn framed(
+pub fn frame_actors(
     packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],
     actors: &[Actor],
     aspect: f32,
@@ -347,13 +347,13 @@ pub fn framed(
         }
     }
     if let (true, Some(part)) = (points.is_empty(), &framing.look_at) {
-        return Err(nothing_named(packages.iter().map(|(file, package)| (*file, &**package)), part));
+        return Err(no_match_error(packages.iter().map(|(file, package)| (*file, &**package)), part));
     }
     Ok(framing.view(&points, margin_m, aspect))
 }
 
 /// Returns the transforms of a model along its path.
-fn transforms(place: &Place) -> Vec<Mat4> {
+fn transforms(place: &Placement) -> Vec<Mat4> {
     let mut times: Vec<f32> = place.position.times().collect();
     times.extend(place.heading_deg.iter().flat_map(Track::times));
     times.sort_by(f32::total_cmp);
@@ -363,7 +363,7 @@ fn transforms(place: &Place) -> Vec<Mat4> {
         (1..MOMENTS_PER_KEY).map(move |k| from + (to - from) * k as f32 / MOMENTS_PER_KEY as f32)
     };
     let within: Vec<f32> = times.windows(2).flat_map(between).collect();
-    times.into_iter().chain(within).map(|time_s| place.transform(time_s)).collect()
+    times.into_iter().chain(wrap_time).map(|time_s| place.transform(time_s)).collect()
 }
 
 #[cfg(test)]
@@ -384,27 +384,27 @@ mod tests {
 
     #[test]
     fn clips_loop_or_hold() {
-        let playing = Playing { clip: 2, duration_s: 2.0, start_s: 0.5, speed: 2.0, looped: true };
-        let at = |playing: Playing, time_s| playing.moment(time_s);
+        let playing = Playback { clip: 2, duration_s: 2.0, start_s: 0.5, speed: 2.0, looped: true };
+        let at = |playing: Playback, time_s| playing.moment(time_s);
         assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(playing, t)), [0.5, 1.5, 0.5, 1.5]);
-        let once = Playing { looped: false, ..playing };
+        let once = Playback { looped: false, ..playing };
         assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(once, t)), [0.5, 1.5, 2.0, 0.0]);
         // A clip of one pose has no length.
-        assert_eq!(at(Playing { duration_s: 0.0, ..once }, 5.0), 0.0);
+        assert_eq!(at(Playback { duration_s: 0.0, ..once }, 5.0), 0.0);
     }
 
     #[test]
     fn models_look_along_their_heading_or_their_way() {
-        let nose = |place: &Place, t| place.transform(t).transform_vector3(Vec3::Z);
+        let nose = |place: &Placement, t| place.transform(t).transform_vector3(Vec3::Z);
         let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-5, "{a} is not {b}");
-        assert_eq!(Place::fixed(Vec3::ZERO).transform(3.0), Mat4::IDENTITY);
-        let turned = Place { heading_deg: Some(Track::fixed(90.0)), scale: 2.0, ..Place::fixed(Vec3::Y) };
+        assert_eq!(Placement::fixed(Vec3::ZERO).transform(3.0), Mat4::IDENTITY);
+        let turned = Placement { heading_deg: Some(Track::fixed(90.0)), scale: 2.0, ..Placement::fixed(Vec3::Y) };
         near(nose(&turned, 0.0), 2.0 * Vec3::X);
         near(turned.transform(0.0).transform_point3(Vec3::Z), Vec3::new(2.0, 1.0, 0.0));
         for way in [Vec3::X, Vec3::NEG_Z, Vec3::new(0.6, 0.0, -0.8)] {
             let position = Track::new(vec![(0.0, Vec3::ONE), (2.0, Vec3::ONE + 3.0 * way)]);
             let walker =
-                Place { position: position.unwrap_or(Track::fixed(Vec3::ZERO)), heading_deg: None, scale: 1.0 };
+                Placement { position: position.unwrap_or(Track::fixed(Vec3::ZERO)), heading_deg: None, scale: 1.0 };
             near(nose(&walker, 0.5), way);
             near(nose(&walker, 9.0), way);
         }

@@ -27,7 +27,7 @@ pub enum StageError {
     },
     /// The requested thing does not exist, or exceeds the device's limits.
     #[error("{what}: {reason}")]
-    Asked {
+    Request {
         /// Requested thing: `clip Walk`, `size 9000x9000`.
         what: String,
         /// Found value, and the alternatives that exist.

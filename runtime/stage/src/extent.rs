@@ -5,7 +5,7 @@ use crate::{NamedPackage, StageError};
 use glam::Vec3;
 use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::{morphed, posed, skin_matrix};
-use pelage_formats::{Animation, GeometryVertex, HairGroup, MeshView, OnTriangle, Package, Pose, SkinVertex};
+use pelage_formats::{Animation, GeometryVertex, HairGroup, MeshView, TrianglePoint, Package, Pose, SkinVertex};
 use pelage_params::glob;
 
 /// Sampled moments per second of a clip. A trot takes half a second, so each swing of a leg is sampled five times.
@@ -13,7 +13,7 @@ const MOMENTS_PER_S: f32 = 20.0;
 /// Minimum and maximum number of sampled moments per clip. Up to half a minute is sampled at the full rate.
 const MOMENTS: [f32; 2] = [16.0, 600.0];
 /// Minimum share of a vertex's weights for it to belong to the matching joints.
-const OWNED: f32 = 0.5;
+const MIN_MATCH_WEIGHT: f32 = 0.5;
 
 /// Returns points that enclose one model: its vertices at rest, or those over the whole length of a clip.
 ///
@@ -36,7 +36,7 @@ pub fn outline(
 ) -> Result<Vec<Vec3>, StageError> {
     let animation = package.animation().map_err(|error| file.fault(error))?.unwrap_or_default();
     let Some(mesh) = package.mesh().map_err(|error| file.fault(error))? else { return Ok(Vec::new()) };
-    let kept = look_at.map(|pattern| belonging(package, &mesh, &animation, pattern));
+    let kept = look_at.map(|pattern| matching_vertices(package, &mesh, &animation, pattern));
     let is_kept = |i: usize| kept.as_ref().is_none_or(|kept| kept.get(i).is_some_and(|kept| *kept));
     let mut pose = Pose::default();
     let morphs = package.morphs().map_err(|error| file.fault(error))?;
@@ -45,7 +45,7 @@ pub fn outline(
     let vertices: Vec<_> = all.iter().enumerate().filter(|(i, _)| is_kept(*i)).map(|(_, vertex)| *vertex).collect();
     let mut tips = guide_tips(&package.hair_groups().map_err(|error| file.fault(error))?, &mesh);
     tips.retain(|tip| tip.corners.iter().all(|v| is_kept(*v as usize)));
-    let place = |pose: &Pose, (i, vertex, skin): &Outlined| match skin {
+    let place = |pose: &Pose, (i, vertex, skin): &SkinnedVertex| match skin {
         Some(skin) => {
             let deltas = morphs.as_ref().map_or(&[][..], |morphs| morphs.of_vertex(*i));
             Vec3::from(posed(&morphed(vertex, deltas, &pose.shifts), skin_matrix(pose, skin)).position)
@@ -69,16 +69,16 @@ pub fn outline(
 }
 
 /// Vertex with its index and its joint weights.
-type Outlined = (usize, GeometryVertex, Option<SkinVertex>);
+type SkinnedVertex = (usize, GeometryVertex, Option<SkinVertex>);
 
 /// Maximum number of guides sampled per group.
-const TIPS: usize = 64;
+const MAX_TIPS: usize = 64;
 
 /// Tip of a guide.
 struct GuideTip {
     /// Corners of its root triangle.
     corners: [u32; 3],
-    root: OnTriangle,
+    root: TrianglePoint,
     /// Offset from the root, in the frame of the root triangle.
     offset: Vec3,
 }
@@ -86,7 +86,7 @@ struct GuideTip {
 impl GuideTip {
     fn place(&self, position: impl Fn(u32) -> Vec3) -> Vec3 {
         let corners = self.corners.map(position);
-        self.root.place(corners) + triangle_frame(corners) * self.offset
+        self.root.position(corners) + triangle_frame(corners) * self.offset
     }
 }
 
@@ -94,8 +94,8 @@ impl GuideTip {
 fn guide_tips(groups: &[HairGroup], mesh: &MeshView<'_>) -> Vec<GuideTip> {
     let indices: Vec<u32> = if groups.is_empty() { Vec::new() } else { mesh.indices().collect() };
     let of = |group: &HairGroup| {
-        let roots: Vec<OnTriangle> = group.roots().collect();
-        let some = (0..roots.len()).step_by(roots.len().div_ceil(TIPS).max(1));
+        let roots: Vec<TrianglePoint> = group.roots().collect();
+        let some = (0..roots.len()).step_by(roots.len().div_ceil(MAX_TIPS).max(1));
         let tip = |i: usize| {
             let first = 3 * roots[i].triangle as usize;
             let corners = [indices[first], indices[first + 1], indices[first + 2]];
@@ -107,7 +107,7 @@ fn guide_tips(groups: &[HairGroup], mesh: &MeshView<'_>) -> Vec<GuideTip> {
 }
 
 /// Returns, for the vertices that each joint influences most, the outermost ones in 26 directions, in the stored pose.
-fn outer_of_joints(vertices: &[Outlined], joints: usize) -> Vec<usize> {
+fn outer_of_joints(vertices: &[SkinnedVertex], joints: usize) -> Vec<usize> {
     let mut of_joint = vec![Vec::new(); joints + 1];
     for (i, (_, _, skin)) in vertices.iter().enumerate() {
         let first = |skin: &SkinVertex| (0..4).max_by(|a, b| skin.weights[*a].total_cmp(&skin.weights[*b]));
@@ -125,7 +125,7 @@ fn outer_of_joints(vertices: &[Outlined], joints: usize) -> Vec<usize> {
 }
 
 /// Returns for each vertex whether it belongs to a material or joint whose name matches the pattern.
-fn belonging(package: &Package<'_>, mesh: &MeshView<'_>, animation: &Animation, pattern: &str) -> Vec<bool> {
+fn matching_vertices(package: &Package<'_>, mesh: &MeshView<'_>, animation: &Animation, pattern: &str) -> Vec<bool> {
     let manifest = package.manifest();
     let mut nodes: Vec<bool> = Vec::with_capacity(animation.nodes.len());
     for node in &animation.nodes {
@@ -139,7 +139,7 @@ fn belonging(package: &Package<'_>, mesh: &MeshView<'_>, animation: &Animation, 
         let has = |k: &usize| joints.get(usize::from(skin.joints[*k])).copied().unwrap_or(false);
         (0..4).filter(has).map(|k| skin.weights[k]).sum()
     };
-    let mut kept: Vec<bool> = mesh.skin().map(|skin| share(skin) >= OWNED).collect();
+    let mut kept: Vec<bool> = mesh.skin().map(|skin| share(skin) >= MIN_MATCH_WEIGHT).collect();
     kept.resize(mesh.geometry().count(), false);
     for part in &manifest.parts {
         let named = manifest.materials.get(part.material as usize).is_some_and(|m| glob(pattern, &m.name));
@@ -153,7 +153,7 @@ fn belonging(package: &Package<'_>, mesh: &MeshView<'_>, animation: &Animation, 
 }
 
 /// Returns the error for a name that matches nothing, listing the names that exist.
-pub fn nothing_named<'a>(
+pub fn no_match_error<'a>(
     packages: impl Iterator<Item = (&'a NamedPackage<'a>, &'a Package<'a>)>,
     part: &str,
 ) -> StageError {
@@ -166,7 +166,7 @@ pub fn nothing_named<'a>(
         let joints = animation.joints.iter().filter_map(named).map(|name| format!("{name:?}")).collect();
         has.push(format!("{} has the materials {} and the joints {}", file.name, list(materials), list(joints)));
     }
-    StageError::Asked {
+    StageError::Request {
         what: format!("look-at {part:?}"),
         reason: format!("no material and no joint with vertices of that name; {}", has.join("; ")),
     }

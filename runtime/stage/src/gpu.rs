@@ -23,12 +23,12 @@ impl Gpu {
     /// [`StageError::NoAdapter`] with a list of what was tried.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn open() -> Result<Self, StageError> {
-        Self::with(Self::wished(), None)
+        Self::with(Self::wanted_features(), None)
     }
 
     /// Returns all adapter features that drawing and measuring can use.
     #[cfg(not(target_arch = "wasm32"))]
-    fn wished() -> wgpu::Features {
+    fn wanted_features() -> wgpu::Features {
         wgpu::Features::TEXTURE_COMPRESSION_BC
             | wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
@@ -42,7 +42,7 @@ impl Gpu {
     /// [`StageError::NoAdapter`] if the adapter returns no device.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, StageError> {
-        pollster::block_on(Self::device(adapter, Self::wished(), None))
+        pollster::block_on(Self::device(adapter, Self::wanted_features(), None))
     }
 
     /// Requests a device with the supported subset of `wanted`; `limits: None` uses the adapter's own.
@@ -82,14 +82,14 @@ impl Gpu {
     ///
     /// As [`Self::open`].
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn adapter_in_words() -> Result<String, StageError> {
+    pub fn describe_adapter() -> Result<String, StageError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = pollster::block_on(wgpu::util::initialize_adapter_from_env_or_default(&instance, None));
         adapter.map(|adapter| in_words(&adapter.get_info())).map_err(|error| StageError::NoAdapter(error.to_string()))
     }
 
     /// Returns a description of this adapter, in the format of [`Self::adapter_in_words`].
-    pub fn in_words(&self) -> String {
+    pub fn description(&self) -> String {
         in_words(&self.info)
     }
 
@@ -113,7 +113,7 @@ impl Gpu {
 
     /// Blocks until all submitted work is done. In a browser, where blocking is impossible, it returns immediately.
     pub fn wait(&self) -> Result<(), StageError> {
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map(drop).map_err(lost)
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map(drop).map_err(device_error)
     }
 
     /// Maps a buffer with `MAP_READ` that the device has finished writing, and returns a copy of its contents.
@@ -121,8 +121,8 @@ impl Gpu {
         let (sender, receiver) = std::sync::mpsc::channel();
         buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result)));
         self.wait()?;
-        receiver.recv().map_err(lost)?.map_err(lost)?;
-        let bytes = buffer.slice(..).get_mapped_range().map_err(lost)?.to_vec();
+        receiver.recv().map_err(device_error)?.map_err(device_error)?;
+        let bytes = buffer.slice(..).get_mapped_range().map_err(device_error)?.to_vec();
         buffer.unmap();
         Ok(bytes)
     }
@@ -131,7 +131,7 @@ impl Gpu {
     pub fn read_texture(&self, texture: &wgpu::Texture, layer: u32) -> Result<Vec<u8>, StageError> {
         let (width, height) = (texture.width(), texture.height());
         let texel_bytes =
-            texture.format().block_copy_size(None).ok_or_else(|| lost("a texture without a texel size"))?;
+            texture.format().block_copy_size(None).ok_or_else(|| device_error("a texture without a texel size"))?;
         let row_bytes = width * texel_bytes;
         let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -162,6 +162,6 @@ fn in_words(info: &wgpu::AdapterInfo) -> String {
 }
 
 /// Returns the error of a device that stopped responding.
-pub(crate) fn lost(error: impl std::fmt::Display) -> StageError {
+pub(crate) fn device_error(error: impl std::fmt::Display) -> StageError {
     StageError::Device(error.to_string())
 }

@@ -39,16 +39,16 @@ mod viewpoint;
 pub use animator::Animator;
 #[cfg(feature = "draw")]
 pub use canvas::{COLOR_FORMAT, Canvas, CanvasOptions, DEPTH_FORMAT};
-pub use cast::{Actor, Cast, Place, Playing, carried_by, clip_named, find_clip, find_morph, framed, within};
+pub use cast::{Actor, Cast, Placement, Playback, root_displacement, clip_named, find_clip, find_morph, frame_actors, wrap_time};
 pub use error::StageError;
-pub use extent::{nothing_named, outline};
+pub use extent::{no_match_error, outline};
 pub use framing::{Framing, Orbit};
 #[cfg(feature = "draw")]
 pub use gpu::Gpu;
 pub use look::{
     Background, FillLight, Interval, KeyLight, LightsRead, Look, LookDetail, LookEnvironment, LookFur, LookFurShow,
     LookHair, LookInk, LookLight, LookMotion, LookPicture, LookScattering, LookSelfShadow, LookShadow, LookShow,
-    LookStrandEdges, LookStyle, LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyOf,
+    LookStrandEdges, LookStyle, LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyKind,
     SkySource,
 };
 #[cfg(feature = "study")]
@@ -64,7 +64,7 @@ pub use scene_file::{
     SceneLight, SceneLook, SceneModel, SceneSequence, Whole,
 };
 #[cfg(feature = "draw")]
-pub use stage::{Picture, Stage, camera};
+pub use stage::{TargetSettings, Stage, camera};
 pub use toml_text::TomlText;
 pub use track::{LEAST_STEP_S, Track, Value};
-pub use viewpoint::{Shot, Viewpoint};
+pub use viewpoint::{CameraTrack, Viewpoint};

@@ -1,8 +1,8 @@
 //! Times and fragment counts of the passes.
 
-use crate::gpu::lost;
+use crate::gpu::device_error;
 use crate::{Gpu, Stage, StageError};
-use pelage_runtime::{Frame, PassId, PassPlace, SelfShadow, Style, StyleKind, wgpu};
+use pelage_runtime::{Frame, PassId, PassStage, SelfShadow, Style, StyleKind, wgpu};
 use web_time::Instant;
 
 /// Source of the times.
@@ -54,7 +54,7 @@ fn of_pass(times: &[(PassId, f64)], pass: PassId) -> f64 {
 
 /// Returns the passes that draw the picture, in order.
 fn in_picture() -> impl Iterator<Item = PassId> {
-    PassId::all().filter(|id| id.place() == PassPlace::Picture)
+    PassId::all().filter(|id| id.stage() == PassStage::Picture)
 }
 
 /// Whether a pass belongs to a style; bare frames are measured as fur frames without fur.
@@ -151,7 +151,7 @@ impl Meter {
     }
 
     /// Returns the milliseconds of one frame whose pose and shadow maps are recomputed: the sum of its passes.
-    pub fn frame_anew(&self, stage: &mut Stage) -> Result<f64, StageError> {
+    pub fn uncached_frame(&self, stage: &mut Stage) -> Result<f64, StageError> {
         Ok(self.passes(stage)?.iter().map(|(_, ms)| ms).sum())
     }
 
@@ -185,7 +185,7 @@ impl Meter {
             Ok(())
         })?;
         let times: Vec<_> = marked.into_iter().zip(times).collect();
-        Ok((prepared.ok_or_else(|| lost("no frame was prepared"))?, of_pass(&times, pass)))
+        Ok((prepared.ok_or_else(|| device_error("no frame was prepared"))?, of_pass(&times, pass)))
     }
 
     /// Records sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds of each.

@@ -54,12 +54,12 @@ impl Navigator {
 
     /// Returns the direction from the target to the camera, as degrees about the vertical axis from +z towards +x and
     /// above the horizon, and the distance in metres.
-    pub fn around(&self) -> (f32, f32, f32) {
+    pub fn spherical(&self) -> (f32, f32, f32) {
         polar(self.view.eye - self.view.target)
     }
 
     /// Moves to the values that [`Self::around`] would return; elevation and distance are clamped to their ranges.
-    pub fn go_around(&mut self, azimuth_deg: f32, elevation_deg: f32, distance_m: f32) {
+    pub fn set_spherical(&mut self, azimuth_deg: f32, elevation_deg: f32, distance_m: f32) {
         let towards = towards(azimuth_deg, elevation_deg);
         self.view.eye = self.view.target + towards * self.reachable(distance_m);
     }
@@ -71,8 +71,8 @@ impl Navigator {
 
     /// Orbits the target: the model turns with the cursor, half a turn per picture height.
     pub fn orbit(&mut self, moved: Vec2) {
-        let (azimuth_deg, elevation_deg, distance_m) = self.around();
-        self.go_around(azimuth_deg - 180.0 * moved.x, elevation_deg - 180.0 * moved.y, distance_m);
+        let (azimuth_deg, elevation_deg, distance_m) = self.spherical();
+        self.set_spherical(azimuth_deg - 180.0 * moved.x, elevation_deg - 180.0 * moved.y, distance_m);
     }
 
     /// Pans: points at the target's distance move with the cursor.
@@ -105,14 +105,14 @@ impl Navigator {
 
     /// Turns the view: the eye stays, and visible points move with the cursor.
     pub fn turn(&mut self, moved: Vec2) {
-        let (azimuth_deg, elevation_deg, distance_m) = self.around();
+        let (azimuth_deg, elevation_deg, distance_m) = self.spherical();
         let degrees = self.view.fov_deg;
         let towards = towards(azimuth_deg + degrees * moved.x, elevation_deg + degrees * moved.y);
         self.view.target = self.view.eye - towards * distance_m;
     }
 
     /// Rotates the camera about the vertical axis through its target.
-    pub fn carry(&mut self, angle_rad: f32) {
+    pub fn rotate(&mut self, angle_rad: f32) {
         self.view = self.view.turned(angle_rad);
     }
 
@@ -178,7 +178,7 @@ mod tests {
             assert!((view.eye.distance(view.target) - VIEW.eye.distance(VIEW.target)).abs() < 1e-4);
             assert_eq!(view.target, VIEW.target);
         }
-        assert!((navigator.around().1 + HIGHEST_DEG).abs() < 0.05, "{:?}", navigator.around());
+        assert!((navigator.spherical().1 + HIGHEST_DEG).abs() < 0.05, "{:?}", navigator.spherical());
         navigator.reset();
         assert_eq!(navigator.view(), VIEW);
     }
@@ -239,10 +239,10 @@ mod tests {
     #[test]
     fn angles_say_where_it_is() {
         let mut navigator = Navigator::new(VIEW);
-        navigator.go_around(90.0, 0.0, 3.0);
+        navigator.set_spherical(90.0, 0.0, 3.0);
         let away = navigator.view().eye - navigator.view().target;
         assert!(away.distance(Vec3::new(3.0, 0.0, 0.0)) < 1e-5, "{away}");
-        let (azimuth_deg, elevation_deg, distance_m) = navigator.around();
+        let (azimuth_deg, elevation_deg, distance_m) = navigator.spherical();
         assert!((azimuth_deg - 90.0).abs() < 1e-3 && elevation_deg.abs() < 1e-3 && (distance_m - 3.0).abs() < 1e-5);
         navigator.look_at(Vec3::ZERO);
         assert!(navigator.view().eye.distance(Vec3::new(3.0, 0.0, 0.0)) < 1e-5);

@@ -1,7 +1,7 @@
 //! Stage: a cast on a canvas.
 
 use crate::cast::Actor;
-use crate::{Canvas, CanvasOptions, Cast, Gpu, NamedPackage, Shot, StageError, Viewpoint};
+use crate::{Canvas, CanvasOptions, Cast, Gpu, NamedPackage, CameraTrack, StageError, Viewpoint};
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{ClipLayer, Package, Shading};
 use pelage_runtime::glam::Vec3;
@@ -14,7 +14,7 @@ use web_time::Instant;
 
 /// Settings of the render target for a cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Picture {
+pub struct TargetSettings {
     /// Width and height, pixels.
     pub size: (u32, u32),
     /// Samples per pixel, 1 or 4.
@@ -23,7 +23,7 @@ pub struct Picture {
     pub background: Option<[u8; 3]>,
 }
 
-impl Picture {
+impl TargetSettings {
     /// Returns width over height.
     pub fn aspect(&self) -> f32 {
         self.size.0 as f32 / self.size.1 as f32
@@ -50,7 +50,7 @@ pub struct Stage {
     clear: wgpu::Color,
     /// Actors of `instances`, in order.
     actors: Vec<Actor>,
-    shot: Shot,
+    shot: CameraTrack,
     aspect: f32,
 }
 
@@ -69,14 +69,14 @@ impl Stage {
     /// * [`StageError::NoAdapter`] without a device
     pub fn new(
         cast: &Cast<'_>,
-        picture: &Picture,
+        picture: &TargetSettings,
         params: FrameParams,
         time_s: f32,
         open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
     ) -> Result<Self, StageError> {
         check(cast, params.style.kind())?;
         let gpu = open_gpu()?;
-        fits(&gpu, picture.size)?;
+        check_size(&gpu, picture.size)?;
         let options = CanvasOptions { sample_count: picture.samples, ..CanvasOptions::default() };
         let renderer = Renderer::new(&gpu.device, &gpu.queue, &options.renderer());
         let renderer = renderer.map_err(|error| StageError::Internal(error.to_string()))?;
@@ -104,7 +104,7 @@ impl Stage {
     /// # Errors
     ///
     /// As [`Self::new`].
-    pub fn recast(&mut self, cast: &Cast<'_>, time_s: f32) -> Result<(), StageError> {
+    pub fn set_cast(&mut self, cast: &Cast<'_>, time_s: f32) -> Result<(), StageError> {
         check(cast, self.params.style.kind())?;
         self.load(cast, time_s)
     }
@@ -115,15 +115,15 @@ impl Stage {
     ///
     /// [`StageError::Asked`] for a picture that exceeds the device's limits, and for another number of samples per
     /// pixel, which needs a new stage.
-    pub fn relook(&mut self, picture: &Picture, params: FrameParams, time_s: f32) -> Result<(), StageError> {
-        fits(&self.gpu, picture.size)?;
+    pub fn set_look(&mut self, picture: &TargetSettings, params: FrameParams, time_s: f32) -> Result<(), StageError> {
+        check_size(&self.gpu, picture.size)?;
         let options = self.renderer.options();
         if picture.samples != options.sample_count {
             let reason = format!(
                 "found {}, expected the {} that the stage was made with",
                 picture.samples, options.sample_count
             );
-            return Err(StageError::Asked { what: "samples".into(), reason });
+            return Err(StageError::Request { what: "samples".into(), reason });
         }
         if picture.size != self.canvas.size() {
             self.canvas = Canvas::new(&self.gpu, picture.size, &options.into());
@@ -144,7 +144,7 @@ impl Stage {
     /// # Errors
     ///
     /// [`StageError::Params`] for constants out of their ranges; the models are unchanged then.
-    pub fn reshade(&mut self, shading: Shading) -> Result<(), StageError> {
+    pub fn set_shading(&mut self, shading: Shading) -> Result<(), StageError> {
         let reshaded = self.instances.iter().map(|instance| instance.model.with_shading(shading));
         let models: Vec<Model> =
             reshaded.collect::<Result<_, _>>().map_err(|error| StageError::Params(error.to_string()))?;
@@ -157,7 +157,7 @@ impl Stage {
         let start = Instant::now();
         let loaded = cast.packages.iter().map(|(file, package)| {
             let model = self.renderer.load(package);
-            model.map_err(|error| refused(file, error))
+            model.map_err(|error| load_error(file, error))
         });
         let models: Vec<Model> = loaded.collect::<Result<_, _>>()?;
         self.gpu.queue.submit([]);
@@ -200,17 +200,17 @@ impl Stage {
     /// * `clock_s`: seconds; it continues when a clip restarts
     pub fn advance(&mut self, time_s: f32, clock_s: f64, motion: Option<HairMotionParams>) {
         self.set_time(time_s);
-        self.live(clock_s, motion);
+        self.advance_hair(clock_s, motion);
     }
 
     /// Advances hair motion to that clock time as set by `motion`, as [`Stage::advance`] does.
-    pub fn live(&mut self, clock_s: f64, motion: Option<HairMotionParams>) {
+    pub fn advance_hair(&mut self, clock_s: f64, motion: Option<HairMotionParams>) {
         (self.params.time_s, self.params.hair_motion) = (clock_s, motion);
     }
 
     /// Resets hair to its groomed state in the next frame, for models that are teleported.
-    pub fn cut(&mut self) {
-        self.instances.iter_mut().for_each(|instance| instance.cut = instance.cut.wrapping_add(1));
+    pub fn reset_hair(&mut self) {
+        self.instances.iter_mut().for_each(|instance| instance.hair_revision = instance.hair_revision.wrapping_add(1));
     }
 
     /// Prepares and submits a frame that is not shown, so that poses and hair advance to it. It has no shadows.
@@ -218,7 +218,7 @@ impl Stage {
     /// # Errors
     ///
     /// As [`Stage::prepare`].
-    pub fn pass_by(&mut self) -> Result<(), StageError> {
+    pub fn simulate_frame(&mut self) -> Result<(), StageError> {
         let unlit = self.params.clone().with(|params| {
             params.soft_shadow = false;
             params.style = Style::Fur(params.style.fur().copied().unwrap_or_default());
@@ -243,7 +243,7 @@ impl Stage {
 
     /// Sets a camera for all times.
     pub fn look_from(&mut self, view: Viewpoint) {
-        self.shot = Shot::fixed(view);
+        self.shot = CameraTrack::fixed(view);
         self.params.camera = camera(&view, self.aspect);
     }
 
@@ -336,7 +336,7 @@ pub(crate) fn motion(layers: Vec<ClipLayer>) -> Motion {
 }
 
 /// Returns the background colour, linear.
-fn clear_color(picture: &Picture) -> wgpu::Color {
+fn clear_color(picture: &TargetSettings) -> wgpu::Color {
     match picture.background {
         Some(rgb) => {
             let [r, g, b] = rgb.map(|byte| f64::from(srgb_to_linear(byte)));
@@ -347,13 +347,13 @@ fn clear_color(picture: &Picture) -> wgpu::Color {
 }
 
 /// Returns an error for a picture larger than the device can draw.
-fn fits(gpu: &Gpu, (width, height): (u32, u32)) -> Result<(), StageError> {
+fn check_size(gpu: &Gpu, (width, height): (u32, u32)) -> Result<(), StageError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
     if width <= limit && height <= limit {
         return Ok(());
     }
     let reason = format!("{} draws at most {limit} pixels a side", gpu.info.name);
-    Err(StageError::Asked { what: format!("size {width}x{height}"), reason })
+    Err(StageError::Request { what: format!("size {width}x{height}"), reason })
 }
 
 /// Returns an error for a cast that cannot be drawn in that style, as far as its packages tell.
@@ -363,7 +363,7 @@ fn check(cast: &Cast<'_>, style: StyleKind) -> Result<(), StageError> {
         package.mesh().map_err(|error| file.fault(error))?;
         package.animation().map_err(|error| file.fault(error))?;
         if style == StyleKind::Ink {
-            has_ink(file, package)?;
+            require_ink(file, package)?;
         }
     }
     Ok(())
@@ -373,11 +373,11 @@ fn check(cast: &Cast<'_>, style: StyleKind) -> Result<(), StageError> {
 fn check_actors(cast: &Cast<'_>) -> Result<(), StageError> {
     if cast.actors.is_empty() {
         let reason = "found no copy of a model, expected at least one".into();
-        return Err(StageError::Asked { what: "cast".into(), reason });
+        return Err(StageError::Request { what: "cast".into(), reason });
     }
     let count = cast.packages.len();
     match cast.actors.iter().position(|actor| actor.package >= count) {
-        Some(i) => Err(StageError::Asked {
+        Some(i) => Err(StageError::Request {
             what: format!("cast, actor {i}"),
             reason: format!(
                 "found package {}, expected one below {count}, the number of packages",
@@ -389,7 +389,7 @@ fn check_actors(cast: &Cast<'_>) -> Result<(), StageError> {
 }
 
 /// Returns an error for a package that cannot be drawn in ink.
-fn has_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), StageError> {
+fn require_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), StageError> {
     if package.ink().map_err(|error| file.fault(error))?.is_some() {
         return Ok(());
     }
@@ -398,7 +398,7 @@ fn has_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), StageEr
 }
 
 /// Converts an error of the runtime for a package into an error of the stage.
-fn refused(file: &NamedPackage<'_>, error: RuntimeError) -> StageError {
+fn load_error(file: &NamedPackage<'_>, error: RuntimeError) -> StageError {
     match error {
         RuntimeError::Package(source) => file.fault(source),
         // Another adapter might work.
@@ -439,11 +439,11 @@ mod tests {
             Stage::new(cast, &look.picture(), look.frame_params(), 0.0, no_device).unwrap_err()
         };
         let error = refused(&crowd(0));
-        assert!(matches!(error, StageError::Asked { .. }) && error.to_string().contains("at least one"), "{error}");
+        assert!(matches!(error, StageError::Request { .. }) && error.to_string().contains("at least one"), "{error}");
         let mut cast = crowd(3);
         cast.actors[1].package = 1;
         let error = refused(&cast);
-        assert!(matches!(error, StageError::Asked { .. }), "{error}");
+        assert!(matches!(error, StageError::Request { .. }), "{error}");
         assert_eq!(error.to_string(), "cast, actor 1: found package 1, expected one below 1, the number of packages");
         assert!(matches!(refused(&crowd(3)), StageError::NoAdapter(_)));
     }

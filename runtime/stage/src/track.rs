@@ -31,7 +31,7 @@ impl<T: Value> Track<T> {
     }
 
     /// Whether the track has more than one key.
-    pub fn moves(&self) -> bool {
+    pub fn is_animated(&self) -> bool {
         self.keys.len() > 1
     }
 

@@ -69,13 +69,13 @@ impl fmt::Display for Viewpoint {
 }
 
 impl Item for Viewpoint {
-    const ALONE: bool = true;
+    const ALLOW_SINGLE: bool = true;
 
     fn expected_list() -> String {
         "a list of views such as \"0,1,3/0,0.5,0/40\": eye, target, height of the view in degrees".into()
     }
 
-    fn place(index: usize, raw: &Raw) -> String {
+    fn entry_name(index: usize, raw: &Raw) -> String {
         match raw {
             Raw::String(word) => format!("entry {index}, {word:?}"),
             _ => format!("entry {index}"),
@@ -100,7 +100,7 @@ impl Item for Viewpoint {
 
 /// Camera over time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shot {
+pub struct CameraTrack {
     /// Position in metres.
     pub eye: Track<Vec3>,
     /// Target in metres.
@@ -109,7 +109,7 @@ pub struct Shot {
     pub fov_deg: Track<f32>,
 }
 
-impl Shot {
+impl CameraTrack {
     /// Creates a constant view.
     pub fn fixed(view: Viewpoint) -> Self {
         Self { eye: Track::fixed(view.eye), target: Track::fixed(view.target), fov_deg: Track::fixed(view.fov_deg) }

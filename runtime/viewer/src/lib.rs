@@ -23,10 +23,10 @@ mod worker;
 mod workshop;
 
 pub use knobs::{Edit, Edits, Knobs};
-pub use lights::LightsOf;
+pub use lights::LoadLights;
 pub use subject::{ClipInfo, Subject};
 pub use watch::{Stamp, stamp};
 pub use window::{ViewError, ViewOptions, view};
-pub use workshop::{Judge, Made, Outcome, Progress, Truth, TruthAsked, Workshop};
+pub use workshop::{ReferenceSource, WindowContent, Outcome, Progress, ReferencePicture, ReferenceRequest, Workshop};
 
 pub use image;

@@ -6,26 +6,26 @@ use std::path::{Path, PathBuf};
 
 /// Function that loads an environment map. Arguments: path, number of lobes to fit to a panorama, colour of a ground
 /// below it.
-pub type LightsOf = fn(&Path, u32, Option<[f32; 3]>) -> LightsRead;
+pub type LoadLights = fn(&Path, u32, Option<[f32; 3]>) -> LightsRead;
 
 /// Arguments of [`LightsOf`] for a file.
-type Asked = (PathBuf, u32, Option<[f32; 3]>);
+type LightsKey = (PathBuf, u32, Option<[f32; 3]>);
 
 /// Cache of the last environment map.
 #[derive(Default)]
 pub(crate) struct Lights {
-    read: Option<LightsOf>,
-    last: RefCell<Option<(Asked, LightsRead)>>,
+    read: Option<LoadLights>,
+    last: RefCell<Option<(LightsKey, LightsRead)>>,
 }
 
 impl Lights {
-    pub(crate) fn new(read: LightsOf) -> Self {
+    pub(crate) fn new(read: LoadLights) -> Self {
         Self { read: Some(read), last: RefCell::default() }
     }
 
     /// Sets the lights of a look from the file that it names, if any.
-    pub(crate) fn give(&self, look: &mut Look) -> Result<(), String> {
-        look.take_lights(&mut |path, lobes, ground| {
+    pub(crate) fn apply_to(&self, look: &mut Look) -> Result<(), String> {
+        look.read_environment(&mut |path, lobes, ground| {
             let mut last = self.last.borrow_mut();
             let asked = (path.to_owned(), lobes, ground);
             if let Some((_, lights)) = last.as_ref().filter(|(before, _)| *before == asked) {

@@ -17,7 +17,7 @@ impl Events {
     }
 
     /// Logs an event with its data, an object.
-    pub fn tell(&mut self, event: &str, mut with: Value) {
+    pub fn log(&mut self, event: &str, mut with: Value) {
         let Some(to) = &mut self.to else { return };
         if let Some(with) = with.as_object_mut() {
             with.insert("event".into(), event.into());

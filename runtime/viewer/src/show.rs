@@ -3,7 +3,7 @@
 use crate::subject::{ClipInfo, Subject};
 use image::RgbaImage;
 use pelage_runtime::{FrameReport, wgpu};
-use pelage_stage::{Framing, Gpu, Look, Navigator, Orbit, Shot, Size, Stage, StageError, Viewpoint, framed};
+use pelage_stage::{Framing, Gpu, Look, Navigator, Orbit, CameraTrack, Size, Stage, StageError, Viewpoint, frame_actors};
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
@@ -21,7 +21,7 @@ pub struct Show {
     /// Look; the window determines the size of the picture.
     look: Look,
     /// The subject's own camera over time, if any.
-    shot: Option<Shot>,
+    shot: Option<CameraTrack>,
     navigator: Option<Navigator>,
     /// Cached camera that frames everything in a picture of that size; computing it traverses the whole model.
     framed: Cell<Option<((u32, u32), Viewpoint)>>,
@@ -30,13 +30,13 @@ pub struct Show {
     /// Simulation time of hair, seconds; continues while a clip is paused or restarts.
     clock_s: f64,
     /// State that the canvas shows; nothing is redrawn while it is unchanged.
-    drawn: Option<Drawn>,
+    drawn: Option<DrawnState>,
     last: Option<LastFrame>,
 }
 
 /// Everything that a picture depends on.
 #[derive(Clone, Debug, PartialEq)]
-struct Drawn {
+struct DrawnState {
     size: (u32, u32),
     look: Look,
     view: Viewpoint,
@@ -118,7 +118,7 @@ impl Show {
         if let (Some(stage), Some(before)) = (&mut self.stage, &self.subject)
             && let Some(shading) = before.other_shading(&subject)
         {
-            stage.reshade(shading)?;
+            stage.set_shading(shading)?;
             (self.subject, self.drawn) = (Some(subject), None);
             return Ok(());
         }
@@ -165,8 +165,8 @@ impl Show {
         self.framed.set(None);
         match &mut self.stage {
             Some(stage) => {
-                stage.relook(&look.picture(), look.frame_params(), time_s)?;
-                stage.recast(&cast, time_s)
+                stage.set_look(&look.picture(), look.frame_params(), time_s)?;
+                stage.set_cast(&cast, time_s)
             }
             None => {
                 let gpu = self.gpu.clone();
@@ -202,7 +202,7 @@ impl Show {
         if (time_s - self.time_s).abs() > LEAP_S
             && let Some(stage) = &mut self.stage
         {
-            stage.cut();
+            stage.reset_hair();
         }
         self.time_s = time_s;
     }
@@ -247,7 +247,7 @@ impl Show {
         };
         let aspect = size.0 as f32 / size.1 as f32;
         let cast = subject.cast(self.clip().map(|clip| clip.name.as_str()), None, aspect)?;
-        framed(&cast.packages, &cast.actors, aspect, &Framing { orbit, ..Framing::default() })
+        frame_actors(&cast.packages, &cast.actors, aspect, &Framing { orbit, ..Framing::default() })
     }
 
     /// Returns the camera for user control, starting at its current position.
@@ -269,7 +269,7 @@ impl Show {
     ///
     /// Same as [`Self::view`].
     pub fn frame(&mut self, size: (u32, u32)) -> Result<(), StageError> {
-        let (azimuth_deg, elevation_deg, _) = self.navigator(size)?.around();
+        let (azimuth_deg, elevation_deg, _) = self.navigator(size)?.spherical();
         let view = self.framed(Some(Orbit { azimuth_deg, elevation_deg, zoom: 1.0 }), size)?;
         self.navigator = Some(Navigator::new(view));
         Ok(())
@@ -287,7 +287,7 @@ impl Show {
     /// [`StageError::Params`] for a look that the device or the package does not support, [`StageError::Device`] if the
     /// device is lost.
     pub fn draw(&mut self, size: (u32, u32)) -> Result<bool, StageError> {
-        let wanted = Drawn { size, look: self.look.clone(), view: self.view(size)?, time_s: self.time_s };
+        let wanted = DrawnState { size, look: self.look.clone(), view: self.view(size)?, time_s: self.time_s };
         if self.drawn.as_ref() == Some(&wanted) && !self.hair_moves() {
             return Ok(false);
         }
@@ -296,11 +296,11 @@ impl Show {
         let began = Instant::now();
         let looks_otherwise = self.drawn.as_ref().is_none_or(|d| (d.size, &d.look) != (size, &wanted.look));
         if looks_otherwise {
-            stage.relook(&look.picture(), look.frame_params(), time_s)?;
+            stage.set_look(&look.picture(), look.frame_params(), time_s)?;
         }
         stage.play(time_s);
         stage.look_from(wanted.view);
-        stage.live(self.clock_s, look.hair_motion());
+        stage.advance_hair(self.clock_s, look.hair_motion());
         let frame = stage.draw()?;
         self.last = Some(LastFrame { took: began.elapsed(), size, report: frame.report().clone() });
         self.drawn = Some(wanted);

@@ -71,7 +71,7 @@ impl Subject {
             ..package.manifest().clone()
         };
         let is_same =
-            self.name() == other.name() && unshaded(&before) == unshaded(&after) && drawn(&before)?.eq(&drawn(&after)?);
+            self.name() == other.name() && unshaded(&before) == unshaded(&after) && drawn_sections(&before)?.eq(&drawn_sections(&after)?);
         is_same.then_some(after.manifest().shading)
     }
 
@@ -82,7 +82,7 @@ impl Subject {
 }
 
 /// Returns all sections of a package except its manifest; `None` for a damaged one.
-fn drawn<'a>(package: &Package<'a>) -> Option<Vec<(Tag, &'a [u8])>> {
+fn drawn_sections<'a>(package: &Package<'a>) -> Option<Vec<(Tag, &'a [u8])>> {
     let others = (0..).zip(package.sections()).filter(|(_, section)| section.tag != Tag::MANIFEST);
     others.map(|(i, section)| Some((section.tag, package.section_bytes(i).ok()?))).collect()
 }

@@ -1,6 +1,6 @@
 //! Reference picture beside the drawn one: when to trace it, and its state.
 
-use crate::workshop::{Progress, Truth};
+use crate::workshop::{Progress, ReferencePicture};
 use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use std::time::{Duration, Instant};
 
@@ -9,22 +9,22 @@ const STILL: Duration = Duration::from_millis(300);
 
 /// State of the reference picture.
 #[derive(Default)]
-pub struct TruthBeside {
+pub struct ReferencePane {
     asked: bool,
     /// Time of the last change of the view.
     still_since: Option<Instant>,
     /// Whether the reference picture of the current view is finished or being traced.
     is_traced: bool,
-    latest: Option<Truth>,
+    latest: Option<ReferencePicture>,
     progress: Option<Progress>,
     failure: Option<String>,
     picture: Option<TextureHandle>,
     map: Option<TextureHandle>,
 }
 
-impl TruthBeside {
+impl ReferencePane {
     /// Returns true if the reference picture is shown.
-    pub fn is_asked(&self) -> bool {
+    pub fn is_shown(&self) -> bool {
         self.asked
     }
 
@@ -55,7 +55,7 @@ impl TruthBeside {
     }
 
     /// Stores a reference picture with more samples.
-    pub fn take(&mut self, ctx: &Context, truth: Truth) {
+    pub fn take(&mut self, ctx: &Context, truth: ReferencePicture) {
         let (width, height) = truth.picture.dimensions();
         let size = [width as usize, height as usize];
         let picture = ColorImage::from_rgba_unmultiplied(size, truth.picture.as_raw());
@@ -84,7 +84,7 @@ impl TruthBeside {
     }
 
     /// Returns a description of its state.
-    pub fn said(&self) -> String {
+    pub fn status_text(&self) -> String {
         if let Some(reason) = &self.failure {
             return format!("no truth: {reason}");
         }
@@ -103,7 +103,7 @@ impl TruthBeside {
     }
 
     /// Returns a description of the FLIP result.
-    pub fn said_of_flip(&self) -> String {
+    pub fn flip_text(&self) -> String {
         let flip = self.latest.as_ref().and_then(|truth| truth.flip.as_ref());
         flip.map_or_else(|| "FLIP".into(), |(mean, _)| format!("FLIP, mean {mean:.4}"))
     }

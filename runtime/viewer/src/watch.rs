@@ -44,7 +44,7 @@ impl Watch {
         let watched = files.clone();
         std::thread::spawn(move || {
             while closed.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                if look(&mut watched.lock().unwrap_or_else(PoisonError::into_inner)) {
+                if poll(&mut watched.lock().unwrap_or_else(PoisonError::into_inner)) {
                     changed();
                 }
             }
@@ -65,7 +65,7 @@ impl Watch {
 }
 
 /// Returns whether any file has changed and is not being written any more.
-fn look(files: &mut BTreeMap<PathBuf, Watched>) -> bool {
+fn poll(files: &mut BTreeMap<PathBuf, Watched>) -> bool {
     let mut any = false;
     for (file, watched) in files {
         let now = stamp(file);

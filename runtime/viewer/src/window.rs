@@ -1,12 +1,12 @@
 //! The window itself: winit events as input, a surface as output, egui between.
 
 use crate::app::App;
-use crate::lights::{Lights, LightsOf};
+use crate::lights::{Lights, LoadLights};
 use crate::save;
 use crate::script::Events;
 use crate::show::Show;
 use crate::ui;
-use crate::worker::{Told, Workers};
+use crate::worker::{WorkerMessage, Workers};
 use crate::workshop::Workshop;
 use egui::{Context, TextureId, ViewportId};
 use egui_wgpu::ScreenDescriptor;
@@ -38,7 +38,7 @@ pub struct ViewOptions {
     /// Whether panels are initially visible.
     pub panels: bool,
     /// Function that loads an environment map.
-    pub lights_of: LightsOf,
+    pub lights_of: LoadLights,
     /// Event log for scripts, one line of JSON per event.
     pub events: Option<Box<dyn Write + Send>>,
     /// Start of the program, for the times in the event log.
@@ -75,7 +75,7 @@ pub fn view(options: ViewOptions, workshop: Box<dyn Workshop>) -> Result<(), Vie
 }
 
 /// Creates winit's event loop. A panic, caused by a missing system library, is converted to an error.
-fn event_loop() -> Result<EventLoop<Told>, ViewError> {
+fn event_loop() -> Result<EventLoop<WorkerMessage>, ViewError> {
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| ()));
     let made = panic::catch_unwind(AssertUnwindSafe(|| EventLoop::with_user_event().build()));
@@ -90,7 +90,7 @@ fn event_loop() -> Result<EventLoop<Told>, ViewError> {
 /// winit application; has no window until the system allows it.
 struct Host {
     begins: Option<(ViewOptions, Box<dyn Workshop>)>,
-    proxy: EventLoopProxy<Told>,
+    proxy: EventLoopProxy<WorkerMessage>,
     open: Option<Open>,
     failure: Option<ViewError>,
 }
@@ -136,7 +136,7 @@ impl Host {
     }
 }
 
-impl ApplicationHandler<Told> for Host {
+impl ApplicationHandler<WorkerMessage> for Host {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if let Err(error) = self.open(event_loop) {
             self.fail(event_loop, error);
@@ -150,9 +150,9 @@ impl ApplicationHandler<Told> for Host {
         }
     }
 
-    fn user_event(&mut self, _: &ActiveEventLoop, told: Told) {
+    fn user_event(&mut self, _: &ActiveEventLoop, told: WorkerMessage) {
         if let Some(open) = &mut self.open {
-            open.app.hear(told, &open.egui);
+            open.app.handle_message(told, &open.egui);
             open.window.set_title(&open.app.title());
             open.window.request_redraw();
         }
@@ -184,7 +184,7 @@ impl Open {
         event_loop: &ActiveEventLoop,
         options: ViewOptions,
         workshop: Box<dyn Workshop>,
-        proxy: &EventLoopProxy<Told>,
+        proxy: &EventLoopProxy<WorkerMessage>,
     ) -> Result<Self, ViewError> {
         let display = Box::new(event_loop.owned_display_handle());
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle_from_env(display));
@@ -215,7 +215,7 @@ impl Open {
         let mut events = Events::new(options.began, options.events);
         let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
         let adapter = gpu.info.name.clone();
-        events.tell("adapter", json!({ "adapter": adapter, "software": is_software }));
+        events.log("adapter", json!({ "adapter": adapter, "software": is_software }));
         let mut app = App::new(Show::new(gpu.clone()), workers, events, options.folder, options.look);
         app.panels = options.panels;
         app.lights = Lights::new(options.lights_of);
@@ -248,7 +248,7 @@ impl Open {
         }
         let gone: Vec<TextureId> = textures.free.drain().collect();
 
-        let step = self.app.go_on()?;
+        let step = self.app.next_frame()?;
         if step.drew {
             self.take_picture();
         }

@@ -2,7 +2,7 @@
 //! reference picture.
 
 use crate::watch::Watch;
-use crate::workshop::{Judge, Made, Outcome, Progress, Truth, TruthAsked, Workshop};
+use crate::workshop::{ReferenceSource, WindowContent, Outcome, Progress, ReferencePicture, ReferenceRequest, Workshop};
 use std::ops::ControlFlow;
 use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
@@ -12,11 +12,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Message from a thread to the window.
-pub enum Told {
+pub enum WorkerMessage {
     /// Content is being made.
     Working(Progress),
     /// Content is ready, with the time it took.
-    Made(Box<Made>, Duration),
+    Made(Box<WindowContent>, Duration),
     /// Content cannot be made, with the reason.
     Failed(String),
     /// Result of writing a recipe.
@@ -24,13 +24,13 @@ pub enum Told {
     /// Progress of the reference picture.
     Tracing(Progress),
     /// Reference picture, with more samples than the previous one.
-    Truth(Box<Truth>),
+    Truth(Box<ReferencePicture>),
     /// No reference picture, with the reason.
     NoTruth(String),
 }
 
 /// Request of the window to the thread that makes content.
-enum Asked {
+enum MakeRequest {
     Open(PathBuf),
     /// Make the content with these edits of the recipe.
     Make(Vec<String>),
@@ -40,19 +40,19 @@ enum Asked {
 }
 
 /// Callback that sends a message to the window and wakes it.
-pub type Tell = Arc<dyn Fn(Told) + Send + Sync>;
+pub type SendMessage = Arc<dyn Fn(WorkerMessage) + Send + Sync>;
 
 /// Handles of the threads, which end when this is dropped.
 pub struct Workers {
-    make: Sender<Asked>,
-    trace: Sender<(u64, TruthAsked)>,
+    make: Sender<MakeRequest>,
+    trace: Sender<(u64, ReferenceRequest)>,
     /// Number of the requested reference picture; traces with other numbers are cancelled.
     wanted: Arc<AtomicU64>,
 }
 
 impl Workers {
     /// Starts both threads. If files cannot be watched, `tell` reports it, and the rest works.
-    pub fn start(workshop: Box<dyn Workshop>, tell: &Tell) -> Self {
+    pub fn start(workshop: Box<dyn Workshop>, tell: &SendMessage) -> Self {
         let (make, asked) = channel();
         let (trace, truths) = channel();
         let wanted = Arc::new(AtomicU64::new(0));
@@ -66,21 +66,21 @@ impl Workers {
 
     /// Opens a file and makes its content.
     pub fn open(&self, path: PathBuf) {
-        self.ask(Asked::Open(path));
+        self.ask(MakeRequest::Open(path));
     }
 
     /// Makes the open content with these edits of its recipe. Of several pending requests only the last is processed.
     pub fn make(&self, edits: Vec<String>) {
-        self.ask(Asked::Make(edits));
+        self.ask(MakeRequest::Make(edits));
     }
 
     /// Writes the recipe with these edits.
     pub fn save(&self, edits: Vec<String>) {
-        self.ask(Asked::Save(edits));
+        self.ask(MakeRequest::Save(edits));
     }
 
     /// Traces a reference picture, and cancels the previous one.
-    pub fn trace(&self, asked: TruthAsked) {
+    pub fn trace(&self, asked: ReferenceRequest) {
         let number = self.wanted.fetch_add(1, Ordering::Relaxed) + 1;
         // A thread that has ended has reported why.
         let _ = self.trace.send((number, asked));
@@ -91,7 +91,7 @@ impl Workers {
         self.wanted.fetch_add(1, Ordering::Relaxed);
     }
 
-    fn ask(&self, asked: Asked) {
+    fn ask(&self, asked: MakeRequest) {
         // A thread that has ended has reported why.
         let _ = self.make.send(asked);
     }
@@ -103,9 +103,9 @@ impl Drop for Workers {
     }
 }
 
-fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: Sender<Asked>, tell: &Tell) {
+fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<MakeRequest>, changes: Sender<MakeRequest>, tell: &SendMessage) {
     let changes = Mutex::new(changes);
-    let changed = move || drop(changes.lock().unwrap_or_else(PoisonError::into_inner).send(Asked::Changed));
+    let changed = move || drop(changes.lock().unwrap_or_else(PoisonError::into_inner).send(MakeRequest::Changed));
     let mut watch = Watch::new(changed);
     let mut edits = Vec::new();
     while let Ok(first) = asked.recv() {
@@ -113,19 +113,19 @@ fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: S
         // Includes all pending requests, because a dragged slider sends them faster than content can be made.
         for asked in std::iter::once(first).chain(asked.try_iter().collect::<Vec<_>>()) {
             match asked {
-                Asked::Open(path) => match workshop.open(&path) {
+                MakeRequest::Open(path) => match workshop.open(&path) {
                     Ok(()) => (edits, make) = (Vec::new(), true),
-                    Err(reason) => tell(Told::Failed(reason)),
+                    Err(reason) => tell(WorkerMessage::Failed(reason)),
                 },
-                Asked::Make(changed) => (edits, make) = (changed, true),
-                Asked::Changed => make = true,
-                Asked::Save(changed) => {
+                MakeRequest::Make(changed) => (edits, make) = (changed, true),
+                MakeRequest::Changed => make = true,
+                MakeRequest::Save(changed) => {
                     let saved = workshop.save_recipe(&changed);
                     if saved.is_ok() {
                         // The file now contains the edits.
                         (edits, make) = (Vec::new(), true);
                     }
-                    tell(Told::Saved(saved));
+                    tell(WorkerMessage::Saved(saved));
                 }
             }
         }
@@ -133,11 +133,11 @@ fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: S
             continue;
         }
         let began = Instant::now();
-        let made = caught(|| workshop.make(&edits, &mut |progress| tell(Told::Working(progress))));
+        let made = caught(|| workshop.make(&edits, &mut |progress| tell(WorkerMessage::Working(progress))));
         watch.set(&workshop.files());
         tell(match made {
-            Ok(made) => Told::Made(Box::new(made), began.elapsed()),
-            Err(reason) => Told::Failed(reason),
+            Ok(made) => WorkerMessage::Made(Box::new(made), began.elapsed()),
+            Err(reason) => WorkerMessage::Failed(reason),
         });
     }
 }
@@ -148,7 +148,7 @@ fn caught<T>(work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
     std::panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)
 }
 
-fn trace_all(mut judge: Box<dyn Judge>, asked: &Receiver<(u64, TruthAsked)>, wanted: &AtomicU64, tell: &Tell) {
+fn trace_all(mut judge: Box<dyn ReferenceSource>, asked: &Receiver<(u64, ReferenceRequest)>, wanted: &AtomicU64, tell: &SendMessage) {
     while let Ok((number, truth)) = asked.recv() {
         let is_wanted = || wanted.load(Ordering::Relaxed) == number;
         if !is_wanted() {
@@ -156,18 +156,18 @@ fn trace_all(mut judge: Box<dyn Judge>, asked: &Receiver<(u64, TruthAsked)>, wan
         }
         let mut show = |truth| {
             if is_wanted() {
-                tell(Told::Truth(Box::new(truth)));
+                tell(WorkerMessage::Truth(Box::new(truth)));
             }
         };
         let mut progress = |progress| {
             if !is_wanted() {
                 return ControlFlow::Break(());
             }
-            tell(Told::Tracing(progress));
+            tell(WorkerMessage::Tracing(progress));
             ControlFlow::Continue(())
         };
         if let Err(reason) = caught(|| judge.trace(&truth, &mut show, &mut progress)) {
-            tell(Told::NoTruth(reason));
+            tell(WorkerMessage::NoTruth(reason));
         }
     }
 }

@@ -20,12 +20,12 @@ impl Workshop for Shop {
         if path.exists() { Ok(()) } else { Err(format!("{}: there is no such file", path.display())) }
     }
 
-    fn make(&mut self, edits: &[String], _: &mut dyn FnMut(Progress)) -> Outcome<Made> {
+    fn make(&mut self, edits: &[String], _: &mut dyn FnMut(Progress)) -> Outcome<WindowContent> {
         assert!(edits != ["a.b=panic"], "on purpose");
         self.begins.send(edits.to_vec()).unwrap();
         self.go_on.recv().unwrap();
         let subject = Subject::Package(Arc::new(NamedPackage::new("a", edits.join(" ").into_bytes())));
-        Ok(Made { subject, look: None, recipe: None, notes: Vec::new(), stages: Vec::new() })
+        Ok(WindowContent { subject, look: None, recipe: None, notes: Vec::new(), stages: Vec::new() })
     }
 
     fn files(&self) -> Vec<PathBuf> {
@@ -36,7 +36,7 @@ impl Workshop for Shop {
         if edits.is_empty() { Err("nothing to save".into()) } else { Ok(self.file.clone()) }
     }
 
-    fn judge(&self) -> Box<dyn Judge> {
+    fn judge(&self) -> Box<dyn ReferenceSource> {
         Box::new(Patient)
     }
 }
@@ -44,15 +44,15 @@ impl Workshop for Shop {
 /// Judge that traces until it is cancelled.
 struct Patient;
 
-impl Judge for Patient {
+impl ReferenceSource for Patient {
     fn trace(
         &mut self,
-        asked: &TruthAsked,
-        show: &mut dyn FnMut(Truth),
+        asked: &ReferenceRequest,
+        show: &mut dyn FnMut(ReferencePicture),
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Outcome<()> {
         let picture = image::RgbaImage::new(1, 1);
-        show(Truth { picture, samples: asked.time_s as u32, of_samples: 64, flip: None });
+        show(ReferencePicture { picture, samples: asked.time_s as u32, of_samples: 64, flip: None });
         while progress(Progress::default()).is_continue() {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -62,7 +62,7 @@ impl Judge for Patient {
 
 struct Bench {
     workers: Workers,
-    told: Receiver<Told>,
+    told: Receiver<WorkerMessage>,
     begins: Receiver<Vec<String>>,
     go_on: Sender<()>,
     _folder: tempfile::TempDir,
@@ -78,7 +78,7 @@ fn bench() -> Bench {
     let (go_on, going_on) = channel();
     let shop = Shop { file: file.clone(), begins: begin, go_on: going_on };
     let tell = Mutex::new(tell);
-    let tell: Tell = Arc::new(move |message| tell.lock().unwrap().send(message).unwrap_or_default());
+    let tell: SendMessage = Arc::new(move |message| tell.lock().unwrap().send(message).unwrap_or_default());
     Bench { workers: Workers::start(Box::new(shop), &tell), told, begins, go_on, _folder: folder, file }
 }
 
@@ -87,10 +87,10 @@ impl Bench {
     fn made(&self) -> Result<String, String> {
         loop {
             match self.told.recv_timeout(SECOND).unwrap() {
-                Told::Made(made, _) => {
+                WorkerMessage::Made(made, _) => {
                     return Ok(String::from_utf8(made.subject.packages()[0].bytes.to_vec()).unwrap());
                 }
-                Told::Failed(reason) => return Err(reason),
+                WorkerMessage::Failed(reason) => return Err(reason),
                 _ => {}
             }
         }
@@ -148,7 +148,7 @@ fn a_fault_of_the_program_is_told_and_outlived() {
 #[test]
 fn a_truth_is_broken_off_when_another_is_asked_for() {
     let bench = bench();
-    let asked = |time_s| TruthAsked {
+    let asked = |time_s| ReferenceRequest {
         file: Arc::new(NamedPackage::new("a", Vec::new())),
         look: Look::default(),
         camera: Viewpoint { eye: glam::Vec3::Z, target: glam::Vec3::ZERO, fov_deg: 30.0 },
@@ -158,8 +158,8 @@ fn a_truth_is_broken_off_when_another_is_asked_for() {
     };
     let samples = || loop {
         match bench.told.recv_timeout(SECOND).unwrap() {
-            Told::Truth(truth) => return truth.samples,
-            Told::NoTruth(_) => return 0,
+            WorkerMessage::Truth(truth) => return truth.samples,
+            WorkerMessage::NoTruth(_) => return 0,
             _ => {}
         }
     };

@@ -22,7 +22,7 @@ pub struct Progress {
 }
 
 /// Content made from files.
-pub struct Made {
+pub struct WindowContent {
     /// Subject to draw.
     pub subject: Subject,
     /// Look of a scene.
@@ -49,7 +49,7 @@ pub trait Workshop: Send {
     /// # Errors
     ///
     /// Error in a file, or in an edit.
-    fn make(&mut self, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Outcome<Made>;
+    fn make(&mut self, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Outcome<WindowContent>;
 
     /// Returns the files that affect the content, including missing ones: the model, its images and buffers, the
     /// recipe, its images, the scene and its packages.
@@ -63,12 +63,12 @@ pub trait Workshop: Send {
     fn save_recipe(&mut self, edits: &[String]) -> Outcome<PathBuf>;
 
     /// Creates a tracer of reference pictures; it is moved to another thread.
-    fn judge(&self) -> Box<dyn Judge>;
+    fn judge(&self) -> Box<dyn ReferenceSource>;
 }
 
 /// View of a package for which a reference picture is requested.
 #[derive(Clone, Debug)]
-pub struct TruthAsked {
+pub struct ReferenceRequest {
     /// Package.
     pub file: Arc<NamedPackage<'static>>,
     /// Picture, light and style.
@@ -85,7 +85,7 @@ pub struct TruthAsked {
 
 /// Reference picture, as far as it is traced.
 #[derive(Clone, Debug)]
-pub struct Truth {
+pub struct ReferencePicture {
     /// Picture: sRGB-encoded, straight alpha.
     pub picture: RgbaImage,
     /// Samples per pixel so far.
@@ -97,7 +97,7 @@ pub struct Truth {
 }
 
 /// Tracer of reference pictures.
-pub trait Judge: Send {
+pub trait ReferenceSource: Send {
     /// Traces a reference picture with increasing numbers of samples; `show` receives each, `progress` returns whether
     /// to continue.
     ///
@@ -106,8 +106,8 @@ pub trait Judge: Send {
     /// Error in the package, or the reason that it has no reference picture.
     fn trace(
         &mut self,
-        asked: &TruthAsked,
-        show: &mut dyn FnMut(Truth),
+        asked: &ReferenceRequest,
+        show: &mut dyn FnMut(ReferencePicture),
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Outcome<()>;
 }

@@ -6,7 +6,7 @@ use crate::import::support::{Doc, F32, U16};
 use glam::{Vec2, Vec3};
 use pelage_bake::strands::export::StrandFormat;
 use pelage_bake::strands::{CurvePoint, Curves};
-use pelage_formats::meaning::hair_groups::{Followed, smoothed};
+use pelage_formats::meaning::hair_groups::{GuideInterpolator, smoothed};
 use pelage_import::BakeError;
 use pelage_import::guides::Guides;
 use pelage_import::guides::read::GuideFormat;
@@ -29,7 +29,7 @@ const POINTS: usize = 24;
 /// RMS distance between strands and what grows from their roots when every tenth is a guide, over the mean length of all.
 fn off_between_guides(guides: &Guides) -> f64 {
     let shapes: Vec<Vec<Vec3>> = (0..guides.len()).map(|i| even(guides.strand(i))).collect();
-    let followed = Followed::new(shapes.iter().step_by(10).cloned().collect());
+    let followed = GuideInterpolator::new(shapes.iter().step_by(10).cloned().collect());
     let length = |shape: &[Vec3]| shape.windows(2).map(|ends| f64::from(ends[0].distance(ends[1]))).sum::<f64>();
     let mean = shapes.iter().map(|shape| length(shape)).sum::<f64>() / shapes.len() as f64;
     let guide = |i: usize, k: usize| shapes[10 * i][k] - shapes[10 * i][0];

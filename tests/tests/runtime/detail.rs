@@ -4,7 +4,7 @@
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Camera, Detail, FrameParams, FrameReport, FurParams, Hair, Instance, Projection, Renderer, RendererOptions, Style,
+    Camera, Detail, FrameParams, FrameReport, FurParams, HairGeometry, Instance, Projection, Renderer, RendererOptions, Style,
 };
 use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;
@@ -45,7 +45,7 @@ impl<'a> Stage<'a> {
         let projection =
             Projection::Perspective { fov_y_rad: FOV_RAD, aspect: 1.0, near_m: 0.01 * away, far_m: 10.0 * away };
         // Near by, strands would take the place of the layers.
-        let layers = |fur: &mut FurParams| (fur.detail, fur.hair) = (detail, Hair::Shells);
+        let layers = |fur: &mut FurParams| (fur.detail, fur.hair) = (detail, HairGeometry::Shells);
         FrameParams::new(Camera::look_at(eye, center, projection), SIZE.into()).with_fur(layers)
     }
 

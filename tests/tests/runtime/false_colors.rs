@@ -3,7 +3,7 @@
 
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{
-    Camera, FrameParams, FurShow, Hair, Instance, Projection, Renderer, RendererOptions, StrandEdges,
+    Camera, FrameParams, FurDebugView, HairGeometry, Instance, Projection, Renderer, RendererOptions, StrandEdges,
 };
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::straight_strands;
@@ -11,7 +11,7 @@ use pelage_tests::pictures::{Picture, draw};
 use pelage_tests::plane::{PlaneGroom, groomed_plane};
 
 /// A plane of layers and of strands, seen from above.
-fn above(show: FurShow) -> FrameParams {
+fn above(show: FurDebugView) -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.25, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
     FrameParams::new(camera, [128; 2]).with(|p| p.soft_shadow = false).with(|p| p.debug.fur = show)
@@ -34,15 +34,15 @@ fn each_geometry_has_its_color_and_layers_add_up() {
     let instance = Instance::new(0, &renderer.load_bytes(&package).unwrap());
     let mut shown = |params: FrameParams| draw(gpu, &mut renderer, &params, &[&instance]);
 
-    let shells = shown(above(FurShow::Geometry).with_fur(|fur| fur.hair = Hair::Shells));
+    let shells = shown(above(FurDebugView::Geometry).with_fur(|fur| fur.hair = HairGeometry::Shells));
     assert!(share(&shells, 1) > 0.3 && share(&shells, 0) == 0.0, "shells are not green: {}", share(&shells, 1));
     for edges in [StrandEdges::Samples, StrandEdges::Blended] {
-        let strands = above(FurShow::Geometry).with_fur(|fur| (fur.hair, fur.strand_edges) = (Hair::Strands, edges));
+        let strands = above(FurDebugView::Geometry).with_fur(|fur| (fur.hair, fur.strand_edges) = (HairGeometry::Strands, edges));
         let strands = shown(strands);
         assert!(share(&strands, 0) > 0.1 && share(&strands, 1) == 0.0, "{edges:?}: not red: {}", share(&strands, 0));
     }
     let overdraw =
-        |layers| above(FurShow::Overdraw).with_fur(|fur| (fur.hair, fur.layers) = (Hair::Shells, Some(layers)));
+        |layers| above(FurDebugView::Overdraw).with_fur(|fur| (fur.hair, fur.layers) = (HairGeometry::Shells, Some(layers)));
     let [few, many] = [2, 16].map(|layers| shown(overdraw(layers)).mean(0));
     assert!(many > 1.5 * few, "16 layers are as bright as 2: {many}, {few}");
 }

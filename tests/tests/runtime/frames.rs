@@ -3,11 +3,11 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use pelage_runtime::formats::{CoatInfo, DetailLevel, InkShading, Shading};
+use pelage_runtime::formats::{FarLayerInfo, DetailLevel, InkShading, Shading};
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Camera, CasterPass, Casters, ClipLayer, Created, Detail, Frame, FrameParams, FrameReport, Hair, Hooks,
-    InkBackground, InkParams, Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassPlace, Projection,
+    Camera, CasterPass, Casters, ClipLayer, CreatedObjects, Detail, Frame, FrameParams, FrameReport, HairGeometry, Hooks,
+    InkBackground, InkParams, Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassStage, Projection,
     Renderer, RendererOptions, SelfShadow, Sphere, Style, wgpu,
 };
 use pelage_stage::{Canvas, Gpu};
@@ -45,7 +45,7 @@ fn inked() -> Vec<u8> {
 fn detailed() -> Vec<u8> {
     with_manifest(&creature(), |manifest| {
         manifest.fur.layers -= 1;
-        manifest.coat = Some(CoatInfo { height: 0.5, ambient_height: 0.5, light_straight: 0.5, light_slanted: 0.2 });
+        manifest.coat = Some(FarLayerInfo { height: 0.5, ambient_height: 0.5, light_straight: 0.5, light_slanted: 0.2 });
         let level = |step, full_px, gone_px, fins, density| DetailLevel { step, full_px, gone_px, fins, density };
         manifest.detail =
             vec![level(1, 8.0, 4.0, 1.0, 1.0), level(2, 3.0, 1.5, 0.5, 1.1), level(0, 0.0, 0.0, 0.0, 1.0)];
@@ -70,7 +70,7 @@ fn in_ink(params: FrameParams) -> FrameParams {
 
 /// The same as single strands.
 fn in_strands(params: FrameParams) -> FrameParams {
-    params.with_fur(|fur| fur.hair = Hair::Strands)
+    params.with_fur(|fur| fur.hair = HairGeometry::Strands)
 }
 
 fn lit_from(params: FrameParams, towards_light: Vec3) -> FrameParams {
@@ -177,10 +177,10 @@ fn a_frame_in_which_nothing_is_new_makes_nothing() {
         let still =
             [Instance::new(3, &model).at(aside(-0.05)).moving(bend(0.3)), Instance::new(8, &model).at(aside(0.05))];
         let reports: Vec<_> = (0..6).map(|_| stage.present(&params, &still)).collect();
-        let Created { buffers, textures, bind_groups, pipelines, .. } = reports[0].created;
+        let CreatedObjects { buffers, textures, bind_groups, pipelines, .. } = reports[0].created;
         assert!(buffers > 0 && textures > 0 && bind_groups > 0 && pipelines > 0, "{name}: {:?}", reports[0].created);
         for (number, report) in reports.iter().enumerate().skip(2) {
-            assert_eq!(report.created, Created::default(), "{name}, frame {number}");
+            assert_eq!(report.created, CreatedObjects::default(), "{name}, frame {number}");
             // A frame that is still under way keeps its slot, so that a few begin with others.
             assert!(
                 number < 5 || report.uploaded_bytes == 0,
@@ -200,7 +200,7 @@ fn a_frame_in_which_nothing_is_new_makes_nothing() {
             let report = stage.present(&params, moving);
             assert!(ran(&report, PassId::POSE) && report.uploaded_bytes > 0, "{name}, moving frame {number}");
             if number >= 6 {
-                assert_eq!(report.created, Created::default(), "{name}, moving frame {number}");
+                assert_eq!(report.created, CreatedObjects::default(), "{name}, moving frame {number}");
             }
         }
     }
@@ -618,7 +618,7 @@ fn preparing_pipelines_between_frames_disturbs_none() {
     let (picture, bytes) = (stage.picture(), stage.renderer.owners_gpu_bytes());
     stage.renderer.prepare_pipelines(&creature.model, &in_ink(params.clone())).unwrap();
     let report = stage.present(&params, [&creature]);
-    assert_eq!(report.created, Created::default());
+    assert_eq!(report.created, CreatedObjects::default());
     for id in [PassId::POSE, PassId::LAYER_SHADOW, PassId::SHADOW_WIDTH] {
         assert!(!ran(&report, id), "{id:?}: {}", reason(&report, id));
     }
@@ -654,7 +654,7 @@ fn two_views_of_one_submission_make_nothing_either() {
                     let frame = stage.renderer.prepare(&mut encoder, view, [&creature]).unwrap();
                     frame.draw(&mut stage.targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
                     let created = frame.report().created;
-                    assert!(round < 6 || created == Created::default(), "{name} {kept} {round} {number}: {created:?}");
+                    assert!(round < 6 || created == CreatedObjects::default(), "{name} {kept} {round} {number}: {created:?}");
                     // Of two lights each draws over the other's maps, unless their frames live at once.
                     let maps = ran(frame.report(), PassId::SHADOW_WIDTH) && (kept || name != "two lights");
                     assert!(round < 6 || !maps, "{name} {kept} {round} {number}: maps are drawn anew");
@@ -691,7 +691,7 @@ fn a_mark_may_submit_what_is_recorded() {
         let frame = stage.renderer.prepare_with(&mut encoder, &params, [&creature], hooks).unwrap();
         stage.finish(encoder, &frame);
         assert!(stage.picture() == expected, "{name}");
-        let before: Vec<_> = PassId::all().filter(|id| id.place() == PassPlace::Before).collect();
+        let before: Vec<_> = PassId::all().filter(|id| id.stage() == PassStage::Before).collect();
         assert_eq!(marked, before, "{name}: every pass before the picture, in order");
     }
 }

@@ -23,7 +23,7 @@ fn above() -> FrameParams {
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
     let params = FrameParams::new(camera, SIZE.into()).with_fur(|f| f.self_shadow = SelfShadow::Off);
     // The hair of the plane stands upright, and is looked at along its strands: what layers store is what shall be seen.
-    params.with(|p| (p.soft_shadow, p.study.look_slant) = (false, SlantForm::Printed))
+    params.with(|p| (p.soft_shadow, p.study.view_slant) = (false, SlantForm::Printed))
 }
 
 fn picture(gpu: &Gpu, params: &FrameParams, opacity: u8, shading: Shading, groom: &PlaneGroom) -> Picture {

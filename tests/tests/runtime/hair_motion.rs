@@ -36,7 +36,7 @@ fn group(triangles: u32, points: impl Fn(u32) -> Vec<Vec3>) -> HairGroup {
     let guides: Vec<_> = roots
         .enumerate()
         .map(|(number, triangle)| {
-            let root = pelage_runtime::formats::OnTriangle { triangle, weights: [0.5, 0.25, 0.25] };
+            let root = pelage_runtime::formats::TrianglePoint { triangle, weights: [0.5, 0.25, 0.25] };
             (root, points(number as u32)[1..].to_vec())
         })
         .collect();
@@ -125,7 +125,7 @@ fn hair_at_rest_costs_nothing_and_is_as_it_was_groomed() {
     assert!(!frame(&still, 0.0, Vec3::ZERO).0);
     assert!(frame(&still.clone().at(Mat4::from_translation(Vec3::X * 0.01)), 1.0 / 60.0, Vec3::ZERO).0);
     let mut put = still.clone();
-    put.cut = 1;
+    put.hair_revision = 1;
     let (ran, _, anew) = frame(&put, 1.0 / 60.0, Vec3::ZERO);
     assert!(ran && difference(&anew, &groomed).mean == 0.0, "{:?}", difference(&anew, &groomed));
 }
@@ -150,7 +150,7 @@ fn what_hair_cannot_live_with_is_refused() {
     assert_eq!(refused(&moved(|p| p.gravity.x = f32::NAN), &instance), "HairMotionParams::gravity");
     assert_eq!(refused(&moved(|p| p.wind.gust_s = 0.0), &instance), "HairMotionParams::wind");
     let mut crowded = instance.clone();
-    crowded.colliders = vec![ball(); Instance::MOST_COLLIDERS + 1];
+    crowded.colliders = vec![ball(); Instance::MAX_COLLIDERS + 1];
     assert_eq!(refused(&params(), &crowded), "Instance::colliders");
     let mut broken = instance;
     broken.colliders = vec![Capsule { radius_m: -1.0, ..ball() }];

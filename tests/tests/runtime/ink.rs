@@ -5,7 +5,7 @@
 use pelage_runtime::formats::InkShading;
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Anchoring, Camera, DebugView, FrameParams, InkBackground, InkParams, InkShow, Instance, LineWidth, Motion, PassId,
+    Anchoring, Camera, DebugView, FrameParams, InkBackground, InkParams, InkDebugView, Instance, LineWidth, Motion, PassId,
     Projection, Renderer, RendererOptions, SphereMapForm, Study, Style, wgpu,
 };
 use pelage_stage::{Canvas, Gpu};
@@ -52,7 +52,7 @@ fn dark(picture: &Picture) -> Vec<(u32, u32)> {
 #[test]
 fn lines_stand_on_the_outline_as_wide_as_asked() {
     let Some(gpu) = gpu("lines_stand_on_the_outline_as_wide_as_asked") else { return };
-    let features = dark(&painted(gpu, &with(|_, _, debug| debug.ink = InkShow::Features), &sphere()));
+    let features = dark(&painted(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Features), &sphere()));
     // The camera sees a sphere of radius 0.1 in a frame made for 0.13.
     let middle = 0.5 * SIZE.0 as f32 - 0.5;
     let place = |(x, y): &(u32, u32)| ((*x as f32 - middle).powi(2) + (*y as f32 - middle).powi(2)).sqrt();
@@ -64,7 +64,7 @@ fn lines_stand_on_the_outline_as_wide_as_asked() {
 
     let lines = |width: f32| {
         let shown = with(|ink, _, debug| {
-            (debug.ink, ink.width, ink.swell) = (InkShow::Lines, LineWidth::Pixels(width), 4.0);
+            (debug.ink, ink.width, ink.swell) = (InkDebugView::Lines, LineWidth::Pixels(width), 4.0);
         });
         dark(&painted(gpu, &shown, &sphere()))
     };
@@ -75,7 +75,7 @@ fn lines_stand_on_the_outline_as_wide_as_asked() {
         assert!(reach[1] - reach[0] >= 0.5 * width, "a line of {width} px reaches from {reach:?}");
     }
     let templated = lines(6.0).len();
-    let free = with(|ink, study, debug| (debug.ink, study.template, ink.swell) = (InkShow::Lines, false, 4.0));
+    let free = with(|ink, study, debug| (debug.ink, study.template, ink.swell) = (InkDebugView::Lines, false, 4.0));
     assert!(dark(&painted(gpu, &free, &sphere())).len() > 2 * templated, "without template the rim fills");
 }
 
@@ -83,7 +83,7 @@ fn lines_stand_on_the_outline_as_wide_as_asked() {
 fn edges_of_lines_are_soft_and_specks_are_left_out() {
     let Some(gpu) = gpu("edges_of_lines_are_soft_and_specks_are_left_out") else { return };
     let between = |printed: bool| {
-        let shown = with(|_, study, debug| (debug.ink, study.printed_lines) = (InkShow::Lines, printed));
+        let shown = with(|_, study, debug| (debug.ink, study.printed_lines) = (InkDebugView::Lines, printed));
         let lines = painted(gpu, &shown, &sphere());
         lines.rgba.iter().filter(|p| (1..255).contains(&p[0])).count()
     };
@@ -101,16 +101,16 @@ fn edges_of_lines_are_soft_and_specks_are_left_out() {
             .at(Mat4::from_translation(Vec3::new(half_pixel, half_pixel, 0.0)) * Mat4::from_scale(Vec3::splat(scale)));
         dark(&draw(gpu, &mut renderer, &params, &[&instance])).len()
     };
-    assert_eq!(seen(InkShow::Features, 0.01), 1, "a sphere of one pixel");
-    assert_eq!(seen(InkShow::Lines, 0.01), 0, "one pixel is no line");
-    assert!(seen(InkShow::Lines, 0.08) > 30, "a small sphere has its outline");
+    assert_eq!(seen(InkDebugView::Features, 0.01), 1, "a sphere of one pixel");
+    assert_eq!(seen(InkDebugView::Lines, 0.01), 0, "one pixel is no line");
+    assert!(seen(InkDebugView::Lines, 0.08) > 30, "a small sphere has its outline");
 }
 
 #[test]
 fn lines_in_metres_are_thinner_with_distance() {
     let Some(gpu) = gpu("lines_in_metres_are_thinner_with_distance") else { return };
     let area = |distance: f32, width| {
-        let mut params = with(|ink, _, debug| (debug.ink, ink.width) = (InkShow::Lines, width));
+        let mut params = with(|ink, _, debug| (debug.ink, ink.width) = (InkDebugView::Lines, width));
         let projection = Projection::Perspective { fov_y_rad: 0.6, aspect: 1.0, near_m: 0.01, far_m: 10.0 };
         params.camera = Camera::look_at(Vec3::Z * distance, Vec3::ZERO, projection);
         dark(&painted(gpu, &params, &sphere())).len() as f32
@@ -124,7 +124,7 @@ fn lines_in_metres_are_thinner_with_distance() {
 #[test]
 fn the_wash_fades_from_its_centre_and_blank_paper_stays() {
     let Some(gpu) = gpu("the_wash_fades_from_its_centre_and_blank_paper_stays") else { return };
-    let picture = painted(gpu, &with(|_, _, debug| debug.ink = InkShow::Wash), &sphere());
+    let picture = painted(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Wash), &sphere());
     let mean = |rows: std::ops::Range<u32>| {
         let texel = |y: u32| f64::from(picture.rgba[(y * SIZE.0 + SIZE.0 / 2) as usize][0]);
         rows.clone().map(texel).sum::<f64>() / rows.len() as f64
@@ -138,7 +138,7 @@ fn the_wash_fades_from_its_centre_and_blank_paper_stays() {
 fn wash_over_grain(gpu: &Gpu, grey: f32) -> [f32; 2] {
     let params = with(|ink, _, debug| {
         // The paper of these packages has 8 texels a side: 2 pixels each.
-        (debug.ink, ink.paper_grain, ink.paper_period_px) = (InkShow::Wash, 1.0, 16.0);
+        (debug.ink, ink.paper_grain, ink.paper_period_px) = (InkDebugView::Wash, 1.0, 16.0);
         let even =
             InkShading { wash_speed: 0.0, wash_range: grey, grain: 0.0, tone: 0.0, fur: 0.0, ..Default::default() };
         ink.shading = Some(even);
@@ -235,7 +235,7 @@ fn nearer_instances_hide_lines_of_those_behind() {
     // Smaller and behind: none of it is seen.
     let smaller = Mat4::from_translation(Vec3::Z * -0.2) * Mat4::from_scale(Vec3::splat(0.5));
     let behind = Instance::new(1, &model).at(smaller);
-    let params = with(|_, _, debug| debug.ink = InkShow::Lines);
+    let params = with(|_, _, debug| debug.ink = InkDebugView::Lines);
     let alone = draw(gpu, &mut renderer, &params, &[&near]);
     for both in [[&near, &behind], [&behind, &near]] {
         assert_eq!(draw(gpu, &mut renderer, &params, &both), alone);
@@ -251,7 +251,7 @@ fn what_varies_moves_with_the_surface_and_not_with_the_picture() {
     // The whole sphere turns with its joints while the camera goes round with them: only what hangs on the picture then changes.
     let mut shown = |anchoring, angle: f32| {
         let turn = Mat4::from_rotation_y(angle);
-        let mut params = with(|_, study, debug| (debug.ink, study.anchoring) = (InkShow::Wash, anchoring));
+        let mut params = with(|_, study, debug| (debug.ink, study.anchoring) = (InkDebugView::Wash, anchoring));
         params.camera = Camera::framing(Vec3::ZERO, 0.13, turn.transform_vector3(Vec3::Z), 0.6, 1.0);
         instance.motion = Motion::Joints(vec![turn; 2]);
         draw(gpu, &mut renderer, &params, &[&instance])
@@ -261,7 +261,7 @@ fn what_varies_moves_with_the_surface_and_not_with_the_picture() {
     assert!(turned.mean < 0.2, "the surface's own picture changed by {turned:?}");
     // The camera alone goes round: the picture's grain stays, the surface's goes with the surface.
     let mut round = |anchoring, angle: f32| {
-        let mut params = with(|_, study, debug| (debug.ink, study.anchoring) = (InkShow::Wash, anchoring));
+        let mut params = with(|_, study, debug| (debug.ink, study.anchoring) = (InkDebugView::Wash, anchoring));
         let towards = Mat4::from_rotation_y(angle).transform_vector3(Vec3::Z);
         params.camera = Camera::framing(Vec3::ZERO, 0.13, towards, 0.6, 1.0);
         instance.motion = Motion::Joints(vec![Mat4::IDENTITY; 2]);
@@ -277,13 +277,13 @@ fn the_printed_sphere_map_knows_no_outline() {
     let Some(gpu) = gpu("the_printed_sphere_map_knows_no_outline") else { return };
     let shown = |form| {
         let params = with(|ink, study, debug| {
-            (debug.ink, study.template, study.sphere_map, ink.swell) = (InkShow::Lines, false, form, 2.0);
+            (debug.ink, study.template, study.sphere_map, ink.swell) = (InkDebugView::Lines, false, form, 2.0);
         });
         dark(&painted(gpu, &params, &sphere())).len()
     };
     let [safe, reflected, printed] =
         [SphereMapForm::Perpendicular, SphereMapForm::Reflection, SphereMapForm::Printed].map(shown);
-    let features = dark(&painted(gpu, &with(|_, _, debug| debug.ink = InkShow::Lines), &sphere())).len();
+    let features = dark(&painted(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Lines), &sphere())).len();
     assert!(safe > features && reflected > 0, "safe {safe}, reflected {reflected}");
     // All normals have one place: no rim at all, what is left are the features.
     assert!(printed < safe, "printed {printed}, safe {safe}");

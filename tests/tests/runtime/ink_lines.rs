@@ -3,14 +3,14 @@
 
 use glam::{Mat4, Vec3, vec3};
 use pelage_bake::mask::Mask;
-use pelage_bake::strands::Skin;
+use pelage_bake::strands::PosedMesh;
 use pelage_lab::chart::ink::{on_blank_paper, template_px};
-use pelage_lab::compare_motion::{Flicker, MeanOf, Moment, flicker};
+use pelage_lab::compare_motion::{Flicker, MeanOf, FlickerFrame, flicker};
 use pelage_needs::data;
 use pelage_runtime::ClipLayer;
 use pelage_runtime::formats::{Limits, Package};
 use pelage_runtime::{
-    Anchoring, Camera, FrameParams, InkParams, InkShow, Instance, Motion, PassId, Renderer, RendererOptions, Study,
+    Anchoring, Camera, FrameParams, InkParams, InkDebugView, Instance, Motion, PassId, Renderer, RendererOptions, Study,
 };
 use pelage_stage::Gpu;
 use pelage_tests::binary::{Sandbox, workspace};
@@ -18,7 +18,7 @@ use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::schema;
 use pelage_tests::silhouette::bake_plain;
-use pelage_truth::{Lens, Sight, TrueCamera};
+use pelage_truth::{Lens, SurfaceVisibility, TrueCamera};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -112,7 +112,7 @@ impl Brush {
     }
 
     /// Bytes of the picture, RGBA.
-    fn draw(&mut self, instance: &Instance, camera: &Camera, study: Study, ink: InkShow) -> Vec<[u8; 4]> {
+    fn draw(&mut self, instance: &Instance, camera: &Camera, study: Study, ink: InkDebugView) -> Vec<[u8; 4]> {
         let blank = on_blank_paper(&InkParams::default());
         let params = FrameParams::new(*camera, self.size.into()).with_ink(blank);
         let params = params.with(|p| (p.study, p.debug.ink) = (study, ink));
@@ -123,7 +123,7 @@ impl Brush {
 
     /// Lines that are darker than half of white light.
     fn dark(&mut self, instance: &Instance, camera: &Camera, study: Study) -> Mask {
-        let pixels = self.draw(instance, camera, study, InkShow::Lines).iter().map(|p| p[0] < 188).collect();
+        let pixels = self.draw(instance, camera, study, InkDebugView::Lines).iter().map(|p| p[0] < 188).collect();
         Mask { width: self.size.0, height: self.size.1, pixels }
     }
 }
@@ -191,24 +191,24 @@ fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> 
     let camera = Camera::framing(center, radius, vec3(0.9, 0.2, 0.5), FOV_Y_RAD, aspect);
     let true_camera = TrueCamera::from_view(camera.view_from_world, Lens::Perspective { fov_y_rad: FOV_Y_RAD });
     let mut sum = Flicker::default();
-    let mut before: Option<(Sight, Vec<f32>, Mask)> = None;
+    let mut before: Option<(SurfaceVisibility, Vec<f32>, Mask)> = None;
     for frame in 0..6 {
         let time_s = frame as f32 / 24.0;
         // A body's length and a half a second, nose first.
         let way = vec3(0.0, 0.0, 3.0 * radius * time_s);
         instance.motion = Motion::Clip { clip, time_s };
         instance.transform = Mat4::from_translation(way);
-        let mut skin = Skin::posed("model", &opened, &[ClipLayer { clip: Some(clip), time_s, share: 1.0 }]).unwrap();
+        let mut skin = PosedMesh::posed("model", &opened, &[ClipLayer { clip: Some(clip), time_s, share: 1.0 }]).unwrap();
         skin.vertices.iter_mut().for_each(|v| v.position_ws += way.as_dvec3());
-        let sight = Sight::new(skin).unwrap();
+        let sight = SurfaceVisibility::new(skin).unwrap();
         let study = Study::default().with(|study| study.anchoring = anchoring);
         let lines = brush.dark(&instance, &camera, study);
-        let painting = brush.draw(&instance, &camera, study, InkShow::Painting);
+        let painting = brush.draw(&instance, &camera, study, InkDebugView::Painting);
         let grey: Vec<f32> = painting.iter().map(|p| f32::from(p[1]) / 255.0).collect();
         if let Some((sight_before, grey_before, lines_before)) = &before {
             let camera = &true_camera;
-            let now = Moment { sight: sight_before, camera, grey: grey_before, lines: lines_before };
-            let next = Moment { sight: &sight, camera, grey: &grey, lines: &lines };
+            let now = FlickerFrame { sight: sight_before, camera, grey: grey_before, lines: lines_before };
+            let next = FlickerFrame { sight: &sight, camera, grey: &grey, lines: &lines };
             sum = sum.joined(flicker(&now, &next, brush.size).unwrap());
         }
         before = Some((sight, grey, lines));

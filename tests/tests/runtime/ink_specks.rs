@@ -7,7 +7,7 @@ use pelage_lab::chart::ink::{on_blank_paper, template_px};
 use pelage_needs::data;
 use pelage_runtime::formats::{InkShading, Limits, Package};
 use pelage_runtime::{
-    Camera, FrameParams, InkBackground, InkParams, InkShow, Instance, PassId, Renderer, RendererOptions,
+    Camera, FrameParams, InkBackground, InkParams, InkDebugView, Instance, PassId, Renderer, RendererOptions,
 };
 use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;
@@ -52,7 +52,7 @@ fn short_lines(gpu: &Gpu, package: &[u8]) -> Specks {
     let mut found = Specks::default();
     for camera in cameras(package) {
         let params = FrameParams::new(camera, SIZE.into()).with_ink(ink.clone());
-        let params = params.with(|p| p.debug.ink = InkShow::Lines);
+        let params = params.with(|p| p.debug.ink = InkDebugView::Lines);
         let texels = draw_passes(gpu, &mut renderer, &params, &[&instance], &[PassId::INK_COMPOSITE]);
         let pixels = texels.chunks_exact(4).map(|p| p[0] < 188).collect();
         found = found.joined(specks(&Mask { width: SIZE.0, height: SIZE.1, pixels }, shorter_than_px));

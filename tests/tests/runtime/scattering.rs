@@ -3,11 +3,11 @@
 
 use pelage_bake::recipe::{FibreParams, OtherFibre};
 use pelage_runtime::formats::Shading;
-use pelage_runtime::formats::meaning::scattering::gaussian_light::BroadlyLit;
+use pelage_runtime::formats::meaning::scattering::gaussian_light::BroadlyLitFibre;
 use pelage_runtime::formats::meaning::scattering::{Angles, Fibre, colour};
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{
-    Camera, Environment, FrameParams, Hair, Instance, Light, LightLobe, PassId, Projection, Renderer, RendererOptions,
+    Camera, Environment, FrameParams, HairGeometry, Instance, Light, LightLobe, PassId, Projection, Renderer, RendererOptions,
     Scattering, SelfShadow, wgpu,
 };
 use pelage_stage::Gpu;
@@ -95,7 +95,7 @@ fn a_layer_scatters_what_its_fibres_do_of_broad_light() {
     let coat = FibreParams { tilt_deg: 6.0, ..FibreParams::default() };
     let model = renderer.load_bytes(&with_fibres(&plane(2, 255), &coat)).unwrap();
     let instance = Instance::new(0, &model);
-    let exact = BroadlyLit::new(&coat.of_coat().fibre());
+    let exact = BroadlyLitFibre::new(&coat.of_coat().fibre());
     let sigma = colour::absorption([127.0 / 255.0; 3], f64::from(coat.of_coat().around));
     let lights = [(Vec3::new(0.2, 0.1, 0.9), 18.0), (Vec3::new(-0.5, 0.3, 0.9), 15.0), (Vec3::Z, 24.0)];
     for eye in [Vec3::new(0.3, 0.2, 0.9), Vec3::new(-0.6, 0.3, 0.5), Vec3::new(0.8, -0.5, 0.3)] {
@@ -138,7 +138,7 @@ fn a_white_coat_is_as_bright_as_an_even_sky() {
     let mut renderer = renderer(gpu);
     let passes: Vec<PassId> = PassId::all().collect();
     let hare = hare(&renderer, "0");
-    let mut mean = |hair: Hair, around: Environment| {
+    let mut mean = |hair: HairGeometry, around: Environment| {
         let view = params(Vec3::new(0.4, 0.2, 0.9), Vec3::Y, 0.6, 96).with(|p| {
             p.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
             p.environment = Some(around);
@@ -148,18 +148,18 @@ fn a_white_coat_is_as_bright_as_an_even_sky() {
         let covered: f32 = found.iter().map(|p| p[3]).sum();
         Vec3::from([0, 1, 2].map(|c| found.iter().map(|p| p[c]).sum::<f32>() / covered))
     };
-    for hair in [Hair::Shells, Hair::Strands] {
+    for hair in [HairGeometry::Shells, HairGeometry::Strands] {
         let found = mean(hair, Environment::constant([1.0, 0.5, 2.0])) / Vec3::new(1.0, 0.5, 2.0);
         println!("{hair:?}: {found}");
         // Paths find .955: what is lost is lost to eyes, nose and undercoat.
         assert!((found / 0.955 - 1.0).abs().max_element() < 0.1, "{hair:?}: {found}");
     }
     let gradient = Environment::gradient([1.0; 3], [0.1; 3]);
-    let [above, turned] = [gradient.clone(), gradient.turned(360.0)].map(|sky| mean(Hair::Shells, sky));
+    let [above, turned] = [gradient.clone(), gradient.turned(360.0)].map(|sky| mean(HairGeometry::Shells, sky));
     assert!((above - turned).abs().max_element() < 1e-3, "{above}, {turned}");
     let sideways = LightLobe { towards: [1.0, 0.2, 0.0], width_deg: 20.0, radiance: [9.0, 3.0, 1.0] };
     let of = |yaw: f32| Environment { lobes: vec![sideways], ..Environment::default() }.turned(yaw);
-    let [before, beside, behind] = [-60.0, 60.0, 150.0].map(|yaw| mean(Hair::Shells, of(yaw)).x);
+    let [before, beside, behind] = [-60.0, 60.0, 150.0].map(|yaw| mean(HairGeometry::Shells, of(yaw)).x);
     assert!(before > beside && beside > behind, "{before} {beside} {behind}");
 }
 
@@ -184,7 +184,7 @@ fn a_turning_sky_does_not_flicker() {
     const SIDE: usize = 96;
     const BLOCK: usize = 16;
     const SQUARES: usize = (SIDE / BLOCK) * (SIDE / BLOCK);
-    for hair in [Hair::Shells, Hair::Strands] {
+    for hair in [HairGeometry::Shells, HairGeometry::Strands] {
         let frames: Vec<Vec<f64>> = (0..FRAMES)
             .map(|i| {
                 let view = params(Vec3::new(0.4, 0.2, 0.9), Vec3::Y, 0.6, SIDE as u32).with(|p| {
@@ -275,7 +275,7 @@ fn light_goes_from_hair_to_hair() {
         let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", &pigment];
         Instance::new(0, &renderer.load_bytes(&bake_plain(&model, None, &set)).unwrap())
     });
-    let mut mean = |hare: &Instance, hair: Hair, scattering: Scattering, light: Vec3| {
+    let mut mean = |hare: &Instance, hair: HairGeometry, scattering: Scattering, light: Vec3| {
         let view = params(Vec3::new(0.4, 0.2, 0.9), light, 0.6, 96).with_fur(|fur| {
             fur.hair = hair;
             fur.scattering = scattering;
@@ -287,16 +287,16 @@ fn light_goes_from_hair_to_hair() {
     };
     let front = Vec3::new(0.3, 0.5, 1.0);
     let [white, black] = [&hares[0], &hares[1]].map(|hare| {
-        let multiple = mean(hare, Hair::Shells, Scattering::Multiple, front);
-        let strands = mean(hare, Hair::Strands, Scattering::Multiple, front);
+        let multiple = mean(hare, HairGeometry::Shells, Scattering::Multiple, front);
+        let strands = mean(hare, HairGeometry::Strands, Scattering::Multiple, front);
         assert!((strands / multiple - 1.0).abs() < 0.25, "layers {multiple}, strands {strands}");
-        [multiple, mean(hare, Hair::Shells, Scattering::Single, front)]
+        [multiple, mean(hare, HairGeometry::Shells, Scattering::Single, front)]
     });
     assert!(white[0] > 3.0 * white[1], "white: {white:?}");
     assert!(black[0] < 2.0 * black[1] && black[0] < 0.2 * white[0], "black: {black:?}, white {white:?}");
     // Along the hair, from behind, and from where the eye is.
     for light in [Vec3::Y, Vec3::NEG_Y, -front, Vec3::new(0.4, 0.2, 0.9), Vec3::new(-0.4, -0.2, -0.9)] {
-        mean(&hares[2], Hair::Shells, Scattering::Multiple, light);
+        mean(&hares[2], HairGeometry::Shells, Scattering::Multiple, light);
     }
 }
 
@@ -315,7 +315,7 @@ fn hair_around_a_body_is_dark_behind_it() {
         let projection = Projection::Orthographic { height_m: 0.5, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
         let mut view = params(Vec3::Z, towards, 0.4, 640);
         view.camera = Camera::look_at(middle + Vec3::new(1.2, 0.5, 1.4), middle, projection);
-        let found = pixels(gpu, &mut renderer, &head, &view.with_fur(|fur| fur.hair = Hair::Strands), &passes);
+        let found = pixels(gpu, &mut renderer, &head, &view.with_fur(|fur| fur.hair = HairGeometry::Strands), &passes);
         assert!(found.as_flattened().iter().all(|x| x.is_finite() && *x >= 0.0), "{towards}");
         found.iter().map(|p| p[1]).sum::<f32>()
     };

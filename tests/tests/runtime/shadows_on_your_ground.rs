@@ -234,7 +234,7 @@ fn the_shader_reads_the_maps_as_its_twin_does() {
         let (size, texels) = (map.width() as i32, read_map(gpu, map, 0));
         let receiver = frame.shadow_receiver();
         let twin = |point: Vec3| {
-            let place = receiver.place(point);
+            let place = receiver.map_coordinates(point);
             let towards = picture.light_ws.truncate() - point * picture.light_ws.w;
             let texel =
                 |x: i32, y: i32| Vec4::from(texels[(y.clamp(0, size - 1) * size + x.clamp(0, size - 1)) as usize]);
@@ -274,7 +274,7 @@ fn hair_behind_a_thing_leaves_it_lit() {
     let texels = read_map(gpu, map, 0);
     let receiver = frame.shadow_receiver();
     let light = |x: f32, z: f32, y: f32| {
-        let place = receiver.place(Vec3::new(x, y, z));
+        let place = receiver.map_coordinates(Vec3::new(x, y, z));
         let at = [place.y, place.x].map(|v| (v / place.w * map.width() as f32) as usize);
         light_at_place(Vec4::from(texels[at[0] * map.width() as usize + at[1]]), place, 1.0, &receiver)
     };

@@ -346,7 +346,7 @@ fn hair_lies_aside_of_its_root() {
             let (aside, along) = (d(aside), d(along));
             [aside.x + aside.z * along.x, aside.y + aside.z * along.y, 0.0, 0.0]
         },
-        |[aside, along]| tile_frame::root_aside(v(aside), v(along)).extend(0.0).extend(0.0).to_array(),
+        |[aside, along]| tile_frame::root_offset(v(aside), v(along)).extend(0.0).extend(0.0).to_array(),
         // A product and a sum of numbers up to 1.
         |_, _| 3e-7,
     );
@@ -496,7 +496,7 @@ fn what_is_seen_of_fins_and_through_layers() {
             let path = (e.cross(t).length_squared() + rest).sqrt().max(0.1) / e.z.abs().max(0.1);
             [path / (0.5 + 0.5 * (t.truncate().length_squared() + rest).sqrt()), 0.0, 0.0, 0.0]
         },
-        |[tangent, eye]| [opacity::look_path(v(tangent), v(tangent).length(), v(eye), eye[2]), 0.0, 0.0, 0.0],
+        |[tangent, eye]| [opacity::view_depth_factor(v(tangent), v(tangent).length(), v(eye), eye[2]), 0.0, 0.0, 0.0],
         |_, path| 5e-6 * (1.0 + path),
     );
     let ways: Vec<Case<1>> = cases
@@ -829,7 +829,7 @@ fn light_that_is_spread_about_a_direction() {
         |[_, [mean, cosine, ..]]| {
             [
                 environment::mean_square(*mean, *cosine),
-                environment::broad_place(*mean),
+                environment::broad_coordinate(*mean),
                 environment::broad_variance(*mean),
                 environment::mean_cosine_around(9.0 * mean),
             ]
@@ -845,12 +845,12 @@ fn openness_comes_back_from_two_bytes() {
     for i in 0..2000 {
         let (share, turn, out) =
             (random.next_f32(), std::f32::consts::TAU * random.next_f32(), [random.next_f32(), 1.0][i % 2]);
-        let of = Openness { share, aside: [out * turn.cos(), out * turn.sin()] };
+        let of = Openness { share, tangential: [out * turn.cos(), out * turn.sin()] };
         let [x, y] = environment::pack_openness(of).map(|byte| f32::from(byte) / 255.0);
-        let found = environment::open_to_hair(Vec2::new(x, y)) * environment::USUALLY_OPEN;
+        let found = environment::unpack_openness(Vec2::new(x, y)) * environment::USUALLY_OPEN;
         // Half of a step of each number.
         assert!((found.length() - share).abs() < 0.004, "{of:?}: {found}");
-        let expected = of.open() / of.share;
+        let expected = of.vector() / of.share;
         assert!(found.normalize().truncate().distance(expected.truncate()) < 0.11, "{of:?}: {found}");
         let color = [random.next_f32(), [0.0, 1.0][i % 2], 0.5];
         cases.push([[x, y, 0.0, 0.0], [color[0], color[1], color[2], random.next_f32()]]);
@@ -872,8 +872,8 @@ fn openness_comes_back_from_two_bytes() {
             (middle * (f64::from(packed[0]) / 0.725)).extend(left).to_array()
         },
         |[packed, color]| {
-            let open = environment::open_to_hair(Vec2::new(packed[0], packed[1]));
-            open.extend(environment::left_open(v(color), color[3]).y).to_array()
+            let open = environment::unpack_openness(Vec2::new(packed[0], packed[1]));
+            open.extend(environment::environment_share(v(color), color[3]).y).to_array()
         },
         |_, _| 2e-6,
     );
@@ -911,7 +911,7 @@ fn light_in_a_coat_of_fibres() {
             [x[0], y[1], y[2], z[2]]
         },
         |[on, back, _]| {
-            let found = scattering::diffused(v(on), v(back), on[3]);
+            let found = scattering::diffused_light(v(on), v(back), on[3]);
             [found.sent_on.x, found.from_light.y, found.from_below.y, found.from_below.z]
         },
         |_, _| 2e-4,
@@ -928,7 +928,7 @@ fn light_in_a_coat_of_fibres() {
             });
             [x, y, z, 0.0]
         },
-        |[root, ..]| scattering::falls_in(v(root), root[3]).extend(0.0).to_array(),
+        |[root, ..]| scattering::multiple_scattering_by_height(v(root), root[3]).extend(0.0).to_array(),
         |_, _| 1e-6,
     );
     three_ways(
@@ -950,7 +950,7 @@ fn light_in_a_coat_of_fibres() {
         },
         |[along, around, color]| {
             let absorbed = scattering::fibre_absorption(v(color), color[3]);
-            let left = scattering::fibre_left(color[2], Vec4::from(OPTICS), absorbed);
+            let left = scattering::fibre_transmittance(color[2], Vec4::from(OPTICS), absorbed);
             let found = scattering::fibre_scatters(Vec4::from(*along), Vec4::from(*around), absorbed, left);
             found.extend(0.0).to_array()
         },
@@ -976,8 +976,8 @@ fn light_in_a_coat_of_fibres() {
         },
         |[_, _, color]| {
             let absorbed = scattering::fibre_absorption(v(color), color[3]);
-            let left = scattering::fibre_left(color[2], Vec4::from(OPTICS), absorbed);
-            let [on, back] = scattering::fibre_sides(&fibre, color[2], left);
+            let left = scattering::fibre_transmittance(color[2], Vec4::from(OPTICS), absorbed);
+            let [on, back] = scattering::absorbing_fibre_shares(&fibre, color[2], left);
             [on.x, on.y, back.y, back.z]
         },
         |_, _| 3e-6,
@@ -1020,7 +1020,7 @@ fn light_in_hair_that_hangs() {
             [of(0)[0], of(1)[0], of(1)[1], of(2)[1]]
         },
         |[_, on, back]| {
-            let [on, back] = scattering::hanging_sides([v(on), v(back)]);
+            let [on, back] = scattering::hanging_sheet_shares([v(on), v(back)]);
             [on.x, on.y, back.y, back.z]
         },
         |_, _| 1e-6,

@@ -30,7 +30,7 @@ fn layers_of_levels_on_the_device_are_those_of_the_twin_and_of_the_definition() 
     }
     let twin = |[c]: &[[f32; 4]; 1]| {
         let [layer, baked, step, nth] = c.map(|x| x as u32);
-        [detail::layers_stood_for(layer, baked, step) as f32, detail::detail_layer(nth, baked, step, 0.0) as f32]
+        [detail::represented_layers(layer, baked, step) as f32, detail::detail_layer(nth, baked, step, 0.0) as f32]
     };
     cases.iter().zip(&truths).for_each(|(case, truth)| assert_eq!(twin(case), *truth, "{case:?}"));
     let Some(gpu) = gpu("layers_of_levels") else { return };
@@ -82,8 +82,8 @@ fn exponents_heights_and_light_on_the_device_are_those_of_the_twin() {
         let [layer, fade, number, slope] = case[0];
         let twin = [
             detail::detail_exponent(layer as u32, 16, 2, 7.0 * fade, 1.0, 1.25),
-            detail::seen_height(layer / 15.0, number, 16),
-            detail::coat_light(number, 1.0, slope),
+            detail::visible_height(layer / 15.0, number, 16),
+            detail::far_layer_light(number, 1.0, slope),
             detail::light_within(0.05 * slope, number),
         ];
         // A device's logarithm of numbers near 1 is coarse.

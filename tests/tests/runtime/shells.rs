@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::glam::Vec3;
-use pelage_runtime::{Camera, FrameParams, Instance, Light, Lighting, Renderer, RendererOptions, SlantForm};
+use pelage_runtime::{Camera, FrameParams, Instance, Light, LightingStage, Renderer, RendererOptions, SlantForm};
 use pelage_stage::Gpu;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, draw};
@@ -69,7 +69,7 @@ fn light_at_vertices_is_as_bright_and_more_even() {
         let sphere = SphereParams { planar_directions, quads: 20, ..sphere() };
         let mut params = front();
         let pixel = picture(gpu, &sphere, &params);
-        params.study.lighting = Lighting::Vertex;
+        params.study.lighting = LightingStage::Vertex;
         let vertex = picture(gpu, &sphere, &params);
         assert!(largest(&pixel, &vertex) > 8, "only {} of 255 apart", largest(&pixel, &vertex));
         let opaque = |i: usize| pixel.rgba[i][3] == 255 && vertex.rgba[i][3] == 255;
@@ -82,9 +82,9 @@ fn light_at_vertices_is_as_bright_and_more_even() {
         // Where nothing of the key light is left, both are the same.
         params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
         // Computed at vertices, the direction to the eye is not quite that of the pixel.
-        params.study.look_slant = SlantForm::Printed;
+        params.study.view_slant = SlantForm::Printed;
         let dark = picture(gpu, &sphere, &params);
-        params.study.lighting = Lighting::Pixel;
+        params.study.lighting = LightingStage::Pixel;
         assert!(largest(&dark, &picture(gpu, &sphere, &params)) <= 1, "without light");
     }
 }

@@ -4,7 +4,7 @@
 use pelage_runtime::formats::{Shading, StrandsData};
 use pelage_runtime::glam::{Mat4, Quat, Vec3};
 use pelage_runtime::{
-    Camera, Detail, FrameParams, FrameReport, Hair, Instance, Light, PassId, Projection, Renderer, RendererOptions,
+    Camera, Detail, FrameParams, FrameReport, HairGeometry, Instance, Light, PassId, Projection, Renderer, RendererOptions,
     SelfShadow, StrandEdges, wgpu,
 };
 use pelage_stage::{Canvas, CanvasOptions, Gpu};
@@ -41,7 +41,7 @@ fn above() -> FrameParams {
 }
 
 fn in_strands(params: FrameParams) -> FrameParams {
-    params.with_fur(|fur| fur.hair = Hair::Strands)
+    params.with_fur(|fur| fur.hair = HairGeometry::Strands)
 }
 
 fn renderer(gpu: &Gpu, samples: u32) -> Renderer {
@@ -105,7 +105,7 @@ fn blended_strands_are_what_many_samples_see() {
         let eye = center + Vec3::new(0.62, 0.28, 0.73).normalize() * bounds.radius * 3.5;
         let projection = Projection::Perspective { fov_y_rad: 0.5, aspect: 1.0, near_m: 0.01, far_m: 100.0 };
         let params = FrameParams::new(Camera::look_at(eye, center, projection), [side; 2])
-            .with_fur(|fur| (fur.hair, fur.strand_edges, fur.detail) = (Hair::Strands, edges, Detail::Full));
+            .with_fur(|fur| (fur.hair, fur.strand_edges, fur.detail) = (HairGeometry::Strands, edges, Detail::Full));
         draw(gpu, &mut renderer, &params, &[&instance])
     };
     let blended = drawn(StrandEdges::Blended, 1, false, 256);
@@ -302,11 +302,11 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
         assert_eq!(report.instances[0].layers, if layers { 3 } else { 0 });
     }
     // What is asked for by name goes before.
-    assert!(!ran(&at(4, 2.0, &|fur| fur.hair = Hair::Shells), PassId::STRANDS));
+    assert!(!ran(&at(4, 2.0, &|fur| fur.hair = HairGeometry::Shells), PassId::STRANDS));
     assert!(!ran(&at(4, 2.0, &|fur| fur.layers = Some(4)), PassId::STRANDS));
     assert!(!ran(&at(4, 2.0, &|fur| fur.detail = Detail::Level(0.0)), PassId::STRANDS));
-    assert!(ran(&at(1, 0.05, &|fur| fur.hair = Hair::Strands), PassId::STRANDS));
-    assert!(!ran(&at(1, 0.05, &|fur| fur.hair = Hair::Strands), PassId::SHELLS));
+    assert!(ran(&at(1, 0.05, &|fur| fur.hair = HairGeometry::Strands), PassId::STRANDS));
+    assert!(!ran(&at(1, 0.05, &|fur| fur.hair = HairGeometry::Strands), PassId::SHELLS));
 }
 
 /// A mane whose edges are soft lies over a coat that is layers.
@@ -323,7 +323,7 @@ fn blended_hair_lies_over_layers() {
         let eye = center + Vec3::new(0.9, 0.2, 0.4).normalize() * bounds.radius * 3.5;
         let projection = Projection::Perspective { fov_y_rad: 0.5, aspect: 1.0, near_m: 0.01, far_m: 100.0 };
         let params = FrameParams::new(Camera::look_at(eye, center, projection), [side; 2])
-            .with_fur(|fur| (fur.hair, fur.strand_edges, fur.detail) = (Hair::Shells, edges, Detail::Full));
+            .with_fur(|fur| (fur.hair, fur.strand_edges, fur.detail) = (HairGeometry::Shells, edges, Detail::Full));
         draw(gpu, &mut renderer, &params, &[&instance])
     };
     let fine = drawn(StrandEdges::Samples, 4, 1024).shrunk(4);
@@ -399,7 +399,7 @@ fn a_small_device_draws_layers() {
 fn strands_that_come_later_are_posed() {
     let Some(gpu) = gpu("strands_that_come_later_are_posed") else { return };
     let package = plane(lying(2.0), PlaneGroom::default());
-    let drawn = |first: &[Hair]| {
+    let drawn = |first: &[HairGeometry]| {
         let mut renderer = renderer(gpu, 4);
         let instance = Instance::new(0, &renderer.load_bytes(&package).unwrap());
         for hair in first {
@@ -409,7 +409,7 @@ fn strands_that_come_later_are_posed() {
     };
     let at_once = drawn(&[]);
     assert!(at_once.mean(0) > 10.0, "strands are seen: {}", at_once.mean(0));
-    assert!(drawn(&[Hair::Shells]) == at_once && drawn(&[Hair::Shells, Hair::Strands, Hair::Shells]) == at_once);
+    assert!(drawn(&[HairGeometry::Shells]) == at_once && drawn(&[HairGeometry::Shells, HairGeometry::Strands, HairGeometry::Shells]) == at_once);
 }
 
 /// The hare from where it is layers to where it is strands: between frames no more changes than while it is one of them.
@@ -429,7 +429,7 @@ fn nothing_jumps_between_layers_and_strands() {
     };
     // How far on the way: strands come in, then layers go.
     let drawn = |renderer: &mut Renderer, distance| {
-        let found = report(gpu, renderer, &seen_from(distance, Hair::Auto), &instance).instances[0];
+        let found = report(gpu, renderer, &seen_from(distance, HairGeometry::Auto), &instance).instances[0];
         found.strands + if found.layers > 0 { 0.0 } else { 1.0 }
     };
     // The distances where strands begin, where they are all, and where layers end, by halving.
@@ -443,7 +443,7 @@ fn nothing_jumps_between_layers_and_strands() {
     };
     let (far, all, near) = (find(0.001), find(0.999), find(1.5));
     assert!(far > 1.1 * near, "mixed from {far} to {near}");
-    let [layers, strands] = [Hair::Shells, Hair::Strands].map(|hair| {
+    let [layers, strands] = [HairGeometry::Shells, HairGeometry::Strands].map(|hair| {
         let picture = draw(gpu, &mut renderer, &seen_from(near, hair), &[&instance]);
         picture.rgba.iter().map(|p| f64::from(p[3])).sum::<f64>()
     });
@@ -465,7 +465,7 @@ fn nothing_jumps_between_layers_and_strands() {
         }
         found
     };
-    let [mixed, layers, strands] = [Hair::Auto, Hair::Shells, Hair::Strands].map(&mut largest);
+    let [mixed, layers, strands] = [HairGeometry::Auto, HairGeometry::Shells, HairGeometry::Strands].map(&mut largest);
     println!("largest FLIP between frames: {mixed:.5} mixed, {layers:.5} layers, {strands:.5} strands");
     assert!(mixed < 1.3 * layers.max(strands), "{mixed} against {layers} and {strands}");
 }

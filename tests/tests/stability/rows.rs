@@ -100,7 +100,7 @@ fn a_row_that_breaks_its_bound_is_seen() {
 
 #[test]
 fn a_cancelled_mean_is_stored_as_upright_or_as_nothing() {
-    use pelage_bake::stages::textures::direction::encode_mean;
+    use pelage_bake::stages::slice::direction::encode_mean;
     let noise = Vec3::new(3e-8, -6e-8, 0.0);
     assert_eq!(encode_mean(noise, TextureFormat::Rg8Unorm)[..2], [128, 128]);
     assert_eq!(encode_mean(noise, TextureFormat::Rgba8Unorm)[..3], [128, 128, 128]);

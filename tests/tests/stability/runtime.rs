@@ -10,7 +10,7 @@ use pelage_bake::recipe::{Coat, Recipe};
 use pelage_import::ImportOptions;
 use pelage_lab::stability::Drawing;
 use pelage_lab::stability::animation::joints;
-use pelage_lab::stability::silhouette::{Measured, bake, measure, profile_error};
+use pelage_lab::stability::silhouette::{SilhouetteMeasures, bake, measure, profile_error};
 use pelage_runtime::formats::{Limits, Package, PackageWriter};
 use pelage_runtime::glam::{Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{kajiya_kay, skinning, tile_frame};
@@ -169,7 +169,7 @@ fn mean_opacity(gpu: &pelage_stage::Gpu, layers: u32, baked: u32, opacity: u8) -
     let params = FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [16, 16])
         .with_fur(|f| f.layers = Some(layers))
         // The hair of the plane stands upright, and is looked at along its strands.
-        .with(|p| p.study.look_slant = pelage_runtime::SlantForm::Printed);
+        .with(|p| p.study.view_slant = pelage_runtime::SlantForm::Printed);
     let texels = draw_passes(gpu, &mut renderer, &params, &[&Instance::new(0, &model)], &[PassId::SHELLS]);
     texels.chunks_exact(8).map(|t| f64::from(half_to_f32([t[6], t[7]]))).sum::<f64>() / 256.0
 }
@@ -195,7 +195,7 @@ fn density_does_not_depend_on_the_number_of_layers() {
 }
 
 /// Measures a model from its front left.
-fn silhouette(gpu: &pelage_stage::Gpu, case: &Case) -> Measured {
+fn silhouette(gpu: &pelage_stage::Gpu, case: &Case) -> SilhouetteMeasures {
     let mut recipe = Recipe::of_coat(Coat::Natural).unwrap();
     if let Some(path) = case.recipe {
         let text = std::fs::read_to_string(workspace().join(path)).unwrap();

@@ -10,7 +10,7 @@ use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::surface::{Comb, CombMark, PatchParams, Source, Surface, SurfaceParams, parameterize};
 use pelage_import::mesh::Model;
 use pelage_lab::stability::surface::{
-    broken_gradients, flips_of_one_chart, grid, lay, lost_half_edges, model, sphere, torus,
+    broken_gradients, flips_of_one_chart, grid, parameterize_default, lost_half_edges, model, sphere, torus,
 };
 
 fn params(tile_size_m: f32) -> SurfaceParams {
@@ -18,7 +18,7 @@ fn params(tile_size_m: f32) -> SurfaceParams {
 }
 
 fn surface(model: &Model, tile_size_m: f32) -> Surface {
-    lay(model, tile_size_m).unwrap()
+    parameterize_default(model, tile_size_m).unwrap()
 }
 
 fn merged(models: &[Model]) -> Model {

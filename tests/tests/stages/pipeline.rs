@@ -1,7 +1,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! The way through bake, from the built-in models to packages.
 
-use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, Told};
+use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, BakeInput};
 use pelage_bake::recipe::{HairGroupParams, Recipe, StrandParams};
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
@@ -45,7 +45,7 @@ fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
     let model = import_built_in(name, recipe);
     let mut stages = Vec::new();
     let baked =
-        pipeline::bake(&Told::new(name, name, recipe, &MapImages::default()), &model, &mut |stage| stages.push(stage));
+        pipeline::bake(&BakeInput::new(name, name, recipe, &MapImages::default()), &model, &mut |stage| stages.push(stage));
     assert!(STAGES.starts_with(&stages), "{stages:?}");
     baked
 }
@@ -440,7 +440,7 @@ fn ink_is_in_the_package_unless_it_is_left_out() {
 }
 
 /// Runs the pipeline to its end and returns the package with the stages that ran.
-fn run<'a>(told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, Vec<&'static str>), BakeError> {
+fn run<'a>(told: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, Vec<&'static str>), BakeError> {
     let mut stages = Vec::new();
     pipeline::run(told, outputs, &mut |stage| stages.push(stage))?;
     Ok((outputs.package.clone().unwrap().bytes, stages))
@@ -465,7 +465,7 @@ fn a_step_reads_what_it_says() {
     let bytes = asset("models/ox.glb");
     let model = import("ox", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
-    let told = Told::new("ox", "ox", &recipe, &images);
+    let told = BakeInput::new("ox", "ox", &recipe, &images);
     let mut whole = Outputs { model: Some(&model), ..Outputs::default() };
     let (package, stages) = run(&told, &mut whole).unwrap();
     assert_eq!(stages, STAGES);
@@ -495,7 +495,7 @@ fn a_step_reads_what_it_says() {
         }
         // The package that is made of it is the same.
         let mut again = whole.clone();
-        again.forget(step.makes);
+        again.invalidate(step.makes);
         assert!(!again.has(step.makes) && !again.has(Output::Package));
         let (same, stages) = run(&told, &mut again).unwrap();
         assert!(same == package, "{:?} made again", step.makes);
@@ -513,11 +513,11 @@ fn from_here_on_is_a_whole_bake() {
     let bytes = asset("models/torus.glb");
     let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
-    let told = |recipe| Told::new("torus", "torus", recipe, &images);
+    let told = |recipe| BakeInput::new("torus", "torus", recipe, &images);
     let mut outputs = Outputs { model: Some(&model), ..Outputs::default() };
     run(&told(&first), &mut outputs).unwrap();
-    outputs.forget(Output::Shells);
-    outputs.forget(Output::FinTextures);
+    outputs.invalidate(Output::Shells);
+    outputs.invalidate(Output::FinTextures);
     let (package, stages) = run(&told(&other), &mut outputs).unwrap();
     assert_eq!(stages, ["slice", "fins", "pack"]);
     assert!(package == bake("torus", &other).unwrap().package);
@@ -533,7 +533,7 @@ fn sliced_again_is_baked_again() {
     let bytes = asset("models/torus.glb");
     let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
-    let slicer = Slicer::new(Told::new("torus", "torus", &first, &images), &model).unwrap();
+    let slicer = Slicer::new(BakeInput::new("torus", "torus", &first, &images), &model).unwrap();
     for sets in [
         &[][..],
         &["slice.layers=6", "slice.tile_texels=32"],

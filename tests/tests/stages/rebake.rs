@@ -2,7 +2,7 @@
 //! A model that is baked again while its recipe changes gives what a whole bake gives, whichever key changes.
 
 use crate::stages::pipeline::{asset, import_built_in};
-use pelage_bake::pipeline::{self, Told};
+use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::{self, Recipe};
 use pelage_bake::stages::groom::MapImages;
@@ -57,7 +57,7 @@ fn changed(base: &Recipe, knob: &Knob) -> Option<Recipe> {
 fn whichever_key_changes_a_bake_that_goes_on_gives_what_a_whole_one_gives() {
     let model = import_built_in("torus", &Recipe::default());
     let (base, images) = (small(), MapImages::default());
-    let told = |recipe| Told::new("torus", "torus", recipe, &images);
+    let told = |recipe| BakeInput::new("torus", "torus", recipe, &images);
     let others: Vec<(&str, Recipe)> =
         recipe::keys().filter_map(|knob| Some((knob.name, changed(&base, knob)?))).collect();
     assert!(others.len() > 100, "only {} keys are changed", others.len());
@@ -90,7 +90,7 @@ fn only_what_a_change_decides_is_made_again() {
     let mut rebake = Rebake::new(&model);
     let mut stages_of = |recipe, images| {
         let mut stages = Vec::new();
-        rebake.bake(&Told::new("torus", "torus", recipe, images), &mut |stage| stages.push(stage)).unwrap();
+        rebake.bake(&BakeInput::new("torus", "torus", recipe, images), &mut |stage| stages.push(stage)).unwrap();
         stages
     };
     assert_eq!(stages_of(&base, &images), pipeline::STAGES);

@@ -1,11 +1,11 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! The strands of a whole animal.
 
-use pelage_bake::pipeline::{self, Told};
+use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, import};
-use pelage_bake::strands::{Skin, grow_on, tile_hair};
+use pelage_bake::strands::{PosedMesh, grow_on, tile_hair};
 use pelage_formats::{Limits, Package};
 use std::path::PathBuf;
 
@@ -26,11 +26,11 @@ fn a_hare_has_as_many_roots_as_its_tiles() {
         &ImportOptions { unit_m: 1.0 },
     );
     let baked =
-        pipeline::bake(&Told::new("hare", "hare", &recipe, &MapImages::default()), &model.unwrap(), &mut |_| ())
+        pipeline::bake(&BakeInput::new("hare", "hare", &recipe, &MapImages::default()), &model.unwrap(), &mut |_| ())
             .unwrap()
             .package;
     let package = Package::open(&baked, &Limits::default()).unwrap();
-    let skin = Skin::posed("hare", &package, &[]).unwrap();
+    let skin = PosedMesh::posed("hare", &package, &[]).unwrap();
     let hair = tile_hair("hare", package.manifest()).unwrap().unwrap();
     let tile_m = f64::from(package.manifest().fur.tile_size_m);
     let (curves, report) = grow_on(&skin, &hair, tile_m).unwrap();

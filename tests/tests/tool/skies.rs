@@ -35,7 +35,7 @@ fn skies_are_taken_for_few_lights() {
         let text = std::fs::read_to_string(sandbox.path().join("fewer.toml")).unwrap();
         let fewer = environment_from_toml("fewer.toml", &text).unwrap();
         assert_eq!(fewer.lobes.len(), 4);
-        assert!((fewer.whole() / lights.whole() - 1.0).abs().max_element() < 1e-4, "{fewer:?}");
+        assert!((fewer.total() / lights.total() - 1.0).abs().max_element() < 1e-4, "{fewer:?}");
     }
     for (name, expected) in [
         ("broken/spiaggia_di_mondello_cut_in_header.hdr", "header: cannot be decoded"),

@@ -4,7 +4,7 @@
 use crate::tool::common::random::Random;
 use crate::tool::common::sample_package;
 use glam::Vec3;
-use pelage_bake::stages::hair_groups::{GuidesAtRest, RestSkin};
+use pelage_bake::stages::hair_groups::{GuidesAtRest, RestMesh};
 use pelage_formats::*;
 use pelage_tests::binary::Sandbox;
 use serde_json::Value;
@@ -52,7 +52,7 @@ fn group(name: &str) -> HairGroup {
     let guide = |i: usize| {
         let weights = [0.6, 0.3, 0.1];
         let points = (1..POINTS).map(|k| Vec3::new(0.01 * i as f32, -0.02, 0.1) * k as f32).collect();
-        (OnTriangle { triangle: i as u32 % 4, weights }, points)
+        (TrianglePoint { triangle: i as u32 % 4, weights }, points)
     };
     let mut group = HairGroup {
         name: name.into(),
@@ -145,10 +145,10 @@ fn stored(bytes: &[u8]) -> StoredStrands {
 /// Points of all guides of a group where the skin at rest has them.
 fn at_rest(bytes: &[u8], group: usize) -> Vec<Vec<Vec3>> {
     let package = Package::open(bytes, &Limits::default()).unwrap();
-    let (skin, groups) = (RestSkin::of(&package).unwrap(), package.hair_groups().unwrap());
+    let (skin, groups) = (RestMesh::of(&package).unwrap(), package.hair_groups().unwrap());
     let group = &groups[group];
     let offsets = group.guide_offsets.chunks(group.guide_points as usize - 1);
-    let points = |(root, offsets): (OnTriangle, &[[i16; 3]])| GuidesAtRest(&skin).points(&root, offsets, group.reach_m);
+    let points = |(root, offsets): (TrianglePoint, &[[i16; 3]])| GuidesAtRest(&skin).points(&root, offsets, group.reach_m);
     group.roots().zip(offsets).map(points).collect()
 }
 

@@ -9,7 +9,7 @@ use std::collections::HashSet;
 /// and lines from a vertex to itself are ignored.
 ///
 /// * `vertices`: greater than any index in `lines`
-pub fn joined(lines: &[[u32; 2]], vertices: usize) -> Vec<Vec<u32>> {
+pub fn join_lines(lines: &[[u32; 2]], vertices: usize) -> Vec<Vec<u32>> {
     let mut seen = HashSet::new();
     let is_new = |line: &[u32; 2]| line[0] != line[1] && seen.insert([line[0].min(line[1]), line[0].max(line[1])]);
     let lines: Vec<[u32; 2]> = lines.iter().copied().filter(is_new).collect();
@@ -67,19 +67,19 @@ mod tests {
 
     #[test]
     fn lines_that_share_ends_are_one_strand() {
-        assert_eq!(joined(&[[0, 1], [1, 2], [3, 4], [4, 5]], 6), [[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(join_lines(&[[0, 1], [1, 2], [3, 4], [4, 5]], 6), [[0, 1, 2], [3, 4, 5]]);
         // Lines in any order, some of them reversed.
-        assert_eq!(joined(&[[4, 5], [1, 2], [4, 3], [3, 2], [0, 1], [5, 6]], 7), [[0, 1, 2, 3, 4, 5, 6]]);
-        assert_eq!(joined(&[[1, 0], [2, 1]], 3), [[2, 1, 0]]);
-        assert_eq!(joined(&[], 0), [[0; 0]; 0]);
+        assert_eq!(join_lines(&[[4, 5], [1, 2], [4, 3], [3, 2], [0, 1], [5, 6]], 7), [[0, 1, 2, 3, 4, 5, 6]]);
+        assert_eq!(join_lines(&[[1, 0], [2, 1]], 3), [[2, 1, 0]]);
+        assert_eq!(join_lines(&[], 0), [[0; 0]; 0]);
     }
 
     #[test]
     fn forks_end_strands_and_rings_close() {
-        let mut found = joined(&[[0, 1], [1, 2], [1, 3], [3, 4]], 5);
+        let mut found = join_lines(&[[0, 1], [1, 2], [1, 3], [3, 4]], 5);
         found.sort();
         assert_eq!(found, [vec![0, 1], vec![1, 2], vec![1, 3, 4]]);
-        assert_eq!(joined(&[[0, 1], [1, 2], [2, 0]], 3), [[0, 1, 2, 0]]);
-        assert_eq!(joined(&[[0, 0], [0, 1], [1, 0]], 2), [[0, 1]], "a line alone, and one twice");
+        assert_eq!(join_lines(&[[0, 1], [1, 2], [2, 0]], 3), [[0, 1, 2, 0]]);
+        assert_eq!(join_lines(&[[0, 0], [0, 1], [1, 0]], 2), [[0, 1]], "a line alone, and one twice");
     }
 }

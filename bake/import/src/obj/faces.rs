@@ -85,7 +85,7 @@ impl Faces {
 
 /// Statements without meaning for fur, and the number of each.
 #[derive(Default)]
-struct LeftOut {
+struct IgnoredStatements {
     points: usize,
     lines: usize,
     free_form: usize,
@@ -118,7 +118,7 @@ struct Reader<'a> {
     /// Index of `part`, once a face has used it.
     part_index: Option<usize>,
     part_indices: HashMap<Part, usize>,
-    left_out: LeftOut,
+    left_out: IgnoredStatements,
 }
 
 impl Reader<'_> {

@@ -83,7 +83,7 @@ impl Library {
                     Err(reason) => notes.warn(format!("{reason}; left out")),
                 },
                 ("map_Kd", Some((_, entry))) => match texture_name(s) {
-                    Some(name) => entry.texture = Some((beside(file, &name), format!("{file}: line {}", s.line))),
+                    Some(name) => entry.texture = Some((sibling_path(file, &name), format!("{file}: line {}", s.line))),
                     None => notes.warn(format!("{file}: line {}: `map_Kd` names no file; left out", s.line)),
                 },
                 _ => {}
@@ -202,7 +202,7 @@ fn texture_name(s: &Statement<'_>) -> Option<String> {
 }
 
 /// Returns the path, relative to the model's folder, of a file that `file` names.
-fn beside(file: &str, name: &str) -> String {
+fn sibling_path(file: &str, name: &str) -> String {
     let (file, name) = (file.replace('\\', "/"), name.replace('\\', "/"));
     match file.rsplit_once('/') {
         Some((folder, _)) if !name.starts_with('/') => format!("{folder}/{name}"),
@@ -218,7 +218,7 @@ fn fetch(path: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
     if drive || path.starts_with('/') {
         return Err("it is an absolute path; expected a relative one: put the file beside the model".to_owned());
     }
-    source::beside(&source::path_as_uri(&path), resolve)
+    source::fetch_file(&source::path_as_uri(&path), resolve)
 }
 
 #[cfg(test)]
@@ -238,7 +238,7 @@ mod tests {
             let found = Statements::new(text).next().and_then(|s| texture_name(&s));
             assert_eq!(found.as_deref(), expected, "{text}");
         }
-        assert_eq!(beside("skins\\a.mtl", "b.png"), "skins/b.png");
-        assert_eq!(beside("a.mtl", "maps\\b.png"), "maps/b.png");
+        assert_eq!(sibling_path("skins\\a.mtl", "b.png"), "skins/b.png");
+        assert_eq!(sibling_path("a.mtl", "maps\\b.png"), "maps/b.png");
     }
 }

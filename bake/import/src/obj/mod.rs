@@ -14,7 +14,7 @@ mod materials;
 mod polygon;
 mod statements;
 
-use super::normals::{self, Shape};
+use super::normals::{self, NormalInput};
 use super::notes::Notes;
 use super::options::ImportOptions;
 use super::orient;
@@ -28,7 +28,7 @@ use materials::Library;
 use pelage_formats::Limits;
 use std::collections::HashMap;
 
-pub(super) use statements::begins_like_one;
+pub(super) use statements::begins_like_obj;
 
 /// Reads an OBJ model; arguments as for [`super::import`].
 pub(super) fn read(
@@ -41,7 +41,7 @@ pub(super) fn read(
     let text = statements::decode(file, bytes)?;
     let faces = Faces::read(file, &text, options.unit_m, &mut notes)?;
     let mut library = Library::read(&faces.libraries, resolve, &mut notes);
-    let mut pieces: Vec<Piece> = Vec::new();
+    let mut pieces: Vec<PartMesh> = Vec::new();
     // The map is only looked up: pieces keep the order of their first face in the file.
     let mut piece_of_part: Vec<Option<usize>> = vec![None; faces.parts.len()];
     let (mut vertices, mut corners) = (0, 0);
@@ -49,7 +49,7 @@ pub(super) fn read(
         let piece = *piece_of_part[face.part].get_or_insert_with(|| {
             let part = &faces.parts[face.part];
             let material = library.material(&part.material, resolve, &mut notes);
-            pieces.push(Piece::new(part.label(), part.names(), material));
+            pieces.push(PartMesh::new(part.label(), part.names(), material));
             pieces.len() - 1
         });
         let outline = &faces.corners[face.first..face.first + face.count];
@@ -65,17 +65,17 @@ pub(super) fn read(
             return Err(fault(file, face.line, reason));
         }
     }
-    let mut shapes: Vec<Shape<'_>> = pieces
+    let mut shapes: Vec<NormalInput<'_>> = pieces
         .iter_mut()
         .map(|p| {
             // An empty list means that the file has no normals, which needs no warning.
             if !p.has_normals {
                 p.normals.clear();
             }
-            Shape { label: &p.label, positions: &p.positions, triangles: &p.triangles, normals: &mut p.normals }
+            NormalInput { label: &p.label, positions: &p.positions, triangles: &p.triangles, normals: &mut p.normals }
         })
         .collect();
-    normals::complete(&mut notes, &mut shapes);
+    normals::complete_normals(&mut notes, &mut shapes);
     let mut mesh = Mesh::default();
     let mut authored = Vec::new();
     for piece in pieces {
@@ -90,7 +90,7 @@ pub(super) fn read(
 }
 
 /// Triangles of one part, with vertices of their own.
-struct Piece {
+struct PartMesh {
     label: String,
     names: Vec<String>,
     material: usize,
@@ -105,7 +105,7 @@ struct Piece {
     known: HashMap<Corner, u32>,
 }
 
-impl Piece {
+impl PartMesh {
     fn new(label: String, names: Vec<String>, material: usize) -> Self {
         Self {
             label,

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 /// A triangulated polygon.
 #[derive(Debug, PartialEq)]
-pub(super) struct Cut {
+pub(super) struct Triangulation {
     /// Corner indices of each triangle, from 0, in the polygon's own winding; always two fewer triangles than corners.
     pub triangles: Vec<[usize; 3]>,
     /// Whether the triangles cover the polygon once: false if it crosses itself, or is too large to be checked.
@@ -18,7 +18,7 @@ pub(super) struct Cut {
 const MOST_CORNERS: usize = 512;
 
 /// Triangulates the polygon with corners at `points`, at least 3.
-pub(super) fn triangulate(points: &[Vec3]) -> Cut {
+pub(super) fn triangulate(points: &[Vec3]) -> Triangulation {
     let n = points.len();
     if n <= 3 {
         return fan(n, true);
@@ -36,8 +36,8 @@ pub(super) fn triangulate(points: &[Vec3]) -> Cut {
     cut_ears(&flat)
 }
 
-fn fan(n: usize, clean: bool) -> Cut {
-    Cut { triangles: (2..n).map(|i| [0, i - 1, i]).collect(), clean }
+fn fan(n: usize, clean: bool) -> Triangulation {
+    Triangulation { triangles: (2..n).map(|i| [0, i - 1, i]).collect(), clean }
 }
 
 /// Projects the polygon along its normal, so that it turns left overall.
@@ -61,9 +61,9 @@ fn turn([a, b, c]: [DVec2; 3]) -> f64 {
     libm::atan2(into.perp_dot(out), into.dot(out))
 }
 
-fn cut_ears(flat: &[DVec2]) -> Cut {
+fn cut_ears(flat: &[DVec2]) -> Triangulation {
     let mut left: Vec<usize> = (0..flat.len()).collect();
-    let mut out = Cut { triangles: Vec::with_capacity(flat.len() - 2), clean: true };
+    let mut out = Triangulation { triangles: Vec::with_capacity(flat.len() - 2), clean: true };
     // Starting where the last ear was cut spreads the triangles instead of fanning them around one corner.
     let mut start = 0;
     while left.len() > 3 {
@@ -109,7 +109,7 @@ mod tests {
     }
 
     /// Returns twice the summed area of all triangles, and twice the area of the polygon, both in the plane.
-    fn areas(points: &[(f32, f32)], cut: &Cut) -> (f64, f64) {
+    fn areas(points: &[(f32, f32)], cut: &Triangulation) -> (f64, f64) {
         let p: Vec<DVec2> = points.iter().map(|(x, y)| DVec2::new((*x).into(), (*y).into())).collect();
         let triangles = cut.triangles.iter().map(|t| twice_area(t.map(|i| p[i])));
         assert!(triangles.clone().all(|a| a >= -1e-9), "a triangle is turned over: {cut:?}");

@@ -50,7 +50,7 @@ pub(super) const KEYWORDS: &[&str] = &[
 ];
 
 /// Returns whether the first statement with arguments in `bytes` is one of OBJ.
-pub(crate) fn begins_like_one(bytes: &[u8]) -> bool {
+pub(crate) fn begins_like_obj(bytes: &[u8]) -> bool {
     // Header comments are rarely longer; a text without a statement up to here is identified by its extension.
     let head = &bytes[..bytes.len().min(1 << 16)];
     // A 16-bit character may be cut at the end; the text before it suffices.
@@ -241,7 +241,7 @@ mod tests {
             (b"# only a comment", false),
             (b"", false),
         ] {
-            assert_eq!(begins_like_one(text), expected, "{:?}", text.escape_ascii().to_string());
+            assert_eq!(begins_like_obj(text), expected, "{:?}", text.escape_ascii().to_string());
         }
     }
 }

@@ -35,7 +35,7 @@ impl Scale {
     }
 
     /// Returns the position of a value along the axis, 0..=1.
-    pub fn place(&self, value: f64) -> f64 {
+    pub fn position(&self, value: f64) -> f64 {
         let (a, b) = (self.range.start, self.range.end);
         if self.log { (value / a).ln() / (b / a).ln() } else { (value - a) / (b - a) }
     }
@@ -82,10 +82,10 @@ mod tests {
         {
             let scale = Scale::of(values.iter().copied());
             let held = values.iter().filter(|v| v.is_finite());
-            assert!(held.into_iter().all(|v| (-1e-9..=1.0).contains(&scale.place(*v))), "{values:?}");
+            assert!(held.into_iter().all(|v| (-1e-9..=1.0).contains(&scale.position(*v))), "{values:?}");
             let Ticks { major, minor } = scale.ticks();
             assert!((2..=20).contains(&major.len()), "{values:?}: {major:?}");
-            assert!(major.iter().chain(&minor).all(|t| (-1e-9..=1.0 + 1e-9).contains(&scale.place(*t))), "{values:?}");
+            assert!(major.iter().chain(&minor).all(|t| (-1e-9..=1.0 + 1e-9).contains(&scale.position(*t))), "{values:?}");
             assert!(minor.iter().all(|t| !major.contains(t)), "{values:?}");
         }
     }

@@ -7,11 +7,11 @@
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::stages::detail::{has_coat, levels};
-use pelage_bake::stages::textures::Coat;
+use pelage_bake::stages::detail::{has_far_layer, levels};
+use pelage_bake::stages::slice::FarFurStats;
 use pelage_import::BakeError;
 use pelage_stage::LookDetail;
-use pelage_tool::shell_judge::Measured;
+use pelage_tool::shell_judge::SettingMeasurements;
 
 /// Picture size relative to the recipe's `[judge]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +44,7 @@ pub const TILES: [u32; 4] = [32, 64, 128, 256];
 
 /// Parameters of one measurement: content and picture size.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct DetailConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Value of the varied setting, shown beside the mark.
@@ -110,19 +110,19 @@ pub fn panels(counted: bool) -> Vec<Panel> {
 /// # Errors
 ///
 /// Same as [`Recipe::set`]; cannot occur with a valid base.
-pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
+pub fn configurations(base: &Recipe) -> Result<Vec<DetailConfiguration>, BakeError> {
     let mut unsimplified = base.clone();
     unsimplified.set("detail.simplified=false")?;
-    let coat = has_coat(base).then(Coat::default);
+    let coat = has_far_layer(base).then(FarFurStats::default);
     let chain = levels(&base.detail, base.slice.layers, coat.as_ref());
     // Towards the far coat, at step 0, all layers vanish at once, so its level is left out.
     let last = chain.iter().filter(|level| level.step > 0).count().saturating_sub(1);
-    let mut out: Vec<Configuration> = Vec::new();
+    let mut out: Vec<DetailConfiguration> = Vec::new();
     for size in 0..Size::ALL.len() {
         let mut add = |series, label: String, detail, recipe: &Recipe| {
             if out.iter().all(|c| (c.size, c.detail, &c.recipe) != (size, detail, recipe)) {
                 let default = detail == LookDetail::Auto && recipe == base;
-                out.push(Configuration { series, label, size, detail, recipe: recipe.clone(), default });
+                out.push(DetailConfiguration { series, label, size, detail, recipe: recipe.clone(), default });
             }
         };
         add("auto: as much as the picture shows", "auto".into(), LookDetail::Auto, base);
@@ -143,7 +143,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
 
 /// Values that all rows of a size share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Seen {
+pub struct DetailSizeFacts {
     /// Width and height of the picture, pixels.
     pub pixels: (u32, u32),
     /// Height of the fur at the nearest point of the model, pixels; `None` without fur or levels of detail.
@@ -153,7 +153,7 @@ pub struct Seen {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
-pub fn cells(configuration: &Configuration, seen: &Seen, m: &Measured, timing: &str) -> Vec<Cell> {
+pub fn cells(configuration: &DetailConfiguration, seen: &DetailSizeFacts, m: &SettingMeasurements, timing: &str) -> Vec<Cell> {
     let number = |x: f64| Cell::Number(x);
     vec![
         Cell::Text(configuration.label.clone()),
@@ -182,7 +182,7 @@ mod tests {
     use super::*;
     use crate::chart::{Chart, Row};
 
-    fn all(base: &Recipe) -> Vec<Configuration> {
+    fn all(base: &Recipe) -> Vec<DetailConfiguration> {
         configurations(base).expect("a valid base")
     }
 
@@ -197,7 +197,7 @@ mod tests {
             assert!(rows[0].default && rows[0].detail == LookDetail::Auto && rows[0].recipe == base);
             assert_eq!(rows.iter().filter(|c| c.default).count(), 1);
             let drawn = |detail, tile: u32, lists: bool| {
-                let alike = |c: &&&Configuration| {
+                let alike = |c: &&&DetailConfiguration| {
                     (c.detail, c.recipe.slice.tile_texels, c.recipe.detail.simplified) == (detail, tile, lists)
                 };
                 rows.iter().filter(alike).count()
@@ -240,10 +240,10 @@ mod tests {
 
     #[test]
     fn each_row_has_a_cell_for_each_column_and_one_panel() {
-        let measured = Measured { flip: 0.5, fragments: Some(9), frame_ms: 1.0, ..Measured::default() };
+        let measured = SettingMeasurements { flip: 0.5, fragments: Some(9), frame_ms: 1.0, ..SettingMeasurements::default() };
         let base = Recipe::default();
-        let row = |c: &Configuration| {
-            let cells = cells(c, &Seen::default(), &measured, "timestamp-query");
+        let row = |c: &DetailConfiguration| {
+            let cells = cells(c, &DetailSizeFacts::default(), &measured, "timestamp-query");
             assert_eq!(cells.len(), COLUMNS.len());
             let cell = |name| &cells[COLUMNS.iter().position(|column| *column == name).expect("a column")];
             assert_eq!((cell("flip"), cell("fragments")), (&Cell::Number(0.5), &Cell::Number(9.0)));

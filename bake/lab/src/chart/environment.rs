@@ -13,10 +13,10 @@ use glam::DVec3;
 use pelage_bake::noise::{hash, uniform};
 use pelage_formats::FibreOptics;
 use pelage_formats::meaning::environment::{Environment, brightness};
-use pelage_formats::meaning::scattering::azimuthal::Glint;
-use pelage_formats::meaning::scattering::broad::{BELOW, BroadSize, BroadTables, HalfLight, LEAST_MEAN, mean_of_half};
-use pelage_formats::meaning::scattering::gaussian_light::{BroadlyLit, GaussianLight};
-use pelage_formats::meaning::scattering::{Angles, Around, Fibre};
+use pelage_formats::meaning::scattering::azimuthal::GlintShape;
+use pelage_formats::meaning::scattering::broad::{HORIZON_SINE, BroadSize, BroadTables, CutGaussianLight, LEAST_MEAN, mean_of_half};
+use pelage_formats::meaning::scattering::gaussian_light::{BroadlyLitFibre, GaussianLight};
+use pelage_formats::meaning::scattering::{Angles, AzimuthalScattering, Fibre};
 use pelage_stage::sky::{FitParams, Panorama};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -58,7 +58,7 @@ const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
 
 /// Method of lighting a fibre by an environment map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
+pub enum MapLighting {
     /// Single light about the mean direction of all light above the mesh surface, by tables of that size; the map is
     /// fitted with that number of lobes.
     OneLight(usize, BroadSize),
@@ -76,7 +76,7 @@ pub enum Form {
 
 /// Method of lighting a fibre by a single light, with no mesh surface in the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SingleForm {
+pub enum SingleLighting {
     /// Integral of the light.
     Exact,
     /// By the tables, for the part of the light that they cover.
@@ -90,11 +90,11 @@ pub const WIDTHS: [f64; 5] = [8.0, 10.0, 20.0, 40.0, 80.0];
 
 /// Parameters of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Configuration {
+pub enum EnvironmentConfiguration {
     /// Index of an environment map, and a method.
-    Sky(usize, Form),
+    Sky(usize, MapLighting),
     /// Width of a single light, and a method.
-    Single(f64, SingleForm),
+    Single(f64, SingleLighting),
 }
 
 /// Returns the table size used in frames.
@@ -103,50 +103,50 @@ fn default_size() -> BroadSize {
 }
 
 /// Lists what to measure under `skies` environment maps.
-pub fn configurations(skies: usize) -> Vec<Configuration> {
+pub fn configurations(skies: usize) -> Vec<EnvironmentConfiguration> {
     let size = |means, to, from, phi| BroadSize { means, to, from, phi };
-    let mut forms: Vec<Form> = [4, 8, 16, 32].map(|lobes| Form::OneLight(lobes, default_size())).into();
-    forms.extend([size(4, 12, 12, 8), size(8, 32, 32, 24), size(12, 48, 48, 32)].map(|size| Form::OneLight(16, size)));
-    forms.extend([4, 8, 16, 32].map(Form::Tables));
-    forms.extend([4, 16].map(Form::Exact));
-    forms.extend([4, 16].map(Form::Printed));
-    forms.extend([16, 64, 256].map(Form::Samples));
-    forms.push(Form::Constant);
+    let mut forms: Vec<MapLighting> = [4, 8, 16, 32].map(|lobes| MapLighting::OneLight(lobes, default_size())).into();
+    forms.extend([size(4, 12, 12, 8), size(8, 32, 32, 24), size(12, 48, 48, 32)].map(|size| MapLighting::OneLight(16, size)));
+    forms.extend([4, 8, 16, 32].map(MapLighting::Tables));
+    forms.extend([4, 16].map(MapLighting::Exact));
+    forms.extend([4, 16].map(MapLighting::Printed));
+    forms.extend([16, 64, 256].map(MapLighting::Samples));
+    forms.push(MapLighting::Constant);
     let mut all: Vec<_> =
-        (0..skies).flat_map(|sky| forms.iter().map(move |form| Configuration::Sky(sky, *form))).collect();
+        (0..skies).flat_map(|sky| forms.iter().map(move |form| EnvironmentConfiguration::Sky(sky, *form))).collect();
     for width in WIDTHS {
         all.extend(
-            [SingleForm::Exact, SingleForm::Tables, SingleForm::Printed].map(|form| Configuration::Single(width, form)),
+            [SingleLighting::Exact, SingleLighting::Tables, SingleLighting::Printed].map(|form| EnvironmentConfiguration::Single(width, form)),
         );
     }
     all
 }
 
-impl Configuration {
+impl EnvironmentConfiguration {
     /// Returns the varied setting and its value.
     pub fn labels(&self) -> (&'static str, String) {
         let lobes = |n: usize| format!("{n} lobes");
         match self {
             Self::Sky(_, form) => match form {
-                Form::OneLight(n, size) if *size == default_size() => ("one broad light", lobes(*n)),
-                Form::OneLight(_, BroadSize { means, to, from, phi }) => {
+                MapLighting::OneLight(n, size) if *size == default_size() => ("one broad light", lobes(*n)),
+                MapLighting::OneLight(_, BroadSize { means, to, from, phi }) => {
                     ("one broad light, tables", format!("{means}x{to}x{from}x{phi}"))
                 }
-                Form::Tables(n) => ("a lobe at a time, tables", lobes(*n)),
-                Form::Exact(n) => ("a lobe at a time, exact", lobes(*n)),
-                Form::Printed(n) => ("a lobe at a time, as printed", lobes(*n)),
-                Form::Samples(n) => ("samples by luminance", n.to_string()),
-                Form::Constant => ("constant ambient light", String::new()),
+                MapLighting::Tables(n) => ("a lobe at a time, tables", lobes(*n)),
+                MapLighting::Exact(n) => ("a lobe at a time, exact", lobes(*n)),
+                MapLighting::Printed(n) => ("a lobe at a time, as printed", lobes(*n)),
+                MapLighting::Samples(n) => ("samples by luminance", n.to_string()),
+                MapLighting::Constant => ("constant ambient light", String::new()),
             },
-            Self::Single(_, SingleForm::Exact) => ("a single light, exact", String::new()),
-            Self::Single(_, SingleForm::Tables) => ("a single light, tables", String::new()),
-            Self::Single(_, SingleForm::Printed) => ("a single light, as printed", String::new()),
+            Self::Single(_, SingleLighting::Exact) => ("a single light, exact", String::new()),
+            Self::Single(_, SingleLighting::Tables) => ("a single light, tables", String::new()),
+            Self::Single(_, SingleLighting::Printed) => ("a single light, as printed", String::new()),
         }
     }
 
     /// Whether this is what a frame does.
     pub fn is_default(&self) -> bool {
-        matches!(self, Self::Sky(_, Form::OneLight(16, size)) if *size == default_size())
+        matches!(self, Self::Sky(_, MapLighting::OneLight(16, size)) if *size == default_size())
     }
 
     /// Returns the number of texture fetches per point in a frame.
@@ -154,18 +154,18 @@ impl Configuration {
         // Total light, its direction and its irradiance; then the samples between two means and two angles to the eye.
         // A single direction needs two tables.
         match self {
-            Self::Sky(_, Form::OneLight(..)) => Some(3 + 4),
-            Self::Sky(_, Form::Tables(n)) => Some(4 * (n + 1)),
-            Self::Sky(_, Form::Samples(n)) => Some(2 * n),
-            Self::Sky(_, Form::Constant) => Some(4),
-            Self::Sky(_, Form::Exact(_) | Form::Printed(_)) | Self::Single(..) => None,
+            Self::Sky(_, MapLighting::OneLight(..)) => Some(3 + 4),
+            Self::Sky(_, MapLighting::Tables(n)) => Some(4 * (n + 1)),
+            Self::Sky(_, MapLighting::Samples(n)) => Some(2 * n),
+            Self::Sky(_, MapLighting::Constant) => Some(4),
+            Self::Sky(_, MapLighting::Exact(_) | MapLighting::Printed(_)) | Self::Single(..) => None,
         }
     }
 
     fn bytes(&self) -> Option<usize> {
         match self {
-            Self::Sky(_, Form::OneLight(_, size)) => Some(8 * size.texels()),
-            Self::Sky(_, Form::Tables(_) | Form::Constant) => Some(8 * default_size().texels()),
+            Self::Sky(_, MapLighting::OneLight(_, size)) => Some(8 * size.texels()),
+            Self::Sky(_, MapLighting::Tables(_) | MapLighting::Constant) => Some(8 * default_size().texels()),
             _ => None,
         }
     }
@@ -204,28 +204,28 @@ fn points() -> Vec<Point> {
 }
 
 fn smooth(width_deg: f64, optics: &FibreOptics) -> Fibre {
-    Fibre { around: Around::Smooth(Glint { width: width_deg.to_radians(), ..Glint::default() }), ..optics.fibre() }
+    Fibre { around: AzimuthalScattering::Smooth(GlintShape { width: width_deg.to_radians(), ..GlintShape::default() }), ..optics.fibre() }
 }
 
 /// Returns the light that a fibre scatters from one direction.
-fn of_direction(fibre: &Fibre, point: &Point, towards: DVec3) -> f64 {
+fn scatter_from(fibre: &Fibre, point: &Point, towards: DVec3) -> f64 {
     fibre.scatter([point.sigma; 3], &Angles::between(point.tip, towards, point.eye))[0]
 }
 
 /// Filters lights, as (direction, luminance), to those visible from hair on a surface with this normal.
 fn above<'a>(lights: &'a [(DVec3, f64)], normal: DVec3) -> impl Iterator<Item = (DVec3, f64)> + 'a {
-    lights.iter().copied().filter(move |(way, _)| normal.dot(*way) > -BELOW)
+    lights.iter().copied().filter(move |(way, _)| normal.dot(*way) > -HORIZON_SINE)
 }
 
 /// True scattered light at each point under an environment map.
-pub struct Truth {
+pub struct EnvironmentTruth {
     points: Vec<Point>,
     cells: Vec<(DVec3, f64)>,
     expected: Vec<f64>,
     mean_radiance: f64,
 }
 
-impl Truth {
+impl EnvironmentTruth {
     /// Computes the truth for an environment map.
     pub fn new(sky: &NamedSky) -> Self {
         let points = points();
@@ -233,10 +233,10 @@ impl Truth {
         let fibres = FIBRES.map(|optics| optics.fibre());
         let of = |point: &Point| {
             let fibre = &fibres[point.fibre];
-            above(&cells, point.normal).map(|(way, light)| light * of_direction(fibre, point, way)).sum()
+            above(&cells, point.normal).map(|(way, light)| light * scatter_from(fibre, point, way)).sum()
         };
         let expected = points.par_iter().map(of).collect();
-        let mean_radiance = brightness(sky.panorama.whole()) / (4.0 * PI);
+        let mean_radiance = brightness(sky.panorama.total()) / (4.0 * PI);
         Self { points, cells, expected, mean_radiance }
     }
 }
@@ -249,7 +249,7 @@ fn cells_of(panorama: &Panorama) -> Vec<(DVec3, f64)> {
     let (width, height) = coarse.size();
     // A map with fewer pixels has no finer cells.
     let parted = if fine.size() == (PARTED * width, PARTED * height) { PARTED } else { 1 };
-    let bright = BRIGHT * brightness(panorama.whole());
+    let bright = BRIGHT * brightness(panorama.total());
     let mut out = Vec::new();
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         let whole = of(&coarse, x, y);
@@ -265,7 +265,7 @@ fn cells_of(panorama: &Panorama) -> Vec<(DVec3, f64)> {
 
 /// Error of a method, and its time per point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Off {
+pub struct EnvironmentAccuracy {
     /// Relative L2 error.
     pub error: f64,
     /// Mean over the truth's, less 1.
@@ -274,9 +274,9 @@ pub struct Off {
     pub seconds: f64,
 }
 
-fn compared(pairs: &[(f64, f64)], seconds: f64) -> Off {
+fn accuracy(pairs: &[(f64, f64)], seconds: f64) -> EnvironmentAccuracy {
     let sum = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>();
-    Off {
+    EnvironmentAccuracy {
         error: (sum(|(found, truth)| (found - truth) * (found - truth)) / sum(|(_, truth)| truth * truth)).sqrt(),
         mean: sum(|(found, _)| *found) / sum(|(_, truth)| *truth) - 1.0,
         seconds,
@@ -299,15 +299,15 @@ fn timed(count: usize, mut of: impl FnMut(usize) -> f64) -> (Vec<f64>, f64) {
 }
 
 /// Measures a method under an environment map.
-pub fn off_sky(form: Form, sky: &NamedSky, truth: &Truth) -> Off {
+pub fn measure_map(form: MapLighting, sky: &NamedSky, truth: &EnvironmentTruth) -> EnvironmentAccuracy {
     let fit = |lobes| sky.panorama.fit(FitParams { lobes, ..FitParams::default() }).environment;
     let fibres = FIBRES.map(|optics| optics.fibre());
     let sun_of = |environment: &Environment, point: &Point| {
         environment.sun.map_or(0.0, |sun| {
             let towards = DVec3::from(sun.towards.map(f64::from)).normalize_or(DVec3::Y);
             let light = PI * brightness(DVec3::from(sun.color.map(f64::from)));
-            if point.normal.dot(towards) > -BELOW {
-                light * of_direction(&fibres[point.fibre], point, towards)
+            if point.normal.dot(towards) > -HORIZON_SINE {
+                light * scatter_from(&fibres[point.fibre], point, towards)
             } else {
                 0.0
             }
@@ -316,13 +316,13 @@ pub fn off_sky(form: Form, sky: &NamedSky, truth: &Truth) -> Off {
     let tables_of = |size| FIBRES.map(|optics| BroadTables::new(&optics.fibre(), size));
     let points = &truth.points;
     let (values, seconds) = match form {
-        Form::OneLight(lobes, size) => {
+        MapLighting::OneLight(lobes, size) => {
             let (environment, tables) = (fit(lobes), tables_of(size));
             let lights = directions(&environment);
             let means: Vec<(f64, DVec3)> = points.iter().map(|point| mean_of(&lights, point.normal)).collect();
             timed(points.len(), |i| {
                 let (point, (whole, middle)) = (&points[i], means[i]);
-                let light = HalfLight {
+                let light = CutGaussianLight {
                     towards: middle.normalize_or(point.normal),
                     mean: middle.length().clamp(LEAST_MEAN, 1.0),
                 };
@@ -330,38 +330,38 @@ pub fn off_sky(form: Form, sky: &NamedSky, truth: &Truth) -> Off {
                 whole / light.whole() * sent + sun_of(&environment, point)
             })
         }
-        Form::Tables(lobes) => {
+        MapLighting::Tables(lobes) => {
             let (environment, tables) = (fit(lobes), tables_of(default_size()));
             let shares = shares(&environment, points);
             timed(points.len(), |i| {
                 let point = &points[i];
                 let tables = &tables[point.fibre];
-                let of = |light: &HalfLight| tables.scatter([point.sigma; 3], point.tip, light, point.eye)[0];
+                let of = |light: &CutGaussianLight| tables.scatter([point.sigma; 3], point.tip, light, point.eye)[0];
                 let lobe = |(lobe, share): (&pelage_stage::sky::LightLobe, &f64)| {
                     let light = lobe.light();
-                    let half = HalfLight { towards: light.towards, mean: mean_of_half(light.sharpness) };
+                    let half = CutGaussianLight { towards: light.towards, mean: mean_of_half(light.sharpness) };
                     share * radiance(lobe) * light.whole() / half.whole() * of(&half)
                 };
                 environment.lobes.iter().zip(&shares[i]).map(lobe).sum::<f64>()
                     + brightness(DVec3::from(environment.even.map(f64::from)))
-                        * of(&HalfLight { towards: point.normal, mean: LEAST_MEAN })
+                        * of(&CutGaussianLight { towards: point.normal, mean: LEAST_MEAN })
                     + sun_of(&environment, point)
             })
         }
-        Form::Exact(lobes) => {
-            let exact = fibres.map(|fibre| BroadlyLit::new(&fibre));
+        MapLighting::Exact(lobes) => {
+            let exact = fibres.map(|fibre| BroadlyLitFibre::new(&fibre));
             by_lobes(&fit(lobes), points, &sun_of, &|point, light| {
                 exact[point.fibre].scatter([point.sigma; 3], point.tip, light, point.eye)[0]
             })
         }
-        Form::Printed(lobes) => {
-            let printed = fibres.map(|fibre| SIGMAS.map(|sigma| PrintedLight::new(&as_smooth(&fibre), sigma)));
+        MapLighting::Printed(lobes) => {
+            let printed = fibres.map(|fibre| SIGMAS.map(|sigma| PrintedLight::new(&to_smooth(&fibre), sigma)));
             by_lobes(&fit(lobes), points, &sun_of, &|point, light| {
                 let sigma = SIGMAS.iter().position(|sigma| *sigma == point.sigma).unwrap_or(0);
                 printed[point.fibre][sigma].scatter(point.tip, light, point.eye)
             })
         }
-        Form::Samples(count) => {
+        MapLighting::Samples(count) => {
             let all: f64 = truth.cells.iter().map(|(_, light)| light).sum();
             let mut sums = Vec::with_capacity(truth.cells.len());
             let mut sum = 0.0;
@@ -375,8 +375,8 @@ pub fn off_sky(form: Form, sky: &NamedSky, truth: &Truth) -> Off {
                     let place = (k as f64 + f64::from(uniform(seed, k as u64))) / count as f64 * all;
                     let cell = sums.partition_point(|sum| *sum < place).min(sums.len() - 1);
                     let towards = truth.cells[cell].0;
-                    if point.normal.dot(towards) > -BELOW {
-                        of_direction(&fibres[point.fibre], point, towards)
+                    if point.normal.dot(towards) > -HORIZON_SINE {
+                        scatter_from(&fibres[point.fibre], point, towards)
                     } else {
                         0.0
                     }
@@ -384,27 +384,27 @@ pub fn off_sky(form: Form, sky: &NamedSky, truth: &Truth) -> Off {
                 (0..count).map(sample).sum::<f64>() * all / count as f64
             })
         }
-        Form::Constant => {
+        MapLighting::Constant => {
             let tables = tables_of(default_size());
             timed(points.len(), |i| {
                 let point = &points[i];
-                let light = HalfLight { towards: point.normal, mean: LEAST_MEAN };
+                let light = CutGaussianLight { towards: point.normal, mean: LEAST_MEAN };
                 truth.mean_radiance * tables[point.fibre].scatter([point.sigma; 3], point.tip, &light, point.eye)[0]
             })
         }
     };
     let pairs: Vec<(f64, f64)> = values.into_iter().zip(truth.expected.iter().copied()).collect();
-    compared(&pairs, seconds)
+    accuracy(&pairs, seconds)
 }
 
 /// Converts a rough fibre to the printed form's: smooth, with glints of the same width.
-fn as_smooth(fibre: &Fibre) -> Fibre {
+fn to_smooth(fibre: &Fibre) -> Fibre {
     match fibre.around {
-        Around::Rough(scale) => {
+        AzimuthalScattering::Rough(scale) => {
             let width = scale * PI / 3.0_f64.sqrt();
-            Fibre { around: Around::Smooth(Glint { width, ..Glint::default() }), ..*fibre }
+            Fibre { around: AzimuthalScattering::Smooth(GlintShape { width, ..GlintShape::default() }), ..*fibre }
         }
-        Around::Smooth(_) => *fibre,
+        AzimuthalScattering::Smooth(_) => *fibre,
     }
 }
 
@@ -454,7 +454,7 @@ fn by_lobes(
 ) -> (Vec<f64>, f64) {
     let shares = shares(environment, points);
     let even = GaussianLight { towards: DVec3::Y, sharpness: 0.0 };
-    let above = 0.5 * (1.0 + BELOW);
+    let above = 0.5 * (1.0 + HORIZON_SINE);
     timed(points.len(), |i| {
         let point = &points[i];
         let lobes = environment.lobes.iter().zip(&shares[i]);
@@ -466,7 +466,7 @@ fn by_lobes(
 
 /// Measures a method under single lights of that width: two absorptions, two smooth fibres, three view directions,
 /// twenty light directions, 240 in all.
-pub fn off_single(form: SingleForm, width_deg: f64) -> Off {
+pub fn measure_single(form: SingleLighting, width_deg: f64) -> EnvironmentAccuracy {
     let sharpness = width_deg.to_radians().powi(-2);
     let fibres: Vec<Fibre> = [5.0, 15.0].map(|width| smooth(width, &FIBRES[0])).into();
     let sigmas = [0.0, 0.3];
@@ -485,34 +485,34 @@ pub fn off_single(form: SingleForm, width_deg: f64) -> Off {
             }
         }
     }
-    let half = form == SingleForm::Tables;
+    let half = form == SingleLighting::Tables;
     let brute = |&(fibre, sigma, eye, towards): &(usize, usize, DVec3, DVec3)| {
         single_truth(&fibres[fibre], sigmas[sigma], eye, &GaussianLight { towards, sharpness }, half)
     };
     let expected: Vec<f64> = cases.par_iter().map(brute).collect();
-    let exact: Vec<BroadlyLit> = fibres.iter().map(BroadlyLit::new).collect();
+    let exact: Vec<BroadlyLitFibre> = fibres.iter().map(BroadlyLitFibre::new).collect();
     let tables: Vec<BroadTables> = match form {
-        SingleForm::Tables => fibres.iter().map(|fibre| BroadTables::new(fibre, default_size())).collect(),
+        SingleLighting::Tables => fibres.iter().map(|fibre| BroadTables::new(fibre, default_size())).collect(),
         _ => Vec::new(),
     };
     let printed: Vec<[PrintedLight; 2]> = match form {
-        SingleForm::Printed => fibres.iter().map(|fibre| sigmas.map(|sigma| PrintedLight::new(fibre, sigma))).collect(),
+        SingleLighting::Printed => fibres.iter().map(|fibre| sigmas.map(|sigma| PrintedLight::new(fibre, sigma))).collect(),
         _ => Vec::new(),
     };
     let (values, seconds) = timed(cases.len(), |i| {
         let (fibre, sigma, eye, towards) = cases[i];
         let light = GaussianLight { towards, sharpness };
         match form {
-            SingleForm::Exact => exact[fibre].scatter([sigmas[sigma]; 3], DVec3::Y, &light, eye)[0],
-            SingleForm::Tables => {
-                let half = HalfLight { towards, mean: mean_of_half(sharpness) };
+            SingleLighting::Exact => exact[fibre].scatter([sigmas[sigma]; 3], DVec3::Y, &light, eye)[0],
+            SingleLighting::Tables => {
+                let half = CutGaussianLight { towards, mean: mean_of_half(sharpness) };
                 tables[fibre].scatter([sigmas[sigma]; 3], DVec3::Y, &half, eye)[0]
             }
-            SingleForm::Printed => printed[fibre][sigma].scatter(DVec3::Y, &light, eye),
+            SingleLighting::Printed => printed[fibre][sigma].scatter(DVec3::Y, &light, eye),
         }
     });
     let pairs: Vec<(f64, f64)> = values.into_iter().zip(expected).collect();
-    compared(&pairs, seconds)
+    accuracy(&pairs, seconds)
 }
 
 /// Integrates numerically over all directions. `half`: only over the part that the tables cover.
@@ -534,7 +534,7 @@ fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, ha
         for k in 0..STEPS.1 {
             let phi = turn * (k as f64 + 0.5) - PI;
             let way = DVec3::new(cos * libm::cos(phi), sin, cos * libm::sin(phi));
-            if half && way.dot(light.towards) <= -BELOW {
+            if half && way.dot(light.towards) <= -HORIZON_SINE {
                 continue;
             }
             let near = light.radiance(way);
@@ -544,7 +544,7 @@ fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, ha
             let angles = Angles::between(DVec3::Y, way, eye);
             let mut sent = rest;
             for (p, along) in along.iter().take(3).enumerate() {
-                section.ways(p as u32, angles.phi, &mut |way| sent += along * way.left(sigma));
+                section.contributions(p as u32, angles.phi, &mut |way| sent += along * way.attenuated(sigma));
             }
             sum += sent * near * cos * step * turn;
         }
@@ -553,10 +553,10 @@ fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, ha
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]. `sky`: name of the environment map.
-pub fn cells(configuration: &Configuration, sky: &str, off: &Off) -> Vec<Cell> {
+pub fn cells(configuration: &EnvironmentConfiguration, sky: &str, off: &EnvironmentAccuracy) -> Vec<Cell> {
     let name = match configuration {
-        Configuration::Sky(..) => sky.into(),
-        Configuration::Single(width, _) => format!("one light of {width} degrees"),
+        EnvironmentConfiguration::Sky(..) => sky.into(),
+        EnvironmentConfiguration::Single(width, _) => format!("one light of {width} degrees"),
     };
     let optional = |x: Option<usize>| x.map_or(Cell::Empty, |x| Cell::Number(x as f64));
     vec![
@@ -576,8 +576,8 @@ mod tests {
 
     #[test]
     fn a_single_light_is_as_near_as_it_is_said_to_be() {
-        let exact = off_single(SingleForm::Exact, 40.0);
-        let printed = off_single(SingleForm::Printed, 10.0);
+        let exact = measure_single(SingleLighting::Exact, 40.0);
+        let printed = measure_single(SingleLighting::Printed, 10.0);
         assert!(exact.error < 0.01 && exact.mean.abs() < 0.01, "{exact:?}");
         assert!(printed.error > 0.02 && printed.error < 0.5, "{printed:?}");
     }
@@ -585,12 +585,12 @@ mod tests {
     #[test]
     fn one_light_for_a_sky_is_nearer_than_constant_light() {
         let sky = &painted().expect("skies")[0];
-        let truth = Truth::new(sky);
-        let of = |form| off_sky(form, sky, &truth);
-        let [one, lobes, constant] = [Form::OneLight(16, default_size()), Form::Tables(16), Form::Constant].map(of);
+        let truth = EnvironmentTruth::new(sky);
+        let of = |form| measure_map(form, sky, &truth);
+        let [one, lobes, constant] = [MapLighting::OneLight(16, default_size()), MapLighting::Tables(16), MapLighting::Constant].map(of);
         assert!(lobes.error < one.error && one.error < 0.5 * constant.error, "{lobes:?} {one:?} {constant:?}");
         assert!(one.mean.abs() < 0.1, "{one:?}");
-        assert!(of(Form::Samples(256)).error < of(Form::Samples(16)).error);
+        assert!(of(MapLighting::Samples(256)).error < of(MapLighting::Samples(16)).error);
         let all = configurations(1);
         assert_eq!(all.iter().filter(|configuration| configuration.is_default()).count(), 1);
         assert_eq!(cells(&all[0], "sky", &one).len(), COLUMNS.len());

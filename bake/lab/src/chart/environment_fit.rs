@@ -4,7 +4,7 @@ use super::skies::NamedSky;
 use super::{Cell, Panel};
 use glam::DVec3;
 use pelage_formats::meaning::environment::brightness;
-use pelage_stage::sky::{Environment, FitParams, Fitted, Panorama};
+use pelage_stage::sky::{Environment, FitParams, FitResult, Panorama};
 
 /// Numbers of lobes.
 pub const LOBES: [usize; 9] = [0, 1, 2, 4, 8, 12, 16, 24, 32];
@@ -44,10 +44,10 @@ pub fn true_irradiance(panorama: &Panorama) -> Vec<DVec3> {
         .flat_map(|row| (0..width).map(move |column| (column, row)))
         .map(|(column, row)| (cells.towards(column, row), cells.at(column, row) * cells.solid_angle(row)))
         .collect();
-    of_lights(&lights, None)
+    irradiance_by_lights(&lights, None)
 }
 
-fn of_lights(lights: &[(DVec3, DVec3)], environment: Option<&Environment>) -> Vec<DVec3> {
+fn irradiance_by_lights(lights: &[(DVec3, DVec3)], environment: Option<&Environment>) -> Vec<DVec3> {
     let normals = (0..NORMALS).map(|i| even_direction(i, NORMALS));
     let sun = environment.and_then(|environment| environment.sun);
     let of = |normal: DVec3| {
@@ -70,14 +70,14 @@ pub(super) fn even_direction(i: u32, count: u32) -> DVec3 {
 }
 
 /// Fits an environment map with that number of lobes.
-pub fn fit(sky: &NamedSky, lobes: usize) -> Fitted {
+pub fn fit(sky: &NamedSky, lobes: usize) -> FitResult {
     sky.panorama.fit(FitParams { lobes, ..FitParams::default() })
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`].
 ///
 /// * `truth`: result of [`true_irradiance`]
-pub fn cells(sky: &NamedSky, lobes: usize, fitted: &Fitted, truth: &[DVec3], seconds: f64) -> Vec<Cell> {
+pub fn cells(sky: &NamedSky, lobes: usize, fitted: &FitResult, truth: &[DVec3], seconds: f64) -> Vec<Cell> {
     const DIRECTIONS: u32 = 8192;
     let each = 4.0 * std::f64::consts::PI / f64::from(DIRECTIONS);
     let environment = &fitted.environment;
@@ -85,7 +85,7 @@ pub fn cells(sky: &NamedSky, lobes: usize, fitted: &Fitted, truth: &[DVec3], sec
         .map(|i| even_direction(i, DIRECTIONS))
         .map(|way| (way, environment.radiance(way) * each))
         .collect();
-    let found = of_lights(&lights, Some(environment));
+    let found = irradiance_by_lights(&lights, Some(environment));
     let wrong: f64 = found.iter().zip(truth).map(|(a, b)| brightness(*a - *b).powi(2)).sum();
     let whole: f64 = truth.iter().map(|of| brightness(*of).powi(2)).sum();
     let irradiance = (wrong / whole.max(1e-300)).sqrt();

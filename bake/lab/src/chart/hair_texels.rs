@@ -1,7 +1,7 @@
 //! Layer texels that hold hair, with the strand points that they contain.
 
 use glam::DVec3;
-use pelage_bake::stages::hair::Strands;
+use pelage_bake::stages::simulate::Strands;
 use std::collections::BTreeMap;
 
 /// Number of points along a strand per texel width, or per layer distance.
@@ -9,7 +9,7 @@ const PLACES: f64 = 8.0;
 
 /// Point on the axis of a strand.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct StrandPoint {
     /// Position in tile widths, not wrapped into the tile.
     pub(super) at: DVec3,
     /// Index of the strand.
@@ -24,13 +24,13 @@ pub(super) struct HairTexel {
     /// Number of times that the texel was sampled.
     pub(super) times: u32,
     /// All strand points in the texel.
-    pub(super) places: Vec<Place>,
+    pub(super) places: Vec<StrandPoint>,
 }
 
 impl HairTexel {
     /// Returns the share of the hair, by surface, for which `lit` holds.
-    pub(super) fn lit(&self, lit: impl Fn(&Place) -> bool) -> f64 {
-        let area = |places: &mut dyn Iterator<Item = &Place>| places.map(|p| p.area).sum::<f64>();
+    pub(super) fn lit(&self, lit: impl Fn(&StrandPoint) -> bool) -> f64 {
+        let area = |places: &mut dyn Iterator<Item = &StrandPoint>| places.map(|p| p.area).sum::<f64>();
         area(&mut self.places.iter().filter(|p| lit(p))) / area(&mut self.places.iter()).max(f64::MIN_POSITIVE)
     }
 }
@@ -74,7 +74,7 @@ pub(super) fn hair_texels(strands: &Strands, texels: u32, layers: u32, count: u3
 }
 
 /// Visits points all along the strands, from each root to its tip.
-fn walk(strands: &Strands, texels: f64, spacing: f64, mut visit: impl FnMut(Place)) {
+fn walk(strands: &Strands, texels: f64, spacing: f64, mut visit: impl FnMut(StrandPoint)) {
     for strand in 0..strands.len() {
         let range = strands.range(strand);
         for i in range.start..range.end.saturating_sub(1) {
@@ -85,7 +85,7 @@ fn walk(strands: &Strands, texels: f64, spacing: f64, mut visit: impl FnMut(Plac
             for piece in 0..pieces as u32 {
                 let share = (f64::from(piece) + 0.5) / pieces;
                 let area = (from + (to - from) * share) * way.length() / pieces;
-                visit(Place { at: a + way * share, strand: strand as u32, area });
+                visit(StrandPoint { at: a + way * share, strand: strand as u32, area });
             }
         }
     }

@@ -12,20 +12,20 @@ use pelage_runtime::{Anchoring, FeatureRule, InkParams, LineWidth, SphereMapForm
 
 /// Ink settings to measure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct InkConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Value of the varied setting, shown beside the mark.
     pub label: String,
     /// Drawing parameters.
-    pub look: Look,
+    pub look: InkSettings,
     /// Whether this is the default configuration.
     pub default: bool,
 }
 
 /// Ink style, its form, and the size of the picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Look {
+pub struct InkSettings {
     /// Width and height, pixels.
     pub size: (u32, u32),
     /// Ink parameters.
@@ -34,13 +34,13 @@ pub struct Look {
     pub study: Study,
 }
 
-impl Default for Look {
+impl Default for InkSettings {
     fn default() -> Self {
         Self { size: SIZE, ink: InkParams::default(), study: Study::default() }
     }
 }
 
-impl Look {
+impl InkSettings {
     fn with(mut self, change: impl FnOnce(&mut InkParams, &mut Study)) -> Self {
         change(&mut self.ink, &mut self.study);
         self
@@ -105,15 +105,15 @@ const SIZES: [(u32, u32); 4] = [(417, 212), SIZE, (1251, 636), (1668, 848)];
 
 /// Lists what to measure, the default first; each other configuration differs from it only in the setting named by its
 /// series.
-pub fn configurations() -> Vec<Configuration> {
-    let default = Look::default();
-    let mut out: Vec<Configuration> = Vec::new();
-    let mut add = |series, label: String, look: Look| {
+pub fn configurations() -> Vec<InkConfiguration> {
+    let default = InkSettings::default();
+    let mut out: Vec<InkConfiguration> = Vec::new();
+    let mut add = |series, label: String, look: InkSettings| {
         if out.iter().all(|c| c.look != look) {
-            out.push(Configuration { series, label, default: look == default, look });
+            out.push(InkConfiguration { series, label, default: look == default, look });
         }
     };
-    let of = |change: &dyn Fn(&mut InkParams, &mut Study)| Look::default().with(|ink, study| change(ink, study));
+    let of = |change: &dyn Fn(&mut InkParams, &mut Study)| InkSettings::default().with(|ink, study| change(ink, study));
     add("default", String::new(), default.clone());
     for threshold in THRESHOLDS {
         add("threshold T1", threshold.to_string(), of(&|ink, _| ink.threshold = threshold));
@@ -125,7 +125,7 @@ pub fn configurations() -> Vec<Configuration> {
         add("line width, pixels", width.to_string(), of(&|ink, _| ink.width = LineWidth::Pixels(width)));
     }
     for size in SIZES {
-        add("size of the picture", format!("{}x{}", size.0, size.1), Look { size, ..default.clone() });
+        add("size of the picture", format!("{}x{}", size.0, size.1), InkSettings { size, ..default.clone() });
     }
     for step_px in [1, 2, 3] {
         add("neighbours, pixels away", step_px.to_string(), of(&|ink, _| ink.step_px = step_px));
@@ -174,7 +174,7 @@ pub fn on_blank_paper(ink: &InkParams) -> InkParams {
 
 /// Results of a configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct InkMeasures {
     /// Line measures of each view.
     pub views: Vec<LineMeasures>,
     /// Mean difference between consecutive frames: over the mesh surface, over pixels without lines in both, and over
@@ -185,8 +185,8 @@ pub struct Measured {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`].
-pub fn cells(look: &Look, measured: &Measured) -> Vec<Cell> {
-    let Look { size: (width, height), ink, study } = look;
+pub fn cells(look: &InkSettings, measured: &InkMeasures) -> Vec<Cell> {
+    let InkSettings { size: (width, height), ink, study } = look;
     let share = |of: &dyn Fn(&LineMeasures) -> Option<f64>| {
         let known: Vec<f64> = measured.views.iter().filter_map(of).collect();
         if known.is_empty() { Cell::Empty } else { Cell::Number(known.iter().sum::<f64>() / known.len() as f64) }
@@ -244,9 +244,9 @@ mod tests {
 
     #[test]
     fn a_row_has_a_cell_for_each_column() {
-        let look = Look { size: (64, 32), ..Look::default() }.with(|ink, _| ink.width = LineWidth::Pixels(8.0));
-        let mut measured = Measured { views: vec![LineMeasures::default(); 2], ..Measured::default() };
-        let found = |measured: &Measured, name| {
+        let look = InkSettings { size: (64, 32), ..InkSettings::default() }.with(|ink, _| ink.width = LineWidth::Pixels(8.0));
+        let mut measured = InkMeasures { views: vec![LineMeasures::default(); 2], ..InkMeasures::default() };
+        let found = |measured: &InkMeasures, name| {
             let cells = cells(&look, measured);
             assert_eq!(cells.len(), COLUMNS.len());
             cells[COLUMNS.iter().position(|c| *c == name).expect("a column")].clone()

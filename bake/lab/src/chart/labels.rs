@@ -13,7 +13,7 @@ const SAME_SPOT: i32 = 3;
 
 /// Label with a position.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Placed {
+pub struct PlacedLabel {
     /// Index of the mark.
     pub mark: usize,
     /// Centre of the label, pixels.
@@ -27,11 +27,11 @@ pub struct Placed {
 /// * `obstacles`: other points that no label may cover, such as those of a line
 /// * `frame`: left, top, right and bottom bounds for labels
 /// * `font`: height of a letter; its mean width is 0.54 times that
-pub fn place(marks: &[((i32, i32), i32, &str)], obstacles: &[(i32, i32)], frame: [i32; 4], font: i32) -> Vec<Placed> {
+pub fn place_labels(marks: &[((i32, i32), i32, &str)], obstacles: &[(i32, i32)], frame: [i32; 4], font: i32) -> Vec<PlacedLabel> {
     let around = |(x, y): (i32, i32), r: i32| [x - r, y - r, x + r, y + r];
     let mut taken: Vec<Rect> = marks.iter().map(|(at, radius, _)| around(*at, *radius)).collect();
     taken.extend(obstacles.iter().map(|at| around(*at, 1)));
-    let mut out: Vec<Placed> = Vec::new();
+    let mut out: Vec<PlacedLabel> = Vec::new();
     for (mark, ((x, y), radius, text)) in marks.iter().enumerate().filter(|(_, (.., text))| !text.is_empty()) {
         let apart = |(at, ..): &((i32, i32), i32, &str)| (at.0 - x).abs().max((at.1 - y).abs());
         if out.iter().any(|other| apart(&marks[other.mark]) <= SAME_SPOT) {
@@ -60,7 +60,7 @@ pub fn place(marks: &[((i32, i32), i32, &str)], obstacles: &[(i32, i32)], frame:
         });
         if let Some((rect, at)) = free {
             taken.push(rect);
-            out.push(Placed { mark, at });
+            out.push(PlacedLabel { mark, at });
         }
     }
     out
@@ -76,9 +76,9 @@ mod tests {
     fn labels_keep_off_marks_and_each_other() {
         // Close together on a line: not all labels fit.
         let marks: Vec<_> = (0..30).map(|i| ((20 + 5 * i, 50), 5, "256²")).collect();
-        let placed = place(&marks, &[], FRAME, 11);
+        let placed = place_labels(&marks, &[], FRAME, 11);
         assert!(placed.len() >= 4 && placed.len() < marks.len(), "{placed:?}");
-        let rect = |p: &Placed| [p.at.0 - 12, p.at.1 - 6, p.at.0 + 12, p.at.1 + 6];
+        let rect = |p: &PlacedLabel| [p.at.0 - 12, p.at.1 - 6, p.at.0 + 12, p.at.1 + 6];
         for (i, a) in placed.iter().enumerate() {
             assert!(placed[..i].iter().all(|b| !overlap(&rect(a), &rect(b))), "{placed:?}");
             assert!(marks.iter().all(|((x, y), ..)| !overlap(&rect(a), &[x - 5, y - 5, x + 5, y + 5])), "{placed:?}");
@@ -87,14 +87,14 @@ mod tests {
 
     #[test]
     fn a_label_stays_within_the_frame() {
-        let right = place(&[((195, 50), 5, "a long word")], &[], FRAME, 11);
+        let right = place_labels(&[((195, 50), 5, "a long word")], &[], FRAME, 11);
         assert!(right[0].at.0 < 160 && right[0].at.0 > 0);
-        assert_eq!(place(&[((100, 50), 5, &"x".repeat(60))], &[], FRAME, 11), []);
+        assert_eq!(place_labels(&[((100, 50), 5, &"x".repeat(60))], &[], FRAME, 11), []);
         // One label per spot, of the first mark that has one.
         let spot = [((50, 50), 10, ""), ((50, 51), 5, "a"), ((51, 50), 5, "b")];
-        assert_eq!(place(&spot, &[], FRAME, 11).iter().map(|p| p.mark).collect::<Vec<_>>(), [1]);
+        assert_eq!(place_labels(&spot, &[], FRAME, 11).iter().map(|p| p.mark).collect::<Vec<_>>(), [1]);
         // To the right of a mark, unless that is occupied.
-        assert_eq!(place(&[((50, 50), 5, "a")], &[], FRAME, 11)[0].at, (62, 50));
-        assert_ne!(place(&[((50, 50), 5, "a")], &[(60, 50)], FRAME, 11)[0].at, (62, 50));
+        assert_eq!(place_labels(&[((50, 50), 5, "a")], &[], FRAME, 11)[0].at, (62, 50));
+        assert_ne!(place_labels(&[((50, 50), 5, "a")], &[(60, 50)], FRAME, 11)[0].at, (62, 50));
     }
 }

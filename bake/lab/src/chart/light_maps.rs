@@ -28,7 +28,7 @@ pub struct LightMaps {
 
 impl LightMaps {
     /// Returns (u w, v w, depth, w) of a point in world space.
-    pub fn place(&self, position_ws: Vec3) -> Vec4 {
+    pub fn project(&self, position_ws: Vec3) -> Vec4 {
         self.view.map_from_world * position_ws.extend(1.0)
     }
 
@@ -47,7 +47,7 @@ impl LightMaps {
     }
 
     /// Returns Attenu_Shadow of Yang 2006, eq. (3): the share of light that passes other objects.
-    pub fn light_past_things(&self, place: Vec4, n_dot_l: f32, centred: bool) -> f32 {
+    pub fn light_past_objects(&self, place: Vec4, n_dot_l: f32, centred: bool) -> f32 {
         soft_shadow(self.width_texel(place), place.z, place.w, slanted_path(n_dot_l), &self.soft, centred)
     }
 

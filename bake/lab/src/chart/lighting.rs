@@ -10,11 +10,11 @@ use super::{Cell, Panel};
 use glam::{DVec3, Vec3};
 use pelage_bake::recipe::{DirectionFormat, Recipe, ShellFormat};
 use pelage_bake::stages::groom::Lengths;
-use pelage_bake::stages::hair::{Strands, VolumeParams, simulate_recipe};
-use pelage_bake::stages::textures::shell_textures;
+use pelage_bake::stages::simulate::{Strands, VolumeParams, simulate_recipe};
+use pelage_bake::stages::slice::shell_textures;
 use pelage_formats::{Limits, Shading, TextureFormat, TextureView, decode_direction};
 use pelage_import::BakeError;
-use pelage_runtime::Lighting;
+use pelage_runtime::LightingStage;
 use pelage_runtime::shared::kajiya_kay::{sin_power, sin_squared};
 use rayon::prelude::*;
 
@@ -25,13 +25,13 @@ const EYES_DEG: [(f64, f64); 3] = [(75.0, 90.0), (45.0, 200.0), (45.0, 320.0)];
 
 /// Lighting method to measure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct LightingConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Value of the varied setting, short.
     pub label: String,
     /// Frequency at which light is computed.
-    pub lighting: Lighting,
+    pub lighting: LightingStage,
     /// Changes to the base recipe, in the form of `--set`.
     pub sets: Vec<String>,
     /// Recipe with the changes; its colours are uncompressed, so that only the cost of directions varies.
@@ -75,19 +75,19 @@ pub const PANELS: [Panel; 2] = [
 /// # Errors
 ///
 /// Same as [`Recipe::set`]; cannot occur with a valid base.
-pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
-    let mut out: Vec<Configuration> = Vec::new();
+pub fn configurations(base: &Recipe) -> Result<Vec<LightingConfiguration>, BakeError> {
+    let mut out: Vec<LightingConfiguration> = Vec::new();
     let mut add = |series, label: String, lighting, sets: &[String]| {
         let mut recipe = base.clone();
         sets.iter().try_for_each(|set| recipe.set(set))?;
         recipe.pack.shell_format = ShellFormat::Rgba8;
         if !out.iter().any(|c| c.lighting == lighting && c.recipe == recipe) {
-            out.push(Configuration { series, label, lighting, sets: sets.to_vec(), recipe });
+            out.push(LightingConfiguration { series, label, lighting, sets: sets.to_vec(), recipe });
         }
         Ok::<_, BakeError>(())
     };
-    add("as the recipe says", String::new(), Lighting::Pixel, &[])?;
-    for (series, lighting) in [("per pixel", Lighting::Pixel), ("per vertex", Lighting::Vertex)] {
+    add("as the recipe says", String::new(), LightingStage::Pixel, &[])?;
+    for (series, lighting) in [("per pixel", LightingStage::Pixel), ("per vertex", LightingStage::Vertex)] {
         for format in DirectionFormat::ALL {
             add(series, format.word().into(), lighting, &[format!("pack.direction_format={}", format.word())])?;
         }
@@ -98,19 +98,19 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
         add(
             "texels of the tile",
             format!("{texels}²"),
-            Lighting::Pixel,
+            LightingStage::Pixel,
             &[plain(), format!("slice.tile_texels={texels}")],
         )?;
     }
     for width in [0.25, 0.5, 1.0, 2.0] {
-        add("filter width", width.to_string(), Lighting::Pixel, &[plain(), format!("slice.filter_width={width:?}")])?;
+        add("filter width", width.to_string(), LightingStage::Pixel, &[plain(), format!("slice.filter_width={width:?}")])?;
     }
     Ok(out)
 }
 
 /// Errors of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct LightingErrors {
     /// Mean angle between the shading direction and the strand, degrees; both are lines without orientation.
     pub direction_error_deg: f64,
     /// Errors of eq. (1) without its ambient term, for white hair under a white light of strength 1.
@@ -124,7 +124,7 @@ pub struct Measured {
 /// # Errors
 ///
 /// Errors of simulating, slicing and encoding.
-pub fn measure(configuration: &Configuration, lengths: Lengths) -> Result<Measured, BakeError> {
+pub fn measure(configuration: &LightingConfiguration, lengths: Lengths) -> Result<LightingErrors, BakeError> {
     let recipe = &configuration.recipe;
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
     let strands = simulate_recipe(recipe, &volume)?;
@@ -144,7 +144,7 @@ pub fn measure(configuration: &Configuration, lengths: Lengths) -> Result<Measur
     };
     let all: Vec<(f64, Errors)> = crossings.par_iter().map(of).collect();
     let sum = all.iter().map(|(angle, _)| angle).sum::<f64>();
-    Ok(Measured {
+    Ok(LightingErrors {
         direction_error_deg: sum / all.len().max(1) as f64,
         light: all.iter().fold(Errors::default(), |sum, (_, errors)| sum.and(*errors)),
         direction_bytes: view.gpu_bytes(),
@@ -153,12 +153,12 @@ pub fn measure(configuration: &Configuration, lengths: Lengths) -> Result<Measur
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]. `milliseconds`: time of the shells, by the clock named
 /// `timing`.
-pub fn cells(configuration: &Configuration, measured: &Measured, milliseconds: f64, timing: &str) -> Vec<Cell> {
+pub fn cells(configuration: &LightingConfiguration, measured: &LightingErrors, milliseconds: f64, timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let recipe = &configuration.recipe;
     let word = match configuration.lighting {
-        Lighting::Pixel => "pixel",
-        Lighting::Vertex => "vertex",
+        LightingStage::Pixel => "pixel",
+        LightingStage::Vertex => "vertex",
     };
     vec![
         Cell::Text(word.into()),
@@ -240,8 +240,8 @@ struct Directions {
 
 impl Directions {
     /// Reads the finest level for light per pixel, the last for light per vertex.
-    fn new(view: &TextureView<'_>, lighting: Lighting) -> Self {
-        let level = if lighting == Lighting::Vertex { view.levels - 1 } else { 0 };
+    fn new(view: &TextureView<'_>, lighting: LightingStage) -> Self {
+        let level = if lighting == LightingStage::Vertex { view.levels - 1 } else { 0 };
         let size = view.level_size(level).0 as usize;
         let data = view.level(level);
         let number = |byte: u8| f32::from(byte) / 255.0;

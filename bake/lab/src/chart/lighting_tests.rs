@@ -15,9 +15,9 @@ fn recipe(format: &str, frizz: f32) -> Recipe {
     recipe
 }
 
-fn measured(format: &str, frizz: f32, lighting: Lighting) -> Measured {
+fn measured(format: &str, frizz: f32, lighting: LightingStage) -> LightingErrors {
     let configuration =
-        Configuration { series: "", label: String::new(), lighting, sets: Vec::new(), recipe: recipe(format, frizz) };
+        LightingConfiguration { series: "", label: String::new(), lighting, sets: Vec::new(), recipe: recipe(format, frizz) };
     measure(&configuration, Lengths { tile_size_m: 0.05, length_m: 0.02 }).unwrap()
 }
 
@@ -42,11 +42,11 @@ fn every_strand_crosses_the_layers_below_its_tip() {
 #[test]
 fn pixels_know_more_of_a_hair_than_vertices() {
     for format in ["rg8", "rgba8", "bc5"] {
-        let (pixel, vertex) = (measured(format, 0.5, Lighting::Pixel), measured(format, 0.5, Lighting::Vertex));
+        let (pixel, vertex) = (measured(format, 0.5, LightingStage::Pixel), measured(format, 0.5, LightingStage::Vertex));
         assert!(pixel.direction_error_deg < 0.8 * vertex.direction_error_deg, "{format}: {pixel:?}, {vertex:?}");
         assert!(pixel.light.rmse() < vertex.light.rmse(), "{format}: {pixel:?}, {vertex:?}");
         // Uniform hair is also known at vertices, up to rounding.
-        let alike = measured(format, 0.0, Lighting::Vertex);
+        let alike = measured(format, 0.0, LightingStage::Vertex);
         assert!(alike.direction_error_deg < 0.5 * vertex.direction_error_deg, "{format}: {alike:?}");
     }
 }

@@ -58,7 +58,7 @@ const fn panel(coat: &'static str) -> Panel {
 
 /// Lighting model of the hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Form {
+pub struct LightingModel {
     /// Name of the model.
     pub name: &'static str,
     /// Scattering mode.
@@ -68,28 +68,28 @@ pub struct Form {
 }
 
 /// All lighting models; the first is what packages have.
-pub const FORMS: [Form; 4] = [
-    Form { name: "fibres, light of other fibres", scattering: LookScattering::Multiple, ambient: false },
-    Form { name: "fibres, single scattering", scattering: LookScattering::Single, ambient: false },
-    Form { name: "fibres, constant ambient light", scattering: LookScattering::Single, ambient: true },
-    Form { name: "Kajiya-Kay, constant ambient light", scattering: LookScattering::Off, ambient: true },
+pub const FORMS: [LightingModel; 4] = [
+    LightingModel { name: "fibres, light of other fibres", scattering: LookScattering::Multiple, ambient: false },
+    LightingModel { name: "fibres, single scattering", scattering: LookScattering::Single, ambient: false },
+    LightingModel { name: "fibres, constant ambient light", scattering: LookScattering::Single, ambient: true },
+    LightingModel { name: "Kajiya-Kay, constant ambient light", scattering: LookScattering::Off, ambient: true },
 ];
 
 /// Parameters of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Configuration {
+pub struct MultipleConfiguration {
     /// Index into [`COATS`].
     pub coat: usize,
     /// Whether hair is drawn as strands, not as layers.
     pub strands: bool,
     /// Lighting model.
-    pub form: Form,
+    pub form: LightingModel,
 }
 
 /// Lists what to measure.
-pub fn configurations() -> Vec<Configuration> {
+pub fn configurations() -> Vec<MultipleConfiguration> {
     let each = (0..COATS.len()).flat_map(|coat| [false, true].map(|strands| (coat, strands)));
-    each.flat_map(|(coat, strands)| FORMS.map(|form| Configuration { coat, strands, form })).collect()
+    each.flat_map(|(coat, strands)| FORMS.map(|form| MultipleConfiguration { coat, strands, form })).collect()
 }
 
 /// Luminance of a picture's squares that hair mostly covers.
@@ -144,7 +144,7 @@ impl Squares {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]. `squares`: under each of [`LIGHTS`].
-pub fn cells(configuration: &Configuration, squares: &[Squares; 3], frame_ms: f64) -> Vec<Cell> {
+pub fn cells(configuration: &MultipleConfiguration, squares: &[Squares; 3], frame_ms: f64) -> Vec<Cell> {
     let all = Squares { pairs: squares.iter().flat_map(|of| of.pairs.iter().copied()).collect() };
     let percent = |x: f64| Cell::Number(100.0 * x);
     let mut cells = vec![

@@ -10,7 +10,7 @@ use super::{Cell, Panel};
 use glam::Vec3;
 use pelage_runtime::shared::deep_opacity::{DeepOpacity, OPACITY_STEP, slab_of, slab_share};
 use pelage_runtime::{LightView, OpacityForm, ShadowParams, Study};
-use pelage_truth::{SeenStrand, TrueLight, TrueScene};
+use pelage_truth::{VisibleStrand, TrueLight, TrueScene};
 use rayon::prelude::*;
 
 /// Rays to a light from a strand point.
@@ -75,7 +75,7 @@ const fn panel(cost: &'static str, cost_label: &'static str, error: &'static str
 
 /// Map to measure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct OpacityShadowConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Value of the varied setting, shown beside the mark.
@@ -91,12 +91,12 @@ pub struct Configuration {
 /// Lists what to measure: first the runtime's default; then deep maps of 4, 8 and 16 slabs and opacity shadow maps of
 /// [`PLANES`], safe and as printed, each of 256², 512² and 1024²; and the runtime's default with the light looked up on
 /// the axis.
-pub fn configurations() -> Vec<Configuration> {
+pub fn configurations() -> Vec<OpacityShadowConfiguration> {
     let base = ShadowParams::default();
     let sized = |slabs, map_size| base.with(|s| (s.slabs, s.map_size) = (slabs, map_size));
     // Sizes are those named, whatever the width of strands.
     let of = |form| Study::default().with(|s| (s.opacity, s.thin_texels) = (form, true));
-    let mut out = vec![Configuration {
+    let mut out = vec![OpacityShadowConfiguration {
         series: "as the runtime does",
         label: String::new(),
         shadows: base,
@@ -111,10 +111,10 @@ pub fn configurations() -> Vec<Configuration> {
     for (series, slabs, form) in forms {
         for map_size in [256, 512, 1024] {
             let (label, shadows) = (format!("{map_size}²"), sized(slabs, map_size));
-            out.push(Configuration { series, label, shadows, study: of(form), default: false });
+            out.push(OpacityShadowConfiguration { series, label, shadows, study: of(form), default: false });
         }
     }
-    out.push(Configuration {
+    out.push(OpacityShadowConfiguration {
         series: "light on the axis",
         label: String::new(),
         shadows: base,
@@ -256,12 +256,12 @@ impl Ball {
 
 /// True light at strand points.
 #[derive(Clone, Debug, Default)]
-pub struct Truth(Vec<(SeenStrand, f64)>);
+pub struct StrandLightTruth(Vec<(VisibleStrand, f64)>);
 
-impl Truth {
+impl StrandLightTruth {
     /// Computes the truth for those points that the mesh surface does not hide from the light.
-    pub fn new(scene: &TrueScene, places: &[SeenStrand], light: &TrueLight) -> Self {
-        let lit = |at: &SeenStrand| Some((*at, scene.light_on_strand(at, light, RAYS)?));
+    pub fn new(scene: &TrueScene, places: &[VisibleStrand], light: &TrueLight) -> Self {
+        let lit = |at: &VisibleStrand| Some((*at, scene.light_on_strand(at, light, RAYS)?));
         Self(places.par_iter().filter_map(lit).collect())
     }
 
@@ -272,7 +272,7 @@ impl Truth {
 
     /// Returns the errors of a map; `on_axis`: looked up on the axis of strands.
     pub fn errors(&self, map: &DeepMap, on_axis: bool) -> Errors {
-        let found = |(at, truth): &(SeenStrand, f64)| {
+        let found = |(at, truth): &(VisibleStrand, f64)| {
             let aside = if on_axis { 0.0 } else { at.radius_m };
             (f64::from(map.light_at((at.axis_ws + at.to_eye * aside).as_vec3())), *truth)
         };
@@ -282,7 +282,7 @@ impl Truth {
 
 /// Results of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct OpacityShadowMeasures {
     /// Errors of t.
     pub errors: Errors,
     /// Number of points at which t was compared, under all lights.
@@ -306,7 +306,7 @@ pub struct Measured {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
-pub fn cells(configuration: &Configuration, m: &Measured, timing: &str) -> Vec<Cell> {
+pub fn cells(configuration: &OpacityShadowConfiguration, m: &OpacityShadowMeasures, timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let study = &configuration.study;
     let form = match study.opacity {

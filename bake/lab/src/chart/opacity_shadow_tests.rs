@@ -78,12 +78,12 @@ fn every_form_has_every_size_and_each_row_its_cells() {
     assert_eq!(all.iter().filter(|c| c.default).count(), 1);
     for form in [OpacityForm::Deep, OpacityForm::WholeDepth, OpacityForm::Printed] {
         for size in [256, 512, 1024] {
-            let of = |c: &&Configuration| c.study.opacity == form && c.shadows.map_size == size && c.study.thin_texels;
+            let of = |c: &&OpacityShadowConfiguration| c.study.opacity == form && c.shadows.map_size == size && c.study.thin_texels;
             assert_eq!(all.iter().filter(of).count(), if form == OpacityForm::Deep { 3 } else { 1 });
         }
     }
     for c in &all {
-        let cells = cells(c, &Measured::default(), "timestamp-query");
+        let cells = cells(c, &OpacityShadowMeasures::default(), "timestamp-query");
         assert_eq!(cells.len(), COLUMNS.len());
         assert!(PANELS.iter().all(|p| COLUMNS.contains(&p.cost) && COLUMNS.contains(&p.error)));
     }

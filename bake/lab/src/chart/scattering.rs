@@ -8,10 +8,10 @@ use super::{Cell, Panel};
 use glam::DVec3;
 use pelage_bake::noise::{hash, uniform};
 use pelage_formats::FibreOptics;
-use pelage_formats::meaning::scattering::azimuthal::Way;
+use pelage_formats::meaning::scattering::azimuthal::PathContribution;
 use pelage_formats::meaning::scattering::means::REFERENCE_SIGMA;
 use pelage_formats::meaning::scattering::optics::LEAST_COS_D;
-use pelage_formats::meaning::scattering::tables::{Tables, between};
+use pelage_formats::meaning::scattering::tables::{ScatteringTables, between};
 use pelage_formats::meaning::scattering::{Angles, Fibre, PATHS};
 use std::f64::consts::PI;
 
@@ -52,7 +52,7 @@ const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
 
 /// Method of evaluating a fibre's scattering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum ScatteringForm {
     /// Tables as in packages, with that number of texels per side.
     Tables(usize),
     /// Like `Tables`, with cubic interpolation over four texels per axis (Catmull and Rom 1974).
@@ -72,29 +72,29 @@ pub enum Form {
 
 /// Parameters of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Configuration {
+pub struct ScatteringConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Evaluation method.
-    pub form: Form,
+    pub form: ScatteringForm,
 }
 
 /// Lists what to measure.
-pub fn configurations() -> Vec<Configuration> {
-    let sized = |series, form: fn(usize) -> Form, sizes: &[usize]| {
-        sizes.iter().map(|size| Configuration { series, form: form(*size) }).collect::<Vec<_>>()
+pub fn configurations() -> Vec<ScatteringConfiguration> {
+    let sized = |series, form: fn(usize) -> ScatteringForm, sizes: &[usize]| {
+        sizes.iter().map(|size| ScatteringConfiguration { series, form: form(*size) }).collect::<Vec<_>>()
     };
-    let mut all = sized("tables", Form::Tables, &[16, 32, 64, 128, 256]);
-    all.extend(sized("tables, cubic", Form::Cubic, &[16, 32, 64]));
-    all.extend(sized("azimuth by its cosine", Form::CosPhi, &[32, 64, 128, 256]));
-    all.extend(sized("one length for all azimuths", Form::EvenLengths, &[64]));
-    all.extend(sized("all lengths by azimuth", Form::AllLengths, &[64, 128]));
-    all.extend(sized("as printed", Form::Printed, &[64, 128, 256]));
-    all.push(Configuration { series: "a fit without tables", form: Form::Fit });
+    let mut all = sized("tables", ScatteringForm::Tables, &[16, 32, 64, 128, 256]);
+    all.extend(sized("tables, cubic", ScatteringForm::Cubic, &[16, 32, 64]));
+    all.extend(sized("azimuth by its cosine", ScatteringForm::CosPhi, &[32, 64, 128, 256]));
+    all.extend(sized("one length for all azimuths", ScatteringForm::EvenLengths, &[64]));
+    all.extend(sized("all lengths by azimuth", ScatteringForm::AllLengths, &[64, 128]));
+    all.extend(sized("as printed", ScatteringForm::Printed, &[64, 128, 256]));
+    all.push(ScatteringConfiguration { series: "a fit without tables", form: ScatteringForm::Fit });
     all
 }
 
-impl Form {
+impl ScatteringForm {
     /// Returns the number of texels along an edge of the tables; `None` without tables.
     pub fn size(self) -> Option<usize> {
         match self {
@@ -129,11 +129,11 @@ impl Form {
 }
 
 /// Fibre in one of the forms, ready for evaluation.
-pub enum Known {
+pub enum FibreEvaluator {
     /// Tables as in packages.
     Ours {
         /// Tables of the fibre.
-        tables: Box<Tables>,
+        tables: Box<ScatteringTables>,
         /// Whether interpolation is cubic.
         cubic: bool,
         /// Whether the azimuth's axis is its cosine.
@@ -142,7 +142,7 @@ pub enum Known {
     /// Tables as in packages, plus one with the lengths of TRT and of all other paths.
     AllLengths {
         /// Tables of the fibre.
-        tables: Box<Tables>,
+        tables: Box<ScatteringTables>,
         /// Lengths at the texels of the azimuthal table.
         lengths: Vec<[f64; 2]>,
     },
@@ -159,22 +159,22 @@ pub enum Known {
     Fit(FibreOptics),
 }
 
-impl Known {
+impl FibreEvaluator {
     /// Prepares a fibre for a form.
-    pub fn new(form: Form, optics: &FibreOptics) -> Self {
+    pub fn new(form: ScatteringForm, optics: &FibreOptics) -> Self {
         let fibre = optics.fibre();
         match form {
-            Form::Tables(size) => Self::ours(Tables::new(&fibre, size), false, false),
-            Form::Cubic(size) => Self::ours(Tables::new(&fibre, size), true, false),
-            Form::CosPhi(size) => Self::ours(by_cosine(&fibre, size), false, true),
-            Form::EvenLengths(size) => Self::ours(even_lengths(Tables::new(&fibre, size)), false, false),
-            Form::AllLengths(size) => all_lengths(&fibre, size),
-            Form::Printed(size) => printed(&fibre, size),
-            Form::Fit => Self::Fit(*optics),
+            ScatteringForm::Tables(size) => Self::ours(ScatteringTables::new(&fibre, size), false, false),
+            ScatteringForm::Cubic(size) => Self::ours(ScatteringTables::new(&fibre, size), true, false),
+            ScatteringForm::CosPhi(size) => Self::ours(by_cosine(&fibre, size), false, true),
+            ScatteringForm::EvenLengths(size) => Self::ours(even_lengths(ScatteringTables::new(&fibre, size)), false, false),
+            ScatteringForm::AllLengths(size) => all_lengths(&fibre, size),
+            ScatteringForm::Printed(size) => printed(&fibre, size),
+            ScatteringForm::Fit => Self::Fit(*optics),
         }
     }
 
-    fn ours(tables: Tables, cubic: bool, by_cosine: bool) -> Self {
+    fn ours(tables: ScatteringTables, cubic: bool, by_cosine: bool) -> Self {
         Self::Ours { tables: Box::new(tables), cubic, by_cosine }
     }
 
@@ -182,7 +182,7 @@ impl Known {
     pub fn scatter(&self, angles: &Angles) -> [f64; 3] {
         match self {
             Self::Ours { tables, cubic, by_cosine } => {
-                let [mut azimuth, row] = Tables::around_place(angles);
+                let [mut azimuth, row] = ScatteringTables::around_place(angles);
                 if *by_cosine {
                     azimuth = 0.5 - 0.5 * libm::cos(angles.phi);
                 }
@@ -190,12 +190,12 @@ impl Known {
                     true => cubic_between(layer, tables.size, at),
                     false => between(layer, tables.size, at),
                 };
-                let along = read(&tables.along, Tables::along_place(angles));
+                let along = read(&tables.along, ScatteringTables::along_place(angles));
                 tables.of_texels(along, read(&tables.around, [azimuth, row]), SIGMAS, angles)
             }
             Self::AllLengths { tables, lengths } => {
-                let (size, place) = (tables.size, Tables::around_place(angles));
-                let along = between(&tables.along, size, Tables::along_place(angles));
+                let (size, place) = (tables.size, ScatteringTables::around_place(angles));
+                let along = between(&tables.along, size, ScatteringTables::along_place(angles));
                 let [r, tt, trt, through] = between(&tables.around, size, place);
                 let [within, others] = between(lengths, size, place);
                 let ways =
@@ -209,7 +209,7 @@ impl Known {
                 let [r, tt, trt, through, within] = between(around, *size, place);
                 SIGMAS.map(|sigma| {
                     let [tt, trt] =
-                        [(tt, through), (trt, within)].map(|(light, length)| Way { light, length }.left(sigma));
+                        [(tt, through), (trt, within)].map(|(light, length)| PathContribution { light, length }.attenuated(sigma));
                     along[0] * r + along[1] * trt + along[2] * tt
                 })
             }
@@ -238,8 +238,8 @@ fn cubic_between<const N: usize>(table: &[[f32; N]], size: usize, at: [f64; 2]) 
 }
 
 /// Returns tables like those of packages, with texels evenly spaced in cos φ.
-fn by_cosine(fibre: &Fibre, size: usize) -> Tables {
-    let mut tables = Tables::new(fibre, size);
+fn by_cosine(fibre: &Fibre, size: usize) -> ScatteringTables {
+    let mut tables = ScatteringTables::new(fibre, size);
     let share = |i: usize| i as f64 / (size - 1) as f64;
     let phis: Vec<f64> = (0..size).map(|i| libm::acos(1.0 - 2.0 * share(i))).collect();
     for j in 0..size {
@@ -257,7 +257,7 @@ fn by_cosine(fibre: &Fibre, size: usize) -> Tables {
 }
 
 /// Replaces the lengths of TT in each row by their mean, weighted by light.
-fn even_lengths(mut tables: Tables) -> Tables {
+fn even_lengths(mut tables: ScatteringTables) -> ScatteringTables {
     for row in tables.around.chunks_mut(tables.size) {
         let light: f32 = row.iter().map(|of| of[1]).sum();
         let mean = row.iter().map(|of| of[3] * of[1]).sum::<f32>() / light.max(1e-20);
@@ -266,7 +266,7 @@ fn even_lengths(mut tables: Tables) -> Tables {
     tables
 }
 
-fn all_lengths(fibre: &Fibre, size: usize) -> Known {
+fn all_lengths(fibre: &Fibre, size: usize) -> FibreEvaluator {
     let share = |i: usize| i as f64 / (size - 1) as f64;
     let phis: Vec<f64> = (0..size).map(|i| PI * share(i)).collect();
     let mut lengths = Vec::with_capacity(size * size);
@@ -275,10 +275,10 @@ fn all_lengths(fibre: &Fibre, size: usize) -> Known {
         let others = section.mean_rest(REFERENCE_SIGMA).length;
         lengths.extend(section.mean_ways(2, &phis, REFERENCE_SIGMA).into_iter().map(|way| [way.length, others]));
     }
-    Known::AllLengths { tables: Box::new(Tables::new(fibre, size)), lengths }
+    FibreEvaluator::AllLengths { tables: Box::new(ScatteringTables::new(fibre, size)), lengths }
 }
 
-fn printed(fibre: &Fibre, size: usize) -> Known {
+fn printed(fibre: &Fibre, size: usize) -> FibreEvaluator {
     let share = |i: usize| i as f64 / (size - 1) as f64;
     let sine = |i: usize| 2.0 * share(i) - 1.0;
     let of = |sin: f64| (sin, (1.0 - sin * sin).max(0.0).sqrt());
@@ -295,7 +295,7 @@ fn printed(fibre: &Fibre, size: usize) -> Known {
         let [r, tt, trt] = [0, 1, 2].map(|p| section.mean_ways(p, &phis, REFERENCE_SIGMA));
         around.extend((0..size).map(|i| [r[i].light, tt[i].light, trt[i].light, tt[i].length, trt[i].length]));
     }
-    Known::Printed { size, along, around }
+    FibreEvaluator::Printed { size, along, around }
 }
 
 /// Evaluates the lobes of a game engine, which need no table (Karis 2016): Gaussians of sin θi + sin θo along the
@@ -310,7 +310,7 @@ fn fit(optics: &FibreOptics, angles: &Angles) -> [f64; 3] {
     };
     let along = |width: f64, shift: f64| {
         let off = angles.from.0 + angles.to.0 - shift;
-        libm::exp(-0.5 * off * off / (width * width)) / ((2.0 * PI).sqrt() * width)
+        libm::exp(-0.5 * measure * measure / (width * width)) / ((2.0 * PI).sqrt() * width)
     };
     let across = 1.19 / cos_d + 0.36 * cos_d;
     let half_vector =
@@ -333,7 +333,7 @@ fn fit(optics: &FibreOptics, angles: &Angles) -> [f64; 3] {
 
 /// Error of a form against the equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Off {
+pub struct ScatteringAccuracy {
     /// Relative L2 error over all fibres.
     pub error: f64,
     /// Relative L2 error of the worst fibre.
@@ -343,11 +343,11 @@ pub struct Off {
 }
 
 /// Pairs of directions with the results of the equations, for one fibre.
-pub struct Truth {
+pub struct ScatteringTruth {
     pairs: Vec<(Angles, [f64; 3])>,
 }
 
-impl Truth {
+impl ScatteringTruth {
     /// Evaluates `count` pairs of directions.
     pub fn new(optics: &FibreOptics, count: usize) -> Self {
         use rayon::prelude::*;
@@ -370,10 +370,10 @@ fn direction(number: u64) -> DVec3 {
 }
 
 /// Returns the error of a form against the truths of [`FIBRES`].
-pub fn off(form: Form, truths: &[Truth]) -> Off {
+pub fn measure(form: ScatteringForm, truths: &[ScatteringTruth]) -> ScatteringAccuracy {
     use rayon::prelude::*;
     let of_fibres = FIBRES.iter().zip(truths).map(|(optics, truth)| {
-        let known = Known::new(form, optics);
+        let known = FibreEvaluator::new(form, optics);
         let sums = truth.pairs.par_iter().map(|(angles, expected)| {
             let found = known.scatter(angles);
             let mut sums = [0.0; 4];
@@ -389,7 +389,7 @@ pub fn off(form: Form, truths: &[Truth]) -> Off {
     });
     let each: Vec<[f64; 4]> = of_fibres.collect();
     let all = each.iter().fold([0.0; 4], |sum, of| std::array::from_fn(|i| sum[i] + of[i]));
-    Off {
+    ScatteringAccuracy {
         error: (all[0] / all[1]).sqrt(),
         worst: each.iter().map(|of| (of[0] / of[1]).sqrt()).fold(0.0, f64::max),
         energy: all[2] / all[3] - 1.0,
@@ -397,7 +397,7 @@ pub fn off(form: Form, truths: &[Truth]) -> Off {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`].
-pub fn cells(form: Form, off: &Off, nanoseconds: Option<f64>) -> Vec<Cell> {
+pub fn cells(form: ScatteringForm, off: &ScatteringAccuracy, nanoseconds: Option<f64>) -> Vec<Cell> {
     vec![
         Cell::Number(100.0 * off.error),
         Cell::Number(100.0 * off.worst),
@@ -414,18 +414,18 @@ mod tests {
 
     #[test]
     fn forms_are_as_far_off_as_they_are_said_to_be() {
-        let truths: Vec<Truth> = FIBRES.iter().map(|optics| Truth::new(optics, 4_000)).collect();
-        let of = |form| off(form, &truths);
-        let (small, large) = (of(Form::Tables(64)), of(Form::Tables(128)));
+        let truths: Vec<ScatteringTruth> = FIBRES.iter().map(|optics| ScatteringTruth::new(optics, 4_000)).collect();
+        let of = |form| measure(form, &truths);
+        let (small, large) = (of(ScatteringForm::Tables(64)), of(ScatteringForm::Tables(128)));
         assert!(small.error < 0.02 && large.error < 0.007 && small.energy.abs() < 0.01, "{small:?} {large:?}");
-        assert!(of(Form::Cubic(32)).error < of(Form::Tables(32)).error);
-        let (all, even) = (of(Form::AllLengths(64)), of(Form::EvenLengths(64)));
+        assert!(of(ScatteringForm::Cubic(32)).error < of(ScatteringForm::Tables(32)).error);
+        let (all, even) = (of(ScatteringForm::AllLengths(64)), of(ScatteringForm::EvenLengths(64)));
         assert!(
             all.error < small.error && small.error < 1.1 * all.error && even.error > 1.5 * small.error,
             "{all:?} {even:?}"
         );
-        let printed = of(Form::Printed(64));
-        assert!(printed.error > 10.0 * small.error && of(Form::CosPhi(64)).error > small.error, "{printed:?}");
-        assert!(of(Form::Fit).error.is_finite() && of(Form::Fit).error > printed.error * 0.1);
+        let printed = of(ScatteringForm::Printed(64));
+        assert!(printed.error > 10.0 * small.error && of(ScatteringForm::CosPhi(64)).error > small.error, "{printed:?}");
+        assert!(of(ScatteringForm::Fit).error.is_finite() && of(ScatteringForm::Fit).error > printed.error * 0.1);
     }
 }

@@ -9,18 +9,18 @@
 use super::errors::Errors;
 use super::hair_texels::{HairTexel, hair_texels};
 use super::light_maps::LightMaps;
-use super::self_shadow_forms::Form;
+use super::self_shadow_forms::SelfShadowForm;
 use super::{Cell, Panel};
 use crate::truth::{SampledVolume, StrandField};
 use glam::{DVec3, Vec2, Vec3, Vec4, vec2, vec3};
 use pelage_bake::pipeline;
-use pelage_bake::pipeline::Told;
+use pelage_bake::pipeline::BakeInput;
 use pelage_bake::recipe::{
     BcQuality, DirectionFormat, FinParams, PackParams, Recipe, ShellFormat, SurfaceParams, SurfaceSource,
 };
 use pelage_bake::stages::groom::{Lengths, MapImages};
-use pelage_bake::stages::hair::{Strands, VolumeParams, simulate_recipe};
-use pelage_bake::stages::textures::{ShellSet, collect_layers, decode_texture};
+use pelage_bake::stages::simulate::{Strands, VolumeParams, simulate_recipe};
+use pelage_bake::stages::slice::{ShellSet, collect_layers, decode_texture};
 use pelage_formats::meaning::layer_height;
 use pelage_formats::{FormatError, Limits, Package, TextureFormat};
 use pelage_import::BakeError;
@@ -250,7 +250,7 @@ impl Sheet {
     }
 
     /// Computes the truths at the texels of all layers.
-    pub fn truth(&self, slant: &Slant) -> Truth {
+    pub fn truth(&self, slant: &Slant) -> TransmittanceTruth {
         let texel = 1.0 / f64::from(self.set.texels);
         let place = |i: usize| {
             let (x, y, k) = self.texel(i);
@@ -276,17 +276,17 @@ impl Sheet {
         };
         let texels: Vec<&HairTexel> = self.hair.values().collect();
         let hair = texels.into_par_iter().enumerate().map(on_hair).collect();
-        Truth { points, even, volume, strands, hair }
+        TransmittanceTruth { points, even, volume, strands, hair }
     }
 
     /// Returns t at the points of a truth as the runtime computes it from maps: the map's value, in the corrected form
     /// times the transmittance of half the point's own layer.
-    pub fn by_maps(
+    pub fn transmittance_by_maps(
         &self,
         maps: &LightMaps,
         slant: &Slant,
         (shadows, form): (&ShadowParams, SlantForm),
-        truth: &Truth,
+        truth: &TransmittanceTruth,
     ) -> Vec<f64> {
         let n = self.set.texels as usize;
         let last_map_layer = (maps.layers.len() - 1) as f32;
@@ -297,7 +297,7 @@ impl Sheet {
             let [u, v] = [x, y].map(|x| (x as f32 + 0.5) / n as f32);
             let position = self.corner + self.along[0] * u + self.along[1] * v + self.up * share;
             let between = maps.layers.len() != self.layers as usize;
-            let t = maps.light_through_hair(maps.place(position), share * last_map_layer, between);
+            let t = maps.light_through_hair(maps.project(position), share * last_map_layer, between);
             // Layer 0 has no hair of its own.
             if form == SlantForm::Printed || k == 0 {
                 return f64::from(t);
@@ -310,9 +310,9 @@ impl Sheet {
 
     /// Returns t at the points of a truth as the runtime computes it from baked visibility. The sheet's hair is the
     /// tile's, neither flattened nor sheared, so the light's direction in the tile is that above the mesh surface.
-    pub fn by_visibility(&self, visibility: &TileVisibility, slant: &Slant, truth: &Truth) -> Vec<f64> {
+    pub fn transmittance_by_visibility(&self, visibility: &TileVisibility, slant: &Slant, truth: &TransmittanceTruth) -> Vec<f64> {
         let towards = slant.light_ts.as_vec3();
-        truth.points.par_iter().map(|i| f64::from(visibility.towards(*i, towards))).collect()
+        truth.points.par_iter().map(|i| f64::from(visibility.transmittance_towards(*i, towards))).collect()
     }
 
     /// Returns the number of texels of all layers.
@@ -353,7 +353,7 @@ impl TileVisibility {
     }
 
     /// Returns t for a light in that unit direction, at a texel given by its index over all layers.
-    fn towards(&self, texel: usize, light_ts: Vec3) -> f32 {
+    fn transmittance_towards(&self, texel: usize, light_ts: Vec3) -> f32 {
         let bytes = [0, 1, 2, 3].map(|i| f32::from(self.texels[4 * texel + i]));
         visibility_towards(Vec4::from(bytes) / 255.0, light_ts, self.horizon)
     }
@@ -361,7 +361,7 @@ impl TileVisibility {
 
 /// Transmittances of all truths.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Truth {
+pub struct TransmittanceTruth {
     /// Indices of the evaluated texels: first those of all layers from the mesh surface outwards, or an even selection
     /// of them; then the sampled texels with hair.
     points: Vec<usize>,
@@ -375,7 +375,7 @@ pub struct Truth {
     hair: Vec<(usize, f64, u32)>,
 }
 
-impl Truth {
+impl TransmittanceTruth {
     /// Returns pairs of the found value and the truth between the strands.
     fn between_strands<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
         self.strands.iter().map(|(i, t)| (found[*i], *t))
@@ -393,7 +393,7 @@ impl Truth {
 
 /// Errors of a configuration, summed light by light.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct SelfShadowErrors {
     /// Errors against the volume, the strands, and the light on the hair, by angle.
     by_angle: [[Errors; 3]; ANGLES_DEG.len()],
     /// Errors of the volume against the strands, and the light on the hair.
@@ -402,10 +402,10 @@ pub struct Measured {
     blocks: Errors,
 }
 
-impl Measured {
+impl SelfShadowErrors {
     /// Adds the values found at the points of a truth under a light. The volume has the same `density` as the maps, so
     /// that only the error of the maps remains. Whether that density is right is shown by the strands.
-    pub fn add(&mut self, slant: &Slant, found: &[f64], density: f32, truth: &Truth) {
+    pub fn add(&mut self, slant: &Slant, found: &[f64], density: f32, truth: &TransmittanceTruth) {
         let through: Vec<f64> = truth.volume.iter().map(|t| t.powf(density.into())).collect();
         let even = found.iter().copied().zip(through.iter().copied()).take(truth.even);
         let [volume, strands, hair] = &mut self.by_angle[slant.angle];
@@ -418,8 +418,8 @@ impl Measured {
     }
 
     /// Adds the error of encoding: values found at the points of a truth in blocks, and in uncompressed texels.
-    pub fn add_blocks(&mut self, found: &[f64], plain: &[f64], truth: &Truth) {
-        let pairs = truth.hair.iter().flat_map(|(i, _, times)| Truth::repeated((found[*i], plain[*i]), *times));
+    pub fn add_blocks(&mut self, found: &[f64], plain: &[f64], truth: &TransmittanceTruth) {
+        let pairs = truth.hair.iter().flat_map(|(i, _, times)| TransmittanceTruth::repeated((found[*i], plain[*i]), *times));
         self.blocks = self.blocks.and(Errors::of(pairs));
     }
 
@@ -453,7 +453,7 @@ pub struct MapCost {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]; `layers`: of the hair, layer 0 included.
-pub fn cells(form: &Form, layers: u32, measured: &Measured, cost: &Cost) -> Vec<Cell> {
+pub fn cells(form: &SelfShadowForm, layers: u32, measured: &SelfShadowErrors, cost: &Cost) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let mut cells = form.cells(layers).to_vec();
     let totals = [0, 1, 2].map(|truth| measured.total(truth));
@@ -507,7 +507,7 @@ fn bake_sheet(recipe: &Recipe, lengths: Lengths, on_stage: &mut dyn FnMut(&'stat
     // The middle tile, plus on each side the reach of the rays that end on it. More would only make the maps coarser.
     let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
     let model = sheet_model(tiles * lengths.tile_size_m, tiles);
-    Ok(pipeline::bake(&Told::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_stage)?.package)
+    Ok(pipeline::bake(&BakeInput::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_stage)?.package)
 }
 
 /// Returns an upward-facing square in the plane y = 0, with texture coordinates in tiles; one tile is in its middle.

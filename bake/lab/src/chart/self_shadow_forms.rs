@@ -6,7 +6,7 @@ use pelage_runtime::{ShadowParams, SlantForm};
 
 /// Method of determining the light that passes through hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
+pub enum SelfShadowForm {
     /// Computed by rays in the bake, and read from a texture.
     Baked {
         /// Effort of the BC7 encoder; `None` stores uncompressed texels.
@@ -25,19 +25,19 @@ pub enum Form {
 
 /// Method with its settings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct SelfShadowConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Value of the varied setting, short.
     pub label: String,
     /// Method to measure.
-    pub form: Form,
+    pub form: SelfShadowForm,
 }
 
 /// Numbers of directions to try beside the recipe's.
 const DIRECTIONS: [u32; 6] = [8, 12, 24, 48, 96, 192];
 
-impl Form {
+impl SelfShadowForm {
     /// Returns the name and settings, the first columns of the chart; `layers`: of the hair, layer 0 included.
     pub(super) fn cells(&self, layers: u32) -> [Cell; 7] {
         let word = |word: &str| Cell::Text(word.into());
@@ -68,27 +68,27 @@ impl Form {
 
 /// Lists what to measure for the hair of a recipe. The first is the recipe's own: baked visibility, or maps if the
 /// recipe bakes none.
-pub fn configurations(recipe: &Recipe) -> Vec<Configuration> {
+pub fn configurations(recipe: &Recipe) -> Vec<SelfShadowConfiguration> {
     let layers = recipe.slice.layers;
     let base = ShadowParams::default();
-    let maps = |shadows| Form::Maps { shadows, slant: SlantForm::Corrected };
+    let maps = |shadows| SelfShadowForm::Maps { shadows, slant: SlantForm::Corrected };
     let blocks = (recipe.pack.shell_format == ShellFormat::Bc7).then_some(recipe.pack.bc_quality);
-    let own = Form::Baked { blocks, directions: recipe.visibility.directions };
+    let own = SelfShadowForm::Baked { blocks, directions: recipe.visibility.directions };
     let mut out = Vec::new();
     let mut add = |series, label: String, form| {
-        if !out.iter().any(|c: &Configuration| c.form == form) {
-            out.push(Configuration { series, label, form });
+        if !out.iter().any(|c: &SelfShadowConfiguration| c.form == form) {
+            out.push(SelfShadowConfiguration { series, label, form });
         }
     };
     add("as the runtime does", String::new(), if recipe.visibility.enabled { own } else { maps(base) });
-    let texels = |blocks| Form::Baked { blocks, directions: recipe.visibility.directions };
+    let texels = |blocks| SelfShadowForm::Baked { blocks, directions: recipe.visibility.directions };
     add("baked, texels", ShellFormat::Rgba8.word().into(), texels(None));
     for effort in BcQuality::ALL {
         let label = format!("{}, {}", ShellFormat::Bc7.word(), effort.word());
         add("baked, texels", label, texels(Some(*effort)));
     }
     for directions in DIRECTIONS {
-        add("baked, directions", directions.to_string(), Form::Baked { blocks, directions });
+        add("baked, directions", directions.to_string(), SelfShadowForm::Baked { blocks, directions });
     }
     for map_size in [64, 128, 256, 512, 1024] {
         add("map size", format!("{map_size}²"), maps(base.with(|s| s.map_size = map_size)));
@@ -96,7 +96,7 @@ pub fn configurations(recipe: &Recipe) -> Vec<Configuration> {
     for map_size in [64, 128, 256, 512, 1024] {
         // The paper's maps use the layers' full optical depth.
         let shadows = base.with(|s| (s.map_size, s.density) = (map_size, 1.0));
-        add("map size, as printed", format!("{map_size}²"), Form::Maps { shadows, slant: SlantForm::Printed });
+        add("map size, as printed", format!("{map_size}²"), SelfShadowForm::Maps { shadows, slant: SlantForm::Printed });
     }
     for density in [0.4, 0.7, 1.4, 2.0] {
         add("density", density.to_string(), maps(base.with(|s| s.density = density)));

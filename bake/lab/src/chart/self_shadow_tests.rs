@@ -78,27 +78,27 @@ fn maps_without_error_have_none() {
     let truth = sheet.truth(&slant);
     let shadows = ShadowParams::default().with(|shadows| shadows.density = 1.0);
     let as_drawn = (&shadows, SlantForm::Corrected);
-    let fast = sheet.by_maps(&maps, &slant, as_drawn, &truth);
-    let mut measured = Measured::default();
+    let fast = sheet.transmittance_by_maps(&maps, &slant, as_drawn, &truth);
+    let mut measured = SelfShadowErrors::default();
     measured.add(&slant, &fast, 1.0, &truth);
     // The volume caps opaque texels, the maps do not.
     let rmse = measured.total(0).rmse().unwrap_or(1.0);
     assert!(rmse < 0.01, "{rmse}");
     assert!(truth.strands.len() > 300 && measured.total(1).rmse().is_some_and(|rmse| rmse > 0.02));
     maps.layers.iter_mut().flatten().for_each(|t| *t = (*t + 0.2).min(1.0));
-    let mut worse = Measured::default();
-    worse.add(&slant, &sheet.by_maps(&maps, &slant, as_drawn, &truth), 1.0, &truth);
+    let mut worse = SelfShadowErrors::default();
+    worse.add(&slant, &sheet.transmittance_by_maps(&maps, &slant, as_drawn, &truth), 1.0, &truth);
     assert!(worse.total(0).rmse().is_some_and(|rmse| rmse > 0.05));
 }
 
 /// Returns the errors of `found` under all lights.
-fn measured(truths: &[(Slant, Truth)], found: &dyn Fn(&Slant, &Truth) -> Vec<f64>) -> Measured {
-    let mut measured = Measured::default();
+fn measured(truths: &[(Slant, TransmittanceTruth)], found: &dyn Fn(&Slant, &TransmittanceTruth) -> Vec<f64>) -> SelfShadowErrors {
+    let mut measured = SelfShadowErrors::default();
     truths.iter().for_each(|(slant, truth)| measured.add(slant, &found(slant, truth), 1.0, truth));
     measured
 }
 
-fn lit(sheet: &Sheet) -> Vec<(Slant, Truth)> {
+fn lit(sheet: &Sheet) -> Vec<(Slant, TransmittanceTruth)> {
     slants().into_iter().map(|slant| (slant, sheet.truth(&slant))).collect()
 }
 
@@ -107,7 +107,7 @@ fn baked(sheet: &Sheet, blocks: Option<BcQuality>, directions: u32) -> TileVisib
 }
 
 /// Returns the root mean square and the mean error of the light on the hair.
-fn on_hair(measured: &Measured) -> (f64, f64) {
+fn on_hair(measured: &SelfShadowErrors) -> (f64, f64) {
     let errors = measured.total(2);
     (errors.rmse().unwrap_or(f64::NAN), errors.mean().unwrap_or(f64::NAN))
 }
@@ -122,11 +122,11 @@ fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
     assert_eq!(hair, HAIR_DRAWS);
     assert!(truths[0].1.hair.iter().all(|(i, ..)| sheet.texel(truths[0].1.points[*i]).2 > 0), "skin has no hair");
     let visibility = baked(&sheet, None, 96);
-    let (error, mean) = on_hair(&measured(&truths, &|slant, truth| sheet.by_visibility(&visibility, slant, truth)));
+    let (error, mean) = on_hair(&measured(&truths, &|slant, truth| sheet.transmittance_by_visibility(&visibility, slant, truth)));
     // Texels this coarse mix lit hair with shadowed hair.
     assert!(mean.abs() < 0.05, "{mean}");
     for density in [0.4, 0.7, 1.0] {
-        let volume = |_: &Slant, truth: &Truth| truth.volume.iter().map(|t| t.powf(density)).collect();
+        let volume = |_: &Slant, truth: &TransmittanceTruth| truth.volume.iter().map(|t| t.powf(density)).collect();
         let (of_maps, _) = on_hair(&measured(&truths, &volume));
         assert!(error < 0.9 * of_maps, "{error}, of maps of density {density} {of_maps}");
     }
@@ -136,11 +136,11 @@ fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
         let mut other = visibility.clone();
         // Texels shifted out re-enter at the other end; the layer of the far coat stays.
         other.texels[4 * n * n..4 * n * n * layers].rotate_left(4 * by);
-        on_hair(&measured(&truths, &|slant, truth| sheet.by_visibility(&other, slant, truth))).0
+        on_hair(&measured(&truths, &|slant, truth| sheet.transmittance_by_visibility(&other, slant, truth))).0
     };
-    let turned = |slant: &Slant, truth: &Truth| {
+    let turned = |slant: &Slant, truth: &TransmittanceTruth| {
         let light_ts = slant.light_ts * DVec3::new(-1.0, -1.0, 1.0);
-        sheet.by_visibility(&visibility, &Slant { light_ts, ..*slant }, truth)
+        sheet.transmittance_by_visibility(&visibility, &Slant { light_ts, ..*slant }, truth)
     };
     let turned = on_hair(&measured(&truths, &turned)).0;
     assert_eq!(moved(0), error);
@@ -156,9 +156,9 @@ fn blocks_say_nearly_what_plain_texels_say() {
     let plain = baked(&sheet, None, 24);
     for quality in BcQuality::ALL {
         let blocks = baked(&sheet, Some(*quality), 24);
-        let mut measured = Measured::default();
+        let mut measured = SelfShadowErrors::default();
         for (slant, truth) in &truths {
-            let [found, plain] = [&blocks, &plain].map(|v| sheet.by_visibility(v, slant, truth));
+            let [found, plain] = [&blocks, &plain].map(|v| sheet.transmittance_by_visibility(v, slant, truth));
             measured.add(slant, &found, 1.0, truth);
             measured.add_blocks(&found, &plain, truth);
         }
@@ -178,22 +178,22 @@ fn blocks_say_nearly_what_plain_texels_say() {
 fn configurations_differ_and_rows_are_full() {
     let mut recipe = natural();
     let all = configurations(&recipe);
-    assert_eq!(all[0].form, Form::Baked { blocks: Some(BcQuality::Basic), directions: 24 });
-    assert!(all.len() > 20 && all.iter().any(|c| c.form == Form::Baked { blocks: None, directions: 24 }));
+    assert_eq!(all[0].form, SelfShadowForm::Baked { blocks: Some(BcQuality::Basic), directions: 24 });
+    assert!(all.len() > 20 && all.iter().any(|c| c.form == SelfShadowForm::Baked { blocks: None, directions: 24 }));
     for (i, a) in all.iter().enumerate() {
         assert!(all[..i].iter().all(|b| b.form != a.form), "{a:?}");
-        let row = cells(&a.form, 16, &Measured::default(), &Cost::default());
+        let row = cells(&a.form, 16, &SelfShadowErrors::default(), &Cost::default());
         assert_eq!(row.len(), COLUMNS.len());
         assert_eq!(row[0] == Cell::Text("baked".into()), row[6] == Cell::Empty, "{row:?}");
     }
-    let maps = Form::Maps { shadows: ShadowParams::default(), slant: SlantForm::Corrected };
+    let maps = SelfShadowForm::Maps { shadows: ShadowParams::default(), slant: SlantForm::Corrected };
     assert!(all[1..].iter().any(|c| c.form == maps));
     // Without baked visibility, maps are the default.
     recipe.visibility.enabled = false;
     assert_eq!(configurations(&recipe)[0].form, maps);
     recipe.slice.layers = 2;
     let whole = |form| {
-        matches!(form, Form::Baked { .. }) || matches!(form, Form::Maps { shadows, .. } if shadows.map_layers.is_none())
+        matches!(form, SelfShadowForm::Baked { .. }) || matches!(form, SelfShadowForm::Maps { shadows, .. } if shadows.map_layers.is_none())
     };
     assert!(configurations(&recipe).iter().all(|c| whole(c.form)));
     assert_eq!(slants().len(), 15);

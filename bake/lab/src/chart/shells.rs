@@ -8,12 +8,12 @@
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
 use pelage_import::BakeError;
-use pelage_tool::shell_judge::Measured;
+use pelage_tool::shell_judge::SettingMeasurements;
 use pelage_truth::decide::{LAYERS, Setting, TILES};
 
 /// Slicing parameters to measure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct ShellsConfiguration {
     /// Name of the varied setting.
     pub series: String,
     /// Value of the varied setting, shown beside the mark.
@@ -71,11 +71,11 @@ const YANG_2006: Setting = Setting { layers: 16, tile_texels: 64, fins: false };
 /// # Errors
 ///
 /// Same as [`Recipe::set`]; cannot occur with a valid base.
-pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
-    let mut out: Vec<Configuration> = Vec::new();
+pub fn configurations(base: &Recipe) -> Result<Vec<ShellsConfiguration>, BakeError> {
+    let mut out: Vec<ShellsConfiguration> = Vec::new();
     let mut add = |series: &str, label: String, recipe: Recipe| {
         if out.iter().all(|c| c.recipe != recipe) {
-            out.push(Configuration { series: series.into(), label, default: recipe == *base, recipe });
+            out.push(ShellsConfiguration { series: series.into(), label, default: recipe == *base, recipe });
         }
     };
     let own = Setting::of(base);
@@ -106,7 +106,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
-pub fn cells(recipe: &Recipe, m: &Measured, timing: &str) -> Vec<Cell> {
+pub fn cells(recipe: &Recipe, m: &SettingMeasurements, timing: &str) -> Vec<Cell> {
     let number = |x: f64| Cell::Number(x);
     vec![
         number(recipe.slice.layers.into()),
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_row_has_a_cell_for_each_column() {
-        let cells = cells(&Recipe::default(), &Measured::default(), "timestamp-query");
+        let cells = cells(&Recipe::default(), &SettingMeasurements::default(), "timestamp-query");
         assert_eq!(cells.len(), COLUMNS.len());
         assert_eq!(cells[COLUMNS.iter().position(|c| *c == "fragments").expect("a column")], Cell::Empty);
     }

@@ -23,7 +23,7 @@ pub struct NamedSky {
 /// [`BakeError::Internal`] for a fault of this code.
 pub fn painted() -> Result<Vec<NamedSky>, BakeError> {
     let paint = |name: &str, radiance: fn(DVec3) -> DVec3| {
-        let panorama = Panorama::painted(SIZE, radiance).map_err(|error| BakeError::Internal(error.to_string()))?;
+        let panorama = Panorama::from_fn(SIZE, radiance).map_err(|error| BakeError::Internal(error.to_string()))?;
         Ok::<_, BakeError>(NamedSky { name: name.into(), panorama })
     };
     Ok(vec![paint("clear sky", clear_sky)?, paint("room", room)?])

@@ -60,7 +60,7 @@ impl Method {
 
 /// Soft shadow method and settings to measure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct SoftShadowConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Value of the varied setting, short.
@@ -107,17 +107,17 @@ pub const PANELS: [Panel; 2] = [
 ];
 
 /// Lists what to measure, the runtime's default first.
-pub fn configurations() -> Vec<Configuration> {
+pub fn configurations() -> Vec<SoftShadowConfiguration> {
     let base = ShadowParams::default();
-    let mut out = vec![Configuration {
+    let mut out = vec![SoftShadowConfiguration {
         series: "as the runtime does",
         label: String::new(),
         method: Method::Centred,
         shadows: base,
     }];
     let mut add = |series, label: String, method: Method, shadows: ShadowParams| {
-        if !out.iter().any(|c: &Configuration| c.shadows == shadows && c.method == method) {
-            out.push(Configuration { series, label, method, shadows });
+        if !out.iter().any(|c: &SoftShadowConfiguration| c.shadows == shadows && c.method == method) {
+            out.push(SoftShadowConfiguration { series, label, method, shadows });
         }
     };
     for map_size in [128, 256, 1024] {
@@ -152,7 +152,7 @@ pub fn configurations() -> Vec<Configuration> {
 }
 
 /// Returns the settings with which the runtime draws the maps of a configuration.
-pub fn runtime_settings(configuration: &Configuration) -> (ShadowParams, Study) {
+pub fn runtime_settings(configuration: &SoftShadowConfiguration) -> (ShadowParams, Study) {
     let inner = configuration.method != Method::Centred;
     let penumbra = if inner { PenumbraForm::Inner } else { PenumbraForm::Centred };
     (configuration.shadows, Study::default().with(|study| study.penumbra = penumbra))
@@ -168,7 +168,7 @@ pub fn lights() -> Vec<Vec3> {
 }
 
 /// Mesh surface of a model at rest, and points on it.
-pub struct Skin {
+pub struct SampledSurface {
     occluder: Occluder,
     points: Vec<Point>,
 }
@@ -182,7 +182,7 @@ struct Point {
     face_ws: Vec3,
 }
 
-impl Skin {
+impl SampledSurface {
     /// Spreads points over the surface of `model` with uniform density.
     ///
     /// # Errors
@@ -214,7 +214,7 @@ impl Skin {
     }
 
     /// Returns the same shares by a method, from the runtime's maps, which were shrunk by `shrink`.
-    pub fn fast(&self, maps: &LightMaps, towards_light: Vec3, method: Method, shrink: u32) -> Vec<f64> {
+    pub fn by_method(&self, maps: &LightMaps, towards_light: Vec3, method: Method, shrink: u32) -> Vec<f64> {
         // Maps of the sources that the runtime no longer makes are made from its depth maps here.
         let size = maps.size as usize;
         let blurred = if method == Method::Printed { paper_width(&occlusion(maps), size, shrink) } else { Vec::new() };
@@ -224,7 +224,7 @@ impl Skin {
             Vec::new()
         };
         let share = |p: &Point| {
-            let (place, n_dot_l) = (maps.place(p.position_ws), p.normal_ws.dot(towards_light));
+            let (place, n_dot_l) = (maps.project(p.position_ws), p.normal_ws.dot(towards_light));
             let sd = (place.z - maps.bilinear(&maps.depths[0], place)) * maps.soft.range_m;
             match method {
                 Method::Iterated(passes) => return iterated(maps, &distances, passes, place, sd, n_dot_l),
@@ -234,7 +234,7 @@ impl Skin {
                 }
                 Method::Inner | Method::Centred => {}
             }
-            maps.light_past_things(place, n_dot_l, method == Method::Centred)
+            maps.light_past_objects(place, n_dot_l, method == Method::Centred)
         };
         self.facing(towards_light).map(|p| f64::from(share(p))).collect()
     }
@@ -338,7 +338,7 @@ fn paper_width(occluded: &[bool], size: usize, shrink: u32) -> Vec<f32> {
 
 /// Errors of a configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct SoftShadowErrors {
     all: Errors,
     shadow: Errors,
     umbra: Errors,
@@ -346,7 +346,7 @@ pub struct Measured {
     penumbra: [u64; 2],
 }
 
-impl Measured {
+impl SoftShadowErrors {
     /// Adds the values found under a light.
     pub fn add(&mut self, fast: &[f64], truth: &[f64]) {
         let pairs = || fast.iter().copied().zip(truth.iter().copied());
@@ -361,7 +361,7 @@ impl Measured {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]. `timing`: source of the milliseconds.
-pub fn cells(configuration: &Configuration, measured: &Measured, milliseconds: f64, timing: &str) -> Vec<Cell> {
+pub fn cells(configuration: &SoftShadowConfiguration, measured: &SoftShadowErrors, milliseconds: f64, timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let (shadows, m) = (&configuration.shadows, measured);
     let passes = if let Method::Iterated(passes) = configuration.method { Some(passes) } else { None };

@@ -39,7 +39,7 @@ fn distances_grow_from_the_edge_and_end_with_the_passes() {
 #[test]
 fn what_no_one_sees_is_left_out() {
     let mut model = sphere(24, 48);
-    let outside = Skin::new(&model).unwrap_or_else(|e| panic!("{e}")).points.len();
+    let outside = SampledSurface::new(&model).unwrap_or_else(|e| panic!("{e}")).points.len();
     assert_eq!(outside as u32, POINTS);
     // A smaller ball inside, with a quarter of the area.
     let inner = model.mesh.clone();
@@ -47,7 +47,7 @@ fn what_no_one_sees_is_left_out() {
     model.mesh.positions.extend(inner.positions.iter().map(|p| *p * 0.5));
     model.mesh.normals.extend(inner.normals);
     model.mesh.triangles.extend(inner.triangles.iter().map(|t| t.map(|i| i + first)));
-    let seen = Skin::new(&model).unwrap_or_else(|e| panic!("{e}")).points;
+    let seen = SampledSurface::new(&model).unwrap_or_else(|e| panic!("{e}")).points;
     assert!((f64::from(seen.len() as u32) / f64::from(POINTS) - 0.8).abs() < 0.01, "{}", seen.len());
     assert!(seen.iter().all(|p| p.position_ws.length() > 0.9));
 }
@@ -69,23 +69,23 @@ fn the_papers_map_is_half_at_a_straight_edge() {
 #[test]
 fn the_truth_of_a_ball_and_of_a_ring() {
     let light = vec3(0.2, 0.9, 0.1).normalize();
-    let ball = Skin::new(&sphere(24, 48)).unwrap_or_else(|e| panic!("{e}"));
+    let ball = SampledSurface::new(&sphere(24, 48)).unwrap_or_else(|e| panic!("{e}"));
     let truth = ball.truth(light, 0.1);
     let hidden: Vec<f64> = truth.iter().copied().filter(|share| *share < 1.0).collect();
     assert!(truth.len() > 1000 && hidden.is_empty(), "{} points, hidden {hidden:?}", truth.len());
     let torus = grid(96, 48, |a, b| glam::Quat::from_rotation_y(a) * vec3(1.0 + 0.4 * b.cos(), 0.4 * b.sin(), 0.0));
-    let ring = Skin::new(&torus).unwrap_or_else(|e| panic!("{e}"));
+    let ring = SampledSurface::new(&torus).unwrap_or_else(|e| panic!("{e}"));
     let truth = ring.truth(vec3(1.0, 0.3, 0.0).normalize(), 0.1);
     let count = |range: std::ops::RangeInclusive<f64>| truth.iter().filter(|s| range.contains(s)).count();
     let (umbra, penumbra, lit) = (count(0.0..=UMBRA), count(PENUMBRA[0]..=PENUMBRA[1]), count(1.0..=1.0));
     assert!(umbra > 20 && penumbra > 20 && lit > 500, "{umbra} in the umbra, {penumbra} in the penumbra, {lit} lit");
-    let mut measured = Measured::default();
+    let mut measured = SoftShadowErrors::default();
     measured.add(&truth, &truth);
     let number = |x: Option<f64>| x.unwrap_or(f64::NAN);
     assert_eq!((number(measured.all.rmse()), number(measured.shadow.rmse())), (0.0, 0.0));
     assert!(number(measured.umbra.mean()) < UMBRA && measured.penumbra[0] == measured.penumbra[1]);
     // No shadow at all: everything leaks.
-    let mut lit = Measured::default();
+    let mut lit = SoftShadowErrors::default();
     lit.add(&vec![1.0; truth.len()], &truth);
     assert_eq!((number(lit.umbra.mean()), lit.penumbra[0]), (1.0, 0));
     assert!(number(lit.all.rmse()) > 0.1 && number(lit.shadow.rmse()) > number(lit.all.rmse()));
@@ -97,7 +97,7 @@ fn configurations_differ_and_rows_are_full() {
     assert_eq!((all[0].method, all[0].shadows), (Method::Centred, ShadowParams::default()));
     for (i, a) in all.iter().enumerate() {
         assert!(all[..i].iter().all(|b| b.shadows != a.shadows || b.method != a.method), "{a:?}");
-        assert_eq!(cells(a, &Measured::default(), 1.0, "").len(), COLUMNS.len());
+        assert_eq!(cells(a, &SoftShadowErrors::default(), 1.0, "").len(), COLUMNS.len());
     }
     assert!(lights().iter().all(|l| l.is_normalized() && l.y > 0.5));
 }

@@ -7,7 +7,7 @@
 
 use super::{Cell, Panel};
 use pelage_stage::{LookDetail, LookHair, LookStrandEdges, Viewpoint};
-use pelage_tool::shell_judge::Measured;
+use pelage_tool::shell_judge::SettingMeasurements;
 
 /// Picture to draw: size relative to the recipe's `[judge]`, and zoom.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ pub const SAMPLES: [u32; 2] = [1, 4];
 
 /// Method of drawing hair.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Way {
+pub struct DrawMethod {
     /// Name of the varied setting.
     pub series: String,
     /// Strands, layers, or the runtime's choice.
@@ -62,7 +62,7 @@ pub struct Way {
     pub pieces: Option<u32>,
 }
 
-impl Way {
+impl DrawMethod {
     /// Returns all methods for strands of `pieces` pieces, the runtime's choice first. Layers follow if there is a
     /// `coat`, then strands of all pieces, half as many and so on. Last come those with blended edges: the runtime's
     /// choice, all pieces and half as many.
@@ -104,7 +104,7 @@ impl Way {
 
 /// Row of the chart: a size, a number of samples and a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Configuration {
+pub struct StrandsConfiguration {
     /// Index into [`Size::ALL`].
     pub size: usize,
     /// Samples per pixel.
@@ -113,7 +113,7 @@ pub struct Configuration {
     pub way: usize,
 }
 
-impl Configuration {
+impl StrandsConfiguration {
     /// Returns whether this is the default configuration.
     pub fn is_default(&self) -> bool {
         self.way == 0 && self.samples == SAMPLES[0]
@@ -121,9 +121,9 @@ impl Configuration {
 }
 
 /// Lists each of `ways` methods in every size, at each number of samples.
-pub fn configurations(ways: usize) -> Vec<Configuration> {
+pub fn configurations(ways: usize) -> Vec<StrandsConfiguration> {
     let groups = (0..Size::ALL.len()).flat_map(|size| SAMPLES.map(|samples| (size, samples)));
-    groups.flat_map(|(size, samples)| (0..ways).map(move |way| Configuration { size, samples, way })).collect()
+    groups.flat_map(|(size, samples)| (0..ways).map(move |way| StrandsConfiguration { size, samples, way })).collect()
 }
 
 /// Columns of the chart.
@@ -194,9 +194,9 @@ pub fn panels() -> Vec<Panel> {
 
 /// Results of a method.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Found {
+pub struct StrandsMeasures {
     /// Errors and costs.
-    pub measured: Measured,
+    pub measured: SettingMeasurements,
     /// Milliseconds of a frame with a new pose and new maps.
     pub anew_ms: f64,
     /// Mean change of grey while the camera turns a little; `None` if no mesh surface is visible.
@@ -211,7 +211,7 @@ pub struct Found {
 
 /// Values that all methods of a size share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Seen {
+pub struct StrandsSizeFacts {
     /// Width and height of the picture.
     pub pixels: (u32, u32),
     /// Rays per pixel of the reference picture.
@@ -230,7 +230,7 @@ pub struct Seen {
 pub const AS_TRUE: f64 = 1.02;
 
 /// Returns the cost of the first method over that of the cheapest equally accurate one, ignoring blended edges.
-pub fn over_cheapest(ways: &[Found]) -> Option<f64> {
+pub fn over_cheapest(ways: &[StrandsMeasures]) -> Option<f64> {
     let own = ways.first()?.measured;
     let as_true = ways.iter().filter(|way| !way.blended && way.measured.flip <= AS_TRUE * own.flip);
     let cheapest = as_true.map(|way| way.measured.frame_ms).fold(f64::INFINITY, f64::min);
@@ -239,9 +239,9 @@ pub fn over_cheapest(ways: &[Found]) -> Option<f64> {
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]. `ways`: results of all methods of its size and samples;
 /// `timing`: source of the milliseconds.
-pub fn cells(configuration: &Configuration, seen: &Seen, ways: &[Found], timing: &str) -> Vec<Cell> {
+pub fn cells(configuration: &StrandsConfiguration, seen: &StrandsSizeFacts, ways: &[StrandsMeasures], timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
-    let Configuration { size, samples, way } = *configuration;
+    let StrandsConfiguration { size, samples, way } = *configuration;
     let found = ways.get(way).copied().unwrap_or_default();
     let m = &found.measured;
     let drawn = f64::from(found.strands) * seen.strands as f64;
@@ -279,7 +279,7 @@ mod tests {
 
     #[test]
     fn every_way_is_drawn_in_every_size() {
-        let series = |pieces, coat| Way::all(pieces, coat).into_iter().map(|way| way.series).collect::<Vec<_>>();
+        let series = |pieces, coat| DrawMethod::all(pieces, coat).into_iter().map(|way| way.series).collect::<Vec<_>>();
         let strands = ["strands of 8 pieces", "strands of 4 pieces", "strands of 2 pieces"];
         let layers = ["auto", "layers, as the size asks for", "layers, all"];
         let blended = ["auto, blended", "strands of 8 pieces, blended", "strands of 4 pieces, blended"];
@@ -305,24 +305,24 @@ mod tests {
     #[test]
     fn what_is_chosen_is_held_against_the_cheapest_that_is_as_true() {
         let way =
-            |frame_ms, flip| Found { measured: Measured { frame_ms, flip, ..Measured::default() }, ..Found::default() };
+            |frame_ms, flip| StrandsMeasures { measured: SettingMeasurements { frame_ms, flip, ..SettingMeasurements::default() }, ..StrandsMeasures::default() };
         // The cheapest is less accurate, the next nearly as accurate, and the last more accurate and more expensive.
-        let blended = Found { blended: true, ..way(2.0, 0.0050) };
+        let blended = StrandsMeasures { blended: true, ..way(2.0, 0.0050) };
         let ways = [way(6.0, 0.0100), way(1.0, 0.0200), way(4.0, 0.0101), way(9.0, 0.0050), blended];
         assert_eq!(over_cheapest(&ways), Some(1.5));
         assert_eq!(over_cheapest(&ways[..2]), Some(1.0));
         assert_eq!(over_cheapest(&[]), None);
-        let seen = Seen { pixels: (8, 4), strands: 100, ..Seen::default() };
+        let seen = StrandsSizeFacts { pixels: (8, 4), strands: 100, ..StrandsSizeFacts::default() };
         for way in 0..ways.len() {
-            let cells = cells(&Configuration { size: 2, samples: 4, way }, &seen, &ways, "timestamp-query");
+            let cells = cells(&StrandsConfiguration { size: 2, samples: 4, way }, &seen, &ways, "timestamp-query");
             assert_eq!(cells.len(), COLUMNS.len());
             let cell = |name| &cells[COLUMNS.iter().position(|column| *column == name).expect("a column")];
             assert_eq!((cell("size"), cell("samples")), (&Cell::Text("whole".into()), &Cell::Number(4.0)));
             assert_eq!(cell("over_cheapest").number(), (way == 0).then_some(1.5));
             assert_eq!(cell("flip").number(), Some(ways[way].measured.flip));
         }
-        let four = [Found { strands: 0.5, pieces: 4, ..way(1.0, 1.0) }];
-        let cells = cells(&Configuration { size: 0, samples: 1, way: 0 }, &seen, &four, "");
+        let four = [StrandsMeasures { strands: 0.5, pieces: 4, ..way(1.0, 1.0) }];
+        let cells = cells(&StrandsConfiguration { size: 0, samples: 1, way: 0 }, &seen, &four, "");
         let triangles = COLUMNS.iter().position(|column| *column == "strand_triangles").expect("a column");
         assert_eq!(cells[triangles], Cell::Number(400.0));
     }

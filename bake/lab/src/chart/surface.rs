@@ -7,7 +7,7 @@ use pelage_import::mesh::Model;
 
 /// Recipe to measure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct SurfaceConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Value of the varied setting, short.
@@ -60,11 +60,11 @@ pub const PANELS: [Panel; 2] = [
 /// # Errors
 ///
 /// Same as [`Recipe::set`]; cannot occur with a valid base.
-pub fn configurations(base: &Recipe, model: &Model) -> Result<Vec<Configuration>, pelage_import::BakeError> {
+pub fn configurations(base: &Recipe, model: &Model) -> Result<Vec<SurfaceConfiguration>, pelage_import::BakeError> {
     let with = |series: &'static str, label: String, sets: &[String]| -> Result<_, pelage_import::BakeError> {
         let mut recipe = base.clone();
         sets.iter().try_for_each(|set| recipe.set(set))?;
-        Ok(Configuration { series, label, sets: sets.to_vec(), recipe })
+        Ok(SurfaceConfiguration { series, label, sets: sets.to_vec(), recipe })
     };
     let mut out = vec![with("as the recipe says", String::new(), &[])?];
     let patches = "surface.source=patches".to_owned();

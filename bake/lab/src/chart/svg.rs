@@ -95,7 +95,7 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, panel: &Panel, series: &[&str]) ->
     let [left, right, top, bottom] = MARGIN;
     let (frame_w, frame_h) = (width as i32 - left - right, height as i32 - top - bottom);
     let place = |(x, y): (f64, f64)| {
-        let (u, v) = (x_scale.place(x), y_scale.place(y));
+        let (u, v) = (x_scale.position(x), y_scale.position(y));
         (left + (u * f64::from(frame_w)).round() as i32, top + ((1.0 - v) * f64::from(frame_h)).round() as i32)
     };
     let (x_ticks, y_ticks) = (x_scale.ticks(), y_scale.ticks());
@@ -149,7 +149,7 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, panel: &Panel, series: &[&str]) ->
     let style =
         ("sans-serif", LABEL).into_font().color(&RGBColor(90, 90, 90)).pos(Pos::new(HPos::Center, VPos::Center));
     let frame = [left, top, left + frame_w, top + frame_h];
-    for label in labels::place(&marks, &along(&line), frame, LABEL) {
+    for label in labels::place_labels(&marks, &along(&line), frame, LABEL) {
         area.draw(&Text::new(marks[label.mark].2, label.at, style.clone())).map_err(fault)?;
     }
     Ok(())

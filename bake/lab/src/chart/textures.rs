@@ -8,8 +8,8 @@ use super::{Cell, Panel};
 use crate::stability::{mean, opacity, texels, transmittances};
 use glam::Vec3;
 use pelage_bake::recipe::{BcQuality, DirectionFormat, Recipe, ShellFormat};
-use pelage_bake::stages::hair::Strands;
-use pelage_bake::stages::textures::{AlphaMode, Layer, ShellSet, TextureEncoder, collect_layers, decode_texture};
+use pelage_bake::stages::simulate::Strands;
+use pelage_bake::stages::slice::{AlphaMode, Layer, ShellSet, TextureEncoder, collect_layers, decode_texture};
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_formats::{Limits, TextureFormat, TextureView, decode_direction};
 use pelage_import::BakeError;
@@ -43,7 +43,7 @@ enum Part {
 
 /// Storage parameters of a tile.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct TexturesConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Value of the varied setting, short.
@@ -120,12 +120,12 @@ pub const PANELS: [Panel; 4] = [
 /// # Errors
 ///
 /// Same as [`Recipe::set`]; cannot occur with a valid base.
-pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
+pub fn configurations(base: &Recipe) -> Result<Vec<TexturesConfiguration>, BakeError> {
     let mut out = Vec::new();
     let mut add = |series, label: String, sets: &[String], mips, part| {
         let mut recipe = base.clone();
         sets.iter().try_for_each(|set| recipe.set(set))?;
-        out.push(Configuration { series, label, sets: sets.to_vec(), mips, recipe, part });
+        out.push(TexturesConfiguration { series, label, sets: sets.to_vec(), mips, recipe, part });
         Ok::<_, BakeError>(())
     };
     let quality = |quality: &BcQuality| format!("pack.bc_quality={}", quality.word());
@@ -149,13 +149,13 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
 }
 
 /// Tile of the strands before encoding, the truth of the measurement.
-pub struct Truth {
+pub struct SlicedTile {
     set: ShellSet,
     strands: Strands,
     coverage: f64,
 }
 
-impl Truth {
+impl SlicedTile {
     /// Slices strands with the settings of `recipe`.
     ///
     /// # Errors
@@ -197,7 +197,7 @@ struct Directions {
 /// # Errors
 ///
 /// Errors of slicing, encoding and decoding.
-pub fn measure(configuration: &Configuration, truth: &Truth, now: &dyn Fn() -> f64) -> Result<Vec<Cell>, BakeError> {
+pub fn measure(configuration: &TexturesConfiguration, truth: &SlicedTile, now: &dyn Fn() -> f64) -> Result<Vec<Cell>, BakeError> {
     let part = configuration.part;
     let shells = if part == Part::Directions { None } else { Some(shells(configuration, truth, now)?) };
     let directions = if part == Part::Shells { None } else { Some(directions(configuration, truth, now)?) };
@@ -236,7 +236,7 @@ pub fn measure(configuration: &Configuration, truth: &Truth, now: &dyn Fn() -> f
     Ok(cells)
 }
 
-fn shells(configuration: &Configuration, truth: &Truth, now: &dyn Fn() -> f64) -> Result<Shells, BakeError> {
+fn shells(configuration: &TexturesConfiguration, truth: &SlicedTile, now: &dyn Fn() -> f64) -> Result<Shells, BakeError> {
     let pack = &configuration.recipe.pack;
     let set = match configuration.mips {
         MipFilter::Product => truth.set.clone(),
@@ -268,7 +268,7 @@ fn shells(configuration: &Configuration, truth: &Truth, now: &dyn Fn() -> f64) -
     })
 }
 
-fn directions(configuration: &Configuration, truth: &Truth, now: &dyn Fn() -> f64) -> Result<Directions, BakeError> {
+fn directions(configuration: &TexturesConfiguration, truth: &SlicedTile, now: &dyn Fn() -> f64) -> Result<Directions, BakeError> {
     let (pack, slice) = (&configuration.recipe.pack, &configuration.recipe.slice);
     let format = TextureFormat::from(pack.direction_format);
     let set = collect_layers(&truth.strands, slice, format)?;

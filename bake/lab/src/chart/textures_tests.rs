@@ -3,10 +3,10 @@
 use super::*;
 use crate::stability::grow;
 
-fn measured() -> Vec<(Configuration, Vec<Cell>)> {
+fn measured() -> Vec<(TexturesConfiguration, Vec<Cell>)> {
     let mut base = Recipe::default();
     ["hair.density=200", "slice.layers=8", "slice.tile_texels=32"].iter().for_each(|set| base.set(set).unwrap());
-    let truth = Truth::new(&base, grow(&base.hair, 0.3).unwrap()).unwrap();
+    let truth = SlicedTile::new(&base, grow(&base.hair, 0.3).unwrap()).unwrap();
     let all = configurations(&base).unwrap();
     // Each reading of this clock is a second later.
     let clock = std::cell::Cell::new(0.0);

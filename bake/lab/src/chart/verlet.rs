@@ -9,11 +9,11 @@
 //! truth would be arbitrary.
 
 use super::{Cell, Panel};
-use crate::stability::hair_motion::{Printed, PrintedStep, sweep};
-use crate::truth::{Followed, TrueGuide};
+use crate::stability::hair_motion::{PrintedString, PrintedStep, sweep};
+use crate::truth::{TrueMotion, TrueGuide};
 use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 use pelage_formats::GroupMotion;
-use pelage_formats::meaning::hair_motion::{Frame, GRAVITY, Groomed, Pearl, Rooted, Solver, Springs, Wind, ballast};
+use pelage_formats::meaning::hair_motion::{Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Solver, Springs, Wind, gravity_compensation};
 use std::f64::consts::TAU;
 
 /// Numbers of points per guide.
@@ -98,7 +98,7 @@ impl Scene {
     pub const ALL: [Self; 3] = [Self::Turn, Self::Gallop, Self::Gust];
 
     /// Returns the root and its frame at a time, seconds.
-    pub fn skin(self, time_s: f64) -> (DVec3, DMat3) {
+    pub fn root_at(self, time_s: f64) -> (DVec3, DMat3) {
         match self {
             Self::Turn => {
                 let turn = DMat3::from_rotation_y(1.2 * (eased(time_s, 0.2, 0.4) - eased(time_s, 1.4, 0.4)));
@@ -115,9 +115,9 @@ impl Scene {
     }
 
     /// Returns the same in the renderer's type and precision.
-    fn rooted(self, time_s: f64) -> Rooted {
-        let (root, frame) = self.skin(time_s);
-        Rooted { root: root.as_vec3(), frame: frame.as_mat3() }
+    fn rooted(self, time_s: f64) -> RootFrame {
+        let (root, frame) = self.root_at(time_s);
+        RootFrame { root: root.as_vec3(), frame: frame.as_mat3() }
     }
 
     /// Returns the wind of the scene.
@@ -137,7 +137,7 @@ impl Scene {
 
 /// Method of moving a guide.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
+pub enum MotionForm {
     /// Runtime's [`Solver`].
     Ours(Solver),
     /// Correction of each piece by itself, root to tip, a number of times per step (Jakobsen 2001).
@@ -170,7 +170,7 @@ pub enum Form {
 
 /// Parameters of one measurement.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
+pub struct VerletConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
     /// Value of the varied setting, short.
@@ -178,44 +178,44 @@ pub struct Configuration {
     /// Points of the guide.
     pub points: usize,
     /// Method of moving the guide.
-    pub form: Form,
+    pub form: MotionForm,
     /// Whether this is what the runtime does.
     pub default: bool,
 }
 
 /// Lists what to measure, for each of [`POINTS`], the runtime's default first.
-pub fn configurations() -> Vec<Configuration> {
+pub fn configurations() -> Vec<VerletConfiguration> {
     let ours = Solver::default();
-    let mut forms = vec![("as the runtime does", String::new(), Form::Ours(ours))];
+    let mut forms = vec![("as the runtime does", String::new(), MotionForm::Ours(ours))];
     for steps in [60u16, 240, 480] {
         let solver = Solver { steps_per_s: steps.into(), ..ours };
-        forms.push(("ours, steps a second", steps.to_string(), Form::Ours(solver)));
+        forms.push(("ours, steps a second", steps.to_string(), MotionForm::Ours(solver)));
     }
     for solved in [1, 2, 3, 6] {
         // Exactly that many solves.
         let solver = Solver { solved, within: 0.0, ..ours };
-        forms.push(("ours, solves a step", solved.to_string(), Form::Ours(solver)));
+        forms.push(("ours, solves a step", solved.to_string(), MotionForm::Ours(solver)));
     }
     for sweeps in [1, 2, 4, 8, 16, 32] {
-        forms.push(("sweeps a step", sweeps.to_string(), Form::Sweeps { steps_per_s: 120, sweeps }));
+        forms.push(("sweeps a step", sweeps.to_string(), MotionForm::Sweeps { steps_per_s: 120, sweeps }));
     }
     for steps_per_s in [60, 120, 240, 480] {
-        forms.push(("follow the leader, steps a second", steps_per_s.to_string(), Form::Leader { steps_per_s }));
+        forms.push(("follow the leader, steps a second", steps_per_s.to_string(), MotionForm::Leader { steps_per_s }));
     }
     for steps_per_s in [120, 240, 480, 960, 1920] {
-        forms.push(("XPBD, steps a second", steps_per_s.to_string(), Form::Yielding { steps_per_s }));
+        forms.push(("XPBD, steps a second", steps_per_s.to_string(), MotionForm::Yielding { steps_per_s }));
     }
     for sweeps in [1, 4, 16] {
-        forms.push(("as printed, sweeps a frame", sweeps.to_string(), Form::Printed { sweeps }));
+        forms.push(("as printed, sweeps a frame", sweeps.to_string(), MotionForm::Printed { sweeps }));
     }
-    forms.push(("truth, straight between frames", String::new(), Form::Straight));
+    forms.push(("truth, straight between frames", String::new(), MotionForm::Straight));
     let all = POINTS.iter().flat_map(|points| forms.iter().map(move |form| (*points, form)));
-    all.map(|(points, (series, label, form))| Configuration {
+    all.map(|(points, (series, label, form))| VerletConfiguration {
         series,
         label: label.clone(),
         points,
         form: *form,
-        default: *form == Form::Ours(ours),
+        default: *form == MotionForm::Ours(ours),
     })
     .collect()
 }
@@ -242,7 +242,7 @@ impl Guide {
         let pieces = points.windows(2).map(|ends| ends[0].distance(ends[1]));
         let GroupMotion { drag_per_s, shape_hz, bend_hz, friction, .. } = GroupMotion::default();
         Self {
-            ballast: ballast(&points, Mat3::IDENTITY),
+            ballast: gravity_compensation(&points, Mat3::IDENTITY),
             free: vec![1.0; points.len()],
             lengths: std::iter::once(0.0).chain(pieces).collect(),
             springs: Springs { drag_per_s, shape_hz, bend_hz, friction },
@@ -258,31 +258,31 @@ impl Guide {
     /// forms.
     ///
     /// * `at_end`: called with the points at the end of each frame, relative to the root
-    pub fn run(&self, form: &Form, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) -> u32 {
+    pub fn run(&self, form: &MotionForm, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) -> u32 {
         match *form {
-            Form::Ours(solver) => return self.ours(solver, scene, at_end),
-            Form::Sweeps { steps_per_s, sweeps } => {
-                let hold = |string: &mut Plain, h: f32| {
+            MotionForm::Ours(solver) => return self.ours(solver, scene, at_end),
+            MotionForm::Sweeps { steps_per_s, sweeps } => {
+                let hold = |string: &mut UnconstrainedString, h: f32| {
                     (0..sweeps).for_each(|_| sweep(&mut string.places, &self.lengths));
-                    string.take_speed(h);
+                    string.update_velocities(h);
                 };
-                self.plain(steps_per_s, scene, &hold, at_end);
+                self.unconstrained(steps_per_s, scene, &hold, at_end);
             }
-            Form::Leader { steps_per_s } => {
-                let hold = |string: &mut Plain, h: f32| string.follow(&self.lengths, h);
-                self.plain(steps_per_s, scene, &hold, at_end);
+            MotionForm::Leader { steps_per_s } => {
+                let hold = |string: &mut UnconstrainedString, h: f32| string.follow(&self.lengths, h);
+                self.unconstrained(steps_per_s, scene, &hold, at_end);
             }
-            Form::Yielding { steps_per_s } => {
-                let hold = |string: &mut Plain, h: f32| {
+            MotionForm::Yielding { steps_per_s } => {
+                let hold = |string: &mut UnconstrainedString, h: f32| {
                     string.yielding(&self.lengths, h);
-                    string.take_speed(h);
+                    string.update_velocities(h);
                 };
-                self.plain(steps_per_s, scene, &hold, at_end);
+                self.unconstrained(steps_per_s, scene, &hold, at_end);
             }
-            Form::Printed { sweeps } => self.printed(sweeps, scene, at_end),
-            Form::Straight => {
+            MotionForm::Printed { sweeps } => self.printed(sweeps, scene, at_end),
+            MotionForm::Straight => {
                 for (frame, places) in (1..).zip(self.truth(scene, true).places) {
-                    let root = scene.skin(time_s(frame)).0;
+                    let root = scene.root_at(time_s(frame)).0;
                     at_end(&places.iter().map(|p| (*p - root).as_vec3()).collect::<Vec<_>>());
                 }
             }
@@ -292,8 +292,8 @@ impl Guide {
 
     fn ours(&self, solver: Solver, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) -> u32 {
         let mut solved = 0;
-        let groomed = Groomed { points: &self.points, ballast: &self.ballast, free: &self.free };
-        let mut pearls: Vec<Pearl> = scene.rooted(0.0).groomed(&self.points);
+        let groomed = GroomedGuide { points: &self.points, ballast: &self.ballast, free: &self.free };
+        let mut pearls: Vec<Particle> = scene.rooted(0.0).groomed(&self.points);
         let mut places = self.points.clone();
         let mut before_s = solver.steps(1.0 / FPS as f32).1;
         for number in 1..=FPS * SECONDS {
@@ -317,17 +317,17 @@ impl Guide {
 
     /// Moves the guide with the runtime's forces. `hold` enforces the lengths at the end of each step, and receives its
     /// duration in seconds.
-    fn plain(&self, steps_per_s: u32, scene: Scene, hold: &dyn Fn(&mut Plain, f32), at_end: &mut dyn FnMut(&[Vec3])) {
+    fn unconstrained(&self, steps_per_s: u32, scene: Scene, hold: &dyn Fn(&mut UnconstrainedString, f32), at_end: &mut dyn FnMut(&[Vec3])) {
         let steps = steps_per_s / FPS;
         let h = 1.0 / steps_per_s as f32;
-        let mut string = Plain::new(&self.points, scene.rooted(0.0));
+        let mut string = UnconstrainedString::new(&self.points, scene.rooted(0.0));
         let mut places = self.points.clone();
         for number in 1..=FPS * SECONDS {
             let [from, to] = [number - 1, number].map(|n| scene.rooted(time_s(n)));
             for step in 1..=steps {
                 let at = |step: u32| from.between(to, step as f32 / steps as f32);
                 let now_s = time_s(number) as f32 - (steps - step) as f32 * h;
-                string.fly(self, [at(step - 1), at(step)], h, |place| scene.air(now_s, place));
+                string.integrate(self, [at(step - 1), at(step)], h, |place| scene.air(now_s, place));
                 hold(&mut string, h);
             }
             places.iter_mut().zip(&string.places).for_each(|(place, found)| *place = *found - to.root);
@@ -338,9 +338,9 @@ impl Guide {
     /// Moves the guide as in Nalu: explicit forces, and one loss of speed for all resistance.
     fn printed(&self, sweeps: u32, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) {
         let first = scene.rooted(0.0);
-        let mut string = Printed::new(self.points.iter().map(|p| first.root + first.frame * *p).collect());
+        let mut string = PrintedString::new(self.points.iter().map(|p| first.root + first.frame * *p).collect());
         let seconds = 1.0 / FPS as f32;
-        let (shape, bend) = (square(self.springs.shape_hz), square(self.springs.bend_hz));
+        let (shape, bend) = (squared_frequency(self.springs.shape_hz), squared_frequency(self.springs.bend_hz));
         let slowed = self.springs.drag_per_s + 2.0 * DAMPED * shape.sqrt();
         let step = PrintedStep {
             seconds,
@@ -352,7 +352,7 @@ impl Guide {
         let mut places = self.points.clone();
         for number in 1..=FPS * SECONDS {
             let (now, now_s) = (scene.rooted(time_s(number)), time_s(number) as f32);
-            let mut pulled = self.bent(now.frame, &string.places);
+            let mut pulled = self.bending_offsets(now.frame, &string.places);
             for (k, pulled) in pulled.iter_mut().enumerate() {
                 let place = string.places[k];
                 *pulled = *pulled * bend
@@ -369,7 +369,7 @@ impl Guide {
 
     /// Returns each point's offset from where it would be if all pieces before it kept their groomed shape, each turned
     /// like the previous one.
-    fn bent(&self, frame: Mat3, places: &[Vec3]) -> Vec<Vec3> {
+    fn bending_offsets(&self, frame: Mat3, places: &[Vec3]) -> Vec<Vec3> {
         let mut out = vec![Vec3::ZERO; places.len()];
         let mut turn = Quat::IDENTITY;
         for k in 1..places.len() {
@@ -386,21 +386,21 @@ impl Guide {
     }
 
     /// Returns the true motion through a scene; `straight`: with a root that moves straight from frame to frame.
-    pub fn truth(&self, scene: Scene, straight: bool) -> Followed {
+    pub fn truth(&self, scene: Scene, straight: bool) -> TrueMotion {
         let wide = |points: &[Vec3]| points.iter().map(|p| p.as_dvec3()).collect::<Vec<_>>();
         let (points, ballast) = (wide(&self.points), wide(&self.ballast));
         let air = |time_s: f64, place: DVec3| scene.air(time_s as f32, place.as_vec3()).as_dvec3();
         let guide = TrueGuide {
             points: &points,
-            ballast: &ballast,
+            ballast: &gravity_compensation,
             drag_per_s: self.springs.drag_per_s.into(),
             shape_hz: self.springs.shape_hz.into(),
             bend_hz: self.springs.bend_hz.into(),
             gravity: DVec3::NEG_Y * f64::from(GRAVITY),
             air: &air,
         };
-        let way = |time_s: f64| scene.skin(time_s);
-        guide.followed(&way, straight, (FPS * SECONDS, 1.0 / f64::from(FPS)), WITHIN)
+        let way = |time_s: f64| scene.root_at(time_s);
+        guide.converged(&way, straight, (FPS * SECONDS, 1.0 / f64::from(FPS)), WITHIN)
     }
 }
 
@@ -410,14 +410,14 @@ fn time_s(frame: u32) -> f64 {
 }
 
 /// Returns the stiffness of a spring of frequency `hz`: force over distance and mass.
-fn square(hz: f32) -> f32 {
+fn squared_frequency(hz: f32) -> f32 {
     let omega = std::f32::consts::TAU * hz;
     omega * omega
 }
 
 /// String of points without length constraints.
 #[derive(Clone, Debug)]
-struct Plain {
+struct UnconstrainedString {
     /// Positions in world space.
     places: Vec<Vec3>,
     velocities: Vec<Vec3>,
@@ -425,21 +425,21 @@ struct Plain {
     started: Vec<Vec3>,
 }
 
-impl Plain {
-    fn new(points: &[Vec3], rooted: Rooted) -> Self {
+impl UnconstrainedString {
+    fn new(points: &[Vec3], rooted: RootFrame) -> Self {
         let places: Vec<Vec3> = points.iter().map(|p| rooted.root + rooted.frame * *p).collect();
         Self { velocities: vec![Vec3::ZERO; places.len()], started: places.clone(), places }
     }
 
     /// Moves the points freely by one step, as the root moves from one frame to the other.
-    fn fly(&mut self, guide: &Guide, [before, now]: [Rooted; 2], h: f32, air: impl Fn(Vec3) -> Vec3) {
+    fn integrate(&mut self, guide: &Guide, [before, now]: [RootFrame; 2], h: f32, air: impl Fn(Vec3) -> Vec3) {
         let springs = &guide.springs;
-        let (shape, bend) = (square(springs.shape_hz), square(springs.bend_hz));
+        let (shape, bend) = (squared_frequency(springs.shape_hz), squared_frequency(springs.bend_hz));
         let (shape, bend) = (shape / (1.0 + shape * h * h), bend / (1.0 + bend * h * h));
         let kept_of_air = libm::expf(-springs.drag_per_s * h);
         let kept_of_shape = libm::expf(-2.0 * DAMPED * std::f32::consts::TAU * springs.shape_hz * h);
         self.started.clone_from(&self.places);
-        let bent = guide.bent(now.frame, &self.places);
+        let bent = guide.bending_offsets(now.frame, &self.places);
         for (k, bent) in bent.iter().enumerate().skip(1) {
             let place = self.places[k];
             let air = air(place);
@@ -457,7 +457,7 @@ impl Plain {
     }
 
     /// Computes velocities from the points' displacements in the step.
-    fn take_speed(&mut self, h: f32) {
+    fn update_velocities(&mut self, h: f32) {
         for (k, velocity) in self.velocities.iter_mut().enumerate() {
             *velocity = (self.places[k] - self.started[k]) / h;
         }
@@ -470,7 +470,7 @@ impl Plain {
             let place = parent + (self.places[k] - parent).normalize_or(Vec3::NEG_Y) * lengths[k];
             moved[k] = place - std::mem::replace(&mut self.places[k], place);
         }
-        self.take_speed(h);
+        self.update_velocities(h);
         for (k, velocity) in self.velocities.iter_mut().enumerate() {
             *velocity -= moved[k + 1] * (GIVEN_BACK / h);
         }
@@ -493,7 +493,7 @@ impl Plain {
 
 /// Error of a form in one scene or several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Off {
+pub struct MotionDeviation {
     /// Sum of squared distances from the truth, in lengths of the guide, and their number.
     squares: f64,
     count: usize,
@@ -505,9 +505,9 @@ pub struct Off {
     solved: u32,
 }
 
-impl Off {
+impl MotionDeviation {
     /// Measures a form against the truth, at the ends of frames.
-    pub fn of(guide: &Guide, form: &Form, scene: Scene, truth: &[Vec<DVec3>]) -> Self {
+    pub fn of(guide: &Guide, form: &MotionForm, scene: Scene, truth: &[Vec<DVec3>]) -> Self {
         let mut off = Self::default();
         let mut frame = 0;
         let solved = guide.run(form, scene, &mut |places| {
@@ -540,9 +540,9 @@ impl Off {
     }
 }
 
-impl Form {
+impl MotionForm {
     /// Returns the steps per second, and the passes over the lengths per step. `found`: results of all scenes together.
-    pub fn effort(&self, found: &Off) -> Option<(f64, f64)> {
+    pub fn effort(&self, found: &MotionDeviation) -> Option<(f64, f64)> {
         Some(match *self {
             // One more pass from root to tip corrects what the tensions leave.
             Self::Ours(Solver { steps_per_s, .. }) => {
@@ -564,13 +564,13 @@ impl Form {
 /// * `nanoseconds`: per guide and second
 /// * `truths`: of the same scenes
 pub fn cells(
-    configuration: &Configuration,
-    off: &[Off; 3],
+    configuration: &VerletConfiguration,
+    off: &[MotionDeviation; 3],
     nanoseconds: Option<f64>,
-    truths: &[Followed],
+    truths: &[TrueMotion],
 ) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
-    let all = off.iter().copied().fold(Off::default(), Off::and);
+    let all = off.iter().copied().fold(MotionDeviation::default(), MotionDeviation::and);
     let effort = configuration.form.effort(&all);
     vec![
         Cell::Number(configuration.points as f64),

@@ -1,9 +1,9 @@
 use super::*;
 
 /// Returns the error of a form in all scenes.
-fn off(guide: &Guide, form: &Form) -> Off {
-    let of = |scene: &Scene| Off::of(guide, form, *scene, &guide.truth(*scene, false).places);
-    Scene::ALL.iter().map(of).fold(Off::default(), Off::and)
+fn off(guide: &Guide, form: &MotionForm) -> MotionDeviation {
+    let of = |scene: &Scene| MotionDeviation::of(guide, form, *scene, &guide.truth(*scene, false).places);
+    Scene::ALL.iter().map(of).fold(MotionDeviation::default(), MotionDeviation::and)
 }
 
 #[test]
@@ -17,7 +17,7 @@ fn rows_are_told_apart_and_one_of_each_length_is_ours() {
         }
     }
     // Three solves in each step of a scene.
-    let of = Off { squares: 1.0, count: 4, solved: 1080, ..Off::default() };
+    let of = MotionDeviation { squares: 1.0, count: 4, solved: 1080, ..MotionDeviation::default() };
     let row = cells(&all[0], &[of; 3], Some(5.0), &[]);
     assert_eq!(row.len(), COLUMNS.len());
     assert_eq!(row[3], Cell::Number(50.0));
@@ -38,11 +38,11 @@ fn scenes_move_hair_and_frames_of_a_sixtieth_know_them() {
             );
             let mut swung = 0.0f64;
             for (frame, places) in (1..).zip(&truth.places) {
-                let (root, frame) = scene.skin(time_s(frame));
+                let (root, frame) = scene.root_at(time_s(frame));
                 let groomed = root + frame * guide.points[points - 1].as_dvec3();
                 swung = swung.max(places[points - 1].distance(groomed) / f64::from(guide.length()));
             }
-            let known = Off::of(&guide, &Form::Straight, scene, &truth.places);
+            let known = MotionDeviation::of(&guide, &MotionForm::Straight, scene, &truth.places);
             println!("{points} points, {scene:?}: swung {swung:.2}, frames know it to {:.1e}", known.rms());
             assert!(swung > 0.1 && known.rms() < 1e-3, "{points} points, {scene:?}: {swung}, {known:?}");
         }
@@ -53,17 +53,17 @@ fn scenes_move_hair_and_frames_of_a_sixtieth_know_them() {
 #[test]
 fn forms_come_to_the_truth() {
     let guide = Guide::new(7);
-    let ours = |steps_per_s: f32| Form::Ours(Solver { steps_per_s, ..Solver::default() });
-    let sweeps = |steps_per_s: u32| Form::Sweeps { steps_per_s, sweeps: 64 };
-    let yielding = |steps_per_s: u32| Form::Yielding { steps_per_s };
+    let ours = |steps_per_s: f32| MotionForm::Ours(Solver { steps_per_s, ..Solver::default() });
+    let sweeps = |steps_per_s: u32| MotionForm::Sweeps { steps_per_s, sweeps: 64 };
+    let yielding = |steps_per_s: u32| MotionForm::Yielding { steps_per_s };
     for [coarse, fine] in [[ours(120.0), ours(960.0)], [sweeps(120), sweeps(960)], [yielding(240), yielding(1920)]] {
         let (few, many) = (off(&guide, &coarse), off(&guide, &fine));
         println!("{coarse:?}: {:.4}, {fine:?}: {:.4}", few.rms(), many.rms());
         assert!(many.rms() < 0.005 && many.rms() < 0.3 * few.rms(), "{coarse:?}: {few:?}, {fine:?}: {many:?}");
     }
-    let leader = |steps_per_s| off(&guide, &Form::Leader { steps_per_s });
+    let leader = |steps_per_s| off(&guide, &MotionForm::Leader { steps_per_s });
     assert!(leader(120).rms() < 0.1 && leader(120).stretch < 1e-5, "{:?}", leader(120));
-    let printed = off(&guide, &Form::Printed { sweeps: 4 });
-    let now = off(&guide, &Form::Ours(Solver::default()));
+    let printed = off(&guide, &MotionForm::Printed { sweeps: 4 });
+    let now = off(&guide, &MotionForm::Ours(Solver::default()));
     assert!(printed.rms() > 3.0 * now.rms() && printed.stretch > 0.1 && now.stretch < 1e-4, "{printed:?}, {now:?}");
 }

@@ -1,6 +1,6 @@
 //! `pelage chart detail`: layers, triangles and texels at four sizes against the true strands.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
 use crate::chart::{Cell, detail};
 use pelage_bake::recipe::Recipe;
@@ -9,18 +9,18 @@ use pelage_stage::{Gpu, NamedPackage, Viewpoint};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::{ShellJudge, Source, cameras};
-use pelage_tool::truth::Truth;
+use pelage_tool::truth::ReferenceTracer;
 use pelage_tool::view::View;
 
 /// Topic `detail`.
 pub struct DetailTopic<'a> {
     subject: &'a Subject,
-    configurations: Vec<detail::Configuration>,
+    configurations: Vec<detail::DetailConfiguration>,
     gpu: Gpu,
     /// Strands, which no size and no recipe of a row changes, and their viewpoint.
-    truth: Option<(Truth, Viewpoint)>,
+    truth: Option<(ReferenceTracer, Viewpoint)>,
     /// Reference picture of each size, and the values that its rows share.
-    sizes: [Option<(ShellJudge<'a>, detail::Seen)>; detail::Size::ALL.len()],
+    sizes: [Option<(ShellJudge<'a>, detail::DetailSizeFacts)>; detail::Size::ALL.len()],
     /// Baked packages by recipe; all sizes draw the same ones.
     packages: Vec<(Recipe, NamedPackage<'static>)>,
 }
@@ -36,7 +36,7 @@ impl<'a> DetailTopic<'a> {
 
 impl Topic for DetailTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |configuration: &detail::Configuration| PlannedRow {
+        let row = |configuration: &detail::DetailConfiguration| PlannedRow {
             series: configuration.series.into(),
             label: configuration.label.clone(),
             default: configuration.default,
@@ -69,17 +69,17 @@ impl Topic for DetailTopic<'_> {
         let configuration = &self.configurations[index];
         let size = detail::Size::ALL[configuration.size];
         let (gpu, truth, packages) = (&self.gpu, &mut self.truth, &mut self.packages);
-        let (judge, seen) = once(&mut self.sizes[configuration.size], || {
+        let (judge, seen) = get_or_make(&mut self.sizes[configuration.size], || {
             let file = baked(packages, source, base, doing)?;
-            let (truth, camera) = once(truth, || {
-                let truth = Truth::new(file, &View::default())?;
+            let (truth, camera) = get_or_make(truth, || {
+                let truth = ReferenceTracer::new(file, &View::default())?;
                 let camera = cameras(base, &truth)[0];
                 Ok((truth, camera))
             })?;
             let (pixels, samples) = (size.pixels(base), base.judge.samples);
             let judge = ShellJudge::of_views(source, truth, pixels, &[*camera], samples, gpu, doing);
             let fur_px = judge.fur_px(file)?;
-            Ok((judge, detail::Seen { pixels, fur_px, samples }))
+            Ok((judge, detail::DetailSizeFacts { pixels, fur_px, samples }))
         })?;
         let file = baked(packages, source, &configuration.recipe, doing)?;
         doing("drawing");

@@ -93,7 +93,7 @@ pub struct PlannedRow {
 }
 
 /// Returns the value of `slot`, made now if it is empty.
-pub fn once<T>(slot: &mut Option<T>, make: impl FnOnce() -> Result<T, Failure>) -> Result<&mut T, Failure> {
+pub fn get_or_make<T>(slot: &mut Option<T>, make: impl FnOnce() -> Result<T, Failure>) -> Result<&mut T, Failure> {
     let value = match slot.take() {
         Some(value) => value,
         None => make()?,
@@ -179,12 +179,12 @@ fn command(subject: &Subject, folder: &Path, topic: &str, number: usize) -> Stri
 /// Returns a key for everything besides the number that a row's figures depend on: a different tool, model, recipe or
 /// adapter gives a different key.
 fn key(subject: &Subject, plan: &Plan) -> String {
-    let mut key = Key::of_program().and(&plan.adapter).and(&plan.title).and(subject.recipe.to_toml());
+    let mut key = Key::of_program().with(&plan.adapter).with(&plan.title).with(subject.recipe.to_toml());
     for input in subject.model.inputs.iter().chain(&subject.images.inputs) {
-        key = key.and(format!("{} {} {:?}", input.role, input.name, input.sha256));
+        key = key.with(format!("{} {} {:?}", input.role, input.name, input.sha256));
     }
-    key = plan.columns.iter().fold(key, Key::and);
-    plan.rows.iter().fold(key, |key, row| key.and(format!("{} {}", row.series, row.label))).finish()
+    key = plan.columns.iter().fold(key, Key::with);
+    plan.rows.iter().fold(key, |key, row| key.with(format!("{} {}", row.series, row.label))).finish()
 }
 
 /// Writes table and picture, and reports their paths.

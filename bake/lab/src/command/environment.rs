@@ -4,7 +4,7 @@
 use super::driver::{Plan, PlannedRow, Topic};
 use super::environment_fit::{names, skies};
 use crate::chart::Cell;
-use crate::chart::environment::{COLUMNS, Configuration, PANELS, Truth, cells, configurations, off_single, off_sky};
+use crate::chart::environment::{COLUMNS, EnvironmentConfiguration, PANELS, EnvironmentTruth, cells, configurations, measure_single, measure_map};
 use crate::chart::skies::NamedSky;
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
@@ -12,10 +12,10 @@ use std::path::PathBuf;
 
 /// Topic `environment`.
 pub struct EnvironmentTopic {
-    configurations: Vec<Configuration>,
+    configurations: Vec<EnvironmentConfiguration>,
     skies: Vec<NamedSky>,
     /// Truth for each environment map, made when a row needs it.
-    truths: Vec<Option<Truth>>,
+    truths: Vec<Option<EnvironmentTruth>>,
 }
 
 impl EnvironmentTopic {
@@ -29,7 +29,7 @@ impl EnvironmentTopic {
 
 impl Topic for EnvironmentTopic {
     fn plan(&self) -> Plan {
-        let row = |configuration: &Configuration| {
+        let row = |configuration: &EnvironmentConfiguration| {
             let (series, label) = configuration.labels();
             PlannedRow { series: series.into(), label, default: configuration.is_default(), command: None }
         };
@@ -46,18 +46,18 @@ impl Topic for EnvironmentTopic {
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
         let configuration = self.configurations[index];
         let (name, off) = match configuration {
-            Configuration::Sky(number, form) => {
+            EnvironmentConfiguration::Sky(number, form) => {
                 let sky = &self.skies[number];
                 let truth = self.truths[number].get_or_insert_with(|| {
                     doing("truth");
-                    Truth::new(sky)
+                    EnvironmentTruth::new(sky)
                 });
                 doing("comparing");
-                (sky.name.as_str(), off_sky(form, sky, truth))
+                (sky.name.as_str(), measure_map(form, sky, truth))
             }
-            Configuration::Single(width, form) => {
+            EnvironmentConfiguration::Single(width, form) => {
                 doing("comparing");
-                ("", off_single(form, width))
+                ("", measure_single(form, width))
             }
         };
         Ok(cells(&configuration, name, &off))

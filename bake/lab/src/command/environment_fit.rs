@@ -5,7 +5,7 @@ use crate::chart::Cell;
 use crate::chart::environment_fit::{COLUMNS, LOBES, PANELS, cells, fit, true_irradiance};
 use crate::chart::skies::{NamedSky, painted};
 use glam::DVec3;
-use pelage_bake::sky_file::SkyFile;
+use pelage_bake::environment_file::EnvironmentFile;
 use pelage_import::BakeError;
 use pelage_stage::sky::FitParams;
 use pelage_tool::exit::Failure;
@@ -18,11 +18,11 @@ pub(super) fn skies(files: &[PathBuf]) -> Result<Vec<NamedSky>, Failure> {
     if files.is_empty() {
         return Ok(painted()?);
     }
-    let read = |path: &PathBuf| match SkyFile::read(path)? {
-        SkyFile::Panorama(panorama) => {
+    let read = |path: &PathBuf| match EnvironmentFile::read(path)? {
+        EnvironmentFile::Panorama(panorama) => {
             Ok(NamedSky { name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), panorama })
         }
-        SkyFile::Lights(_) => Err(BakeError::Input {
+        EnvironmentFile::Lights(_) => Err(BakeError::Input {
             file: path.display().to_string(),
             place: "whole file".into(),
             reason: "holds lights, expected the picture of a sky (.hdr, .exr) that they can be held against".into(),

@@ -1,17 +1,17 @@
 //! `pelage chart ink`: drawn lines against those of the mesh.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::greys::greys;
 use super::subject::Subject;
 use crate::chart::{Cell, ink};
 use crate::compare_lines::measure_lines;
-use crate::compare_motion::{Flicker, Moment, flicker};
+use crate::compare_motion::{Flicker, FlickerFrame, flicker};
 use crate::truth::{LineParams, TrueLines};
 use glam::Vec3;
 use image::RgbaImage;
 use pelage_bake::mask::Mask;
-use pelage_bake::strands::Skin;
-use pelage_runtime::{InkParams, InkShow, Style};
+use pelage_bake::strands::PosedMesh;
+use pelage_runtime::{InkParams, InkDebugView, Style};
 use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, fastest, framing, outline};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
@@ -30,7 +30,7 @@ const FAINT: u8 = 253;
 /// Topic `ink`.
 pub struct InkTopic<'a> {
     subject: &'a Subject,
-    configurations: Vec<ink::Configuration>,
+    configurations: Vec<ink::InkConfiguration>,
     gpu: Gpu,
     shared: Option<Shared>,
 }
@@ -54,7 +54,7 @@ impl<'a> InkTopic<'a> {
 
 impl Topic for InkTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |configuration: &ink::Configuration| PlannedRow {
+        let row = |configuration: &ink::InkConfiguration| PlannedRow {
             series: configuration.series.into(),
             label: configuration.label.clone(),
             default: configuration.default,
@@ -72,7 +72,7 @@ impl Topic for InkTopic<'_> {
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
         let (subject, gpu) = (self.subject, &self.gpu);
-        let shared = once(&mut self.shared, || {
+        let shared = get_or_make(&mut self.shared, || {
             doing("baking");
             Shared::new(subject, gpu)
         })?;
@@ -91,14 +91,14 @@ impl Shared {
         };
         let opened = file.open()?;
         let rest_points = outline(&file, &opened, None, None)?;
-        let lines = TrueLines::new(Skin::posed(&file.name, &opened, &[])?)?;
+        let lines = TrueLines::new(PosedMesh::posed(&file.name, &opened, &[])?)?;
         drop(opened);
         Ok(Self { rest_points, lines, meter: Meter::new(gpu), scene: None, file })
     }
 
     /// Draws with one configuration from both sides, times it, and measures flicker in a slow turn.
-    fn measure(&mut self, wanted: &ink::Look, gpu: &Gpu) -> Result<ink::Measured, Failure> {
-        let ink::Look { size, ink, study } = wanted;
+    fn measure(&mut self, wanted: &ink::InkSettings, gpu: &Gpu) -> Result<ink::InkMeasures, Failure> {
+        let ink::InkSettings { size, ink, study } = wanted;
         let (size, (width, height)) = (*size, *size);
         let camera = |towards| framing::frame(&self.rest_points, 0.0, width as f32 / height as f32, towards);
         let cameras = [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera);
@@ -118,26 +118,26 @@ impl Shared {
             pixels(scene)
         };
         let show = |scene: &mut Stage, camera, show| look(scene, camera, show, ink::on_blank_paper(ink));
-        let mut measured = ink::Measured::default();
+        let mut measured = ink::InkMeasures::default();
         for camera in cameras {
-            let truth = self.lines.seen(&true_camera(camera), size, &LineParams::default())?;
-            let features = Mask::darker(&show(scene, camera, InkShow::Features)?, INK);
-            let strokes = Mask::darker(&show(scene, camera, InkShow::Lines)?, INK);
+            let truth = self.lines.visible_from(&true_camera(camera), size, &LineParams::default())?;
+            let features = Mask::darker(&show(scene, camera, InkDebugView::Features)?, INK);
+            let strokes = Mask::darker(&show(scene, camera, InkDebugView::Lines)?, INK);
             measured.views.push(measure_lines(&features, &strokes, &truth)?);
-            look(scene, camera, InkShow::Painting, ink.clone())?;
+            look(scene, camera, InkDebugView::Painting, ink.clone())?;
             measured.frame_ms = measured.frame_ms.max(fastest(&self.meter, scene)?);
         }
         let mut sum = Flicker::default();
         let mut before: Option<(_, Vec<f32>, Mask)> = None;
         for frame in 0..TURN.0 {
             let camera = cameras[0].turned((TURN.1 * frame as f32).to_radians());
-            let lines = Mask::darker(&show(scene, camera, InkShow::Lines)?, FAINT);
-            let grey = greys(&show(scene, camera, InkShow::Painting)?);
+            let lines = Mask::darker(&show(scene, camera, InkDebugView::Lines)?, FAINT);
+            let grey = greys(&show(scene, camera, InkDebugView::Painting)?);
             let camera = true_camera(camera);
             if let Some((camera_before, grey_before, lines_before)) = &before {
                 let sight = self.lines.sight();
-                let now = Moment { sight, camera: camera_before, grey: grey_before, lines: lines_before };
-                let next = Moment { sight, camera: &camera, grey: &grey, lines: &lines };
+                let now = FlickerFrame { sight, camera: camera_before, grey: grey_before, lines: lines_before };
+                let next = FlickerFrame { sight, camera: &camera, grey: &grey, lines: &lines };
                 sum = sum.joined(flicker(&now, &next, size)?);
             }
             before = Some((camera, grey, lines));

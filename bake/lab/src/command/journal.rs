@@ -35,7 +35,7 @@ impl Rows {
     /// Adds the rows of another machine's file, which is not modified. Returns how many of them belong to another
     /// model, recipe, tool or adapter.
     pub fn take(&mut self, path: &Path) -> Result<usize, Failure> {
-        self.0.take(path)
+        self.0.import(path)
     }
 
     /// Returns the path of the journal file.

@@ -3,10 +3,10 @@
 use super::driver::{Plan, PlannedRow, Topic};
 use super::subject::Subject;
 use crate::chart::{Cell, lighting};
-use pelage_bake::pipeline::{self, Told};
+use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_import::mesh::RestPose;
-use pelage_runtime::{Lighting, PassId};
+use pelage_runtime::{LightingStage, PassId};
 use pelage_stage::{Gpu, LookLighting, LookSelfShadow, Meter, NamedPackage, Spread};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
@@ -21,7 +21,7 @@ const WARM_UP: usize = 1;
 /// Topic `lighting`.
 pub struct LightingTopic<'a> {
     subject: &'a Subject,
-    configurations: Vec<lighting::Configuration>,
+    configurations: Vec<lighting::LightingConfiguration>,
     lengths: Lengths,
     gpu: Gpu,
 }
@@ -38,10 +38,10 @@ impl<'a> LightingTopic<'a> {
 
 impl Topic for LightingTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |configuration: &lighting::Configuration| PlannedRow {
+        let row = |configuration: &lighting::LightingConfiguration| PlannedRow {
             series: configuration.series.into(),
             label: configuration.label.clone(),
-            default: configuration.lighting == Lighting::default() && configuration.sets.is_empty(),
+            default: configuration.lighting == LightingStage::default() && configuration.sets.is_empty(),
             command: None,
         };
         let (name, layers) = (&self.subject.name, self.subject.recipe.slice.layers);
@@ -59,15 +59,15 @@ impl Topic for LightingTopic<'_> {
         let configuration = &self.configurations[index];
         let Subject { file, name, model, images, .. } = self.subject;
         doing("baking");
-        let baked = pipeline::bake(&Told::new(file, name, &configuration.recipe, images), model, &mut |_| ())?;
+        let baked = pipeline::bake(&BakeInput::new(file, name, &configuration.recipe, images), model, &mut |_| ())?;
         let file = NamedPackage { name: name.clone(), bytes: baked.package.into() };
         // Shadows cost the same for any shading direction.
         let view = View::default().with(|look| {
             look.shadow.self_shadow = LookSelfShadow::Off;
             look.shadow.soft_shadow = false;
             look.study.lighting = match configuration.lighting {
-                Lighting::Pixel => LookLighting::Pixel,
-                Lighting::Vertex => LookLighting::Vertex,
+                LightingStage::Pixel => LookLighting::Pixel,
+                LightingStage::Vertex => LookLighting::Vertex,
             };
         });
         let mut scene = stage_of(&file, &view, || Ok(self.gpu.clone()))?;

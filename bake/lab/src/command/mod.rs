@@ -60,7 +60,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     let name = args.topic.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
     let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
     let folder = args.output.as_deref().ok_or_else(needs)?;
-    if let Some(own) = brings_its_own(args.topic)
+    if let Some(own) = built_in_input(args.topic)
         && (args.model.is_some() || args.recipe.recipe.is_some() || !args.recipe.set.is_empty())
     {
         return Err(Failure::Usage(format!("chart {name} takes neither model nor recipe: it brings its own {own}")));
@@ -86,7 +86,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
 }
 
 /// Returns the built-in input of a topic that needs no model.
-fn brings_its_own(topic: Topic) -> Option<&'static str> {
+fn built_in_input(topic: Topic) -> Option<&'static str> {
     match topic {
         Topic::Verlet => Some("guides"),
         Topic::Scattering => Some("fibres"),

@@ -1,10 +1,10 @@
 //! `pelage chart multiple`: fur whose hairs light each other, against path tracing.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
 use crate::chart::Cell;
 use crate::chart::multiple::{
-    AMBIENT, COATS, COLUMNS, Configuration, FORMS, LIGHTS, PANELS, SAMPLES, SIZE, Squares, cells, configurations,
+    AMBIENT, COATS, COLUMNS, MultipleConfiguration, FORMS, LIGHTS, PANELS, SAMPLES, SIZE, Squares, cells, configurations,
 };
 use pelage_bake::recipe::{Recipe, ShadingModel};
 use pelage_formats::Shading;
@@ -13,7 +13,7 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::Source;
 use pelage_tool::staged::{pixels, stage_of};
-use pelage_tool::truth::Truth;
+use pelage_tool::truth::ReferenceTracer;
 use pelage_tool::view::View;
 use pelage_truth::TrueScattering;
 
@@ -23,14 +23,14 @@ const FRAMES: usize = 6;
 /// Topic `multiple`.
 pub struct MultipleTopic<'a> {
     subject: &'a Subject,
-    configurations: Vec<Configuration>,
+    configurations: Vec<MultipleConfiguration>,
     gpu: Gpu,
     meter: Meter,
-    coats: [Option<Coat>; COATS.len()],
+    coats: [Option<FurWithTruths>; COATS.len()],
 }
 
 /// Package of one fur colour with its reference pictures.
-struct Coat {
+struct FurWithTruths {
     package: NamedPackage<'static>,
     camera: Viewpoint,
     /// Reference picture under each light, linear and premultiplied.
@@ -48,7 +48,7 @@ impl<'a> MultipleTopic<'a> {
 
 impl Topic for MultipleTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |c: &Configuration| PlannedRow {
+        let row = |c: &MultipleConfiguration| PlannedRow {
             series: c.form.name.into(),
             label: format!("{}, {}", COATS[c.coat].0, if c.strands { "strands" } else { "layers" }),
             default: c.form == FORMS[0],
@@ -71,7 +71,7 @@ impl Topic for MultipleTopic<'_> {
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
         let configuration = self.configurations[index];
         let subject = self.subject;
-        let coat = once(&mut self.coats[configuration.coat], || Coat::new(subject, configuration.coat, doing))?;
+        let coat = get_or_make(&mut self.coats[configuration.coat], || FurWithTruths::new(subject, configuration.coat, doing))?;
         doing("drawing");
         let (mut squares, mut frame_ms) = ([const { None }; LIGHTS.len()], f64::INFINITY);
         for (light, found) in squares.iter_mut().enumerate() {
@@ -90,7 +90,7 @@ impl Topic for MultipleTopic<'_> {
     }
 }
 
-impl Coat {
+impl FurWithTruths {
     fn new(subject: &Subject, coat: usize, doing: &mut dyn FnMut(&str)) -> Result<Self, Failure> {
         let (name, eumelanin) = COATS[coat];
         doing(&format!("baking the {name} coat"));
@@ -106,7 +106,7 @@ impl Coat {
             None => Source::Model { file, name, model, images },
         };
         let package = source.bake(&recipe)?;
-        let mut truth = Truth::new(&package, &View::default())?;
+        let mut truth = ReferenceTracer::new(&package, &View::default())?;
         truth.scatter(TrueScattering::BOUNCES)?;
         let camera = truth.framed(&View::sized((SIZE, SIZE)), framing::TOWARDS_CAMERA);
         let mut made = Self { package, camera, truths: Vec::new() };
@@ -126,7 +126,7 @@ impl Coat {
     }
 
     /// Returns the view with which the runtime draws a configuration.
-    fn view(&self, configuration: &Configuration, light: usize) -> View {
+    fn view(&self, configuration: &MultipleConfiguration, light: usize) -> View {
         self.lit(light).with(|look| {
             look.fur.scattering = configuration.form.scattering;
             look.fur.hair = if configuration.strands { LookHair::Strands } else { LookHair::Shells };

@@ -1,11 +1,11 @@
 //! `pelage chart opacity-shadow`: slab maps by which strands shadow each other, drawn by the adapter, against traced
 //! light and picture.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
 use crate::chart::opacity_shadow;
 use crate::chart::opacity_shadow::{
-    Ball, COLUMNS, Configuration, DeepMap, Measured, PANELS, SAMPLES, STEP_PX, cells, configurations,
+    Ball, COLUMNS, OpacityShadowConfiguration, DeepMap, OpacityShadowMeasures, PANELS, SAMPLES, STEP_PX, cells, configurations,
 };
 use crate::chart::{Cell, Errors};
 use glam::Vec3;
@@ -19,7 +19,7 @@ use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::Source;
 use pelage_tool::staged::{pixels, stage_of};
 use pelage_tool::truth;
-use pelage_tool::truth::Truth;
+use pelage_tool::truth::ReferenceTracer;
 use pelage_tool::view::View;
 use pelage_truth::TrueLight;
 use pelage_truth::compare::{CompareParams, compare_pictures};
@@ -34,7 +34,7 @@ const OTHER_LIGHTS: [Vec3; 2] = [Vec3::new(0.1, 1.0, 0.15), Vec3::new(-0.8, 0.35
 pub struct OpacityShadowTopic<'a> {
     subject: &'a Subject,
     recipe: Recipe,
-    configurations: Vec<Configuration>,
+    configurations: Vec<OpacityShadowConfiguration>,
     gpu: Gpu,
     shared: Option<Shared>,
 }
@@ -46,7 +46,7 @@ struct Shared {
     /// Reference picture.
     picture: Picture,
     /// Direction towards each light, and its truth.
-    truths: Vec<(Vec3, opacity_shadow::Truth)>,
+    truths: Vec<(Vec3, opacity_shadow::StrandLightTruth)>,
     /// Mean width of the strands' points, metres.
     width_m: f32,
 }
@@ -62,7 +62,7 @@ impl<'a> OpacityShadowTopic<'a> {
 
 impl Topic for OpacityShadowTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |configuration: &Configuration| PlannedRow {
+        let row = |configuration: &OpacityShadowConfiguration| PlannedRow {
             series: configuration.series.into(),
             label: configuration.label.clone(),
             default: configuration.default,
@@ -81,7 +81,7 @@ impl Topic for OpacityShadowTopic<'_> {
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
         let (subject, recipe, gpu) = (self.subject, &self.recipe, &self.gpu);
-        let shared = once(&mut self.shared, || Shared::new(subject, recipe, gpu, doing))?;
+        let shared = get_or_make(&mut self.shared, || Shared::new(subject, recipe, gpu, doing))?;
         let configuration = &self.configurations[index];
         doing("drawing");
         let measured = shared.measure(configuration, recipe.judge.samples)?;
@@ -104,7 +104,7 @@ impl Shared {
             look.fur.hair = LookHair::Strands;
             look.picture.samples = Samples(SAMPLES);
         });
-        let truth = Truth::new(&baked, &view)?;
+        let truth = ReferenceTracer::new(&baked, &view)?;
         let points = &truth.scene.curves().points;
         if points.is_empty() {
             let reason = "it has no strands, expected a model with hair to shadow".into();
@@ -115,7 +115,7 @@ impl Shared {
             doing(&format!("true picture, {} %", 100 * done / all.max(1)));
         });
         doing("true light");
-        let places = truth.scene.seen_strands(&truth.camera(&view), size, STEP_PX);
+        let places = truth.scene.visible_strands(&truth.camera(&view), size, STEP_PX);
         // No default view has a nearby light.
         let KeyLight::Distant(key) = view.look.key_light() else {
             return Err(BakeError::Internal("the default look has a light nearby".into()).into());
@@ -123,7 +123,7 @@ impl Shared {
         let lights = std::iter::once(key).chain(OTHER_LIGHTS);
         let truths = lights.map(|towards| {
             let light = TrueLight::Directional { towards_light_ws: towards, color: Vec3::ONE };
-            (towards, opacity_shadow::Truth::new(&truth.scene, &places, &light))
+            (towards, opacity_shadow::StrandLightTruth::new(&truth.scene, &places, &light))
         });
         let truths = truths.collect();
         let picture = Picture::from(&truth::encode(&traced, view.look.background()));
@@ -131,10 +131,10 @@ impl Shared {
         Ok(Self { meter: Meter::new(gpu), scene, picture, truths, width_m: width_m as f32 })
     }
 
-    fn measure(&mut self, configuration: &Configuration, samples: u32) -> Result<Measured, Failure> {
+    fn measure(&mut self, configuration: &OpacityShadowConfiguration, samples: u32) -> Result<OpacityShadowMeasures, Failure> {
         let params = &mut self.scene.params;
         (params.shadows, params.study) = (configuration.shadows, configuration.study);
-        let (mut errors, mut milliseconds, mut measured) = (Errors::default(), Vec::new(), Measured::default());
+        let (mut errors, mut milliseconds, mut measured) = (Errors::default(), Vec::new(), OpacityShadowMeasures::default());
         for (i, (towards_light, truth)) in self.truths.iter().enumerate() {
             self.scene.params.light = Light::Directional { towards_light: *towards_light, color: Vec3::ONE };
             let (frame, _) = self.meter.prepared(&mut self.scene, PassId::STRAND_SHADOW)?;
@@ -160,12 +160,12 @@ impl Shared {
                 measured.ball = ball.measure(configuration.study.opacity, &configuration.shadows);
             }
         }
-        Ok(Measured { errors, samples, milliseconds: Spread::of(milliseconds).median, ..measured })
+        Ok(OpacityShadowMeasures { errors, samples, milliseconds: Spread::of(milliseconds).median, ..measured })
     }
 }
 
 /// Copies the map of a submitted frame into memory.
-fn read_map(gpu: &Gpu, frame: &Frame, configuration: &Configuration) -> Result<DeepMap, Failure> {
+fn read_map(gpu: &Gpu, frame: &Frame, configuration: &OpacityShadowConfiguration) -> Result<DeepMap, Failure> {
     let maps = frame.shadows();
     let lost = || {
         StageError::Device("it draws no single strands, which need compute shaders with seven storage buffers".into())

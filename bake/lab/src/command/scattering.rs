@@ -1,9 +1,9 @@
 //! `pelage chart scattering`: scattering of a fibre, as frames evaluate it, against its equations.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use crate::chart::Cell;
 use crate::chart::scattering::{
-    COLUMNS, Configuration, FIBRES, Form, PAIRS, PANELS, Truth, cells, configurations, off,
+    COLUMNS, ScatteringConfiguration, FIBRES, ScatteringForm, PAIRS, PANELS, ScatteringTruth, cells, configurations, measure,
 };
 use pelage_runtime::shared::scattering;
 use pelage_runtime::wgpu;
@@ -23,9 +23,9 @@ const AT_ONCE: u32 = 4;
 
 /// Topic `scattering`.
 pub struct ScatteringTopic {
-    configurations: Vec<Configuration>,
+    configurations: Vec<ScatteringConfiguration>,
     gpu: Gpu,
-    truths: Option<Vec<Truth>>,
+    truths: Option<Vec<ScatteringTruth>>,
     /// Nanoseconds of the loop without the timed code.
     empty: Option<f64>,
 }
@@ -39,7 +39,7 @@ impl ScatteringTopic {
 
 impl Topic for ScatteringTopic {
     fn plan(&self) -> Plan {
-        let row = |c: &Configuration| PlannedRow {
+        let row = |c: &ScatteringConfiguration| PlannedRow {
             series: c.series.into(),
             label: c.form.size().map_or_else(String::new, |size| format!("{size}x{size}")),
             default: c.form.is_default(),
@@ -57,27 +57,27 @@ impl Topic for ScatteringTopic {
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
         let form = self.configurations[index].form;
-        let truths = once(&mut self.truths, || {
+        let truths = get_or_make(&mut self.truths, || {
             doing("equations");
-            Ok::<_, Failure>(FIBRES.iter().map(|optics| Truth::new(optics, PAIRS)).collect())
+            Ok::<_, Failure>(FIBRES.iter().map(|optics| ScatteringTruth::new(optics, PAIRS)).collect())
         })?;
         doing("comparing");
-        let off = off(form, truths);
+        let off = measure(form, truths);
         doing("timing");
         let gpu = &self.gpu;
-        let empty = *once(&mut self.empty, || nanoseconds(gpu, EMPTY, 2))?;
+        let empty = *get_or_make(&mut self.empty, || nanoseconds(gpu, EMPTY, 2))?;
         let timed = expression(form).map(|body| nanoseconds(gpu, body, form.size().unwrap_or(2))).transpose()?;
-        Ok(cells(form, &off, timed.map(|ns| (ns - empty).max(0.0))))
+        Ok(cells(form, &measure, timed.map(|ns| (ns - empty).max(0.0))))
     }
 }
 
 /// Returns the code that a thread runs per pair of directions; `None` for a form that is not used for drawing.
-fn expression(form: Form) -> Option<&'static str> {
+fn expression(form: ScatteringForm) -> Option<&'static str> {
     match form {
-        Form::Tables(_) => Some(TABLES),
-        Form::Cubic(_) => Some(CUBIC),
-        Form::Fit => Some(FIT),
-        Form::CosPhi(_) | Form::EvenLengths(_) | Form::AllLengths(_) | Form::Printed(_) => None,
+        ScatteringForm::Tables(_) => Some(TABLES),
+        ScatteringForm::Cubic(_) => Some(CUBIC),
+        ScatteringForm::Fit => Some(FIT),
+        ScatteringForm::CosPhi(_) | ScatteringForm::EvenLengths(_) | ScatteringForm::AllLengths(_) | ScatteringForm::Printed(_) => None,
     }
 }
 

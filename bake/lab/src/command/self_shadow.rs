@@ -1,12 +1,12 @@
 //! `pelage chart self-shadow`: baked visibility, and layer-wise shadow maps drawn by the adapter, against the slow
 //! truths.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::light_bench::LightBench;
 use super::subject::Subject;
 use crate::chart::Cell;
-use crate::chart::self_shadow::{COLUMNS, Cost, MapCost, Measured, PANELS, Sheet, Slant, Truth, cells, slants};
-use crate::chart::self_shadow_forms::{Configuration, Form, configurations};
+use crate::chart::self_shadow::{COLUMNS, Cost, MapCost, SelfShadowErrors, PANELS, Sheet, Slant, TransmittanceTruth, cells, slants};
+use crate::chart::self_shadow_forms::{SelfShadowConfiguration, SelfShadowForm, configurations};
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_formats::Bounds;
 use pelage_import::mesh::RestPose;
@@ -19,7 +19,7 @@ use std::time::Instant;
 /// Topic `self-shadow`.
 pub struct SelfShadowTopic<'a> {
     subject: &'a Subject,
-    configurations: Vec<Configuration>,
+    configurations: Vec<SelfShadowConfiguration>,
     bounds: Bounds,
     lengths: Lengths,
     gpu: Gpu,
@@ -31,7 +31,7 @@ struct Shared {
     sheet: Sheet,
     /// Bench with the sheet loaded.
     bench: LightBench,
-    truths: Vec<(Slant, Truth)>,
+    truths: Vec<(Slant, TransmittanceTruth)>,
 }
 
 impl<'a> SelfShadowTopic<'a> {
@@ -47,7 +47,7 @@ impl<'a> SelfShadowTopic<'a> {
 
 impl Topic for SelfShadowTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |configuration: &Configuration| PlannedRow {
+        let row = |configuration: &SelfShadowConfiguration| PlannedRow {
             series: configuration.series.into(),
             label: configuration.label.clone(),
             default: *configuration == self.configurations[0],
@@ -65,7 +65,7 @@ impl Topic for SelfShadowTopic<'_> {
     }
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
-        let Shared { sheet, bench, truths } = once(&mut self.shared, || {
+        let Shared { sheet, bench, truths } = get_or_make(&mut self.shared, || {
             doing("growing a sheet of hair");
             let sheet = Sheet::new(&self.subject.recipe, self.lengths)?;
             let bench = LightBench::new("sheet", &sheet.package, &self.gpu)?;
@@ -78,9 +78,9 @@ impl Topic for SelfShadowTopic<'_> {
             Ok(Shared { sheet, bench, truths })
         })?;
         let form = self.configurations[index].form;
-        let mut measured = Measured::default();
+        let mut measured = SelfShadowErrors::default();
         let cost = match form {
-            Form::Baked { blocks, directions } => {
+            SelfShadowForm::Baked { blocks, directions } => {
                 doing("baking");
                 let mut seconds = f64::INFINITY;
                 let mut bake = |blocks| {
@@ -96,15 +96,15 @@ impl Topic for SelfShadowTopic<'_> {
                 };
                 let (visibility, plain) = (bake(blocks)?, bake(None)?);
                 for (slant, truth) in truths {
-                    let found = sheet.by_visibility(&visibility, slant, truth);
+                    let found = sheet.transmittance_by_visibility(&visibility, slant, truth);
                     measured.add(slant, &found, form.density(), truth);
                     if blocks.is_some() {
-                        measured.add_blocks(&found, &sheet.by_visibility(&plain, slant, truth), truth);
+                        measured.add_blocks(&found, &sheet.transmittance_by_visibility(&plain, slant, truth), truth);
                     }
                 }
                 Cost { bytes: visibility.bytes, visibility_seconds: Some(seconds), ..Cost::default() }
             }
-            Form::Maps { shadows, slant: slant_form } => {
+            SelfShadowForm::Maps { shadows, slant: slant_form } => {
                 let study = Study::default().with(|study| study.light_slant = slant_form);
                 let mut of_maps = MapCost { timing: bench.clock_word(), ..MapCost::default() };
                 let (mut milliseconds, mut bytes) = (Vec::new(), 0);
@@ -112,7 +112,7 @@ impl Topic for SelfShadowTopic<'_> {
                     doing(&format!("light {} of {}", i + 1, truths.len()));
                     let towards_light = sheet.to_world(slant.light_ts);
                     let (maps, ms) = bench.draw(towards_light, (shadows, study), PassId::LAYER_SHADOW)?;
-                    let found = sheet.by_maps(&maps, slant, (&shadows, slant_form), truth);
+                    let found = sheet.transmittance_by_maps(&maps, slant, (&shadows, slant_form), truth);
                     measured.add(slant, &found, form.density(), truth);
                     milliseconds.push(ms);
                     bytes = maps.layer_bytes();

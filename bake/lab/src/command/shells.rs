@@ -1,6 +1,6 @@
 //! `pelage chart shells`: shells and fins at many settings against the true strands.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
 use crate::chart::{Cell, shells};
 use pelage_stage::{Gpu, LookDetail};
@@ -11,7 +11,7 @@ use pelage_tool::shell_judge::{ShellJudge, Source};
 /// Topic `shells`.
 pub struct ShellsTopic<'a> {
     subject: &'a Subject,
-    configurations: Vec<shells::Configuration>,
+    configurations: Vec<shells::ShellsConfiguration>,
     gpu: Gpu,
     /// Judge with the reference pictures.
     judge: Option<ShellJudge<'a>>,
@@ -27,7 +27,7 @@ impl<'a> ShellsTopic<'a> {
 
 impl Topic for ShellsTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |configuration: &shells::Configuration| PlannedRow {
+        let row = |configuration: &shells::ShellsConfiguration| PlannedRow {
             series: configuration.series.clone(),
             label: configuration.label.clone(),
             default: configuration.default,
@@ -51,7 +51,7 @@ impl Topic for ShellsTopic<'_> {
             Some(package) => Source::Package(package),
             None => Source::Model { file, name, model, images },
         };
-        let judge = once(&mut self.judge, || ShellJudge::new(source, recipe, gpu, LookDetail::Full, doing))?;
+        let judge = get_or_make(&mut self.judge, || ShellJudge::new(source, recipe, gpu, LookDetail::Full, doing))?;
         let configuration = &self.configurations[index];
         doing("baking and drawing");
         let (measured, _) = judge.measure(&configuration.recipe)?;

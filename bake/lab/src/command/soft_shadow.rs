@@ -1,13 +1,13 @@
 //! `pelage chart soft-shadow`: shadow-width maps, drawn by the adapter, against a disc light.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::light_bench::LightBench;
 use super::subject::Subject;
 use crate::chart::Cell;
 use crate::chart::soft_shadow::{
-    COLUMNS, Configuration, Measured, Method, PANELS, Skin, cells, configurations, lights, runtime_settings,
+    COLUMNS, SoftShadowConfiguration, SoftShadowErrors, Method, PANELS, SampledSurface, cells, configurations, lights, runtime_settings,
 };
-use pelage_bake::pipeline::{self, Told};
+use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};
 use pelage_runtime::PassId;
 use pelage_stage::{Gpu, Spread};
@@ -18,10 +18,10 @@ use std::time::Instant;
 /// Topic `soft-shadow`.
 pub struct SoftShadowTopic<'a> {
     subject: &'a Subject,
-    configurations: Vec<Configuration>,
+    configurations: Vec<SoftShadowConfiguration>,
     gpu: Gpu,
     /// Mesh surface, and bench with the model loaded.
-    shared: Option<(Skin, LightBench)>,
+    shared: Option<(SampledSurface, LightBench)>,
     /// Shares of each light visible from the surface points, for each penumbra.
     truths: Vec<(f32, Vec<Vec<f64>>)>,
 }
@@ -35,7 +35,7 @@ impl<'a> SoftShadowTopic<'a> {
 
 impl Topic for SoftShadowTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |configuration: &Configuration| PlannedRow {
+        let row = |configuration: &SoftShadowConfiguration| PlannedRow {
             series: configuration.series.into(),
             label: configuration.label.clone(),
             default: *configuration == self.configurations[0],
@@ -56,15 +56,15 @@ impl Topic for SoftShadowTopic<'_> {
     }
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
-        let (skin, bench) = once(&mut self.shared, || {
+        let (skin, bench) = get_or_make(&mut self.shared, || {
             doing("baking");
             let Subject { file, name, model, images, .. } = self.subject;
             let mut recipe = self.subject.recipe.clone();
             // Formats that every adapter reads; shadows of the mesh surface do not depend on them.
             recipe.pack.shell_format = ShellFormat::Rgba8;
             recipe.pack.direction_format = DirectionFormat::Rg8;
-            let baked = pipeline::bake(&Told::new(file, name, &recipe, images), model, &mut |_| ())?;
-            Ok((Skin::new(model)?, LightBench::new(name, &baked.package, &self.gpu)?))
+            let baked = pipeline::bake(&BakeInput::new(file, name, &recipe, images), model, &mut |_| ())?;
+            Ok((SampledSurface::new(model)?, LightBench::new(name, &baked.package, &self.gpu)?))
         })?;
         let configuration = &self.configurations[index];
         let (shadows, study) = runtime_settings(configuration);
@@ -76,12 +76,12 @@ impl Topic for SoftShadowTopic<'_> {
             self.truths.len() - 1
         });
         let iterated = matches!(configuration.method, Method::Iterated(_));
-        let (mut measured, mut milliseconds) = (Measured::default(), Vec::new());
+        let (mut measured, mut milliseconds) = (SoftShadowErrors::default(), Vec::new());
         for (light, truth) in lights().into_iter().zip(&self.truths[known].1) {
             doing("light on the skin");
             let (maps, ms) = bench.draw(light, (shadows, study), PassId::SHADOW_WIDTH)?;
             let start = Instant::now();
-            let fast = skin.fast(&maps, light, configuration.method, shadows.shrink);
+            let fast = skin.by_method(&maps, light, configuration.method, shadows.shrink);
             // Distances that no pass of the runtime computes are computed here, and their time counts.
             milliseconds.push(if iterated { ms + start.elapsed().as_secs_f64() * 1e3 } else { ms });
             measured.add(&fast, truth);

@@ -147,7 +147,7 @@ fn report(
 /// Rows that draw pictures.
 mod drawn {
     use super::Table;
-    use crate::stability::{Drawing, DrawnDriver, Row};
+    use crate::stability::{Drawing, DrawnRowTest, Row};
     use half::f16;
     use pelage_import::BakeError;
     use pelage_runtime::{Instance, Renderer, wgpu};
@@ -156,7 +156,7 @@ mod drawn {
     use pelage_tool::machine::measured_on;
     use pelage_tool::output::Output;
 
-    pub fn add(table: &mut Table, rows: &[&Row<DrawnDriver>], output: &mut Output) -> Result<(), Failure> {
+    pub fn add(table: &mut Table, rows: &[&Row<DrawnRowTest>], output: &mut Output) -> Result<(), Failure> {
         let gpu = Gpu::open()?;
         for row in rows {
             output.progress_of(super::ROWS.len(), super::ROWS.len() + 1, row.method);

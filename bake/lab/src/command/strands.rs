@@ -1,26 +1,26 @@
 //! `pelage chart strands`: single strands and layers at six sizes, against the traced picture.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::greys::greys;
 use super::subject::Subject;
 use crate::chart::Cell;
-use crate::chart::strands::{COLUMNS, Configuration, Found, Seen, Size, Way, cells, configurations, panels};
-use crate::compare_motion::{Moment, flicker};
+use crate::chart::strands::{COLUMNS, StrandsConfiguration, StrandsMeasures, StrandsSizeFacts, Size, DrawMethod, cells, configurations, panels};
+use crate::compare_motion::{FlickerFrame, flicker};
 use pelage_bake::mask::Mask;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
-use pelage_bake::stages::groom::growth;
+use pelage_bake::stages::groom::find_furred_materials;
 use pelage_import::mesh::RestPose;
 use pelage_stage::{Gpu, LookStrandEdges, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fragments, framing};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
-use pelage_tool::shell_judge::Measured;
+use pelage_tool::shell_judge::SettingMeasurements;
 use pelage_tool::shell_judge::Source;
 use pelage_tool::staged::{pixels, stage_of};
 use pelage_tool::truth;
-use pelage_tool::truth::{Truth, true_camera};
+use pelage_tool::truth::{ReferenceTracer, true_camera};
 use pelage_tool::view::View;
-use pelage_truth::Sight;
+use pelage_truth::SurfaceVisibility;
 use pelage_truth::compare::{CompareParams, compare_pictures};
 use std::time::Instant;
 
@@ -41,22 +41,22 @@ pub struct StrandsTopic<'a> {
     subject: &'a Subject,
     /// Recipes without and with strands.
     recipes: [Recipe; 2],
-    ways: Vec<Way>,
-    configurations: Vec<Configuration>,
+    ways: Vec<DrawMethod>,
+    configurations: Vec<StrandsConfiguration>,
     gpu: Gpu,
     meter: Meter,
     shared: Option<Shared>,
-    sizes: [Option<(Picture, Seen, View)>; Size::ALL.len()],
+    sizes: [Option<(Picture, StrandsSizeFacts, View)>; Size::ALL.len()],
     /// Results of all methods, by size and number of samples.
-    groups: Vec<((usize, u32), Vec<Found>)>,
+    groups: Vec<((usize, u32), Vec<StrandsMeasures>)>,
 }
 
 /// Data that all sizes need.
 struct Shared {
     /// Packages without and with strands.
     packages: [NamedPackage<'static>; 2],
-    truth: Truth,
-    sight: Sight,
+    truth: ReferenceTracer,
+    sight: SurfaceVisibility,
     camera: Viewpoint,
     /// Mean width of the strands' points, metres.
     width_m: f64,
@@ -71,7 +71,7 @@ impl<'a> StrandsTopic<'a> {
             recipe.strands.enabled = enabled;
             recipe
         };
-        let (gpu, ways) = (Gpu::open()?, ways(subject));
+        let (gpu, ways) = (Gpu::open()?, draw_methods(subject));
         Ok(Self {
             subject,
             recipes: [with(false), with(true)],
@@ -88,7 +88,7 @@ impl<'a> StrandsTopic<'a> {
 
 impl Topic for StrandsTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |c: &Configuration| PlannedRow {
+        let row = |c: &StrandsConfiguration| PlannedRow {
             series: self.ways[c.way].series.clone(),
             label: if c.samples == 1 { "1 sample".into() } else { format!("{} samples", c.samples) },
             default: c.is_default(),
@@ -110,12 +110,12 @@ impl Topic for StrandsTopic<'_> {
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
         let configuration = self.configurations[index];
-        let Configuration { size, samples, .. } = configuration;
+        let StrandsConfiguration { size, samples, .. } = configuration;
         let (subject, recipes, gpu, meter) = (self.subject, &self.recipes, &self.gpu, &self.meter);
-        let shared = once(&mut self.shared, || Shared::new(subject, recipes, doing))?;
+        let shared = get_or_make(&mut self.shared, || Shared::new(subject, recipes, doing))?;
         let judge = &recipes[0].judge;
-        let (picture, seen, view) = once(&mut self.sizes[size], || {
-            shared.seen(Size::ALL[size], (judge.width, judge.height), judge.samples, doing)
+        let (picture, seen, view) = get_or_make(&mut self.sizes[size], || {
+            shared.reference(Size::ALL[size], (judge.width, judge.height), judge.samples, doing)
         })?;
         let known = self.groups.iter().position(|(group, _)| *group == (size, samples));
         let known = match known {
@@ -132,13 +132,13 @@ impl Topic for StrandsTopic<'_> {
 }
 
 /// Returns the methods of drawing the subject's hair: its fur, or hair on guides if no fur grows.
-fn ways(subject: &Subject) -> Vec<Way> {
+fn draw_methods(subject: &Subject) -> Vec<DrawMethod> {
     let recipe = &subject.recipe;
     let rest = RestPose::of(&subject.model.mesh, subject.model.animation.as_ref());
-    let furred = growth(&subject.model, &rest, recipe.model.bare.as_deref(), &mut Vec::new()).furred;
+    let furred = find_furred_materials(&subject.model, &rest, recipe.model.bare.as_deref(), &mut Vec::new()).furred;
     match recipe.strands.group.first().filter(|_| !furred.contains(&true)) {
-        Some(group) => Way::all(group.points() - 1, false),
-        None => Way::all(recipe.strands.points - 1, true),
+        Some(group) => DrawMethod::all(group.points() - 1, false),
+        None => DrawMethod::all(recipe.strands.points - 1, true),
     }
 }
 
@@ -152,23 +152,23 @@ impl Shared {
         };
         let packages = [source.bake(&recipes[0])?, source.bake(&recipes[1])?];
         let size = (recipes[0].judge.width, recipes[0].judge.height);
-        let truth = Truth::new(&packages[1], &View::default())?;
+        let truth = ReferenceTracer::new(&packages[1], &View::default())?;
         let framed = || truth.framed(&View::sized(size), framing::TOWARDS_CAMERA);
         let camera = recipes[0].judge.views.first().copied().unwrap_or_else(framed);
         let points = &truth.scene.curves().points;
         let width_m = 2.0 * points.iter().map(|p| f64::from(p.radius_m)).sum::<f64>() / points.len().max(1) as f64;
-        let sight = Sight::new(truth.scene.skin().clone())?;
+        let sight = SurfaceVisibility::new(truth.scene.skin().clone())?;
         Ok(Self { packages, truth, sight, camera, width_m })
     }
 
     /// Returns the reference picture of a size, the values that its methods share, and its view.
-    fn seen(
+    fn reference(
         &self,
         size: Size,
         judged: (u32, u32),
         samples: u32,
         doing: &mut dyn FnMut(&str),
-    ) -> Result<(Picture, Seen, View), Failure> {
+    ) -> Result<(Picture, StrandsSizeFacts, View), Failure> {
         let pixels = size.pixels(judged);
         let camera = size.camera(self.camera);
         let mut traced = |camera| {
@@ -180,7 +180,7 @@ impl Shared {
             (truth::encode(&picture, view.look.background()), view)
         };
         let ((next, _), (picture, view)) = (traced(camera.turned(TURN_DEG.to_radians())), traced(camera));
-        let seen = Seen {
+        let seen = StrandsSizeFacts {
             pixels,
             true_samples: samples,
             true_flicker: self.flicker(camera, [&picture, &next].map(greys), pixels)?,
@@ -195,7 +195,7 @@ impl Shared {
     fn flicker(&self, camera: Viewpoint, greys: [Vec<f32>; 2], size: (u32, u32)) -> Result<Option<f64>, Failure> {
         let no_lines = Mask::empty(size.0, size.1);
         let cameras = [camera, camera.turned(TURN_DEG.to_radians())].map(true_camera);
-        let moment = |i: usize| Moment { sight: &self.sight, camera: &cameras[i], grey: &greys[i], lines: &no_lines };
+        let moment = |i: usize| FlickerFrame { sight: &self.sight, camera: &cameras[i], grey: &greys[i], lines: &no_lines };
         Ok(flicker(&moment(0), &moment(1), size)?.surface.mean())
     }
 
@@ -216,10 +216,10 @@ fn group(
     gpu: &Gpu,
     meter: &Meter,
     shared: &Shared,
-    ways: &[Way],
+    ways: &[DrawMethod],
     (size, view, truth): (Size, &View, &Picture),
     samples: u32,
-) -> Result<Vec<Found>, Failure> {
+) -> Result<Vec<StrandsMeasures>, Failure> {
     let (mut stages, mut all) = (Vec::new(), Vec::new());
     for way in ways {
         let file = &shared.packages[usize::from(!way.needs_no_strands())];
@@ -229,7 +229,7 @@ fn group(
         });
         let mut stage = stage_of(file, &view, || Ok(gpu.clone()))?;
         stage.params.study.strand_pieces = way.pieces;
-        let mut found = Found { blended: way.edges == LookStrandEdges::Blended, ..drawn(&mut stage, file, truth)? };
+        let mut found = StrandsMeasures { blended: way.edges == LookStrandEdges::Blended, ..draw_once(&mut stage, file, truth)? };
         found.flicker = shared.drawn_flicker(&mut stage, size.camera(shared.camera), view.size())?;
         all.push(found);
         stages.push(stage);
@@ -246,14 +246,14 @@ fn group(
             for _ in 0..FRAMES {
                 *ms = ms.min(meter.frame(stage)?);
             }
-            found.anew_ms = found.anew_ms.min(meter.frame_anew(stage)?);
+            found.anew_ms = found.anew_ms.min(meter.uncached_frame(stage)?);
         }
     }
     Ok(all)
 }
 
 /// Draws with one method once, without timing.
-fn drawn(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<Found, Failure> {
+fn draw_once(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<StrandsMeasures, Failure> {
     let frame = stage.draw()?;
     let drawn = Picture::from(&pixels(stage)?);
     let (difference, _) = compare_pictures(&drawn, truth, &CompareParams::default())?;
@@ -262,7 +262,7 @@ fn drawn(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<
     let (layers, triangles, pieces) = (of(|d| d.layers), of(|d| d.triangles), of(|d| d.strand_pieces));
     let lists = frame.report().target_bytes;
     drop(frame);
-    let measured = Measured {
+    let measured = SettingMeasurements {
         flip: difference.flip.mean,
         flip_covered: difference.flip.covered,
         rmse: difference.rmse,
@@ -276,5 +276,5 @@ fn drawn(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<
         bake_s: 0.0,
     };
     let strands = detail.map_or(0.0, |d| d.strands);
-    Ok(Found { measured, anew_ms: f64::INFINITY, strands, pieces, ..Found::default() })
+    Ok(StrandsMeasures { measured, anew_ms: f64::INFINITY, strands, pieces, ..StrandsMeasures::default() })
 }

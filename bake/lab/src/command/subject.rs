@@ -48,7 +48,7 @@ impl Subject {
                 return Self::of_package(args, path);
             }
             let (recipe, _) = args.recipe.read()?;
-            let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
+            let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.file_access())?;
             let recipe = in_tile(&recipe, &model)?;
             let mut files = format!(" {}", shell_word(&path.display().to_string()));
             if let Some(recipe) = &args.recipe.recipe {
@@ -89,7 +89,7 @@ impl Subject {
         let package = package_file::read(path)?;
         let (file, opened) = (path.display().to_string(), package.open()?);
         let manifest = opened.manifest();
-        let mut recipe = Recipe::recorded(&format!("{file}, recipe"), &manifest.recipe)?;
+        let mut recipe = Recipe::parse_recorded(&format!("{file}, recipe"), &manifest.recipe)?;
         recipe.model.unit_m = 1.0;
         args.recipe.apply_to(&mut recipe)?;
         let mesh = opened.mesh().map_err(|error| package.fault(error))?;
@@ -112,7 +112,7 @@ impl Subject {
 /// Returns the recipe with its hair in units of a tile, which is then the same for all rows.
 fn in_tile(recipe: &Recipe, model: &Model) -> Result<Recipe, BakeError> {
     let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
-    Ok(metric::in_tile(recipe, &bounds)?.recipe)
+    Ok(metric::to_tile_units(recipe, &bounds)?.recipe)
 }
 
 /// Formats changes to a recipe as options: ` --set a=1 --set b=2`.

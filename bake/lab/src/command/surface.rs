@@ -16,7 +16,7 @@ const LONG_S: f64 = 1.0;
 /// Topic `surface`.
 pub struct SurfaceTopic<'a> {
     subject: &'a Subject,
-    configurations: Vec<surface::Configuration>,
+    configurations: Vec<surface::SurfaceConfiguration>,
 }
 
 impl<'a> SurfaceTopic<'a> {
@@ -29,7 +29,7 @@ impl<'a> SurfaceTopic<'a> {
 impl Topic for SurfaceTopic<'_> {
     fn plan(&self) -> Plan {
         let subject = self.subject;
-        let row = |configuration: &surface::Configuration| {
+        let row = |configuration: &surface::SurfaceConfiguration| {
             let sets = set_words(subject.sets.iter().chain(&configuration.sets));
             PlannedRow {
                 series: configuration.series.into(),

@@ -1,11 +1,11 @@
 //! `pelage chart textures`: formats, encoders and mips of a tile of hair.
 
-use super::driver::{Plan, PlannedRow, Topic, once};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
 use crate::chart::Cell;
-use crate::chart::textures::{COLUMNS, Configuration, PANELS, Truth, configurations, measure};
+use crate::chart::textures::{COLUMNS, TexturesConfiguration, PANELS, SlicedTile, configurations, measure};
 use pelage_bake::stages::groom::{self, Lengths};
-use pelage_bake::stages::hair::{VolumeParams, simulate_recipe};
+use pelage_bake::stages::simulate::{VolumeParams, simulate_recipe};
 use pelage_import::mesh::RestPose;
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::processor;
@@ -14,8 +14,8 @@ use std::time::Instant;
 /// Topic `textures`.
 pub struct TexturesTopic<'a> {
     subject: &'a Subject,
-    configurations: Vec<Configuration>,
-    truth: Option<Truth>,
+    configurations: Vec<TexturesConfiguration>,
+    truth: Option<SlicedTile>,
 }
 
 impl<'a> TexturesTopic<'a> {
@@ -27,7 +27,7 @@ impl<'a> TexturesTopic<'a> {
 
 impl Topic for TexturesTopic<'_> {
     fn plan(&self) -> Plan {
-        let row = |configuration: &Configuration| PlannedRow {
+        let row = |configuration: &TexturesConfiguration| PlannedRow {
             series: configuration.series.into(),
             label: configuration.label.clone(),
             default: *configuration == self.configurations[0],
@@ -46,13 +46,13 @@ impl Topic for TexturesTopic<'_> {
     }
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
-        let truth = once(&mut self.truth, || {
+        let truth = get_or_make(&mut self.truth, || {
             doing("slicing");
             let (model, recipe) = (&self.subject.model, &self.subject.recipe);
             let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
             let lengths = Lengths::resolve(recipe, &bounds);
             let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
-            Ok(Truth::new(recipe, simulate_recipe(recipe, &volume)?)?)
+            Ok(SlicedTile::new(recipe, simulate_recipe(recipe, &volume)?)?)
         })?;
         doing("encoding");
         let start = Instant::now();

@@ -3,9 +3,9 @@
 use super::driver::{Plan, PlannedRow, Topic};
 use crate::chart::Cell;
 use crate::chart::verlet::{
-    COLUMNS, Configuration, Form, Guide, Off, PANELS, POINTS, SECONDS, Scene, cells, configurations,
+    COLUMNS, VerletConfiguration, MotionForm, Guide, MotionDeviation, PANELS, POINTS, SECONDS, Scene, cells, configurations,
 };
-use crate::truth::Followed;
+use crate::truth::TrueMotion;
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use std::hint::black_box;
@@ -18,9 +18,9 @@ const TIMED_S: f64 = 0.3;
 
 /// Topic `verlet`.
 pub struct VerletTopic {
-    configurations: Vec<Configuration>,
+    configurations: Vec<VerletConfiguration>,
     /// Truths of all scenes by number of points, made when a row needs them.
-    truths: Vec<(usize, Vec<Followed>)>,
+    truths: Vec<(usize, Vec<TrueMotion>)>,
 }
 
 impl VerletTopic {
@@ -32,7 +32,7 @@ impl VerletTopic {
 
 impl Topic for VerletTopic {
     fn plan(&self) -> Plan {
-        let row = |configuration: &Configuration| PlannedRow {
+        let row = |configuration: &VerletConfiguration| PlannedRow {
             series: configuration.series.into(),
             label: configuration.label.clone(),
             default: configuration.default,
@@ -63,14 +63,14 @@ impl Topic for VerletTopic {
         };
         let truths = &self.truths[at].1;
         doing("moving");
-        let off = [0, 1, 2].map(|i| Off::of(&guide, &configuration.form, Scene::ALL[i], &truths[i].places));
-        let nanoseconds = (configuration.form != Form::Straight).then(|| nanoseconds(&guide, &configuration.form));
+        let off = [0, 1, 2].map(|i| MotionDeviation::of(&guide, &configuration.form, Scene::ALL[i], &truths[i].places));
+        let nanoseconds = (configuration.form != MotionForm::Straight).then(|| nanoseconds(&guide, &configuration.form));
         Ok(cells(configuration, &off, nanoseconds, truths))
     }
 }
 
 /// Returns the nanoseconds of a simulated second of a guide, over all scenes, on this core.
-fn nanoseconds(guide: &Guide, form: &Form) -> f64 {
+fn nanoseconds(guide: &Guide, form: &MotionForm) -> f64 {
     let (begun, mut turns, mut fastest) = (Instant::now(), 0, f64::INFINITY);
     while turns < FEWEST_TURNS || begun.elapsed().as_secs_f64() < TIMED_S {
         let turn = Instant::now();

@@ -75,7 +75,7 @@ fn inward() -> (f64, f64) {
 }
 
 /// Returns the distance of a vertex at (1, 2, 3) from its expected position; NaN if it is lost.
-fn off(matrix: Mat4, belongs: Vec3) -> f64 {
+fn distance_from_expected(matrix: Mat4, belongs: Vec3) -> f64 {
     f64::from(matrix.transform_point3(Vec3::new(1.0, 2.0, 3.0)).distance(belongs))
 }
 
@@ -85,7 +85,7 @@ fn broken_joint() -> (f64, f64) {
     let weights = Vec4::new(1.0, 0.0, 0.0, 0.0);
     let naive = moved * weights.x + broken * weights.y + broken * weights.z + broken * weights.w;
     let belongs = Vec3::new(2.0, 2.0, 3.0);
-    (off(naive, belongs), off(blend(moved, broken, broken, broken, weights), belongs))
+    (distance_from_expected(naive, belongs), distance_from_expected(blend(moved, broken, broken, broken, weights), belongs))
 }
 
 /// Tests a vertex without any weight, which keeps its stored position. In the naive form the plain sum is a zero
@@ -93,7 +93,7 @@ fn broken_joint() -> (f64, f64) {
 fn no_weight() -> (f64, f64) {
     let moved = Mat4::from_translation(Vec3::X);
     let stored = Vec3::new(1.0, 2.0, 3.0);
-    (off(moved * 0.0, stored), off(blend(moved, moved, moved, moved, Vec4::ZERO), stored))
+    (distance_from_expected(moved * 0.0, stored), distance_from_expected(blend(moved, moved, moved, moved, Vec4::ZERO), stored))
 }
 
 fn drive() -> Result<Vec<Finding>, BakeError> {

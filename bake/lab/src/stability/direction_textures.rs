@@ -3,9 +3,9 @@
 use super::row::{Finding, Row};
 use glam::Vec3;
 use pelage_bake::recipe::SliceParams;
-use pelage_bake::stages::hair::Strands;
-use pelage_bake::stages::textures::collect_layers;
-use pelage_bake::stages::textures::direction::resolve;
+use pelage_bake::stages::simulate::Strands;
+use pelage_bake::stages::slice::collect_layers;
+use pelage_bake::stages::slice::direction::resolve;
 use pelage_formats::{TextureFormat, decode_direction};
 use pelage_import::BakeError;
 

@@ -7,11 +7,11 @@ use crate::least_squares::least_squares;
 use crate::printed_light::PrintedLight;
 use glam::{DVec3, Vec3};
 use pelage_formats::meaning::environment::brightness;
-use pelage_formats::meaning::scattering::azimuthal::Glint;
-use pelage_formats::meaning::scattering::broad::{BroadSize, BroadTables, HalfLight};
-use pelage_formats::meaning::scattering::gaussian_light::{BroadlyLit, GaussianLight};
+use pelage_formats::meaning::scattering::azimuthal::GlintShape;
+use pelage_formats::meaning::scattering::broad::{BroadSize, BroadTables, CutGaussianLight};
+use pelage_formats::meaning::scattering::gaussian_light::{BroadlyLitFibre, GaussianLight};
 use pelage_formats::meaning::scattering::longitudinal::i0e;
-use pelage_formats::meaning::scattering::{Angles, Around, Fibre};
+use pelage_formats::meaning::scattering::{Angles, AzimuthalScattering, Fibre};
 use pelage_import::BakeError;
 use pelage_stage::sky::{FitParams, LightLobe, Panorama};
 use std::f64::consts::TAU;
@@ -26,15 +26,15 @@ pub const ROW: Row = Row {
 };
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
-    Ok(vec![narrow(), through_two(), along_the_hair(), below_nothing()?, sun_on_an_edge()?, black()?, broken()?])
+    Ok(vec![narrow_lights(), through_two(), along_the_hnegative_lightnothing()?, sun_on_an_edge()?, black()?, broken()?])
 }
 
 fn painted(radiance: impl Fn(DVec3) -> DVec3) -> Result<Panorama, BakeError> {
-    Panorama::painted((256, 128), radiance).map_err(|error| BakeError::Internal(error.to_string()))
+    Panorama::from_fn((256, 128), radiance).map_err(|error| BakeError::Internal(error.to_string()))
 }
 
 /// Tests the strength of lights around the fibre, by their width.
-fn narrow() -> Finding {
+fn narrow_lights() -> Finding {
     let truth = |k: f64| {
         const STEPS: usize = 20_000;
         let at = |i: usize| libm::exp(k * (libm::cos(TAU * i as f64 / STEPS as f64) - 1.0));
@@ -71,8 +71,8 @@ fn narrow() -> Finding {
 /// Tests the light that a smooth fibre scatters, through the difference angles at which its glints meet.
 fn through_two() -> Finding {
     let fibre =
-        Fibre { around: Around::Smooth(Glint { width: 5_f64.to_radians(), ..Glint::default() }), ..Fibre::default() };
-    let (exact, printed) = (BroadlyLit::new(&fibre), PrintedLight::new(&fibre, 0.2));
+        Fibre { around: AzimuthalScattering::Smooth(GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() }), ..Fibre::default() };
+    let (exact, printed) = (BroadlyLitFibre::new(&fibre), PrintedLight::new(&fibre, 0.2));
     let sharpness = 10_f64.to_radians().powi(-2);
     let way = |theta: f64, phi: f64| {
         DVec3::new(libm::cos(theta) * libm::cos(phi), libm::sin(theta), libm::cos(theta) * libm::sin(phi))
@@ -139,7 +139,7 @@ fn along_the_hair() -> Finding {
     // A step to either side must not change the result.
     let ours = |tip: Vec3, light: Vec3, eye: Vec3, aside: Vec3| {
         let of = |towards: Vec3| {
-            let light = HalfLight { towards: towards.as_dvec3().normalize(), mean: 0.8 };
+            let light = CutGaussianLight { towards: towards.as_dvec3().normalize(), mean: 0.8 };
             tables.scatter([0.2; 3], tip.as_dvec3(), &light, eye.as_dvec3())[0]
         };
         let there = of(light);
@@ -159,7 +159,7 @@ fn along_the_hair() -> Finding {
 }
 
 /// Tests a lamp in a dark room with a wide pale wall behind it: plain least squares gives lobes with negative light.
-fn below_nothing() -> Result<Finding, BakeError> {
+fn negative_light() -> Result<Finding, BakeError> {
     let lamp = DVec3::new(1.0, 0.3, 0.2).normalize();
     let room = painted(|way| {
         let cosine = way.dot(lamp);
@@ -234,7 +234,7 @@ fn sun_on_an_edge() -> Result<Finding, BakeError> {
 }
 
 /// Counts the values that are not finite.
-fn not_numbers(of: impl IntoIterator<Item = f64>) -> f64 {
+fn count_not_finite(of: impl IntoIterator<Item = f64>) -> f64 {
     of.into_iter().filter(|x| !x.is_finite()).count() as f64
 }
 
@@ -245,7 +245,7 @@ fn numbers_of(panorama: &Panorama) -> Vec<f64> {
         environment.lobes.iter().flat_map(|lobe| [&lobe.towards[..], &lobe.radiance, &[lobe.width_deg]].concat());
     let sun = environment.sun.into_iter().flat_map(|sun| [sun.towards, sun.color].concat());
     let numbers = environment.even.into_iter().chain(lobes).chain(sun).map(f64::from);
-    numbers.chain(environment.middle().to_array()).chain([fitted.energy, fitted.error, fitted.sun_share]).collect()
+    numbers.chain(environment.mean_direction().to_array()).chain([fitted.energy, fitted.error, fitted.sun_share]).collect()
 }
 
 fn black() -> Result<Finding, BakeError> {
@@ -262,8 +262,8 @@ fn black() -> Result<Finding, BakeError> {
     Ok(Finding {
         case: "a black picture".into(),
         measure: "numbers of its lights that are none",
-        naive: not_numbers(naive),
-        safe: not_numbers(numbers_of(&black)),
+        naive: count_not_finite(naive),
+        safe: count_not_finite(numbers_of(&black)),
         bound: 0.0,
         fails_above: 2.0,
     })
@@ -278,7 +278,7 @@ fn broken() -> Result<Finding, BakeError> {
     }
     // Means without mending: total light of each colour.
     let sum = |i: usize| pixels.iter().map(|pixel| f64::from(pixel[i])).sum::<f64>();
-    let naive = not_numbers([0, 1, 2].map(sum));
+    let naive = count_not_finite([0, 1, 2].map(sum));
     let (width, height) = plain.size();
     let mended = Panorama::new(width, height, pixels).map_err(|error| BakeError::Internal(error.to_string()))?;
     let numbers = numbers_of(&mended);
@@ -287,7 +287,7 @@ fn broken() -> Result<Finding, BakeError> {
         case: "a picture with NaN, infinities and light below none".into(),
         measure: "numbers of its lights that are none, and pixels that nobody tells of",
         naive,
-        safe: not_numbers(numbers) + f64::from(4 - mended.mended().min(4)),
+        safe: count_not_finite(numbers) + f64::from(4 - mended.mended().min(4)),
         bound: 0.0,
         fails_above: 2.0,
     })

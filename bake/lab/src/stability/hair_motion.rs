@@ -8,7 +8,7 @@
 use super::row::{Finding, Row};
 use glam::{Mat3, Vec3};
 use pelage_formats::meaning::hair_motion::{
-    Capsule, Frame, GRAVITY, Groomed, Pearl, Rooted, Springs, Wind, advance_frame, ballast, steps,
+    Capsule, Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Springs, Wind, advance_frame, gravity_compensation, steps,
 };
 use pelage_import::BakeError;
 use std::f32::consts::TAU;
@@ -24,7 +24,7 @@ pub const ROW: Row = Row {
 
 /// String moved by the printed form.
 #[derive(Clone, Debug)]
-pub struct Printed {
+pub struct PrintedString {
     /// World positions of the points, the root first, metres.
     pub places: Vec<Vec3>,
     /// World positions at the previous step.
@@ -46,7 +46,7 @@ pub struct PrintedStep<'a> {
     pub spheres: &'a [Capsule],
 }
 
-impl Printed {
+impl PrintedString {
     /// Creates a string at rest at these positions.
     pub fn new(places: Vec<Vec3>) -> Self {
         Self { before: places.clone(), places }
@@ -95,24 +95,24 @@ const FPS: f32 = 60.0;
 const CALM: Springs = Springs { drag_per_s: 2.0, shape_hz: 0.5, bend_hz: 0.0, friction: 0.2 };
 
 /// Root or obstacles as a function of time, seconds.
-type Way<'a, T> = &'a dyn Fn(f32) -> T;
+type OverTime<'a, T> = &'a dyn Fn(f32) -> T;
 
 /// Times of the ends of frames, and world positions of the points.
 type Motion = Vec<(f32, Vec<Vec3>)>;
 
 /// Hanging string of 0.3 m that both forms move.
-struct Drive<'a> {
+struct HangingString<'a> {
     points: usize,
     springs: Springs,
     fps: f32,
     seconds: f32,
-    root: Way<'a, Vec3>,
-    spheres: Way<'a, Vec<Capsule>>,
+    root: OverTime<'a, Vec3>,
+    spheres: OverTime<'a, Vec<Capsule>>,
 }
 
 const LENGTH: f32 = 0.3;
 
-impl Drive<'_> {
+impl HangingString<'_> {
     fn points(&self) -> Vec<Vec3> {
         (0..self.points).map(|k| Vec3::NEG_Y * (LENGTH * k as f32 / (self.points - 1) as f32)).collect()
     }
@@ -120,10 +120,10 @@ impl Drive<'_> {
     /// Moves the string by the runtime's solver. Returns the time and the world positions at the end of each frame.
     fn ours(&self) -> Motion {
         let (points, free) = (self.points(), vec![1.0; self.points]);
-        let ballast = ballast(&points, Mat3::IDENTITY);
-        let groomed = Groomed { points: &points, ballast: &ballast, free: &free };
-        let rooted = |time_s| Rooted { root: (self.root)(time_s), frame: Mat3::IDENTITY };
-        let mut pearls: Vec<Pearl> = rooted(0.0).groomed(&points);
+        let ballast = gravity_compensation(&points, Mat3::IDENTITY);
+        let groomed = GroomedGuide { points: &points, ballast: &gravity_compensation, free: &free };
+        let rooted = |time_s| RootFrame { root: (self.root)(time_s), frame: Mat3::IDENTITY };
+        let mut pearls: Vec<Particle> = rooted(0.0).groomed(&points);
         let mut before_s = steps(1.0 / self.fps).1;
         self.times()
             .map(|[from, to]| {
@@ -147,7 +147,7 @@ impl Drive<'_> {
     fn printed(&self) -> Motion {
         let points = self.points();
         let lengths = vec![LENGTH / (self.points - 1) as f32; self.points];
-        let mut string = Printed::new(points.iter().map(|p| (self.root)(0.0) + *p).collect());
+        let mut string = PrintedString::new(points.iter().map(|p| (self.root)(0.0) + *p).collect());
         let omega = TAU * self.springs.shape_hz;
         let lost = 1.0 - libm::expf(-(self.springs.drag_per_s + 0.6 * omega) / FPS);
         self.times()
@@ -191,15 +191,15 @@ fn stretch(places: &[Vec3]) -> f32 {
     places.windows(2).map(off).fold(0.0, |most, x| if x <= most { most } else { x })
 }
 
-fn nothing(_: f32) -> Vec<Capsule> {
+fn no_obstacles(_: f32) -> Vec<Capsule> {
     Vec::new()
 }
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
     let still = |_: f32| Vec3::ZERO;
     let gallop = |time_s: f32| Vec3::new(0.0, 0.15 * libm::sinf(TAU * 2.2 * time_s), 0.0);
-    let base = Drive { points: 64, springs: CALM, fps: FPS, seconds: 5.0, root: &still, spheres: &nothing };
-    let both = |drive: &Drive<'_>, since: f32, of: &dyn Fn(f32, &[Vec3]) -> f32| {
+    let base = HangingString { points: 64, springs: CALM, fps: FPS, seconds: 5.0, root: &still, spheres: &no_obstacles };
+    let both = |drive: &HangingString<'_>, since: f32, of: &dyn Fn(f32, &[Vec3]) -> f32| {
         (greatest(&drive.printed(), since, of), greatest(&drive.ours(), since, of))
     };
     let finding = |case: &str, measure: &'static str, (naive, safe): (f64, f64), bound: f64, fails_above: f64| {
@@ -210,10 +210,10 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
 
     let hangs = both(&base, 3.0, &|_, places| stretch(places));
     out.push(finding("64 points hang", longer, hangs, 0.01, 0.1));
-    let gallops = both(&Drive { root: &gallop, ..base }, 0.0, &|_, places| stretch(places));
+    let gallops = both(&HangingString { root: &gallop, ..base }, 0.0, &|_, places| stretch(places));
     out.push(finding("64 points at a gallop", longer, gallops, 0.03, 0.3));
 
-    let stiff = Drive {
+    let stiff = HangingString {
         points: 16,
         springs: Springs { shape_hz: 5.0, ..CALM },
         fps: 2.0,
@@ -236,13 +236,13 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     ));
 
     let sway = |time_s: f32| Vec3::X * (0.3 * libm::sinf(TAU * 0.7 * time_s));
-    let at = |fps: f32| Drive { points: 16, fps, root: &sway, ..base };
+    let at = |fps: f32| HangingString { points: 16, fps, root: &sway, ..base };
     let ends = |motion: Motion| motion.last().map_or_else(Vec::new, |(_, places)| places.clone());
     let apart = |a: &[Vec3], b: &[Vec3]| {
         let off = a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0f32, |a, b| if b <= a { a } else { b });
         f64::from(off / LENGTH)
     };
-    let spread = |run: &dyn Fn(&Drive<'_>) -> Motion| {
+    let spread = |run: &dyn Fn(&HangingString<'_>) -> Motion| {
         let [few, some, many] = [30.0, 60.0, 144.0].map(|fps| ends(run(&at(fps))));
         apart(&few, &many).max(apart(&few, &some)).max(apart(&some, &many))
     };
@@ -260,11 +260,11 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             |ball: &Capsule| places.iter().map(|p| 1.0 - p.distance(ball.from) / ball.radius_m).fold(0.0, f32::max);
         body(time_s).iter().map(of).fold(0.0, f32::max)
     };
-    let pushed = both(&Drive { points: 16, seconds: 2.0, spheres: &body, ..base }, 0.0, &inside);
+    let pushed = both(&HangingString { points: 16, seconds: 2.0, spheres: &body, ..base }, 0.0, &inside);
     out.push(finding("head and neck come through", "deepest point, share of the radius", pushed, 0.02, 0.05));
 
     let jump = |time_s: f32| Vec3::X * if time_s > 0.5 { 100.0 } else { 0.0 };
-    let jumped = both(&Drive { points: 16, seconds: 2.0, root: &jump, ..base }, 0.0, &|_, places| stretch(places));
+    let jumped = both(&HangingString { points: 16, seconds: 2.0, root: &jump, ..base }, 0.0, &|_, places| stretch(places));
     out.push(finding("a root that jumps 100 m, untold", longer, jumped, 0.01, 100.0));
     Ok(out)
 }

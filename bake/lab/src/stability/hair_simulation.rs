@@ -4,7 +4,7 @@ use super::measures::grow;
 use super::row::{Finding, Row};
 use glam::Vec3;
 use pelage_bake::recipe::{HairParams, Style};
-use pelage_bake::stages::hair::Strands;
+use pelage_bake::stages::simulate::Strands;
 use pelage_import::BakeError;
 
 /// Row of the stability table.

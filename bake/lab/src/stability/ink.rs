@@ -2,7 +2,7 @@
 //! outline. Flat parts seen edge on therefore turn entirely black. The template limits lines to their width around the
 //! features.
 
-use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
+use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::{silhouette, surface};
 use crate::chart::ink::{on_blank_paper, template_px};
 use glam::{Vec3, vec3};
@@ -11,10 +11,10 @@ use pelage_bake::recipe::Recipe;
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
-use pelage_runtime::{Camera, FrameParams, InkParams, InkShow, PassId};
+use pelage_runtime::{Camera, FrameParams, InkParams, InkDebugView, PassId};
 
 /// Row of the stability table.
-pub const ROW: Row<DrawnDriver> = Row {
+pub const ROW: Row<DrawnRowTest> = Row {
     method: "ink",
     cliff: "large flat faces seen edge on: black patches",
     naive: "the sphere map alone",
@@ -50,7 +50,7 @@ fn ear() -> Model {
 
 /// Returns the widest strokes of a package over all views, without and with the template, relative to the template's
 /// width.
-fn widest(package: &[u8], draw: &mut Drawer<'_>) -> Result<[f64; 2], BakeError> {
+fn widest(package: &[u8], draw: &mut DrawCallback<'_>) -> Result<[f64; 2], BakeError> {
     let opened = Package::open(package, &Limits::default());
     let bounds = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?.manifest().bounds;
     let ink = on_blank_paper(&InkParams::default());
@@ -62,7 +62,7 @@ fn widest(package: &[u8], draw: &mut Drawer<'_>) -> Result<[f64; 2], BakeError> 
         let camera = Camera::framing(Vec3::from(bounds.center), bounds.radius, towards, 0.5, 1.0);
         for (most, template) in most.iter_mut().zip([false, true]) {
             let params = FrameParams::new(camera, [SIZE.0, SIZE.1]).with_ink(ink.clone());
-            let params = params.with(|p| (p.study.template, p.debug.ink) = (template, InkShow::Lines));
+            let params = params.with(|p| (p.study.template, p.debug.ink) = (template, InkDebugView::Lines));
             let texels = draw(&Drawing { package, params: &params, size: SIZE, passes: &[PassId::INK_COMPOSITE] })?;
             let pixels = texels.iter().map(|texel| texel[0] < 0.5).collect();
             let strokes = Mask { width: SIZE.0, height: SIZE.1, pixels };
@@ -72,7 +72,7 @@ fn widest(package: &[u8], draw: &mut Drawer<'_>) -> Result<[f64; 2], BakeError> 
     Ok(most)
 }
 
-fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
+fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
     let mut out = Vec::new();
     for (case, model) in [("a cube", cube()), ("a flat ear", ear())] {
         let mut recipe = Recipe::default();

@@ -3,10 +3,10 @@
 use super::surface;
 use glam::{Vec3, vec3};
 use pelage_bake::pipeline;
-use pelage_bake::pipeline::Told;
+use pelage_bake::pipeline::BakeInput;
 use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::groom::MapImages;
-use pelage_bake::strands::{Curves, Skin, grow_on, tile_hair};
+use pelage_bake::strands::{Curves, PosedMesh, grow_on, tile_hair};
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
 
@@ -20,7 +20,7 @@ pub const HEIGHT_M: f32 = 8.0;
 /// # Errors
 ///
 /// Same as [`pipeline::bake`].
-pub fn grown(density: u32) -> Result<(Curves, Skin), BakeError> {
+pub fn grown(density: u32) -> Result<(Curves, PosedMesh), BakeError> {
     let curve = |a: f32| {
         let out = 2.0 + (3.0 * a).cos();
         vec3(out * (2.0 * a).cos(), out * (2.0 * a).sin(), 1.2 * (3.0 * a).sin())
@@ -35,12 +35,12 @@ pub fn grown(density: u32) -> Result<(Curves, Skin), BakeError> {
     let mut recipe = Recipe::of_coat(Coat::Natural)?;
     recipe.hair.density = density;
     let images = MapImages::default();
-    let told = Told::new("stability", "knot", &recipe, &images);
+    let told = BakeInput::new("stability", "knot", &recipe, &images);
     let package = pipeline::bake(&told, &model, &mut |_| ())?.package;
     let fault = |source| BakeError::Package { file: "stability".into(), source };
     let package = Package::open(&package, &Limits::default()).map_err(fault)?;
     let manifest = package.manifest();
-    let skin = Skin::posed("stability", &package, &[])?;
+    let skin = PosedMesh::posed("stability", &package, &[])?;
     let lost = || BakeError::Internal("the knot was baked without hair".into());
     let hair = tile_hair("stability", manifest)?.ok_or_else(lost)?;
     let curves = grow_on(&skin, &hair, f64::from(manifest.fur.tile_size_m))?.0;

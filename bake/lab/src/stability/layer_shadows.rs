@@ -7,7 +7,7 @@ use super::row::{Finding, Row};
 use crate::truth::SampledVolume;
 use glam::DVec3;
 use pelage_bake::recipe::HairParams;
-use pelage_bake::stages::textures::ShellSet;
+use pelage_bake::stages::slice::ShellSet;
 use pelage_formats::Shading;
 use pelage_import::BakeError;
 use pelage_runtime::shared::kajiya_kay::back_attenuation;

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use pelage_bake::recipe::{Coat, ColorParams, HairParams, Recipe, SliceParams};
-use pelage_bake::stages::hair::{Strands, VolumeParams, simulate};
-use pelage_bake::stages::textures::{ShellSet, collect_layers};
+use pelage_bake::stages::simulate::{Strands, VolumeParams, simulate};
+use pelage_bake::stages::slice::{ShellSet, collect_layers};
 use pelage_formats::TextureFormat;
 use pelage_import::BakeError;
 

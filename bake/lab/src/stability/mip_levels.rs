@@ -4,7 +4,7 @@
 use super::measures::{grow, mean, natural_hair, opacity, slice, transmittances};
 use super::row::{Finding, Row};
 use pelage_bake::recipe::{HairParams, Style};
-use pelage_bake::stages::textures::ShellSet;
+use pelage_bake::stages::slice::ShellSet;
 use pelage_import::BakeError;
 
 /// Row of the stability table.

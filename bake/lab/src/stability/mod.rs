@@ -33,8 +33,8 @@ pub mod strand_width;
 pub mod surface;
 
 pub use measures::{grow, mean, natural_hair, opacity, slice, texels, transmittances};
-pub use row::{Drawer, Drawing, DrawnDriver};
-pub use row::{Driver, Finding, Row};
+pub use row::{DrawCallback, Drawing, DrawnRowTest};
+pub use row::{RowTest, Finding, Row};
 
 /// Rows that need no pictures, in the order of the bake and a frame.
 pub const ROWS: &[Row] = &[
@@ -60,4 +60,4 @@ pub const ROWS: &[Row] = &[
 ];
 
 /// Rows that need pictures.
-pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW, ink::ROW, strand_width::ROW, strand_light::ROW];
+pub const DRAWN_ROWS: &[Row<DrawnRowTest>] = &[shells::ROW, ink::ROW, strand_width::ROW, strand_light::ROW];

@@ -3,8 +3,8 @@
 use super::measures::{mean, slice, transmittances};
 use super::row::{Finding, Row};
 use glam::Vec3;
-use pelage_bake::stages::hair::Strands;
-use pelage_bake::stages::textures::extinction;
+use pelage_bake::stages::simulate::Strands;
+use pelage_bake::stages::slice::extinction;
 use pelage_import::BakeError;
 
 /// Row of the stability table.

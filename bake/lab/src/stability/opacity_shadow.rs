@@ -4,7 +4,7 @@ use super::measures::{grow, natural_hair};
 use super::row::{Finding, Row};
 use crate::chart::opacity_shadow::{PLANES, column, columns_of, light_in_column};
 use pelage_bake::recipe::HairParams;
-use pelage_bake::stages::hair::Strands;
+use pelage_bake::stages::simulate::Strands;
 use pelage_import::BakeError;
 use pelage_runtime::{OpacityForm, ShadowParams};
 

@@ -2,7 +2,7 @@
 
 use super::row::{Finding, Row};
 use glam::Vec3;
-use pelage_formats::meaning::hair_groups::Followed;
+use pelage_formats::meaning::hair_groups::GuideInterpolator;
 use pelage_import::BakeError;
 
 /// Row of the stability table.
@@ -42,7 +42,7 @@ fn shortened(guides: &[Vec<Vec3>], way: &dyn Fn(Vec3) -> Vec3) -> f64 {
 fn drive() -> Result<Vec<Finding>, BakeError> {
     let finding = |rise: f32| {
         let guides = guides(rise);
-        let followed = Followed::new(guides.clone());
+        let followed = GuideInterpolator::new(guides.clone());
         let tip = |guide: usize| guides[guide][POINTS - 1] - guides[guide][0];
         let ours = |root: Vec3| followed.follow(root).map_or(Vec3::ZERO, |follow| follow.mix(tip));
         let naive = |root: Vec3| {

@@ -4,14 +4,14 @@ use pelage_import::BakeError;
 use pelage_runtime::{FrameParams, PassId};
 
 /// Test of both forms on the processor.
-pub type Driver = fn() -> Result<Vec<Finding>, BakeError>;
+pub type RowTest = fn() -> Result<Vec<Finding>, BakeError>;
 
 /// Test of both forms by pictures, which the given callback draws.
-pub type DrawnDriver = fn(&mut Drawer<'_>) -> Result<Vec<Finding>, BakeError>;
+pub type DrawnRowTest = fn(&mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError>;
 
 /// Callback that draws on an adapter unknown to this library. Returns `width * height` texels of linear light times
 /// opacity, and opacity, row-major from the top, with at least ten bits.
-pub type Drawer<'a> = dyn FnMut(&Drawing<'_>) -> Result<Vec<[f32; 4]>, BakeError> + 'a;
+pub type DrawCallback<'a> = dyn FnMut(&Drawing<'_>) -> Result<Vec<[f32; 4]>, BakeError> + 'a;
 
 /// Picture to draw on an empty background: one copy of a package at rest.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ pub struct Drawing<'a> {
 
 /// Row of the table. `D` is the type of its test.
 #[derive(Clone, Copy, Debug)]
-pub struct Row<D = Driver> {
+pub struct Row<D = RowTest> {
     /// Name of the method.
     pub method: &'static str,
     /// Description of the failure.

@@ -4,7 +4,7 @@
 use super::measures::even_direction;
 use super::row::{Finding, Row};
 use glam::{DVec3, Vec3};
-use pelage_formats::meaning::scattering::azimuthal::{Glint, Way, over_section};
+use pelage_formats::meaning::scattering::azimuthal::{GlintShape, PathContribution, over_section};
 use pelage_formats::meaning::scattering::optics::Section;
 use pelage_formats::meaning::scattering::{Angles, Fibre, colour};
 use pelage_import::BakeError;
@@ -46,7 +46,7 @@ fn refracted(way: DVec3, normal: DVec3, eta: f64) -> DVec3 {
 
 /// Returns where light at a section's difference angle meets a cylinder about z at angle `gamma`, as the normal there,
 /// and the light's direction.
-fn met(section: &Section, gamma: f64) -> (DVec3, DVec3) {
+fn incidence(section: &Section, gamma: f64) -> (DVec3, DVec3) {
     let normal = DVec3::new(libm::cos(gamma), libm::sin(gamma), 0.0);
     let sin_d = (1.0 - section.cos_d * section.cos_d).sqrt();
     (normal, DVec3::new(-section.cos_d, 0.0, sin_d))
@@ -56,7 +56,7 @@ fn fresnel() -> Finding {
     let gammas = || (0..90).map(|degrees| f64::from(degrees).to_radians());
     // Amplitudes from the angles in space between vectors and the normal.
     let truth = |section: &Section, gamma: f64| {
-        let (normal, way) = met(section, gamma);
+        let (normal, way) = incidence(section, gamma);
         let (c, t) = (-way.dot(normal), -refracted(way, normal, section.eta).dot(normal));
         let (s, p) = ((c - section.eta * t) / (c + section.eta * t), (section.eta * c - t) / (section.eta * c + t));
         0.5 * (s * s + p * p)
@@ -85,7 +85,7 @@ fn chord() -> Finding {
     const SIGMA: f64 = 1.0;
     // Light straight through a cylinder about z, from wall to wall.
     let truth = |section: &Section, gamma: f64| {
-        let (normal, way) = met(section, gamma);
+        let (normal, way) = incidence(section, gamma);
         let inside = refracted(way, normal, section.eta);
         let across = inside.x * inside.x + inside.y * inside.y;
         libm::exp(SIGMA * 2.0 * (normal.x * inside.x + normal.y * inside.y) / across)
@@ -107,7 +107,7 @@ fn chord() -> Finding {
         case: "light through a fibre that absorbs 1 a radius, three indices, all angles".into(),
         measure: "largest relative error of the light that comes out",
         naive: off(&printed),
-        safe: off(&|section, gamma| Way { light: 1.0, length: section.chord(libm::sin(gamma)) }.left(SIGMA)),
+        safe: off(&|section, gamma| PathContribution { light: 1.0, length: section.chord(libm::sin(gamma)) }.attenuated(SIGMA)),
         bound: 1e-9,
         fails_above: 0.5,
     }
@@ -149,7 +149,7 @@ fn energy() -> Finding {
 
 fn glints_in_tables() -> Finding {
     const TEXELS: usize = 128;
-    let glint = Glint { width: 5_f64.to_radians(), ..Glint::default() };
+    let glint = GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() };
     // Row of a table: the azimuth of a position on its axis, and the position of an azimuth. The first texel is at 0
     // and the last at 1, or both are half a texel inside, as in a printed lookup from 0 to 1.
     let off = |inset: f64, phi_of: &dyn Fn(f64) -> f64, place_of: &dyn Fn(f64) -> f64| {
@@ -185,7 +185,7 @@ fn glints_in_tables() -> Finding {
 }
 
 fn through_two() -> Finding {
-    let glint = Glint::default();
+    let glint = GlintShape::default();
     let most = |spread: bool| {
         largest((0..=2000).map(|k| {
             let section = Section::new(1.55, cos_deg(44.0 + 6.0 * f64::from(k) / 2000.0));

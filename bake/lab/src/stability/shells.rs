@@ -1,12 +1,12 @@
 //! Silhouette: a view along the surface has a long path through each layer, which layers as sheets ignore.
 
-use super::row::{Drawer, DrawnDriver, Finding, Row};
+use super::row::{DrawCallback, DrawnRowTest, Finding, Row};
 use super::{silhouette, surface};
 use pelage_bake::recipe::{Coat, Recipe};
 use pelage_import::BakeError;
 
 /// Row of the stability table.
-pub const ROW: Row<DrawnDriver> = Row {
+pub const ROW: Row<DrawnRowTest> = Row {
     method: "shells",
     cliff: "grazing view: gaps between layers, silhouettes too transparent",
     naive: "layers as sheets, as opaque at a slant as from above",
@@ -14,7 +14,7 @@ pub const ROW: Row<DrawnDriver> = Row {
     drive,
 };
 
-fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
+fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
     let mut out = Vec::new();
     for (case, model) in [("a torus", surface::torus()), ("a sphere", surface::sphere(24, 48))] {
         let package = silhouette::bake(case, &model, &Recipe::of_coat(Coat::Natural)?)?;

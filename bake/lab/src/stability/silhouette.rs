@@ -5,18 +5,18 @@
 //! differ by more than visible density. All pictures are supersampled: sampling only the centre of a pixel makes a
 //! difference of 0.07 per pixel, which must not count as error.
 
-use super::row::{Drawer, Drawing};
+use super::row::{DrawCallback, Drawing};
 use glam::Vec3;
 use pelage_bake::mask::Mask;
 use pelage_bake::pipeline;
-use pelage_bake::pipeline::Told;
+use pelage_bake::pipeline::BakeInput;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
-use pelage_bake::strands::{Curves, Skin, grow_on, tile_hair};
+use pelage_bake::strands::{Curves, PosedMesh, grow_on, tile_hair};
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
-use pelage_runtime::{Camera, Detail, FrameParams, Hair, PassId, SlantForm, Style};
+use pelage_runtime::{Camera, Detail, FrameParams, HairGeometry, PassId, SlantForm, Style};
 use pelage_truth::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScene};
 use std::fmt::Write as _;
 
@@ -31,7 +31,7 @@ struct Coverage {
 
 /// Draws one copy of a model, [`SAMPLES`] times as large along each axis, and averages.
 fn coverage(
-    draw: &mut Drawer<'_>,
+    draw: &mut DrawCallback<'_>,
     package: &[u8],
     params: &FrameParams,
     size: (u32, u32),
@@ -95,7 +95,7 @@ fn error(a: &Coverage, b: &Coverage, distances: &[f64], reach: f64, window: u32)
 
 /// Results of a model.
 #[derive(Clone, Debug)]
-pub struct Measured {
+pub struct SilhouetteMeasures {
     /// Error of layers as sheets, equally opaque at a slant and from above, without fins.
     pub sheets: f64,
     /// Error of layers as slabs, with fins.
@@ -116,7 +116,7 @@ const SAMPLES: u32 = 4;
 /// Samples per pixel of the truth.
 const TRUE_SAMPLES: u32 = 16;
 
-impl Measured {
+impl SilhouetteMeasures {
     /// Formats the profiles and errors as text.
     pub fn table(&self) -> String {
         let mut out = "opacity by pixels from the outline\n".to_owned();
@@ -144,7 +144,7 @@ pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Vec<u8>, BakeE
     let mut recipe = recipe.clone();
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
     plain.iter().try_for_each(|set| recipe.set(set))?;
-    let baked = pipeline::bake(&Told::new(file, "silhouette", &recipe, &MapImages::default()), model, &mut |_| ())?;
+    let baked = pipeline::bake(&BakeInput::new(file, "silhouette", &recipe, &MapImages::default()), model, &mut |_| ())?;
     Ok(baked.package)
 }
 
@@ -153,7 +153,7 @@ pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Vec<u8>, BakeE
 /// # Errors
 ///
 /// [`BakeError::Internal`] if the package does not open, and any error that `draw` returns.
-pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Result<Measured, BakeError> {
+pub fn measure(package: &[u8], size: (u32, u32), draw: &mut DrawCallback<'_>) -> Result<SilhouetteMeasures, BakeError> {
     let opened = Package::open(package, &Limits::default());
     let opened = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?;
     let bounds = opened.manifest().bounds;
@@ -161,9 +161,9 @@ pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Resul
     let camera =
         Camera::framing(Vec3::from(bounds.center), bounds.radius, Vec3::new(-0.7, 0.35, 0.8), FOV_Y_RAD, aspect);
     let with = FrameParams::new(camera, [size.0, size.1]);
-    let with = with.with_fur(|fur| (fur.detail, fur.hair) = (Detail::Full, Hair::Shells));
+    let with = with.with_fur(|fur| (fur.detail, fur.hair) = (Detail::Full, HairGeometry::Shells));
     let without = with.clone().with_fur(|fur| fur.fins = false);
-    let sheets = without.clone().with(|p| p.study.look_slant = SlantForm::Printed);
+    let sheets = without.clone().with(|p| p.study.view_slant = SlantForm::Printed);
     let all = [PassId::SKIN, PassId::FINS, PassId::SHELLS];
     let pictures = [
         truth(&opened, &camera, size)?,
@@ -176,7 +176,7 @@ pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Resul
     let skin = coverage(draw, package, &bare, size, &all[..1])?;
     let distances = distances(&skin);
     let off = |k: usize| error(&pictures[k], &pictures[0], &distances, REACH, WINDOW);
-    Ok(Measured {
+    Ok(SilhouetteMeasures {
         sheets: off(1),
         ours: off(3),
         profiles: pictures.each_ref().map(|picture| profile(picture, &distances, BANDS)),
@@ -189,7 +189,7 @@ const FOV_Y_RAD: f32 = 0.6;
 /// Returns the coverage of the strands themselves.
 fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Coverage, BakeError> {
     let manifest = package.manifest();
-    let skin = Skin::posed("silhouette", package, &[])?;
+    let skin = PosedMesh::posed("silhouette", package, &[])?;
     let hair = tile_hair("silhouette", manifest)?;
     let curves = match &hair {
         Some(hair) => grow_on(&skin, hair, f64::from(manifest.fur.tile_size_m))?.0,

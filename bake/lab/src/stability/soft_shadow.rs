@@ -50,7 +50,7 @@ fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
 
 /// Tests a lit surface beside the edge of a shadow that falls elsewhere: its depth is the map's up to rounding, and the
 /// map's blur reaches over it.
-fn lit_skin() -> (f64, f64) {
+fn lit_surface() -> (f64, f64) {
     let cases = (0..1000).map(|i| {
         let occlusion = 0.45 * (i as f32 / 1000.0);
         // Steps of the f32 depth map near 0.5 are 6e-8; the filter between texels adds more.
@@ -102,7 +102,7 @@ fn across_the_edge(gap_m: f32) -> (f64, f64) {
 
 /// Counts values outside 0..=1 or NaN, over everything that maps and lights can hold. The printed quotient has those
 /// where there is neither occluder nor receiver: an empty texel of both maps.
-fn unsound() -> (f64, f64) {
+fn count_invalid() -> (f64, f64) {
     let (mut naive, mut safe) = (0u32, 0u32);
     let sound = |x: f32| (0.0..=1.0).contains(&x);
     for occlusion in [0.0, 1e-8, 0.2, 0.5, 0.7, 1.0] {
@@ -140,7 +140,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     };
     let share = "greatest error of the light's share";
     Ok(vec![
-        finding("lit skin beside a shadow's edge, depths equal but for rounding", share, lit_skin(), 0.002, 0.9),
+        finding("lit skin beside a shadow's edge, depths equal but for rounding", share, lit_surface(), 0.002, 0.9),
         finding("lit skin, light 15 to 27 degrees above its horizon", share, at_the_horizon(), 0.02, 0.5),
         finding(
             "a way across the edge of a shadow thrown from 0.1 m, 100 steps to the penumbra's width",
@@ -152,7 +152,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         finding(
             "maps and lights of all kinds, penumbra 0 to 2",
             "values outside 0..=1 or not a number",
-            unsound(),
+            count_invalid(),
             0.0,
             3.0,
         ),

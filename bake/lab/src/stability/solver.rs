@@ -2,7 +2,7 @@
 //! no check of the result.
 
 use super::row::{Finding, Row};
-use super::surface::{lay, model, not_positive};
+use super::surface::{parameterize_default, model, not_positive};
 use glam::{DVec2, Vec2, vec3};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
@@ -97,7 +97,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     for least in LEAST {
         let model = slivers(least);
         naive += naive_flips(&model, 0.5);
-        safe += not_positive(&lay(&model, 0.5)?);
+        safe += not_positive(&parameterize_default(&model, 0.5)?);
     }
     Ok(vec![Finding {
         case: format!("{} sheets of slivers, down to {:e} wide", LEAST.len(), LEAST[LEAST.len() - 1]),

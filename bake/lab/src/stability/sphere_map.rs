@@ -81,13 +81,13 @@ fn worst(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
 
 /// Counts positions that are not finite or outside the map: for the background, whose normal is zero, and for all
 /// others.
-fn places_that_are_none(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
+fn invalid_positions(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
     let all = eyes().into_iter().flat_map(|eye| normals(eye).chain([Vec3::ZERO]).map(move |n| form(n, eye)));
     all.filter(|uv| !uv.is_finite() || uv.min_element() < 0.0 || uv.max_element() > 1.0).count() as f64
 }
 
 /// Counts the distinct positions on a grid of 64 by 64.
-fn told_apart(form: fn(Vec3, Vec3) -> Vec2, eye: Vec3) -> usize {
+fn distinct_cells(form: fn(Vec3, Vec3) -> Vec2, eye: Vec3) -> usize {
     let cell = |uv: Vec2| (uv * 64.0).floor().as_ivec2();
     let cells: std::collections::BTreeSet<[i32; 2]> =
         normals(eye).map(|n| form(n, eye)).filter(|uv| uv.is_finite()).map(|uv| cell(uv).to_array()).collect();
@@ -98,13 +98,13 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let aside = eyes()[3];
     // Number of cells in the disc within the square's 64 × 64; the measure is the share of them that no normal reaches.
     let disc = std::f64::consts::FRAC_PI_4 * 64.0 * 64.0;
-    let empty = |form| (1.0 - told_apart(form, aside) as f64 / disc).max(0.0);
+    let empty = |form| (1.0 - distinct_cells(form, aside) as f64 / disc).max(0.0);
     Ok(vec![
         Finding {
             case: "normals that face the eye, over a view of 60 degrees, as printed".into(),
             measure: "places that are not a number or outside the map",
-            naive: places_that_are_none(printed),
-            safe: places_that_are_none(perpendicular),
+            naive: invalid_positions(printed),
+            safe: invalid_positions(perpendicular),
             bound: 0.0,
             fails_above: 100.0,
         },

@@ -1,17 +1,17 @@
 //! Light at a strand's points: the eye sees the side facing it. If light is looked up on the axis, the part of the
 //! strand itself that is slightly in front of it in the light darkens it. Thinner slabs of the map make this worse.
 
-use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
+use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::strand_width::{SIZE, above, bake, strands_of, true_camera};
 use glam::{Vec3, vec3};
 use pelage_bake::recipe::{Recipe, SrgbColor};
 use pelage_import::BakeError;
 use pelage_runtime::{FrameParams, Light, PassId, SelfShadow};
-use pelage_truth::{SeenStrand, TrueLight};
+use pelage_truth::{VisibleStrand, TrueLight};
 use rayon::prelude::*;
 
 /// Row of the stability table.
-pub const ROW: Row<DrawnDriver> = Row {
+pub const ROW: Row<DrawnRowTest> = Row {
     method: "light of strands",
     cliff: "a few wide strands at a slant to the light, and slabs about as thick",
     naive: "shadow looked up on the axis of a strand",
@@ -26,7 +26,7 @@ const STEP_PX: u32 = 4;
 const LIGHT: Vec3 = vec3(-0.3, 0.4, 0.8);
 
 /// Makes hair as bright as its light.
-fn plain(recipe: &mut Recipe) {
+fn make_white(recipe: &mut Recipe) {
     let white = SrgbColor::hex(0xff_ff_ff);
     (recipe.color.root, recipe.color.tip, recipe.color.variation) = (Some(white), Some(white), 0.0);
     let shading = &mut recipe.shading;
@@ -34,9 +34,9 @@ fn plain(recipe: &mut Recipe) {
     shading.diffuse_exponent = 0.0;
 }
 
-fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
+fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
     let (width_px, density, slabs) = (4.0, 8, 16);
-    let package = bake(width_px, density, plain)?;
+    let package = bake(width_px, density, make_white)?;
     let unshaded = above().with(|p| {
         p.light = Light::Directional { towards_light: LIGHT, color: Vec3::ONE };
         p.shadows.slabs = slabs;
@@ -49,9 +49,9 @@ fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
     };
     let [all, ours, naive] = [light(&unshaded)?, light(&shaded)?, light(&on_axis)?];
     let scene = strands_of(&package)?;
-    let places = scene.seen_strands(&true_camera(&unshaded), (SIZE, SIZE), STEP_PX);
+    let places = scene.visible_strands(&true_camera(&unshaded), (SIZE, SIZE), STEP_PX);
     let towards = TrueLight::Directional { towards_light_ws: LIGHT, color: Vec3::ONE };
-    let lit = |at: &SeenStrand| scene.light_on_strand(at, &towards, RAYS);
+    let lit = |at: &VisibleStrand| scene.light_on_strand(at, &towards, RAYS);
     let lit: Vec<f64> = places.par_iter().filter_map(lit).collect();
     let truth = lit.iter().sum::<f64>() / lit.len().max(1) as f64;
     let error = |light: f64| (light / all / truth - 1.0).abs();

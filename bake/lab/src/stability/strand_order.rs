@@ -3,7 +3,7 @@
 use super::knot;
 use super::row::{Finding, Row};
 use glam::{Vec2, Vec3, vec2};
-use pelage_bake::strands::{Curves, Skin};
+use pelage_bake::strands::{Curves, PosedMesh};
 use pelage_import::BakeError;
 
 /// Row of the stability table.
@@ -28,37 +28,37 @@ const AT_ROOT: f32 = 0.15;
 
 /// Point in the picture: pixels, and depth in metres, smaller if nearer.
 #[derive(Clone, Copy)]
-struct Place {
+struct PicturePoint {
     px: Vec2,
     depth: f32,
 }
 
 /// Piece of a strand in the picture.
-struct Piece {
-    ends: [Place; 2],
+struct PicturePiece {
+    ends: [PicturePoint; 2],
     half_px: f32,
     light: [f32; 2],
 }
 
 struct Scene {
-    pieces: Vec<Piece>,
-    skin: Vec<[Place; 3]>,
+    pieces: Vec<PicturePiece>,
+    skin: Vec<[PicturePoint; 3]>,
 }
 
 impl Scene {
-    fn new(curves: &Curves, skin: &Skin) -> Self {
+    fn new(curves: &Curves, skin: &PosedMesh) -> Self {
         let forward = -knot::TOWARDS_EYE;
         let right = forward.cross(Vec3::Y).normalize_or(Vec3::X);
         let up = right.cross(forward);
         let px_per_m = SIZE as f32 / knot::HEIGHT_M;
-        let place = |p: Vec3| Place {
+        let place = |p: Vec3| PicturePoint {
             px: 0.5 * SIZE as f32 + px_per_m * vec2(p.dot(right), -p.dot(up)),
             depth: p.dot(forward),
         };
         let mut pieces = Vec::new();
         for strand in 0..curves.len() {
             for ends in curves.strand(strand).windows(2) {
-                pieces.push(Piece {
+                pieces.push(PicturePiece {
                     ends: [place(ends[0].position_ws), place(ends[1].position_ws)],
                     half_px: 0.5 * (ends[0].radius_m + ends[1].radius_m) * px_per_m,
                     light: [ends[0].height, ends[1].height].map(|height| AT_ROOT + (1.0 - AT_ROOT) * height),
@@ -125,7 +125,7 @@ impl Scene {
     }
 }
 
-impl Piece {
+impl PicturePiece {
     /// Returns depth and light at a position, if the piece with that half width covers it.
     fn at(&self, p: Vec2, half_px: f32) -> Option<(f32, f32)> {
         let [a, b] = self.ends;
@@ -139,7 +139,7 @@ impl Piece {
 }
 
 /// Returns the depth of a triangle at a position within it.
-fn depth_in([a, b, c]: &[Place; 3], p: Vec2) -> Option<f32> {
+fn depth_in([a, b, c]: &[PicturePoint; 3], p: Vec2) -> Option<f32> {
     let area = (b.px - a.px).perp_dot(c.px - a.px);
     let [wa, wb] = [(b.px - p).perp_dot(c.px - p) / area, (c.px - p).perp_dot(a.px - p) / area];
     let wc = 1.0 - wa - wb;

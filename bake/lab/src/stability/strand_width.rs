@@ -1,21 +1,21 @@
 //! Strands thinner than a pixel: ribbons of true width hit samples in proportion to their coverage. Lines are at least
 //! a pixel wide, and hair of an eighth of that becomes fur eight times as dense.
 
-use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
+use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::surface;
 use glam::{Vec3, vec3};
 use pelage_bake::pipeline;
-use pelage_bake::pipeline::Told;
+use pelage_bake::pipeline::BakeInput;
 use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::groom::MapImages;
-use pelage_bake::strands::{Skin, grow_on, tile_hair};
+use pelage_bake::strands::{PosedMesh, grow_on, tile_hair};
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
-use pelage_runtime::{Camera, Detail, FrameParams, Hair, PassId, Projection, SelfShadow};
+use pelage_runtime::{Camera, Detail, FrameParams, HairGeometry, PassId, Projection, SelfShadow};
 use pelage_truth::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScene};
 
 /// Row of the stability table.
-pub const ROW: Row<DrawnDriver> = Row {
+pub const ROW: Row<DrawnRowTest> = Row {
     method: "strand width",
     cliff: "strands an eighth of a pixel wide",
     naive: "each at least a pixel wide",
@@ -59,7 +59,7 @@ pub fn bake(width_px: f32, density: u32, change: impl Fn(&mut Recipe)) -> Result
     let triangles = (0..n).flat_map(|j| (0..n).map(move |i| (i, j))).flat_map(quad).collect();
     let model = surface::model(positions, triangles);
     let images = MapImages::default();
-    let told = Told::new("stability", "strand width", &recipe, &images);
+    let told = BakeInput::new("stability", "strand width", &recipe, &images);
     Ok(pipeline::bake(&told, &model, &mut |_| ())?.package)
 }
 
@@ -68,7 +68,7 @@ pub fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: SEEN_M, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
     let camera = Camera::look_at(2.0 * Vec3::Z, Vec3::ZERO, projection);
     FrameParams::new(camera, [SIZE; 2]).with(|p| p.soft_shadow = false).with_fur(|fur| {
-        (fur.hair, fur.detail, fur.self_shadow) = (Hair::Strands, Detail::Full, SelfShadow::Off);
+        (fur.hair, fur.detail, fur.self_shadow) = (HairGeometry::Strands, Detail::Full, SelfShadow::Off);
     })
 }
 
@@ -86,7 +86,7 @@ pub fn strands_of(package: &[u8]) -> Result<TrueScene, BakeError> {
     let fault = |source| BakeError::Package { file: "stability".into(), source };
     let package = Package::open(package, &Limits::default()).map_err(fault)?;
     let manifest = package.manifest();
-    let mut skin = Skin::posed("stability", &package, &[])?;
+    let mut skin = PosedMesh::posed("stability", &package, &[])?;
     let lost = || BakeError::Internal("the square was baked without hair".into());
     let hair = tile_hair("stability", manifest)?.ok_or_else(lost)?;
     let curves = grow_on(&skin, &hair, f64::from(manifest.fur.tile_size_m))?.0;
@@ -119,11 +119,11 @@ fn truth(package: &[u8], camera: &TrueCamera) -> Result<f64, BakeError> {
 const DENSITY: u32 = 40;
 
 /// Makes the hair long and flat, so that the round ends of strands, which only the truth has, are a small part of it.
-fn long(recipe: &mut Recipe) {
+fn make_long(recipe: &mut Recipe) {
     (recipe.hair.length_m, recipe.hair.length_variation, recipe.hair.lean) = (Some(0.1), 0.2, 0.9);
 }
 
-fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
+fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
     let params = above();
     let camera = true_camera(&params);
     let mut covered = |package: &[u8]| {
@@ -131,10 +131,10 @@ fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
         let texels = draw(&drawing)?;
         Ok::<_, BakeError>(texels.iter().map(|t| f64::from(t[3])).sum::<f64>() / texels.len() as f64)
     };
-    let widened = covered(&bake(1.0, DENSITY, long)?)?;
+    let widened = covered(&bake(1.0, DENSITY, make_long)?)?;
     let mut out = Vec::new();
     for (width_px, fails_above) in [(0.25, 1.0), (0.125, 1.0)] {
-        let package = bake(width_px, DENSITY, long)?;
+        let package = bake(width_px, DENSITY, make_long)?;
         let (truth, ours) = (truth(&package, &camera)?, covered(&package)?);
         out.push(Finding {
             case: format!(

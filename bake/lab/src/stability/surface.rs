@@ -52,7 +52,7 @@ pub fn model(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Model {
 /// # Errors
 ///
 /// Same as [`parameterize`].
-pub fn lay(model: &Model, tile_size_m: f32) -> Result<Surface, BakeError> {
+pub fn parameterize_default(model: &Model, tile_size_m: f32) -> Result<Surface, BakeError> {
     // Patches of two tiles, so that there are many borders between them.
     let natural = Recipe::of_coat(Coat::Natural)?;
     let params = SurfaceParams::from_recipe(&natural.surface, tile_size_m, vec![true]);
@@ -159,7 +159,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             case: case.into(),
             measure: "triangles turned over or without area in the tile",
             naive: flips_of_one_chart(&model) as f64,
-            safe: not_positive(&lay(&model, 0.3)?) as f64,
+            safe: not_positive(&parameterize_default(&model, 0.3)?) as f64,
             bound: 0.0,
             fails_above: model.mesh.triangles.len() as f64 / 4.0,
         });
@@ -168,7 +168,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             case: format!("{case} with a triangle twice, one without area, one on a third side of an edge"),
             measure: "half-edges lost and gradients not finite; ours: triangles turned over or without area",
             naive: (lost_half_edges(&model) + broken_gradients(&model)) as f64,
-            safe: not_positive(&lay(&model, 0.3)?) as f64,
+            safe: not_positive(&parameterize_default(&model, 0.3)?) as f64,
             bound: 0.0,
             fails_above: 3.0,
         });

@@ -41,7 +41,7 @@ const EXACT: f64 = 1e-13;
 
 /// Root of a guide on the mesh surface, and its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SkinMotion {
+pub struct RootMotion {
     /// Position of the root, metres.
     pub root: DVec3,
     /// Velocity of the root, metres per second.
@@ -54,11 +54,11 @@ pub struct SkinMotion {
     pub turning: DMat3,
 }
 
-impl SkinMotion {
+impl RootMotion {
     /// Returns the motion of a root that moves smoothly, by differences of fourth order.
     ///
     /// * `way`: root and frame at a time, seconds
-    pub fn along(way: impl Fn(f64) -> (DVec3, DMat3), time_s: f64) -> Self {
+    pub fn smooth(way: impl Fn(f64) -> (DVec3, DMat3), time_s: f64) -> Self {
         let at = |k: f64| way(time_s + k * MOMENT_S);
         let [a, b, here, c, d] = [-2.0, -1.0, 0.0, 1.0, 2.0].map(at);
         let per_s = 1.0 / (12.0 * MOMENT_S);
@@ -74,7 +74,7 @@ impl SkinMotion {
 
     /// Returns the motion of a root that moves straight from one position to another, as for a renderer that has only
     /// frames; `share`: part of it that is covered.
-    pub fn between(from: (DVec3, DMat3), to: (DVec3, DMat3), seconds: f64, share: f64) -> Self {
+    pub fn straight_between(from: (DVec3, DMat3), to: (DVec3, DMat3), seconds: f64, share: f64) -> Self {
         let (velocity, turning) = ((to.0 - from.0) / seconds, (to.1 - from.1) * (1.0 / seconds));
         let s = share * seconds;
         let (root, frame) = (from.0 + velocity * s, from.1 + turning * s);
@@ -104,7 +104,7 @@ pub struct TrueGuide<'a> {
 
 /// State of a moving guide.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TrueSwing {
+pub struct GuideState {
     /// World positions of the points, the root first, metres.
     pub places: Vec<DVec3>,
     /// Velocities of the points, metres per second.
@@ -113,7 +113,7 @@ pub struct TrueSwing {
 
 /// Motion that starts at rest, computed with short enough steps.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Followed {
+pub struct TrueMotion {
     /// World positions of the points at the end of each frame, metres.
     pub places: Vec<Vec<DVec3>>,
     /// Steps per frame of this result.
@@ -157,7 +157,7 @@ fn directions(places: &[DVec3]) -> Vec<DVec3> {
 }
 
 /// Returns the smallest rotation from one direction to another; the identity for opposite ones, which have no smallest.
-fn least_turn(from: DVec3, to: DVec3) -> DQuat {
+fn smallest_rotation(from: DVec3, to: DVec3) -> DQuat {
     let (from, to) = (from.normalize_or_zero(), to.normalize_or_zero());
     let (across, half) = (from.cross(to), 1.0 + from.dot(to));
     if half < 1e-12 { DQuat::IDENTITY } else { DQuat::from_xyzw(across.x, across.y, across.z, half).normalize() }
@@ -170,15 +170,15 @@ impl TrueGuide<'_> {
     }
 
     /// Returns the groomed state, moving with the mesh surface.
-    pub fn groomed(&self, skin: &SkinMotion) -> TrueSwing {
-        TrueSwing {
+    pub fn groomed(&self, skin: &RootMotion) -> GuideState {
+        GuideState {
             places: self.points.iter().map(|p| skin.root + skin.frame * *p).collect(),
             velocities: self.points.iter().map(|p| skin.velocity + skin.turning * *p).collect(),
         }
     }
 
     /// Returns the accelerations of all points; that of the root is the mesh surface's.
-    fn accelerations(&self, skin: &SkinMotion, time_s: f64, places: &[DVec3], velocities: &[DVec3]) -> Vec<DVec3> {
+    fn accelerations(&self, skin: &RootMotion, time_s: f64, places: &[DVec3], velocities: &[DVec3]) -> Vec<DVec3> {
         let count = places.len();
         let (shape, bend) = (TAU * self.shape_hz, TAU * self.bend_hz);
         let mut out = vec![skin.acceleration; count];
@@ -187,7 +187,7 @@ impl TrueGuide<'_> {
             let wanted = turn * (skin.frame * (self.points[k] - self.points[k - 1]));
             let found = places[k] - places[k - 1];
             bent += wanted - found;
-            turn = least_turn(wanted, found) * turn;
+            turn = smallest_rotation(wanted, found) * turn;
             let goal = skin.root + skin.frame * self.points[k];
             let goes = skin.velocity + skin.turning * self.points[k];
             out[k] = self.gravity
@@ -212,7 +212,7 @@ impl TrueGuide<'_> {
     }
 
     /// Corrects the lengths, and the velocities that change them.
-    fn hold(&self, skin: &SkinMotion, swing: &mut TrueSwing) {
+    fn project_lengths(&self, skin: &RootMotion, swing: &mut GuideState) {
         swing.places[0] = skin.root;
         swing.velocities[0] = skin.velocity;
         let lengths: Vec<f64> =
@@ -238,20 +238,20 @@ impl TrueGuide<'_> {
     /// * `skin`: motion of the root at a share of that time, 0..=1, smooth in between
     pub fn advance(
         &self,
-        swing: &mut TrueSwing,
-        skin: impl Fn(f64) -> SkinMotion,
+        swing: &mut GuideState,
+        skin: impl Fn(f64) -> RootMotion,
         time_s: f64,
         seconds: f64,
         steps: u32,
     ) {
         let h = seconds / f64::from(steps);
         let mut here = skin(0.0);
-        self.hold(&here, swing);
+        self.project_lengths(&here, swing);
         for step in 0..steps {
             let share = |part: f64| (f64::from(step) + part) / f64::from(steps);
             let (middle, end) = (skin(share(0.5)), skin(share(1.0)));
             let mut at = swing.clone();
-            let mut sum = TrueSwing { places: vec![DVec3::ZERO; at.places.len()], velocities: Vec::new() };
+            let mut sum = GuideState { places: vec![DVec3::ZERO; at.places.len()], velocities: Vec::new() };
             sum.velocities.clone_from(&sum.places);
             for (skin, part, weight) in [(&here, 0.0, 1.0), (&middle, 0.5, 2.0), (&middle, 0.5, 2.0), (&end, 1.0, 1.0)]
             {
@@ -275,7 +275,7 @@ impl TrueGuide<'_> {
                 swing.places[k] += sum.places[k] * (h / 6.0);
                 swing.velocities[k] += sum.velocities[k] * (h / 6.0);
             }
-            self.hold(&end, swing);
+            self.project_lengths(&end, swing);
             here = end;
         }
     }
@@ -294,12 +294,12 @@ impl TrueGuide<'_> {
         let skin = |frame: u32, share: f64| {
             let at = |share: f64| (f64::from(frame) + share) * frame_s;
             if straight {
-                SkinMotion::between(way(at(0.0)), way(at(1.0)), frame_s, share)
+                RootMotion::straight_between(way(at(0.0)), way(at(1.0)), frame_s, share)
             } else {
-                SkinMotion::along(way, at(share))
+                RootMotion::smooth(way, at(share))
             }
         };
-        let mut swing = self.groomed(&SkinMotion::between(way(0.0), way(0.0), frame_s, 0.0));
+        let mut swing = self.groomed(&RootMotion::straight_between(way(0.0), way(0.0), frame_s, 0.0));
         (0..frames)
             .map(|frame| {
                 self.advance(&mut swing, |share| skin(frame, share), f64::from(frame) * frame_s, frame_s, steps);
@@ -310,13 +310,13 @@ impl TrueGuide<'_> {
 
     /// Same as [`Self::frames`], with the number of steps doubled until that moves no point by more than `within`
     /// lengths of the guide. Stops at 4096 steps per frame.
-    pub fn followed(
+    pub fn converged(
         &self,
         way: &dyn Fn(f64) -> (DVec3, DMat3),
         straight: bool,
         times: (u32, f64),
         within: f64,
-    ) -> Followed {
+    ) -> TrueMotion {
         let mut steps = 32;
         let mut places = self.frames(way, straight, times, steps / 2);
         loop {
@@ -326,7 +326,7 @@ impl TrueGuide<'_> {
             let change = places.iter().zip(&finer).map(off).fold(0.0, f64::max) / self.length();
             places = finer;
             if change <= within || steps >= 4096 {
-                return Followed { places, steps, change };
+                return TrueMotion { places, steps, change };
             }
             steps *= 2;
         }

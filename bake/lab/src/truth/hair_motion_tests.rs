@@ -12,13 +12,13 @@ fn hanging(points: usize, length: f64) -> Vec<DVec3> {
     (0..points).map(|k| DVec3::NEG_Y * (length * k as f64 / (points - 1) as f64)).collect()
 }
 
-fn still() -> SkinMotion {
-    SkinMotion::along(|_| (DVec3::ZERO, DMat3::IDENTITY), 0.0)
+fn still() -> RootMotion {
+    RootMotion::smooth(|_| (DVec3::ZERO, DMat3::IDENTITY), 0.0)
 }
 
 /// Simulates from rest at given positions; returns the state after each of these times, seconds.
-fn swing(guide: &TrueGuide<'_>, from: Vec<DVec3>, times: &[f64], steps_per_s: f64) -> Vec<TrueSwing> {
-    let mut swing = TrueSwing { velocities: vec![DVec3::ZERO; from.len()], places: from };
+fn swing(guide: &TrueGuide<'_>, from: Vec<DVec3>, times: &[f64], steps_per_s: f64) -> Vec<GuideState> {
+    let mut swing = GuideState { velocities: vec![DVec3::ZERO; from.len()], places: from };
     let mut now = 0.0;
     times
         .iter()
@@ -102,7 +102,7 @@ fn energy_and_lengths_stay() {
     let (points, ballast) = (hanging(6, 0.3), [DVec3::ZERO; 6]);
     let guide = bare(&points, &ballast);
     let from: Vec<DVec3> = (0..6).map(|k| DVec3::new(0.06 * f64::from(k), 0.0, 0.0)).collect();
-    let energy = |s: &TrueSwing| -> f64 {
+    let energy = |s: &GuideState| -> f64 {
         s.places.iter().zip(&s.velocities).skip(1).map(|(x, v)| 9.81 * x.y + v.length_squared() / 2.0).sum()
     };
     for found in swing(&guide, from, &TIMES, 8000.0) {
@@ -129,7 +129,7 @@ fn steps_of_half_the_length_are_sixteen_times_as_near() {
         let order = tips[0].distance(tips[1]) / tips[1].distance(tips[2]);
         assert!((10.0..24.0).contains(&order), "{order} times as near");
     }
-    let followed = guide.followed(&sway, false, (90, 1.0 / 60.0), 1e-6);
+    let followed = guide.converged(&sway, false, (90, 1.0 / 60.0), 1e-6);
     assert!(followed.change <= 1e-6 && followed.places.len() == 90, "{}", followed.change);
     // A root that moves straight between frames converges to the smooth one with many frames.
     let off = |frames: u32| {

@@ -22,7 +22,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
-use pelage_bake::stages::hair::Strands;
+use pelage_bake::stages::simulate::Strands;
 use pelage_import::BakeError;
 use pelage_truth::{seed_of, stratified};
 use std::time::Duration;

@@ -10,7 +10,7 @@
 //! integral. No step length has to be chosen.
 
 use glam::DVec3;
-use pelage_bake::stages::textures::ShellSet;
+use pelage_bake::stages::slice::ShellSet;
 use pelage_import::BakeError;
 use rayon::prelude::*;
 

@@ -7,16 +7,16 @@
 //! materials and at the boundary of the mesh: there are no roots beyond.
 
 use super::atlas::{Atlas, linear_image, srgb_image};
-use super::canvas::Spot;
+use super::canvas::SurfacePoint;
 use super::colors::Colors;
 use super::maps::GroomTextures;
-use super::pattern::{Pattern, hand_over, material_of_triangles, read};
+use super::pattern::{Pattern, assign_textures, material_of_triangles, sample_model_uvs};
 use crate::sample::Encoding;
 use crate::stages::surface::Surface;
 use glam::{DVec2, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
-use pelage_formats::meaning::planting::{Crossed, Footing, Ground, SurfaceWalk, same_places};
-use pelage_formats::{Aside, ROOT_HEIGHTS, RootsInfo};
+use pelage_formats::meaning::planting::{WalkEvents, WalkPosition, PlantingMesh, SurfaceWalk, same_places};
+use pelage_formats::{RootOffset, ROOT_HEIGHTS, RootsInfo};
 
 /// Sufficient resolution, texels per width of a tile: colour borders are sharper than hair blurs them.
 const ENOUGH_TEXELS: f32 = 16.0;
@@ -31,7 +31,7 @@ const MOST_ROOTS: usize = 256;
 
 /// Input for the colours at the roots.
 #[derive(Clone, Copy, Debug)]
-pub struct Rooting<'a> {
+pub struct RootColorInput<'a> {
     /// Whether hair grows on each material.
     pub furred: &'a [bool],
     /// Pattern painted over the colours, if any.
@@ -58,9 +58,9 @@ impl RootAtlas {
     /// borders of charts.
     ///
     /// * `colors`: colours of `surface`
-    pub fn new(surface: &mut Surface, colors: &Colors, rooting: &Rooting<'_>) -> Option<Self> {
-        let ground = Walkable::new(surface, rooting.furred);
-        let mut of_material = Skin::new(surface, colors, rooting, &ground).mixed(rooting);
+    pub fn new(surface: &mut Surface, colors: &Colors, rooting: &RootColorInput<'_>) -> Option<Self> {
+        let ground = WalkInput::new(surface, rooting.furred);
+        let mut of_material = ColoredSurface::new(surface, colors, rooting, &ground).overhanging_materials(rooting);
         if !of_material.contains(&true) {
             return None;
         }
@@ -88,13 +88,13 @@ impl RootAtlas {
     /// * `colors`: colours of that surface
     ///
     /// Call this after everything that reads the model's own texture coordinates.
-    pub fn paint(&self, rooting: &Rooting<'_>, surface: &mut Surface, colors: &mut Colors, grooms: &mut GroomTextures) {
-        let ground = Walkable::new(surface, rooting.furred);
-        let skin = Skin::new(surface, colors, rooting, &ground);
+    pub fn paint(&self, rooting: &RootColorInput<'_>, surface: &mut Surface, colors: &mut Colors, grooms: &mut GroomTextures) {
+        let ground = WalkInput::new(surface, rooting.furred);
+        let skin = ColoredSurface::new(surface, colors, rooting, &ground);
         let texels = self.atlas.paint(|spot, extent| {
             // Four samples per texel for smooth borders.
             let samples = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(dx, dy)| {
-                skin.color(skin.continued(Spot { weights: spot.weights + extent[0] * dx + extent[1] * dy, ..spot }))
+                skin.color(skin.on_adjacent_surface(SurfacePoint { weights: spot.weights + extent[0] * dx + extent[1] * dy, ..spot }))
             });
             samples.into_iter().sum::<Vec4>() / 4.0
         });
@@ -103,10 +103,10 @@ impl RootAtlas {
             self.of_material.iter().zip(&grooms.of_material).any(|(painted, own)| *painted && own.is_some());
         let groom = with_groom.then(|| {
             let texels = self.atlas.paint(|spot, _| {
-                let spot = skin.continued(spot);
+                let spot = skin.on_adjacent_surface(spot);
                 let own = grooms.of_material.get(skin.material_of[spot.triangle]).copied().flatten();
                 let own = own.and_then(|image| grooms.images.get(image));
-                own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| read(surface, spot, image, Encoding::Linear))
+                own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| sample_model_uvs(surface, spot, image, Encoding::Linear))
             });
             linear_image(self.atlas.side, &texels)
         });
@@ -116,11 +116,11 @@ impl RootAtlas {
         }
         let painted = colors.materials.iter_mut().zip(&self.of_material).filter(|(_, painted)| **painted);
         painted.for_each(|(material, _)| material.factor = [1.0; 4]);
-        hand_over(&self.atlas, &self.of_material, (color, groom), surface, colors, grooms);
+        assign_textures(&self.atlas, &self.of_material, (color, groom), surface, colors, grooms);
     }
 
     /// Returns the root data for the renderer, with the displacements `asides`.
-    pub fn info(&self, asides: [Aside; ROOT_HEIGHTS]) -> RootsInfo {
+    pub fn info(&self, asides: [RootOffset; ROOT_HEIGHTS]) -> RootsInfo {
         let uv_per_tile = self.atlas.scale / self.atlas.side as f32;
         let of_material = |painted: &bool| if *painted { uv_per_tile } else { 0.0 };
         RootsInfo { asides, uv_per_tile: self.of_material.iter().map(of_material).collect() }
@@ -128,7 +128,7 @@ impl RootAtlas {
 }
 
 /// Coloured surface to walk on.
-struct Skin<'a> {
+struct ColoredSurface<'a> {
     surface: &'a Surface,
     colors: &'a Colors,
     pattern: Option<&'a Pattern<'a>>,
@@ -137,46 +137,46 @@ struct Skin<'a> {
     walk: SurfaceWalk<'a>,
 }
 
-impl<'a> Skin<'a> {
-    fn new(surface: &'a Surface, colors: &'a Colors, rooting: &Rooting<'a>, ground: &'a Walkable) -> Self {
-        let Walkable { ground, material_of } = ground;
+impl<'a> ColoredSurface<'a> {
+    fn new(surface: &'a Surface, colors: &'a Colors, rooting: &RootColorInput<'a>, ground: &'a WalkInput) -> Self {
+        let WalkInput { ground, material_of } = ground;
         Self { surface, colors, pattern: rooting.pattern, material_of, walk: SurfaceWalk::new(ground) }
     }
 
     /// Returns the end of a walk from a spot; it stops where the furred surface ends.
-    fn walked(&self, spot: Spot, by: DVec2) -> Spot {
-        let mut at = Footing { triangle: spot.triangle, weights: spot.weights.as_dvec3(), beyond: None };
-        self.walk.step(&mut at, by, &mut Crossed::default());
-        Spot { triangle: at.triangle, weights: at.weights.as_vec3() }
+    fn walk_end(&self, spot: SurfacePoint, by: DVec2) -> SurfacePoint {
+        let mut at = WalkPosition { triangle: spot.triangle, weights: spot.weights.as_dvec3(), beyond: None };
+        self.walk.step(&mut at, by, &mut WalkEvents::default());
+        SurfacePoint { triangle: at.triangle, weights: at.weights.as_vec3() }
     }
 
     /// Maps a spot outside its triangle to the adjacent surface.
-    fn continued(&self, spot: Spot) -> Spot {
-        let inside = spot.inside();
+    fn on_adjacent_surface(&self, spot: SurfacePoint) -> SurfacePoint {
+        let inside = spot.clamped();
         if spot.weights.min_element() >= 0.0 {
             return inside;
         }
         let corners = self.surface.mesh.triangles[spot.triangle].map(|v| self.surface.tile_uvs[v as usize].as_dvec2());
         let by = (spot.weights - inside.weights).as_dvec3();
-        self.walked(inside, corners[0] * by.x + corners[1] * by.y + corners[2] * by.z)
+        self.walk_end(inside, corners[0] * by.x + corners[1] * by.y + corners[2] * by.z)
     }
 
     /// Returns the linear RGBA at a spot inside its triangle.
-    fn color(&self, spot: Spot) -> Vec4 {
+    fn color(&self, spot: SurfacePoint) -> Vec4 {
         let Self { surface, colors, .. } = self;
         let Some(material) = colors.materials.get(self.material_of[spot.triangle]) else { return Vec4::ONE };
         let [a, b, c] = surface.mesh.triangles[spot.triangle]
             .map(|v| Vec4::from(colors.vertices.get(v as usize).map_or([1.0; 4], |c| c.map(|x| f32::from(x) / 255.0))));
         let tint = (a * spot.weights.x + b * spot.weights.y + c * spot.weights.z) * Vec4::from(material.factor);
         let image = material.image.and_then(|image| colors.images.get(image));
-        let own = tint * image.map_or(Vec4::ONE, |image| read(surface, spot, image, Encoding::Srgb));
+        let own = tint * image.map_or(Vec4::ONE, |image| sample_model_uvs(surface, spot, image, Encoding::Srgb));
         let Some(pattern) = self.pattern else { return own };
-        let normal = spot.mean(surface, &surface.rest.normals).normalize_or(Vec3::Y);
-        own * pattern.color(spot.mean(surface, &surface.rest.positions), normal).extend(1.0)
+        let normal = spot.interpolate(surface, &surface.rest.normals).normalize_or(Vec3::Y);
+        own * pattern.color(spot.interpolate(surface, &surface.rest.positions), normal).extend(1.0)
     }
 
     /// Returns for each material whether its hair hangs over another colour, or hair of another colour hangs over it.
-    fn mixed(&self, rooting: &Rooting<'_>) -> Vec<bool> {
+    fn overhanging_materials(&self, rooting: &RootColorInput<'_>) -> Vec<bool> {
         let mut mixed = vec![false; self.colors.materials.len()];
         if self.is_of_one_color(rooting.furred) {
             return mixed;
@@ -192,7 +192,7 @@ impl<'a> Skin<'a> {
             mixed[material] = spots(self.surface, triangle).any(|spot| {
                 let own = self.color(spot);
                 [0.5, 1.0].iter().any(|share| {
-                    let root = self.walked(spot, -(farthest * *share).as_dvec2());
+                    let root = self.walk_end(spot, -(farthest * *share).as_dvec2());
                     differ(own, self.color(root))
                 })
             });
@@ -215,13 +215,13 @@ impl<'a> Skin<'a> {
 }
 
 /// Input of a surface walk.
-struct Walkable {
-    ground: Ground,
+struct WalkInput {
+    ground: PlantingMesh,
     /// Material of each triangle.
     material_of: Vec<usize>,
 }
 
-impl Walkable {
+impl WalkInput {
     /// Prepares the surface for walks.
     ///
     /// * `furred`: one per material
@@ -231,7 +231,7 @@ impl Walkable {
         let moved_by = |v: usize| mesh.skin.get(v).map(|skin| (skin.joints, skin.weights));
         // Adding zero turns -0 into +0.
         let vertices = mesh.positions.iter().enumerate().map(|(v, p)| ((*p + Vec3::ZERO).to_array(), moved_by(v)));
-        let ground = Ground {
+        let ground = PlantingMesh {
             triangles: mesh.triangles.clone(),
             furred: material_of.iter().map(|m| furred.get(*m).copied().unwrap_or(false)).collect(),
             positions: surface.rest.positions.iter().map(|p| p.as_dvec3()).collect(),
@@ -243,7 +243,7 @@ impl Walkable {
 }
 
 /// Returns spots spread over a triangle; their number is proportional to its area in the tile.
-fn spots(surface: &Surface, triangle: usize) -> impl Iterator<Item = Spot> {
+fn spots(surface: &Surface, triangle: usize) -> impl Iterator<Item = SurfacePoint> {
     let [a, b, c] = surface.mesh.triangles[triangle].map(|v| surface.tile_uvs[v as usize]);
     let area = 0.5 * (b - a).perp_dot(c - a).abs();
     let rows = ((ROOTS_PER_TILE * area).ceil() as usize).clamp(1, MOST_ROOTS).isqrt().max(1);
@@ -251,7 +251,7 @@ fn spots(surface: &Surface, triangle: usize) -> impl Iterator<Item = Spot> {
     (0..rows).flat_map(move |i| (0..2 * (rows - i) - 1).map(move |j| (i, j))).map(move |(i, j)| {
         let third = if j % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
         let (y, x) = ((i as f32 + third) / rows as f32, ((j / 2) as f32 + third) / rows as f32);
-        Spot { triangle, weights: Vec3::new(1.0 - x - y, x, y) }
+        SurfacePoint { triangle, weights: Vec3::new(1.0 - x - y, x, y) }
     })
 }
 

@@ -68,12 +68,12 @@ fn colors(surface: &Surface, of_material: &[Vec4]) -> Colors {
     }
 }
 
-fn rooting(furred: &[bool]) -> Rooting<'_> {
-    Rooting { furred, pattern: None, asides: &ASIDES, reach: 0.5, most_side: 512 }
+fn rooting(furred: &[bool]) -> RootColorInput<'_> {
+    RootColorInput { furred, pattern: None, asides: &ASIDES, reach: 0.5, most_side: 512 }
 }
 
-fn at(surface: &Surface, spot: Spot) -> Vec3 {
-    spot.mean(surface, &surface.rest.positions)
+fn at(surface: &Surface, spot: SurfacePoint) -> Vec3 {
+    spot.interpolate(surface, &surface.rest.positions)
 }
 
 /// Returns the triangle at row and column, of the two in each square.
@@ -86,10 +86,10 @@ fn walks_lead_on_over_materials_and_stand_still_where_no_hair_grows() {
     let surface = strip(&[0, 0, 1, 2]);
     let colors = colors(&surface, &[RED, BLUE, GREEN]);
     let rooting = rooting(&[true, true, false]);
-    let ground = Walkable::new(&surface, rooting.furred);
-    let skin = Skin::new(&surface, &colors, &rooting, &ground);
+    let ground = WalkInput::new(&surface, rooting.furred);
+    let skin = ColoredSurface::new(&surface, &colors, &rooting, &ground);
     let walk = |row, by: [f64; 2]| {
-        skin.walked(Spot { triangle: triangle(row, 1), weights: Vec3::splat(1.0 / 3.0) }, by.into())
+        skin.walk_end(SurfacePoint { triangle: triangle(row, 1), weights: Vec3::splat(1.0 / 3.0) }, by.into())
     };
     let start = at(&surface, walk(1, [0.0, 0.0]));
     // Across the border of two materials, at which tile coordinates jump.
@@ -109,11 +109,11 @@ fn a_texel_past_a_border_shows_the_skin_there() {
     let surface = strip(&[0, 1]);
     let colors = colors(&surface, &[RED, BLUE]);
     let rooting = rooting(&[true, true]);
-    let ground = Walkable::new(&surface, rooting.furred);
-    let skin = Skin::new(&surface, &colors, &rooting, &ground);
+    let ground = WalkInput::new(&surface, rooting.furred);
+    let skin = ColoredSurface::new(&surface, &colors, &rooting, &ground);
     // 0.1 m beyond the edge at z = 0.25, in the plane of the adjacent triangle.
-    let beyond = Spot { triangle: triangle(0, 1), weights: Vec3::new(-0.9, 1.4, 0.5) };
-    let place = skin.continued(beyond);
+    let beyond = SurfacePoint { triangle: triangle(0, 1), weights: Vec3::new(-0.9, 1.4, 0.5) };
+    let place = skin.on_adjacent_surface(beyond);
     assert!(at(&surface, place).distance(at(&surface, beyond)) < 1e-5, "{place:?}");
     assert_eq!((skin.color(beyond), skin.color(place)), (RED, BLUE));
 }
@@ -152,7 +152,7 @@ fn paint(materials: &[usize], of_material: &[Vec4], furred: &[bool]) -> Painted 
     let mut grooms = GroomTextures { images: Vec::new(), of_material: vec![None; of_material.len()] };
     atlas.paint(&rooting, &mut surface, &mut colors, &mut grooms);
     assert!(grooms.images.is_empty());
-    Painted { info: atlas.info([Aside::default(); ROOT_HEIGHTS]), surface, colors }
+    Painted { info: atlas.info([RootOffset::default(); ROOT_HEIGHTS]), surface, colors }
 }
 
 impl Painted {
@@ -162,7 +162,7 @@ impl Painted {
 
     /// Returns the base colour of hair seen at a spot and displaced from its root by `aside`, computed according to
     /// FORMAT.md.
-    fn seen(&self, spot: Spot, aside: Vec2) -> Vec3 {
+    fn seen(&self, spot: SurfacePoint, aside: Vec2) -> Vec3 {
         let material = material_of_triangles(&self.surface)[spot.triangle];
         let [a, b, c] = self.surface.mesh.triangles[spot.triangle].map(|v| self.surface.mesh.uvs[v as usize]);
         let uv = a * spot.weights.x + b * spot.weights.y + c * spot.weights.z;
@@ -207,7 +207,7 @@ fn bare_skin_colours_no_hair_and_keeps_its_own_colour() {
     let texels = painted.image(2).rgba.chunks_exact(4).map(|t| [t[0], t[1], t[2]].map(srgb_to_linear));
     let green = texels.filter(|t| t[1] > 0.2).count();
     assert_eq!(green, 0, "texels of bare skin");
-    let start = Spot { triangle: triangle(2, 1), weights: Vec3::splat(1.0 / 3.0) };
+    let start = SurfacePoint { triangle: triangle(2, 1), weights: Vec3::splat(1.0 / 3.0) };
     assert!(painted.seen(start, Vec2::new(0.0, 0.45)).distance(RED.truncate()) < 0.01);
 }
 

@@ -5,7 +5,7 @@
 //! of hair, so that roots beyond a chart's border are found. No chart is rotated then, so that an offset in the tile is
 //! the same in all charts.
 
-use super::canvas::{Canvas, Piece, Spot};
+use super::canvas::{Canvas, CanvasTriangle, SurfacePoint};
 use super::charts::{Spacing, bounds, charts};
 use crate::stages::surface::Surface;
 use glam::{Vec2, Vec3, Vec4};
@@ -38,14 +38,14 @@ pub struct Atlas {
 
 /// Packing error: there are too many charts even for the smallest gutters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct TooMany {
+pub(super) struct TooManyCharts {
     /// Number of charts.
     pub(super) charts: usize,
 }
 
 /// Gutter around charts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Around {
+pub(super) enum GutterKind {
     /// Widest gutter that fits.
     Room,
     /// Gutter of `tiles` tiles; no chart is rotated. A tile is at most `most_texels` texels wide.
@@ -53,11 +53,11 @@ pub(super) enum Around {
 }
 
 /// Additional gutter of [`Around::Reach`] for filters and mips, texels.
-const BEYOND: u32 = 4;
+const FILTER_GUTTER: u32 = 4;
 
 /// Placement of a chart in the texture.
 #[derive(Clone, Copy, Debug, Default)]
-struct Place {
+struct Placement {
     /// Upper left corner including the gutter, texels.
     at: (u32, u32),
     /// Minimum of the tile coordinates.
@@ -73,18 +73,18 @@ impl Atlas {
     /// # Errors
     /// [`BakeError::Params`] naming `color.pattern_texels` if the charts do not fit.
     pub fn new(surface: &mut Surface, side: u32) -> Result<Self, BakeError> {
-        Self::pack(surface, side).map_err(|TooMany { charts }| BakeError::Params {
+        Self::pack(surface, side).map_err(|TooManyCharts { charts }| BakeError::Params {
             what: "color.pattern_texels",
             reason: format!("{side} texels each way are too few for {charts} charts; expected more"),
         })
     }
 
     /// Packs like [`Self::new`], for callers that can choose another size. Vertices are duplicated even on failure.
-    pub(super) fn pack(surface: &mut Surface, side: u32) -> Result<Self, TooMany> {
+    pub(super) fn pack(surface: &mut Surface, side: u32) -> Result<Self, TooManyCharts> {
         let patches = surface.patch_of_triangle.clone();
         let margin = spacing(surface, side);
-        let charted = Charted::new(surface, &patches, |v| v, &margin);
-        let places = charted.places(side, Around::Room).ok_or(TooMany { charts: charted.boxes.len() })?;
+        let charted = ChartedMesh::new(surface, &patches, |v| v, &margin);
+        let places = charted.places(side, GutterKind::Room).ok_or(TooManyCharts { charts: charted.boxes.len() })?;
         Ok(charted.atlas(surface, side, places))
     }
 
@@ -108,8 +108,8 @@ impl Atlas {
         let margin = Spacing { margin: reach, ..spacing(surface, most_side) };
         // With flat shading faces share no vertices, but are still connected.
         let same = same_in_tile(surface);
-        let charted = Charted::new(surface, patches, |v| same[v as usize], &margin);
-        let around = Around::Reach { tiles: reach, most_texels: texels };
+        let charted = ChartedMesh::new(surface, patches, |v| same[v as usize], &margin);
+        let around = GutterKind::Reach { tiles: reach, most_texels: texels };
         let sides = std::iter::successors(Some(LEAST_SIDE.min(most_side)), |side| Some(2 * side));
         let mut best = None;
         for side in sides.take_while(|side| *side <= most_side) {
@@ -143,13 +143,13 @@ impl Atlas {
     /// barycentric coordinates over a texel to the right and one down.
     ///
     /// Texels without a triangle get the mean of all others, so that the coarsest mips keep the colour.
-    pub(super) fn paint(&self, color: impl Fn(Spot, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
+    pub(super) fn paint(&self, color: impl Fn(SurfacePoint, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
         self.canvas.paint(color)
     }
 }
 
 /// Triangles divided into charts that share no vertices.
-struct Charted {
+struct ChartedMesh {
     /// Chart of each triangle, `u32::MAX` for none.
     chart_of: Vec<u32>,
     /// Chart of each vertex.
@@ -158,12 +158,12 @@ struct Charted {
     boxes: Vec<(Vec2, Vec2)>,
 }
 
-impl Charted {
+impl ChartedMesh {
     fn new(surface: &mut Surface, patches: &[u32], same: impl Fn(u32) -> u32, spacing: &Spacing) -> Self {
         let places = &surface.rest.positions;
         let chart_of = charts(&surface.mesh, patches, same, places, &surface.tile_uvs, spacing);
         let count = chart_of.iter().filter(|c| **c != u32::MAX).max().map_or(0, |c| *c as usize + 1);
-        let chart_of_vertex = part_vertices(surface, &chart_of);
+        let chart_of_vertex = split_vertices(surface, &chart_of);
         let mut boxes = vec![(Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)); count];
         for (t, chart) in chart_of.iter().enumerate().filter(|(_, c)| **c != u32::MAX) {
             let (min, max) = bounds(&surface.mesh.triangles[t].map(|v| surface.tile_uvs[v as usize]));
@@ -176,11 +176,11 @@ impl Charted {
     }
 
     /// Places the charts in a texture; returns the result of [`pack`].
-    fn places(&self, side: u32, around: Around) -> Option<(f32, u32, Vec<Place>)> {
+    fn places(&self, side: u32, around: GutterKind) -> Option<(f32, u32, Vec<Placement>)> {
         pack(&self.boxes, side, around)
     }
 
-    fn atlas(&self, surface: &Surface, side: u32, (scale, gutter, places): (f32, u32, Vec<Place>)) -> Atlas {
+    fn atlas(&self, surface: &Surface, side: u32, (scale, gutter, places): (f32, u32, Vec<Placement>)) -> Atlas {
         let uv = |(v, chart): (usize, &u32)| {
             let place = places.get(*chart as usize)?;
             let p = (surface.tile_uvs[v] - place.min) * scale;
@@ -192,7 +192,7 @@ impl Charted {
         let uvs: Vec<Option<Vec2>> = self.chart_of_vertex.iter().enumerate().map(uv).collect();
         let corners = |t: usize| surface.mesh.triangles[t].map(|v| uvs[v as usize].unwrap_or_default() * side as f32);
         let charted = (0..self.chart_of.len()).filter(|t| self.chart_of[*t] != u32::MAX);
-        let pieces = charted.map(|t| Piece { triangle: t as u32, corners: corners(t) }).collect();
+        let pieces = charted.map(|t| CanvasTriangle { triangle: t as u32, corners: corners(t) }).collect();
         Atlas { side, gutter, scale, canvas: Canvas::new(side, pieces, gutter), uvs }
     }
 }
@@ -240,7 +240,7 @@ pub(crate) fn linear_image(side: u32, texels: &[Vec4]) -> Image {
 }
 
 /// Duplicates vertices shared by several charts and returns the chart of each vertex, `u32::MAX` for none.
-fn part_vertices(surface: &mut Surface, chart_of: &[u32]) -> Vec<u32> {
+fn split_vertices(surface: &mut Surface, chart_of: &[u32]) -> Vec<u32> {
     const UNUSED: u32 = u32::MAX - 1;
     let mut chart_of_vertex = vec![UNUSED; surface.mesh.positions.len()];
     let mut copies = BTreeMap::new();
@@ -263,7 +263,7 @@ fn part_vertices(surface: &mut Surface, chart_of: &[u32]) -> Vec<u32> {
 
 /// Packs boxes of tile coordinates into a texture. Returns texels per tile, gutter and placements; `None` if they do
 /// not fit.
-fn pack(boxes: &[(Vec2, Vec2)], side: u32, around: Around) -> Option<(f32, u32, Vec<Place>)> {
+fn pack(boxes: &[(Vec2, Vec2)], side: u32, around: GutterKind) -> Option<(f32, u32, Vec<Placement>)> {
     let sizes: Vec<Vec2> = boxes.iter().map(|(min, max)| *max - *min).collect();
     let area: f32 = sizes.iter().map(|s| s.x * s.y).sum();
     let widest = sizes.iter().map(|s| s.max_element()).fold(0.0, f32::max);
@@ -274,9 +274,9 @@ fn pack(boxes: &[(Vec2, Vec2)], side: u32, around: Around) -> Option<(f32, u32, 
         shelves(boxes, &sizes, scale, gutter, side, turned).map(|places| (scale, gutter, places))
     };
     match around {
-        Around::Room => GUTTERS.into_iter().find_map(|gutter| scales(full).find_map(|scale| fit(scale, gutter, true))),
-        Around::Reach { tiles, most_texels } => {
-            let gutter = |scale: f32| (tiles * scale).ceil() as u32 + BEYOND;
+        GutterKind::Room => GUTTERS.into_iter().find_map(|gutter| scales(full).find_map(|scale| fit(scale, gutter, true))),
+        GutterKind::Reach { tiles, most_texels } => {
+            let gutter = |scale: f32| (tiles * scale).ceil() as u32 + FILTER_GUTTER;
             scales(full.min(most_texels)).find_map(|scale| fit(scale, gutter(scale), false))
         }
     }
@@ -291,7 +291,7 @@ fn shelves(
     gutter: u32,
     side: u32,
     turned: bool,
-) -> Option<Vec<Place>> {
+) -> Option<Vec<Placement>> {
     let turns = |size: Vec2| turned && size.y > size.x;
     let cell = |size: Vec2| {
         let texels = |x: f32| (x * scale).ceil() as u32 + 1 + 2 * gutter;
@@ -299,7 +299,7 @@ fn shelves(
     };
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by_key(|i| (std::cmp::Reverse(cell(sizes[*i]).1), *i));
-    let mut places = vec![Place::default(); boxes.len()];
+    let mut places = vec![Placement::default(); boxes.len()];
     let (mut x, mut y, mut row) = (0, 0, 0);
     for i in order {
         let (width, height) = cell(sizes[i]);
@@ -309,7 +309,7 @@ fn shelves(
         if x + width > side || y + height > side {
             return None;
         }
-        places[i] = Place { at: (x, y), min: boxes[i].0, turned: turns(sizes[i]) };
+        places[i] = Placement { at: (x, y), min: boxes[i].0, turned: turns(sizes[i]) };
         x += width;
         row = row.max(height);
     }

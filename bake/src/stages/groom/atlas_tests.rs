@@ -12,7 +12,7 @@ fn boxes_lie_apart_and_inside_and_fill_the_texture() {
         (0..150).map(|i| [0.2 + (i * 37 % 100) as f32 / 60.0, 0.1 + (i * 61 % 100) as f32 / 90.0]).collect();
     for (sizes, side) in [(&many[..], 1024), (&many[..7], 256), (&[[5.0, 0.01]], 64), (&[[0.0, 0.0]; 30], 128)] {
         let boxes = boxes(sizes);
-        let (scale, gutter, places) = pack(&boxes, side, Around::Room).unwrap();
+        let (scale, gutter, places) = pack(&boxes, side, GutterKind::Room).unwrap();
         let rectangle = |i: usize| {
             let size = sizes[i].map(|x| (x * scale).ceil() as u32 + 1 + 2 * gutter);
             let (width, height) = if places[i].turned { (size[1], size[0]) } else { (size[0], size[1]) };
@@ -36,14 +36,14 @@ fn boxes_lie_apart_and_inside_and_fill_the_texture() {
 #[test]
 fn gutters_shrink_before_a_texture_is_too_small() {
     let boxes = boxes(&[[1.0, 1.0]; 100]);
-    let gutter = |side| pack(&boxes, side, Around::Room).map(|(_, gutter, _)| gutter);
+    let gutter = |side| pack(&boxes, side, GutterKind::Room).map(|(_, gutter, _)| gutter);
     assert_eq!([gutter(1024), gutter(128), gutter(44), gutter(16)], [Some(8), Some(4), Some(1), None]);
 }
 
 #[test]
 fn roots_find_room_around_charts_that_are_not_turned() {
     let sizes = [[0.5, 2.0], [2.0, 0.5], [1.0, 1.0]];
-    let around = Around::Reach { tiles: 0.25, most_texels: 48.0 };
+    let around = GutterKind::Reach { tiles: 0.25, most_texels: 48.0 };
     for (side, enough) in [(512, true), (64, false)] {
         let (scale, gutter, places) = pack(&boxes(&sizes), side, around).unwrap();
         assert_eq!(scale == 48.0, enough, "{side}: {scale}");

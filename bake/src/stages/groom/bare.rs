@@ -4,7 +4,7 @@
 //!
 //! A bald body is worse than a furred claw, so doubtful materials stay furred.
 
-use super::names::{Said, said_by, words};
+use super::names::{NameMeaning, meaning_of_words, words};
 use super::pairs::{are_round_pairs, weld};
 use crate::decision::Decision;
 use pelage_import::mesh::{Feature, Material, Mesh, MeshPart, Model, RestPose};
@@ -22,7 +22,7 @@ const METAL_BESIDE: f32 = 0.3;
 
 /// Furred and bare materials.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Growth {
+pub struct FurredMaterials {
     /// Whether hair grows on each material.
     pub furred: Vec<bool>,
     /// Equivalent value of `model.bare`: the recipe's own list if there is one.
@@ -33,7 +33,7 @@ pub struct Growth {
 
 /// Reason for a material to be bare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Why {
+enum BareReason {
     Name,
     PartName,
     Gloss,
@@ -41,7 +41,7 @@ enum Why {
     Feature(&'static str),
 }
 
-impl Why {
+impl BareReason {
     fn of(feature: &Feature) -> Self {
         match feature {
             Feature::Nose => Self::Feature("small, dark and foremost"),
@@ -70,23 +70,23 @@ impl Why {
 ///   left.
 ///
 /// Patterns without a matching material, and models whose materials all look bare, are reported in `warnings`.
-pub fn growth(model: &Model, rest: &RestPose, bare: Option<&[String]>, warnings: &mut Vec<String>) -> Growth {
+pub fn find_furred_materials(model: &Model, rest: &RestPose, bare: Option<&[String]>, warnings: &mut Vec<String>) -> FurredMaterials {
     let materials = &model.materials;
     if let Some(bare) = bare {
         let furred = furred_materials(materials, bare, warnings);
-        return Growth { furred, bare: bare.to_vec(), decision: None };
+        return FurredMaterials { furred, bare: bare.to_vec(), decision: None };
     }
-    let mut why = find(model, rest);
+    let mut why = bare_reasons(model, rest);
     if why.len() > 1 && why.iter().all(Option::is_some) {
         warnings.push(format!(
             "all {} materials look bare, such as {} ({}), so that all are furred; model.bare says which are not",
             why.len(),
             in_words(&materials[0].name),
-            why[0].map_or("", Why::words)
+            why[0].map_or("", BareReason::words)
         ));
         why.fill(None);
     }
-    let alike = keep_apart(materials, &mut why);
+    let alike = unmark_ambiguous(materials, &mut why);
     let mut names: Vec<String> = Vec::new();
     for (material, _) in materials.iter().zip(&why).filter(|(_, why)| why.is_some()) {
         let name = material.full_name();
@@ -99,7 +99,7 @@ pub fn growth(model: &Model, rest: &RestPose, bare: Option<&[String]>, warnings:
         chosen: chosen(materials, &why, &alike),
         line: format!("model.bare = {}", names.to_toml().unwrap_or_default()),
     });
-    Growth { furred: why.iter().map(Option::is_none).collect(), bare: names, decision }
+    FurredMaterials { furred: why.iter().map(Option::is_none).collect(), bare: names, decision }
 }
 
 /// Returns for each material whether hair grows on it according to a recipe's list, as in [`growth`].
@@ -117,7 +117,7 @@ fn is_named(pattern: &str, material: &Material) -> bool {
 }
 
 /// Returns for each material the reason why it is bare, or `None`.
-fn find(model: &Model, rest: &RestPose) -> Vec<Option<Why>> {
+fn bare_reasons(model: &Model, rest: &RestPose) -> Vec<Option<BareReason>> {
     let Model { mesh, materials, .. } = model;
     // A single material is the animal, whatever its name.
     if materials.len() < 2 {
@@ -131,14 +131,14 @@ fn find(model: &Model, rest: &RestPose) -> Vec<Option<Why>> {
     let mut why = vec![None; materials.len()];
     for m in 0..materials.len() {
         if let Some(feature) = &materials[m].feature {
-            why[m] = Some(Why::of(feature));
+            why[m] = Some(BareReason::of(feature));
             continue;
         }
         let fits = |most: f32| share(m) <= f64::from(most);
-        match (said_of(&names[m]), said_of_parts(model, &of_parts, m)) {
-            (Said::Furred, _) => never[m] = true,
-            (Said::Bare { most }, _) if fits(most) => why[m] = Some(Why::Name),
-            (Said::Nothing, Said::Bare { most }) if fits(most) => why[m] = Some(Why::PartName),
+        match (combined_meaning(&names[m]), meaning_of_parts(model, &of_parts, m)) {
+            (NameMeaning::Furred, _) => never[m] = true,
+            (NameMeaning::Bare { most }, _) if fits(most) => why[m] = Some(BareReason::Name),
+            (NameMeaning::Nothing, NameMeaning::Bare { most }) if fits(most) => why[m] = Some(BareReason::PartName),
             // A mesh named as a body may contain eyes with a material of their own.
             _ => {}
         }
@@ -149,9 +149,9 @@ fn find(model: &Model, rest: &RestPose) -> Vec<Option<Why>> {
     let places = if open.is_empty() { Vec::new() } else { weld(&rest.positions) };
     for m in open {
         if is_glossy(materials, &shares, &furred, m) {
-            why[m] = Some(Why::Gloss);
+            why[m] = Some(BareReason::Gloss);
         } else if are_round_pairs(mesh, &rest.positions, &places, m) {
-            why[m] = Some(Why::Shape);
+            why[m] = Some(BareReason::Shape);
         }
     }
     why
@@ -192,24 +192,24 @@ pub(super) fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<Strin
 }
 
 /// Combines the verdicts of several names of one thing: fur if any says so, otherwise the strictest bare verdict.
-pub(super) fn said_of(names: &[Vec<String>]) -> Said {
-    names.iter().map(|name| said_by(name)).fold(Said::Nothing, |all, said| match (all, said) {
-        (Said::Furred, _) | (_, Said::Furred) => Said::Furred,
-        (Said::Bare { most: a }, Said::Bare { most: b }) => Said::Bare { most: a.min(b) },
-        (Said::Nothing, said) => said,
-        (all, Said::Nothing) => all,
+pub(super) fn combined_meaning(names: &[Vec<String>]) -> NameMeaning {
+    names.iter().map(|name| meaning_of_words(name)).fold(NameMeaning::Nothing, |all, said| match (all, said) {
+        (NameMeaning::Furred, _) | (_, NameMeaning::Furred) => NameMeaning::Furred,
+        (NameMeaning::Bare { most: a }, NameMeaning::Bare { most: b }) => NameMeaning::Bare { most: a.min(b) },
+        (NameMeaning::Nothing, said) => said,
+        (all, NameMeaning::Nothing) => all,
     })
 }
 
 /// Combines the verdicts of the nodes and meshes that use a material: bare if all say so, fur if one does.
-fn said_of_parts(model: &Model, names: &[Vec<Vec<String>>], material: usize) -> Said {
+fn meaning_of_parts(model: &Model, names: &[Vec<Vec<String>>], material: usize) -> NameMeaning {
     let parts = model.mesh.parts.iter().zip(names).filter(|(part, _)| part.material == material);
-    let said = parts.map(|(_, names)| said_of(names)).reduce(|all, said| match (all, said) {
-        (Said::Furred, _) | (_, Said::Furred) => Said::Furred,
-        (Said::Bare { most: a }, Said::Bare { most: b }) => Said::Bare { most: a.min(b) },
-        _ => Said::Nothing,
+    let said = parts.map(|(_, names)| combined_meaning(names)).reduce(|all, said| match (all, said) {
+        (NameMeaning::Furred, _) | (_, NameMeaning::Furred) => NameMeaning::Furred,
+        (NameMeaning::Bare { most: a }, NameMeaning::Bare { most: b }) => NameMeaning::Bare { most: a.min(b) },
+        _ => NameMeaning::Nothing,
     });
-    said.unwrap_or(Said::Nothing)
+    said.unwrap_or(NameMeaning::Nothing)
 }
 
 /// Whether a material is glossy or metallic while the furred materials are known not to be.
@@ -233,7 +233,7 @@ fn is_glossy(materials: &[Material], shares: &[f64], furred: &[bool], material: 
 
 /// Makes a material furred again if its name would also match a furred material in `model.bare`, literally or as a
 /// pattern. Returns their names.
-fn keep_apart(materials: &[Material], why: &mut [Option<Why>]) -> Vec<String> {
+fn unmark_ambiguous(materials: &[Material], why: &mut [Option<BareReason>]) -> Vec<String> {
     let mut alike = Vec::new();
     // A material that becomes furred may be matched by another's name.
     loop {
@@ -251,7 +251,7 @@ fn keep_apart(materials: &[Material], why: &mut [Option<Why>]) -> Vec<String> {
 }
 
 /// Describes the choice: `4 of 7 materials furred, 3 bare: Eyes (by name), Nose (small and glossy)`.
-fn chosen(materials: &[Material], why: &[Option<Why>], alike: &[String]) -> String {
+fn chosen(materials: &[Material], why: &[Option<BareReason>], alike: &[String]) -> String {
     let count = materials.len();
     let bare: Vec<String> = materials
         .iter()

@@ -42,15 +42,15 @@ fn animal(names: &[(&str, f32)]) -> Model {
     model
 }
 
-fn found(model: &Model) -> (Growth, Vec<String>) {
+fn found(model: &Model) -> (FurredMaterials, Vec<String>) {
     let mut warnings = Vec::new();
     let rest = RestPose::of(&model.mesh, None);
-    let growth = growth(model, &rest, None, &mut warnings);
+    let growth = find_furred_materials(model, &rest, None, &mut warnings);
     // The reported line gives the same result.
-    let said = super::growth(model, &rest, Some(&growth.bare), &mut Vec::new());
+    let said = super::find_furred_materials(model, &rest, Some(&find_furred_materials.bare), &mut Vec::new());
     assert_eq!(said.furred, growth.furred, "{:?}", growth.decision);
     assert_eq!(said.decision, None);
-    (growth, warnings)
+    (find_furred_materials, warnings)
 }
 
 fn decided(model: &Model) -> (String, String) {
@@ -66,7 +66,7 @@ fn names_decide_and_the_line_repeats_them() {
     assert_eq!(decided(&wolf), (expected.into(), "model.bare = [\"Eyes_Black\", \"Nose\"]".into()));
     let plain = animal(&[("Main", 1.0), ("Light", 0.5)]);
     assert_eq!(decided(&plain), ("all 2 materials furred".into(), "model.bare = []".into()));
-    assert_eq!(found(&Model::default()).0, Growth::default());
+    assert_eq!(found(&Model::default()).0, FurredMaterials::default());
 }
 
 #[test]
@@ -74,10 +74,10 @@ fn a_recipe_is_obeyed_and_what_it_misses_is_told() {
     let wolf = animal(&[("Main", 1.0), ("Eyes", 0.1)]);
     let (rest, mut warnings) = (RestPose::of(&wolf.mesh, None), Vec::new());
     let bare = ["main*".to_owned(), "Hoof".to_owned()];
-    let told = growth(&wolf, &rest, Some(&bare), &mut warnings);
+    let told = find_furred_materials(&wolf, &rest, Some(&bare), &mut warnings);
     assert_eq!((told.furred, told.bare.as_slice(), told.decision), (vec![false, true], &bare[..], None));
     assert!(matches!(&warnings[..], [w] if w.contains("Hoof") && w.contains("Eyes")), "{warnings:?}");
-    let none = growth(&wolf, &rest, Some(&[]), &mut warnings);
+    let none = find_furred_materials(&wolf, &rest, Some(&[]), &mut warnings);
     assert_eq!(none.furred, [true, true]);
 }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// Triangle in the plane of a canvas.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct CanvasTriangle {
     /// Triangle of the mesh. Several pieces may show the same one.
     pub(crate) triangle: u32,
     /// Corners, texels.
@@ -15,16 +15,16 @@ pub(crate) struct Piece {
 
 /// Point of a triangle that a texel shows.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spot {
+pub(crate) struct SurfacePoint {
     /// Triangle of the mesh.
     pub(crate) triangle: usize,
     /// Barycentric coordinates; in gutters one of them is below 0.
     pub(crate) weights: Vec3,
 }
 
-impl Spot {
+impl SurfacePoint {
     /// Returns the spot clamped to the triangle: the plane of a sliver soon leads far away from the surface.
-    pub(crate) fn inside(self) -> Self {
+    pub(crate) fn clamped(self) -> Self {
         let weights = self.weights.max(Vec3::ZERO);
         Self { weights: weights / weights.element_sum().max(f32::MIN_POSITIVE), ..self }
     }
@@ -35,7 +35,7 @@ impl Spot {
 pub(crate) struct Canvas {
     /// Width and height, texels.
     side: u32,
-    pieces: Vec<Piece>,
+    pieces: Vec<CanvasTriangle>,
     /// Piece shown by each texel, `u32::MAX` for none.
     owner: Vec<u32>,
 }
@@ -43,7 +43,7 @@ pub(crate) struct Canvas {
 impl Canvas {
     /// Creates a canvas with `side` texels in width and height and draws the pieces on it. Where several cover a texel,
     /// the first wins. Each is extended over up to `gutter` free texels past its border.
-    pub(crate) fn new(side: u32, pieces: Vec<Piece>, gutter: u32) -> Self {
+    pub(crate) fn new(side: u32, pieces: Vec<CanvasTriangle>, gutter: u32) -> Self {
         let owner = vec![u32::MAX; side as usize * side as usize];
         let mut canvas = Self { side, pieces, owner };
         (0..canvas.pieces.len()).for_each(|piece| canvas.draw(piece));
@@ -90,14 +90,14 @@ impl Canvas {
     /// barycentric coordinates over a texel to the right and one down.
     ///
     /// Texels without a piece get the mean of all others, so that the coarsest mips keep the colour.
-    pub(crate) fn paint(&self, color: impl Fn(Spot, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
+    pub(crate) fn paint(&self, color: impl Fn(SurfacePoint, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
         let n = self.side as usize;
         let texel = |(i, owner): (usize, &u32)| {
-            let Piece { triangle, corners } = self.pieces.get(*owner as usize)?;
+            let CanvasTriangle { triangle, corners } = self.pieces.get(*owner as usize)?;
             let center = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5);
             let weights = barycentric(corners, center)?;
             let step = |d: Vec2| barycentric(corners, center + d).map_or(Vec3::ZERO, |w| w - weights);
-            Some(color(Spot { triangle: *triangle as usize, weights }, [step(Vec2::X), step(Vec2::Y)]))
+            Some(color(SurfacePoint { triangle: *triangle as usize, weights }, [step(Vec2::X), step(Vec2::Y)]))
         };
         let painted: Vec<Option<Vec4>> = self.owner.par_iter().enumerate().map(texel).collect();
         let (sum, count) = painted.iter().flatten().fold((Vec4::ZERO, 0.0), |(sum, n), c| (sum + *c, n + 1.0f32));

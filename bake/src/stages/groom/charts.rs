@@ -13,15 +13,15 @@ const TOUCH: f32 = 1e-3;
 
 /// Triangle in the tile and on the surface.
 #[derive(Clone, Copy)]
-struct Piece {
+struct ChartTriangle {
     uv: [Vec2; 3],
     /// Corners on the surface, in units of a tile.
     places: [Vec3; 3],
 }
 
-impl Piece {
+impl ChartTriangle {
     /// Returns the position on the triangle's plane for a point of the tile.
-    fn place_at(&self, p: Vec2) -> Vec3 {
+    fn position_at(&self, p: Vec2) -> Vec3 {
         let w = barycentric(&self.uv, p).unwrap_or(Vec3::X);
         self.places[0] * w.x + self.places[1] * w.y + self.places[2] * w.z
     }
@@ -65,7 +65,7 @@ pub(super) fn charts(
     let neighbors = neighbors(mesh, patch_of_triangle, same);
     let piece = |t: usize| {
         let corners = mesh.triangles[t].map(|v| v as usize);
-        Piece { uv: corners.map(|v| uvs[v]), places: corners.map(|v| positions[v] / spacing.tile_m) }
+        ChartTriangle { uv: corners.map(|v| uvs[v]), places: corners.map(|v| positions[v] / spacing.tile_m) }
     };
     let mut chart_of = vec![u32::MAX; mesh.triangles.len()];
     let mut count = 0;
@@ -118,7 +118,7 @@ fn neighbors(mesh: &Mesh, patch_of_triangle: &[u32], same: impl Fn(u32) -> u32) 
 struct Grid {
     cell: f32,
     margin: f32,
-    triangles: Vec<Piece>,
+    triangles: Vec<ChartTriangle>,
     cells: BTreeMap<(i32, i32), Vec<u32>>,
 }
 
@@ -132,7 +132,7 @@ impl Grid {
     }
 
     /// Inserts a triangle that conflicts with none in the grid; returns `false` if it does, or if it is degenerate.
-    fn insert(&mut self, piece: Piece) -> bool {
+    fn insert(&mut self, piece: ChartTriangle) -> bool {
         let (min, max) = bounds(&piece.uv);
         let (low, high) = (((min - self.margin) / self.cell).floor(), ((max + self.margin) / self.cell).floor());
         // Beyond these limits cell indices are not exact in a float, or the cells too many.
@@ -142,7 +142,7 @@ impl Grid {
         }
         let range = || (low.y as i32..=high.y as i32).flat_map(|y| (low.x as i32..=high.x as i32).map(move |x| (x, y)));
         let there = range().filter_map(|cell| self.cells.get(&cell)).flatten();
-        if there.map(|t| &self.triangles[*t as usize]).any(|other| self.in_the_way(&piece, other)) {
+        if there.map(|t| &self.triangles[*t as usize]).any(|other| self.conflicts(&piece, other)) {
             return false;
         }
         let index = self.triangles.len() as u32;
@@ -153,10 +153,10 @@ impl Grid {
 
     /// Whether two triangles overlap, or are so near in the tile that filtering mixes them although they are apart on
     /// the surface.
-    fn in_the_way(&self, a: &Piece, b: &Piece) -> bool {
-        let elsewhere = |a: &Piece, b: &Piece| {
+    fn conflicts(&self, a: &ChartTriangle, b: &ChartTriangle) -> bool {
+        let elsewhere = |a: &ChartTriangle, b: &ChartTriangle| {
             let near = b.uv.iter().zip(&b.places).filter(|(uv, _)| a.distance(**uv) < self.margin);
-            near.map(|(uv, place)| a.place_at(*uv).distance(*place)).any(|gap| gap > self.margin)
+            near.map(|(uv, place)| a.position_at(*uv).distance(*place)).any(|gap| gap > self.margin)
         };
         overlap(&a.uv, &b.uv, 0.0) || (overlap(&a.uv, &b.uv, self.margin) && (elsewhere(a, b) || elsewhere(b, a)))
     }

@@ -4,10 +4,10 @@
 //! Materials are split along them on import, so that everything that works by material handles them. Each rule needs
 //! several cues, and doubtful parts stay with their material: a bald body is worse than a furred claw.
 
-use super::bare::{said_of, shares_of_parts, without_common};
-use super::names::{Said, name_eyes, name_snout, said_by, words};
+use super::bare::{combined_meaning, shares_of_parts, without_common};
+use super::names::{NameMeaning, are_names_of_eyes, are_names_of_snout, meaning_of_words, words};
 use super::pairs::{are_round_pairs, weld};
-use super::patches::{Patch, Skin};
+use super::patches::{Patch, FaceMesh};
 use glam::DVec3;
 use pelage_import::mesh::{Feature, Material, MeshPart, Model, RestPose};
 use std::collections::BTreeMap;
@@ -28,13 +28,13 @@ const ALIKE: f64 = 0.05;
 const GROUND: f64 = 0.1;
 
 /// Gives each bare part detected a material of its own that looks like its previous one.
-pub fn tell_apart(model: &mut Model) {
+pub fn split_features(model: &mut Model) {
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     // Where several detections include a triangle, the last one wins.
     let mut found: BTreeMap<usize, Feature> = named(model, &rest);
     found.extend(shaped(model, &rest));
     if !found.is_empty() {
-        part(model, &found);
+        assign_materials(model, &found);
     }
 }
 
@@ -42,15 +42,15 @@ pub fn tell_apart(model: &mut Model) {
 fn named(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     let parts = &model.mesh.parts;
     let names = without_common(parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
-    let says_nothing = |m: &Material| said_by(&words(&m.name)) == Said::Nothing;
+    let says_nothing = |m: &Material| meaning_of_words(&words(&m.name)) == NameMeaning::Nothing;
     let shares = shares_of_parts(&model.mesh, rest);
-    let is_bare = |i: usize| matches!(said_of(&names[i]), Said::Bare { most } if shares[i] <= f64::from(most));
+    let is_bare = |i: usize| matches!(combined_meaning(&names[i]), NameMeaning::Bare { most } if shares[i] <= f64::from(most));
     let mut found = BTreeMap::new();
     for (i, part) in parts.iter().enumerate() {
         let of_material = || (0..parts.len()).filter(|j| parts[*j].material == part.material);
         let silent = model.materials.get(part.material).is_some_and(says_nothing);
         if silent && is_bare(i) && !of_material().all(is_bare) {
-            let tells = |name: &&String| matches!(said_by(&words(name)), Said::Bare { .. });
+            let tells = |name: &&String| matches!(meaning_of_words(&words(name)), NameMeaning::Bare { .. });
             let name = part.names.iter().find(tells).or(part.names.first()).cloned().unwrap_or_default();
             found.extend(range(part).map(|triangle| (triangle, Feature::Named(name.clone()))));
         }
@@ -68,7 +68,7 @@ fn shaped(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     }
     let is_open = |m: &usize| {
         let (material, name) = (&model.materials[*m], &names[*m]);
-        let silent = said_by(name) == Said::Nothing && !name_snout(name);
+        let silent = meaning_of_words(name) == NameMeaning::Nothing && !are_names_of_snout(name);
         silent && material.base_color_image.is_none() && shares[*m] > 0.0 && shares[*m] <= SMALL
     };
     let open: Vec<usize> = (0..model.materials.len()).filter(is_open).collect();
@@ -77,10 +77,10 @@ fn shaped(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     }
     let places = weld(&rest.positions);
     let is_eye = |m: usize| {
-        shares[m] <= SMALL && (name_eyes(&names[m]) || are_round_pairs(&model.mesh, &rest.positions, &places, m))
+        shares[m] <= SMALL && (are_names_of_eyes(&names[m]) || are_round_pairs(&model.mesh, &rest.positions, &places, m))
     };
     let eyes: Vec<bool> = (0..model.materials.len()).map(is_eye).collect();
-    let skin = Skin::new(model, rest, &places, &eyes);
+    let skin = FaceMesh::new(model, rest, &places, &eyes);
     let face = Face::of(&skin, &eyes);
     for material in open.into_iter().filter(|m| !eyes[*m]) {
         let patches = skin.patches(material);
@@ -108,7 +108,7 @@ fn is_dark(patch: &Patch) -> bool {
 
 /// Whether all patches of a material are claws: many dark tips, smaller than a paw, each with others of its size, and
 /// some on the ground. Symmetry between left and right is not tested, because models may stand with one foot ahead.
-fn are_claws(skin: &Skin, patches: &[Patch]) -> bool {
+fn are_claws(skin: &FaceMesh, patches: &[Patch]) -> bool {
     let is_claw = |patch: &Patch| is_dark(patch) && patch.share <= CLAW && patch.is_tip();
     let (low, high) = skin.heights();
     let on_ground = patches.iter().filter(|patch| patch.lowest <= low + GROUND * (high - low)).count();
@@ -131,7 +131,7 @@ struct Face {
 
 impl Face {
     /// Derives the face; `None` without eyes, or if the eyes do not indicate the front.
-    fn of(skin: &Skin, eyes: &[bool]) -> Option<Self> {
+    fn of(skin: &FaceMesh, eyes: &[bool]) -> Option<Self> {
         let (mut sum, mut area) = (DVec3::ZERO, 0.0);
         let faces = || skin.faces.iter().filter(|face| eyes[face.material]);
         for face in faces() {
@@ -148,7 +148,7 @@ impl Face {
 
     /// Whether a patch is a nose: in the middle in front of the eyes, below their tops, narrower than the distance
     /// between them, and foremost in the face.
-    fn is_nose(&self, skin: &Skin, patch: &Patch) -> bool {
+    fn is_nose(&self, skin: &FaceMesh, patch: &Patch) -> bool {
         let away = patch.center - self.eyes;
         let aside = self.forward.cross(DVec3::Y);
         let (ahead, off) = (away.dot(self.forward), away.dot(aside).abs());
@@ -164,7 +164,7 @@ impl Face {
 }
 
 /// Assigns the new materials: parts are split into runs of one material each, unchanged triangles first.
-fn part(model: &mut Model, found: &BTreeMap<usize, Feature>) {
+fn assign_materials(model: &mut Model, found: &BTreeMap<usize, Feature>) {
     let old = std::mem::take(&mut model.mesh.parts);
     let numbers = materials_of(&mut model.materials, &old, found);
     let mut triangles = Vec::with_capacity(model.mesh.triangles.len());

@@ -66,7 +66,7 @@ fn told_apart(mut model: Model) -> Vec<(String, usize)> {
         triangles
     };
     let before = sorted(&model);
-    tell_apart(&mut model);
+    split_features(&mut model);
     assert_eq!(sorted(&model), before, "no triangle is lost");
     let mut first = 0;
     for part in &model.mesh.parts {

@@ -4,8 +4,8 @@
 use super::body::BodyGroom;
 use super::flow::image_axes;
 use super::joints::JointValues;
-use super::marks::{MarkValues, mixed};
-use super::over::{Over, Texel, Vertices};
+use super::marks::{MarkValues, blend_marks};
+use super::image_coordinates::{ImageCoordinates, Texel, Vertices};
 use crate::decision::Decision;
 use crate::recipe::{ColorMap, GroomCoordinates, GroomParams, JointGroom, NamedTable, ScalarMap, SrgbColor, VectorMap};
 use crate::sample::{Encoding, Wrap, bilinear};
@@ -40,7 +40,7 @@ impl MapImages {
 
 /// Density and comb direction: the maps that determine the layout of the tile.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Lay {
+pub struct LayoutMaps {
     /// Hairs per area relative to the rest of the fur, 0.25..=4, one per vertex; `None` for 1 everywhere.
     pub density: Option<Vec<f32>>,
     /// Comb direction at rest in world space, one per vertex, with its length as weight; `None` if no map sets it.
@@ -49,7 +49,7 @@ pub struct Lay {
 
 /// Groom values at every vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Coat {
+pub struct VertexGroom {
     /// Hair length as a share of the longest, 0..=1; 0 on vertices without a furred material.
     pub length: Vec<f32>,
     /// Extra lean, 0..=1.
@@ -62,7 +62,7 @@ pub struct Coat {
 
 /// Wetness of the fur as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Water {
+pub enum FurWetness {
     /// Dry everywhere.
     Dry,
     /// Wet everywhere.
@@ -71,7 +71,7 @@ pub enum Water {
     Mixed,
 }
 
-impl Water {
+impl FurWetness {
     /// Returns the wetness of the furred materials `names`. For joints only the tables are considered, so no skeleton
     /// is needed.
     pub fn of(groom: &GroomParams, names: &[&str]) -> Self {
@@ -117,14 +117,14 @@ pub struct Maps<'a> {
     /// Colour of furred materials without any other colour.
     plain: Option<ColorMap>,
     /// Texture coordinates of the images.
-    over: Over,
+    over: ImageCoordinates,
 }
 
 /// Groom maps of one material.
 #[derive(Clone, Copy, Debug)]
 struct MaterialMaps<'a> {
     furred: bool,
-    silent: Silent,
+    silent: UnsetKeys,
     length: &'a ScalarMap,
     density: &'a ScalarMap,
     lean: &'a ScalarMap,
@@ -136,7 +136,7 @@ struct MaterialMaps<'a> {
 
 /// Keys that neither `[groom]` nor a table for the material sets.
 #[derive(Clone, Copy, Debug)]
-struct Silent {
+struct UnsetKeys {
     length: bool,
     density: bool,
     lean: bool,
@@ -160,7 +160,7 @@ impl<'a> Maps<'a> {
         report_unmatched("groom.material", &groom.material, "material", names_of(materials), warnings);
         let convert = |(i, m): (usize, &Material)| MaterialMaps {
             furred: furred.get(i).copied().unwrap_or(false),
-            silent: Silent {
+            silent: UnsetKeys {
                 length: groom.length == ScalarMap::Constant(1.0)
                     && last(&groom.material, &m.name, |t| t.length.as_ref()).is_none(),
                 density: groom.density == ScalarMap::Constant(1.0)
@@ -184,7 +184,7 @@ impl<'a> Maps<'a> {
             body: None,
             marks: MarkValues::default(),
             plain: None,
-            over: Over::Model,
+            over: ImageCoordinates::Model,
         };
         let over_model = groom.coordinates == GroomCoordinates::Model;
         for part in maps.furred_parts(mesh).filter(|(part, _)| over_model && !part.has_uvs) {
@@ -247,7 +247,7 @@ impl<'a> Maps<'a> {
 
     /// Sets the texture coordinates of images, instead of the model's own.
     #[must_use]
-    pub fn over(self, over: Over) -> Self {
+    pub fn over(self, over: ImageCoordinates) -> Self {
         Self { over, ..self }
     }
 
@@ -260,10 +260,10 @@ impl<'a> Maps<'a> {
     ///
     /// # Errors
     /// [`BakeError::Internal`] if an image was not read.
-    pub fn lay(&self, mesh: &Mesh, rest: &RestPose, elsewhere: Vec3) -> Result<Lay, BakeError> {
+    pub fn layout_maps(&self, mesh: &Mesh, rest: &RestPose, elsewhere: Vec3) -> Result<LayoutMaps, BakeError> {
         let at = &Vertices::of_model(mesh, rest);
         let furred = || self.materials.iter().filter(|m| m.furred);
-        let mut lay = Lay::default();
+        let mut lay = LayoutMaps::default();
         let by_body = self.body.as_ref().and_then(|body| body.density.as_ref());
         let by_body = by_body.filter(|_| furred().any(|m| m.silent.density));
         let says = furred().any(|m| *m.density != ScalarMap::Constant(1.0)) || self.joints.say(|t| t.density);
@@ -276,7 +276,7 @@ impl<'a> Maps<'a> {
                 let on_body = by_body.filter(|_| m.silent.density).and_then(|density| density.get(v)).copied();
                 let mapped = hairs(m.density, self.scalar(at, part, m.density, v)?.unwrap_or(0.5));
                 let of_joints = self.joints.mix(mesh.skin.get(v), |t| t.density, on_body.unwrap_or(mapped));
-                Ok(mixed(&self.marks.density, at.input(v), of_joints))
+                Ok(blend_marks(&self.marks.density, at.input(v), of_joints))
             };
             lay.density = Some(self.average(mesh, 1.0, each)?);
         }
@@ -296,7 +296,7 @@ impl<'a> Maps<'a> {
     ///
     /// # Errors
     /// [`BakeError::Internal`] if an image was not read.
-    pub fn coat(&self, at: &Vertices<'_>) -> Result<Coat, BakeError> {
+    pub fn vertex_groom(&self, at: &Vertices<'_>) -> Result<VertexGroom, BakeError> {
         let mesh = at.mesh;
         let at_vertices = |map: &ScalarMap| self.over.at_vertices() || map.image().is_none();
         let on_body = |values: fn(&BodyGroom) -> &Vec<f32>, v: usize| {
@@ -304,18 +304,18 @@ impl<'a> Maps<'a> {
             values.get(at.input(v)).copied()
         };
         let skin = |v: usize| mesh.skin.get(v);
-        Ok(Coat {
+        Ok(VertexGroom {
             length: self.average(mesh, 0.0, |part, m, v| {
                 let by_body = m.silent.length.then(|| on_body(|body| &body.length, v)).flatten();
                 let mapped = self.scalar(at, part, m.length, v)?.unwrap_or(1.0);
                 let of_joints = self.joints.mix(skin(v), |t| t.length, by_body.unwrap_or(mapped));
-                Ok(mixed(&self.marks.length, at.input(v), of_joints))
+                Ok(blend_marks(&self.marks.length, at.input(v), of_joints))
             })?,
             lean: self.average(mesh, 0.0, |part, m, v| {
                 let by_body = m.silent.lean.then(|| on_body(|body| &body.lean, v)).flatten();
                 let mapped = self.scalar(at, part, m.lean, v)?.unwrap_or(0.0);
                 let of_joints = self.joints.mix(skin(v), |t| t.lean, by_body.unwrap_or(mapped));
-                Ok(mixed(&self.marks.lean, at.input(v), of_joints))
+                Ok(blend_marks(&self.marks.lean, at.input(v), of_joints))
             })?,
             wetness: self.average(mesh, 0.0, |part, m, v| {
                 let mapped = if at_vertices(m.wetness) { self.scalar(at, part, m.wetness, v)? } else { None };
@@ -329,8 +329,8 @@ impl<'a> Maps<'a> {
     }
 
     /// Returns the wetness of the furred materials.
-    pub fn water(&self) -> Water {
-        Water::over(self.materials.iter().filter(|m| m.furred).map(|m| m.wetness), self.tables_of_joints)
+    pub fn fur_wetness(&self) -> FurWetness {
+        FurWetness::over(self.materials.iter().filter(|m| m.furred).map(|m| m.wetness), self.tables_of_joints)
     }
 
     /// Returns the colour map that replaces the model's colour on a material, if there is one.

@@ -42,10 +42,10 @@ fn images() -> MapImages {
 }
 
 struct Evaluated {
-    lay: Lay,
-    coat: Coat,
+    lay: LayoutMaps,
+    coat: VertexGroom,
     textures: GroomTextures,
-    water: Water,
+    water: FurWetness,
     warnings: Vec<String>,
 }
 
@@ -55,10 +55,10 @@ fn evaluate(recipe: &str, furred: [bool; 2]) -> Evaluated {
     let (images, mut warnings) = (images(), Vec::new());
     let maps = Maps::new(&mesh, &materials, &furred, &groom, &images, &mut warnings);
     Evaluated {
-        lay: maps.lay(&mesh, &rest, Vec3::X).unwrap(),
-        coat: maps.coat(&Vertices::of_model(&mesh, &rest)).unwrap(),
+        lay: maps.layout_maps(&mesh, &rest, Vec3::X).unwrap(),
+        coat: maps.vertex_groom(&Vertices::of_model(&mesh, &rest)).unwrap(),
         textures: maps.textures().unwrap(),
-        water: maps.water(),
+        water: maps.fur_wetness(),
         warnings,
     }
 }
@@ -66,10 +66,10 @@ fn evaluate(recipe: &str, furred: [bool; 2]) -> Evaluated {
 #[test]
 fn nothing_said_is_nothing_done() {
     let found = evaluate("", [true, true]);
-    assert_eq!(found.lay, Lay::default());
+    assert_eq!(found.lay, LayoutMaps::default());
     let zero = vec![0.0; 4];
-    assert_eq!(found.coat, Coat { length: vec![1.0; 4], lean: zero.clone(), wetness: zero.clone(), bareness: zero });
-    assert_eq!((found.textures.images.len(), found.water), (0, Water::Dry));
+    assert_eq!(found.coat, VertexGroom { length: vec![1.0; 4], lean: zero.clone(), wetness: zero.clone(), bareness: zero });
+    assert_eq!((found.textures.images.len(), found.water), (0, FurWetness::Dry));
     assert_eq!(evaluate("", [true, false]).coat.length, [1.0, 1.0, 1.0, 0.0], "a bare material has no hair");
 }
 
@@ -84,7 +84,7 @@ fn constants_vertex_colours_and_images_are_read() {
     assert_eq!(found.coat.bareness, [0.0, 1.0, 1.0, 0.0]);
     // At u = 0 and 1 a repeating image mixes both of its sides: 0.5, which is a density of 1.
     assert_eq!(found.lay.density.unwrap(), [1.0; 4]);
-    assert_eq!((found.textures.images.len(), found.water), (0, Water::Mixed));
+    assert_eq!((found.textures.images.len(), found.water), (0, FurWetness::Mixed));
     let lengths = evaluate("[groom]\nlength = \"a.png#g\"", [true, true]).coat.length;
     assert!(lengths.iter().all(|l| (l - 0.6).abs() < 1e-6), "{lengths:?}");
 }
@@ -119,8 +119,8 @@ fn the_body_speaks_where_maps_are_silent() {
         let maps = maps.with_body(Some(body.clone()));
         // The surface's vertices have a different order from the model's.
         (
-            maps.coat(&Vertices { input_vertex: Some(&[3, 2, 1, 0]), ..Vertices::of_model(&mesh, &rest) }).unwrap(),
-            maps.lay(&mesh, &rest, Vec3::X).unwrap(),
+            maps.vertex_groom(&Vertices { input_vertex: Some(&[3, 2, 1, 0]), ..Vertices::of_model(&mesh, &rest) }).unwrap(),
+            maps.layout_maps(&mesh, &rest, Vec3::X).unwrap(),
             maps.decision(1.0, 0.01),
         )
     };
@@ -138,7 +138,7 @@ fn the_body_speaks_where_maps_are_silent() {
     assert_eq!(coat.length, [0.875, 0.25, 1.0, 1.0]);
     assert!(said.is_some());
     let (_, lay, _) = with("", &BodyGroom { density: None, ..body.clone() });
-    assert_eq!(lay, Lay::default());
+    assert_eq!(lay, LayoutMaps::default());
 }
 
 #[test]
@@ -166,12 +166,12 @@ fn tables_for_joints_win_over_maps_and_body() {
         .with_joints(JointValues::new(&groom.joint, Some(&animation), &mut warnings))
         .with_body(Some(body));
     assert_eq!(warnings, Vec::<String>::new());
-    let coat = maps.coat(&Vertices::of_model(&mesh, &rest)).unwrap();
+    let coat = maps.vertex_groom(&Vertices::of_model(&mesh, &rest)).unwrap();
     assert_eq!(coat.length, [0.25, 0.375, 0.5, 0.0], "the last vertex is on no furred material");
     assert_eq!(coat.lean, [0.5, 0.25, 0.0, 0.0]);
     assert_eq!(coat.wetness, [0.0, 0.5, 1.0, 0.0], "to which the texture's is added");
     assert_eq!(coat.bareness, [0.0, 0.25, 0.5, 0.0]);
-    assert_eq!(maps.lay(&mesh, &rest, Vec3::X).unwrap().density.unwrap(), [1.0, 1.5, 2.0, 1.0]);
+    assert_eq!(maps.layout_maps(&mesh, &rest, Vec3::X).unwrap().density.unwrap(), [1.0, 1.5, 2.0, 1.0]);
 }
 
 #[test]
@@ -210,8 +210,8 @@ fn without_texture_coordinates_images_do_nothing_and_say_so() {
     mesh.uvs.fill(Vec2::ZERO);
     let (images, mut warnings) = (images(), Vec::new());
     let maps = Maps::new(&mesh, &materials, &[true; 2], &groom, &images, &mut warnings);
-    assert_eq!(maps.coat(&Vertices::of_model(&mesh, &rest)).unwrap().length, [1.0; 4]);
-    assert_eq!(maps.lay(&mesh, &rest, Vec3::X).unwrap().comb.unwrap(), [Vec3::ZERO; 4]);
+    assert_eq!(maps.vertex_groom(&Vertices::of_model(&mesh, &rest)).unwrap().length, [1.0; 4]);
+    assert_eq!(maps.layout_maps(&mesh, &rest, Vec3::X).unwrap().comb.unwrap(), [Vec3::ZERO; 4]);
     assert!(warnings.len() == 2 && warnings[0].contains("part 0") && warnings[0].contains("a.png"), "{warnings:?}");
 }
 
@@ -224,24 +224,24 @@ fn an_image_that_was_not_read_is_an_error() {
     let (mesh, materials, rest) = square();
     let images = images();
     let maps = Maps::new(&mesh, &materials, &[true; 2], &groom, &images, &mut Vec::new());
-    assert!(maps.coat(&Vertices::of_model(&mesh, &rest)).unwrap_err().to_string().contains("b.png"));
+    assert!(maps.vertex_groom(&Vertices::of_model(&mesh, &rest)).unwrap_err().to_string().contains("b.png"));
 }
 
 #[test]
 fn water_is_dry_wet_or_mixed() {
     let water = |text: &str, furred| evaluate(text, furred).water;
-    assert_eq!(water("[groom]\nwetness = 1", [true, true]), Water::Wet);
-    assert_eq!(water("[groom]\nwetness = 0.5", [true, true]), Water::Mixed);
+    assert_eq!(water("[groom]\nwetness = 1", [true, true]), FurWetness::Wet);
+    assert_eq!(water("[groom]\nwetness = 0.5", [true, true]), FurWetness::Mixed);
     let nose = "[[groom.material]]\nname = \"Nose\"\nwetness = 1";
-    assert_eq!([water(nose, [true, true]), water(nose, [false, true])], [Water::Mixed, Water::Wet]);
-    assert_eq!(water(nose, [true, false]), Water::Dry);
+    assert_eq!([water(nose, [true, true]), water(nose, [false, true])], [FurWetness::Mixed, FurWetness::Wet]);
+    assert_eq!(water(nose, [true, false]), FurWetness::Dry);
     // For joints only the tables count, so that a package without the model's names gives the same result.
     let joint = |wetness: f32| format!("[[groom.joint]]\nname = \"*\"\nwetness = {wetness}");
-    assert_eq!([water(&joint(0.0), [true; 2]), water(&joint(1.0), [true; 2])], [Water::Dry, Water::Mixed]);
+    assert_eq!([water(&joint(0.0), [true; 2]), water(&joint(1.0), [true; 2])], [FurWetness::Dry, FurWetness::Mixed]);
     let all = format!("[groom]\nwetness = 1\n{}", joint(1.0));
-    assert_eq!(water(&all, [true; 2]), Water::Wet);
+    assert_eq!(water(&all, [true; 2]), FurWetness::Wet);
     let groom = Recipe::parse("r.toml", &joint(1.0)).unwrap().groom;
-    assert_eq!(Water::of(&groom, &["skin"]), Water::Mixed);
+    assert_eq!(FurWetness::of(&groom, &["skin"]), FurWetness::Mixed);
 }
 
 #[test]
@@ -255,15 +255,15 @@ fn images_through_space_need_no_coordinates() {
     let (images, mut warnings) = (images(), Vec::new());
     let along = groom.coordinates.projection().unwrap();
     let maps =
-        Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut warnings).over(Over::Space { along, bounds });
+        Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut warnings).over(ImageCoordinates::Space { along, bounds });
     assert_eq!(warnings, [""; 0]);
     let at = Vertices::of_model(&mesh, &rest);
-    let coat = maps.coat(&at).unwrap();
+    let coat = maps.vertex_groom(&at).unwrap();
     // Black on the left and white on the right, seen from +z.
     assert_eq!((&coat.length[..], &coat.bareness[..]), (&[0.0, 1.0, 1.0, 0.0][..], &[0.0, 1.0, 1.0, 0.0][..]));
     assert!(coat.lean.iter().all(|lean| (lean - 0.6).abs() < 1e-6), "{:?}", coat.lean);
     assert!(maps.textures().unwrap().images.is_empty(), "what vertices say no texture says again");
-    let lay = maps.lay(&mesh, &rest, Vec3::X).unwrap();
+    let lay = maps.layout_maps(&mesh, &rest, Vec3::X).unwrap();
     assert_eq!(lay.density.unwrap(), [0.25, 4.0, 4.0, 0.25]);
     // Red points right on the image and green down, which is +x and −y seen along z.
     assert!(lay.comb.unwrap().iter().all(|d| d.distance(Vec3::new(1.0, -1.0, 0.0)) < 1e-6));

@@ -2,7 +2,7 @@
 
 use crate::decision::{Decision, metres_in_words};
 use crate::noise::smooth_step;
-use crate::stages::cells::{Cells, closest};
+use crate::stages::cells::{TriangleGrid, closest_barycentric};
 use glam::Vec3;
 use pelage_import::mesh::{Mesh, RestPose};
 use std::cmp::Reverse;
@@ -32,14 +32,14 @@ const WIDEST: f32 = 0.15;
 /// the edges of the furred surface. Distances are evaluated at vertices: a bare part in the middle of a large triangle
 /// is near none.
 #[derive(Debug)]
-pub struct BesideBare {
-    places: Places,
+pub struct BareDistances {
+    places: WeldedVertices,
     /// Distance of each welded vertex, metres; infinite beyond the reach.
     ways: Vec<f32>,
     reach_m: f32,
 }
 
-impl BesideBare {
+impl BareDistances {
     /// Computes the distances from bare parts.
     ///
     /// * `rest`: rest pose of `mesh`, metres
@@ -54,11 +54,11 @@ impl BesideBare {
         };
         let (skin, bare) = (triangles(true), triangles(false));
         if bare.is_empty() {
-            return Self { places: Places::default(), ways: Vec::new(), reach_m };
+            return Self { places: WeldedVertices::default(), ways: Vec::new(), reach_m };
         }
         let places = places(&skin, &rest.positions);
-        let mut ways = straight(&places, &bare, rest, reach_m);
-        along(&mut ways, &skin, &places, rest, reach_m);
+        let mut ways = straight_distances(&places, &bare, rest, reach_m);
+        relax_along_edges(&mut ways, &skin, &places, rest, reach_m);
         Self { places, ways, reach_m }
     }
 
@@ -102,7 +102,7 @@ pub fn chosen_margin_m(
         return None;
     }
     let widest_m = WIDEST * radius_m;
-    let beside = BesideBare::new(mesh, rest, furred, widest_m);
+    let beside = BareDistances::new(mesh, rest, furred, widest_m);
     // The steepest line from the origin to the smoothstep curve has slope 9/8, at three quarters. Hair gets longer away
     // from bare parts, so a wider margin includes longer hair.
     let mut margin_m = longest_m.min(widest_m);
@@ -124,16 +124,16 @@ pub fn margin_decision(margin_m: f32) -> Decision {
 
 /// Welded vertices of the furred surface.
 #[derive(Debug, Default)]
-struct Places {
+struct WeldedVertices {
     /// Welded vertex of each vertex.
     of_vertex: BTreeMap<u32, usize>,
     /// First vertex of each welded vertex.
     vertex: Vec<u32>,
 }
 
-fn places(skin: &[[u32; 3]], positions: &[Vec3]) -> Places {
+fn places(skin: &[[u32; 3]], positions: &[Vec3]) -> WeldedVertices {
     let mut seen: HashMap<[u32; 3], usize> = HashMap::new();
-    let mut found = Places { of_vertex: BTreeMap::new(), vertex: Vec::new() };
+    let mut found = WeldedVertices { of_vertex: BTreeMap::new(), vertex: Vec::new() };
     for vertex in skin.iter().flatten() {
         // Adding zero turns -0 into +0.
         let key = (positions[*vertex as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
@@ -148,16 +148,16 @@ fn places(skin: &[[u32; 3]], positions: &[Vec3]) -> Places {
 
 /// Returns the straight distance of each welded vertex to the nearest bare triangle that is not below the surface
 /// there, metres; infinite if none is near.
-fn straight(places: &Places, bare: &[[u32; 3]], rest: &RestPose, margin_m: f32) -> Vec<f32> {
+fn straight_distances(places: &WeldedVertices, bare: &[[u32; 3]], rest: &RestPose, margin_m: f32) -> Vec<f32> {
     let place = |vertex: u32| rest.positions[vertex as usize];
     let reach = BESIDE * margin_m;
-    let cells = Cells::new(bare, &place, reach);
+    let cells = TriangleGrid::new(bare, &place, reach);
     let way = |vertex: &u32| {
         let (from, normal) = (place(*vertex), rest.normals[*vertex as usize]);
         let mut least = f32::INFINITY;
         for triangle in cells.within(from, reach) {
             let corners = bare[triangle as usize].map(place);
-            let weights = closest(from, corners);
+            let weights = closest_barycentric(from, corners);
             let to = (corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z) - from;
             let distance = to.length();
             let is_beside = distance <= TOUCHING * margin_m || to.dot(normal) >= -BELOW * distance;
@@ -172,27 +172,27 @@ fn straight(places: &Places, bare: &[[u32; 3]], rest: &RestPose, margin_m: f32) 
 
 /// Dijkstra queue entry, ordered by distance, then by vertex index.
 #[derive(PartialEq)]
-struct Step {
+struct QueueEntry {
     way: f32,
     place: usize,
 }
 
-impl Eq for Step {}
+impl Eq for QueueEntry {}
 
-impl PartialOrd for Step {
+impl PartialOrd for QueueEntry {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Step {
+impl Ord for QueueEntry {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.way.total_cmp(&other.way).then(self.place.cmp(&other.place))
     }
 }
 
 /// Shortens the distances to those along the edges of the surface (Dijkstra 1959), up to the margin.
-fn along(ways: &mut [f32], skin: &[[u32; 3]], places: &Places, rest: &RestPose, margin_m: f32) {
+fn relax_along_edges(ways: &mut [f32], skin: &[[u32; 3]], places: &WeldedVertices, rest: &RestPose, margin_m: f32) {
     let mut neighbours: Vec<Vec<(usize, f32)>> = vec![Vec::new(); ways.len()];
     for triangle in skin {
         for (a, b) in [(0, 1), (1, 2), (2, 0)] {
@@ -205,8 +205,8 @@ fn along(ways: &mut [f32], skin: &[[u32; 3]], places: &Places, rest: &RestPose, 
         }
     }
     let starts = ways.iter().enumerate().filter(|(_, way)| way.is_finite());
-    let mut open: BinaryHeap<Reverse<Step>> = starts.map(|(place, way)| Reverse(Step { way: *way, place })).collect();
-    while let Some(Reverse(Step { way, place })) = open.pop() {
+    let mut open: BinaryHeap<Reverse<QueueEntry>> = starts.map(|(place, way)| Reverse(QueueEntry { way: *way, place })).collect();
+    while let Some(Reverse(QueueEntry { way, place })) = open.pop() {
         if way > ways[place] {
             continue;
         }
@@ -214,7 +214,7 @@ fn along(ways: &mut [f32], skin: &[[u32; 3]], places: &Places, rest: &RestPose, 
             let through = way + step;
             if through < ways[*next] && through <= margin_m {
                 ways[*next] = through;
-                open.push(Reverse(Step { way: through, place: *next }));
+                open.push(Reverse(QueueEntry { way: through, place: *next }));
             }
         }
     }

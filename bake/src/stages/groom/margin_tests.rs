@@ -31,7 +31,7 @@ fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
 fn faded(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
     let (mesh, rest) = strip(bare);
     let mut length = vec![1.0; mesh.positions.len()];
-    BesideBare::new(&mesh, &rest, &[true, false], margin_m).shorten(&mut length);
+    BareDistances::new(&mesh, &rest, &[true, false], margin_m).shorten(&mut length);
     assert!(length[600..].iter().all(|length| *length == 1.0), "bare vertices are left as they are");
     mesh.positions.iter().map(|p| p.x).zip(length).take(600).collect()
 }
@@ -76,7 +76,7 @@ fn the_way_goes_along_the_skin_where_it_is_not_seen_straight() {
     let (mesh, mut rest) = strip(&[JOINED]);
     rest.normals.fill(Vec3::X);
     let mut length = vec![1.0; mesh.positions.len()];
-    BesideBare::new(&mesh, &rest, &[true, false], 0.2).shorten(&mut length);
+    BareDistances::new(&mesh, &rest, &[true, false], 0.2).shorten(&mut length);
     for (p, length) in mesh.positions.iter().zip(&length).take(600) {
         let t = (p.x / 0.2).min(1.0);
         // Paths along edges are slightly longer than straight ones.
@@ -94,7 +94,7 @@ fn a_chosen_margin_keeps_hair_flatter_than_its_way_to_the_bare_part() {
     for length_m in [0.01, 0.05, 0.1] {
         let margin_m = chosen_m(&full, length_m, 100.0).unwrap_or_default();
         let mut length = full.clone();
-        BesideBare::new(&mesh, &rest, &[true, false], margin_m).shorten(&mut length);
+        BareDistances::new(&mesh, &rest, &[true, false], margin_m).shorten(&mut length);
         for (p, share) in mesh.positions.iter().zip(&length).take(600).filter(|(p, _)| p.z == 0.0) {
             assert!(share * length_m <= STEEPEST * p.x * 1.001 + 1e-6, "{share} of {length_m} m at {p}");
         }

@@ -4,15 +4,15 @@
 //! from its reach on. It is smoothed slightly by heat diffusion, across gaps between connected components and corners
 //! of a coarse mesh.
 
-use super::body::{Body, Skin, furred_faces};
-use super::ways::ways;
+use super::body::{Body, WeldedMesh, furred_faces};
+use super::geodesic::ways;
 use crate::decision::metres_in_words;
 use crate::recipe::CombMarkParams;
-use crate::stages::cells::closest;
-use crate::stages::reach::{self, Said};
+use crate::stages::cells::closest_barycentric;
+use crate::stages::reach::{self, MarkBlend};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_value_to_linear;
-use pelage_import::mesh::DrawnComb;
+use pelage_import::mesh::CombLine;
 
 /// Width of the smoothing of weights, as a share of a mark's reach.
 const SPREAD: f32 = 0.1;
@@ -38,13 +38,13 @@ pub struct MarkValues {
 impl MarkValues {
     /// Spreads marks over a body. Marks and lines far from its furred surface are reported in `warnings`, with the
     /// distance.
-    pub fn new(marks: &[CombMarkParams], drawn: &[DrawnComb], body: &Body<'_>, warnings: &mut Vec<String>) -> Self {
+    pub fn new(marks: &[CombMarkParams], drawn: &[CombLine], body: &Body<'_>, warnings: &mut Vec<String>) -> Self {
         let radius_m = body.bounds.radius;
         if marks.is_empty() && drawn.is_empty() || !(radius_m > 0.0 && radius_m.is_finite()) {
             return Self::default();
         }
         let center = Vec3::from(body.bounds.center);
-        let ground = Ground { skin: Skin::new(body.mesh, body.rest, center, radius_m), furred: furred_faces(body) };
+        let ground = MarkSurface { skin: WeldedMesh::new(body.mesh, body.rest, center, radius_m), furred: furred_faces(body) };
         let to_skin = |p: Vec3| (p - center) / radius_m;
         let mut far = |key: &str, name: &str, away: f32| {
             if away > FAR {
@@ -59,13 +59,13 @@ impl MarkValues {
             let away = places.map(|found| found.away).reduce(f32::min);
             far("comb lines of the model", &line.name, away.unwrap_or(0.0));
         }
-        let mut said = SaidValues::of(marks, ground.skin.len());
-        for mark in marks.iter().flat_map(CombMarkParams::with_likeness) {
+        let mut said = MarkSums::of(marks, ground.skin.len());
+        for mark in marks.iter().flat_map(CombMarkParams::with_mirror_image) {
             let Some(found) = mark.at.and_then(|at| ground.nearest(to_skin(at.into()))) else { continue };
             far("surface.comb_marks", &mark.name, found.away);
             if [mark.length, mark.density, mark.lean].iter().any(Option::is_some) || mark.color.is_some() {
-                let reach = mark.reach_m.unwrap_or(reach::chosen_m(radius_m)) / radius_m;
-                said.add(&ground.shares(&found, reach), &mark);
+                let reach = mark.reach_m.unwrap_or(reach::default_reach_m(radius_m)) / radius_m;
+                said.add(&ground.weights(&found, reach), &mark);
             }
         }
         said.of_vertices(&ground.skin.place_of)
@@ -78,7 +78,7 @@ impl MarkValues {
 }
 
 /// Blends `elsewhere` with the marks' value at a vertex of the model.
-pub(super) fn mixed(values: &[(f32, f32)], vertex: usize, elsewhere: f32) -> f32 {
+pub(super) fn blend_marks(values: &[(f32, f32)], vertex: usize, elsewhere: f32) -> f32 {
     match values.get(vertex) {
         // Interpolated by differences, so that without any mark the result is exactly `elsewhere`.
         Some((share, value)) if *share > 0.0 => elsewhere + share * (value - elsewhere),
@@ -87,14 +87,14 @@ pub(super) fn mixed(values: &[(f32, f32)], vertex: usize, elsewhere: f32) -> f32
 }
 
 /// Surface on which marks are placed; lengths are radii of the body.
-struct Ground {
-    skin: Skin,
+struct MarkSurface {
+    skin: WeldedMesh,
     /// Whether hair grows on each face.
     furred: Vec<bool>,
 }
 
 /// Placement of a mark on the surface.
-struct Found {
+struct MarkPlacement {
     face: usize,
     /// Nearest point of the surface.
     on_skin: Vec3,
@@ -102,24 +102,24 @@ struct Found {
     away: f32,
 }
 
-impl Ground {
+impl MarkSurface {
     /// Returns the nearest point of the furred surface, in the first face if there are several.
-    fn nearest(&self, at: Vec3) -> Option<Found> {
-        let mut best: Option<Found> = None;
+    fn nearest(&self, at: Vec3) -> Option<MarkPlacement> {
+        let mut best: Option<MarkPlacement> = None;
         for (face, places) in self.skin.faces.iter().enumerate().filter(|(face, _)| self.furred[*face]) {
             let corners = places.map(|p| self.skin.positions[p as usize]);
-            let weights = closest(at, corners);
+            let weights = closest_barycentric(at, corners);
             let on_skin = corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z;
             let away = at.distance(on_skin);
             if away.is_finite() && best.as_ref().is_none_or(|best| away < best.away) {
-                best = Some(Found { face, on_skin, away });
+                best = Some(MarkPlacement { face, on_skin, away });
             }
         }
         best
     }
 
     /// Returns the weight at each welded vertex of a mark placed there.
-    fn shares(&self, found: &Found, reach: f32) -> Vec<f32> {
+    fn weights(&self, found: &MarkPlacement, reach: f32) -> Vec<f32> {
         let skin = &self.skin;
         let straight = |place: u32| skin.positions[place as usize].distance(found.on_skin);
         let corners = skin.faces[found.face];
@@ -132,7 +132,7 @@ impl Ground {
         for (place, way) in ways.iter_mut().enumerate().filter(|(place, _)| skin.pieces[*place] != piece) {
             *way = straight(place as u32);
         }
-        let shares: Vec<f32> = ways.into_iter().map(|way| reach::share(way, reach)).collect();
+        let shares: Vec<f32> = ways.into_iter().map(|way| reach::influence(way, reach)).collect();
         let spread = skin.spread(&shares, SPREAD * reach);
         let most = spread.iter().copied().fold(0.0, f32::max);
         // Tiny values that the solver leaves far away become zero.
@@ -143,30 +143,30 @@ impl Ground {
 
 /// Accumulated values of marks per welded vertex; lists are empty if no mark sets the value.
 #[derive(Default)]
-struct SaidValues {
-    length: Vec<Said<f32>>,
-    density: Vec<Said<f32>>,
-    lean: Vec<Said<f32>>,
-    color: Vec<Said<Vec3>>,
+struct MarkSums {
+    length: Vec<MarkBlend<f32>>,
+    density: Vec<MarkBlend<f32>>,
+    lean: Vec<MarkBlend<f32>>,
+    color: Vec<MarkBlend<Vec3>>,
 }
 
-impl SaidValues {
+impl MarkSums {
     fn of(marks: &[CombMarkParams], places: usize) -> Self {
         let number = |key: fn(&CombMarkParams) -> Option<f32>| {
             let said = marks.iter().any(|mark| key(mark).is_some());
-            vec![Said::default(); if said { places } else { 0 }]
+            vec![MarkBlend::default(); if said { places } else { 0 }]
         };
         let has_color = marks.iter().any(|mark| mark.color.is_some());
         Self {
             length: number(|mark| mark.length),
             density: number(|mark| mark.density),
             lean: number(|mark| mark.lean),
-            color: vec![Said::default(); if has_color { places } else { 0 }],
+            color: vec![MarkBlend::default(); if has_color { places } else { 0 }],
         }
     }
 
     fn add(&mut self, shares: &[f32], mark: &CombMarkParams) {
-        let add = |said: &mut Vec<Said<f32>>, value: Option<f32>| {
+        let add = |said: &mut Vec<MarkBlend<f32>>, value: Option<f32>| {
             let Some(value) = value else { return };
             said.iter_mut().zip(shares).for_each(|(said, share)| said.add(*share, value));
         };
@@ -180,11 +180,11 @@ impl SaidValues {
     }
 
     fn of_vertices(&self, place_of: &[u32]) -> MarkValues {
-        fn each<T>(said: &[Said<T>], place_of: &[u32]) -> Vec<(f32, T)>
+        fn each<T>(said: &[MarkBlend<T>], place_of: &[u32]) -> Vec<(f32, T)>
         where
             T: Copy + Default + std::ops::Add<Output = T> + std::ops::Mul<f32, Output = T>,
         {
-            let of = |place: &u32| said[*place as usize].together().unwrap_or_default();
+            let of = |place: &u32| said[*place as usize].finish().unwrap_or_default();
             if said.is_empty() { Vec::new() } else { place_of.iter().map(of).collect() }
         }
         MarkValues {

@@ -28,7 +28,7 @@ fn ball() -> Model {
     Model { mesh, materials: vec![material], ..Model::default() }
 }
 
-fn spread(model: &Model, marks: &str, drawn: &[DrawnComb]) -> (MarkValues, Vec<String>) {
+fn spread(model: &Model, marks: &str, drawn: &[CombLine]) -> (MarkValues, Vec<String>) {
     let recipe = Recipe::parse("r.toml", &format!("[surface]\ncomb_marks = [{marks}]\n")).unwrap();
     let rest = RestPose::of(&model.mesh, None);
     let bounds = bounds(&rest);
@@ -54,7 +54,7 @@ fn a_value_holds_at_its_mark_and_fades_to_what_is_elsewhere() {
     let model = ball();
     let (values, warnings) = spread(&model, "{ name = \"a\", at = [0, 0, 1.02], length = 0.25, reach_m = 1 }", &[]);
     assert_eq!((warnings, values.lean.len(), values.has_color()), (Vec::new(), 0, false));
-    let length = |angle: f32| mixed(&values.length, at(&model, round(angle)), 0.75);
+    let length = |angle: f32| blend_marks(&values.length, at(&model, round(angle)), 0.75);
     assert!((length(0.0) - 0.25).abs() < 1e-3 && (length(0.2) - 0.25).abs() < 0.02, "{} {}", length(0.0), length(0.2));
     assert!((length(0.62) - 0.5).abs() < 0.06, "half the way between: {}", length(0.62));
     assert_eq!([length(1.3), length(3.1)], [0.75; 2]);
@@ -63,7 +63,7 @@ fn a_value_holds_at_its_mark_and_fades_to_what_is_elsewhere() {
     // The result is symmetric around the mark, and equal on both sides of the seam.
     let turned = |angle: f32, about: f32| Vec3::new(angle.sin() * about.cos(), angle.sin() * about.sin(), angle.cos());
     for about in [0.0, 0.7, 1.6, 2.5, 3.9, 5.0] {
-        let here = mixed(&values.length, at(&model, turned(0.5, about)), 0.75);
+        let here = blend_marks(&values.length, at(&model, turned(0.5, about)), 0.75);
         assert!((here - length(0.5)).abs() < 0.05, "{about}: {here} and {}", length(0.5));
     }
     let (places, front) = (&model.mesh.positions, at(&model, round(0.0)));
@@ -76,11 +76,11 @@ fn marks_share_the_skin_between_them() {
     let model = ball();
     let list = "{ name = \"a\", at = [0, 0, 1], length = 1, density = 4, reach_m = 1.2 }, { name = \"b\", at = [1, 0, 0], length = 0, reach_m = 1.2 }";
     let (values, _) = spread(&model, list, &[]);
-    let length = |angle: f32| mixed(&values.length, at(&model, round(angle)), 0.5);
+    let length = |angle: f32| blend_marks(&values.length, at(&model, round(angle)), 0.5);
     let quarter = std::f32::consts::FRAC_PI_2;
     assert!(length(0.0) > 0.999 && length(quarter) < 0.001, "{} {}", length(0.0), length(quarter));
     assert!((length(quarter / 2.0) - 0.5).abs() < 0.03, "{}", length(quarter / 2.0));
-    assert_eq!(mixed(&values.density, at(&model, round(quarter)), 1.0), 1.0, "b says nothing of density");
+    assert_eq!(blend_marks(&values.density, at(&model, round(quarter)), 1.0), 1.0, "b says nothing of density");
 }
 
 #[test]
@@ -98,13 +98,13 @@ fn a_mirrored_mark_stands_on_both_sides() {
     let (values, _) =
         spread(&model, "{ name = \"a\", at = [1, 0, 0], length = 0, reach_m = 0.5, mirrored = true }", &[]);
     for (place, expected) in [(Vec3::X, 0.0), (Vec3::NEG_X, 0.0), (Vec3::Z, 1.0)] {
-        assert!((mixed(&values.length, at(&model, place), 1.0) - expected).abs() < 1e-3, "{place}");
+        assert!((blend_marks(&values.length, at(&model, place), 1.0) - expected).abs() < 1e-3, "{place}");
     }
 }
 
 #[test]
 fn what_is_far_from_the_skin_is_told_of_with_how_far() {
-    let line = |x: f32| DrawnComb { name: "comb_x".into(), places: vec![(Vec3::X * x, Vec3::Y); 40] };
+    let line = |x: f32| CombLine { name: "comb_x".into(), places: vec![(Vec3::X * x, Vec3::Y); 40] };
     let (values, warnings) = spread(
         &ball(),
         "{ name = \"ruff\", at = [0, 0, 3.5], lean = 1 }, { name = \"near\", at = [0, 1.05, 0], lean = 1 }",

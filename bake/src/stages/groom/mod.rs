@@ -15,28 +15,28 @@ mod margin;
 mod marks;
 mod model_atlas;
 mod names;
-mod over;
+mod image_coordinates;
 mod pairs;
 mod patches;
 mod pattern;
 mod projection;
-mod ways;
+mod geodesic;
 mod words;
 
-pub use at_root::{RootAtlas, Rooting};
+pub use at_root::{RootAtlas, RootColorInput};
 pub use atlas::Atlas;
 pub(crate) use atlas::linear_image;
-pub use bare::{Growth, growth};
+pub use bare::{FurredMaterials, find_furred_materials};
 pub use body::{Body, BodyGroom};
 pub use colors::{Colors, MaterialColor, colors, is_colored};
-pub(crate) use features::tell_apart;
+pub(crate) use features::split_features;
 pub use joints::JointValues;
-pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
+pub use maps::{VertexGroom, GroomTextures, LayoutMaps, MapImages, Maps, FurWetness};
 pub(crate) use maps::{average, last, names_of, report_unmatched, scalar_at};
-pub use margin::{BesideBare, chosen_margin_m, margin_decision};
+pub use margin::{BareDistances, chosen_margin_m, margin_decision};
 pub use marks::MarkValues;
 pub use model_atlas::ModelAtlas;
-pub use over::{Over, Vertices};
+pub use image_coordinates::{ImageCoordinates, Vertices};
 pub use pattern::Pattern;
 
 use crate::decision::Decision;
@@ -71,10 +71,10 @@ impl Lengths {
     pub fn decisions(&self, recipe: &Recipe) -> Vec<Decision> {
         let mut decisions = Vec::new();
         if recipe.hair.length_m.is_none() {
-            decisions.push(Decision::of_length("length of hair", "hair.length_m", self.length_m));
+            decisions.push(Decision::length("length of hair", "hair.length_m", self.length_m));
         }
         if recipe.surface.tile_size_m.is_none() {
-            decisions.push(Decision::of_length("width of tile", "surface.tile_size_m", self.tile_size_m));
+            decisions.push(Decision::length("width of tile", "surface.tile_size_m", self.tile_size_m));
         }
         decisions
     }

@@ -5,7 +5,7 @@
 //! derive from the model's, and all constants are defined here: changing a default of a recipe must not move painted
 //! images.
 
-use super::atlas::{Atlas, TooMany};
+use super::atlas::{Atlas, TooManyCharts};
 use super::flow::image_axes;
 use crate::stages::surface::{Comb, PatchParams, Source, Surface, SurfaceParams, parameterize};
 use glam::{Vec2, Vec3};
@@ -60,7 +60,7 @@ impl ModelAtlas {
             density: None,
         };
         let uncut = parameterize(file, model, &params)?;
-        let (surface, atlas) = packed(uncut).map_err(|TooMany { charts }| BakeError::Input {
+        let (surface, atlas) = packed(uncut).map_err(|TooManyCharts { charts }| BakeError::Input {
             file: file.to_owned(),
             place: "whole model".to_owned(),
             reason: format!(
@@ -94,7 +94,7 @@ impl ModelAtlas {
 
     /// Returns for each triangle's corners the index of the model's vertex, numbered from 0, and for each index its
     /// texture coordinates.
-    pub fn places(&self) -> (Vec<[u32; 3]>, Vec<Vec<Vec2>>) {
+    pub fn corner_coordinates(&self) -> (Vec<[u32; 3]>, Vec<Vec<Vec2>>) {
         let mut number_of = vec![0; self.mesh.positions.len()];
         let mut coordinates = Vec::new();
         let keys: BTreeMap<&Key, u32> = self.standing_for.keys().zip(0..).collect();
@@ -116,8 +116,8 @@ fn diagonal(points: &[Vec3]) -> f32 {
 }
 
 /// Packs charts at the smallest of [`SIDES`] that leaves wide gutters, otherwise at the largest.
-fn packed(uncut: Surface) -> Result<(Surface, Atlas), TooMany> {
-    let mut found = Err(TooMany { charts: 0 });
+fn packed(uncut: Surface) -> Result<(Surface, Atlas), TooManyCharts> {
+    let mut found = Err(TooManyCharts { charts: 0 });
     for side in SIDES {
         let mut surface = uncut.clone();
         found = Atlas::pack(&mut surface, side).map(|atlas| (surface, atlas));

@@ -3,7 +3,7 @@
 use super::*;
 use crate::recipe::Recipe;
 use crate::stages::groom::{MapImages, Maps, colors};
-use crate::stages::groom::{Over, Vertices};
+use crate::stages::groom::{ImageCoordinates, Vertices};
 use pelage_import::mesh::{Image, Material, MeshPart};
 
 const RINGS: u32 = 24;
@@ -41,10 +41,10 @@ fn torus() -> Model {
 /// Paints a smooth image over the atlas with the values of `share` at the model's positions, in red; green and blue are
 /// 0.
 fn painted(atlas: &ModelAtlas, side: u32, share: impl Fn(Vec3) -> f32 + Sync) -> Image {
-    use crate::stages::groom::canvas::{Canvas, Piece};
+    use crate::stages::groom::canvas::{Canvas, CanvasTriangle};
     let corners = |t: &[u32; 3]| t.map(|v| atlas.uv(v) * side as f32);
     let triangles = atlas.mesh.triangles.iter().zip(0..);
-    let pieces = triangles.map(|(t, triangle)| Piece { triangle, corners: corners(t) }).collect();
+    let pieces = triangles.map(|(t, triangle)| CanvasTriangle { triangle, corners: corners(t) }).collect();
     let texels = Canvas::new(side, pieces, 4).paint(|spot, _| {
         let [a, b, c] = atlas.mesh.triangles[spot.triangle].map(|v| atlas.rest.positions[v as usize]);
         let place = a * spot.weights.x + b * spot.weights.y + c * spot.weights.z;
@@ -90,7 +90,7 @@ fn every_vertex_has_its_coordinates_and_seams_have_several() {
     let standing = |v: usize| atlas.standing_for(&model.mesh, 0, v).len() + atlas.standing_for(&model.mesh, 1, v).len();
     let counts: Vec<usize> = (0..model.mesh.positions.len()).map(standing).collect();
     assert!(counts.iter().all(|c| *c >= 1) && counts.contains(&1) && counts.iter().any(|c| *c >= 2));
-    let (corners, coordinates) = atlas.places();
+    let (corners, coordinates) = atlas.corner_coordinates();
     for (triangle, places) in atlas.mesh.triangles.iter().zip(&corners) {
         for (v, place) in triangle.iter().zip(places) {
             assert!(coordinates[*place as usize].contains(&atlas.uv(*v)));
@@ -108,11 +108,11 @@ fn what_is_painted_comes_back_where_it_was_painted() {
     let groom = Recipe::parse("r.toml", text).unwrap().groom;
     let mut warnings = Vec::new();
     let maps = Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut warnings)
-        .over(Over::Atlas(Box::new(atlas)));
+        .over(ImageCoordinates::Atlas(Box::new(atlas)));
     assert_eq!(warnings, [""; 0]);
     let rest = RestPose::of(&model.mesh, None);
-    let coat = maps.coat(&Vertices::of_model(&model.mesh, &rest)).unwrap();
-    let comb = maps.lay(&model.mesh, &rest, Vec3::X).unwrap().comb.unwrap();
+    let coat = maps.vertex_groom(&Vertices::of_model(&model.mesh, &rest)).unwrap();
+    let comb = maps.layout_maps(&model.mesh, &rest, Vec3::X).unwrap().comb.unwrap();
     for (v, place) in model.mesh.positions.iter().enumerate() {
         let expected = share(*place);
         for found in [coat.length[v], coat.bareness[v], (comb[v].x + 1.0) / 2.0] {
@@ -136,8 +136,8 @@ fn a_flow_image_points_along_the_atlas() {
     let file = MapImages { images: [("f.png".to_owned(), right)].into(), ..MapImages::default() };
     let groom = Recipe::parse("r.toml", "[groom]\ncoordinates = \"atlas\"\ncomb = \"f.png#uv\"").unwrap().groom;
     let maps = Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut Vec::new())
-        .over(Over::Atlas(Box::new(atlas.clone())));
-    let comb = maps.lay(&model.mesh, &RestPose::of(&model.mesh, None), Vec3::X).unwrap().comb.unwrap();
+        .over(ImageCoordinates::Atlas(Box::new(atlas.clone())));
+    let comb = maps.layout_maps(&model.mesh, &RestPose::of(&model.mesh, None), Vec3::X).unwrap().comb.unwrap();
     let mut checked = 0;
     for triangle in &atlas.mesh.triangles {
         let [a, b, c] = triangle.map(|v| v as usize);

@@ -1,10 +1,10 @@
 //! Interpretation of the names of materials, nodes and meshes with respect to hair.
 
-use super::words::{BARE, EYES, FURRED, FURRED_WITHIN, INSIDE, Kind, MOUTH, PLACE_CHARACTERS, PLACES, SNOUT};
+use super::words::{BARE, EYES, FURRED, FURRED_WITHIN, INSIDE, BareWords, MOUTH, POSITION_CHARACTERS, POSITION_WORDS, SNOUT};
 
 /// Meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Said {
+pub(super) enum NameMeaning {
     /// Nothing about hair.
     Nothing,
     /// Furred: `EyeFur`, `Body`.
@@ -102,39 +102,39 @@ fn fold(c: char, word: &mut String) {
 
 /// Interprets words from [`words`] together. A word for fur outweighs all others: a bald body is worse than a furred
 /// claw.
-pub(super) fn said_by<W: AsRef<str>>(words: &[W]) -> Said {
+pub(super) fn meaning_of_words<W: AsRef<str>>(words: &[W]) -> NameMeaning {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
     let is_furred = |word: &&str| is_one_of(word, FURRED) || FURRED_WITHIN.iter().any(|within| word.contains(within));
     if words.iter().any(is_furred) {
-        return Said::Furred;
+        return NameMeaning::Furred;
     }
     let is_inside = words.iter().any(|word| INSIDE.contains(word));
     let limits = words.iter().filter_map(|word| {
         let of_mouth = (is_inside && is_one_of(word, MOUTH.words)).then_some(MOUTH.most);
         kind(word).map(|kind| kind.most).or(of_mouth)
     });
-    limits.reduce(f32::min).map_or(Said::Nothing, |most| Said::Bare { most })
+    limits.reduce(f32::min).map_or(NameMeaning::Nothing, |most| NameMeaning::Bare { most })
 }
 
 /// Whether words from [`words`] name eyes or a part of them.
-pub(super) fn name_eyes(words: &[String]) -> bool {
+pub(super) fn are_names_of_eyes(words: &[String]) -> bool {
     let is_eye = |word: &String| kind(word).is_some_and(|kind| kind.words == EYES);
-    matches!(said_by(words), Said::Bare { .. }) && words.iter().any(is_eye)
+    matches!(meaning_of_words(words), NameMeaning::Bare { .. }) && words.iter().any(is_eye)
 }
 
 /// Whether one of the words names a snout, which may be furred or bare.
-pub(super) fn name_snout(words: &[String]) -> bool {
+pub(super) fn are_names_of_snout(words: &[String]) -> bool {
     words.iter().any(|word| is_one_of(word, SNOUT))
 }
 
 /// Returns the kind of bare part that a word names.
-fn kind(word: &str) -> Option<&'static Kind> {
+fn kind(word: &str) -> Option<&'static BareWords> {
     let of = |word: &str| BARE.iter().find(|kind| is_one_of(word, kind.words));
     let without_place = || {
-        let cut = PLACES.iter().find_map(|place| word.strip_prefix(place).or_else(|| word.strip_suffix(place)))?;
-        of(cut.trim_matches(PLACE_CHARACTERS))
+        let cut = POSITION_WORDS.iter().find_map(|place| word.strip_prefix(place).or_else(|| word.strip_suffix(place)))?;
+        of(cut.trim_matches(POSITION_CHARACTERS))
     };
-    let characters = word.trim_matches(PLACE_CHARACTERS);
+    let characters = word.trim_matches(POSITION_CHARACTERS);
     of(word)
         .or_else(without_place)
         .or_else(|| of(characters))

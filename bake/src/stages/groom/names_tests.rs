@@ -1,8 +1,8 @@
 use super::super::words::{FURRED_WITHIN, INSIDE};
 use super::*;
 
-fn said(name: &str) -> Said {
-    said_by(&words(name))
+fn said(name: &str) -> NameMeaning {
+    meaning_of_words(&words(name))
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn parts_without_hair_are_known_in_eight_languages() {
         "yachi",
         "yǎnqiú",
     ] {
-        assert!(matches!(said(name), Said::Bare { .. }), "{name}: {:?}", said(name));
+        assert!(matches!(said(name), NameMeaning::Bare { .. }), "{name}: {:?}", said(name));
     }
     for name in [
         "Main",
@@ -145,7 +145,7 @@ fn parts_without_hair_are_known_in_eight_languages() {
         "犬",
         "",
     ] {
-        assert!(!matches!(said(name), Said::Bare { .. }), "{name}");
+        assert!(!matches!(said(name), NameMeaning::Bare { .. }), "{name}");
     }
 }
 
@@ -169,14 +169,14 @@ fn fur_and_what_lies_around_a_bare_part_stay_furred() {
         "角色身体",
         "鼻の毛",
     ] {
-        assert_eq!(said(name), Said::Furred, "{name}");
+        assert_eq!(said(name), NameMeaning::Furred, "{name}");
     }
 }
 
 #[test]
 fn a_nose_may_cover_less_than_a_coat_of_cloth() {
     let most = |name| match said(name) {
-        Said::Bare { most } => most,
+        NameMeaning::Bare { most } => most,
         other => panic!("{name}: {other:?}"),
     };
     assert!(most("Nose") < most("Horns") && most("Horns") < most("Shirt"));

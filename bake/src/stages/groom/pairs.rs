@@ -14,7 +14,7 @@ const MOST_PIECES: usize = 12;
 
 /// Connected component of triangles.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct ComponentShape {
     center: DVec3,
     area: f64,
     roundness: f64,
@@ -48,8 +48,8 @@ pub(super) fn are_round_pairs(mesh: &Mesh, positions: &[Vec3], places: &[u32], m
     let goes_on = others.iter().flat_map(edges).any(|edge| borders.contains_key(&edge));
     let at = |place: &u32| position_of.get(place).copied().unwrap_or_default();
     let faces_of = |piece: &Vec<usize>| piece.iter().filter_map(|face| own.get(*face).copied()).collect::<Vec<_>>();
-    let pieces: Vec<Piece> = pieces(&own).iter().map(|piece| measured(&faces_of(piece), &borders, &at)).collect();
-    let is_eye = |piece: &Piece| piece.roundness >= ROUND && piece.center.y > middle;
+    let pieces: Vec<ComponentShape> = components(&own).iter().map(|piece| measure(&faces_of(piece), &borders, &at)).collect();
+    let is_eye = |piece: &ComponentShape| piece.roundness >= ROUND && piece.center.y > middle;
     let some = (2..=MOST_PIECES).contains(&pieces.len());
     some && !goes_on && pieces.iter().all(is_eye) && all_are_paired(&pieces)
 }
@@ -80,7 +80,7 @@ fn borders(faces: &[[u32; 3]]) -> BTreeMap<[u32; 2], u32> {
 }
 
 /// Returns the indices of the faces of each connected component, in the order of their first faces.
-pub(super) fn pieces(faces: &[[u32; 3]]) -> Vec<Vec<usize>> {
+pub(super) fn components(faces: &[[u32; 3]]) -> Vec<Vec<usize>> {
     let mut parent: BTreeMap<u32, u32> = BTreeMap::new();
     let root = |parent: &mut BTreeMap<u32, u32>, mut place: u32| {
         while let Some(up) = parent.get(&place).copied().filter(|up| *up != place) {
@@ -113,7 +113,7 @@ pub(super) fn pieces(faces: &[[u32; 3]]) -> Vec<Vec<usize>> {
 }
 
 /// Measures a piece. A hole is closed by a fan around its centre, which is not counted in the area.
-fn measured(faces: &[[u32; 3]], borders: &BTreeMap<[u32; 2], u32>, at: &dyn Fn(&u32) -> DVec3) -> Piece {
+fn measure(faces: &[[u32; 3]], borders: &BTreeMap<[u32; 2], u32>, at: &dyn Fn(&u32) -> DVec3) -> ComponentShape {
     let mean = |places: &[u32]| places.iter().map(at).sum::<DVec3>() / places.len().max(1) as f64;
     let all: Vec<u32> = faces.iter().flatten().copied().collect();
     let rim: Vec<u32> = faces.iter().flat_map(edges).filter(|edge| borders.contains_key(edge)).flatten().collect();
@@ -125,11 +125,11 @@ fn measured(faces: &[[u32; 3]], borders: &BTreeMap<[u32; 2], u32>, at: &dyn Fn(&
         area += (b - a).cross(c - a).length() / 2.0;
     }
     let roundness = if area > 0.0 { 36.0 * std::f64::consts::PI * volume * volume / (area * area * area) } else { 0.0 };
-    Piece { center: mean(&all), area, roundness }
+    ComponentShape { center: mean(&all), area, roundness }
 }
 
 /// Whether each piece has another of its size beside it, not around it.
-fn all_are_paired(pieces: &[Piece]) -> bool {
+fn all_are_paired(pieces: &[ComponentShape]) -> bool {
     let mut paired = vec![false; pieces.len()];
     for (i, piece) in pieces.iter().enumerate() {
         if paired[i] {

@@ -1,6 +1,6 @@
 //! Patches: connected parts of a material, with size, colour and neighbours.
 
-use super::pairs::{edges, pieces};
+use super::pairs::{edges, components};
 use glam::DVec3;
 use pelage_import::mesh::{Model, RestPose};
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ pub(super) struct Face {
 }
 
 /// Triangles of a model at rest, with their connectivity.
-pub(super) struct Skin {
+pub(super) struct FaceMesh {
     /// Faces, one per triangle of the mesh.
     pub faces: Vec<Face>,
     /// Position of each welded vertex, metres.
@@ -58,7 +58,7 @@ pub(super) struct Patch {
     rim: Vec<DVec3>,
 }
 
-impl Skin {
+impl FaceMesh {
     /// Analyses a model.
     ///
     /// * `places`: numbers of its vertices from [`super::pairs::weld`]
@@ -121,7 +121,7 @@ impl Skin {
         let own: Vec<usize> = (0..self.faces.len()).filter(|i| self.faces[*i].material == material).collect();
         let places: Vec<[u32; 3]> = own.iter().map(|i| self.faces[*i].places).collect();
         let patch = |piece: &Vec<usize>| self.patch(material, piece.iter().map(|i| own[*i]).collect());
-        pieces(&places).iter().map(patch).collect()
+        components(&places).iter().map(patch).collect()
     }
 
     fn patch(&self, material: usize, triangles: Vec<usize>) -> Patch {

@@ -5,7 +5,7 @@
 //! texture.
 
 use super::atlas::{Atlas, linear_image, srgb_image};
-use super::canvas::Spot;
+use super::canvas::SurfacePoint;
 use super::colors::Colors;
 use super::maps::{GroomTextures, MapImages};
 use super::projection::Projection;
@@ -71,15 +71,15 @@ impl Pattern<'_> {
         grooms: &mut GroomTextures,
     ) {
         let material_of = material_of_triangles(surface);
-        let material = |spot: Spot| material_of[spot.triangle];
+        let material = |spot: SurfacePoint| material_of[spot.triangle];
         let texels = atlas.paint(|spot, extent| {
             let own = colors.materials.get(material(spot)).and_then(|m| m.image).map(|image| &colors.images[image]);
             // Four samples per texel for smooth borders in the image.
             let samples = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(dx, dy)| {
-                let at = Spot { weights: spot.weights + extent[0] * dx + extent[1] * dy, ..spot };
-                let normal = at.mean(surface, &surface.rest.normals).normalize_or(Vec3::Y);
-                let pattern = self.color(at.mean(surface, &surface.rest.positions), normal).extend(1.0);
-                pattern * own.map_or(Vec4::ONE, |image| read(surface, at, image, Encoding::Srgb))
+                let at = SurfacePoint { weights: spot.weights + extent[0] * dx + extent[1] * dy, ..spot };
+                let normal = at.interpolate(surface, &surface.rest.normals).normalize_or(Vec3::Y);
+                let pattern = self.color(at.interpolate(surface, &surface.rest.positions), normal).extend(1.0);
+                pattern * own.map_or(Vec4::ONE, |image| sample_model_uvs(surface, at, image, Encoding::Srgb))
             });
             samples.into_iter().sum::<Vec4>() / 4.0
         });
@@ -87,19 +87,19 @@ impl Pattern<'_> {
         let groom = grooms.of_material.iter().any(Option::is_some).then(|| {
             let texels = atlas.paint(|spot, _| {
                 let own = grooms.of_material.get(material(spot)).copied().flatten().map(|image| &grooms.images[image]);
-                own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| read(surface, spot, image, Encoding::Linear))
+                own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| sample_model_uvs(surface, spot, image, Encoding::Linear))
             });
             linear_image(atlas.side, &texels)
         });
 
-        hand_over(atlas, furred, (color, groom), surface, colors, grooms);
+        assign_textures(atlas, furred, (color, groom), surface, colors, grooms);
     }
 }
 
 /// Assigns the painted colour and groom textures to some of the materials, and changes their texture coordinates.
 ///
 /// * `of_material`: whether each material is one of them
-pub(super) fn hand_over(
+pub(super) fn assign_textures(
     atlas: &Atlas,
     of_material: &[bool],
     (color, groom): (Image, Option<Image>),
@@ -119,16 +119,16 @@ pub(super) fn hand_over(
     }
 }
 
-impl Spot {
+impl SurfacePoint {
     /// Interpolates a value between the triangle's vertices.
-    pub(super) fn mean(self, surface: &Surface, values: &[Vec3]) -> Vec3 {
+    pub(super) fn interpolate(self, surface: &Surface, values: &[Vec3]) -> Vec3 {
         let [a, b, c] = surface.mesh.triangles[self.triangle].map(|v| values[v as usize]);
         a * self.weights.x + b * self.weights.y + c * self.weights.z
     }
 }
 
 /// Samples an image in the model's own texture coordinates.
-pub(super) fn read(surface: &Surface, spot: Spot, image: &Image, encoding: Encoding) -> Vec4 {
+pub(super) fn sample_model_uvs(surface: &Surface, spot: SurfacePoint, image: &Image, encoding: Encoding) -> Vec4 {
     let [a, b, c] = surface.mesh.triangles[spot.triangle].map(|v| surface.mesh.uvs[v as usize]);
     bilinear(image, a * spot.weights.x + b * spot.weights.y + c * spot.weights.z, Wrap::Repeat, encoding)
 }

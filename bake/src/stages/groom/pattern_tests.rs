@@ -109,10 +109,10 @@ fn errors(painted: &Painted, pattern: &Pattern<'_>, level: u32) -> (f32, f32) {
     let part = &surface.mesh.parts[0];
     for triangle in part.first_triangle..part.first_triangle + part.triangle_count {
         for weights in weights.map(Vec3::from) {
-            let spot = Spot { triangle, weights };
-            let normal = spot.mean(surface, &surface.rest.normals).normalize();
-            let expected = pattern.color(spot.mean(surface, &surface.rest.positions), normal);
-            let found = read(surface, spot, &image, Encoding::Srgb).truncate();
+            let spot = SurfacePoint { triangle, weights };
+            let normal = spot.interpolate(surface, &surface.rest.normals).normalize();
+            let expected = pattern.color(spot.interpolate(surface, &surface.rest.positions), normal);
+            let found = sample_model_uvs(surface, spot, &image, Encoding::Srgb).truncate();
             let error = (found - expected).abs().max_element();
             (worst, sum, count) = (worst.max(error), sum + error, count + 1.0);
         }

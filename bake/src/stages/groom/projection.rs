@@ -31,7 +31,7 @@ pub(super) struct Projection {
 
 /// Point on a projected image.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct OnImage {
+pub(super) struct ImagePoint {
     /// Coordinates right and down, 0..1 within the image.
     pub(super) uv: Vec2,
     /// Unit directions at rest that point right and up on the image.
@@ -124,13 +124,13 @@ impl Projection {
 
     /// Returns the value of `read` at the point of the image for a position, metres at rest; with several axes the mean
     /// weighted by the unit normal there.
-    pub(super) fn read<T>(&self, position: Vec3, normal: Vec3, read: impl Fn(OnImage) -> T) -> T
+    pub(super) fn read<T>(&self, position: Vec3, normal: Vec3, read: impl Fn(ImagePoint) -> T) -> T
     where
         T: Default + Add<Output = T> + Mul<f32, Output = T> + Div<f32, Output = T>,
     {
         let along = |axis: Axis| {
             let uv = axis.on_image(position - self.center) / self.size_m + 0.5;
-            read(OnImage { uv, axes: axis.right_and_up() })
+            read(ImagePoint { uv, axes: axis.right_and_up() })
         };
         match axes(self.along) {
             [axis] => along(*axis),

@@ -6,7 +6,7 @@
 //! `robe` (French: a horse's coat), `hana`.
 
 /// Words for one kind of thing, and the largest share of the mesh surface that it may cover.
-pub(super) struct Kind {
+pub(super) struct BareWords {
     /// Largest share of the mesh's area, 0..=1. Something that covers more is more likely the name of the whole animal.
     pub most: f32,
     /// Words, folded as by [`super::names::words`].
@@ -33,10 +33,10 @@ pub(super) const EYES: &[&str] = &[
 
 /// Bare parts and things.
 #[rustfmt::skip]
-pub(super) const BARE: &[Kind] = &[
-    Kind { most: PART, words: EYES },
+pub(super) const BARE: &[BareWords] = &[
+    BareWords { most: PART, words: EYES },
     // Teeth, tongue, inside of the mouth.
-    Kind { most: PART, words: &[
+    BareWords { most: PART, words: &[
         "tooth", "teeth", "fang", "tusk", "molar", "incisor", "tongue", "gums", "palate", "innermouth", "mouthbag", "mouthcavity",
         "zahn", "zahne", "zaehne", "reisszahn", "reisszahne", "zunge", "zahnfleisch", "gaumen", "mundhohle", "mundhoehle",
         "dent", "croc", "langue", "gencive", "diente", "colmillo", "lengua", "encia",
@@ -45,7 +45,7 @@ pub(super) const BARE: &[Kind] = &[
         "歯", "牙", "舌", "歯茎", "歯ぐき", "奥歯", "前歯", "口内", "口腔", "口の中", "牙齿", "牙齒", "齿", "舌头", "舌頭", "牙龈", "牙齦", "べろ", "ベロ",
     ] },
     // Claws, hooves, horns, beaks.
-    Kind { most: PART, words: &[
+    BareWords { most: PART, words: &[
         "claw", "talon", "nail", "toenail", "fingernail", "hoof", "hooves", "horn", "antler", "beak", "pad", "pawpad", "toebean",
         "kralle", "krallen", "klaue", "klauen", "nagel", "naegel", "huf", "hufe", "horner", "hoerner", "geweih", "schnabel",
         "griffe", "ongle", "sabot", "corne", "ramure", "bec",
@@ -57,12 +57,12 @@ pub(super) const BARE: &[Kind] = &[
         "犄角", "牛角", "羊角", "鹿角", "鸟嘴", "鳥嘴",
     ] },
     // Noses.
-    Kind { most: NOSE, words: &[
+    BareWords { most: NOSE, words: &[
         "nose", "nostril", "nase", "nuster", "nustern", "nuester", "nuestern", "nez", "truffe", "narine", "nariz", "fosa", "naso", "narice", "narici",
         "narina", "bizi", "bikong", "鼻", "鼻子", "鼻孔", "鼻头", "鼻頭", "鼻先", "はな",
     ] },
     // Worn things and their materials.
-    Kind { most: WORN, words: &[
+    BareWords { most: WORN, words: &[
         "cloth", "clothes", "clothing", "garment", "shirt", "tshirt", "pants", "trousers", "jeans", "shorts", "skirt", "dress", "jacket", "vest", "scarf",
         "hat", "helmet", "glove", "sock", "shoe", "boot", "horseshoe", "collar", "dogtag", "belt", "buckle", "strap", "saddle", "bridle", "reins", "halter",
         "harness", "stirrup", "leash", "armor", "armour", "ribbon", "bowtie", "leather", "metal", "glass", "glasses", "goggles", "sunglasses", "lens", "lenses",
@@ -83,8 +83,8 @@ pub(super) const BARE: &[Kind] = &[
 ];
 
 /// The mouth: bare only beside a word of [`INSIDE`], because alone it can also mean the furred lips.
-pub(super) const MOUTH: Kind =
-    Kind { most: PART, words: &["mouth", "jaw", "mund", "maul", "bouche", "gueule", "boca", "bocca", "kuchi"] };
+pub(super) const MOUTH: BareWords =
+    BareWords { most: PART, words: &["mouth", "jaw", "mund", "maul", "bouche", "gueule", "boca", "bocca", "kuchi"] };
 
 /// Words that mark the inside of a mouth.
 #[rustfmt::skip]
@@ -117,8 +117,8 @@ pub(super) const FURRED_WITHIN: &[&str] = &[
 ];
 
 /// Position words that are joined to other words: `lefteye`.
-pub(super) const PLACES: &[&str] =
+pub(super) const POSITION_WORDS: &[&str] =
     &["left", "right", "upper", "lower", "inner", "outer", "front", "back", "material", "mat"];
 
 /// Characters for position and number before or after other words: left, right, both, up, down.
-pub(super) const PLACE_CHARACTERS: &[char] = &['左', '右', '両', '两', '兩', '双', '上', '下'];
+pub(super) const POSITION_CHARACTERS: &[char] = &['左', '右', '両', '两', '兩', '双', '上', '下'];

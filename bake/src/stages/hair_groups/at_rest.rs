@@ -1,30 +1,30 @@
 //! Guides of a package in the rest pose, for editing in other programs: decoding to points and writing edited guides
 //! back.
 
-use super::body::Body;
+use super::body::SurfaceIndex;
 use glam::{DVec3, Vec3};
 use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::posed_vertices;
-use pelage_formats::{FormatError, HairGroup, OnTriangle, Package, Pose};
+use pelage_formats::{FormatError, HairGroup, TrianglePoint, Package, Pose};
 
 /// Largest distance of a root from the scalp, as a share of the model's size; a root farther away was not meant for the
 /// scalp.
-const LOOSE: f32 = 0.1;
+const MAX_ROOT_DISTANCE: f32 = 0.1;
 /// Tolerance for unmoved roots, as a share of the largest coordinate: other programs convert coordinates to another
 /// unit and back.
-const SAME: f32 = 4e-6;
+const UNMOVED_TOLERANCE: f32 = 4e-6;
 /// Largest stored offset; represents the group's reach.
-const MOST: f64 = 32767.0;
+const MAX_STORED: f64 = 32767.0;
 
 /// Mesh of a package in the rest pose.
 #[derive(Clone, Debug, Default)]
-pub struct RestSkin {
+pub struct RestMesh {
     triangles: Vec<[u32; 3]>,
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
 }
 
-impl RestSkin {
+impl RestMesh {
     /// Reads the mesh of a package and poses it at rest.
     ///
     /// # Errors
@@ -48,20 +48,20 @@ impl RestSkin {
 }
 
 /// Quantised offsets of a guide as a package stores them, if known.
-pub type Kept<'a> = Option<&'a [[i16; 3]]>;
+pub type StoredOffsets<'a> = Option<&'a [[i16; 3]]>;
 
 /// Converts a quantised offset to metres.
 fn decoded(offset: &[i16; 3], reach_m: f32) -> DVec3 {
-    DVec3::from(offset.map(|x| f64::from(x.max(-32767)) / MOST)) * f64::from(reach_m)
+    DVec3::from(offset.map(|x| f64::from(x.max(-32767)) / MAX_STORED)) * f64::from(reach_m)
 }
 
 /// Guides on a mesh in the rest pose. All triangles that groups refer to must exist.
 #[derive(Clone, Copy, Debug)]
-pub struct GuidesAtRest<'a>(pub &'a RestSkin);
+pub struct GuidesAtRest<'a>(pub &'a RestMesh);
 
 impl GuidesAtRest<'_> {
     /// Returns the points of a guide with the given root and quantised offsets: world space, metres, root first.
-    pub fn points(&self, root: &OnTriangle, offsets: &[[i16; 3]], reach_m: f32) -> Vec<Vec3> {
+    pub fn points(&self, root: &TrianglePoint, offsets: &[[i16; 3]], reach_m: f32) -> Vec<Vec3> {
         let (start, frame) = (self.place(root), self.frame(root));
         let point = |offset: &[i16; 3]| (start + frame * decoded(offset, reach_m)).as_vec3();
         std::iter::once(start.as_vec3()).chain(offsets.iter().map(point)).collect()
@@ -75,9 +75,9 @@ impl GuidesAtRest<'_> {
     ///
     /// # Errors
     /// The index of the guide, and the reason.
-    pub fn set(&self, group: &mut HairGroup, guides: &[Vec<Vec3>], exact: &[Kept<'_>]) -> Result<(), (usize, String)> {
+    pub fn set(&self, group: &mut HairGroup, guides: &[Vec<Vec3>], exact: &[StoredOffsets<'_>]) -> Result<(), (usize, String)> {
         let old_reach_m = group.reach_m;
-        let exact: Vec<Kept<'_>> = group
+        let exact: Vec<StoredOffsets<'_>> = group
             .roots()
             .zip(guides)
             .zip(exact)
@@ -103,11 +103,11 @@ impl GuidesAtRest<'_> {
         }
         let farthest = local.iter().map(reach).fold(0.0, f64::max);
         // Rounding recovers up to half a quantisation step.
-        if farthest > f64::from(group.reach_m) * (1.0 + 0.5 / MOST) {
+        if farthest > f64::from(group.reach_m) * (1.0 + 0.5 / MAX_STORED) {
             group.reach_m = farthest as f32;
         }
-        let whole = |x: f64| (x / f64::from(group.reach_m) * MOST).round() as i16;
-        let stored = |(local, exact): (&Vec<DVec3>, &Kept<'_>)| match exact {
+        let whole = |x: f64| (x / f64::from(group.reach_m) * MAX_STORED).round() as i16;
+        let stored = |(local, exact): (&Vec<DVec3>, &StoredOffsets<'_>)| match exact {
             Some(offsets) if group.reach_m == old_reach_m => offsets.to_vec(),
             _ => local.iter().map(|p| p.to_array().map(whole)).collect::<Vec<_>>(),
         };
@@ -122,16 +122,16 @@ impl GuidesAtRest<'_> {
             .zip(guides)
             .enumerate()
             .map(|(number, (root, points))| (number, self.place(&root).as_vec3(), points[0]))
-            .filter(|(_, stood, stands)| stands.distance(*stood) > SAME * stood.abs().max_element())
+            .filter(|(_, stood, stands)| stands.distance(*stood) > UNMOVED_TOLERANCE * stood.abs().max_element())
             .collect();
         if moved.is_empty() {
             return Ok(());
         }
-        let RestSkin { triangles, positions, normals } = self.0;
-        let body = Body::new(triangles, positions, normals);
+        let RestMesh { triangles, positions, normals } = self.0;
+        let body = SurfaceIndex::new(triangles, positions, normals);
         let places = || positions.iter().copied();
         let (low, high) = (places().fold(Vec3::INFINITY, Vec3::min), places().fold(Vec3::NEG_INFINITY, Vec3::max));
-        let loose_m = 0.5 * LOOSE * low.distance(high);
+        let loose_m = 0.5 * MAX_ROOT_DISTANCE * low.distance(high);
         let mut on_scalp = vec![group.scalp.is_empty(); triangles.len()];
         group.scalp.iter().for_each(|(triangle, _)| on_scalp[*triangle as usize] = true);
         for (number, stood, stands) in moved {
@@ -150,13 +150,13 @@ impl GuidesAtRest<'_> {
         self.0.triangles[triangle as usize].map(|v| self.0.positions[v as usize])
     }
 
-    fn place(&self, root: &OnTriangle) -> DVec3 {
+    fn place(&self, root: &TrianglePoint) -> DVec3 {
         let [a, b, c] = self.corners(root.triangle).map(Vec3::as_dvec3);
         let [u, v, w] = root.weights.map(f64::from);
         a * u + b * v + c * w
     }
 
-    fn frame(&self, root: &OnTriangle) -> glam::DMat3 {
+    fn frame(&self, root: &TrianglePoint) -> glam::DMat3 {
         triangle_frame(self.corners(root.triangle)).as_dmat3()
     }
 }

@@ -1,36 +1,36 @@
 //! Mesh in the rest pose, with queries for the nearest surface point.
 
-use crate::stages::cells::{Cells, closest};
+use crate::stages::cells::{TriangleGrid, closest_barycentric};
 use glam::Vec3;
-use pelage_formats::OnTriangle;
+use pelage_formats::TrianglePoint;
 use pelage_formats::meaning::hair_groups::triangle_frame;
 
 /// Triangles of a mesh in the rest pose.
-pub(super) struct Body<'a> {
+pub(super) struct SurfaceIndex<'a> {
     pub(super) triangles: &'a [[u32; 3]],
     positions: &'a [Vec3],
     normals: &'a [Vec3],
-    cells: Cells,
+    cells: TriangleGrid,
     /// Mean edge length, metres.
     edge_m: f32,
 }
 
 /// Surface point nearest to a query point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest {
-    pub(super) at: OnTriangle,
+pub(super) struct SurfacePoint {
+    pub(super) at: TrianglePoint,
     pub(super) place: Vec3,
     /// Surface normal there, a unit vector.
     pub(super) normal: Vec3,
     pub(super) distance_m: f32,
 }
 
-impl<'a> Body<'a> {
+impl<'a> SurfaceIndex<'a> {
     pub(super) fn new(triangles: &'a [[u32; 3]], positions: &'a [Vec3], normals: &'a [Vec3]) -> Self {
         let place = |v: u32| positions[v as usize];
         let edges: f32 = triangles.iter().map(|t| place(t[0]).distance(place(t[1]))).sum();
         let edge_m = (edges / triangles.len().max(1) as f32).max(1e-9);
-        Self { triangles, positions, normals, cells: Cells::new(triangles, &place, edge_m), edge_m }
+        Self { triangles, positions, normals, cells: TriangleGrid::new(triangles, &place, edge_m), edge_m }
     }
 
     pub(super) fn corners(&self, triangle: u32) -> [Vec3; 3] {
@@ -38,14 +38,14 @@ impl<'a> Body<'a> {
     }
 
     /// Returns the surface normal, a unit vector.
-    pub(super) fn normal(&self, at: &OnTriangle) -> Vec3 {
+    pub(super) fn normal(&self, at: &TrianglePoint) -> Vec3 {
         let [a, b, c] = self.triangles[at.triangle as usize].map(|v| self.normals[v as usize]);
         let mixed = a * at.weights[0] + b * at.weights[1] + c * at.weights[2];
         mixed.try_normalize().unwrap_or(Vec3::Y)
     }
 
     /// Returns the nearest surface point within `reach_m` metres, on the triangles that `of` accepts.
-    pub(super) fn nearest(&self, p: Vec3, reach_m: f32, of: impl Fn(u32) -> bool) -> Option<Nearest> {
+    pub(super) fn nearest(&self, p: Vec3, reach_m: f32, of: impl Fn(u32) -> bool) -> Option<SurfacePoint> {
         // Most query points are near the surface: the search widens only if it finds nothing.
         let mut reach = self.edge_m.min(reach_m);
         loop {
@@ -57,23 +57,23 @@ impl<'a> Body<'a> {
         }
     }
 
-    fn nearest_within(&self, p: Vec3, reach_m: f32, of: &impl Fn(u32) -> bool) -> Option<Nearest> {
-        let mut found: Option<Nearest> = None;
+    fn nearest_within(&self, p: Vec3, reach_m: f32, of: &impl Fn(u32) -> bool) -> Option<SurfacePoint> {
+        let mut found: Option<SurfacePoint> = None;
         for triangle in self.cells.within(p, reach_m).filter(|t| of(*t)) {
-            let at = OnTriangle { triangle, weights: closest(p, self.corners(triangle)).to_array() };
-            let place = at.place(self.corners(triangle));
+            let at = TrianglePoint { triangle, weights: closest_barycentric(p, self.corners(triangle)).to_array() };
+            let place = at.position(self.corners(triangle));
             let distance_m = place.distance(p);
             let nearer = found.is_none_or(|f| (distance_m, triangle) < (f.distance_m, f.at.triangle));
             if distance_m <= reach_m && nearer {
-                found = Some(Nearest { at, place, normal: Vec3::ZERO, distance_m });
+                found = Some(SurfacePoint { at, place, normal: Vec3::ZERO, distance_m });
             }
         }
-        found.map(|near| Nearest { normal: self.normal(&near.at), ..near })
+        found.map(|near| SurfacePoint { normal: self.normal(&near.at), ..near })
     }
 
     /// Returns the signed distance of `p` from the surface, metres, below 0 inside the body, with the nearest surface
     /// point; `None` if farther than `reach_m`.
-    pub(super) fn depth(&self, p: Vec3, reach_m: f32) -> Option<(f32, Nearest)> {
+    pub(super) fn signed_distance(&self, p: Vec3, reach_m: f32) -> Option<(f32, SurfacePoint)> {
         let near = self.nearest(p, reach_m, |_| true)?;
         let outside = (p - near.place).dot(near.normal) >= 0.0;
         Some((if outside { near.distance_m } else { -near.distance_m }, near))
@@ -81,8 +81,8 @@ impl<'a> Body<'a> {
 
     /// Converts guides to the form that a package stores: relative to their roots, in the frames of their triangles,
     /// without the root.
-    pub(super) fn in_frames(&self, guides: &[(OnTriangle, Vec<Vec3>)]) -> Vec<(OnTriangle, Vec<Vec3>)> {
-        let local = |(root, points): &(OnTriangle, Vec<Vec3>)| {
+    pub(super) fn in_frames(&self, guides: &[(TrianglePoint, Vec<Vec3>)]) -> Vec<(TrianglePoint, Vec<Vec3>)> {
+        let local = |(root, points): &(TrianglePoint, Vec<Vec3>)| {
             let frame = triangle_frame(self.corners(root.triangle)).transpose();
             (*root, points[1..].iter().map(|p| frame * (*p - points[0])).collect())
         };

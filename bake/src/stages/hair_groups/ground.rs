@@ -2,12 +2,12 @@
 
 use crate::recipe::SrgbColor;
 use crate::stages::groom::MapImages;
-use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPlace, RestPose};
+use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPosition, RestPose};
 use pelage_params::glob;
 
 /// Model that hair grows on.
 #[derive(Clone, Copy, Debug)]
-pub struct Ground<'a> {
+pub struct GroomTarget<'a> {
     /// File name of the model as the user gave it, for messages.
     pub file: &'a str,
     /// Mesh as stored in the package.
@@ -19,13 +19,13 @@ pub struct Ground<'a> {
     /// Materials of the model.
     pub materials: &'a [Material],
     /// Named nodes of the model.
-    pub nodes: &'a [NamedPlace],
+    pub nodes: &'a [NamedPosition],
     /// Images and strand files that the recipe names.
     pub files: &'a MapImages,
 }
 
 /// Returns the parts whose material names match `pattern`, or an error message if there are none.
-pub(super) fn parts_of<'a>(pattern: &str, ground: &Ground<'a>) -> Result<Vec<&'a MeshPart>, String> {
+pub(super) fn parts_of<'a>(pattern: &str, ground: &GroomTarget<'a>) -> Result<Vec<&'a MeshPart>, String> {
     let named =
         |part: &&MeshPart| ground.materials.get(part.material).is_some_and(|material| glob(pattern, &material.name));
     let parts: Vec<_> = ground.mesh.parts.iter().filter(named).collect();

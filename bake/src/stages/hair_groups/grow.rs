@@ -1,11 +1,11 @@
 //! Growth of guides: each leaves the surface along its normal and turns to where it falls or is combed to, without
 //! entering the body.
 
-use super::body::Body;
-use crate::noise::{along, uniform};
-use crate::stages::hair::GuideForces;
+use super::body::SurfaceIndex;
+use crate::noise::{noise_1d, uniform};
+use crate::stages::simulate::GuideForces;
 use glam::{Quat, Vec3};
-use pelage_formats::OnTriangle;
+use pelage_formats::TrianglePoint;
 use pelage_formats::meaning::hair_groups::smoothed;
 
 /// Growth steps of a guide.
@@ -42,32 +42,32 @@ const TURNS: f32 = 4.0;
 
 impl Growth {
     /// Grows a guide from `root` and returns its points, root first.
-    pub(super) fn guide(&self, body: &Body<'_>, root: &OnTriangle, seed: u64) -> Vec<Vec3> {
-        let start = root.place(body.corners(root.triangle));
+    pub(super) fn guide(&self, body: &SurfaceIndex<'_>, root: &TrianglePoint, seed: u64) -> Vec<Vec3> {
+        let start = root.position(body.corners(root.triangle));
         let step_m = self.length_m / STEPS as f32;
         // Hair lies on hair: each guide keeps a different distance from the surface.
         let lift_m = self.lift * self.length_m * (0.25 + 0.75 * uniform(seed, 1));
         let forces = self.forces;
         let turned = 1.0 - libm::expf(-1.0 / (STEPS as f32 * self.stiffness * forces.stiffness));
         let reach_m = (2.0 * lift_m).max(4.0 * step_m);
-        let mut way = self.first_way(start, body.normal(root), seed);
+        let mut way = self.initial_direction(start, body.normal(root), seed);
         let mut points = vec![start];
         for k in 1..=STEPS {
             let at = points[k - 1];
             let share = k as f32 / STEPS as f32;
             let mut target = self.fall;
             if forces.follows_skin
-                && let Some((_, near)) = body.depth(at, reach_m)
+                && let Some((_, near)) = body.signed_distance(at, reach_m)
             {
                 target = target.reject_from_normalized(near.normal);
             }
-            target += forces.waves * along(seed, WAVES * share);
+            target += forces.waves * noise_1d(seed, WAVES * share);
             way = way.lerp(target.try_normalize().unwrap_or(way), turned).try_normalize().unwrap_or(way);
             // Near its root, hair stays near the surface.
             let clear_m = lift_m * (4.0 * share).min(1.0) * forces.lift;
             let mut next = at + way * step_m;
             for _ in 0..PUSHES {
-                let Some((depth_m, near)) = body.depth(next, reach_m).filter(|(depth_m, _)| *depth_m < clear_m) else {
+                let Some((depth_m, near)) = body.signed_distance(next, reach_m).filter(|(depth_m, _)| *depth_m < clear_m) else {
                     break;
                 };
                 next += near.normal * (clear_m - depth_m).min(step_m);
@@ -79,19 +79,19 @@ impl Growth {
             points.push(next);
         }
         if forces.curl > 0.0 {
-            points = self.curled(&points, seed);
+            points = self.curl(&points, seed);
         }
         smoothed(&points, self.guide_points)
     }
 
     /// Returns the initial direction of hair: combed, or else the part of its fall direction along the surface.
-    fn first_way(&self, root: Vec3, normal: Vec3, seed: u64) -> Vec3 {
+    fn initial_direction(&self, root: Vec3, normal: Vec3, seed: u64) -> Vec3 {
         let aside = self.parting_m.map_or(Vec3::ZERO, |x| if root.x < x { Vec3::NEG_X } else { Vec3::X });
         // Hair combed straight away from the surface follows its fall direction.
         let wanted = self.comb + aside + FALLING * self.fall;
         let along_skin = wanted.reject_from_normalized(normal);
         // At the crown no direction is preferred: each hair takes a random one.
-        let chance = 0.15 * along(seed, 0.5).reject_from_normalized(normal);
+        let chance = 0.15 * noise_1d(seed, 0.5).reject_from_normalized(normal);
         (along_skin + chance)
             .normalize_or_zero()
             .lerp(normal, self.rise / (1.0 + self.rise))
@@ -100,7 +100,7 @@ impl Growth {
     }
 
     /// Winds the points into a helix around their curve, widening from the root.
-    fn curled(&self, points: &[Vec3], seed: u64) -> Vec<Vec3> {
+    fn curl(&self, points: &[Vec3], seed: u64) -> Vec<Vec3> {
         let begin = std::f32::consts::TAU * uniform(seed, 2);
         let mut before = (points[1] - points[0]).normalize_or(Vec3::Y);
         let mut side = before.any_orthonormal_vector();
@@ -108,7 +108,7 @@ impl Growth {
         (0..points.len())
             .map(|k| {
                 let along = points[(k + 1).min(last)] - points[k.max(1) - 1];
-                let axis = along.try_normalize().unwrap_or(before);
+                let axis = noise_1d.try_normalize().unwrap_or(before);
                 side = Quat::from_rotation_arc(before, axis) * side;
                 before = axis;
                 let share = k as f32 / last as f32;

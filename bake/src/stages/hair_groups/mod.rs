@@ -12,18 +12,18 @@ mod tuft;
 #[cfg(test)]
 mod tests;
 
-pub use at_rest::{GuidesAtRest, Kept, RestSkin};
-pub use ground::Ground;
+pub use at_rest::{GuidesAtRest, StoredOffsets, RestMesh};
+pub use ground::GroomTarget;
 
 use crate::recipe::{HairGroupParams, ScalarMap, StrandParams};
 use crate::stages::groom::scalar_at;
-use crate::stages::hair::StyleForces;
-use body::Body;
+use crate::stages::simulate::StyleForces;
+use body::SurfaceIndex;
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use ground::{bytes, parts_of};
 use grow::Growth;
-use pelage_formats::meaning::hair_groups::{Near, roots, smoothed};
-use pelage_formats::{HairGroup, OnTriangle};
+use pelage_formats::meaning::hair_groups::{PointGrid, roots, smoothed};
+use pelage_formats::{HairGroup, TrianglePoint};
 use pelage_import::BakeError;
 use pelage_import::guides::Guides;
 use pelage_import::mesh::MeshPart;
@@ -32,13 +32,13 @@ use tuft::tuft_of;
 
 /// Largest distance between a file's guide roots and the scalp, as a share of the model's radius; guides farther away
 /// are left out.
-const LOOSE: f32 = 0.1;
+const MAX_ROOT_DISTANCE: f32 = 0.1;
 /// Share of a guide's points that is moved towards the scalp.
-const LED: f32 = 0.4;
+const MOVED_SHARE: f32 = 0.4;
 /// Maximum number of guides of a group.
 const MOST_GUIDES: usize = 1 << 16;
 /// Density below which no hair grows.
-const BARE: f32 = 0.01;
+const MIN_DENSITY: f32 = 0.01;
 
 /// Hair on guides.
 #[derive(Clone, Debug, Default)]
@@ -56,30 +56,30 @@ pub struct GuidedHair {
 /// # Errors
 /// [`BakeError::Input`] naming the table if nothing can grow: the material does not exist, or no triangle is left, or
 /// no guide touches the scalp.
-pub fn groups(params: &StrandParams, ground: &Ground<'_>) -> Result<GuidedHair, BakeError> {
+pub fn groups(params: &StrandParams, ground: &GroomTarget<'_>) -> Result<GuidedHair, BakeError> {
     let mut hair = GuidedHair::default();
     if params.group.is_empty() && params.tuft.is_empty() {
         return Ok(hair);
     }
-    let body = Body::new(&ground.mesh.triangles, &ground.rest.positions, &ground.rest.normals);
+    let body = SurfaceIndex::new(&ground.mesh.triangles, &ground.rest.positions, &ground.rest.normals);
     for (number, group) in params.group.iter().enumerate() {
-        let fail = |reason: Fault| match reason {
-            Fault::Here(reason) => fault(ground, "group", number, &group.name, reason),
-            Fault::Elsewhere(error) => error,
+        let fail = |reason: GroupError| match reason {
+            GroupError::Here(reason) => input_error(ground, "group", number, &group.name, reason),
+            GroupError::Elsewhere(error) => error,
         };
         let made = group_of(group, ground, &body, &mut hair.warnings).map_err(fail)?;
         hair.freedom.push(freedom(group, &made, ground)?);
         hair.groups.push(made);
     }
     for (number, tuft) in params.tuft.iter().enumerate() {
-        let fail = |reason| fault(ground, "tuft", number, &tuft.name, reason);
+        let fail = |reason| input_error(ground, "tuft", number, &tuft.name, reason);
         hair.groups.push(tuft_of(tuft, ground, &body, &mut hair.warnings).map_err(fail)?);
         hair.freedom.push(Vec::new());
     }
     Ok(hair)
 }
 
-fn fault(ground: &Ground<'_>, table: &str, number: usize, name: &str, reason: String) -> BakeError {
+fn input_error(ground: &GroomTarget<'_>, table: &str, number: usize, name: &str, reason: String) -> BakeError {
     BakeError::Input {
         file: ground.file.to_owned(),
         place: format!("strands.{table}, table {number} {name:?}"),
@@ -88,12 +88,12 @@ fn fault(ground: &Ground<'_>, table: &str, number: usize, name: &str, reason: St
 }
 
 /// Reason why a group cannot be made: a message about the group, or an error from elsewhere.
-enum Fault {
+enum GroupError {
     Here(String),
     Elsewhere(BakeError),
 }
 
-impl From<BakeError> for Fault {
+impl From<BakeError> for GroupError {
     fn from(error: BakeError) -> Self {
         Self::Elsewhere(error)
     }
@@ -101,10 +101,10 @@ impl From<BakeError> for Fault {
 
 fn group_of(
     params: &HairGroupParams,
-    ground: &Ground<'_>,
-    body: &Body<'_>,
+    ground: &GroomTarget<'_>,
+    body: &SurfaceIndex<'_>,
     warnings: &mut Vec<String>,
-) -> Result<HairGroup, Fault> {
+) -> Result<HairGroup, GroupError> {
     let scalp = scalp(params, ground)?;
     let length_m = params.length_m.unwrap_or(ground.radius_m / 6.0);
     let forces = StyleForces::of(params.style()).guides;
@@ -133,14 +133,14 @@ fn group_of(
             let strands = ground.files.strands.get(&path.0);
             let missing = || BakeError::Internal(format!("the strands {:?} were not read", path.0));
             let guides = read_guides(params, &group, strands.ok_or_else(missing)?, ground, body, warnings)?;
-            group.scalp = beside(&group.scalp, &guides, body);
+            group.scalp = scalp_near_guides(&group.scalp, &guides, body);
             guides
         }
         None => {
             let fall = Vec3::from(params.fall()).try_normalize();
             let growth = Growth {
                 forces,
-                fall: fall.ok_or_else(|| Fault::Here("fall is [0, 0, 0], expected a direction".into()))?,
+                fall: fall.ok_or_else(|| GroupError::Here("fall is [0, 0, 0], expected a direction".into()))?,
                 comb: Vec3::from(params.comb()).normalize_or_zero(),
                 parting_m: params.parting_m,
                 rise: params.rise(),
@@ -157,34 +157,34 @@ fn group_of(
 }
 
 /// Returns the triangles that a group grows on, with their densities.
-fn scalp(params: &HairGroupParams, ground: &Ground<'_>) -> Result<Vec<(u32, u16)>, Fault> {
+fn scalp(params: &HairGroupParams, ground: &GroomTarget<'_>) -> Result<Vec<(u32, u16)>, GroupError> {
     let (pattern, mask) = (params.material(), params.mask());
     let mut scalp = Vec::new();
-    for part in parts_of(&pattern, ground).map_err(Fault::Here)? {
+    for part in parts_of(&pattern, ground).map_err(GroupError::Here)? {
         for triangle in part.first_triangle..part.first_triangle + part.triangle_count {
             let mut share = 0.0;
             for v in ground.mesh.triangles[triangle] {
                 share += scalar_at(ground.files, ground.mesh, part, &mask, v as usize)?.unwrap_or(1.0) / 3.0;
             }
-            if share >= BARE {
+            if share >= MIN_DENSITY {
                 scalp.push((triangle as u32, (share * 65535.0).round().clamp(1.0, 65535.0) as u16));
             }
         }
     }
     if scalp.is_empty() {
         let reason = format!("the mask leaves none of the triangles of {pattern:?}, expected some that are not black");
-        return Err(Fault::Here(reason));
+        return Err(GroupError::Here(reason));
     }
     Ok(scalp)
 }
 
 /// Returns the freedom of motion of each guide of a group, read at its root; empty if all are free.
-fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &Ground<'_>) -> Result<Vec<u8>, BakeError> {
+fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &GroomTarget<'_>) -> Result<Vec<u8>, BakeError> {
     let map = params.freedom();
     if map == ScalarMap::Constant(1.0) {
         return Ok(Vec::new());
     }
-    let of_guide = |root: OnTriangle| {
+    let of_guide = |root: TrianglePoint| {
         let triangle = root.triangle as usize;
         let of_part =
             |part: &&MeshPart| (part.first_triangle..part.first_triangle + part.triangle_count).contains(&triangle);
@@ -199,9 +199,9 @@ fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &Ground<'_>) -> 
 }
 
 /// Grows guides on a group's scalp, distributed like its hairs.
-fn grown_guides(group: &HairGroup, count: u32, growth: &Growth, body: &Body<'_>) -> Vec<(OnTriangle, Vec<Vec3>)> {
-    let roots: Vec<OnTriangle> = roots(group, count, &|triangle| body.corners(triangle));
-    let grow = |(number, root): (usize, &OnTriangle)| {
+fn grown_guides(group: &HairGroup, count: u32, growth: &Growth, body: &SurfaceIndex<'_>) -> Vec<(TrianglePoint, Vec<Vec3>)> {
+    let roots: Vec<TrianglePoint> = roots(group, count, &|triangle| body.corners(triangle));
+    let grow = |(number, root): (usize, &TrianglePoint)| {
         let seed = u64::from(group.seed) << 32 | number as u64;
         (*root, growth.guide(body, root, seed))
     };
@@ -214,10 +214,10 @@ fn read_guides(
     params: &HairGroupParams,
     group: &HairGroup,
     strands: &Guides,
-    ground: &Ground<'_>,
-    body: &Body<'_>,
+    ground: &GroomTarget<'_>,
+    body: &SurfaceIndex<'_>,
     warnings: &mut Vec<String>,
-) -> Result<Vec<(OnTriangle, Vec<Vec3>)>, Fault> {
+) -> Result<Vec<(TrianglePoint, Vec<Vec3>)>, GroupError> {
     let [x, y, z] = params.turn_deg().map(f32::to_radians);
     let turn = Quat::from_euler(EulerRot::ZYX, z, y, x);
     let placed = Mat4::from_scale_rotation_translation(Vec3::splat(params.scale_m()), turn, params.at().into());
@@ -225,13 +225,13 @@ fn read_guides(
     group.scalp.iter().for_each(|(triangle, _)| on_scalp[*triangle as usize] = true);
     let every = params.every() as usize;
     let chosen: Vec<usize> = (0..strands.len()).step_by(every).collect();
-    let loose_m = params.loose_m.unwrap_or(LOOSE * ground.radius_m);
+    let loose_m = params.loose_m.unwrap_or(MAX_ROOT_DISTANCE * ground.radius_m);
     let guide = |index: &usize| {
         let points: Vec<Vec3> = strands.strand(*index).iter().map(|p| placed.transform_point3(*p)).collect();
         let root = body.nearest(points[0], loose_m, |triangle| on_scalp[triangle as usize])?;
         let last = (points.len() - 1) as f32;
         let led = |(k, p): (usize, &Vec3)| {
-            let left = (1.0 - k as f32 / (LED * last)).max(0.0);
+            let left = (1.0 - k as f32 / (MOVED_SHARE * last)).max(0.0);
             *p + (root.place - points[0]) * (left * left)
         };
         let moved: Vec<Vec3> = points.iter().enumerate().map(led).collect();
@@ -247,7 +247,7 @@ fn read_guides(
             chosen.len(),
             ground.radius_m
         );
-        return Err(Fault::Here(reason));
+        return Err(GroupError::Here(reason));
     }
     let is_near = |p: Vec3, root: Vec3| (p - root).abs().max_element() <= HairGroup::MOST_REACH_M;
     if !guides.iter().all(|(_, points)| points.iter().all(|p| is_near(*p, points[0]))) {
@@ -255,11 +255,11 @@ fn read_guides(
             "a strand of the file reaches farther than {} m from its root, expected scale_m that makes it shorter",
             HairGroup::MOST_REACH_M
         );
-        return Err(Fault::Here(reason));
+        return Err(GroupError::Here(reason));
     }
     if guides.len() > MOST_GUIDES {
         let reason = format!("{} guides, expected at most {MOST_GUIDES}: `every` takes fewer", guides.len());
-        return Err(Fault::Here(reason));
+        return Err(GroupError::Here(reason));
     }
     if guides.len() < chosen.len() {
         let gone = chosen.len() - guides.len();
@@ -280,16 +280,16 @@ fn read_guides(
 }
 
 /// Largest distance from a file's roots at which hair still grows, over the median distance between neighbouring roots.
-const BESIDE: f32 = 4.0;
+const MAX_SPACING_RATIO: f32 = 4.0;
 
 /// Returns the triangles of a scalp that have guide roots on or near them: a file that combs one part gives no
 /// information about the rest.
-fn beside(scalp: &[(u32, u16)], guides: &[(OnTriangle, Vec<Vec3>)], body: &Body<'_>) -> Vec<(u32, u16)> {
+fn scalp_near_guides(scalp: &[(u32, u16)], guides: &[(TrianglePoint, Vec<Vec3>)], body: &SurfaceIndex<'_>) -> Vec<(u32, u16)> {
     let roots: Vec<Vec3> = guides.iter().map(|(_, points)| points[0]).collect();
-    let near = Near::new(roots.clone());
+    let near = PointGrid::new(roots.clone());
     let mut apart: Vec<f32> = roots.iter().map(|root| near.nearest::<2>(*root)[1].0.sqrt()).collect();
     apart.sort_by(f32::total_cmp);
-    let reach_m = BESIDE * apart.get(apart.len() / 2).copied().filter(|d| d.is_finite()).unwrap_or_default();
+    let reach_m = MAX_SPACING_RATIO * apart.get(apart.len() / 2).copied().filter(|d| d.is_finite()).unwrap_or_default();
     let is_beside = |(triangle, _): &&(u32, u16)| {
         let corners = body.corners(*triangle);
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;

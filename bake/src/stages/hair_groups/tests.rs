@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::stages::groom::MapImages;
-use pelage_formats::meaning::hair_groups::Planted;
-use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPlace, RestPose};
+use pelage_formats::meaning::hair_groups::GrownGroup;
+use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPosition, RestPose};
 
 /// Makes a ball of radius 0.1 m around the origin: above y = 0.03 its material is "Scalp", below "Skin".
 fn ball() -> (Mesh, RestPose, Vec<Material>) {
@@ -47,9 +47,9 @@ fn grown(recipe: &str, files: &MapImages) -> Result<GuidedHair, BakeError> {
     let recipe = crate::recipe::Recipe::parse("recipe", recipe)?;
     let (mesh, rest, materials) = ball();
     let nodes = [("root", Vec3::ZERO), ("ear.L", Vec3::new(0.08, 0.08, 0.0)), ("ear.L", Vec3::X)];
-    let nodes = nodes.map(|(name, position_ws)| NamedPlace { name: name.into(), position_ws });
+    let nodes = nodes.map(|(name, position_ws)| NamedPosition { name: name.into(), position_ws });
     let (materials, nodes) = (&materials, &nodes);
-    let ground = Ground { file: "ball.glb", mesh: &mesh, rest: &rest, radius_m: 0.1, materials, nodes, files };
+    let ground = GroomTarget { file: "ball.glb", mesh: &mesh, rest: &rest, radius_m: 0.1, materials, nodes, files };
     groups(&recipe.strands, &ground)
 }
 
@@ -66,7 +66,7 @@ fn one(keys: &str) -> Result<HairGroup, BakeError> {
 /// Returns the points of all hairs of a group on the ball at rest.
 fn hairs(group: &HairGroup) -> Vec<Vec<Vec3>> {
     let (mesh, rest, _) = ball();
-    let planted = Planted::new(group, &rest.positions, &mesh.triangles, u32::MAX);
+    let planted = GrownGroup::new(group, &rest.positions, &mesh.triangles, u32::MAX);
     let corners = |t: u32| mesh.triangles[t as usize].map(|v| rest.positions[v as usize]);
     let guides = planted.posed_guides(corners);
     planted.hairs.iter().map(|hair| hair.points(corners(hair.root.triangle), &guides).collect()).collect()
@@ -125,7 +125,7 @@ fn a_map_says_how_freely_guides_move() {
     let (mesh, rest, _) = ball();
     let corners = |t: u32| mesh.triangles[t as usize].map(|v| rest.positions[v as usize]);
     for (root, freedom) in hair.groups[0].roots().zip(&hair.freedom[0]) {
-        let x = root.place(corners(root.triangle)).x;
+        let x = root.position(corners(root.triangle)).x;
         assert!(x.abs() < 0.02 || *freedom == if x < 0.0 { 0 } else { 255 }, "{freedom} at {x}");
     }
     let count = |value| hair.freedom[0].iter().filter(|byte| **byte == value).count();

@@ -1,11 +1,11 @@
 //! Tufts: a few thick hairs around a point, each a guide.
 
-use super::body::Body;
-use super::ground::{Ground, bytes, parts_of};
+use super::body::SurfaceIndex;
+use super::ground::{GroomTarget, bytes, parts_of};
 use crate::noise::uniform;
 use crate::recipe::TuftParams;
 use glam::Vec3;
-use pelage_formats::{HairGroup, OnTriangle};
+use pelage_formats::{HairGroup, TrianglePoint};
 use pelage_params::closest;
 use std::collections::BTreeSet;
 
@@ -16,7 +16,7 @@ const POINTS: usize = 4;
 const NAMED: usize = 5;
 
 /// Returns the position of a tuft.
-fn place_of(params: &TuftParams, ground: &Ground<'_>, warnings: &mut Vec<String>) -> Result<Vec3, String> {
+fn place_of(params: &TuftParams, ground: &GroomTarget<'_>, warnings: &mut Vec<String>) -> Result<Vec3, String> {
     let Some(joint) = &params.joint else {
         let at = params.at.ok_or("at and joint are missing, expected a place near the skin, or the name of a joint")?;
         return Ok(at.into());
@@ -48,8 +48,8 @@ fn place_of(params: &TuftParams, ground: &Ground<'_>, warnings: &mut Vec<String>
 /// made.
 pub(super) fn tuft_of(
     params: &TuftParams,
-    ground: &Ground<'_>,
-    body: &Body<'_>,
+    ground: &GroomTarget<'_>,
+    body: &SurfaceIndex<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<HairGroup, String> {
     let at = place_of(params, ground, warnings)?;
@@ -87,12 +87,12 @@ pub(super) fn tuft_of(
 /// the triangles that `of` accepts. `side`: −1 for the mirrored tuft.
 fn hairs_about(
     params: &TuftParams,
-    body: &Body<'_>,
+    body: &SurfaceIndex<'_>,
     middle: Vec3,
     reach_m: f32,
     side: f32,
     of: impl Fn(u32) -> bool,
-) -> Vec<(OnTriangle, Vec<Vec3>)> {
+) -> Vec<(TrianglePoint, Vec<Vec3>)> {
     let Some(skin) = body.nearest(middle, reach_m, &of) else { return Vec::new() };
     let (length_m, spread_m) = (params.length_m(), params.spread_m());
     let direction = Vec3::from(params.direction()) * Vec3::new(side, 1.0, 1.0);

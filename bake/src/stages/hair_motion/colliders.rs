@@ -21,7 +21,7 @@ const MOST: usize = 24;
 
 /// Fitted capsules and their quality.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Fitted {
+pub struct FittedColliders {
     /// Capsules.
     pub colliders: Vec<BodyCollider>,
     /// Largest distance of the mesh surface from its joint's capsule, metres.
@@ -34,7 +34,7 @@ pub struct Fitted {
 ///
 /// * `pose`: rest pose; a single matrix without a skeleton
 /// * `guides`: movable points of each guide, in model space
-pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> Fitted {
+pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> FittedColliders {
     let mut of_joint: Vec<Vec<Vec3>> = vec![Vec::new(); pose.joints.len()];
     for (v, vertex) in mesh.geometry.iter().enumerate() {
         let joint = mesh.skin.get(v).map_or(0, |skin| {
@@ -70,7 +70,7 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> Fitted {
     made.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.joint.cmp(&b.2.joint)));
     made.truncate(MOST);
     let gap_m = made.iter().map(|(_, gap, _)| *gap).fold(0.0, f32::max);
-    Fitted { colliders: made.into_iter().map(|(.., collider)| collider).collect(), gap_m, ..Fitted::default() }
+    FittedColliders { colliders: made.into_iter().map(|(.., collider)| collider).collect(), gap_m, ..FittedColliders::default() }
 }
 
 /// Returns the capsule around points, in their own space.

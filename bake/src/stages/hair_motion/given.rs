@@ -1,6 +1,6 @@
 //! Capsules from a recipe.
 
-use super::Fitted;
+use super::FittedColliders;
 use crate::recipe::HairColliderParams;
 use glam::{Mat3, Vec3};
 use pelage_formats::{Animation, BodyCollider, HairMotion, Pose};
@@ -9,7 +9,7 @@ use pelage_formats::{Animation, BodyCollider, HairMotion, Pose};
 /// first.
 ///
 /// * `pose`: rest pose; a single matrix without a skeleton
-pub fn in_place(fitted: Fitted, given: &[HairColliderParams], animation: Option<&Animation>, pose: &Pose) -> Fitted {
+pub fn merge(fitted: FittedColliders, given: &[HairColliderParams], animation: Option<&Animation>, pose: &Pose) -> FittedColliders {
     let mut warnings = fitted.warnings;
     let mut colliders: Vec<BodyCollider> = Vec::new();
     for table in given {
@@ -27,7 +27,7 @@ pub fn in_place(fitted: Fitted, given: &[HairColliderParams], animation: Option<
     }
     colliders.extend(kept);
     colliders.truncate(most);
-    Fitted { colliders, gap_m: fitted.gap_m, warnings }
+    FittedColliders { colliders, gap_m: fitted.gap_m, warnings }
 }
 
 /// Returns the index of the joint that a table names.

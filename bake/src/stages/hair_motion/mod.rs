@@ -4,24 +4,24 @@
 mod colliders;
 mod given;
 
-pub use colliders::{Fitted, fit};
+pub use colliders::{FittedColliders, fit};
 
 use crate::recipe::{HairGroupParams, StrandParams};
 use crate::stages::hair_groups::GuidedHair;
 use glam::{Mat4, Vec3};
 use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::{posed, skin_matrix};
-use pelage_formats::{Animation, GroupMotion, HairGroup, HairMotion, MeshData, OnTriangle, Pose};
+use pelage_formats::{Animation, GroupMotion, HairGroup, HairMotion, MeshData, TrianglePoint, Pose};
 
 /// Returns the motion of a recipe's groups, from its settings and the body; `None` if no group moves.
 ///
 /// * `hair`: groups of the recipe in order, then its tufts, which are stiff
-pub fn of_groups(
+pub fn group_motion(
     params: &StrandParams,
     hair: &GuidedHair,
     mesh: &MeshData,
     animation: Option<&Animation>,
-) -> Option<(HairMotion, Fitted)> {
+) -> Option<(HairMotion, FittedColliders)> {
     let motions: Vec<GroupMotion> =
         hair.groups.iter().enumerate().map(|(i, _)| params.group.get(i).map_or(GroupMotion::STIFF, motion)).collect();
     if motions.iter().all(|motion| motion.held >= 1.0) {
@@ -36,9 +36,9 @@ pub fn of_groups(
     }
     let mut found = HairMotion { groups: motions, freedom: hair.freedom.clone(), colliders: Vec::new() };
     let guides: Vec<Vec<Vec3>> =
-        (0..hair.groups.len()).flat_map(|number| at_rest(&hair.groups[number], number, &found, mesh, &pose)).collect();
-    let fitted = if params.colliders { fit(mesh, &pose, &guides) } else { Fitted::default() };
-    let fitted = given::in_place(fitted, &params.collider, animation, &pose);
+        (0..hair.groups.len()).flat_map(|number| rest_points(&hair.groups[number], number, &found, mesh, &pose)).collect();
+    let fitted = if params.colliders { fit(mesh, &pose, &guides) } else { FittedColliders::default() };
+    let fitted = given::merge(fitted, &params.collider, animation, &pose);
     found.colliders.clone_from(&fitted.colliders);
     Some((found, fitted))
 }
@@ -55,7 +55,7 @@ fn motion(group: &HairGroupParams) -> GroupMotion {
 }
 
 /// Returns the rest positions of a group's movable guide points, in model space.
-fn at_rest(group: &HairGroup, number: usize, motion: &HairMotion, mesh: &MeshData, pose: &Pose) -> Vec<Vec<Vec3>> {
+fn rest_points(group: &HairGroup, number: usize, motion: &HairMotion, mesh: &MeshData, pose: &Pose) -> Vec<Vec<Vec3>> {
     let of_group = motion.groups[number];
     if of_group.held >= 1.0 {
         return Vec::new();
@@ -64,10 +64,10 @@ fn at_rest(group: &HairGroup, number: usize, motion: &HairMotion, mesh: &MeshDat
         let (stored, skin) = (&mesh.geometry[vertex as usize], mesh.skin.get(vertex as usize));
         skin.map_or(stored.position, |skin| posed(stored, skin_matrix(pose, skin)).position).into()
     };
-    let guide = |(guide, root): (usize, OnTriangle)| {
+    let guide = |(guide, root): (usize, TrianglePoint)| {
         let first = 3 * root.triangle as usize;
         let corners: [Vec3; 3] = [0, 1, 2].map(|k| place(mesh.indices[first + k]));
-        let (at, frame) = (root.place(corners), triangle_frame(corners));
+        let (at, frame) = (root.position(corners), triangle_frame(corners));
         let points = group.guide(guide);
         let last = (points.len() - 1) as f32;
         let free = points.iter().enumerate().filter(|(k, _)| of_group.freedom(*k as f32 / last) > 0.0);

@@ -42,8 +42,8 @@ fn a_rod_has_a_capsule_for_each_joint() {
     assert!(fit(&mesh, &pose, &through).colliders.iter().all(|collider| collider.joint == 0));
     // Far from all hair no capsule is needed.
     let far = vec![vec![Vec3::Y * 50.0, Vec3::Y * 50.1]];
-    assert_eq!(fit(&mesh, &pose, &far), Fitted::default());
-    assert_eq!(fit(&MeshData::default(), &pose, &hair), Fitted::default());
+    assert_eq!(fit(&mesh, &pose, &far), FittedColliders::default());
+    assert_eq!(fit(&MeshData::default(), &pose, &hair), FittedColliders::default());
 }
 
 #[test]
@@ -61,12 +61,12 @@ fn tufts_are_stiff_and_groups_move() {
         warnings: Vec::new(),
     };
     let two = hair(&[group.clone(), group.clone()], &[&[51], &[]]);
-    let (found, _) = of_groups(&params, &two, &mesh, None).unwrap();
+    let (found, _) = group_motion(&params, &two, &mesh, None).unwrap();
     assert_eq!(found.freedom, two.freedom);
     assert!((found.guide_freedom(0, 0) - 0.2).abs() < 1e-6 && found.guide_freedom(1, 0) == 1.0);
     assert_eq!(found.groups[1], GroupMotion::STIFF);
     assert_eq!((found.groups[0].shape_hz, found.groups[0].held, found.groups[0].free), (2.0, 0.5, 0.5));
-    assert_eq!(of_groups(&StrandParams::default(), &hair(&[group], &[&[]]), &mesh, None), None);
+    assert_eq!(group_motion(&StrandParams::default(), &hair(&[group], &[&[]]), &mesh, None), None);
     assert!(pose.joints.len() == 2);
 }
 
@@ -90,7 +90,7 @@ fn capsules_of_the_recipe_take_the_place_of_fitted_ones() {
         ..Pose::default()
     };
     let of = |joint: u32| BodyCollider { joint, from: [0.0; 3], to: [0.0; 3], radius: 0.1 };
-    let fitted = Fitted { colliders: vec![of(0), of(1)], gap_m: 0.5, ..Fitted::default() };
+    let fitted = FittedColliders { colliders: vec![of(0), of(1)], gap_m: 0.5, ..FittedColliders::default() };
     let ball = |name: &str, joint: &str| HairColliderParams {
         name: name.into(),
         joint: Some(joint.into()),
@@ -99,7 +99,7 @@ fn capsules_of_the_recipe_take_the_place_of_fitted_ones() {
         ..HairColliderParams::default()
     };
     let found =
-        given::in_place(fitted.clone(), &[ball("skull", "head"), ball("lost", "tail")], Some(&animation), &pose);
+        given::merge(fitted.clone(), &[ball("skull", "head"), ball("lost", "tail")], Some(&animation), &pose);
     let skull = BodyCollider { joint: 1, from: [0.0, 1.0, 0.0], to: [0.0, 1.0, 0.0], radius: 0.2 };
     assert_eq!(found.colliders, [skull, of(0)]);
     assert_eq!(found.warnings.len(), 1);
@@ -110,6 +110,6 @@ fn capsules_of_the_recipe_take_the_place_of_fitted_ones() {
     );
     // The maximum number of a package.
     let many = vec![ball("skull", "head"); 70];
-    let found = given::in_place(fitted, &many, Some(&animation), &pose);
+    let found = given::merge(fitted, &many, Some(&animation), &pose);
     assert!(found.colliders.len() == HairMotion::MOST_COLLIDERS && found.warnings[0].contains("70"));
 }

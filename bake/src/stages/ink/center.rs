@@ -5,7 +5,7 @@
 //! above than below, because a painter loads back and head and leaves the belly to the paper; and it is pale rather
 //! than dark. Where (V − CP)·N is negative, behind a hollow, the wash can become black; that counts against a point.
 
-use super::product::product;
+use super::product::wash_product;
 use glam::Vec3;
 use pelage_formats::InkShading;
 use rayon::prelude::*;
@@ -13,13 +13,13 @@ use rayon::prelude::*;
 /// Number of points that are scored.
 const CANDIDATES: usize = 96;
 /// Bonus for a wash that is dark above and pale below, as a share of the deviation.
-const ABOVE: f64 = 0.6;
+const DARK_ABOVE_BONUS: f64 = 0.6;
 /// Grey below which the wash counts as black.
 const BLACK: f32 = 0.3;
 
 /// Point of the washed mesh surface at rest, in world space.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
+pub(super) struct SurfaceSample {
     pub(super) place: Vec3,
     pub(super) normal: Vec3,
     /// Area that the point represents, times its share of the wash.
@@ -29,7 +29,7 @@ pub(super) struct Spot {
 /// Returns the best of the candidate centres; `None` if nothing is washed.
 ///
 /// * `radius`: radius of the model's bounding sphere, metres
-pub(super) fn pick(spots: &[Spot], radius: f32, shading: &InkShading) -> Option<Vec3> {
+pub(super) fn pick(spots: &[SurfaceSample], radius: f32, shading: &InkShading) -> Option<Vec3> {
     let washed: Vec<_> = spots.iter().copied().filter(|s| s.weight > 0.0).collect();
     let scores = spread(&washed, CANDIDATES);
     let scores: Vec<_> = scores.par_iter().map(|i| (score(&washed, washed[*i].place, radius, shading), *i)).collect();
@@ -39,7 +39,7 @@ pub(super) fn pick(spots: &[Spot], radius: f32, shading: &InkShading) -> Option<
 }
 
 /// Returns indices of `count` spots far from each other, starting with the highest.
-fn spread(spots: &[Spot], count: usize) -> Vec<usize> {
+fn spread(spots: &[SurfaceSample], count: usize) -> Vec<usize> {
     let mut away = vec![f32::INFINITY; spots.len()];
     let highest = (0..spots.len()).reduce(|a, b| if spots[b].place.y > spots[a].place.y { b } else { a });
     let mut next = highest;
@@ -56,9 +56,9 @@ fn spread(spots: &[Spot], count: usize) -> Vec<usize> {
 }
 
 /// Returns the score of a centre; higher is better.
-fn score(spots: &[Spot], center: Vec3, radius: f32, shading: &InkShading) -> f64 {
-    let grey = |spot: &Spot| {
-        let [literal, normalised] = product(spot.place, spot.normal, center, radius);
+fn score(spots: &[SurfaceSample], center: Vec3, radius: f32, shading: &InkShading) -> f64 {
+    let grey = |spot: &SurfaceSample| {
+        let [literal, normalised] = wash_product(spot.place, spot.normal, center, radius);
         let x = if shading.normalised { normalised } else { literal };
         // Limited as in the runtime.
         let x = if x < 0.0 { x / (1.0 - 2.0 * x) } else { x };
@@ -84,19 +84,19 @@ fn score(spots: &[Spot], center: Vec3, radius: f32, shading: &InkShading) -> f64
     let above = if deviation * slant > 1e-9 { (grey * y - both / weight) / (deviation * slant) } else { 0.0 };
     let drowned = 1.0 - black / weight;
     // Cube of the mean grey, because most of a painting is paper.
-    deviation * (1.0 + ABOVE * above) * (drowned * drowned) * (grey * grey * grey)
+    deviation * (1.0 + DARK_ABOVE_BONUS * above) * (drowned * drowned) * (grey * grey * grey)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn sphere() -> Vec<Spot> {
+    fn sphere() -> Vec<SurfaceSample> {
         let at = |i: usize| {
             let y = 1.0 - 2.0 * (i as f32 + 0.5) / 800.0;
             let (sin, cos) = (i as f32 * 2.399_963).sin_cos();
             let normal = Vec3::new(cos * (1.0 - y * y).sqrt(), y, sin * (1.0 - y * y).sqrt());
-            Spot { place: 2.0 * normal, normal, weight: 1.0 }
+            SurfaceSample { place: 2.0 * normal, normal, weight: 1.0 }
         };
         (0..800).map(at).collect()
     }
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn a_wash_that_drowns_is_avoided() {
         // Two bodies facing each other: seen from a point on one, the hollow side of the other becomes black.
-        let spot = |y: f32, ny: f32| Spot { place: Vec3::new(0.0, y, 0.0), normal: ny * Vec3::Y, weight: 1.0 };
+        let spot = |y: f32, ny: f32| SurfaceSample { place: Vec3::new(0.0, y, 0.0), normal: ny * Vec3::Y, weight: 1.0 };
         let spots = [spot(1.0, 1.0), spot(0.4, -1.0), spot(-0.4, 1.0), spot(-1.0, -1.0)];
         let shading = InkShading { wash_speed: 1.0, wash_range: 0.3, ..InkShading::default() };
         let drowned = |c: Vec3| spots.iter().filter(|s| (s.place - c).dot(s.normal) + 0.3 < BLACK).count();

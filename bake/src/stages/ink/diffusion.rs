@@ -32,7 +32,7 @@ pub(super) struct Paper<'a> {
 ///
 /// * `water`: initial water, 0..=1 per texel; equals the initial ink where `strength` is 1
 /// * `edges`: how much faster the border dries, 0..=1; 0 leaves no rim
-pub(super) fn dry(paper: Paper<'_>, water: &Plane, strength: &Plane, edges: f32) -> Plane {
+pub(super) fn simulate_drying(paper: Paper<'_>, water: &Plane, strength: &Plane, edges: f32) -> Plane {
     let n = water.side;
     let mut water = water.values.clone();
     let mut ink: Vec<f32> = water.iter().zip(&strength.values).map(|(w, s)| w * s).collect();
@@ -106,7 +106,7 @@ mod tests {
         let disc = Plane::from_fn(n, |uv| f32::from(u8::from(uv.distance(Vec2::splat(0.5)) < 0.3)));
         let (permeability, threshold) = (flat(0.8), flat(0.3));
         let paper = Paper { permeability: &permeability, threshold: &threshold };
-        let stain = dry(paper, &disc, &flat(1.0), 1.0);
+        let stain = simulate_drying(paper, &disc, &flat(1.0), 1.0);
         assert!((stain.mean() - disc.mean()).abs() < 1e-4, "{} of {}", stain.mean(), disc.mean());
         // From the middle outwards: the border is the last texel with ink, and just inside it there is less.
         let rim = |stain: &Plane| {
@@ -116,7 +116,7 @@ mod tests {
             let most = row[last.saturating_sub(2)..=last].iter().copied().fold(0.0, f32::max);
             most / row[last.saturating_sub(7)..last - 2].iter().copied().fold(f32::INFINITY, f32::min)
         };
-        let soft = dry(paper, &disc, &flat(1.0), 0.0);
+        let soft = simulate_drying(paper, &disc, &flat(1.0), 0.0);
         assert!(rim(&stain) > 1.6, "{}", rim(&stain));
         assert!(rim(&soft) < 1.3, "{}", rim(&soft));
     }

@@ -9,14 +9,14 @@ use super::noise::gradient;
 use super::plane::Plane;
 use crate::noise::smooth_step;
 use crate::noise::{hash, uniform};
-use crate::stages::hair::Strands;
+use crate::stages::simulate::Strands;
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Share of the tile that each density inks, seen from above; [`BESIDE`] is the share seen from the side, where hairs
 /// overlap.
-const ABOVE: [f32; 4] = [0.07, 0.17, 0.34, 0.58];
-const BESIDE: [f32; 4] = [0.12, 0.26, 0.44, 0.64];
+const TOP_DENSITIES: [f32; 4] = [0.07, 0.17, 0.34, 0.58];
+const SIDE_DENSITIES: [f32; 4] = [0.12, 0.26, 0.44, 0.64];
 /// Maximum number of strokes. The tile is full earlier unless strokes are thinner than a texel.
 const MOST_STROKES: usize = 2400;
 /// Number of candidate strands for each stroke.
@@ -64,12 +64,12 @@ type PathOf = fn(&[Vec3], Vec2, u64) -> Vec<Vec2>;
 /// is at [`Strands::height`].
 pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
     let side = side as usize;
-    let order = order(strands, seed);
+    let order = drawing_order(strands, seed);
     let height = strands.height.max(1e-6);
     let scale = side as f32;
     let looks = [
-        View { side, scale: Vec2::splat(scale), periodic_v: true, densities: ABOVE, path: from_above },
-        View { side, scale: Vec2::new(scale, scale / height), periodic_v: false, densities: BESIDE, path: from_beside },
+        View { side, scale: Vec2::splat(scale), periodic_v: true, densities: TOP_DENSITIES, path: path_from_above },
+        View { side, scale: Vec2::new(scale, scale / height), periodic_v: false, densities: SIDE_DENSITIES, path: path_from_side },
     ];
     let lean = mean_lean(strands);
     let drawn: Vec<_> = looks.par_iter().map(|view| draw(strands, &order, view, lean, seed)).collect();
@@ -88,7 +88,7 @@ fn mean_lean(strands: &Strands) -> Vec2 {
 
 /// Returns strands in drawing order. Each is the one among random candidates that is farthest from the strands before
 /// it.
-fn order(strands: &Strands, seed: u64) -> Vec<usize> {
+fn drawing_order(strands: &Strands, seed: u64) -> Vec<usize> {
     let count = strands.len();
     let roots: Vec<Vec2> = (0..count)
         .map(|i| strands.points.get(strands.range(i).start).copied().unwrap_or_default().truncate())
@@ -128,7 +128,7 @@ fn order(strands: &Strands, seed: u64) -> Vec<usize> {
 /// Returns a strand's path seen from above, extended to [`REACH`] times the strand's length. The extension continues
 /// the strand's own direction; for nearly upright strands it follows the tile's mean lean, or a random direction if
 /// there is none.
-fn from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
+fn path_from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
     let Some(root) = points.first() else { return Vec::new() };
     let length: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
     let seen: f32 = points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).sum();
@@ -151,7 +151,7 @@ fn from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
 
 /// Returns a strand's path seen from the side, along v. Its lateral offset is scaled by [`ASIDE`]: a fin shows a piece
 /// of this image, and strands that lean into the piece have no root there. The fin leans instead.
-fn from_beside(points: &[Vec3], _: Vec2, _: u64) -> Vec<Vec2> {
+fn path_from_side(points: &[Vec3], _: Vec2, _: u64) -> Vec<Vec2> {
     let root = points.first().map_or(0.0, |p| p.y);
     points.iter().map(|p| Vec2::new(root + ASIDE * (p.y - root), p.z)).collect()
 }

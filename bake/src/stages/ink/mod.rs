@@ -23,16 +23,16 @@ pub use paper::paper;
 pub use plane::Plane;
 pub use scan::{stroke_band, wash_tile};
 pub use stroke::stroke;
-pub use vertices::{Canvas, InkVertices, vertices};
+pub use vertices::{InkTarget, InkVertices, vertices};
 pub use wash::wash;
 
 use crate::recipe::{ColorParams, FilePath, GroomParams, HairParams, InkParams, PackParams, Recipe, ShellFormat};
-use crate::remade::Remade;
+use crate::memo::Memo;
 use crate::stages::assemble::NamedTexture;
 use crate::stages::groom::MapImages;
-use crate::stages::hair::Strands;
-use crate::stages::textures::{AlphaMode, TextureEncoder};
-use crate::steps::Steps;
+use crate::stages::simulate::Strands;
+use crate::stages::slice::{AlphaMode, TextureEncoder};
+use crate::steps::StageProgress;
 use pelage_formats::{InkShading, InkVertex, TextureFormat};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Model};
@@ -40,7 +40,7 @@ use plane::{Channel, levels};
 
 /// Per-vertex part of the ink style, without its textures.
 #[derive(Clone, Debug)]
-pub struct SkinInk {
+pub struct VertexInk {
     /// Period of the wash texture on the mesh surface, metres.
     pub grain_size_m: f32,
     /// Shading constants.
@@ -103,7 +103,7 @@ fn shading(p: &InkParams, fur: f32) -> InkShading {
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] if an image was not read.
-pub fn on_skin(params: &InkParams, fur: f32, canvas: &Canvas<'_>) -> Result<SkinInk, BakeError> {
+pub fn vertex_ink(params: &InkParams, fur: f32, canvas: &InkTarget<'_>) -> Result<VertexInk, BakeError> {
     params.validate()?;
     let shading = shading(params, fur);
     let mut warnings = Vec::new();
@@ -111,12 +111,12 @@ pub fn on_skin(params: &InkParams, fur: f32, canvas: &Canvas<'_>) -> Result<Skin
     // A model that is a single point has no size.
     let radius = if canvas.radius > 0.0 { canvas.radius } else { 1.0 };
     let grain_size_m = params.grain_size_m.unwrap_or(GRAIN_PER_RADIUS * radius);
-    Ok(SkinInk { grain_size_m, shading, vertices, center: Some(center.into()), warnings })
+    Ok(VertexInk { grain_size_m, shading, vertices, center: Some(center.into()), warnings })
 }
 
 /// Textures of the ink style that do not depend on strands: complete .ktx2 files.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Painting {
+pub struct PaintedTextures {
     stroke: Vec<u8>,
     wash: Vec<u8>,
     paper: Vec<u8>,
@@ -133,28 +133,28 @@ pub fn textures(
     pack: &PackParams,
     images: &MapImages,
     strands: Option<&Strands>,
-    steps: &Steps,
+    steps: &StageProgress,
 ) -> Result<InkFiles<'static>, BakeError> {
-    textures_again(params, pack, images, strands, steps, &mut Remade::default())
+    textures_with_memo(params, pack, images, strands, steps, &mut Memo::default())
 }
 
 /// Does the same as [`textures`], and reuses the results in `painting` if tables and images are unchanged.
 ///
 /// # Errors
 /// Same as [`textures`].
-pub fn textures_again(
+pub fn textures_with_memo(
     params: &InkParams,
     pack: &PackParams,
     images: &MapImages,
     strands: Option<&Strands>,
-    steps: &Steps,
-    painting: &mut Remade<(InkParams, PackParams), Painting>,
+    steps: &StageProgress,
+    painting: &mut Memo<(InkParams, PackParams), PaintedTextures>,
 ) -> Result<InkFiles<'static>, BakeError> {
     params.validate()?;
     pack.validate()?;
     let strands = strands.filter(|strands| !strands.is_empty());
     steps.begin(2 * (3 + u64::from(strands.is_some())));
-    let packed = packed(pack);
+    let packed = texture_format(pack);
     let (painting, fur) = rayon::join(
         || painting.make((params.clone(), pack.clone()), |(params, pack)| paint(params, pack, images, steps)),
         || {
@@ -164,7 +164,7 @@ pub fn textures_again(
             strands.transpose()
         },
     );
-    let Painting { stroke, wash, paper } = painting?;
+    let PaintedTextures { stroke, wash, paper } = painting?;
     let named = |name: &'static str, file: Vec<u8>| (name.into(), file.into());
     Ok(InkFiles {
         stroke: named("ink_stroke", stroke),
@@ -174,7 +174,7 @@ pub fn textures_again(
     })
 }
 
-fn packed(pack: &PackParams) -> TextureFormat {
+fn texture_format(pack: &PackParams) -> TextureFormat {
     match pack.shell_format {
         ShellFormat::Bc7 => TextureFormat::Bc7Unorm,
         ShellFormat::Rgba8 => TextureFormat::Rgba8Unorm,
@@ -187,7 +187,7 @@ fn encode(
     channels: [Channel; 4],
     (alpha, format): (AlphaMode, TextureFormat),
     pack: &PackParams,
-    steps: &Steps,
+    steps: &StageProgress,
 ) -> Result<Vec<u8>, BakeError> {
     steps.step();
     let mut encoder = TextureEncoder::new(format, alpha, pack.bc_quality);
@@ -200,10 +200,10 @@ fn encode(
     file
 }
 
-fn paint(params: &InkParams, pack: &PackParams, images: &MapImages, steps: &Steps) -> Result<Painting, BakeError> {
+fn paint(params: &InkParams, pack: &PackParams, images: &MapImages, steps: &StageProgress) -> Result<PaintedTextures, BakeError> {
     use Channel::{Threshold, Value};
     let dry = [Value, Value, Value, Threshold];
-    let packed = packed(pack);
+    let packed = texture_format(pack);
     let encode = |planes, channels, alpha, format| encode(vec![planes], channels, (alpha, format), pack, steps);
     let scan = |path: &Option<FilePath>, read: fn(&str, &Image) -> Result<Plane, BakeError>| {
         path.as_ref().map(|path| read(&path.0, images.get(&path.0)?)).transpose()
@@ -219,7 +219,7 @@ fn paint(params: &InkParams, pack: &PackParams, images: &MapImages, steps: &Step
             )
         },
     );
-    Ok(Painting { stroke: stroke?, wash: wash?, paper: paper? })
+    Ok(PaintedTextures { stroke: stroke?, wash: wash?, paper: paper? })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Channel of a square tile that repeats, and conversion of four channels to texels with mips.
 
 use crate::noise::hash;
-use crate::stages::textures::gaussian_weights;
+use crate::stages::slice::gaussian_weights;
 use glam::Vec2;
 use rayon::prelude::*;
 

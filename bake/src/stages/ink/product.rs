@@ -10,7 +10,7 @@ const NEAR: f32 = 1e-6;
 /// 0 at the centre.
 ///
 /// The paper prints (V − CP)·N in the model's units; divided by the radius, the same a and b suit models of any size.
-pub(super) fn product(place: Vec3, normal: Vec3, center: Vec3, radius: f32) -> [f32; 2] {
+pub(super) fn wash_product(place: Vec3, normal: Vec3, center: Vec3, radius: f32) -> [f32; 2] {
     let from = (place - center) / radius.max(f32::MIN_POSITIVE);
     let along = from.dot(normal);
     let far = from.length();

@@ -67,7 +67,7 @@ fn check(key: &str, path: &str, image: &Image, grey: &Grey) -> Result<(), BakeEr
         let (w, h) = (image.width, image.height);
         return fail(format!("it has {w} x {h} texels, expected at least {LEAST_SIDE} x {LEAST_SIDE}"));
     }
-    let (dark, light) = ends(&grey.values);
+    let (dark, light) = grey_range(&grey.values);
     if light - dark < LEAST_CONTRAST {
         return fail(format!("its greys are {dark:.3} to {light:.3}, expected a painting with light and dark"));
     }
@@ -75,7 +75,7 @@ fn check(key: &str, path: &str, image: &Image, grey: &Grey) -> Result<(), BakeEr
 }
 
 /// Returns the greys below which the darkest hundredth is and above which the lightest.
-fn ends(values: &[f32]) -> (f32, f32) {
+fn grey_range(values: &[f32]) -> (f32, f32) {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f32::total_cmp);
     let at = |share: f32| sorted.get((share * (sorted.len().max(1) - 1) as f32) as usize).copied().unwrap_or(0.0);
@@ -91,7 +91,7 @@ fn square(grey: &Grey) -> Plane {
 }
 
 /// Removes the background: the brightest parts near each texel become white.
-fn without_ground(plane: &Plane) -> Plane {
+fn remove_background(plane: &Plane) -> Plane {
     // Bright parts weigh far more than dark ones: a soft maximum.
     let sharp = 24.0;
     let n = plane.side;
@@ -130,7 +130,7 @@ pub fn wash_tile(path: &str, image: &Image) -> Result<Plane, BakeError> {
     let most = shorter.min(MOST_SIDE);
     let grey = grey(image, width * most / shorter, height * most / shorter);
     check("ink.wash_image", path, image, &grey)?;
-    let level = without_ground(&square(&grey));
+    let level = remove_background(&square(&grey));
     Ok(tile(&level, [true, true]).balanced(0.15))
 }
 
@@ -143,7 +143,7 @@ pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
     let grey = grey(image, MOST_SIDE, MOST_SIDE);
     check("ink.stroke_image", path, image, &grey)?;
     // Rows that the stroke covers.
-    let (dark, light) = ends(&grey.values);
+    let (dark, light) = grey_range(&grey.values);
     let white = |v: f32| ((v - dark) / (light - dark)).clamp(0.0, 1.0);
     let rows: Vec<f32> = grey
         .values

@@ -94,7 +94,7 @@ fn the_ground_of_a_large_scan_is_that_of_a_small_one() {
     let small = painting(200, 200);
     let texel = |i: usize| small.rgba[4 * ((i / 1800) * 200 + i % 600 / 3)..][..4].to_vec();
     let large = Image { width: 600, height: 600, rgba: (0..600 * 600).flat_map(texel).collect() };
-    let level = |image: &Image, side: usize| without_ground(&square(&grey(image, side, side)));
+    let level = |image: &Image, side: usize| remove_background(&square(&grey(image, side, side)));
     let (small, large) = (level(&small, 200), level(&large, 600));
     let error = |i: usize| (large.values[i] - small.values[(i / 1800) * 200 + i % 600 / 3]).abs();
     let (worst, sum) = (0..600 * 600).map(error).fold((0.0_f32, 0.0_f64), |(w, s), e| (w.max(e), s + f64::from(e)));

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::recipe::{ColorParams, HairParams, natural};
-use crate::stages::hair::{VolumeParams, simulate};
-use crate::stages::textures::decode_texture;
+use crate::stages::simulate::{VolumeParams, simulate};
+use crate::stages::slice::decode_texture;
 use glam::Vec2;
 use pelage_formats::{Animation, Limits, Manifest, Package, PackageWriter, TextureEntry, TextureView};
 
@@ -128,7 +128,7 @@ fn the_same_seed_paints_the_same_on_any_number_of_threads() {
         let params = InkParams { seed, ..small() };
         let strands = strands();
         pool.install(|| {
-            textures(&params, &PackParams::default(), &MapImages::default(), Some(&strands), Steps::unseen()).unwrap()
+            textures(&params, &PackParams::default(), &MapImages::default(), Some(&strands), StageProgress::ignored()).unwrap()
         })
     };
     let one = paint(1, 1);
@@ -148,7 +148,7 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
     let (params, strands) = (small(), strands());
     for shell_format in [ShellFormat::Bc7, ShellFormat::Rgba8] {
         let pack = PackParams { shell_format, ..PackParams::default() };
-        let encoded = textures(&params, &pack, &MapImages::default(), Some(&strands), Steps::unseen()).unwrap();
+        let encoded = textures(&params, &pack, &MapImages::default(), Some(&strands), StageProgress::ignored()).unwrap();
         let painted = [
             vec![stroke(&params, None)],
             vec![wash(&params, None)],
@@ -176,7 +176,7 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
         }
     }
     assert!(
-        textures(&params, &PackParams::default(), &MapImages::default(), None, Steps::unseen()).unwrap().fur.is_none()
+        textures(&params, &PackParams::default(), &MapImages::default(), None, StageProgress::ignored()).unwrap().fur.is_none()
     );
 }
 
@@ -209,7 +209,7 @@ fn textures_of_the_default_sizes_stay_small() {
         &PackParams::default(),
         &MapImages::default(),
         Some(&strands()),
-        Steps::unseen(),
+        StageProgress::ignored(),
     )
     .unwrap();
     let files = [encoded.stroke, encoded.wash, encoded.paper, encoded.fur.unwrap()];

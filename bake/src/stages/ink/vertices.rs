@@ -1,7 +1,7 @@
 //! Per-vertex data of the ink style: the wash product (Fang 2006, §3) and the amounts of wash, ink and line.
 
-use super::center::{Spot, pick};
-use super::product::product;
+use super::center::{SurfaceSample, pick};
+use super::product::wash_product;
 use crate::recipe::{InkFill, InkParams, ScalarMap};
 use crate::stages::groom::{MapImages, average, last, names_of, report_unmatched, scalar_at};
 use glam::{Vec2, Vec3};
@@ -20,7 +20,7 @@ pub struct InkVertices {
 
 /// Model to be painted.
 #[derive(Clone, Copy, Debug)]
-pub struct Canvas<'a> {
+pub struct InkTarget<'a> {
     /// Mesh as stored in the package.
     pub mesh: &'a Mesh,
     /// Rest pose of `mesh`.
@@ -69,10 +69,10 @@ static FULL: ScalarMap = ScalarMap::Constant(1.0);
 pub fn vertices(
     params: &InkParams,
     shading: &InkShading,
-    canvas: &Canvas<'_>,
+    canvas: &InkTarget<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<InkVertices, BakeError> {
-    let Canvas { mesh, rest, radius, materials, images } = *canvas;
+    let InkTarget { mesh, rest, radius, materials, images } = *canvas;
     report_unmatched("ink.material", &params.material, "material", names_of(materials), warnings);
     let paints: Vec<_> = materials.iter().map(|m| MaterialPaint::of(params, &m.name)).collect();
     let parts = || mesh.parts.iter().filter_map(|part| paints.get(part.material).map(|paint| (part, paint)));
@@ -92,7 +92,7 @@ pub fn vertices(
                 .positions
                 .iter()
                 .zip(&rest.normals)
-                .map(|(place, normal)| Spot { place: *place, normal: *normal, weight: 0.0 })
+                .map(|(place, normal)| SurfaceSample { place: *place, normal: *normal, weight: 0.0 })
                 .collect();
             for (part, _) in parts().filter(|(_, paint)| paint.center.is_none()) {
                 for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
@@ -108,7 +108,7 @@ pub fn vertices(
     };
     let products = average(mesh, parts(), Vec2::ZERO, |_, paint, v| {
         let center = paint.center.unwrap_or(center);
-        Ok(Vec2::from(product(rest.positions[v], rest.normals[v], center, radius)))
+        Ok(Vec2::from(wash_product(rest.positions[v], rest.normals[v], center, radius)))
     })?;
     let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
     let signed = |share: f32| (32767.0 * share.clamp(-1.0, 1.0)).round() as i16;

@@ -48,7 +48,7 @@ fn materials() -> Vec<Material> {
 
 fn evaluate(params: &InkParams, radius: f32, images: &MapImages) -> (InkVertices, Vec<String>) {
     let (mesh, rest) = sphere(radius);
-    let canvas = Canvas { mesh: &mesh, rest: &rest, radius, materials: &materials(), images };
+    let canvas = InkTarget { mesh: &mesh, rest: &rest, radius, materials: &materials(), images };
     let mut warnings = Vec::new();
     (
         vertices(
@@ -90,8 +90,8 @@ fn what_is_far_out_is_cut_off_and_nothing_is_not_a_number() {
     let (found, _) = evaluate(&params, 1.0, &MapImages::default());
     assert!(found.vertices.iter().all(|v| v.wash.iter().all(|w| *w > i16::MIN)));
     assert!(found.vertices.iter().any(|v| v.wash[0] == 32767) && found.vertices.iter().any(|v| v.wash[0] == -32767));
-    assert_eq!(product(Vec3::ZERO, Vec3::Y, Vec3::ZERO, 0.0), [0.0, 0.0]);
-    let [a, b] = product(Vec3::splat(f32::MAX), Vec3::Y, Vec3::splat(f32::MIN), 1e-20);
+    assert_eq!(wash_product(Vec3::ZERO, Vec3::Y, Vec3::ZERO, 0.0), [0.0, 0.0]);
+    let [a, b] = wash_product(Vec3::splat(f32::MAX), Vec3::Y, Vec3::splat(f32::MIN), 1e-20);
     assert!(a.is_finite() && b.is_finite());
 }
 

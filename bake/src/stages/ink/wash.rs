@@ -1,6 +1,6 @@
 //! Wash texture: a tile of dried ink wash, and the noise for lines and dry brushes on the surface.
 
-use super::diffusion::{Paper, dry};
+use super::diffusion::{Paper, simulate_drying};
 use super::noise::octaves;
 use super::plane::Plane;
 use crate::noise::smooth_step;
@@ -92,7 +92,7 @@ fn stain(seed: u64, edges: f32) -> Plane {
         let water =
             Plane::from_fn(WET_SIDE, |uv| puddle(uv) * (0.8 + 0.2 * noise(13 + layer, uv, 6, 2)).clamp(0.3, 1.0));
         let strength = Plane::from_fn(WET_SIDE, |uv| (0.55 + 0.5 * noise(21 + layer, uv, 4, 4)).clamp(0.06, 1.3));
-        sum = sum.with(&dry(paper, &water, &strength, edges), |sum, ink| sum + ink);
+        sum = sum.with(&simulate_drying(paper, &water, &strength, edges), |sum, ink| sum + ink);
     }
     // Rims are sharp outside and soft inside; the paper softens everything slightly.
     sum.blurred(0.7).map(|ink| 1.0 - libm::expf(-1.1 * ink))

@@ -1,11 +1,11 @@
 //! Comb directions: wishes per face, before they are smoothed into a field.
 
 use super::marks::{self, CombMark};
-use super::skin::Skin;
+use super::skin::FurredMesh;
 use crate::recipe::{CombMarkParams, CombSource, SurfaceParams};
 use crate::stages::reach;
 use glam::{DVec3, Vec3};
-use pelage_import::mesh::{DrawnComb, Mesh};
+use pelage_import::mesh::{CombLine, Mesh};
 
 /// Distance between samples of a drawn line, as a share of its reach.
 const STEP: f32 = 0.125;
@@ -39,8 +39,8 @@ pub enum Comb {
 impl Comb {
     /// Returns the comb of a recipe and of lines drawn in a model with the given radius. If `surface.comb` is `auto`, a
     /// mark with a direction selects `marks`; drawn lines do so if `surface.comb_direction` is unchanged.
-    pub fn of_recipe(recipe: &SurfaceParams, drawn: &[DrawnComb], radius_m: f32) -> Self {
-        let of_recipe = recipe.comb_marks.iter().flat_map(CombMarkParams::with_likeness).filter_map(|mark| {
+    pub fn of_recipe(recipe: &SurfaceParams, drawn: &[CombLine], radius_m: f32) -> Self {
+        let of_recipe = recipe.comb_marks.iter().flat_map(CombMarkParams::with_mirror_image).filter_map(|mark| {
             Some(CombMark {
                 places: vec![(mark.at?.into(), mark.direction?.into())],
                 name: mark.name,
@@ -57,10 +57,10 @@ impl Comb {
             CombSource::Gravity => Self::Gravity,
             CombSource::Tangents => Self::Tangents,
             CombSource::Auto | CombSource::Marks => {
-                let reach_m = reach::chosen_m(radius_m);
+                let reach_m = reach::default_reach_m(radius_m);
                 marks.extend(drawn.iter().map(|line| CombMark {
                     name: line.name.clone(),
-                    places: evenly(&line.places, reach_m * STEP),
+                    places: sample_line(&line.places, reach_m * STEP),
                     reach_m: Some(reach_m),
                 }));
                 Self::Marks { marks, elsewhere }
@@ -70,7 +70,7 @@ impl Comb {
     }
 
     /// Returns the unit direction that applies everywhere; zero if there is none.
-    pub fn everywhere(&self) -> Vec3 {
+    pub fn global_direction(&self) -> Vec3 {
         match self {
             Self::Direction(direction) => direction.normalize_or_zero(),
             Self::Gravity => Vec3::NEG_Y,
@@ -80,7 +80,7 @@ impl Comb {
 }
 
 /// Samples a drawn line, ends included, about every `step_m` and at most [`MOST_PLACES`] times.
-fn evenly(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
+fn sample_line(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
     let lengths: Vec<f32> = places.windows(2).map(|ends| ends[0].0.distance(ends[1].0)).collect();
     let total: f32 = lengths.iter().sum();
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return Vec::new() };
@@ -105,7 +105,7 @@ fn evenly(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
 
 /// Returns one wish per furred face; lengths up to 1.
 pub(super) fn wishes(
-    skin: &Skin,
+    skin: &FurredMesh,
     mesh: &Mesh,
     input_vertex: &[u32],
     comb: &Comb,
@@ -113,7 +113,7 @@ pub(super) fn wishes(
 ) -> Vec<DVec3> {
     match comb {
         Comb::Direction(_) | Comb::Gravity | Comb::None => {
-            vec![comb.everywhere().as_dvec3().normalize_or_zero(); skin.triangles.len()]
+            vec![comb.global_direction().as_dvec3().normalize_or_zero(); skin.triangles.len()]
         }
         Comb::Marks { marks, elsewhere } => marks::spread(&skin.topology, marks, *elsewhere, warnings),
         Comb::PerVertex(vectors) => {
@@ -144,10 +144,10 @@ mod tests {
 
     #[test]
     fn what_a_recipe_leaves_open_follows_from_what_there_is() {
-        let line = DrawnComb { name: "comb_a".into(), places: vec![(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::X)] };
+        let line = CombLine { name: "comb_a".into(), places: vec![(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::X)] };
         let mark = |direction| CombMarkParams { at: Some([0.0; 3]), direction, ..CombMarkParams::default() };
         let (open, drawn) = (SurfaceParams::default(), [line]);
-        let marks = |recipe: &SurfaceParams, drawn: &[DrawnComb]| match Comb::of_recipe(recipe, drawn, 2.0) {
+        let marks = |recipe: &SurfaceParams, drawn: &[CombLine]| match Comb::of_recipe(recipe, drawn, 2.0) {
             Comb::Marks { marks, .. } => marks.iter().map(|mark| (mark.places.len(), mark.reach_m)).collect(),
             Comb::Direction(_) => Vec::new(),
             other => vec![(99, Some(if other == Comb::Gravity { 1.0 } else { 2.0 }))],
@@ -169,11 +169,11 @@ mod tests {
     #[test]
     fn places_lie_evenly_on_their_line() {
         let corner = [(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::X), (Vec3::X + Vec3::Y, Vec3::Y)];
-        let found = evenly(&corner, 0.5);
+        let found = sample_line(&corner, 0.5);
         let places: Vec<Vec3> = found.iter().map(|(at, _)| *at).collect();
         assert_eq!(places, [Vec3::ZERO, Vec3::X * 0.5, Vec3::X, Vec3::new(1.0, 0.5, 0.0), Vec3::new(1.0, 1.0, 0.0)]);
         assert!(found[3].1.x > 0.5 && found[3].1.is_normalized(), "{:?}", found[3]);
-        assert_eq!(evenly(&corner, 1e-9).len(), MOST_PLACES);
-        assert_eq!((evenly(&corner[..1], 0.5).len(), evenly(&[], 0.5).len()), (1, 0));
+        assert_eq!(sample_line(&corner, 1e-9).len(), MOST_PLACES);
+        assert_eq!((sample_line(&corner[..1], 0.5).len(), sample_line(&[], 0.5).len()), (1, 0));
     }
 }

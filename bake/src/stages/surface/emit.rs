@@ -4,7 +4,7 @@
 use super::frames;
 use super::lapped::Lapped;
 use super::repair::Repaired;
-use super::skin::Skin;
+use super::skin::FurredMesh;
 use super::topology::NONE;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::Animation;
@@ -18,7 +18,7 @@ pub(super) struct Emitted {
 }
 
 /// Keeps the triangles that the repair kept, with its windings. Normals of flipped triangles are recomputed.
-pub(super) fn keep_sound_triangles(mesh: &mut Mesh, animation: Option<&Animation>, repaired: &Repaired) {
+pub(super) fn apply_repair(mesh: &mut Mesh, animation: Option<&Animation>, repaired: &Repaired) {
     let mut kept = vec![false; mesh.triangles.len()];
     repaired.triangles.iter().for_each(|t| kept[*t as usize] = true);
     for part in &mut mesh.parts {
@@ -34,12 +34,12 @@ pub(super) fn keep_sound_triangles(mesh: &mut Mesh, animation: Option<&Animation
     });
     mesh.triangles = triangles.collect();
     if repaired.flipped.contains(&true) {
-        renew_normals(mesh, animation, &repaired.flipped);
+        recompute_normals(mesh, animation, &repaired.flipped);
     }
 }
 
 /// Recomputes the normals at flipped triangles, which were computed from, or averaged with, a wrong side.
-fn renew_normals(mesh: &mut Mesh, animation: Option<&Animation>, flipped: &[bool]) {
+fn recompute_normals(mesh: &mut Mesh, animation: Option<&Animation>, flipped: &[bool]) {
     let mut touched = vec![false; mesh.positions.len()];
     for (triangle, _) in mesh.triangles.iter().zip(flipped).filter(|(_, f)| **f) {
         triangle.iter().for_each(|v| touched[*v as usize] = true);
@@ -73,7 +73,7 @@ fn renew_normals(mesh: &mut Mesh, animation: Option<&Animation>, flipped: &[bool
 pub(super) fn patches(
     mesh: &mut Mesh,
     input_vertex: &mut Vec<u32>,
-    skin: &Skin,
+    skin: &FurredMesh,
     lapped: &Lapped,
     field: Option<&[DVec3]>,
 ) -> Emitted {
@@ -112,7 +112,7 @@ pub(super) fn patches(
 
 /// Returns tangents along S = T × N, with T the mean of the comb field around each point, so that light is smooth
 /// across patch borders. Where the mean has no direction, the patch's own coordinates are used.
-fn field_tangents(mesh: &Mesh, skin: &Skin, field: &[DVec3], tile_uvs: &[Vec2]) -> Vec<Vec4> {
+fn field_tangents(mesh: &Mesh, skin: &FurredMesh, field: &[DVec3], tile_uvs: &[Vec2]) -> Vec<Vec4> {
     let topology = &skin.topology;
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0.0); topology.points.len()];
     for (f, t) in field.iter().enumerate() {

@@ -71,7 +71,7 @@ struct Solved {
 }
 
 pub(super) fn lapped_patches(topology: &Topology, frames: &[FaceFrame], params: &LappedParams) -> Lapped {
-    let maker = Maker { topology, frames, params };
+    let maker = PatchBuilder { topology, frames, params };
     let grown = members(&grow(topology, frames, &params.reach));
     let (solved, unsolved): (Vec<_>, Vec<_>) = grown.into_par_iter().map(|faces| maker.solve_or_split(faces)).unzip();
     let mut patches: Vec<Solved> = solved.into_iter().flatten().collect();
@@ -112,7 +112,7 @@ fn patch_of(topology: &Topology, patches: &[Solved]) -> Vec<u32> {
     out
 }
 
-struct Maker<'a> {
+struct PatchBuilder<'a> {
     topology: &'a Topology,
     frames: &'a [FaceFrame],
     params: &'a LappedParams,
@@ -126,7 +126,7 @@ enum Refusal {
     Equations,
 }
 
-impl Maker<'_> {
+impl PatchBuilder<'_> {
     fn solve(&self, faces: &[u32]) -> Result<Vec<(u32, DVec2)>, Refusal> {
         if let [face] = faces {
             return Ok(self.lay_flat(*face as usize));

@@ -1,7 +1,7 @@
 //! Comb directions at a few points, spread over the mesh surface.
 
 use super::topology::{Key, Topology};
-use crate::stages::reach::{Said, share};
+use crate::stages::reach::{MarkBlend, influence};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -35,20 +35,20 @@ pub(super) fn spread(
     let (near, far): (Vec<&CombMark>, Vec<&CombMark>) = marks.iter().partition(|mark| mark.reach_m.is_some());
     let mut wishes = match far.is_empty() {
         true => vec![elsewhere.as_dvec3().normalize_or_zero(); topology.faces.len()],
-        false => shared(&faces, &far, warnings),
+        false => blend_unlimited(&faces, &far, warnings),
     };
-    let mut said = vec![Said::<Vec3>::default(); wishes.len()];
+    let mut said = vec![MarkBlend::<Vec3>::default(); wishes.len()];
     for mark in near {
         let Some(reach) = mark.reach_m else { continue };
-        let starts = faces.starts(mark, warnings);
+        let starts = faces.nearest_faces(mark, warnings);
         // A separate search per mark is cheap, because it ends at the mark's reach.
-        for (f, (way, place)) in faces.ways(mark, &starts, f64::from(reach)).into_iter().enumerate() {
+        for (f, (way, place)) in faces.distances(mark, &starts, f64::from(reach)).into_iter().enumerate() {
             let Some((_, direction)) = mark.places.get(place as usize) else { continue };
-            said[f].add(share(way as f32, reach), direction.normalize_or_zero());
+            said[f].add(influence(way as f32, reach), direction.normalize_or_zero());
         }
     }
     for (wish, said) in wishes.iter_mut().zip(said) {
-        if let Some((share, direction)) = said.together() {
+        if let Some((share, direction)) = said.finish() {
             *wish += (direction.as_dvec3() - *wish) * f64::from(share);
         }
     }
@@ -57,13 +57,13 @@ pub(super) fn spread(
 
 /// Combines directions by Shepard's inverse-distance weights, with distances along the mesh surface; for other
 /// components distances are straight through space.
-fn shared(faces: &Faces<'_>, marks: &[&CombMark], warnings: &mut Vec<String>) -> Vec<DVec3> {
+fn blend_unlimited(faces: &Faces<'_>, marks: &[&CombMark], warnings: &mut Vec<String>) -> Vec<DVec3> {
     let n = faces.centers.len();
     let mut sums = vec![DVec3::ZERO; n];
     let mut weights = vec![0.0; n];
     for mark in marks {
-        let starts = faces.starts(mark, warnings);
-        for (f, (way, place)) in faces.ways(mark, &starts, f64::INFINITY).into_iter().enumerate() {
+        let starts = faces.nearest_faces(mark, warnings);
+        for (f, (way, place)) in faces.distances(mark, &starts, f64::INFINITY).into_iter().enumerate() {
             let Some((_, direction)) = mark.places.get(place as usize) else { continue };
             let weight = 1.0 / (way * way).max(1e-12);
             sums[f] += direction.as_dvec3().normalize_or_zero() * weight;
@@ -112,7 +112,7 @@ impl<'t> Faces<'t> {
     }
 
     /// Returns the face nearest to each point of a mark. Adds a warning if the mark's directions have no effect there.
-    fn starts(&self, mark: &CombMark, warnings: &mut Vec<String>) -> Vec<u32> {
+    fn nearest_faces(&self, mark: &CombMark, warnings: &mut Vec<String>) -> Vec<u32> {
         let nearest = |(at, _): &(Vec3, Vec3)| self.nearest(at.as_dvec3()).unwrap_or(NONE);
         let starts: Vec<u32> = mark.places.par_iter().map(nearest).collect();
         let along_normal = |((_, direction), f): (&(Vec3, Vec3), &u32)| {
@@ -131,7 +131,7 @@ impl<'t> Faces<'t> {
     /// Returns for each face the shortest distance over face centres from a point of a mark, and the index of that
     /// point. For faces not connected to any point the distance is straight through space. Beyond `reach` it is
     /// infinite.
-    fn ways(&self, mark: &CombMark, starts: &[u32], reach: f64) -> Vec<(f64, u32)> {
+    fn distances(&self, mark: &CombMark, starts: &[u32], reach: f64) -> Vec<(f64, u32)> {
         let mut ways = vec![(f64::INFINITY, NONE); self.centers.len()];
         let mut heap = BinaryHeap::new();
         for (place, start) in (0..).zip(starts).filter(|(_, start)| **start != NONE) {

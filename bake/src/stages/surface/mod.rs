@@ -32,7 +32,7 @@ pub use params::{PatchParams, Source, SurfaceParams};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Mesh, Model, RestPose};
-use skin::Skin;
+use skin::FurredMesh;
 use solve::FaceFrame;
 
 /// Mesh with hair-tile coordinates.
@@ -90,11 +90,11 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
         });
     }
     repair::report(&mesh, &repaired.faults, &mut warnings);
-    emit::keep_sound_triangles(&mut mesh, model.animation.as_ref(), &repaired);
+    emit::apply_repair(&mut mesh, model.animation.as_ref(), &repaired);
     let furred_triangles = params.furred_triangles(&mesh);
     weld::smooth_normals_over_seams(&mut mesh, &repaired.topology.faces, &furred_triangles);
 
-    let skin = Skin::new(repaired.topology, &furred_triangles);
+    let skin = FurredMesh::new(repaired.topology, &furred_triangles);
     let wishes = comb::wishes(&skin, &mesh, &input_vertex, &params.comb, &mut warnings);
     let smoothing_m = f64::from(params.comb_smoothing) * f64::from(params.tile_size_m);
     let field = field::comb_field(&skin.topology, &wishes, smoothing_m);
@@ -173,7 +173,7 @@ fn require_uvs(file: &str, model: &Model, params: &SurfaceParams) -> Result<(), 
 }
 
 fn face_frames(
-    skin: &Skin,
+    skin: &FurredMesh,
     mesh: &Mesh,
     input_vertex: &[u32],
     field: &[DVec3],

@@ -3,13 +3,13 @@
 use super::topology::{NONE, Topology};
 
 /// Furred part of a repaired mesh.
-pub(super) struct Skin {
+pub(super) struct FurredMesh {
     pub(super) topology: Topology,
     /// Mesh triangle of each face.
     pub(super) triangles: Vec<u32>,
 }
 
-impl Skin {
+impl FurredMesh {
     pub(super) fn new(whole: Topology, furred: &[bool]) -> Self {
         let triangles: Vec<u32> = (0..furred.len() as u32).filter(|t| furred[*t as usize]).collect();
         if triangles.len() == furred.len() {

@@ -70,16 +70,16 @@ impl Fit {
     }
 
     /// Returns the directions, each rotated around the normal by the angle with the given sine and cosine.
-    pub(super) fn turned(&self, (sin, cos): (f32, f32)) -> impl Iterator<Item = Vec3> {
+    pub(super) fn rotated_directions(&self, (sin, cos): (f32, f32)) -> impl Iterator<Item = Vec3> {
         self.directions.iter().map(move |d| Vec3::new(cos * d.x - sin * d.y, sin * d.x + cos * d.y, d.z))
     }
 
     /// Returns the coefficients (c₀, c) of the visibilities that `lit` returns for the directions. All directions are
     /// rotated around the normal by the angle with the given sine and cosine, so that neighbours use different
     /// directions and their mean covers all.
-    pub(super) fn of(&self, (sin, cos): (f32, f32), mut lit: impl FnMut(Vec3) -> bool) -> Vec4 {
+    pub(super) fn coefficients(&self, (sin, cos): (f32, f32), mut lit: impl FnMut(Vec3) -> bool) -> Vec4 {
         let mut sum = DVec4::ZERO;
-        for (way, share) in self.turned((sin, cos)).zip(&self.shares) {
+        for (way, share) in self.rotated_directions((sin, cos)).zip(&self.shares) {
             if lit(way) {
                 sum += *share;
             }
@@ -97,10 +97,10 @@ mod tests {
     fn what_is_linear_is_found_again_whatever_the_turn() {
         let fit = Fit::new(24, 1000.0);
         assert!(fit.directions.iter().all(|d| (d.length() - 1.0).abs() < 1e-6 && d.z > 0.04));
-        assert!((fit.of((0.0, 1.0), |_| true) - Vec4::X).length() < 1e-3);
-        assert_eq!(fit.of((0.6, 0.8), |_| false), Vec4::ZERO);
+        assert!((fit.coefficients((0.0, 1.0), |_| true) - Vec4::X).length() < 1e-3);
+        assert_eq!(fit.coefficients((0.6, 0.8), |_| false), Vec4::ZERO);
         // Visible from one side only: more from that side, equal from the two perpendicular ones.
-        let half = |turn| fit.of(turn, |d| d.x > 0.0);
+        let half = |turn| fit.coefficients(turn, |d| d.x > 0.0);
         let [plain, turned] = [half((0.0, 1.0)), half((0.8, 0.6))];
         assert!(plain.y > 0.5 && plain.z.abs() < 0.1 && (plain - turned).length() < 0.25, "{plain} {turned}");
     }

@@ -12,13 +12,13 @@ mod rays;
 
 use crate::noise::{hash, uniform};
 use crate::recipe::VisibilityParams;
-use crate::stages::hair::Strands;
+use crate::stages::simulate::Strands;
 use fit::Fit;
 use glam::{Vec3, Vec4};
 pub use pelage_formats::meaning::encode_visibility;
 use pelage_import::BakeError;
 use rayon::prelude::*;
-use rays::Rays;
+use rays::StrandTree;
 
 /// Maximum number of rays. Points of very many strands use fewer directions each, and their neighbours use others.
 const MOST_RAYS: usize = 1 << 24;
@@ -74,7 +74,7 @@ impl Visibility {
 pub fn visibility(strands: &Strands, params: &VisibilityParams, horizon: Option<f32>) -> Result<Visibility, BakeError> {
     params.validate()?;
     strands.validate()?;
-    let rays = Rays::new(strands);
+    let rays = StrandTree::new(strands);
     let places = strands.points.len() + (SIDE * SIDE) as usize;
     let most = (MOST_RAYS / places.max(1)).max(LEAST_DIRECTIONS);
     let count = params.directions.min(most as u32);
@@ -93,20 +93,20 @@ pub fn visibility(strands: &Strands, params: &VisibilityParams, horizon: Option<
         let plain = Fit::new(HORIZON_DIRECTIONS, 1.0);
         let seen = |(n, z): (usize, f32)| {
             let lit = |i: &&usize| {
-                let way = plain.turned(turn(**i)).nth(n).unwrap_or(Vec3::Z);
-                rays.lit(strands.points[**i], way, Some(owners[**i]))
+                let way = plain.rotated_directions(turn(**i)).nth(n).unwrap_or(Vec3::Z);
+                rays.is_lit(strands.points[**i], way, Some(owners[**i]))
             };
             let hidden = looked.par_iter().filter(|i| !lit(i)).count();
             (z, 1.0 - hidden as f64 / looked.len().max(1) as f64)
         };
-        let heights: Vec<f32> = plain.turned((0.0, 1.0)).map(|d| d.z).collect();
+        let heights: Vec<f32> = plain.rotated_directions((0.0, 1.0)).map(|d| d.z).collect();
         fit::horizon(&heights.into_iter().enumerate().map(seen).collect::<Vec<_>>())
     });
     let fit = Fit::new(count, horizon);
     let points = owners.par_iter().zip(&strands.points).enumerate().with_min_len(64);
-    let points = points.map(|(i, (own, p))| fit.of(turn(i), |way| rays.lit(*p, way, Some(*own)))).collect();
+    let points = points.map(|(i, (own, p))| fit.coefficients(turn(i), |way| rays.is_lit(*p, way, Some(*own)))).collect();
     let skin = (0..(SIDE * SIDE) as usize).into_par_iter().with_min_len(64);
-    let skin = skin.map(|i| fit.of(turn(i), |way| rays.lit(on_skin(i), way, None))).collect();
+    let skin = skin.map(|i| fit.coefficients(turn(i), |way| rays.is_lit(on_skin(i), way, None))).collect();
     Ok(Visibility { horizon, points, skin })
 }
 

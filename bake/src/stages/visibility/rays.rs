@@ -1,6 +1,6 @@
 //! Rays through the strands of a periodic tile.
 
-use crate::stages::hair::Strands;
+use crate::stages::simulate::Strands;
 use glam::{Vec2, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
@@ -9,7 +9,7 @@ use obvhs::{Boundable, BvhBuildParams};
 use std::time::Duration;
 
 /// Maximum horizontal length of a ray, tiles.
-const LONGEST: f32 = 8.0;
+const MAX_TILES: f32 = 8.0;
 
 /// Segment of a strand: a round, tapered stick.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,7 @@ impl Boundable for Piece {
 impl Piece {
     /// Returns whether the ray, with unit direction, hits the segment: at their closest points, their distance is below
     /// its radius.
-    fn hides(&self, origin: Vec3, way: Vec3, reach: f32) -> bool {
+    fn is_hit(&self, origin: Vec3, way: Vec3, reach: f32) -> bool {
         let axis = self.to - self.from;
         let from = origin - self.from;
         let (length, along, from_axis, from_way) = (axis.dot(axis), axis.dot(way), axis.dot(from), way.dot(from));
@@ -48,7 +48,7 @@ impl Piece {
 }
 
 /// All strands of a tile, in a ray-tracing structure.
-pub(super) struct Rays {
+pub(super) struct StrandTree {
     /// Segments in the order of the tree's leaves.
     pieces: Vec<Piece>,
     tree: Option<CwBvh>,
@@ -58,7 +58,7 @@ pub(super) struct Rays {
     top: f32,
 }
 
-impl Rays {
+impl StrandTree {
     pub(super) fn new(strands: &Strands) -> Self {
         let mut pieces = Vec::new();
         for strand in 0..strands.len() {
@@ -85,18 +85,18 @@ impl Rays {
     /// Returns whether a distant light in the upward unit direction `way` is visible from `origin` past all strands
     /// except `own`. Copies of `own` in other tiles count as other strands. A ray still inside the hair after
     /// [`LONGEST`] tiles is blocked.
-    pub(super) fn lit(&self, origin: Vec3, way: Vec3, own: Option<u32>) -> bool {
+    pub(super) fn is_lit(&self, origin: Vec3, way: Vec3, own: Option<u32>) -> bool {
         let reach = ((self.top - origin.z) / way.z).max(0.0);
         let aside = reach * way.truncate().length();
         // Tile by tile: most rays end near their start.
-        let steps = aside.ceil().clamp(1.0, LONGEST);
-        let step = if aside > LONGEST { LONGEST / aside } else { 1.0 } * reach / steps;
-        let free = |n: u16| self.free(origin + way * (step * f32::from(n)), way, step, own);
-        (0..steps as u16).all(free) && aside <= LONGEST
+        let steps = aside.ceil().clamp(1.0, MAX_TILES);
+        let step = if aside > MAX_TILES { MAX_TILES / aside } else { 1.0 } * reach / steps;
+        let free = |n: u16| self.is_clear(origin + way * (step * f32::from(n)), way, step, own);
+        (0..steps as u16).all(free) && aside <= MAX_TILES
     }
 
     /// Returns whether there is nothing between `origin` and the point at distance `reach`.
-    fn free(&self, origin: Vec3, way: Vec3, reach: f32, own: Option<u32>) -> bool {
+    fn is_clear(&self, origin: Vec3, way: Vec3, reach: f32, own: Option<u32>) -> bool {
         let Some(tree) = &self.tree else { return true };
         let end = origin + way * reach;
         // Copies of the tile that the ray may cross.
@@ -109,7 +109,7 @@ impl Rays {
                 let ray = Ray::new(shifted.into(), way.into(), 0.0, reach + 1e-6);
                 let free = tree.ray_traverse_miss(ray, |_, id| {
                     let piece = &self.pieces[id];
-                    if Some(piece.strand) != own && piece.hides(shifted, way, reach) { 0.0 } else { f32::INFINITY }
+                    if Some(piece.strand) != own && piece.is_hit(shifted, way, reach) { 0.0 } else { f32::INFINITY }
                 });
                 if !free {
                     return false;
@@ -139,9 +139,9 @@ mod tests {
 
     #[test]
     fn a_pole_hides_what_is_behind_it_in_each_tile() {
-        let rays = Rays::new(&pole());
+        let rays = StrandTree::new(&pole());
         let towards = |x: f32, z: f32| Vec3::new(x, 0.0, z).normalize();
-        let lit = |x: f32, y: f32, way: Vec3, own| rays.lit(Vec3::new(x, y, 0.1), way, own);
+        let lit = |x: f32, y: f32, way: Vec3, own| rays.is_lit(Vec3::new(x, y, 0.1), way, own);
         assert!(!lit(0.2, 0.5, towards(1.0, 0.2), None), "the pole stands in the way");
         assert!(lit(0.2, 0.5, towards(1.0, 2.0), None), "the ray passes above it");
         assert!(lit(0.2, 0.6, towards(1.0, 0.2), None), "the ray passes beside it");
@@ -150,6 +150,6 @@ mod tests {
         assert!(lit(0.5, 0.5, towards(1.0, 1.0), Some(0)), "its own strand hides nothing");
         assert!(!lit(0.5, 0.5, towards(1.0, 0.2), Some(0)), "but its copy in the next tile does");
         assert!(lit(0.2, 0.5, Vec3::Z, None));
-        assert!(Rays::new(&Strands::default()).lit(Vec3::ZERO, Vec3::Z, None));
+        assert!(StrandTree::new(&Strands::default()).is_lit(Vec3::ZERO, Vec3::Z, None));
     }
 }

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::recipe::{ColorParams, HairParams, SliceParams, natural};
-use crate::stages::hair::{VolumeParams, simulate};
-use crate::stages::textures::slice_for_package;
+use crate::stages::simulate::{VolumeParams, simulate};
+use crate::stages::slice::slice_for_package;
 use pelage_formats::TextureFormat;
 use pelage_formats::meaning::visibility_towards;
 
@@ -23,7 +23,7 @@ fn against_rays(strands: &Strands, found: &Visibility, [least_z, most_z]: [f32; 
         Ok(())
     })
     .unwrap();
-    let rays = Rays::new(strands);
+    let rays = StrandTree::new(strands);
     let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
     for strand in 0..strands.len() {
         for i in strands.range(strand) {
@@ -36,7 +36,7 @@ fn against_rays(strands: &Strands, found: &Visibility, [least_z, most_z]: [f32; 
             let at = |x: f32| (x.rem_euclid(1.0) * 64.0) as usize % 64;
             let bytes = &layers[layer][4 * (64 * at(p.y) + at(p.x))..][..4];
             let texel = Vec4::from_array(std::array::from_fn(|k| f32::from(bytes[k]) / 255.0));
-            let seen = f64::from(u8::from(rays.lit(p, way, Some(strand as u32))));
+            let seen = f64::from(u8::from(rays.is_lit(p, way, Some(strand as u32))));
             let error = f64::from(visibility_towards(texel, way, found.horizon)) - seen;
             (sum, squares, count) = (sum + error, squares + error * error, count + 1.0);
         }

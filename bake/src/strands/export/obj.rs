@@ -1,6 +1,6 @@
 //! Export of the posed mesh as Wavefront OBJ, with its materials in a second file.
 
-use crate::strands::Skin;
+use crate::strands::PosedMesh;
 use glam::{DVec3, Vec4};
 use std::io::{self, Write};
 
@@ -9,7 +9,7 @@ use std::io::{self, Write};
 ///
 /// # Errors
 /// Errors of `out`.
-pub fn write_obj(skin: &Skin, materials: &str, out: &mut dyn Write) -> io::Result<()> {
+pub fn write_obj(skin: &PosedMesh, materials: &str, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# {} vertices, {} triangles, metres, y up", skin.vertices.len(), skin.triangles.len())?;
     writeln!(out, "mtllib {materials}")?;
     for v in &skin.vertices {
@@ -40,7 +40,7 @@ pub fn write_obj(skin: &Skin, materials: &str, out: &mut dyn Write) -> io::Resul
 ///
 /// # Errors
 /// Errors of `out`.
-pub fn write_mtl(skin: &Skin, out: &mut dyn Write) -> io::Result<()> {
+pub fn write_mtl(skin: &PosedMesh, out: &mut dyn Write) -> io::Result<()> {
     let mut sums = vec![(Vec4::ZERO, 0.0f32); skin.materials.len()];
     for (triangle, material) in skin.material_of.iter().enumerate() {
         let [a, b, c] = skin.corners(triangle).map(|c| c.position_ws);
@@ -57,7 +57,7 @@ pub fn write_mtl(skin: &Skin, out: &mut dyn Write) -> io::Result<()> {
 }
 
 /// Returns a unique name without spaces for a material.
-fn name(skin: &Skin, material: usize) -> String {
+fn name(skin: &PosedMesh, material: usize) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
     let name: String = skin.materials[material].name.chars().map(plain).collect();
     format!("{material}_{name}")

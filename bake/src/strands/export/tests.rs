@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
-use crate::strands::{CurvePoint, Skin, SkinMaterial, SkinPoint};
+use crate::strands::{CurvePoint, PosedMesh, PosedMaterial, PosedVertex};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// Makes three strands of 2, 4 and 3 points.
@@ -247,15 +247,15 @@ fn glb_opens_in_another_reader() {
 
 #[test]
 fn obj_opens_in_another_reader() {
-    let vertex = |x: f64, y: f64| SkinPoint {
+    let vertex = |x: f64, y: f64| PosedVertex {
         position_ws: DVec3::new(x, y, 0.25),
         normal_ws: DVec3::Z,
         base_uv: Vec2::new(x as f32, 0.25),
         color: Vec4::new(0.5, 1.0, 1.0, 1.0),
-        ..SkinPoint::default()
+        ..PosedVertex::default()
     };
-    let material = |name: &str| SkinMaterial { name: name.into(), base_color: Vec4::splat(0.8), ..Default::default() };
-    let skin = Skin {
+    let material = |name: &str| PosedMaterial { name: name.into(), base_color: Vec4::splat(0.8), ..Default::default() };
+    let skin = PosedMesh {
         vertices: vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(0.0, 1.0), vertex(1.0, 1.0)],
         same_place: vec![0, 1, 2, 3],
         triangles: vec![[0, 1, 2], [1, 3, 2]],

@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::io::{self, Write};
 
 /// Number of items per line, for lists without a line per strand.
-const A_LINE: usize = 16;
+const ITEMS_PER_LINE: usize = 16;
 
 /// Writes strands. Each point has its width (the hair's diameter, metres) and `primvars:displayColor` (linear RGB).
 /// Each strand has `primvars:surface_uv_coordinate`: the mesh's texture coordinates at its root, v upwards as in USD,
@@ -41,7 +41,7 @@ fn write_group(curves: &Curves, group: &CurveGroup, name: &str, out: &mut dyn Wr
     writeln!(out, "\n    {{\n        uniform token type = \"linear\"")?;
     let strands = group.strands.start as usize..group.strands.end as usize;
     let points = || strands.clone().map(|i| curves.strand(i).iter());
-    let lines = || strands.clone().step_by(A_LINE).map(|first| first..strands.end.min(first + A_LINE));
+    let lines = || strands.clone().step_by(ITEMS_PER_LINE).map(|first| first..strands.end.min(first + ITEMS_PER_LINE));
     let [low, high] = extent(curves, group).map(|p| p.to_array());
     writeln!(out, "        float3[] extent = [({}), ({})]", Join(low), Join(high))?;
     let counts = lines().map(|line| line.map(|i| curves.strand(i).len()));

@@ -3,7 +3,7 @@
 use super::finish;
 use super::on_disk::Herd;
 use super::paths::io_error;
-use super::ran::Ran;
+use super::ran::NinjaOutput;
 use crate::exit::Failure;
 use crate::output::{Output, human_bytes};
 use pelage_herd::ninja::{STATUS, THREADS};
@@ -19,13 +19,13 @@ const HELP: &str =
 
 /// Runs commands that are not up to date on this machine: benchmarks one after another at the end, all others
 /// concurrently.
-pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Result<Ran, Failure> {
+pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Result<NinjaOutput, Failure> {
     let (file, room) = herd.write_ninja(jobs, memory_bytes)?;
     if room.too_large > 0 {
         let (needs, has) = (human_bytes(room.too_large), human_bytes(memory_bytes));
         output.note(&format!("note: a command is expected to need {needs}, and there are {has} for all"));
     }
-    let mut ran = Ran::default();
+    let mut ran = NinjaOutput::default();
     ninja(herd, &file, jobs, &mut ran, output)?;
     // A failed bake is not attempted again for its benchmark.
     let timed = herd.timed();
@@ -63,7 +63,7 @@ fn dry_run(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
         let why = String::from_utf8_lossy(&said.stderr).trim().to_owned();
         return Err(io_error(&herd.path(file), "run ninja on", io::Error::other(why)));
     }
-    Ok(Ran::of(&said.stdout).tasks)
+    Ok(NinjaOutput::of(&said.stdout).tasks)
 }
 
 /// Returns a Ninja command in the herd's folder.
@@ -86,7 +86,7 @@ pub fn cannot_run(source: io::Error) -> Failure {
     io_error(Path::new("ninja"), "run", source)
 }
 
-fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut Ran, output: &mut Output) -> Result<(), Failure> {
+fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut NinjaOutput, output: &mut Output) -> Result<(), Failure> {
     let mut command = command(herd, file);
     // Continue after failures.
     command.args(["-k", "0", "-j", &jobs.to_string()]);
@@ -101,9 +101,9 @@ fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut Ran, output: &mut Output)
         let line = line.map_err(|source| io_error(Path::new("ninja"), "read from", source))?;
         let line = String::from_utf8_lossy(&line);
         let begins = ran.tasks.is_empty();
-        if let Some((done, total, task)) = ran.hear(&line) {
+        if let Some((done, total, task)) = ran.parse_line(&line) {
             if begins {
-                finish::forget_page(herd)?;
+                finish::mark_report_outdated(herd)?;
             }
             output.progress_of(done, total, task);
         } else if line.starts_with("ninja: error:") || line.starts_with("ninja: fatal:") {

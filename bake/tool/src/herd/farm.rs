@@ -6,12 +6,12 @@ use super::finish;
 use super::notes;
 use super::on_disk::Herd;
 use super::paths::io_error;
-use super::ran::Ran;
+use super::ran::NinjaOutput;
 use super::result::HerdResult;
 use crate::exit::Failure;
 use crate::output::{Output, make_folder};
 use pelage_bake::io;
-use pelage_herd::slurm::{Script, Shard, Stage, TIMED, demand, known, stages};
+use pelage_herd::slurm::{Script, Shard, Stage, TIMED, demand, shards_by_task, stages};
 use pelage_herd::{Task, ninja};
 use pelage_import::BakeError;
 use std::collections::BTreeSet;
@@ -26,15 +26,15 @@ const ASKED_EVERY: Duration = Duration::from_secs(2);
 const ARRAY: usize = 1000;
 
 /// Submits what is not up to date and waits for it; returns `None` with `--detach`.
-pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ran>, Failure> {
-    let files = format!("{}/slurm", herd.own());
+pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<NinjaOutput>, Failure> {
+    let files = format!("{}/slurm", herd.internal_folder());
     make_folder(&herd.path(&files))?;
     let shards_file = herd.path(&format!("{files}/shards.json"));
     let stages = stages(&herd.plan, args.shard_seconds, &notes::read(&shards_file));
-    notes::write(&shards_file, &known(&herd.plan, &stages))?;
+    notes::write(&shards_file, &shards_by_task(&herd.plan, &stages))?;
     let open = open_shards(herd, &files, &stages, output)?;
     if open.iter().any(|open| !open.is_empty()) {
-        finish::forget_page(herd)?;
+        finish::mark_report_outdated(herd)?;
     }
     let mut ids: Vec<String> = Vec::new();
     let (mut shards, mut logs) = (Vec::new(), Vec::new());
@@ -77,26 +77,26 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
         output.note(&format!("submitted jobs {0}; `scancel {0}` ends them", ids.join(" ")));
     }
     wait(herd, &ids, &shards, output)?;
-    Ok(Some(ran(herd)))
+    Ok(Some(read_logs(herd)))
 }
 
 /// Returns the file that lists the name prefixes of the latest submission's logs.
 fn logs_file(herd: &Herd) -> PathBuf {
-    herd.path(&format!("{}/slurm/logs.json", herd.own()))
+    herd.path(&format!("{}/slurm/logs.json", herd.internal_folder()))
 }
 
 /// Parses Ninja's output from the readable logs of the latest submission.
-pub fn ran(herd: &Herd) -> Ran {
+pub fn read_logs(herd: &Herd) -> NinjaOutput {
     let logs: Vec<String> = notes::read(&logs_file(herd));
-    let mut ran = Ran::default();
-    for entry in std::fs::read_dir(herd.path(&format!("{}/slurm", herd.own()))).into_iter().flatten().flatten() {
+    let mut ran = NinjaOutput::default();
+    for entry in std::fs::read_dir(herd.path(&format!("{}/slurm", herd.internal_folder()))).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         if logs.iter().any(|log| name.starts_with(log.as_str())) {
-            ran.hear_all(&std::fs::read(entry.path()).unwrap_or_default());
+            read_logs.parse(&std::fs::read(entry.path()).unwrap_or_default());
         }
     }
-    ran
+    read_logs
 }
 
 /// Writes the build files of all shards; returns, for each stage, the shards that are not up to date.
@@ -120,7 +120,7 @@ fn open_shards<'a>(
             make_folder(&herd.path(&own))?;
             let tasks: Vec<&Task> = shard.tasks.iter().map(|i| &herd.plan.tasks[*i]).collect();
             // One command at a time: Slurm allocates cores and memory.
-            let room = ninja::Room::of(&tasks, 1, u64::MAX);
+            let room = ninja::ConcurrencyLimits::of(&tasks, 1, u64::MAX);
             herd.write_build(&format!("{name}.ninja"), &own, &tasks, room)?;
             let waits = tasks.iter().any(|task| task.inputs.iter().any(|input| made.contains(input.as_str())));
             if waits || !is_done(herd, &format!("{name}.ninja"))? {
@@ -144,7 +144,7 @@ fn is_done(herd: &Herd, file: &str) -> Result<bool, Failure> {
 fn submit(herd: &Herd, script: &str, stage: &str, shards: &[&Shard], before: &[String]) -> Result<String, Failure> {
     let mut command = Command::new("sbatch");
     command.current_dir(&herd.folder).args(["--parsable", &format!("--array=0-{}", shards.len() - 1)]);
-    command.arg(format!("--output={}/slurm/{stage}-%A_%a.log", herd.own()));
+    command.arg(format!("--output={}/slurm/{stage}-%A_%a.log", herd.internal_folder()));
     if !before.is_empty() {
         command.arg(format!("--dependency=afterany:{}", before.join(":")));
     }

@@ -3,7 +3,7 @@
 use super::notes;
 use super::on_disk::{Herd, history_file};
 use super::paths::io_error;
-use super::ran::Ran;
+use super::ran::NinjaOutput;
 use super::result::{HerdFailure, HerdResult, HerdTasks};
 use crate::errand::CommandRecord;
 use crate::exit::{Exit, Failure};
@@ -11,7 +11,7 @@ use crate::output::{Output, make_folder};
 use image::{DynamicImage, Rgb, RgbImage, imageops};
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
-use pelage_herd::{Became, Known, Report, State, Task};
+use pelage_herd::{CommandOutcome, CommandCost, Report, State, Task};
 use pelage_import::{BakeError, path_as_uri};
 use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
@@ -39,8 +39,8 @@ fn key_file(own: &str) -> String {
 }
 
 /// Marks the report as outdated, so that it is rewritten however this run ends.
-pub fn forget_page(herd: &Herd) -> Result<(), Failure> {
-    remove(&herd.path(&key_file(&herd.own())))
+pub fn mark_report_outdated(herd: &Herd) -> Result<(), Failure> {
+    remove(&herd.path(&key_file(&herd.internal_folder())))
 }
 
 fn remove(path: &Path) -> Result<(), Failure> {
@@ -52,7 +52,7 @@ fn remove(path: &Path) -> Result<(), Failure> {
 
 /// Returns the records of commands that had failed when the report was written.
 pub fn failed_before(herd: &Herd) -> Vec<String> {
-    notes::read(&herd.path(&failures_file(&herd.own())))
+    notes::read(&herd.path(&failures_file(&herd.internal_folder())))
 }
 
 /// Removes the records of failed commands, so that no engine considers these done.
@@ -60,12 +60,12 @@ pub fn forget_failures(herd: &Herd) -> Result<(), Failure> {
     failed_before(herd).iter().try_for_each(|record| remove(&herd.path(record)))
 }
 
-fn became(herd: &Herd, ran: &Ran) -> Result<Vec<Option<Became>>, Failure> {
-    let read = |record: &str| notes::read::<Option<Became>>(&herd.path(record));
+fn outcomes(herd: &Herd, ran: &NinjaOutput) -> Result<Vec<Option<CommandOutcome>>, Failure> {
+    let read = |record: &str| notes::read::<Option<CommandOutcome>>(&herd.path(record));
     let of = |task: &Task| {
         let found = read(&task.record);
         match ran.last_words(task).filter(|_| found.is_none()) {
-            Some(last_words) => bury(herd, task, &last_words).map(|()| read(&task.record)),
+            Some(last_words) => write_missing_record(herd, task, &last_words).map(|()| read(&task.record)),
             None => Ok(found),
         }
     };
@@ -73,7 +73,7 @@ fn became(herd: &Herd, ran: &Ran) -> Result<Vec<Option<Became>>, Failure> {
 }
 
 /// Writes the record of a command that ended without one.
-fn bury(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
+fn write_missing_record(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
     let mut why = "it ended without a word: something has killed it, perhaps for want of memory".to_owned();
     if !last_words.is_empty() {
         why = format!("it ended without a record, and its last words were: {last_words}");
@@ -83,9 +83,9 @@ fn bury(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
 }
 
 /// Prints the results of a herd, and rewrites its report if anything changed.
-pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failure> {
+pub fn finish(herd: &Herd, ran: &NinjaOutput, output: &mut Output) -> Result<Exit, Failure> {
     let page = herd.path(&format!("{}/report.html", herd.plan.out));
-    let own = herd.own();
+    let own = herd.internal_folder();
     let plan = plan_key(herd)?;
     let key_file = herd.path(&key_file(&own));
     let known = page.is_file() && std::fs::read_to_string(&key_file).is_ok_and(|key| key == plan);
@@ -93,10 +93,10 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
         // Large herds have very many records, all of which report success here, so they are not read.
         let all = herd.plan.tasks.len();
         let counts = HerdTasks { all, done: all, ..HerdTasks::default() };
-        return tell(herd, counts, &[], (0, 0), &page, output);
+        return print_summary(herd, counts, &[], (0, 0), &page, output);
     }
     output.progress("writing the report");
-    let became = became(herd, ran)?;
+    let became = outcomes(herd, ran)?;
     let report = Report::new(&herd.plan, &became);
     let failures = report.failures();
     let thumbs = Thumbs::new(herd)?;
@@ -109,7 +109,7 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
         // A cache hit says nothing about the cost of the command.
         if let Some(became) = became.as_ref().filter(|became| became.exit_code == 0 && !became.cached) {
             let peak_bytes = became.peak_bytes.unwrap_or(task.expected.peak_bytes);
-            history.insert(task.name.clone(), Known { seconds: became.seconds, peak_bytes });
+            history.insert(task.name.clone(), CommandCost { seconds: became.seconds, peak_bytes });
         }
     }
     let names: BTreeSet<&str> = herd.plan.tasks.iter().map(|task| task.name.as_str()).collect();
@@ -127,11 +127,11 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
         missing: count(State::Missing),
     };
     let tasks = herd.plan.tasks.iter().zip(&became);
-    let from_cache = |(task, became): &(&Task, &Option<Became>)| {
+    let from_cache = |(task, became): &(&Task, &Option<CommandOutcome>)| {
         became.as_ref().is_some_and(|became| became.cached) && ran.tasks.contains(&task.name)
     };
     let ran = (ran.tasks.len(), tasks.filter(from_cache).count());
-    tell(herd, counts, &failures, ran, &page, output)
+    print_summary(herd, counts, &failures, ran, &page, output)
 }
 
 /// Returns a key of the parts of a plan that the report shows.
@@ -141,7 +141,7 @@ fn plan_key(herd: &Herd) -> Result<String, Failure> {
     Ok(hex(&Sha256::digest(text.map_err(|error| BakeError::Internal(error.to_string()))?)))
 }
 
-fn tell(
+fn print_summary(
     herd: &Herd,
     tasks: HerdTasks,
     failures: &[(usize, u8, String)],
@@ -194,7 +194,7 @@ struct Thumbs<'a> {
 
 impl<'a> Thumbs<'a> {
     fn new(herd: &'a Herd) -> Result<Self, Failure> {
-        let folder = herd.path(&format!("{}/thumbs", herd.own()));
+        let folder = herd.path(&format!("{}/thumbs", herd.internal_folder()));
         make_folder(&folder)?;
         Ok(Self { herd, folder, used: std::sync::Mutex::default() })
     }

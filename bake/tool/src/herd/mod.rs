@@ -38,7 +38,7 @@ pub fn run(args: &HerdArgs, cache: Option<&Path>, refusal: &Refusal<'_>, output:
             output.progress("reading what became of it");
             let herd = read(files)?;
             // The outcome of a detached submission is only in the cluster's logs.
-            let ran = farm::ran(&herd).failures_alone();
+            let ran = farm::read_logs(&herd).failures_alone();
             finish::finish(&herd, &ran, output)
         }
     }

@@ -2,7 +2,7 @@
 
 use super::paths::utf8;
 use crate::exit::Failure;
-use pelage_herd::{Found, HerdFile};
+use pelage_herd::{ModelFile, HerdFile};
 use pelage_import::BakeError;
 use pelage_stage::TomlText;
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use walkdir::WalkDir;
 /// * `source`: the herd file, for messages
 /// * `folder`: folder of the herd file
 /// * `out`: output folder, relative to `folder`
-pub fn find(source: TomlText<'_>, file: &HerdFile, folder: &Path, out: &str) -> Result<Vec<Found>, Failure> {
+pub fn find(source: TomlText<'_>, file: &HerdFile, folder: &Path, out: &str) -> Result<Vec<ModelFile>, Failure> {
     let results = folder.join(out);
     let mut found: BTreeMap<String, u64> = BTreeMap::new();
     for (base, key) in file.folders() {
@@ -48,5 +48,5 @@ pub fn find(source: TomlText<'_>, file: &HerdFile, folder: &Path, out: &str) -> 
             }
         }
     }
-    Ok(found.into_iter().map(|(path, bytes)| Found { path, bytes }).collect())
+    Ok(found.into_iter().map(|(path, bytes)| ModelFile { path, bytes }).collect())
 }

@@ -3,13 +3,13 @@
 use super::args::HerdFiles;
 use super::models;
 use super::notes;
-use super::paths::{absolute, io_error, seen_from, utf8};
+use super::paths::{absolute, io_error, relative_to, utf8};
 use crate::bake::RecipeArgs;
 use crate::exit::Failure;
 use crate::output::{Output, make_folder};
 use crate::reference::only_drawn;
 use pelage_bake::io;
-use pelage_herd::{HerdFile, History, Judge, Kind, NAME, Plan, Task, Told, ninja, plan};
+use pelage_herd::{HerdFile, History, ArgumentValidators, Kind, NAME, Plan, Task, PlanInput, ninja, plan};
 use pelage_stage::TomlText;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -42,18 +42,18 @@ impl Herd {
         let name = files.herd.display().to_string();
         let text = io::read_text(&files.herd, "a herd in TOML")?;
         let only_drawn = only_drawn();
-        let judge = Judge { only_drawn: &only_drawn, refusal, recipe: &RecipeArgs::refusal };
+        let judge = ArgumentValidators { only_drawn: &only_drawn, refusal, recipe: &RecipeArgs::refusal };
         let source = TomlText::new(&name, &text);
         let file = HerdFile::read(source, &judge)?;
         let parent = files.herd.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = absolute(parent)?;
-        let out = seen_from(&folder, &absolute(&files.output)?)?;
-        let cache = cache.map(|cache| seen_from(&folder, &absolute(cache)?)).transpose()?;
+        let out = relative_to(&folder, &absolute(&files.output)?)?;
+        let cache = cache.map(|cache| relative_to(&folder, &absolute(cache)?)).transpose()?;
         let models = models::find(source, &file, &folder, &out)?;
         check_files(source, &file, &folder)?;
         let history = history(&folder, &out);
         let is_file = |path: &str| folder.join(path).is_file();
-        let plan = plan(&Told {
+        let plan = plan(&PlanInput {
             source,
             file: &file,
             models: &models,
@@ -62,7 +62,7 @@ impl Herd {
             history: &history,
             is_file: &is_file,
         })?;
-        let idle = file.idle(source, &models, &is_file);
+        let idle = file.unused_entries(source, &models, &is_file);
         let title = file.title.clone().unwrap_or(name);
         let tool = std::env::current_exe().map_err(|source| io_error(Path::new("pelage"), "find", source))?;
         let tool = utf8(&tool)?.to_owned();
@@ -75,7 +75,7 @@ impl Herd {
     }
 
     /// Returns the herd's internal folder, relative to the herd file's folder.
-    pub fn own(&self) -> String {
+    pub fn internal_folder(&self) -> String {
         Plan::own_folder(&self.plan.out)
     }
 
@@ -88,7 +88,7 @@ impl Herd {
         for folder in folders {
             let folder = self.folder.join(folder);
             if folder.is_dir() {
-                sweep(&folder);
+                remove_temp_files(&folder);
             } else {
                 make_folder(&folder)?;
             }
@@ -110,27 +110,27 @@ impl Herd {
 
     /// Writes the build file of the benchmarks, to run one after another; returns its name.
     pub fn write_timed(&self, timed: &[&Task], memory_bytes: u64) -> Result<String, Failure> {
-        let own = format!("{}/timed", self.own());
+        let own = format!("{}/timed", self.internal_folder());
         let name = format!("{own}/build.ninja");
         make_folder(&self.path(&own))?;
-        self.write_build(&name, &own, timed, ninja::Room::of(timed, 1, memory_bytes))?;
+        self.write_build(&name, &own, timed, ninja::ConcurrencyLimits::of(timed, 1, memory_bytes))?;
         Ok(name)
     }
 
     /// Writes the build file of the tasks that may run concurrently on this machine. Returns its path, relative to the
     /// herd file's folder, and its concurrency limits.
-    pub fn write_ninja(&self, jobs: u32, memory_bytes: u64) -> Result<(String, ninja::Room), Failure> {
+    pub fn write_ninja(&self, jobs: u32, memory_bytes: u64) -> Result<(String, ninja::ConcurrencyLimits), Failure> {
         let tasks = ninja::untimed(&self.plan);
-        let room = ninja::Room::of(&tasks, jobs, memory_bytes);
+        let room = ninja::ConcurrencyLimits::of(&tasks, jobs, memory_bytes);
         let name = format!("{}/build.ninja", self.plan.out);
-        self.write_build(&name, &self.own(), &tasks, room)?;
+        self.write_build(&name, &self.internal_folder(), &tasks, room)?;
         Ok((name, room))
     }
 
     /// Writes a build file of some tasks, with `own` as the folder of Ninja's log.
-    pub fn write_build(&self, name: &str, own: &str, tasks: &[&Task], room: ninja::Room) -> Result<(), Failure> {
+    pub fn write_build(&self, name: &str, own: &str, tasks: &[&Task], room: ninja::ConcurrencyLimits) -> Result<(), Failure> {
         let settings = ninja::Settings { tool: &self.tool, cache: self.cache.as_deref(), own, room };
-        io::write_atomic(&self.path(name), ninja::text(tasks, &settings).as_bytes())?;
+        io::write_atomic(&self.path(name), ninja::build_file(tasks, &settings).as_bytes())?;
         Ok(())
     }
 }
@@ -139,12 +139,12 @@ impl Herd {
 const ABANDONED: Duration = Duration::from_secs(600);
 
 /// Removes temporary files left by killed commands; errors are ignored.
-fn sweep(folder: &Path) {
+fn remove_temp_files(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let old = || entry.metadata().ok()?.modified().ok()?.elapsed().ok().filter(|age| *age > ABANDONED);
-        if name.starts_with(io::TEMPORARY.0) && name.ends_with(io::TEMPORARY.1) && old().is_some() {
+        if name.starts_with(io::TEMP_FILE_AFFIXES.0) && name.ends_with(io::TEMP_FILE_AFFIXES.1) && old().is_some() {
             let _ = std::fs::remove_file(entry.path());
         }
     }

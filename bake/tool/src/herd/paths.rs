@@ -23,7 +23,7 @@ pub fn absolute(path: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// Returns a path as commands in `folder` name it: relative if it is below `folder`.
-pub fn seen_from(folder: &Path, path: &Path) -> Result<String, Failure> {
+pub fn relative_to(folder: &Path, path: &Path) -> Result<String, Failure> {
     let path = path.strip_prefix(folder).unwrap_or(path);
     let text = utf8(path)?;
     Ok(if text.is_empty() { ".".into() } else { text.to_owned() })

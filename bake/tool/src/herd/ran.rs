@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Commands run by Ninja and their failures, parsed from its output.
 #[derive(Clone, Debug, Default)]
-pub struct Ran {
+pub struct NinjaOutput {
     /// Names of commands that were run.
     pub tasks: BTreeSet<String>,
     /// Last lines of each failed command, after the command line, by the files that it would have made.
@@ -14,27 +14,27 @@ pub struct Ran {
     open: Option<String>,
 }
 
-impl Ran {
+impl NinjaOutput {
     /// Number of last lines kept per command.
     const LINES: usize = 3;
 
     /// Parses Ninja's output.
     pub fn of(lines: &[u8]) -> Self {
         let mut ran = Self::default();
-        ran.hear_all(lines);
+        ran.parse(lines);
         ran
     }
 
     /// Parses several lines.
-    pub fn hear_all(&mut self, lines: &[u8]) {
+    pub fn parse(&mut self, lines: &[u8]) {
         for line in String::from_utf8_lossy(lines).lines() {
-            self.hear(line);
+            self.parse_line(line);
         }
     }
 
     /// Parses a line. Returns the number of finished commands, the total and the command's name if it is a status line.
     /// For a failed command Ninja prints its files, then the command line, then its output.
-    pub fn hear<'a>(&mut self, line: &'a str) -> Option<(usize, usize, &'a str)> {
+    pub fn parse_line<'a>(&mut self, line: &'a str) -> Option<(usize, usize, &'a str)> {
         let said = status(line);
         if let Some((.., task)) = said {
             self.tasks.insert(task.to_owned());
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn what_failed_is_heard() {
-        let mut ran = Ran::default();
+        let mut ran = NinjaOutput::default();
         let lines = [
             "[1/3] bake a",
             "FAILED: a.pelage r/a.json ",
@@ -102,7 +102,7 @@ mod tests {
             "of none",
         ];
         for line in lines {
-            ran.hear(line);
+            ran.parse_line(line);
         }
         let last_words = |output: &[&str], record: &str| {
             let outputs = output.iter().map(|output| (*output).to_owned()).collect();

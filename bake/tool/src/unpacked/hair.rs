@@ -6,7 +6,7 @@
 
 use super::json::{File, deserialize, json_value, known_keys, shorten_floats, to_rows};
 use glam::{Vec2, Vec3};
-use pelage_bake::stages::hair_groups::{GuidesAtRest, RestSkin};
+use pelage_bake::stages::hair_groups::{GuidesAtRest, RestMesh};
 use pelage_bake::strands::export::write_hair;
 use pelage_bake::strands::{CurvePoint, Curves};
 use pelage_formats::HairGroup;
@@ -25,7 +25,7 @@ const EXACT: &str = "exact";
 
 /// Stored integers of a guide.
 #[derive(Serialize, Deserialize)]
-struct Exact {
+struct ExactGuide {
     guide: usize,
     offsets: Vec<[i16; 3]>,
 }
@@ -41,7 +41,7 @@ fn failed(error: impl std::fmt::Display) -> BakeError {
 }
 
 /// Converts a group to JSON.
-fn described(group: &HairGroup, exact: &[Exact]) -> Result<Value, BakeError> {
+fn described(group: &HairGroup, exact: &[ExactGuide]) -> Result<Value, BakeError> {
     let mut value = serde_json::to_value(group).map_err(failed)?;
     if let Some(object) = value.as_object_mut() {
         object.remove(OFFSETS);
@@ -52,7 +52,7 @@ fn described(group: &HairGroup, exact: &[Exact]) -> Result<Value, BakeError> {
 }
 
 /// Returns names and contents of all files, the JSON first; `None` if they could not be read back to the same groups.
-pub fn write(groups: &[HairGroup], skin: &RestSkin) -> Result<Option<Vec<File>>, BakeError> {
+pub fn write(groups: &[HairGroup], skin: &RestMesh) -> Result<Option<Vec<File>>, BakeError> {
     let at_rest = GuidesAtRest(skin);
     let (mut list, mut files) = (Vec::new(), Vec::new());
     for (number, group) in groups.iter().enumerate() {
@@ -64,9 +64,9 @@ pub fn write(groups: &[HairGroup], skin: &RestSkin) -> Result<Option<Vec<File>>,
         let same = |guide: usize| {
             led && back.guide_offsets.chunks(group.guide_points as usize - 1).nth(guide) == Some(offsets[guide])
         };
-        let exact: Vec<Exact> = (0..offsets.len())
+        let exact: Vec<ExactGuide> = (0..offsets.len())
             .filter(|guide| !same(*guide))
-            .map(|guide| Exact { guide, offsets: offsets[guide].to_vec() })
+            .map(|guide| ExactGuide { guide, offsets: offsets[guide].to_vec() })
             .collect();
         list.push(described(group, &exact)?);
         files.push((name_of(number, group), shown(group, &guides)?));
@@ -101,7 +101,7 @@ fn shown(group: &HairGroup, guides: &[Vec<Vec3>]) -> Result<Vec<u8>, BakeError> 
 }
 
 /// Reads the groups; file names are for messages.
-pub fn read((json_file, json): &File, files: &[File], skin: &RestSkin) -> Result<Vec<HairGroup>, BakeError> {
+pub fn read((json_file, json): &File, files: &[File], skin: &RestMesh) -> Result<Vec<HairGroup>, BakeError> {
     let value = json_value(json_file, json)?;
     let list = value.as_array().ok_or_else(|| {
         let reason = "expected a list of groups".to_owned();
@@ -120,7 +120,7 @@ fn group(
     number: usize,
     value: &Value,
     (file, bytes): &File,
-    skin: &RestSkin,
+    skin: &RestMesh,
 ) -> Result<HairGroup, BakeError> {
     let fault = |file: &str, place: String, reason: String| BakeError::Input { file: file.to_owned(), place, reason };
     let in_json = |key: String, reason: String| fault(json_file, format!("/{number}{key}"), reason);
@@ -130,7 +130,7 @@ fn group(
     let exact = object.remove(EXACT).ok_or_else(|| in_json(format!("/{EXACT}"), "missing".into()))?;
     object.insert(OFFSETS.into(), json!([]));
     let mut group: HairGroup = deserialize(json_file, &format!("/{number}"), full)?;
-    let exact: Vec<Exact> = deserialize(json_file, &format!("/{number}/{EXACT}"), exact)?;
+    let exact: Vec<ExactGuide> = deserialize(json_file, &format!("/{number}/{EXACT}"), exact)?;
     known_keys(json_file, &format!("/{number}"), value, &described(&group, &exact)?)?;
     let scalp = group.scalp.iter().map(|(triangle, _)| ("scalp", *triangle));
     let roots = group.guide_roots.iter().map(|(triangle, _)| ("guide_roots", *triangle));
@@ -152,7 +152,7 @@ fn group(
     let guides: Vec<Vec<Vec3>> = hair.ranges().map(|range| hair.points[range].to_vec()).collect();
     let each = (group.guide_points as usize).saturating_sub(1);
     let mut kept = vec![None; expected];
-    for (k, Exact { guide, offsets }) in exact.iter().enumerate() {
+    for (k, ExactGuide { guide, offsets }) in exact.iter().enumerate() {
         if *guide >= expected || offsets.len() != each {
             let found = offsets.len();
             let reason = format!("guide {guide} with {found} offsets, expected one of {expected} guides with {each}");

@@ -6,7 +6,7 @@
 //! recovered from a `.hair` file are stored in `exact`, and are used as long as the strand still matches them.
 
 use super::json::{File, parse, shorten_floats, to_rows};
-use super::tile::{Exact, Frame, Strand, grown};
+use super::tile::{ExactStrand, TileMapping, Strand, scale_for};
 use glam::Vec2;
 use pelage_bake::hexadecimal::{from_hex, hex};
 use pelage_bake::strands::export::write_hair;
@@ -38,9 +38,9 @@ struct Document {
 }
 
 impl Document {
-    fn frame(&self) -> Frame {
+    fn frame(&self) -> TileMapping {
         let scale = StrandScale { reach: self.reach, radius: self.radius };
-        Frame { width_m: self.width_m.into(), height_m: self.height_m.into(), scale }
+        TileMapping { width_m: self.width_m.into(), height_m: self.height_m.into(), scale }
     }
 }
 
@@ -48,7 +48,7 @@ impl Document {
 struct Set {
     /// Visibility of each strand's points to light: four bytes per point, as hexadecimal digits.
     visibility: Vec<String>,
-    exact: Vec<Exact>,
+    exact: Vec<ExactStrand>,
 }
 
 /// Returns names and contents of all files, the JSON first; `None` if they could not be read back to the same strands.
@@ -69,7 +69,7 @@ pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<File>>
         let mut curves = Curves::default();
         let mut described = Set::default();
         for (strand, (points, root)) in set.chunks(each).zip(&strands.roots).enumerate() {
-            let shown: Vec<CurvePoint> = points.iter().map(|point| frame.shown(*root, point)).collect();
+            let shown: Vec<CurvePoint> = points.iter().map(|point| frame.to_file(*root, point)).collect();
             let back = frame.strand(&shown, (number > 0).then_some(*root), None);
             let same = |(back, point): (&StrandPoint, &StoredStrandPoint)| {
                 let back = back.stored(frame.scale);
@@ -77,7 +77,7 @@ pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<File>>
             };
             if !back.is_ok_and(|back| back.root == *root && back.points.iter().zip(points).all(same)) {
                 let points = points.iter().map(|p| (p.aside[0], p.aside[1], p.height, p.radius)).collect();
-                described.exact.push(Exact { strand, root: *root, points });
+                described.exact.push(ExactStrand { strand, root: *root, points });
             }
             described.visibility.push(hex(points.iter().map(|p| p.visibility).collect::<Vec<_>>().as_flattened()));
             curves.push(&shown, false, Vec2::ZERO);
@@ -169,7 +169,7 @@ pub fn read((json_file, json): &File, files: &[File]) -> Result<StoredStrands, B
     }
     let roots = sets.first().map(|dry| dry.iter().map(|strand| strand.root).collect()).unwrap_or_default();
     let strands: Vec<Strand> = sets.into_iter().flatten().collect();
-    let scale = grown(frame.scale, &strands);
+    let scale = scale_for(frame.scale, &strands);
     let whole = |strand: &Strand| match &strand.exact {
         Some(exact) if scale == frame.scale => exact.clone(),
         _ => strand.points.iter().map(|point| point.stored(scale)).collect::<Vec<_>>(),

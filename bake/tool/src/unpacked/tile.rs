@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Stored integers of a strand.
 #[derive(Serialize, Deserialize)]
-pub struct Exact {
+pub struct ExactStrand {
     pub strand: usize,
     pub root: [u16; 2],
     /// Offsets along u and v, height, radius.
@@ -16,7 +16,7 @@ pub struct Exact {
 }
 
 /// Mapping between tile and file coordinates.
-pub struct Frame {
+pub struct TileMapping {
     pub width_m: f64,
     pub height_m: f64,
     pub scale: StrandScale,
@@ -30,9 +30,9 @@ pub struct Strand {
     pub exact: Option<Vec<StoredStrandPoint>>,
 }
 
-impl Frame {
+impl TileMapping {
     /// Converts a stored point to file coordinates.
-    pub fn shown(&self, root: [u16; 2], point: &StoredStrandPoint) -> CurvePoint {
+    pub fn to_file(&self, root: [u16; 2], point: &StoredStrandPoint) -> CurvePoint {
         let found = point.decoded(self.scale);
         let [u, v] = [0, 1].map(|k| f64::from(strand_root(root)[k]) + f64::from(found.aside[k]));
         let place = DVec3::new(u * self.width_m, f64::from(found.height) * self.height_m, -v * self.width_m);
@@ -64,7 +64,7 @@ impl Frame {
         &self,
         points: &[CurvePoint],
         root: Option<[u16; 2]>,
-        exact: Option<&Exact>,
+        exact: Option<&ExactStrand>,
     ) -> Result<Strand, (usize, String)> {
         if let Some(exact) = exact.filter(|exact| root.is_none_or(|root| root == exact.root)) {
             let stored: Vec<StoredStrandPoint> = exact
@@ -78,7 +78,7 @@ impl Frame {
                 })
                 .collect();
             let same = |(stored, point): (&StoredStrandPoint, &CurvePoint)| {
-                let shown = self.shown(exact.root, stored);
+                let shown = self.to_file(exact.root, stored);
                 (shown.position_ws, shown.radius_m) == (point.position_ws, point.radius_m)
             };
             if stored.len() == points.len() && stored.iter().zip(points).all(same) {
@@ -122,7 +122,7 @@ fn middle(root: [u16; 2]) -> DVec2 {
 }
 
 /// Returns a scale that holds all strands: `scale`, unless a strand exceeds it by more than rounding.
-pub fn grown(scale: StrandScale, strands: &[Strand]) -> StrandScale {
+pub fn scale_for(scale: StrandScale, strands: &[Strand]) -> StrandScale {
     let points = || strands.iter().flat_map(|strand| &strand.points);
     let reach = points().flat_map(|p| p.aside).map(f32::abs).fold(0.0, f32::max);
     let radius = points().map(|p| p.radius).fold(0.0, f32::max);

@@ -1,10 +1,10 @@
 //! Thread that holds a model and bakes it on request, recomputing only what changed.
 
-use pelage_bake::pipeline::{Baked, STAGES, Told};
+use pelage_bake::pipeline::{Baked, STAGES, BakeInput};
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
-use pelage_bake::steps::Steps;
+use pelage_bake::steps::StageProgress;
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use pelage_viewer::Progress;
@@ -17,7 +17,7 @@ use typed_arena::Arena;
 const ASKED_EVERY: Duration = Duration::from_millis(100);
 
 /// Bake request.
-struct Order {
+struct BakeRequest {
     recipe: Recipe,
     /// Images; `None` for those of the previous request.
     images: Option<MapImages>,
@@ -32,18 +32,18 @@ enum Answer {
 pub type Timed = (Baked, Vec<(String, f64)>);
 
 /// Handle of the thread, which ends when this is dropped.
-pub struct Baking {
-    orders: Sender<Order>,
+pub struct BakeThread {
+    orders: Sender<BakeRequest>,
     answers: Receiver<Answer>,
-    steps: Arc<Steps>,
+    steps: Arc<StageProgress>,
 }
 
-impl Baking {
+impl BakeThread {
     /// Starts the thread with a model, its file and its name.
     pub fn new(file: String, name: String, model: Model) -> Self {
         let (orders, ordered) = channel();
         let (answer, answers) = channel();
-        let steps = Arc::new(Steps::new());
+        let steps = Arc::new(StageProgress::new());
         let counted = steps.clone();
         std::thread::spawn(move || bake_all(&file, &name, &model, &counted, &ordered, &answer));
         Self { orders, answers, steps }
@@ -61,7 +61,7 @@ impl Baking {
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Timed, BakeError> {
         let gone = || BakeError::Internal("the thread that bakes is gone".into());
-        self.orders.send(Order { recipe, images }).map_err(|_| gone())?;
+        self.orders.send(BakeRequest { recipe, images }).map_err(|_| gone())?;
         let mut stages: Vec<(&'static str, Instant)> = Vec::new();
         loop {
             match self.answers.recv_timeout(ASKED_EVERY) {
@@ -72,7 +72,7 @@ impl Baking {
             }
             if let Some((stage, _)) = stages.last() {
                 let number = STAGES.iter().position(|name| name == stage).unwrap_or(0) as f32;
-                let part = self.steps.so_far().map_or(0.0, |(done, total)| done as f32 / total.max(1) as f32);
+                let part = self.steps.get().map_or(0.0, |(done, total)| done as f32 / total.max(1) as f32);
                 progress(Progress { doing: (*stage).into(), share: Some((number + part) / STAGES.len() as f32) });
             }
         }
@@ -84,7 +84,7 @@ fn seconds(stages: &[(&'static str, Instant)]) -> Vec<(String, f64)> {
     stages.iter().zip(ends).map(|((name, begun), end)| ((*name).to_owned(), (end - *begun).as_secs_f64())).collect()
 }
 
-fn bake_all(file: &str, name: &str, model: &Model, steps: &Steps, orders: &Receiver<Order>, answer: &Sender<Answer>) {
+fn bake_all(file: &str, name: &str, model: &Model, steps: &StageProgress, orders: &Receiver<BakeRequest>, answer: &Sender<Answer>) {
     // Baked data refer to their recipe, so each recipe is kept as long as the model.
     let (recipes, image_sets) = (Arena::new(), Arena::new());
     let mut images: &MapImages = image_sets.alloc(MapImages::default());
@@ -93,7 +93,7 @@ fn bake_all(file: &str, name: &str, model: &Model, steps: &Steps, orders: &Recei
         if let Some(others) = order.images {
             images = image_sets.alloc(others);
         }
-        let told = Told { steps, ..Told::new(file, name, recipes.alloc(order.recipe), images) };
+        let told = BakeInput { steps, ..BakeInput::new(file, name, recipes.alloc(order.recipe), images) };
         // The requester may have ended in the meantime.
         let baked = rebake.bake(&told, &mut |stage| drop(answer.send(Answer::Begins(stage))));
         if answer.send(Answer::Done(Box::new(baked))).is_err() {

@@ -1,12 +1,12 @@
 //! Progressive reference pictures for the window, and their difference from the drawn one.
 
 use crate::sky::Sky;
-use crate::truth::{Truth as TrueView, encode};
+use crate::truth::{ReferenceTracer as TrueView, encode};
 use crate::view::View;
 use pelage_stage::LookStyle;
 use pelage_truth::compare::{CompareParams, compare};
 use pelage_truth::{Portion, TracedPicture};
-use pelage_viewer::{Judge, Outcome, Progress, Truth, TruthAsked};
+use pelage_viewer::{ReferenceSource, Outcome, Progress, ReferencePicture, ReferenceRequest};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -16,14 +16,14 @@ const PASSES: [u32; 4] = [1, 4, 16, 64];
 /// Tracer that keeps the grown strands for the next view of the same pose.
 #[derive(Default)]
 pub struct Tracer {
-    grown: Option<(TruthAsked, TrueView)>,
+    grown: Option<(ReferenceRequest, TrueView)>,
 }
 
-impl Judge for Tracer {
+impl ReferenceSource for Tracer {
     fn trace(
         &mut self,
-        asked: &TruthAsked,
-        show: &mut dyn FnMut(Truth),
+        asked: &ReferenceRequest,
+        show: &mut dyn FnMut(ReferencePicture),
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Outcome<()> {
         if asked.look.picture.style == LookStyle::Ink {
@@ -68,7 +68,7 @@ impl Judge for Tracer {
             let encoded = encode(traced, background);
             let flip = compare(&asked.drawn, &encoded, background.unwrap_or(CompareParams::default().over));
             let flip = flip.ok().map(|(figures, map)| (figures.flip.mean, map.magma()));
-            show(Truth { picture: encoded, samples, of_samples: PASSES[PASSES.len() - 1], flip });
+            show(ReferencePicture { picture: encoded, samples, of_samples: PASSES[PASSES.len() - 1], flip });
             before = samples;
         }
         Ok(())
@@ -76,7 +76,7 @@ impl Judge for Tracer {
 }
 
 /// Returns true if two views have the same strands in the same pose; only camera, light and picture may differ.
-fn same_strands(a: &TruthAsked, b: &TruthAsked) -> bool {
-    let pose = |asked: &TruthAsked| (asked.clip.clone(), asked.time_s, asked.look.picture.style);
+fn same_strands(a: &ReferenceRequest, b: &ReferenceRequest) -> bool {
+    let pose = |asked: &ReferenceRequest| (asked.clip.clone(), asked.time_s, asked.look.picture.style);
     Arc::ptr_eq(&a.file, &b.file) && pose(a) == pose(b)
 }

@@ -60,7 +60,7 @@ pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
     let mut look = Look::of_picture();
     args.look.apply(&mut look)?;
     args.samples.apply(&mut look)?;
-    look.take_lights(&mut lights_of).map_err(|reason| Failure::Usage(format!("--environment: {reason}")))?;
+    look.read_environment(&mut lights_of).map_err(|reason| Failure::Usage(format!("--environment: {reason}")))?;
     if !args.save_to.is_dir() {
         return Err(Failure::Usage(format!("--save-to {}: there is no such folder", args.save_to.display())));
     }

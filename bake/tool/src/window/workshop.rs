@@ -1,19 +1,19 @@
 //! Content of the window, made from files: packages, baked models, and scenes with their packages.
 
-use super::baking::{Baking, Timed};
+use super::baking::{BakeThread, Timed};
 use super::judge::Tracer;
 use super::recipe_file;
 use super::recipe_knobs::RecipeKnobs;
 use crate::bake::RecipeArgs;
 use crate::exit::Failure;
 use crate::package_file;
-use crate::scene::{Scene, speaks_of_models};
+use crate::scene::{Scene, is_scene};
 use pelage_bake::io;
 use pelage_formats::MAGIC;
 use pelage_import::BakeError;
 use pelage_import::ImportOptions;
 use pelage_stage::NamedPackage;
-use pelage_viewer::{Judge, Made, Outcome, Progress, Stamp, Subject, Workshop, stamp};
+use pelage_viewer::{ReferenceSource, WindowContent, Outcome, Progress, Stamp, Subject, Workshop, stamp};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -34,14 +34,14 @@ pub enum Kind {
 pub struct Studio {
     recipe: RecipeArgs,
     opened: Option<(PathBuf, Kind)>,
-    baking: Option<Kept>,
+    baking: Option<ImportedModel>,
     /// Files that the open content was made from, or that are missing for it.
     files: Vec<PathBuf>,
 }
 
 /// Imported model, and the files it was read from.
-struct Kept {
-    baking: Baking,
+struct ImportedModel {
+    baking: BakeThread,
     model: Stamps,
     unit_m: f32,
     images: Stamps,
@@ -55,7 +55,7 @@ fn stamps(files: &[PathBuf]) -> Stamps {
 }
 
 /// Returns true if no file has changed.
-fn stands(before: &Stamps) -> bool {
+fn is_unchanged(before: &Stamps) -> bool {
     before.iter().all(|(file, then)| stamp(file) == *then)
 }
 
@@ -71,7 +71,7 @@ impl Studio {
         let bytes = io::read_file(path)?;
         Ok(match extension.as_str() {
             _ if bytes.starts_with(&MAGIC) => Kind::Package,
-            _ if speaks_of_models(&bytes) => Kind::Scene,
+            _ if is_scene(&bytes) => Kind::Scene,
             "toml" => Kind::Recipe,
             "glb" | "gltf" | "obj" => Kind::Model,
             _ if bytes.starts_with(b"glTF") => Kind::Model,
@@ -80,7 +80,7 @@ impl Studio {
         })
     }
 
-    fn bake(&mut self, path: &Path, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Result<Made, BakeError> {
+    fn bake(&mut self, path: &Path, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Result<WindowContent, BakeError> {
         let file = path.display().to_string();
         self.files = [path.to_owned()].into_iter().chain(self.recipe.recipe.clone()).collect();
         // The recipe of the file, then with the edits made in the window.
@@ -93,7 +93,7 @@ impl Studio {
         let images: Vec<PathBuf> = images.into_iter().chain(strands).collect();
         self.files.extend(images.iter().cloned());
         let unit_m = recipe.model.unit_m;
-        let kept = self.baking.take().filter(|kept| stands(&kept.model) && kept.unit_m == unit_m);
+        let kept = self.baking.take().filter(|kept| is_unchanged(&kept.model) && kept.unit_m == unit_m);
         let (mut kept, is_new) = match kept {
             Some(kept) => (kept, false),
             None => (self.read_model(path, unit_m, progress)?, true),
@@ -105,40 +105,40 @@ impl Studio {
         let baked = kept.baking.bake(recipe, others, progress);
         // An internal error may have ended the thread; the next bake starts a new one.
         self.baking = Some(kept).filter(|_| !matches!(baked, Err(BakeError::Internal(_))));
-        let (baked, stages): Timed = baked.map_err(|error| args.placed(&file, error))?;
+        let (baked, stages): Timed = baked.map_err(|error| args.with_source(&file, error))?;
         let chosen = baked.decisions.iter().map(|d| format!("{}: {} ({})", d.what, d.chosen, d.line));
         let notes = baked.warnings.iter().cloned().chain(chosen).collect();
         let subject = Subject::Package(Arc::new(NamedPackage::new(file, baked.package)));
-        Ok(Made { subject, look: None, recipe: Some(Box::new(RecipeKnobs(base))), notes, stages })
+        Ok(WindowContent { subject, look: None, recipe: Some(Box::new(RecipeKnobs(base))), notes, stages })
     }
 
-    fn read_model(&mut self, path: &Path, unit_m: f32, progress: &mut dyn FnMut(Progress)) -> Result<Kept, BakeError> {
+    fn read_model(&mut self, path: &Path, unit_m: f32, progress: &mut dyn FnMut(Progress)) -> Result<ImportedModel, BakeError> {
         progress(Progress { doing: "import".into(), share: None });
         let mut named = vec![path.to_owned()];
         let options = ImportOptions { unit_m };
-        let read = io::read_model_noting(path, &options, self.recipe.reach(), &mut |file| named.push(file.to_owned()));
+        let read = io::read_model_noting(path, &options, self.recipe.file_access(), &mut |file| named.push(file.to_owned()));
         self.files.extend(named.iter().cloned());
         // Stamps of the model's files, to detect later changes.
         let model = stamps(&named);
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let baking = Baking::new(path.display().to_string(), name, read?);
-        Ok(Kept { baking, model, unit_m, images: Stamps::new() })
+        let baking = BakeThread::new(path.display().to_string(), name, read?);
+        Ok(ImportedModel { baking, model, unit_m, images: Stamps::new() })
     }
 
-    fn scene(&mut self, path: &Path) -> Result<Made, Failure> {
+    fn scene(&mut self, path: &Path) -> Result<WindowContent, Failure> {
         let scene = Scene::read(path, io::read_file(path)?)?;
         let packages = scene.loaded.packages.iter().map(|package| PathBuf::from(&package.name));
         self.files = [path.to_owned()].into_iter().chain(packages).collect();
         let notes = scene.loaded.names.clone();
         let subject = Subject::Scene(Arc::new(scene.loaded));
-        Ok(Made { subject, look: Some(scene.look), recipe: None, notes, stages: Vec::new() })
+        Ok(WindowContent { subject, look: Some(scene.look), recipe: None, notes, stages: Vec::new() })
     }
 
-    fn package(path: &Path) -> Result<Made, Failure> {
+    fn package(path: &Path) -> Result<WindowContent, Failure> {
         let file = package_file::read(path)?;
         let notes = file.open()?.manifest().warnings.clone();
         let subject = Subject::Package(Arc::new(file));
-        Ok(Made { subject, look: None, recipe: None, notes, stages: Vec::new() })
+        Ok(WindowContent { subject, look: None, recipe: None, notes, stages: Vec::new() })
     }
 }
 
@@ -162,7 +162,7 @@ impl Workshop for Studio {
         Ok(())
     }
 
-    fn make(&mut self, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Outcome<Made> {
+    fn make(&mut self, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Outcome<WindowContent> {
         let Some((path, kind)) = self.opened.clone() else { return Err("nothing is open".into()) };
         let made = match kind {
             Kind::Model => self.bake(&path, edits, progress).map_err(Failure::from),
@@ -193,7 +193,7 @@ impl Workshop for Studio {
         Ok(path)
     }
 
-    fn judge(&self) -> Box<dyn Judge> {
+    fn judge(&self) -> Box<dyn ReferenceSource> {
         Box::new(Tracer::default())
     }
 }

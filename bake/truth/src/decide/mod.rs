@@ -91,7 +91,7 @@ impl Limits {
     }
 
     /// Returns the figures that exceed their limits.
-    fn broken(&self, measured: &Measured) -> impl Iterator<Item = Figure> + use<> {
+    fn broken(&self, measured: &SettingFigures) -> impl Iterator<Item = Figure> + use<> {
         let (limits, figures) = (*self, measured.figures());
         let beyond = move |f: &Figure| limits.of(*f).is_some_and(|limit| figures[*f as usize] > limit);
         Figure::ALL.into_iter().filter(beyond)
@@ -130,7 +130,7 @@ impl Setting {
     }
 
     /// Returns the settings as arguments of `--set`.
-    pub fn words(&self) -> Vec<String> {
+    pub fn set_arguments(&self) -> Vec<String> {
         vec![
             format!("slice.layers={}", self.layers),
             format!("slice.tile_texels={}", self.tile_texels),
@@ -139,7 +139,7 @@ impl Setting {
     }
 
     /// Returns whether both differ in layers at most.
-    fn is_beside(&self, other: &Self) -> bool {
+    fn differs_only_in_layers(&self, other: &Self) -> bool {
         (self.tile_texels, self.fins) == (other.tile_texels, other.fins)
     }
 }
@@ -153,7 +153,7 @@ impl std::fmt::Display for Setting {
 
 /// Candidate settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Space {
+pub struct SettingSpace {
     settings: Vec<Setting>,
     start: Setting,
 }
@@ -163,7 +163,7 @@ pub const LAYERS: [u32; 9] = [4, 6, 8, 12, 16, 24, 32, 48, 64];
 /// Tile sizes to try, texels.
 pub const TILES: [u32; 5] = [32, 64, 128, 256, 512];
 
-impl Space {
+impl SettingSpace {
     /// Returns [`LAYERS`] × [`TILES`] × fins, and the recipe's own setting, from which the search starts. If the recipe
     /// has no fins, no setting has.
     pub fn around(recipe: &Recipe) -> Self {
@@ -199,7 +199,7 @@ impl Space {
 
 /// Measured figures of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
+pub struct SettingFigures {
     /// Error against the true pictures, 0 for none; for `pelage bake` it is [`super::likeness`].
     pub error: f64,
     /// Frame time.
@@ -208,7 +208,7 @@ pub struct Measured {
     pub bytes: u64,
 }
 
-impl Measured {
+impl SettingFigures {
     /// Returns the figures in the order of [`Figure::ALL`].
     fn figures(&self) -> [f64; 3] {
         [self.error, self.frame.ms, self.bytes as f64]
@@ -251,7 +251,7 @@ pub trait Judge {
     /// # Errors
     ///
     /// Defined by the judge; an error ends the search.
-    fn measure(&mut self, setting: &Setting) -> Result<Measured, Self::Error>;
+    fn measure(&mut self, setting: &Setting) -> Result<SettingFigures, Self::Error>;
 
     /// Times the frames of settings once more, in turns, so that other load on the machine affects all of them alike.
     /// Returns one time for each of `settings`, in their order.
@@ -259,7 +259,7 @@ pub trait Judge {
     /// # Errors
     ///
     /// As [`Self::measure`].
-    fn time_again(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Self::Error>;
+    fn retime(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Self::Error>;
 }
 
 /// A measured setting.
@@ -268,7 +268,7 @@ pub struct Trial {
     /// Setting that was measured.
     pub setting: Setting,
     /// Result of the measurement.
-    pub measured: Measured,
+    pub measured: SettingFigures,
 }
 
 /// Result of a search.
@@ -302,7 +302,7 @@ impl Decision {
     /// * `evidence`: how it was measured; its trials, choice and limits are filled in
     pub fn evidence(&self, limits: &Limits, evidence: formats::Choice) -> formats::Choice {
         let trial = |t: &Trial| formats::Trial {
-            settings: t.setting.words(),
+            settings: t.setting.set_arguments(),
             error: Some(t.measured.error),
             frame_ms: Some(t.measured.frame.ms),
             bytes: t.measured.bytes,

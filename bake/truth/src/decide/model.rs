@@ -4,7 +4,7 @@
 //! (`assets/charts/hare/shells.csv`). Measurements of the model at hand move them: ridge regression about the prior, in
 //! relative units.
 
-use super::{Measured, Setting};
+use super::{SettingFigures, Setting};
 use glam::{DMat4, DVec4};
 
 /// Predictor of one figure.
@@ -76,7 +76,7 @@ impl Model {
     }
 
     /// Fits the weights to the measurements.
-    pub(super) fn fit(&mut self, trials: &[(Setting, Measured)], figure: fn(&Measured) -> f64) {
+    pub(super) fn fit(&mut self, trials: &[(Setting, SettingFigures)], figure: fn(&SettingFigures) -> f64) {
         let points = || trials.iter().map(|(s, m)| ((self.terms)(s), figure(m)));
         // The prior, scaled to the size of the measurements.
         let (found, expected) = points().fold((0.0, 0.0), |(f, e), (x, y)| (f + y, e + self.prior.dot(x)));

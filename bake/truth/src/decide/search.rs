@@ -1,7 +1,7 @@
 //! Search: the setting to measure next, when to stop, and the conclusions from the measurements.
 
 use super::model::{Model, models};
-use super::{Decision, Figure, Judge, Limits, Measured, Setting, Space, Trial};
+use super::{Decision, Figure, Judge, Limits, SettingFigures, Setting, SettingSpace, Trial};
 
 /// Minimum gain, as a share of the objective, that is worth a measurement.
 const WORTH: f64 = 0.02;
@@ -25,13 +25,13 @@ const MOST_AGAIN: usize = 6;
 /// # Errors
 ///
 /// Those of the judge.
-pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result<Decision, J::Error> {
+pub fn decide<J: Judge>(space: &SettingSpace, limits: &Limits, judge: &mut J) -> Result<Decision, J::Error> {
     let mut search = Search { space, limits, trials: Vec::new(), models: models() };
     search.measure(space.start, judge)?;
     while let Some(setting) = search.next() {
         search.measure(setting, judge)?;
     }
-    while let Some(setting) = search.smaller().or_else(|| search.beside()) {
+    while let Some(setting) = search.coarser_tile().or_else(|| search.layer_neighbour()) {
         search.measure(setting, judge)?;
     }
     let chosen = search.best();
@@ -43,7 +43,7 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
             search.measure(setting, judge)?;
         }
     }
-    search.time_again(judge)?;
+    search.retime(judge)?;
     Ok(search.decision())
 }
 
@@ -52,10 +52,10 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
 /// # Errors
 ///
 /// Those of the judge.
-pub fn exhaustive<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result<Decision, J::Error> {
+pub fn exhaustive<J: Judge>(space: &SettingSpace, limits: &Limits, judge: &mut J) -> Result<Decision, J::Error> {
     let mut search = Search { space, limits, trials: Vec::new(), models: models() };
     space.settings.iter().try_for_each(|setting| search.measure(*setting, judge))?;
-    search.time_again(judge)?;
+    search.retime(judge)?;
     Ok(search.decision())
 }
 
@@ -67,16 +67,16 @@ enum Side {
 }
 
 struct Search<'a> {
-    space: &'a Space,
+    space: &'a SettingSpace,
     limits: &'a Limits,
-    trials: Vec<(Setting, Measured)>,
+    trials: Vec<(Setting, SettingFigures)>,
     models: [Model; 3],
 }
 
 impl Search<'_> {
     fn measure<J: Judge>(&mut self, setting: Setting, judge: &mut J) -> Result<(), J::Error> {
         self.trials.push((setting, judge.measure(&setting)?));
-        let figures: [fn(&Measured) -> f64; 3] = [|m| m.error, |m| m.frame.ms, |m| m.bytes as f64];
+        let figures: [fn(&SettingFigures) -> f64; 3] = [|m| m.error, |m| m.frame.ms, |m| m.bytes as f64];
         for (model, figure) in self.models.iter_mut().zip(figures) {
             model.fit(&self.trials, figure);
         }
@@ -97,7 +97,7 @@ impl Search<'_> {
     }
 
     /// Times the candidates for the choice and their neighbours again, until the choice depends on such times alone.
-    fn time_again<J: Judge>(&mut self, judge: &mut J) -> Result<(), J::Error> {
+    fn retime<J: Judge>(&mut self, judge: &mut J) -> Result<(), J::Error> {
         let mut timed: Vec<usize> = Vec::new();
         loop {
             let chosen = self.best();
@@ -112,7 +112,7 @@ impl Search<'_> {
             // The chosen setting is timed with each group, so that times of different groups can be compared.
             again.retain(|i| *i == chosen || !timed.contains(i));
             let settings: Vec<Setting> = again.iter().map(|i| self.trials[*i].0).collect();
-            for (i, frame) in again.iter().zip(judge.time_again(&settings)?) {
+            for (i, frame) in again.iter().zip(judge.retime(&settings)?) {
                 self.trials[*i].1.frame = frame;
             }
             timed.extend(again);
@@ -172,7 +172,7 @@ impl Search<'_> {
 
     /// Returns a setting to measure before the best one is chosen: the same layers with the next coarser tile, which
     /// takes as long and less memory.
-    fn smaller(&self) -> Option<Setting> {
+    fn coarser_tile(&self) -> Option<Setting> {
         let best = self.trials[self.best()].0;
         let coarser = |s: &&Setting| (s.layers, s.fins) == (best.layers, best.fins) && s.tile_texels < best.tile_texels;
         let next = self.space.settings.iter().filter(coarser).max_by_key(|s| s.tile_texels)?;
@@ -183,12 +183,12 @@ impl Search<'_> {
     /// Returns another setting to measure before the most accurate one is chosen: the next fewer or the next more
     /// layers of its tile. More layers of the same strands blur each other, so the error need not fall with their
     /// number as the model assumes.
-    fn beside(&self) -> Option<Setting> {
+    fn layer_neighbour(&self) -> Option<Setting> {
         if self.limits.objective() != Figure::Error {
             return None;
         }
         let best = self.trials[self.best()].0;
-        let of_tile = || self.space.settings.iter().filter(|s| s.is_beside(&best));
+        let of_tile = || self.space.settings.iter().filter(|s| s.differs_only_in_layers(&best));
         let fewer = of_tile().filter(|s| s.layers < best.layers).max_by_key(|s| s.layers);
         let more = of_tile().filter(|s| s.layers > best.layers).min_by_key(|s| s.layers);
         let within = |s: &&&Setting| {
@@ -208,7 +208,7 @@ impl Search<'_> {
     /// improvement. With fewer layers the error is assumed not to be smaller; with more, neither the frame time nor the
     /// package.
     fn is_ruled_out(&self, setting: &Setting) -> bool {
-        let beside = |(known, _): &&(Setting, Measured)| known.is_beside(setting);
+        let beside = |(known, _): &&(Setting, SettingFigures)| known.differs_only_in_layers(setting);
         self.trials.iter().filter(beside).any(|(known, measured)| {
             let broken = |figure: Figure| self.limits.broken(measured).any(|f| f == figure);
             let too_coarse = known.layers >= setting.layers && broken(Figure::Error);
@@ -228,7 +228,7 @@ impl Search<'_> {
         let found = self.excess(best) <= 0.0;
         let objective = self.limits.objective() as usize;
         let promising = |setting: &&Setting| {
-            let beside = self.trials.iter().any(|(known, _)| known.is_beside(setting));
+            let beside = self.trials.iter().any(|(known, _)| known.differs_only_in_layers(setting));
             let optimistic = self.models.each_ref().map(|model| model.optimistic(setting, beside));
             let gains = !found || optimistic[objective] < (1.0 - WORTH) * self.objective(best);
             gains && self.limits.excess(optimistic) <= 0.0

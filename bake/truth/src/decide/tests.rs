@@ -19,7 +19,7 @@ struct Animal {
 impl Judge for Animal {
     type Error = Infallible;
 
-    fn measure(&mut self, s: &Setting) -> Result<Measured, Infallible> {
+    fn measure(&mut self, s: &Setting) -> Result<SettingFigures, Infallible> {
         let (n, t) = (f64::from(s.layers - 1), f64::from(s.tile_texels));
         let fins = f64::from(u8::from(s.fins));
         let error = self.floor + self.layered * n.powf(-self.power) + self.texel * (20.0 / t).powf(self.power)
@@ -29,10 +29,10 @@ impl Judge for Animal {
         let frame_ms = (8.0 + self.layer_ms * n.powf(0.95) * (1.0 + 0.02 * (t / 32.0).log2().powi(2)) + 7.0 * fins)
             * (1.0 + self.noise * wobble);
         let bytes = 200e3 + f64::from(s.layers) * t * t * 8.0 / 3.0 + fins * (20e3 + 3.0 * t * t);
-        Ok(Measured { error, frame: FrameTime::exactly(frame_ms), bytes: bytes as u64 })
+        Ok(SettingFigures { error, frame: FrameTime::exactly(frame_ms), bytes: bytes as u64 })
     }
 
-    fn time_again(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Infallible> {
+    fn retime(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Infallible> {
         settings.iter().map(|s| self.measure(s).map(|m| m.frame)).collect()
     }
 }
@@ -44,13 +44,13 @@ const ANIMALS: [Animal; 4] = [
     Animal { floor: 0.002, layered: 0.05, texel: 0.1, power: 0.5, outline: -0.001, layer_ms: 2.0, noise: 0.02 },
 ];
 
-fn exhaustive(space: &Space, limits: &Limits, mut judge: Animal) -> Option<Trial> {
+fn exhaustive(space: &SettingSpace, limits: &Limits, mut judge: Animal) -> Option<Trial> {
     let Ok(decision) = super::exhaustive(space, limits, &mut judge);
     assert_eq!(decision.trials.len(), space.settings().len());
     decision.meets.then(|| *decision.chosen())
 }
 
-fn found(space: &Space, limits: &Limits, mut judge: Animal) -> Decision {
+fn found(space: &SettingSpace, limits: &Limits, mut judge: Animal) -> Decision {
     match decide(space, limits, &mut judge) {
         Ok(decision) => decision,
     }
@@ -78,7 +78,7 @@ fn finned() -> Recipe {
 
 #[test]
 fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
-    let space = Space::around(&finned());
+    let space = SettingSpace::around(&finned());
     let (mut measured, mut searches, mut met) = (0, 0, 0);
     for animal in ANIMALS {
         for limits in limits() {
@@ -103,7 +103,7 @@ fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
 
 #[test]
 fn an_impossible_wish_ends_with_the_nearest() {
-    let space = Space::around(&finned());
+    let space = SettingSpace::around(&finned());
     for animal in ANIMALS {
         let limits =
             Limits { max_error: Some(0.5 * (animal.floor - animal.outline.max(0.0)).max(1e-4)), ..Limits::default() };
@@ -120,7 +120,7 @@ fn an_impossible_wish_ends_with_the_nearest() {
 
 #[test]
 fn both_sides_of_the_choice_are_measured() {
-    let space = Space::around(&finned());
+    let space = SettingSpace::around(&finned());
     let decision = found(&space, &Limits { max_error: Some(0.06), ..Limits::default() }, ANIMALS[0]);
     let figures = |i: Option<usize>| i.map(|i| decision.trials[i].measured).expect("a neighbour");
     let (better, cheaper, chosen) =
@@ -133,7 +133,7 @@ fn both_sides_of_the_choice_are_measured() {
 
 #[test]
 fn a_limit_that_nothing_reaches_does_not_bind() {
-    let space = Space::around(&finned());
+    let space = SettingSpace::around(&finned());
     let limits = Limits { max_error: Some(1.0), max_bytes: Some(1 << 40), ..Limits::default() };
     let decision = found(&space, &limits, ANIMALS[0]);
     assert!(decision.meets && decision.binding.is_none() && decision.next_cheaper.is_none());
@@ -142,7 +142,7 @@ fn a_limit_that_nothing_reaches_does_not_bind() {
 
 #[test]
 fn the_binding_limit_is_the_one_that_the_next_setting_breaks() {
-    let space = Space::around(&finned());
+    let space = SettingSpace::around(&finned());
     let bound = |limits| found(&space, &limits, ANIMALS[0]).binding;
     assert_eq!(bound(Limits { max_frame_ms: Some(40.0), ..Limits::default() }), Some(Figure::FrameMs));
     assert_eq!(bound(Limits { max_bytes: Some(600_000), ..Limits::default() }), Some(Figure::Bytes));
@@ -154,16 +154,16 @@ fn the_binding_limit_is_the_one_that_the_next_setting_breaks() {
 fn a_setting_is_what_its_words_say() {
     let mut recipe = Recipe::default();
     let setting = Setting { layers: 24, tile_texels: 128, fins: false };
-    for word in setting.words() {
+    for word in setting.set_arguments() {
         recipe.set(&word).expect("a recipe key");
     }
     assert_eq!(Setting::of(&recipe), setting);
     assert_eq!(setting.applied_to(&Recipe::default()), recipe);
-    assert!(Space::around(&recipe).settings().iter().all(|s| !s.fins), "a recipe without fins gets none");
-    let few = Space::around(&recipe).up_to(10);
+    assert!(SettingSpace::around(&recipe).settings().iter().all(|s| !s.fins), "a recipe without fins gets none");
+    let few = SettingSpace::around(&recipe).up_to(10);
     assert!(few.settings().iter().all(|s| s.layers <= 12 || *s == Setting::of(&recipe)), "{few:?}");
     assert!(few.settings().iter().any(|s| s.layers == 12) && few.settings()[0] == Setting::of(&recipe));
-    assert_eq!(Space::around(&recipe).up_to(u32::MAX), Space::around(&recipe));
+    assert_eq!(SettingSpace::around(&recipe).up_to(u32::MAX), SettingSpace::around(&recipe));
 }
 
 #[test]
@@ -178,27 +178,27 @@ fn limits_are_positive_numbers() {
 #[test]
 fn what_takes_as_long_is_told_apart_by_its_size() {
     // Judge for which texels affect neither error nor time.
-    struct Coarse;
-    impl Judge for Coarse {
+    struct TexelBlindJudge;
+    impl Judge for TexelBlindJudge {
         type Error = Infallible;
 
-        fn measure(&mut self, s: &Setting) -> Result<Measured, Infallible> {
+        fn measure(&mut self, s: &Setting) -> Result<SettingFigures, Infallible> {
             let n = f64::from(s.layers - 1);
             let wobble = 1.0 + 0.01 * f64::from(s.tile_texels).sin();
             let bytes = u64::from(s.layers * s.tile_texels * s.tile_texels) * 8;
-            Ok(Measured { error: 0.02 + 0.1 / n, frame: FrameTime::exactly((5.0 + 3.0 * n) * wobble), bytes })
+            Ok(SettingFigures { error: 0.02 + 0.1 / n, frame: FrameTime::exactly((5.0 + 3.0 * n) * wobble), bytes })
         }
 
-        fn time_again(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Infallible> {
+        fn retime(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Infallible> {
             settings.iter().map(|s| self.measure(s).map(|m| m.frame)).collect()
         }
     }
-    let space = Space::around(&finned());
+    let space = SettingSpace::around(&finned());
     for limits in [
         Limits { max_error: Some(0.05), ..Limits::default() },
         Limits { max_frame_ms: Some(60.0), ..Limits::default() },
     ] {
-        let Ok(decision) = decide(&space, &limits, &mut Coarse);
+        let Ok(decision) = decide(&space, &limits, &mut TexelBlindJudge);
         assert!(decision.meets);
         assert_eq!(decision.chosen().setting.tile_texels, 32, "{limits:?}: {:?}", decision.chosen());
     }
@@ -207,7 +207,7 @@ fn what_takes_as_long_is_told_apart_by_its_size() {
 /// A machine under occasional load: single times are up to half too long; times in turns have a spread and the true
 /// median. Errors are not noisy, and need not fall with more layers.
 #[derive(Clone, Copy)]
-struct Busy {
+struct NoisyJudge {
     animal: Animal,
     seed: u64,
     /// Layer count from which each further layer adds to the error, and the amount.
@@ -216,8 +216,8 @@ struct Busy {
     again: usize,
 }
 
-impl Busy {
-    fn quiet(&self, s: &Setting) -> Measured {
+impl NoisyJudge {
+    fn quiet(&self, s: &Setting) -> SettingFigures {
         let Ok(mut measured) = self.animal.clone().measure(s);
         let (from, blur) = self.blur;
         measured.error += f64::from(s.layers.saturating_sub(from)) * blur;
@@ -225,10 +225,10 @@ impl Busy {
     }
 }
 
-impl Judge for Busy {
+impl Judge for NoisyJudge {
     type Error = Infallible;
 
-    fn measure(&mut self, s: &Setting) -> Result<Measured, Infallible> {
+    fn measure(&mut self, s: &Setting) -> Result<SettingFigures, Infallible> {
         let mut measured = self.quiet(s);
         let place = u64::from(s.layers * 1000 + s.tile_texels * 2 + u32::from(s.fins));
         let late = 1.0 + 0.14 * f64::from(pelage_bake::noise::uniform(self.seed, place));
@@ -236,7 +236,7 @@ impl Judge for Busy {
         Ok(measured)
     }
 
-    fn time_again(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Infallible> {
+    fn retime(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Infallible> {
         self.again += settings.len();
         let time = |s: &Setting| {
             let ms = self.quiet(s).frame.ms;
@@ -250,12 +250,12 @@ impl Judge for Busy {
 /// side. All three must have been timed in turns.
 #[test]
 fn the_choice_is_on_the_front_however_noisy_the_times() {
-    let space = Space::around(&finned());
+    let space = SettingSpace::around(&finned());
     let (mut met, mut sides) = (0, [0; 2]);
     for seed in 0..24 {
         for (animal, blur) in ANIMALS.iter().zip([(64, 0.0), (16, 2e-4), (8, 5e-4), (12, 1e-4)]) {
             for limits in limits() {
-                let mut judge = Busy { animal: *animal, seed, blur, again: 0 };
+                let mut judge = NoisyJudge { animal: *animal, seed, blur, again: 0 };
                 let Ok(decision) = decide(&space, &limits, &mut judge);
                 let Some(chosen) = decision.meets.then(|| decision.chosen()) else { continue };
                 met += 1;
@@ -293,9 +293,9 @@ fn the_choice_is_on_the_front_however_noisy_the_times() {
 /// Checks that few layers are chosen where fewer layers have a smaller error.
 #[test]
 fn more_layers_are_not_taken_for_better() {
-    let space = Space::around(&finned());
+    let space = SettingSpace::around(&finned());
     let animal = Animal { floor: 0.03, layered: 0.01, texel: 0.0, power: 1.0, outline: 0.0, layer_ms: 3.0, noise: 0.0 };
-    let mut judge = Busy { animal, seed: 1, blur: (8, 1e-3), again: 0 };
+    let mut judge = NoisyJudge { animal, seed: 1, blur: (8, 1e-3), again: 0 };
     let limits = Limits { max_frame_ms: Some(100.0), ..Limits::default() };
     let Ok(decision) = decide(&space, &limits, &mut judge);
     assert_eq!(decision.chosen().setting.layers, 8, "{:?}", decision.chosen());

@@ -28,7 +28,7 @@ pub(super) fn advise(
         let visibility = package.visibility_textures().map_err(fault)?;
         let seen = visibility.as_ref().map_or(0, |t| t.dry.gpu_bytes());
         let bytes = textures.map_or(0, |t| t.color.gpu_bytes() + t.direction.gpu_bytes() + seen);
-        out.extend(too_near(manifest, found));
+        out.extend(close_up(manifest, found));
         out.extend(layers(manifest, view, found, bytes, visibility.is_some()));
         out.extend(tile(manifest, found, bytes));
         out.extend(fins(package, found, fault)?);
@@ -62,7 +62,7 @@ const MOST_GAP_PX: f64 = 3.0;
 pub(super) const MOST_LAYERS: u32 = 64;
 
 /// Returns advice for a close-up: more layers, or more distance.
-fn too_near(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
+fn close_up(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
     let now = manifest.fur.layers;
     let (gap, height, near_m) = (found.on_screen.layer_gap_px, found.on_screen.height_px, found.on_screen.near_m);
     if gap <= MOST_GAP_PX {
@@ -148,7 +148,7 @@ fn layers(
 const LEAST_TEXEL_PX: f64 = 0.5;
 
 fn tile(manifest: &Manifest, found: &Prognosis, bytes: u64) -> Option<Advice> {
-    let recipe = Recipe::recorded("recipe of the package", &manifest.recipe).ok()?;
+    let recipe = Recipe::parse_recorded("recipe of the package", &manifest.recipe).ok()?;
     let (now, texel) = (manifest.fur.tile_texels, found.on_screen.texel_px);
     let small = |texels: u32| texel * f64::from(now) / f64::from(texels) <= LEAST_TEXEL_PX;
     let holds_hair = |texels: u32| 2.0 * f64::from(recipe.hair.root_radius) * f64::from(texels) >= LEAST_HAIR_TEXELS;

@@ -18,14 +18,14 @@ pub use fit::fitted;
 pub use prognosis::{Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis, Saved, View};
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
-use pelage_formats::meaning::planting::{Ground, Roots, SurfaceWalk};
+use pelage_formats::meaning::planting::{PlantingMesh, Roots, SurfaceWalk};
 use pelage_formats::meaning::{
-    TOTAL_MAP_LAYERS, detail_count, detail_layer, detail_pairs, detail_place, fin_face, fin_opacity, fin_rows,
+    TOTAL_MAP_LAYERS, detail_count, detail_layer, detail_pairs, detail_position, fin_face, fin_opacity, fin_rows,
     hair_offset, layer_height, posed_vertices, row_heights, simplest_list, tile_frame, view_axes,
 };
 use pelage_formats::{FormatError, Manifest, MeshView, Package, Part, Pose, StrandsView};
 use pelage_import::BakeError;
-use raster::{Covered, Draw, Raster};
+use raster::{PixelCounts, DrawMode, Raster};
 
 /// Maximum number of pixels rasterised; larger pictures are rasterised smaller, and the counts scaled.
 const MOST_PIXELS: u64 = 1 << 20;
@@ -71,7 +71,7 @@ pub fn diagnose(
     for part in manifest.parts.iter().filter(|part| manifest.materials[part.material as usize].furred && layers > 1) {
         triangles(&indices, part).flatten().for_each(|i| furred[i as usize] = true);
     }
-    let near = Near::of(&vertices, &furred, view);
+    let near = NearestFur::of(&vertices, &furred, view);
     let drawn = drawn_layers(manifest, near.height_px);
     let lists = drawn_lists(package, indices, near.px_per_m, fault)?;
     let (raster_size, scale) = raster_size(view.size);
@@ -79,20 +79,20 @@ pub fn diagnose(
     let clip = |p: Vec3| clip_from_world * p.extend(1.0);
     let mut raster = Raster::new(raster_size.0, raster_size.1);
 
-    let mut skin = Covered::default();
+    let mut skin = PixelCounts::default();
     let mut areas = Vec::new();
     for (part, list) in manifest.parts.iter().zip(&lists) {
         let both = manifest.materials[part.material as usize].double_sided;
         for t in corners(list) {
             let corners = t.map(|i| clip(vertices[i as usize].position));
-            let found = raster.draw(corners, both, Draw::Opaque);
+            let found = raster.draw(corners, both, DrawMode::Opaque);
             skin = sum(skin, found);
             if found.pixels > 0 || on_screen(corners) {
                 areas.push(area_px(corners, view.size));
             }
         }
     }
-    let mut shells = Covered::default();
+    let mut shells = PixelCounts::default();
     let mut shell_vertices = vec![false; vertices.len()];
     for (part, list) in manifest.parts.iter().zip(&lists) {
         let material = &manifest.materials[part.material as usize];
@@ -105,7 +105,7 @@ pub fn diagnose(
             let share = layer_height(*layer, layers);
             let place: Vec<Vec4> = vertices.iter().map(|v| clip(v.at(share))).collect();
             for t in corners(list) {
-                shells = sum(shells, raster.draw(t.map(|i| place[i as usize]), both, Draw::Layer));
+                shells = sum(shells, raster.draw(t.map(|i| place[i as usize]), both, DrawMode::Layer));
             }
         }
     }
@@ -115,7 +115,7 @@ pub fn diagnose(
     let on_screen = sizes(manifest, &near, drawn.len(), &mut areas);
     let memory = memory(package, view, layers, fault)?;
     let times = f64::from(view.instances) * scale;
-    let passes = passes(&Work {
+    let passes = passes(&PassInput {
         manifest,
         vertices: vertices.len() as u64,
         furry_vertices,
@@ -145,14 +145,14 @@ pub fn diagnose(
     Ok(prognosis)
 }
 
-fn sum(a: Covered, b: Covered) -> Covered {
-    Covered { pixels: a.pixels + b.pixels, in_blocks: a.in_blocks + b.in_blocks }
+fn sum(a: PixelCounts, b: PixelCounts) -> PixelCounts {
+    PixelCounts { pixels: a.pixels + b.pixels, in_blocks: a.in_blocks + b.in_blocks }
 }
 
 /// Returns the layers that are drawn of fur of that height in pixels, by the package's levels of detail.
 fn drawn_layers(manifest: &pelage_formats::Manifest, height_px: f64) -> Vec<u32> {
     let baked = manifest.fur.layers;
-    let (place, fade) = detail_place(&manifest.detail, height_px as f32);
+    let (place, fade) = detail_position(&manifest.detail, height_px as f32);
     let Some(level) = manifest.detail.get(place) else { return (1..baked).collect() };
     if level.step == 0 {
         return Vec::new();
@@ -243,11 +243,11 @@ fn fins(
     clip: &dyn Fn(Vec3) -> Vec4,
     raster: &mut Raster,
     fault: &dyn Fn(FormatError) -> BakeError,
-) -> Result<(Covered, u64), BakeError> {
-    let Some(found) = package.fins().map_err(fault)? else { return Ok((Covered::default(), 0)) };
+) -> Result<(PixelCounts, u64), BakeError> {
+    let Some(found) = package.fins().map_err(fault)? else { return Ok((PixelCounts::default(), 0)) };
     // Bent hair needs three quads, one above the other.
     let rows = fin_rows(vertices.iter().any(|v| v.lean > 0.0));
-    let mut covered = Covered::default();
+    let mut covered = PixelCounts::default();
     for fin in found.fins() {
         let (a, b) = (&vertices[fin.a as usize], &vertices[fin.b as usize]);
         let face = fin_face(a.position, b.position, a.normal, b.normal);
@@ -259,8 +259,8 @@ fn fins(
         for row in 0..rows {
             let [low, high] = row_heights(row, rows);
             let [a0, b0, b1, a1] = [a.at(low), b.at(low), b.at(high), a.at(high)].map(clip);
-            covered = sum(covered, raster.draw([a0, b0, b1], true, Draw::Quad));
-            covered = sum(covered, raster.draw([a0, b1, a1], true, Draw::Quad));
+            covered = sum(covered, raster.draw([a0, b0, b1], true, DrawMode::Quad));
+            covered = sum(covered, raster.draw([a0, b1, a1], true, DrawMode::Quad));
         }
     }
     Ok((covered, u64::from(found.count) * u64::from(rows)))
@@ -280,7 +280,7 @@ fn area_px(corners: [Vec4; 3], size: (u32, u32)) -> f64 {
 }
 
 /// Nearest fur to the eye.
-struct Near {
+struct NearestFur {
     /// Depth along the view, metres; infinite if nothing is in sight, and then all else is 0.
     near_m: f32,
     px_per_m: f64,
@@ -288,7 +288,7 @@ struct Near {
     height_px: f64,
 }
 
-impl Near {
+impl NearestFur {
     fn of(vertices: &[Vertex], furred: &[bool], view: &View) -> Self {
         let forward = (view.target - view.eye).normalize_or_zero();
         let furry = || vertices.iter().zip(furred).filter(|(_, f)| **f).map(|(v, _)| v);
@@ -300,9 +300,9 @@ impl Near {
     }
 }
 
-fn sizes(manifest: &pelage_formats::Manifest, near: &Near, layers_drawn: usize, areas: &mut [f64]) -> OnScreen {
+fn sizes(manifest: &pelage_formats::Manifest, near: &NearestFur, layers_drawn: usize, areas: &mut [f64]) -> OnScreen {
     let fur = &manifest.fur;
-    let Near { near_m, px_per_m, height_px } = *near;
+    let NearestFur { near_m, px_per_m, height_px } = *near;
     areas.sort_by(f64::total_cmp);
     OnScreen {
         texel_px: f64::from(fur.tile_size_m) * px_per_m / f64::from(fur.tile_texels.max(1)),
@@ -356,7 +356,7 @@ fn memory(
 /// Each strand takes 32 bytes, and 16 per point, twice if wet hair is mixed in; each part has a multiple of 64 strands.
 /// The points of the tile are added.
 fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView<'_>) -> u64 {
-    let ground = Ground::of_package(manifest, mesh);
+    let ground = PlantingMesh::of_package(manifest, mesh);
     let walk = SurfaceWalk::new(&ground);
     let roots = Roots::new(strands.roots().zip(0..).map(|(root, i)| (Vec2::from(root).as_dvec2(), i)));
     let heights: Vec<f32> = mesh.geometry().map(|v| v.fur_height).collect();
@@ -379,7 +379,7 @@ fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView
 }
 
 /// Input of the list of passes.
-struct Work<'a> {
+struct PassInput<'a> {
     manifest: &'a pelage_formats::Manifest,
     vertices: u64,
     furry_vertices: u64,
@@ -387,9 +387,9 @@ struct Work<'a> {
     /// Number of layers drawn, skin excluded.
     drawn: u64,
     fin_quads: u64,
-    skin: Covered,
-    fins: Covered,
-    shells: Covered,
+    skin: PixelCounts,
+    fins: PixelCounts,
+    shells: PixelCounts,
     times: f64,
     view: &'a View,
     skinned: bool,
@@ -399,14 +399,14 @@ struct Work<'a> {
     single: bool,
 }
 
-fn passes(w: &Work<'_>) -> Vec<PassWork> {
+fn passes(w: &PassInput<'_>) -> Vec<PassWork> {
     let copies = u64::from(w.view.instances);
     let furry = w.layers > 1 && w.furry_vertices > 0;
     let shadows = w.view.shadow_map > 0;
     let above = u64::from(w.layers - 1);
     let mapped = if w.knows_visibility { above.min(u64::from(TOTAL_MAP_LAYERS - 1)) } else { above };
     let yes_or = |runs: bool, yes: String, no: &str| if runs { yes } else { no.to_owned() };
-    let pass = |name, runs: bool, reason: String, vertices: u64, covered: Option<Covered>| PassWork {
+    let pass = |name, runs: bool, reason: String, vertices: u64, covered: Option<PixelCounts>| PassWork {
         name,
         runs,
         reason,

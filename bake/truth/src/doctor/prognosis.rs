@@ -87,7 +87,7 @@ pub struct OnScreen {
 impl OnScreen {
     /// Returns the sizes with the nearest fur at that distance from the eye, metres, above 0; unchanged if nothing is
     /// in sight.
-    pub fn seen_from(self, distance_m: f64) -> Self {
+    pub fn at_distance(self, distance_m: f64) -> Self {
         let larger = self.near_m / distance_m;
         Self {
             texel_px: self.texel_px * larger,

@@ -7,7 +7,7 @@ pub const BLOCK: u32 = 4;
 
 /// Coverage of a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Covered {
+pub struct PixelCounts {
     /// Covered pixel centres, counted once per triangle.
     pub pixels: u64,
     /// Pixels in touched blocks of [`BLOCK`]² pixels, counted once per triangle, hidden or not: where shaders may
@@ -27,7 +27,7 @@ pub struct Raster {
 
 /// Drawing mode of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Draw {
+pub enum DrawMode {
     /// Opaque: hides surfaces behind it.
     Opaque,
     /// Translucent: tested against opaque surfaces, hides nothing, counts as a layer.
@@ -45,8 +45,8 @@ impl Raster {
 
     /// Draws a triangle of clip-space corners, wound counter-clockwise as seen from its front. A triangle that extends
     /// behind the eye is left out entirely.
-    pub fn draw(&mut self, corners: [Vec4; 3], both_sides: bool, how: Draw) -> Covered {
-        let mut covered = Covered::default();
+    pub fn draw(&mut self, corners: [Vec4; 3], both_sides: bool, how: DrawMode) -> PixelCounts {
+        let mut covered = PixelCounts::default();
         if corners.iter().any(|c| c.w <= 0.0 || !c.is_finite()) {
             return covered;
         }
@@ -57,7 +57,7 @@ impl Raster {
         let mut depth = corners.map(|c| 1.0 / c.w);
         // With rows from the top, front faces are clockwise and have negative area.
         let mut area = (b - a).perp_dot(c - a);
-        if area > 0.0 && (both_sides || how == Draw::Quad) {
+        if area > 0.0 && (both_sides || how == DrawMode::Quad) {
             std::mem::swap(&mut a, &mut c);
             depth.swap(0, 2);
             area = -area;
@@ -93,9 +93,9 @@ impl Raster {
                     }
                     covered.pixels += 1;
                     match how {
-                        Draw::Opaque => self.nearest[at] = z,
-                        Draw::Layer => self.layers[at] = self.layers[at].saturating_add(1),
-                        Draw::Quad => {}
+                        DrawMode::Opaque => self.nearest[at] = z,
+                        DrawMode::Layer => self.layers[at] = self.layers[at].saturating_add(1),
+                        DrawMode::Quad => {}
                     }
                 }
                 if touched {
@@ -135,20 +135,20 @@ mod tests {
     }
 
     /// Draws a rectangle of half sides x and y, as two triangles facing the eye.
-    fn square(raster: &mut Raster, x: f32, y: f32, w: f32, how: Draw) -> Covered {
+    fn square(raster: &mut Raster, x: f32, y: f32, w: f32, how: DrawMode) -> PixelCounts {
         let [a, b, c, d] = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| corner(x, y, w));
         let (one, two) = (raster.draw([a, b, c], false, how), raster.draw([a, c, d], false, how));
-        Covered { pixels: one.pixels + two.pixels, in_blocks: one.in_blocks + two.in_blocks }
+        PixelCounts { pixels: one.pixels + two.pixels, in_blocks: one.in_blocks + two.in_blocks }
     }
 
     #[test]
     fn pixels_are_counted_once() {
         let mut raster = Raster::new(64, 32);
-        assert_eq!(square(&mut raster, 1.0, 1.0, 1.0, Draw::Opaque).pixels, 64 * 32, "edges are drawn once");
+        assert_eq!(square(&mut raster, 1.0, 1.0, 1.0, DrawMode::Opaque).pixels, 64 * 32, "edges are drawn once");
         assert_eq!(raster.opaque_pixels(), 64 * 32);
         // Half of each side, aligned to whole pixels.
         let mut raster = Raster::new(64, 32);
-        let half = square(&mut raster, 0.5, 0.5, 3.0, Draw::Layer);
+        let half = square(&mut raster, 0.5, 0.5, 3.0, DrawMode::Layer);
         assert_eq!((half.pixels, raster.layers()), (32 * 16, (32 * 16, 1.0, 1)));
         // Blocks along the diagonal count for both triangles.
         assert!(half.in_blocks > half.pixels && half.in_blocks < 2 * half.pixels, "{half:?}");
@@ -157,16 +157,16 @@ mod tests {
     #[test]
     fn what_is_hidden_or_turned_away_is_not_drawn() {
         let mut raster = Raster::new(32, 32);
-        square(&mut raster, 0.5, 1.0, 1.0, Draw::Opaque);
-        assert_eq!(square(&mut raster, 1.0, 1.0, 2.0, Draw::Layer).pixels, 16 * 32, "half lies behind");
-        assert_eq!(square(&mut raster, 1.0, 1.0, 0.5, Draw::Layer).pixels, 32 * 32, "all lies before");
+        square(&mut raster, 0.5, 1.0, 1.0, DrawMode::Opaque);
+        assert_eq!(square(&mut raster, 1.0, 1.0, 2.0, DrawMode::Layer).pixels, 16 * 32, "half lies behind");
+        assert_eq!(square(&mut raster, 1.0, 1.0, 0.5, DrawMode::Layer).pixels, 32 * 32, "all lies before");
         let (pixels, mean, most) = raster.layers();
         assert_eq!((pixels, most), (32 * 32, 2));
         assert!((mean - 1.5).abs() < 1e-9);
         let back = [corner(-1.0, -1.0, 0.4), corner(1.0, 1.0, 0.4), corner(1.0, -1.0, 0.4)];
-        assert_eq!(raster.draw(back, false, Draw::Layer).pixels, 0);
-        assert!(raster.draw(back, true, Draw::Layer).pixels > 400 && raster.draw(back, false, Draw::Quad).pixels > 400);
-        assert_eq!(raster.draw([Vec4::ONE, Vec4::X, Vec4::Y], true, Draw::Layer).pixels, 0, "behind the eye");
-        assert_eq!(raster.draw([Vec4::NAN; 3], true, Draw::Layer).pixels, 0);
+        assert_eq!(raster.draw(back, false, DrawMode::Layer).pixels, 0);
+        assert!(raster.draw(back, true, DrawMode::Layer).pixels > 400 && raster.draw(back, false, DrawMode::Quad).pixels > 400);
+        assert_eq!(raster.draw([Vec4::ONE, Vec4::X, Vec4::Y], true, DrawMode::Layer).pixels, 0, "behind the eye");
+        assert_eq!(raster.draw([Vec4::NAN; 3], true, DrawMode::Layer).pixels, 0);
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use glam::Vec2;
 use pelage_bake::pipeline;
-use pelage_bake::pipeline::Told;
+use pelage_bake::pipeline::BakeInput;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_formats::Limits;
@@ -42,7 +42,7 @@ fn package(texels: u32, sets: &[&str]) -> Arc<[u8]> {
         // Ink is not predicted, and its textures take most of a bake.
         ["ink.enabled=false"].iter().chain(sets).for_each(|set| recipe.set(set).unwrap());
         let images = MapImages::default();
-        let told = Told::new("torus", "torus", &recipe, &images);
+        let told = BakeInput::new("torus", "torus", &recipe, &images);
         pipeline::bake(&told, &model(texels), &mut |_| ()).unwrap().package.into()
     };
     baked.get_or_init(bake).clone()

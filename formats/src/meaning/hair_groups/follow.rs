@@ -1,41 +1,41 @@
 //! Interpolation of many hairs from few guides: each hair lies between the guides around it, unless a parting separates
 //! them.
 
-use super::near::Near;
+use super::point_grid::PointGrid;
 use glam::Vec3;
 
 /// Number of guides that a hair follows.
-pub const FOLLOWED: usize = 4;
+pub const GUIDES_PER_HAIR: usize = 4;
 
 /// Maximum difference of the shapes of two guides that mix, as a share of their mean length; beyond it hair parts
 /// between them.
-const PARTED: f32 = 0.6;
+const PARTING_THRESHOLD: f32 = 0.6;
 
 /// Guides that a hair follows, with weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Follow {
+pub struct GuideWeights {
     /// Indices of guides, nearest first.
-    pub guides: [u32; FOLLOWED],
+    pub guides: [u32; GUIDES_PER_HAIR],
     /// Weights, summing to 1; 0 for guides on the other side of a parting.
-    pub weights: [f32; FOLLOWED],
+    pub weights: [f32; GUIDES_PER_HAIR],
 }
 
 /// Guides with equal numbers of points, for interpolating hair by root position.
 #[derive(Clone, Debug)]
-pub struct Followed {
+pub struct GuideInterpolator {
     /// Points of each guide, root first.
     shapes: Vec<Vec<Vec3>>,
     lengths: Vec<f32>,
-    roots: Near,
+    roots: PointGrid,
 }
 
-impl Followed {
+impl GuideInterpolator {
     /// Creates the set of guides.
     ///
     /// * `shapes`: points of each guide, root first; 2 or more, the same number for each
     pub fn new(shapes: Vec<Vec<Vec3>>) -> Self {
         let length = |shape: &Vec<Vec3>| shape.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
-        let roots = Near::new(shapes.iter().map(|shape| shape[0]).collect());
+        let roots = PointGrid::new(shapes.iter().map(|shape| shape[0]).collect());
         Self { lengths: shapes.iter().map(length).collect(), shapes, roots }
     }
 
@@ -54,15 +54,15 @@ impl Followed {
     /// Weights fall to 0 where the fifth nearest guide is equally near, so that they change smoothly from root to root.
     /// This is a modified Shepard interpolation (Franke and Nielson 1980). Guides separated from the nearest one by a
     /// parting have weight 0.
-    pub fn follow(&self, root: Vec3) -> Option<Follow> {
-        let near = self.roots.nearest::<{ FOLLOWED + 1 }>(root);
+    pub fn follow(&self, root: Vec3) -> Option<GuideWeights> {
+        let near = self.roots.nearest::<{ GUIDES_PER_HAIR + 1 }>(root);
         let nearest = near[0].1 as usize;
         self.shapes.get(nearest)?;
         // With few guides, all are followed.
         let last = near.iter().rev().find(|(d, _)| d.is_finite())?.0.sqrt();
-        let reach = if near[FOLLOWED].0.is_finite() { last } else { 1.5 * last };
-        let mut follow = Follow::default();
-        for (i, (distance, index)) in near[..FOLLOWED].iter().enumerate() {
+        let reach = if near[GUIDES_PER_HAIR].0.is_finite() { last } else { 1.5 * last };
+        let mut follow = GuideWeights::default();
+        for (i, (distance, index)) in near[..GUIDES_PER_HAIR].iter().enumerate() {
             if !distance.is_finite() || self.part(nearest, *index as usize) {
                 continue;
             }
@@ -75,7 +75,7 @@ impl Followed {
         if sum > 0.0 && sum.is_finite() {
             follow.weights.iter_mut().for_each(|w| *w /= sum);
         } else {
-            follow.weights = [0.0; FOLLOWED];
+            follow.weights = [0.0; GUIDES_PER_HAIR];
             (follow.guides[0], follow.weights[0]) = (nearest as u32, 1.0);
         }
         Some(follow)
@@ -83,13 +83,13 @@ impl Followed {
 
     /// Whether hair parts between two guides: at some point, their offsets from their roots differ by too much.
     pub fn part(&self, a: usize, b: usize) -> bool {
-        let limit = PARTED * 0.5 * (self.lengths[a] + self.lengths[b]);
+        let limit = PARTING_THRESHOLD * 0.5 * (self.lengths[a] + self.lengths[b]);
         let (one, other) = (&self.shapes[a], &self.shapes[b]);
         one.iter().zip(other).any(|(p, q)| ((*p - one[0]) - (*q - other[0])).length() > limit)
     }
 }
 
-impl Follow {
+impl GuideWeights {
     /// Returns the weighted mean of the guides' positions, given by `at`.
     pub fn mix(&self, at: impl Fn(usize) -> Vec3) -> Vec3 {
         let of = |(guide, weight): (&u32, &f32)| if *weight > 0.0 { *weight * at(*guide as usize) } else { Vec3::ZERO };
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     /// Returns the points of the hair from `root`, relative to the root.
-    fn hair(guides: &Followed, root: Vec3) -> Vec<Vec3> {
+    fn hair(guides: &GuideInterpolator, root: Vec3) -> Vec<Vec3> {
         let follow = guides.follow(root).unwrap();
         (0..5).map(|k| follow.mix(|guide| guides.shapes[guide][k] - guides.shapes[guide][0])).collect()
     }
@@ -119,7 +119,7 @@ mod tests {
         // position.
         let way = |x: f32, z: f32| Vec3::new(0.05 * x, 1.0, 0.05 * z);
         let grid = (0..6).flat_map(|i| (0..6).map(move |j| (i as f32, j as f32)));
-        let guides = Followed::new(grid.map(|(x, z)| straight(x, z, way(x, z))).collect());
+        let guides = GuideInterpolator::new(grid.map(|(x, z)| straight(x, z, way(x, z))).collect());
         for (x, z) in [(2.5, 2.5), (1.2, 3.7), (3.0, 3.0), (2.01, 2.0)] {
             let root = Vec3::new(x, 0.0, z);
             let follow = guides.follow(root).unwrap();
@@ -140,14 +140,14 @@ mod tests {
     fn hair_parts_where_guides_do() {
         let fall = |x: f32| Vec3::new(if x < 0.0 { -1.0 } else { 1.0 }, -0.5, 0.0);
         let grid = (-3..3).flat_map(|i| (0..6).map(move |j| (i as f32 + 0.5, j as f32)));
-        let guides = Followed::new(grid.map(|(x, z)| straight(x, z, fall(x))).collect());
+        let guides = GuideInterpolator::new(grid.map(|(x, z)| straight(x, z, fall(x))).collect());
         assert!(guides.part(0, 30) && !guides.part(0, 1));
         for x in [-0.4, -0.05, 0.05, 0.4] {
             let hair = hair(&guides, Vec3::new(x, 0.0, 2.5));
             assert!(hair[4].distance(fall(x)) < 1e-5, "at {x}: {hair:?}");
         }
         // Averaging the nearest guides regardless of direction would make hair stand up and shorten at the parting.
-        let near = guides.roots.nearest::<FOLLOWED>(Vec3::new(0.05, 0.0, 2.5));
+        let near = guides.roots.nearest::<GUIDES_PER_HAIR>(Vec3::new(0.05, 0.0, 2.5));
         let naive: Vec3 = near
             .iter()
             .map(|(_, guide)| 0.25 * (guides.shapes[*guide as usize][4] - guides.shapes[*guide as usize][0]))
@@ -157,16 +157,16 @@ mod tests {
 
     #[test]
     fn few_guides_are_enough() {
-        assert_eq!(Followed::new(Vec::new()).follow(Vec3::ZERO), None);
-        let one = Followed::new(vec![straight(0.0, 0.0, Vec3::Y)]);
+        assert_eq!(GuideInterpolator::new(Vec::new()).follow(Vec3::ZERO), None);
+        let one = GuideInterpolator::new(vec![straight(0.0, 0.0, Vec3::Y)]);
         for root in [Vec3::ZERO, Vec3::X * 5.0] {
             assert!(hair(&one, root)[4].distance(Vec3::Y) < 1e-6);
         }
-        let two = Followed::new(vec![straight(0.0, 0.0, Vec3::Y), straight(1.0, 0.0, Vec3::new(0.2, 1.0, 0.0))]);
+        let two = GuideInterpolator::new(vec![straight(0.0, 0.0, Vec3::Y), straight(1.0, 0.0, Vec3::new(0.2, 1.0, 0.0))]);
         let middle = hair(&two, Vec3::X * 0.5);
         assert!(middle[4].distance(Vec3::new(0.1, 1.0, 0.0)) < 1e-5, "{middle:?}");
         // Guides at the same position do not cause a division by zero.
-        let same = Followed::new(vec![straight(0.0, 0.0, Vec3::Y); 6]);
+        let same = GuideInterpolator::new(vec![straight(0.0, 0.0, Vec3::Y); 6]);
         assert!(hair(&same, Vec3::ZERO).iter().all(|p| p.is_finite()));
     }
 }

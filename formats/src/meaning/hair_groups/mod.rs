@@ -5,12 +5,12 @@
 //! frame of the root's triangle, so that the group moves with the surface.
 
 mod follow;
-mod near;
+mod point_grid;
 mod smooth;
 
-pub use crate::sections::hair::OnTriangle;
-pub use follow::{FOLLOWED, Follow, Followed};
-pub use near::Near;
+pub use crate::sections::hair::TrianglePoint;
+pub use follow::{GUIDES_PER_HAIR, GuideWeights, GuideInterpolator};
+pub use point_grid::PointGrid;
 pub use smooth::smoothed;
 
 use crate::meaning::srgb_to_linear;
@@ -21,28 +21,28 @@ use glam::{Mat3, Vec3};
 pub const HAIR_COLORS: u32 = 32;
 
 /// Share of the hairs that are stray.
-const STRAYS: f32 = 0.08;
+const STRAY_SHARE: f32 = 0.08;
 /// Lateral offset of the other hairs, as a share of that of stray hairs.
-const ORDERLY: f32 = 0.12;
+const ORDERLY_STRAY: f32 = 0.12;
 
 /// Hair of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hair {
     /// Root.
-    pub root: OnTriangle,
+    pub root: TrianglePoint,
     /// Guides that the hair follows.
-    pub follow: Follow,
+    pub follow: GuideWeights,
     /// Length as a share of the guides' length, above 0 and at most 1.
     pub length: f32,
     /// Lateral offset of the tip from the interpolated guides, in the frame of the root's triangle, metres.
-    pub aside: Vec3,
+    pub tip_offset: Vec3,
     /// Colour index, less than [`HAIR_COLORS`].
     pub color: u32,
 }
 
 /// Group of hair on the mesh that it was baked for.
 #[derive(Clone, Debug, Default)]
-pub struct Planted {
+pub struct GrownGroup {
     /// Triangle of each guide's root.
     pub guide_triangles: Vec<u32>,
     /// Points of each guide, relative to its root in the frame of that triangle, metres. All guides have the same
@@ -56,7 +56,7 @@ pub struct Planted {
 /// any prefix is as even as the whole.
 ///
 /// * `corners`: corner positions of a triangle
-pub fn roots(group: &HairGroup, count: u32, corners: &impl Fn(u32) -> [Vec3; 3]) -> Vec<OnTriangle> {
+pub fn roots(group: &HairGroup, count: u32, corners: &impl Fn(u32) -> [Vec3; 3]) -> Vec<TrianglePoint> {
     let scalp = Scalp::new(group, corners);
     (0..count).filter_map(|number| scalp.root(group.seed, number)).collect()
 }
@@ -72,34 +72,34 @@ pub fn triangle_frame(corners: [Vec3; 3]) -> Mat3 {
     }
 }
 
-impl Planted {
+impl GrownGroup {
     /// Generates the hairs of a group.
     ///
     /// * `positions`: vertices at rest, metres
     /// * `most`: maximum number of hairs; the first ones are generated
     pub fn new(group: &HairGroup, positions: &[Vec3], triangles: &[[u32; 3]], most: u32) -> Self {
         let corners = |triangle: u32| triangles[triangle as usize].map(|v| positions[v as usize]);
-        let roots: Vec<OnTriangle> = group.roots().collect();
+        let roots: Vec<TrianglePoint> = group.roots().collect();
         let guides: Vec<Vec<Vec3>> =
             (0..roots.len()).map(|guide| smoothed(&group.guide(guide), group.points as usize)).collect();
         let shapes = roots.iter().zip(&guides).map(|(root, points)| {
-            let (at, frame) = (root.place(corners(root.triangle)), triangle_frame(corners(root.triangle)));
+            let (at, frame) = (root.position(corners(root.triangle)), triangle_frame(corners(root.triangle)));
             points.iter().map(|p| at + frame * *p).collect()
         });
-        let followed = Followed::new(shapes.collect());
+        let followed = GuideInterpolator::new(shapes.collect());
         let guide_triangles = roots.iter().map(|root| root.triangle).collect();
         let mut out = Self { guide_triangles, guides, hairs: Vec::new() };
         if group.hairs == 0 {
             // The guides are themselves the hairs.
-            out.hairs = roots.iter().zip(0..most).map(|(root, number)| out.alone(group, *root, number)).collect();
+            out.hairs = roots.iter().zip(0..most).map(|(root, number)| out.guide_hair(group, *root, number)).collect();
             return out;
         }
         let places = self::roots(group, group.hairs.min(most), &corners);
-        let at = |root: &OnTriangle| root.place(corners(root.triangle));
+        let at = |root: &TrianglePoint| root.position(corners(root.triangle));
         // The first hairs, which are an even sample, are the centres of locks.
         let locks = (group.hairs / group.lock_hairs.max(1)).clamp(1, places.len().max(1) as u32) as usize;
-        let middles = Near::new(places.iter().take(locks).map(at).collect());
-        let grow = |(root, number): (&OnTriangle, u32)| {
+        let middles = PointGrid::new(places.iter().take(locks).map(at).collect());
+        let grow = |(root, number): (&TrianglePoint, u32)| {
             let place = at(root);
             let follow = followed.follow(place)?;
             let frame = triangle_frame(corners(root.triangle));
@@ -107,30 +107,30 @@ impl Planted {
             let gathered = group.clump * (at(&middle) - place);
             let length =
                 follow.guides.iter().zip(&follow.weights).map(|(g, w)| w * length_of(&out.guides[*g as usize]));
-            let hair = Hair { root: *root, follow, ..out.varied(group, number, length.sum()) };
-            Some(Hair { aside: hair.aside + frame.transpose() * gathered, ..hair })
+            let hair = Hair { root: *root, follow, ..out.random_variation(group, number, length.sum()) };
+            Some(Hair { tip_offset: hair.tip_offset + frame.transpose() * gathered, ..hair })
         };
         out.hairs = places.iter().zip(0..).filter_map(grow).collect();
         out
     }
 
     /// Returns the hair that is guide `number` itself.
-    fn alone(&self, group: &HairGroup, root: OnTriangle, number: u32) -> Hair {
-        let mut follow = Follow::default();
+    fn guide_hair(&self, group: &HairGroup, root: TrianglePoint, number: u32) -> Hair {
+        let mut follow = GuideWeights::default();
         (follow.guides[0], follow.weights[0]) = (number, 1.0);
-        Hair { root, follow, ..self.varied(group, number, length_of(&self.guides[number as usize])) }
+        Hair { root, follow, ..self.random_variation(group, number, length_of(&self.guides[number as usize])) }
     }
 
     /// Returns the random variation of a hair; `length_m` is the length of the guides that it follows.
-    fn varied(&self, group: &HairGroup, number: u32, length_m: f32) -> Hair {
-        let draw = |what: u32| chance([group.seed, number, what]);
-        let strays = if draw(1) < STRAYS { 1.0 } else { ORDERLY };
+    fn random_variation(&self, group: &HairGroup, number: u32, length_m: f32) -> Hair {
+        let draw = |what: u32| hash_unit([group.seed, number, what]);
+        let strays = if draw(1) < STRAY_SHARE { 1.0 } else { ORDERLY_STRAY };
         let way = Vec3::new(draw(2), draw(3), draw(4)) * 2.0 - 1.0;
         Hair {
-            root: OnTriangle::default(),
-            follow: Follow::default(),
+            root: TrianglePoint::default(),
+            follow: GuideWeights::default(),
             length: 1.0 - group.length_variation * draw(0),
-            aside: way * (strays * group.stray * length_m),
+            tip_offset: way * (strays * group.stray * length_m),
             color: number % HAIR_COLORS,
         }
     }
@@ -149,8 +149,8 @@ impl Hair {
     /// Returns the hair's points, root first, on a posed mesh. `corners` are those of the root's triangle; `guides`
     /// comes from [`Planted::posed_guides`] for the same pose.
     pub fn points(&self, corners: [Vec3; 3], guides: &[Vec<Vec3>]) -> impl ExactSizeIterator<Item = Vec3> {
-        let root = self.root.place(corners);
-        let aside = triangle_frame(corners) * self.aside;
+        let root = self.root.position(corners);
+        let aside = triangle_frame(corners) * self.tip_offset;
         let count = guides.first().map_or(0, Vec::len);
         (0..count).map(move |k| {
             let share = k as f32 / (count - 1) as f32;
@@ -199,14 +199,14 @@ impl Scalp {
 
     /// Returns the root of hair `number`: triangle and position in it, by radical inverses (Halton 1960), so that the
     /// first few are spread evenly.
-    fn root(&self, seed: u32, number: u32) -> Option<OnTriangle> {
+    fn root(&self, seed: u32, number: u32) -> Option<TrianglePoint> {
         let whole = self.triangles.last()?.1;
-        let at = |base: u32| (radical_inverse(base, number + 1) + chance([seed, base, 0])).fract();
+        let at = |base: u32| (radical_inverse(base, number + 1) + hash_unit([seed, base, 0])).fract();
         let along = f64::from(at(2)) * whole;
         let found = self.triangles.partition_point(|(_, sum)| *sum <= along);
         let (triangle, _) = *self.triangles.get(found)?;
         let (u, v) = (at(3).sqrt(), at(5));
-        Some(OnTriangle { triangle, weights: [1.0 - u, u * (1.0 - v), u * v] })
+        Some(TrianglePoint { triangle, weights: [1.0 - u, u * (1.0 - v), u * v] })
     }
 }
 
@@ -222,7 +222,7 @@ fn radical_inverse(base: u32, mut number: u32) -> f32 {
 }
 
 /// Deterministic hash of `number`, uniform in 0..1 (Mueller's 32-bit hash).
-pub fn chance<const N: usize>(number: [u32; N]) -> f32 {
+pub fn hash_unit<const N: usize>(number: [u32; N]) -> f32 {
     let mixed = number.into_iter().fold(0u32, |sum, part| {
         let x = sum.wrapping_mul(0x9e37_79b9) ^ part;
         let x = (x ^ (x >> 16)).wrapping_mul(0x045d_9f3b);

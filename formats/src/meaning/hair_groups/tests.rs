@@ -20,9 +20,9 @@ fn group(hairs: u32) -> HairGroup {
         scalp: vec![(0, 1), (1, 3)],
         ..HairGroup::default()
     };
-    let guides: Vec<(OnTriangle, Vec<Vec3>)> = (0..8)
+    let guides: Vec<(TrianglePoint, Vec<Vec3>)> = (0..8)
         .map(|i| {
-            let root = OnTriangle { triangle: i % 2, weights: [0.2 + 0.05 * i as f32, 0.3, 0.5 - 0.05 * i as f32] };
+            let root = TrianglePoint { triangle: i % 2, weights: [0.2 + 0.05 * i as f32, 0.3, 0.5 - 0.05 * i as f32] };
             let frame = triangle_frame(corners(i % 2)).transpose();
             let points = [Vec3::new(0.05, 0.25, 0.0), Vec3::new(0.2, 0.45, 0.0)];
             (root, points.map(|p| frame * p).to_vec())
@@ -34,7 +34,7 @@ fn group(hairs: u32) -> HairGroup {
 
 #[test]
 fn hairs_stand_on_the_scalp_as_dense_as_it_says() {
-    let planted = Planted::new(&group(4000), &POSITIONS, &TRIANGLES, u32::MAX);
+    let planted = GrownGroup::new(&group(4000), &POSITIONS, &TRIANGLES, u32::MAX);
     assert_eq!(planted.hairs.len(), 4000);
     let posed = planted.posed_guides(corners);
     for hairs in [&planted.hairs[..400], &planted.hairs] {
@@ -52,13 +52,13 @@ fn hairs_stand_on_the_scalp_as_dense_as_it_says() {
         assert!(points[0].y.abs() < 1e-6 && (points[8] - points[0]).distance(Vec3::new(0.2, 0.45, 0.0)) < 1e-3);
     }
     // A smaller count gives a prefix of all.
-    let few = Planted::new(&group(4000), &POSITIONS, &TRIANGLES, 100);
+    let few = GrownGroup::new(&group(4000), &POSITIONS, &TRIANGLES, 100);
     assert_eq!(few.hairs, planted.hairs[..100]);
 }
 
 #[test]
 fn hair_moves_with_its_triangle() {
-    let planted = Planted::new(&group(50), &POSITIONS, &TRIANGLES, u32::MAX);
+    let planted = GrownGroup::new(&group(50), &POSITIONS, &TRIANGLES, u32::MAX);
     let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.4, 1.1, -0.7);
     let moved = |triangle: u32| corners(triangle).map(|c| turn * c + Vec3::new(3.0, 1.0, 2.0));
     let (rest, posed) = (planted.posed_guides(corners), planted.posed_guides(moved));
@@ -73,18 +73,18 @@ fn hair_moves_with_its_triangle() {
 #[test]
 fn locks_gather_and_strays_stray() {
     let spread = |group: &HairGroup| {
-        let planted = Planted::new(group, &POSITIONS, &TRIANGLES, u32::MAX);
+        let planted = GrownGroup::new(group, &POSITIONS, &TRIANGLES, u32::MAX);
         let posed = planted.posed_guides(corners);
         let tips: Vec<Vec3> =
             planted.hairs.iter().map(|h| h.points(corners(h.root.triangle), &posed).last().unwrap()).collect();
         // Mean distance of each tip to its nearest neighbour.
-        let nearest = Near::new(tips.clone());
+        let nearest = PointGrid::new(tips.clone());
         tips.iter().map(|tip| nearest.nearest::<2>(*tip)[1].0.sqrt()).sum::<f32>() / tips.len() as f32
     };
     let plain = spread(&group(1000));
     assert!(spread(&HairGroup { clump: 0.9, ..group(1000) }) < 0.4 * plain);
-    let planted = Planted::new(&HairGroup { stray: 0.3, ..group(1000) }, &POSITIONS, &TRIANGLES, u32::MAX);
-    let far = planted.hairs.iter().filter(|hair| hair.aside.length() > 0.04).count();
+    let planted = GrownGroup::new(&HairGroup { stray: 0.3, ..group(1000) }, &POSITIONS, &TRIANGLES, u32::MAX);
+    let far = planted.hairs.iter().filter(|hair| hair.tip_offset.length() > 0.04).count();
     assert!((40..120).contains(&far), "{far} of 1000 stray");
 }
 
@@ -97,7 +97,7 @@ fn lengths_and_colours_vary_as_far_as_they_may() {
         tip_color: [128; 3],
         ..group(500)
     };
-    let planted = Planted::new(&group, &POSITIONS, &TRIANGLES, u32::MAX);
+    let planted = GrownGroup::new(&group, &POSITIONS, &TRIANGLES, u32::MAX);
     let lengths = || planted.hairs.iter().map(|hair| hair.length);
     let (least, most) = lengths().fold((1.0f32, 0.0f32), |(l, m), x| (l.min(x), m.max(x)));
     assert!((0.6..0.61).contains(&least) && (0.99..=1.0).contains(&most), "{least} to {most}");
@@ -111,12 +111,12 @@ fn lengths_and_colours_vary_as_far_as_they_may() {
 /// A group whose guides are the hairs has no other hairs.
 #[test]
 fn guides_can_be_the_hairs() {
-    let planted = Planted::new(&group(0), &POSITIONS, &TRIANGLES, u32::MAX);
+    let planted = GrownGroup::new(&group(0), &POSITIONS, &TRIANGLES, u32::MAX);
     assert_eq!(planted.hairs.len(), 8);
     let posed = planted.posed_guides(corners);
     for (hair, root) in planted.hairs.iter().zip(group(0).roots()) {
         assert_eq!(hair.root, root);
         let tip = hair.points(corners(root.triangle), &posed).last().unwrap();
-        assert!((tip - root.place(corners(root.triangle))).distance(Vec3::new(0.2, 0.45, 0.0)) < 1e-3);
+        assert!((tip - root.position(corners(root.triangle))).distance(Vec3::new(0.2, 0.45, 0.0)) < 1e-3);
     }
 }

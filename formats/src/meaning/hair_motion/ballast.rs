@@ -14,7 +14,7 @@ pub const GRAVITY: f32 = 9.81;
 ///
 /// * `points`: relative to the root, which is the first, in the frame of the root's triangle
 /// * `frame`: from that frame to the axes of the world at rest, +y up
-pub fn ballast(points: &[Vec3], frame: Mat3) -> Vec<Vec3> {
+pub fn gravity_compensation(points: &[Vec3], frame: Mat3) -> Vec<Vec3> {
     let down = Vec3::NEG_Y * GRAVITY;
     let to_frame = frame.inverse();
     let scale = libm::cbrtf(frame.determinant().abs());

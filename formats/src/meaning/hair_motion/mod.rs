@@ -14,7 +14,7 @@
 mod ballast;
 mod wind;
 
-pub use ballast::{GRAVITY, ballast};
+pub use ballast::{GRAVITY, gravity_compensation};
 pub use wind::Wind;
 
 use crate::sections::hair_motion::GroupMotion;
@@ -25,17 +25,17 @@ pub const STEPS_PER_S: f32 = 120.0;
 /// Maximum number of steps per frame. In a longer frame, less time passes for hair.
 pub const MOST_STEPS: u32 = 16;
 /// Number of times that a particle is pushed out of the colliders.
-const PUSHED: u32 = 3;
+const COLLISION_PASSES: u32 = 3;
 /// Cosine of the rotation beyond which a segment's current direction replaces its direction at the start of the step.
-const LEAST_TURN: f32 = 0.995;
+const MIN_TURN_COS: f32 = 0.995;
 /// Damping of the springs to the groomed shape, as a share of critical damping.
-const DAMPED: f32 = 0.3;
+const SHAPE_DAMPING: f32 = 0.3;
 /// Natural logarithm of 1000: hair is at rest when its swing has decayed to a thousandth.
 const LN_1000: f32 = 6.907_755;
 /// Minimum and maximum of the time after which hair is considered at rest, seconds.
 const REST_S: [f32; 2] = [0.5, 20.0];
 /// Maximum speed of a particle relative to its root, guide lengths per second.
-const FASTEST: f32 = 25.0;
+const MAX_SPEED: f32 = 25.0;
 
 /// Accuracy of the simulation. The runtime always uses [`Solver::default`]; other values serve to measure cost and
 /// accuracy.
@@ -53,7 +53,7 @@ pub struct Solver {
 
 /// Result of [`Solver::advance_frame`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Advanced {
+pub struct StepReport {
     /// Duration of a step, seconds.
     pub step_s: f32,
     /// Number of solutions for the tensions, over all steps.
@@ -86,7 +86,7 @@ pub struct Springs {
 
 /// Guide as groomed.
 #[derive(Clone, Copy, Debug)]
-pub struct Groomed<'a> {
+pub struct GroomedGuide<'a> {
     /// Points relative to the root, which is the first, in the frame of its triangle, metres; two or more.
     pub points: &'a [Vec3],
     /// Result of [`ballast`] for the points.
@@ -97,7 +97,7 @@ pub struct Groomed<'a> {
 
 /// Particle: a moving point of a guide.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pearl {
+pub struct Particle {
     /// Position relative to the root.
     pub place: Vec3,
     /// Velocity, m/s.
@@ -106,7 +106,7 @@ pub struct Pearl {
 
 /// Root of a guide on the posed surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rooted {
+pub struct RootFrame {
     /// Position of the root.
     pub root: Vec3,
     /// Matrix from the frame of the root's triangle to the axes of the world, including the scale of the character.
@@ -142,7 +142,7 @@ struct Step<'a> {
     solver: Solver,
 }
 
-impl Rooted {
+impl RootFrame {
     /// Interpolates linearly; share 0 is `self`, 1 is `other`.
     pub fn between(self, other: Self, share: f32) -> Self {
         let mix = |a: Vec3, b: Vec3| a + (b - a) * share;
@@ -151,8 +151,8 @@ impl Rooted {
     }
 
     /// Returns the particles in their groomed positions, at rest.
-    pub fn groomed(&self, points: &[Vec3]) -> Vec<Pearl> {
-        points.iter().map(|p| Pearl { place: self.frame * *p, velocity: Vec3::ZERO }).collect()
+    pub fn groomed(&self, points: &[Vec3]) -> Vec<Particle> {
+        points.iter().map(|p| Particle { place: self.frame * *p, velocity: Vec3::ZERO }).collect()
     }
 
     /// Returns the scale of the hair relative to its groomed size.
@@ -196,12 +196,12 @@ pub struct Frame<'a> {
 
 /// Moves a guide by one frame with [`Solver::advance_frame`] of the default solver. Returns the duration of its steps.
 pub fn advance_frame(
-    pearls: &mut [Pearl],
-    groomed: &Groomed<'_>,
+    pearls: &mut [Particle],
+    groomed: &GroomedGuide<'_>,
     springs: &Springs,
     frame: &Frame<'_>,
-    before: Rooted,
-    now: Rooted,
+    before: RootFrame,
+    now: RootFrame,
 ) -> f32 {
     Solver::default().advance_frame(pearls, groomed, springs, frame, before, now).step_s
 }
@@ -222,13 +222,13 @@ impl Solver {
     /// * `before`, `now`: its root on the surface at the beginning and at the end of the frame
     pub fn advance_frame(
         &self,
-        pearls: &mut [Pearl],
-        groomed: &Groomed<'_>,
+        pearls: &mut [Particle],
+        groomed: &GroomedGuide<'_>,
         springs: &Springs,
         frame: &Frame<'_>,
-        before: Rooted,
-        now: Rooted,
-    ) -> Advanced {
+        before: RootFrame,
+        now: RootFrame,
+    ) -> StepReport {
         let (count, seconds) = self.steps(frame.seconds);
         let mut solved = 0;
         for number in 1..=count {
@@ -248,13 +248,13 @@ impl Solver {
             // Interpolating between two rotated frames shortens lengths, so lengths are those at the end of the frame.
             solved += advance(pearls, groomed, springs, &step, from, to, now);
         }
-        Advanced { step_s: seconds, solved }
+        StepReport { step_s: seconds, solved }
     }
 }
 
 /// Returns the time, in seconds, after which the swing of a group's unmoved hair has decayed to a thousandth.
 pub fn rest_s(motion: &GroupMotion) -> f32 {
-    let slowed_per_s = motion.drag_per_s + 2.0 * DAMPED * std::f32::consts::TAU * motion.shape_hz;
+    let slowed_per_s = motion.drag_per_s + 2.0 * SHAPE_DAMPING * std::f32::consts::TAU * motion.shape_hz;
     // Oscillations decay at half the rate of velocities.
     (2.0 * LN_1000 / slowed_per_s.max(1e-6)).clamp(REST_S[0], REST_S[1])
 }
@@ -268,13 +268,13 @@ fn direction(v: Vec3, other: Vec3) -> Vec3 {
 /// Moves a guide by one step, from `before` to `now`; segment lengths are those at `whole`. Returns how often the
 /// tensions were solved.
 fn advance(
-    pearls: &mut [Pearl],
-    groomed: &Groomed<'_>,
+    pearls: &mut [Particle],
+    groomed: &GroomedGuide<'_>,
     springs: &Springs,
     step: &Step<'_>,
-    before: Rooted,
-    now: Rooted,
-    whole: Rooted,
+    before: RootFrame,
+    now: RootFrame,
+    whole: RootFrame,
 ) -> u32 {
     let h = step.seconds;
     let scale = whole.scale();
@@ -282,13 +282,13 @@ fn advance(
     let piece = |k: usize| goal(k) - goal(k - 1);
     let length = |k: usize| (whole.frame * (groomed.points[k] - groomed.points[k - 1])).length();
     let lengths: Vec<f32> = (0..pearls.len()).map(|k| if k == 0 { 0.0 } else { length(k) }).collect();
-    let fastest = FASTEST * lengths.iter().sum::<f32>();
+    let fastest = MAX_SPEED * lengths.iter().sum::<f32>();
     let went = now.root - before.root;
     let per_s = if h > 0.0 { 1.0 / h } else { 0.0 };
     let square = |hz: f32| (std::f32::consts::TAU * hz) * (std::f32::consts::TAU * hz);
     let shape = square(springs.shape_hz) / (1.0 + square(springs.shape_hz) * h * h);
     let kept_of_air = libm::expf(-springs.drag_per_s * h);
-    let kept_of_shape = libm::expf(-2.0 * DAMPED * std::f32::consts::TAU * springs.shape_hz * h);
+    let kept_of_shape = libm::expf(-2.0 * SHAPE_DAMPING * std::f32::consts::TAU * springs.shape_hz * h);
     let weight = step.gravity.length() / (GRAVITY * scale.max(1e-9));
     // Positions relative to the current root.
     pearls.iter_mut().for_each(|pearl| pearl.place -= went);
@@ -321,11 +321,11 @@ fn advance(
             aside += (wanted - found) * bend;
             pearls[k].place += aside;
         }
-        turn = turned(wanted, found) * turn;
+        turn = smallest_rotation(wanted, found) * turn;
     }
 
     let mut solved = 0;
-    while solved < step.solver.solved && (solved == 0 || off(pearls, &lengths, held) > step.solver.within) {
+    while solved < step.solver.solved && (solved == 0 || max_length_error(pearls, &lengths, held) > step.solver.within) {
         hold_lengths(pearls, &started, &lengths, held);
         solved += 1;
     }
@@ -340,11 +340,11 @@ fn advance(
             let (parent, length) = (pearls[k - 1].place, lengths[k]);
             let way = direction(pearls[k].place - parent, direction(piece(k), Vec3::Y));
             let mut place = parent + way * length;
-            for _ in 0..PUSHED {
+            for _ in 0..COLLISION_PASSES {
                 for capsule in step.colliders {
                     let center = capsule.nearest(now.root + place) - now.root;
                     if place.distance_squared(center) < capsule.radius_m * capsule.radius_m {
-                        place = outside(parent, length, place, center, capsule.radius_m);
+                        place = outside_sphere(parent, length, place, center, capsule.radius_m);
                         touched = direction(place - center, Vec3::Y);
                     }
                 }
@@ -363,13 +363,13 @@ fn advance(
 }
 
 /// Returns the maximum relative length error of the segments.
-fn off(pearls: &[Pearl], lengths: &[f32], held: usize) -> f32 {
+fn max_length_error(pearls: &[Particle], lengths: &[f32], held: usize) -> f32 {
     let of = |k: usize| (pearls[k].place.distance(pearls[k - 1].place) - lengths[k]).abs() / lengths[k].max(1e-9);
     (held + 1..pearls.len()).map(of).fold(0.0, f32::max)
 }
 
 /// Returns the smallest rotation from one direction to another.
-fn turned(from: Vec3, to: Vec3) -> Quat {
+fn smallest_rotation(from: Vec3, to: Vec3) -> Quat {
     let (from, to) = (direction(from, Vec3::Y), direction(to, Vec3::Y));
     let (across, half) = (from.cross(to), 1.0 + from.dot(to));
     // Opposite directions have no unique smallest rotation; the identity is better than an arbitrary one.
@@ -381,12 +381,12 @@ fn turned(from: Vec3, to: Vec3) -> Quat {
 ///
 /// Tensions act along the segments' directions at the beginning of the step (SHAKE, Ryckaert 1977), so that hair that
 /// carries its own weight stays in place. For a segment that has turned too far, they act along its current direction.
-fn hold_lengths(pearls: &mut [Pearl], started: &[Vec3], lengths: &[f32], held: usize) {
-    let now = |pearls: &[Pearl], k: usize| direction(pearls[k].place - pearls[k - 1].place, Vec3::Y);
+fn hold_lengths(pearls: &mut [Particle], started: &[Vec3], lengths: &[f32], held: usize) {
+    let now = |pearls: &[Particle], k: usize| direction(pearls[k].place - pearls[k - 1].place, Vec3::Y);
     let then = |k: usize| direction(started[k] - started[k - 1], Vec3::Y);
-    let along = |pearls: &[Pearl], k: usize| {
+    let along = |pearls: &[Particle], k: usize| {
         let (now, then) = (now(pearls, k), then(k));
-        if now.dot(then) < LEAST_TURN { now } else { then }
+        if now.dot(then) < MIN_TURN_COS { now } else { then }
     };
     // Thomas algorithm: `left` and `right` are what elimination leaves of a row's neighbour and of its right-hand side.
     let mut left = vec![0.0; pearls.len()];
@@ -414,7 +414,7 @@ fn hold_lengths(pearls: &mut [Pearl], started: &[Vec3], lengths: &[f32], held: u
 
 /// Returns the point nearest to `place` at distance `length` from `parent` and `radius` from `center`; if there is
 /// none, the point at distance `length` straight away from `center`.
-fn outside(parent: Vec3, length: f32, place: Vec3, center: Vec3, radius: f32) -> Vec3 {
+fn outside_sphere(parent: Vec3, length: f32, place: Vec3, center: Vec3, radius: f32) -> Vec3 {
     let to_center = center - parent;
     let distance = to_center.length();
     let axis = direction(to_center, direction(parent - place, Vec3::Y));

@@ -16,7 +16,7 @@ struct Guide {
 impl Guide {
     fn new(points: Vec<Vec3>) -> Self {
         let free = (0..points.len()).map(|k| if k == 0 { 0.0 } else { 1.0 }).collect();
-        Self { ballast: ballast(&points, Mat3::IDENTITY), points, free, springs: SPRINGS }
+        Self { ballast: gravity_compensation(&points, Mat3::IDENTITY), points, free, springs: SPRINGS }
     }
 
     /// Returns a hanging string of `points` points, 0.3 m long.
@@ -42,11 +42,11 @@ impl Guide {
         &self,
         fps: f32,
         seconds: f32,
-        rooted: impl Fn(f32) -> Rooted,
+        rooted: impl Fn(f32) -> RootFrame,
         collider: impl Fn(f32) -> Vec<Capsule>,
-        mut at_end: impl FnMut(&[Pearl], Rooted),
-    ) -> Vec<Pearl> {
-        let groomed = Groomed { points: &self.points, ballast: &self.ballast, free: &self.free };
+        mut at_end: impl FnMut(&[Particle], RootFrame),
+    ) -> Vec<Particle> {
+        let groomed = GroomedGuide { points: &self.points, ballast: &self.ballast, free: &self.free };
         let mut pearls = rooted(0.0).groomed(&self.points);
         let mut before_s = steps(1.0 / fps).1;
         for number in 1..=(seconds * fps).round() as u32 {
@@ -68,7 +68,7 @@ impl Guide {
     }
 
     /// Returns the maximum relative length error of the segments.
-    fn stretch(&self, pearls: &[Pearl]) -> f32 {
+    fn stretch(&self, pearls: &[Particle]) -> f32 {
         let of = |k: usize| {
             let length = self.points[k].distance(self.points[k - 1]);
             let found = pearls[k].place.distance(pearls[k - 1].place);
@@ -78,15 +78,15 @@ impl Guide {
     }
 }
 
-fn still(_: f32) -> Rooted {
-    Rooted { root: Vec3::new(1.0, 2.0, 3.0), frame: Mat3::IDENTITY }
+fn still(_: f32) -> RootFrame {
+    RootFrame { root: Vec3::new(1.0, 2.0, 3.0), frame: Mat3::IDENTITY }
 }
 
 /// Root on a galloping head: up and down, back and forth, nodding.
-fn gallop(time_s: f32) -> Rooted {
+fn gallop(time_s: f32) -> RootFrame {
     let turns = TAU * 2.2 * time_s;
     let root = Vec3::new(0.08 * turns.cos(), 0.15 * turns.sin(), 9.0 * time_s);
-    Rooted { root, frame: Mat3::from_rotation_x(0.3 * (turns + 0.5).sin()) }
+    RootFrame { root, frame: Mat3::from_rotation_x(0.3 * (turns + 0.5).sin()) }
 }
 
 fn nothing(_: f32) -> Vec<Capsule> {
@@ -156,7 +156,7 @@ fn a_pendulum_swings_as_long_as_it_should() {
     let mut guide = Guide::hanging(2);
     guide.springs = Springs { drag_per_s: 0.0, shape_hz: 0.0, bend_hz: 0.0, friction: 0.0 };
     // Displaced in the first frame.
-    let root = |time_s: f32| Rooted { root: Vec3::X * if time_s > 0.0 { 0.01 } else { 0.0 }, frame: Mat3::IDENTITY };
+    let root = |time_s: f32| RootFrame { root: Vec3::X * if time_s > 0.0 { 0.01 } else { 0.0 }, frame: Mat3::IDENTITY };
     let mut crossed = Vec::new();
     let (mut time_s, mut last) = (0.0, -1.0);
     guide.run(240.0, 5.0, root, nothing, |pearls, _| {
@@ -178,7 +178,7 @@ fn frames_of_any_length_come_to_the_same() {
     for guide in [Guide::hanging(16), Guide::curled()] {
         let sway = |time_s: f32| {
             let turns = TAU * 0.7 * time_s;
-            Rooted { root: Vec3::new(0.3 * turns.sin(), 0.0, 0.0), frame: Mat3::from_rotation_z(0.5 * turns.sin()) }
+            RootFrame { root: Vec3::new(0.3 * turns.sin(), 0.0, 0.0), frame: Mat3::from_rotation_z(0.5 * turns.sin()) }
         };
         let tips = [30.0, 60.0, 144.0].map(|fps| guide.run(fps, 5.0, sway, nothing, |_, _| ()));
         for other in &tips[1..] {
@@ -193,8 +193,8 @@ fn frames_of_any_length_come_to_the_same() {
 fn nothing_explodes() {
     let swallowing =
         |_: f32| vec![Capsule { from: Vec3::new(1.0, 2.0, 3.0), to: Vec3::new(1.0, 2.0, 3.0), radius_m: 0.5 }];
-    let jump = |time_s: f32| Rooted { root: Vec3::X * if time_s > 0.5 { 100.0 } else { 0.0 }, frame: Mat3::IDENTITY };
-    let spin = |time_s: f32| Rooted { root: Vec3::ZERO, frame: Mat3::from_rotation_y(4.0 * PI * time_s) };
+    let jump = |time_s: f32| RootFrame { root: Vec3::X * if time_s > 0.5 { 100.0 } else { 0.0 }, frame: Mat3::IDENTITY };
+    let spin = |time_s: f32| RootFrame { root: Vec3::ZERO, frame: Mat3::from_rotation_y(4.0 * PI * time_s) };
     let mut loose = Guide::hanging(16);
     loose.springs = Springs { drag_per_s: 0.0, shape_hz: 0.0, bend_hz: 0.0, friction: 0.0 };
     let mut stiff = Guide::curled();
@@ -209,7 +209,7 @@ fn nothing_explodes() {
     for guide in [Guide::hanging(2), Guide::hanging(64), Guide::curled(), loose, stiff, half, fast, together] {
         for fps in [2.0, 60.0, 1e6] {
             let seconds = if fps > 1e3 { 1e-3 } else { 5.0 };
-            let mut check = |pearls: &[Pearl], _: Rooted| {
+            let mut check = |pearls: &[Particle], _: RootFrame| {
                 let far = pearls.iter().map(|p| p.place.length()).fold(0.0, f32::max);
                 assert!(far.is_finite() && far < 1.01 * guide.length() + 1e-3, "{far} m of {} m", guide.length());
                 assert!(pearls.iter().all(|p| p.velocity.is_finite()));
@@ -223,7 +223,7 @@ fn nothing_explodes() {
             guide.run(fps, seconds, spin, nothing, &mut check);
         }
         // A frame of zero duration.
-        let groomed = Groomed { points: &guide.points, ballast: &guide.ballast, free: &guide.free };
+        let groomed = GroomedGuide { points: &guide.points, ballast: &guide.ballast, free: &guide.free };
         let mut pearls = still(0.0).groomed(&guide.points);
         let frame = Frame {
             seconds: 0.0,
@@ -233,7 +233,7 @@ fn nothing_explodes() {
             time_s: 0.0,
             colliders: &[],
         };
-        let moved = Rooted { root: still(0.0).root + Vec3::X, frame: Mat3::IDENTITY };
+        let moved = RootFrame { root: still(0.0).root + Vec3::X, frame: Mat3::IDENTITY };
         advance_frame(&mut pearls, &groomed, &guide.springs, &frame, still(0.0), moved);
         assert!(pearls.iter().all(|p| p.place.is_finite() && p.velocity == Vec3::ZERO));
     }
@@ -251,7 +251,7 @@ fn nothing_goes_into_what_is_in_the_way() {
             Capsule { from: rod[0], to: rod[1], radius_m: 0.03 },
         ]
     };
-    let root = |_: f32| Rooted { root: Vec3::ZERO, frame: Mat3::IDENTITY };
+    let root = |_: f32| RootFrame { root: Vec3::ZERO, frame: Mat3::IDENTITY };
     let (mut time_s, mut deepest, mut pushed) = (0.0f32, 0.0f32, 0.0f32);
     guide.run(60.0, 2.0, root, colliders, |pearls, _| {
         time_s += 1.0 / 60.0;
@@ -271,7 +271,7 @@ fn nothing_goes_into_what_is_in_the_way() {
 #[test]
 fn wind_takes_hair_along_and_dies_down() {
     let guide = Guide::hanging(16);
-    let groomed = Groomed { points: &guide.points, ballast: &guide.ballast, free: &guide.free };
+    let groomed = GroomedGuide { points: &guide.points, ballast: &guide.ballast, free: &guide.free };
     let mut pearls = still(0.0).groomed(&guide.points);
     let mut blow = |velocity: Vec3, seconds: f32| {
         for _ in 0..(seconds * 60.0) as u32 {

@@ -8,7 +8,7 @@ mod roots;
 mod walk;
 
 pub use roots::Roots;
-pub use walk::{Crossed, Footing, SurfaceWalk};
+pub use walk::{WalkEvents, WalkPosition, SurfaceWalk};
 
 use crate::{AttributeVertex, GeometryVertex, Manifest, MeshView, SkinVertex};
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -17,7 +17,7 @@ use std::hash::Hash;
 
 /// Mesh data for planting. All lists over vertices have the same length, and so have those over triangles.
 #[derive(Clone, Debug, Default)]
-pub struct Ground {
+pub struct PlantingMesh {
     /// Corners of each triangle, valid vertex indices.
     pub triangles: Vec<[u32; 3]>,
     /// Whether hair grows on each triangle.
@@ -43,7 +43,7 @@ pub fn same_places<J: Eq + Hash>(vertices: impl Iterator<Item = ([f32; 3], Moved
     keys.zip(0u32..).map(|(key, i)| *first_at.entry(key).or_insert(i)).collect()
 }
 
-impl Ground {
+impl PlantingMesh {
     /// Creates the planting data from a package's stored mesh.
     pub fn of_package(manifest: &Manifest, mesh: &MeshView<'_>) -> Self {
         let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
@@ -75,9 +75,9 @@ mod tests {
 
     /// Square of one metre and one tile, made of two triangles. The second is in another patch, with coordinates
     /// `apart` tiles away.
-    fn square(apart: f64) -> Ground {
+    fn square(apart: f64) -> PlantingMesh {
         let at = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-        Ground {
+        PlantingMesh {
             triangles: vec![[0, 1, 2], [3, 4, 5]],
             furred: vec![true; 2],
             positions: at.iter().map(|(x, y)| DVec3::new(*x, *y, 0.0)).collect(),
@@ -86,7 +86,7 @@ mod tests {
         }
     }
 
-    fn place(ground: &Ground, walk: &SurfaceWalk<'_>, at: &Footing) -> DVec3 {
+    fn place(ground: &PlantingMesh, walk: &SurfaceWalk<'_>, at: &WalkPosition) -> DVec3 {
         let (weights, corners) = (walk.place_weights(at), ground.corners(at.triangle, &ground.positions));
         corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z
     }
@@ -96,8 +96,8 @@ mod tests {
         for apart in [0.0, 5.0] {
             let ground = square(apart);
             let walk = SurfaceWalk::new(&ground);
-            let mut at = Footing { triangle: 0, weights: DVec3::new(0.6, 0.2, 0.2), beyond: None };
-            let mut crossed = Crossed::default();
+            let mut at = WalkPosition { triangle: 0, weights: DVec3::new(0.6, 0.2, 0.2), beyond: None };
+            let mut crossed = WalkEvents::default();
             walk.step(&mut at, DVec2::new(0.5, 0.4), &mut crossed);
             assert_eq!((at.triangle, crossed.patch_border, crossed.mesh_border), (1, apart != 0.0, false));
             assert!(place(&ground, &walk, &at).distance(DVec3::new(0.7, 0.6, 0.0)) < 1e-12, "{at:?}");

@@ -8,7 +8,7 @@
 //! remaining component in that direction. Without a neighbour to continue in, it leaves the surface straight ahead in
 //! the plane of its last triangle.
 
-use super::Ground;
+use super::PlantingMesh;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
@@ -22,7 +22,7 @@ const LEAST_AREA: f64 = 1e-9;
 /// Adjacency of triangles, and gradients of the tile coordinates in them.
 #[derive(Clone, Debug)]
 pub struct SurfaceWalk<'a> {
-    ground: &'a Ground,
+    ground: &'a PlantingMesh,
     /// For each corner, the triangle across the opposite edge; `NONE` at borders and where more than two meet.
     across: Vec<[u32; 3]>,
     /// For each triangle, the change of the three weights along u and along v; `None` if no walk can enter it.
@@ -31,7 +31,7 @@ pub struct SurfaceWalk<'a> {
 
 /// Position of a walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Footing {
+pub struct WalkPosition {
     /// Index of the triangle.
     pub triangle: usize,
     /// Weights of the triangle's corners; non-negative, with sum 1.
@@ -42,7 +42,7 @@ pub struct Footing {
 
 /// Events along a walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Crossed {
+pub struct WalkEvents {
     /// The walk crossed an edge on which tile coordinates jump.
     pub patch_border: bool,
     /// The walk reached the end of the mesh or of the furred part.
@@ -55,7 +55,7 @@ pub struct Crossed {
 
 impl<'a> SurfaceWalk<'a> {
     /// Analyses the furred triangles.
-    pub fn new(ground: &'a Ground) -> Self {
+    pub fn new(ground: &'a PlantingMesh) -> Self {
         let mut sides: HashMap<[u32; 2], Vec<(u32, usize)>> = HashMap::new();
         for (t, triangle) in ground.triangles.iter().enumerate() {
             let p = triangle.map(|v| ground.same_place[v as usize]);
@@ -81,7 +81,7 @@ impl<'a> SurfaceWalk<'a> {
     }
 
     /// Moves `by` tile coordinates.
-    pub fn step(&self, from: &mut Footing, by: DVec2, crossed: &mut Crossed) {
+    pub fn step(&self, from: &mut WalkPosition, by: DVec2, crossed: &mut WalkEvents) {
         if let Some(way) = &mut from.beyond {
             *way += by;
             return;
@@ -141,7 +141,7 @@ impl<'a> SurfaceWalk<'a> {
     }
 
     /// Crosses an edge into the neighbour `next`; returns the neighbour's corner opposite that edge.
-    fn enter(&self, from: &mut Footing, next: usize, crossed: &mut Crossed) -> Option<usize> {
+    fn enter(&self, from: &mut WalkPosition, next: usize, crossed: &mut WalkEvents) -> Option<usize> {
         let (here, there) = (self.ground.triangles[from.triangle], self.ground.triangles[next]);
         let place = |v: u32| self.ground.same_place[v as usize];
         let mut weights = DVec3::ZERO;
@@ -156,13 +156,13 @@ impl<'a> SurfaceWalk<'a> {
                 None => opposite = Some(k),
             }
         }
-        *from = Footing { triangle: next, weights: weights / weights.element_sum(), beyond: None };
+        *from = WalkPosition { triangle: next, weights: weights / weights.element_sum(), beyond: None };
         opposite
     }
 
     /// Returns the weights of the corners at the walk's position. Once the walk has left the surface, the position is
     /// on the plane of its last triangle, and weights may be negative.
-    pub fn place_weights(&self, at: &Footing) -> DVec3 {
+    pub fn place_weights(&self, at: &WalkPosition) -> DVec3 {
         match (at.beyond, self.gradients[at.triangle]) {
             (Some(way), Some([along_u, along_v])) => at.weights + along_u * way.x + along_v * way.y,
             _ => at.weights,
@@ -172,7 +172,7 @@ impl<'a> SurfaceWalk<'a> {
 
 /// Returns the changes of a triangle's weights along u and v; `None` on bare parts and if the coordinates are
 /// degenerate.
-fn gradients(ground: &Ground, triangle: usize) -> Option<[DVec3; 2]> {
+fn gradients(ground: &PlantingMesh, triangle: usize) -> Option<[DVec3; 2]> {
     if !ground.furred[triangle] {
         return None;
     }

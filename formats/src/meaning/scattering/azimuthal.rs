@@ -10,16 +10,16 @@ use std::sync::OnceLock;
 
 /// Contribution of a light path through the fibre, seen from one azimuth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Way {
+pub struct PathContribution {
     /// Light per radian, without absorption.
     pub light: f64,
     /// Path length within the fibre, over its radius.
     pub length: f64,
 }
 
-impl Way {
+impl PathContribution {
     /// Returns the remaining light if the fibre absorbs `sigma` per radius.
-    pub fn left(&self, sigma: f64) -> f64 {
+    pub fn attenuated(&self, sigma: f64) -> f64 {
         self.light * libm::exp(-sigma * self.length)
     }
 }
@@ -27,7 +27,7 @@ impl Way {
 /// Shape of glints: they replace the caustics of internally reflected light, which are infinitely bright in a perfectly
 /// smooth fibre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glint {
+pub struct GlintShape {
     /// Standard deviation of each glint, radians (10 to 25 degrees in Marschner 2003).
     pub width: f64,
     /// Strength; 1 keeps the light of the caustics, without loss or gain.
@@ -36,7 +36,7 @@ pub struct Glint {
     pub fade: f64,
 }
 
-impl Default for Glint {
+impl Default for GlintShape {
     fn default() -> Self {
         Self { width: 10_f64.to_radians(), scale: 1.0, fade: 0.3 }
     }
@@ -55,7 +55,7 @@ pub fn wrapped(phi: f64) -> f64 {
 impl Section {
     /// Returns the deviation from the straight exit of light that enters at angle `gamma` and leaves on path `p`,
     /// radians: 2 p γt − 2 γ.
-    pub fn turned(&self, p: u32, gamma: f64) -> f64 {
+    pub fn deviation(&self, p: u32, gamma: f64) -> f64 {
         let (sin, cos) = self.refracted(libm::sin(gamma));
         2.0 * f64::from(p) * libm::atan2(sin, cos) - 2.0 * gamma
     }
@@ -67,10 +67,10 @@ impl Section {
     }
 
     /// Returns the contribution of path `p` for light that enters at the solution `gamma`.
-    fn way(&self, p: u32, gamma: f64) -> Way {
+    fn contribution(&self, p: u32, gamma: f64) -> PathContribution {
         let (sin, cos) = (libm::sin(gamma), libm::cos(gamma).max(0.0));
         let bundled = self.turned_slope(p, gamma).abs().max(1e-6);
-        Way { light: 0.5 * self.share(p, cos) * cos / bundled, length: f64::from(p) * self.chord(sin) }
+        PathContribution { light: 0.5 * self.share(p, cos) * cos / bundled, length: f64::from(p) * self.chord(sin) }
     }
 
     /// Returns the light reflected at the surface (R) towards azimuth `phi`, −π..=π.
@@ -81,17 +81,17 @@ impl Section {
 
     /// Returns the contribution transmitted through the fibre (TT) towards azimuth `phi`; zero beyond the maximum
     /// deviation.
-    pub fn through(&self, phi: f64) -> Way {
+    pub fn transmitted(&self, phi: f64) -> PathContribution {
         let aside = PI - wrapped(phi).abs();
         match self.root(1, -aside, [0.0, FRAC_PI_2]) {
-            Some(gamma) => self.way(1, gamma),
-            None => Way::default(),
+            Some(gamma) => self.contribution(1, gamma),
+            None => PathContribution::default(),
         }
     }
 
     /// Returns up to three contributions of light reflected once inside (TRT) towards azimuth `phi`, for a smooth
     /// fibre: infinite at the caustics.
-    pub fn within(&self, phi: f64) -> impl Iterator<Item = Way> + '_ {
+    pub fn reflected_inside(&self, phi: f64) -> impl Iterator<Item = PathContribution> + '_ {
         let phi = wrapped(phi).abs();
         let caustic = self.caustic().map_or(0.0, |(gamma, _)| gamma);
         let found = [
@@ -104,7 +104,7 @@ impl Section {
         let is_middle = found[1] == Some(0.0) && found[2] == Some(0.0);
         let of_halves = if is_middle { &found[..2] } else { &found[..] };
         let gammas: [Option<f64>; 3] = core::array::from_fn(|i| of_halves.get(i).copied().flatten());
-        gammas.into_iter().flatten().map(|gamma| self.way(2, gamma))
+        gammas.into_iter().flatten().map(|gamma| self.contribution(2, gamma))
     }
 
     /// Returns the caustic of internally reflected light, in the half with positive angles: entry angle and deviation.
@@ -113,14 +113,14 @@ impl Section {
         let under = (4.0 - self.across * self.across) / 3.0;
         (under > 0.0).then(|| {
             let gamma = libm::asin(under.min(1.0).sqrt());
-            (gamma, self.turned(2, gamma))
+            (gamma, self.deviation(2, gamma))
         })
     }
 
     /// Returns the entry angle between `from` and `to`, within 0..=π/2, at which path `p` deviates by `turned`, if any.
     /// The deviation must be monotone between them.
     fn root(&self, p: u32, turned: f64, [from, to]: [f64; 2]) -> Option<f64> {
-        let off = |gamma: f64| self.turned(p, gamma) - turned;
+        let off = |gamma: f64| self.deviation(p, gamma) - turned;
         let (mut low, mut high) = (from, to);
         let (at_low, at_high) = (off(low), off(high));
         if at_low == 0.0 && to > from {
@@ -151,23 +151,23 @@ impl Section {
 
     /// Returns up to four contributions of light reflected once inside (TRT) towards azimuth `phi`, with its caustics
     /// spread into the section's `glints`.
-    pub fn glinting(&self, phi: f64, glints: Option<&Glints>) -> impl Iterator<Item = Way> + '_ {
+    pub fn glinting(&self, phi: f64, glints: Option<&Glints>) -> impl Iterator<Item = PathContribution> + '_ {
         let phi = wrapped(phi);
-        let kept = glints.map_or(1.0, |glints| glints.kept(phi));
+        let kept = glints.map_or(1.0, |glints| glints.remaining(phi));
         // Light that is removed completely may be infinite, and 0 times infinity is NaN.
         let own =
-            self.within(phi).map(move |way| Way { light: if kept > 0.0 { way.light * kept } else { 0.0 }, ..way });
+            self.reflected_inside(phi).map(move |way| PathContribution { light: if kept > 0.0 { way.light * kept } else { 0.0 }, ..way });
         let spread = glints.map(|glints| {
             let about =
                 gaussian(glints.width, wrapped(phi - glints.phi)) + gaussian(glints.width, wrapped(phi + glints.phi));
-            Way { light: glints.light * about, length: glints.length }
+            PathContribution { light: glints.light * about, length: glints.length }
         });
         own.chain(spread)
     }
 
     /// Returns the glints of this section, or `None` if it has none. Their light is that removed around the caustics,
     /// times the scale.
-    pub fn glints(&self, glint: &Glint) -> Option<Glints> {
+    pub fn glints(&self, glint: &GlintShape) -> Option<Glints> {
         let (gamma, phi, share) = match self.caustic() {
             Some((gamma, phi)) => (gamma, phi, 1.0),
             None => {
@@ -181,14 +181,14 @@ impl Section {
         let length = 2.0 * self.chord(libm::sin(gamma));
         let mut glints = Glints { phi, light: 0.0, length, share, width: glint.width };
         let taken =
-            over_section(|gamma| (1.0 - glints.kept(wrapped(self.turned(2, gamma)))) * self.share(2, libm::cos(gamma)));
+            over_section(|gamma| (1.0 - glints.remaining(wrapped(self.deviation(2, gamma)))) * self.share(2, libm::cos(gamma)));
         glints.light = 0.25 * glint.scale * taken;
         Some(glints)
     }
 
     /// Returns the glints of this section with their light as printed in Marschner 2003. The scale is a property of the
     /// fibre (0.5 to 5), independent of the light in the caustic.
-    pub fn glints_as_printed(&self, glint: &Glint) -> Option<Glints> {
+    pub fn glints_as_printed(&self, glint: &GlintShape) -> Option<Glints> {
         let (gamma, bend) = self.caustic().map_or((0.0, 0.0), |(gamma, _)| (gamma, self.caustic_bend(gamma)));
         let bundled = if bend > 0.0 { MOST_BUNDLED.min(2.0 * (2.0 * glint.width / bend).sqrt()) } else { MOST_BUNDLED };
         let light = glint.scale * self.share(2, libm::cos(gamma)) * bundled;
@@ -204,22 +204,22 @@ impl Section {
 
     /// Divides path `p` into thin bundles over the whole cross-section. Returns the exit azimuth and the contribution
     /// of each.
-    pub fn bundles(&self, p: u32) -> impl Iterator<Item = (f64, Way)> + '_ {
+    pub fn bundles(&self, p: u32) -> impl Iterator<Item = (f64, PathContribution)> + '_ {
         const POINTS: usize = 512;
         (0..POINTS).map(move |k| {
             let gamma = ((k as f64 + 0.5) / POINTS as f64 - 0.5) * PI;
             let (sin, cos) = (libm::sin(gamma), libm::cos(gamma));
             let light = 0.5 * self.share(p, cos) * cos * (PI / POINTS as f64);
-            let phi = self.turned(p, gamma) + f64::from(p) * PI;
-            (phi, Way { light, length: f64::from(p) * self.chord(sin) })
+            let phi = self.deviation(p, gamma) + f64::from(p) * PI;
+            (phi, PathContribution { light, length: f64::from(p) * self.chord(sin) })
         })
     }
 
     /// Returns the contributions of path `p` towards azimuth `phi` in a fibre with azimuthal roughness: each bundle is
     /// spread by a logistic distribution of that scale, radians (Chiang 2016).
-    pub fn rough(&self, p: u32, phi: f64, scale: f64) -> impl Iterator<Item = Way> + '_ {
+    pub fn rough(&self, p: u32, phi: f64, scale: f64) -> impl Iterator<Item = PathContribution> + '_ {
         let spread = move |at: f64| logistic(scale, wrapped(phi - at));
-        self.bundles(p).map(move |(at, way)| Way { light: way.light * spread(at), ..way })
+        self.bundles(p).map(move |(at, way)| PathContribution { light: way.light * spread(at), ..way })
     }
 
     /// Returns the total light that leaves on path `p`, without absorption: ½ ∫ A dh.
@@ -245,7 +245,7 @@ pub struct Glints {
 
 impl Glints {
     /// Returns the share of the light at `phi` that the glints do not take.
-    pub(super) fn kept(&self, phi: f64) -> f64 {
+    pub(super) fn remaining(&self, phi: f64) -> f64 {
         let of = |x: f64| 1.0 - self.share * libm::exp(-0.5 * (x / self.width) * (x / self.width));
         of(wrapped(phi - self.phi)) * of(wrapped(phi + self.phi))
     }

@@ -10,8 +10,8 @@
 //! crossings ([`Means::left`]).
 
 use super::azimuthal::legendre;
-use super::gaussian_light::{BroadlyLit, TERMS, window};
-use super::means::{Means, REFERENCE_SIGMA};
+use super::gaussian_light::{BroadlyLitFibre, TERMS, window};
+use super::means::{FibreMeans, REFERENCE_SIGMA};
 use super::optics::LEAST_COS_D;
 use super::{Angles, Fibre, PATHS};
 use core::array::from_fn;
@@ -50,26 +50,26 @@ const LAST_MEAN: f64 = 0.83;
 
 /// Sine of the angle below its horizon at which a broad light is cut off: as far as hair tips see around a body of
 /// typical roundness.
-pub const BELOW: f64 = 0.45;
+pub const HORIZON_SINE: f64 = 0.45;
 
 /// Mean cosine of uniform light above the cutoff.
-pub const LEAST_MEAN: f64 = 0.5 * (1.0 - BELOW);
+pub const LEAST_MEAN: f64 = 0.5 * (1.0 - HORIZON_SINE);
 
 /// Upper half of a spherical Gaussian, with the rim of the lower half: radiance exp(κ (ω · ω_j − 1)) from the
 /// directions ω with ω · ω_j > −[`BELOW`], none from others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HalfLight {
+pub struct CutGaussianLight {
     /// ω_j, a unit vector.
     pub towards: DVec3,
     /// Mean cosine to ω_j, below 1; [`LEAST_MEAN`] for uniform light.
     pub mean: f64,
 }
 
-impl HalfLight {
+impl CutGaussianLight {
     /// Returns ∫ of the light over all directions.
     pub fn whole(&self) -> f64 {
         let k = sharpness_of_half(self.mean);
-        if k < 1e-9 { TAU * (1.0 + BELOW) } else { TAU * -libm::expm1(-k * (1.0 + BELOW)) / k }
+        if k < 1e-9 { TAU * (1.0 + HORIZON_SINE) } else { TAU * -libm::expm1(-k * (1.0 + HORIZON_SINE)) / k }
     }
 }
 
@@ -82,7 +82,7 @@ pub struct BroadTables {
     /// internally reflected light, and the path length of TT in the fibre, radii.
     pub texels: Vec<[f32; 4]>,
     /// Light that remains after crossing the fibre.
-    pub means: Means,
+    pub means: FibreMeans,
     eta: f64,
 }
 
@@ -97,27 +97,27 @@ const SERIES: usize = 4;
 const PATH_OF: [usize; SERIES] = [0, 1, 2, 1];
 
 /// Paths around a fibre as cosine series, by cos θd.
-struct Around {
+struct PathSeries {
     /// For each section, the terms of the series, and the light per radian of all further paths.
     sections: Vec<([[f64; TERMS]; SERIES], f64)>,
 }
 
 /// Returns the index below `share` among evenly spaced values over 0..=1, and the fraction of the step to the next one.
-fn between(share: f64, count: usize) -> (usize, f64) {
+fn interpolation_index(share: f64, count: usize) -> (usize, f64) {
     let place = share.clamp(0.0, 1.0) * (count - 1) as f64;
     let below = (place as usize).min(count - 2);
     (below, place - below as f64)
 }
 
-impl Around {
-    fn new(lit: &BroadlyLit) -> Self {
+impl PathSeries {
+    fn new(lit: &BroadlyLitFibre) -> Self {
         let section = |i: usize| {
             let share = i as f64 / (SECTIONS - 1) as f64;
             let section = lit.fibre().section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share);
             let mut terms = [[0.0; TERMS]; SERIES];
             for p in 0..3 {
-                section.cut(p as u32, &mut |phi, width, way| {
-                    let left = if p == 1 { way.left(REFERENCE_SIGMA) } else { 0.0 };
+                section.for_each_bundle(p as u32, &mut |phi, width, way| {
+                    let left = if p == 1 { way.attenuated(REFERENCE_SIGMA) } else { 0.0 };
                     let mut cosines = [0.0; TERMS];
                     let (mut before, mut now, twice) = (libm::cos(phi), 1.0, 2.0 * libm::cos(phi));
                     for (n, cosine) in cosines.iter_mut().enumerate() {
@@ -138,7 +138,7 @@ impl Around {
 /// Lights of one sharpness that reach a fibre at all angles.
 struct Light<'a> {
     fibre: &'a Fibre,
-    around: &'a Around,
+    around: &'a PathSeries,
     sharpness: f64,
     /// Terms of the lights around the fibre, by the square root of their azimuthal sharpness over their sharpness, and
     /// by the azimuth where they end.
@@ -146,7 +146,7 @@ struct Light<'a> {
 }
 
 impl<'a> Light<'a> {
-    fn new(fibre: &'a Fibre, around: &'a Around, sharpness: f64) -> Self {
+    fn new(fibre: &'a Fibre, around: &'a PathSeries, sharpness: f64) -> Self {
         let at = |i: usize| {
             let share = (i / ENDS) as f64 / (LIGHTS - 1) as f64;
             cosines_until(sharpness * share * share, PI * (i % ENDS) as f64 / (ENDS - 1) as f64)
@@ -156,8 +156,8 @@ impl<'a> Light<'a> {
 
     /// Returns the terms of light with that share of the sharpness, which ends at azimuth `end`.
     fn terms_at(&self, share: f64, end: f64) -> [f64; TERMS] {
-        let (light, over) = between(share.sqrt(), LIGHTS);
-        let (until, beyond) = between(end / PI, ENDS);
+        let (light, over) = interpolation_index(share.sqrt(), LIGHTS);
+        let (until, beyond) = interpolation_index(end / PI, ENDS);
         let corner = |light: usize, until: usize| &self.terms[light * ENDS + until];
         let [a, b, c, d] =
             [corner(light, until), corner(light, until + 1), corner(light + 1, until), corner(light + 1, until + 1)];
@@ -184,7 +184,7 @@ impl<'a> Light<'a> {
                     continue;
                 }
                 let terms = self.terms_at(from.1 * middle.1, end_of_half(from, middle));
-                let (below, between) = between((angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D), SECTIONS);
+                let (below, between) = interpolation_index((angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D), SECTIONS);
                 let [a, b] = [&self.around.sections[below], &self.around.sections[below + 1]];
                 if p == 3 {
                     rest += along * TAU * terms[0] * (a.1 + (b.1 - a.1) * between);
@@ -209,14 +209,14 @@ impl<'a> Light<'a> {
 impl BroadTables {
     /// Computes the tables of a fibre.
     pub fn new(fibre: &Fibre, size: BroadSize) -> Self {
-        let lit = BroadlyLit::new(fibre);
-        let around = Around::new(&lit);
+        let lit = BroadlyLitFibre::new(fibre);
+        let around = PathSeries::new(&lit);
         let cosines: Vec<[f64; TERMS]> =
             (0..size.phi).map(|f| from_fn(|n| libm::cos(n as f64 * PI * f as f64 / (size.phi - 1) as f64))).collect();
         let mut texels = Vec::with_capacity(size.texels());
         for m in 0..size.means {
             let mean = mean_at(m as f64 / (size.means - 1) as f64);
-            let whole = HalfLight { towards: DVec3::Y, mean }.whole();
+            let whole = CutGaussianLight { towards: DVec3::Y, mean }.whole();
             let light = Light::new(fibre, &around, sharpness_of_half(mean));
             for o in 0..size.to {
                 let theta_o = angle_at(o, size.to);
@@ -232,7 +232,7 @@ impl BroadTables {
                 }
             }
         }
-        Self { size, texels, means: Means::new(fibre), eta: fibre.eta }
+        Self { size, texels, means: FibreMeans::new(fibre), eta: fibre.eta }
     }
 
     /// Returns width and height of an image of all texels: images over θj and φ, one below the other by θo and side by
@@ -255,7 +255,7 @@ impl BroadTables {
     ///
     /// * `sigma`: absorption of the fibre per radius, 0 or more
     /// * `tip`, `eye`: unit vectors
-    pub fn scatter(&self, sigma: [f64; 3], tip: DVec3, light: &HalfLight, eye: DVec3) -> [f64; 3] {
+    pub fn scatter(&self, sigma: [f64; 3], tip: DVec3, light: &CutGaussianLight, eye: DVec3) -> [f64; 3] {
         let angles = Angles::between(tip, light.towards, eye);
         let mean = light.mean;
         let size = &self.size;
@@ -265,7 +265,7 @@ impl BroadTables {
             (angles.phi.abs() / PI, size.phi),
             (0.5 + angle(angles.from) / PI, size.from),
         ];
-        let about = places.map(|(share, count)| between(share, count));
+        let about = places.map(|(share, count)| interpolation_index(share, count));
         let mut texel = [0.0; 4];
         for corner in 0..16 {
             let (mut index, mut weight) = (0, 1.0);
@@ -281,8 +281,8 @@ impl BroadTables {
         let cos_d = mean_cos_d(tip, light.towards, mean, eye);
         let [r, tt, within, length] = texel;
         sigma.map(|sigma| {
-            let left = self.means.left(cos_d, self.eta, sigma);
-            let again = self.means.often();
+            let left = self.means.transmittance(cos_d, self.eta, sigma);
+            let again = self.means.multiple_reflection_share();
             let sum = r + tt * libm::exp(-sigma * length) + left * left * within * (1.0 - again + again * left);
             light.whole() * sum
         })
@@ -299,13 +299,13 @@ fn mean_cos_d(tip: DVec3, towards: DVec3, mean: f64, eye: DVec3) -> f64 {
 
 /// Returns the mean cosine of a [`HalfLight`] of that κ, 0 or more, to its axis.
 pub fn mean_of_half(sharpness: f64) -> f64 {
-    let wide = 1.0 + BELOW;
+    let wide = 1.0 + HORIZON_SINE;
     if sharpness < 1e-3 {
         return LEAST_MEAN + sharpness * wide * wide / 12.0;
     }
     // Share of a whole exponential that is cut off.
     let cut = libm::exp(-sharpness * wide);
-    (1.0 + BELOW * cut) / (1.0 - cut) - 1.0 / sharpness
+    (1.0 + HORIZON_SINE * cut) / (1.0 - cut) - 1.0 / sharpness
 }
 
 /// Returns the κ of a [`HalfLight`] with mean cosine `mean`, clamped to at least [`LEAST_MEAN`].
@@ -323,7 +323,7 @@ pub fn sharpness_of_half(mean: f64) -> f64 {
 /// Returns the azimuth from a light's axis up to which the light reaches. `from` is the latitude of the incident light
 /// and `middle` that of the axis, as sine and cosine.
 fn end_of_half(from: (f64, f64), middle: (f64, f64)) -> f64 {
-    let (sines, cosines) = (from.0 * middle.0 + BELOW, from.1 * middle.1);
+    let (sines, cosines) = (from.0 * middle.0 + HORIZON_SINE, from.1 * middle.1);
     if sines >= cosines {
         return PI;
     }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::meaning::scattering::Around as Section;
+use crate::meaning::scattering::AzimuthalScattering as Section;
 use crate::meaning::scattering::gaussian_light::GaussianLight;
 
 /// Returns the relative RMS error of tables over views and lights of that sharpness. `expected` returns the reference
@@ -21,7 +21,7 @@ fn off(
             let way = |theta: f64, phi: f64| {
                 DVec3::new(libm::cos(theta) * libm::cos(phi), libm::sin(theta), libm::cos(theta) * libm::sin(phi))
             };
-            let light = HalfLight { towards: way(theta_j, phi), mean: mean_of_half(sharpness) };
+            let light = CutGaussianLight { towards: way(theta_j, phi), mean: mean_of_half(sharpness) };
             let found = tables.scatter(sigmas, DVec3::Y, &light, way(theta_o, 0.0));
             let expected = expected(number, light.towards, way(theta_o, 0.0));
             for (found, expected) in found.into_iter().zip(expected) {
@@ -54,7 +54,7 @@ fn fibres() -> [Fibre; 2] {
 #[test]
 fn tables_are_what_they_were_made_of() {
     let tables = fibres().map(|fibre| BroadTables::new(&fibre, BroadSize::default()));
-    let lit = fibres().map(|fibre| BroadlyLit::new(&fibre));
+    let lit = fibres().map(|fibre| BroadlyLitFibre::new(&fibre));
     for (width, most) in [(8.0, 0.08), (12.0, 0.04), (20.0, 0.015), (25.0, 0.015)] {
         let sharpness = f64::to_radians(width).powi(-2);
         let [clear, dark] = [[0.0; 3], [0.1, 0.3, 0.8]].map(|sigmas| {
@@ -88,7 +88,7 @@ fn nothing_shines_from_far_below_a_light() {
                 let light = (sharpness * (from.dot(towards) - 1.0)).exp() * share;
                 fibres()[number].scatter(sigmas, &Angles::between(DVec3::Y, from, eye)).map(|x| light * x)
             };
-            let lit = everywhere(DIRECTIONS).filter(|from| from.dot(towards) > -BELOW);
+            let lit = everywhere(DIRECTIONS).filter(|from| from.dot(towards) > -HORIZON_SINE);
             lit.map(of).fold([0.0; 3], |sum, of| from_fn(|i| sum[i] + of[i]))
         });
         assert!(off < 0.02, "{sharpness} {sigmas:?}: {off}");
@@ -100,7 +100,7 @@ fn nothing_shines_from_far_below_a_light() {
 fn means_of_squares_are_those_of_the_light() {
     for sharpness in [0.0, 0.3, 1.0, 3.0, 10.0, 50.0] {
         let lit =
-            || everywhere(20_000).filter(|way| way.y > -BELOW).map(|way| (way, (sharpness * (way.y - 1.0)).exp()));
+            || everywhere(20_000).filter(|way| way.y > -HORIZON_SINE).map(|way| (way, (sharpness * (way.y - 1.0)).exp()));
         let whole: f64 = lit().map(|(_, light)| light).sum();
         let mean = lit().map(|(way, light)| light * way.y).sum::<f64>() / whole;
         assert!((mean_of_half(sharpness) - mean).abs() < 1e-3, "{sharpness}: {mean}");

@@ -7,7 +7,7 @@
 
 use super::azimuthal::{legendre, logistic};
 use super::longitudinal::{Spread, i0e};
-use super::{Angles, Around, Fibre, FibreSection, PATHS};
+use super::{Angles, AzimuthalScattering, Fibre, FibreSection, PATHS};
 use core::array::from_fn;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
@@ -41,18 +41,18 @@ const REACH: f64 = 5.0;
 
 /// Fibre prepared for Gaussian lights.
 #[derive(Clone, Debug)]
-pub struct BroadlyLit {
+pub struct BroadlyLitFibre {
     fibre: Fibre,
     /// Factor on each term due to azimuthal roughness.
     rough: [f64; TERMS],
 }
 
-impl BroadlyLit {
+impl BroadlyLitFibre {
     /// Prepares a fibre.
     pub fn new(fibre: &Fibre) -> Self {
         let rough = match fibre.around {
-            Around::Smooth(_) => [1.0; TERMS],
-            Around::Rough(scale) => from_fn(|n| cosine_of_logistic(scale, n)),
+            AzimuthalScattering::Smooth(_) => [1.0; TERMS],
+            AzimuthalScattering::Rough(scale) => from_fn(|n| cosine_of_logistic(scale, n)),
         };
         Self { fibre: *fibre, rough }
     }
@@ -107,7 +107,7 @@ impl BroadlyLit {
         }
         // Light that leaves at φ is weighted by cos(n φ) of both series.
         let mut sum = [0.0; 3];
-        section.cut(p as u32, &mut |phi, width, way| {
+        section.for_each_bundle(p as u32, &mut |phi, width, way| {
             let mut met = 0.0;
             let (mut before, mut now, twice) = (libm::cos(phi), 1.0, 2.0 * libm::cos(phi));
             for (n, light) in light.iter().enumerate() {
@@ -115,7 +115,7 @@ impl BroadlyLit {
                 (before, now) = (now, twice * now - before);
             }
             for (sum, sigma) in sum.iter_mut().zip(sigma) {
-                *sum += way.left(sigma) * met;
+                *sum += way.attenuated(sigma) * met;
             }
         });
         // A truncated cosine series may be slightly negative where the light is zero.

@@ -15,7 +15,7 @@ const PHIS: usize = 48;
 
 /// Properties of a fibre that need no table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Means {
+pub struct FibreMeans {
     /// Mean squared offset, over the squared radius, at which internally reflected light meets the fibre, 0..=1. The
     /// length of each crossing follows from it ([`Means::left`]). Light reflected once inside (TRT) crosses twice; all
     /// further light is assumed to cross three times. The length of transmitted light (TT) is in the tables, by
@@ -43,9 +43,9 @@ fn basis(cos_theta: f64) -> DVec3 {
     DVec3::new(1.0, u * u, u * u * u * u)
 }
 
-impl Means {
+impl FibreMeans {
     /// Returns the share of light reflected inside more than once, among all internally reflected light that leaves.
-    pub fn often(&self) -> f64 {
+    pub fn multiple_reflection_share(&self) -> f64 {
         let of = |path: usize| f64::from(self.on[0][path] + self.back[0][path]);
         of(3) / (of(2) + of(3)).max(1e-6)
     }
@@ -97,7 +97,7 @@ impl Means {
 
     /// Returns the share of light that remains after one crossing of a fibre that absorbs `sigma` per radius, at that
     /// cosine of θd.
-    pub fn left(&self, cos_d: f64, eta: f64, sigma: f64) -> f64 {
+    pub fn transmittance(&self, cos_d: f64, eta: f64, sigma: f64) -> f64 {
         let [slant, per_across] = bent(cos_d, eta);
         libm::exp(-2.0 * sigma * (slant * (1.0 - f64::from(self.aside) * per_across)).sqrt())
     }
@@ -109,7 +109,7 @@ impl Means {
         [&self.on, &self.back].map(|of| {
             let share = |p: usize| DVec3::from_array(from_fn(|k| f64::from(of[k][p]))).dot(at);
             sigma.map(|sigma| {
-                let left = self.left(cos_theta, eta, sigma);
+                let left = self.transmittance(cos_theta, eta, sigma);
                 share(0) + left * (share(1) + left * (share(2) + left * share(3)))
             })
         })

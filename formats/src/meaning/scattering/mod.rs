@@ -18,7 +18,7 @@ pub mod near;
 pub mod optics;
 pub mod tables;
 
-use azimuthal::{Glint, Glints, Way};
+use azimuthal::{GlintShape, Glints, PathContribution};
 use core::array::from_fn;
 use glam::DVec3;
 use longitudinal::Spread;
@@ -38,23 +38,23 @@ pub struct Fibre {
     /// Tilt of the reflected lobe by the scales, radians of the half angle, towards the root (5 to 10 degrees).
     pub tilt: f64,
     /// Azimuthal scattering.
-    pub around: Around,
+    pub around: AzimuthalScattering,
     /// Longitudinal lobe shape.
-    pub keeps: Keeps,
+    pub keeps: LobeShape,
 }
 
 /// Azimuthal scattering of a fibre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Around {
+pub enum AzimuthalScattering {
     /// Smooth fibre, whose caustics have that shape.
-    Smooth(Glint),
+    Smooth(GlintShape),
     /// Rough fibre: each contribution is spread by a logistic distribution of that scale, radians.
     Rough(f64),
 }
 
 /// Shape of the lobes along a fibre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Keeps {
+pub enum LobeShape {
     /// Energy-conserving lobes ([`Spread::conserving`]).
     Energy,
     /// Marschner's lobes, in which eye and light source can be exchanged ([`Spread::by_half_angle`]).
@@ -68,8 +68,8 @@ impl Default for Fibre {
             eta: 1.55,
             along: 7.5_f64.to_radians(),
             tilt: 3.0_f64.to_radians(),
-            around: Around::Rough(0.12),
-            keeps: Keeps::Energy,
+            around: AzimuthalScattering::Rough(0.12),
+            keeps: LobeShape::Energy,
         }
     }
 }
@@ -130,8 +130,8 @@ impl Fibre {
     pub fn path_along(&self, p: u32, angles: &Angles) -> f64 {
         let spread = self.spread(p);
         match self.keeps {
-            Keeps::Energy => spread.conserving(angles.from, angles.to),
-            Keeps::Reciprocity => {
+            LobeShape::Energy => spread.conserving(angles.from, angles.to),
+            LobeShape::Reciprocity => {
                 let cos_d = angles.cos_d().max(optics::LEAST_COS_D);
                 let [i, o] = [angles.from, angles.to].map(|(sin, cos)| libm::atan2(sin, cos));
                 spread.by_half_angle(i, o) * angles.from.1 / (cos_d * cos_d)
@@ -143,10 +143,10 @@ impl Fibre {
     pub fn section(&self, cos_d: f64) -> FibreSection {
         let section = Section::new(self.eta, cos_d);
         let glints = match &self.around {
-            Around::Smooth(glint) => section.glints(glint),
-            Around::Rough(_) => None,
+            AzimuthalScattering::Smooth(glint) => section.glints(glint),
+            AzimuthalScattering::Rough(_) => None,
         };
-        FibreSection { section, glints, rough: if let Around::Rough(scale) = self.around { Some(scale) } else { None } }
+        FibreSection { section, glints, rough: if let AzimuthalScattering::Rough(scale) = self.around { Some(scale) } else { None } }
     }
 
     /// Returns the light scattered from one direction into the other, times cos θi, for each colour. Multiplied by the
@@ -158,9 +158,9 @@ impl Fibre {
         let (along, section) = (self.along(angles), self.section(angles.cos_d()));
         let mut sum = sigma.map(|sigma| along[3] * section.rest(sigma));
         for (p, along) in along.into_iter().take(3).enumerate() {
-            section.ways(p as u32, angles.phi, &mut |way| {
+            section.contributions(p as u32, angles.phi, &mut |way| {
                 for (sum, sigma) in sum.iter_mut().zip(sigma) {
-                    *sum += along * way.left(sigma);
+                    *sum += along * way.attenuated(sigma);
                 }
             });
         }
@@ -179,28 +179,28 @@ pub struct FibreSection {
 
 impl FibreSection {
     /// Calls `each` with the contributions of path `p` towards azimuth `phi`.
-    pub fn ways(&self, p: u32, phi: f64, each: &mut dyn FnMut(Way)) {
+    pub fn contributions(&self, p: u32, phi: f64, each: &mut dyn FnMut(PathContribution)) {
         let section = &self.section;
         match (self.rough, p) {
             (Some(scale), p) => section.rough(p, phi, scale).for_each(each),
-            (None, 0) => each(Way { light: section.reflected(phi), length: 0.0 }),
-            (None, 1) => each(section.through(phi)),
+            (None, 0) => each(PathContribution { light: section.reflected(phi), length: 0.0 }),
+            (None, 1) => each(section.transmitted(phi)),
             (None, _) => section.glinting(phi, self.glints.as_ref()).for_each(each),
         }
     }
 
     /// Divides path `p` into bundles. Calls `each` with the exit azimuth, the standard deviation of the spread besides
     /// roughness, and the contribution of each.
-    pub fn cut(&self, p: u32, each: &mut dyn FnMut(f64, f64, Way)) {
+    pub fn for_each_bundle(&self, p: u32, each: &mut dyn FnMut(f64, f64, PathContribution)) {
         let section = &self.section;
         let glints = self.glints.as_ref().filter(|_| p == 2);
         for (phi, way) in section.bundles(p) {
-            let kept = glints.map_or(1.0, |glints| glints.kept(azimuthal::wrapped(phi)));
-            each(phi, 0.0, Way { light: kept * way.light, ..way });
+            let kept = glints.map_or(1.0, |glints| glints.remaining(azimuthal::wrapped(phi)));
+            each(phi, 0.0, PathContribution { light: kept * way.light, ..way });
         }
         if let Some(glints) = glints {
             for phi in [glints.phi, -glints.phi] {
-                each(phi, glints.width, Way { light: glints.light, length: glints.length });
+                each(phi, glints.width, PathContribution { light: glints.light, length: glints.length });
             }
         }
     }
@@ -217,15 +217,15 @@ impl FibreSection {
 
     /// Returns the light per radian reflected inside more than once, without absorption, with its effective path length
     /// at absorption `sigma`.
-    pub fn mean_rest(&self, sigma: f64) -> Way {
+    pub fn mean_rest(&self, sigma: f64) -> PathContribution {
         mean_of(self.rest(0.0), self.rest(sigma), sigma)
     }
 
     /// Returns [`FibreSection::mean_way`] of path `p` at many azimuths.
-    pub fn mean_ways(&self, p: u32, phis: &[f64], sigma: f64) -> Vec<Way> {
-        let Some(scale) = self.rough else { return phis.iter().map(|phi| self.mean_way(p, *phi, sigma)).collect() };
+    pub fn mean_ways(&self, p: u32, phis: &[f64], sigma: f64) -> Vec<PathContribution> {
+        let Some(scale) = self.rough else { return phis.iter().map(|phi| self.mean_contribution(p, *phi, sigma)).collect() };
         // Terms that do not depend on the azimuth are computed once.
-        let bundles: Vec<_> = self.section.bundles(p).map(|(at, way)| (at, way.light, way.left(sigma))).collect();
+        let bundles: Vec<_> = self.section.bundles(p).map(|(at, way)| (at, way.light, way.attenuated(sigma))).collect();
         let mean = |phi: &f64| {
             let (mut light, mut left) = (0.0, 0.0);
             for (at, of, of_left) in &bundles {
@@ -239,22 +239,22 @@ impl FibreSection {
 
     /// Returns the total light of path `p` towards azimuth `phi`, without absorption, with its effective path length at
     /// absorption `sigma`.
-    pub fn mean_way(&self, p: u32, phi: f64, sigma: f64) -> Way {
+    pub fn mean_contribution(&self, p: u32, phi: f64, sigma: f64) -> PathContribution {
         let (mut light, mut left) = (0.0, 0.0);
-        self.ways(p, phi, &mut |way| {
+        self.contributions(p, phi, &mut |way| {
             light += way.light;
-            left += way.left(sigma);
+            left += way.attenuated(sigma);
         });
         mean_of(light, left, sigma)
     }
 }
 
 /// Returns the single contribution with the same light, and the same remaining light.
-fn mean_of(light: f64, left: f64, sigma: f64) -> Way {
+fn mean_of(light: f64, left: f64, sigma: f64) -> PathContribution {
     if light <= 0.0 || left <= 0.0 {
-        return Way::default();
+        return PathContribution::default();
     }
-    Way { light, length: (libm::log(light / left) / sigma).max(0.0) }
+    PathContribution { light, length: (libm::log(light / left) / sigma).max(0.0) }
 }
 
 #[cfg(test)]

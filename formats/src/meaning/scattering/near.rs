@@ -12,7 +12,7 @@ use core::f64::consts::{PI, TAU};
 
 /// Intersection of an eye ray with a fibre.
 #[derive(Clone, Copy, Debug)]
-pub struct Hit<'a> {
+pub struct FibreHit<'a> {
     fibre: &'a Fibre,
     scale: f64,
     to: (f64, f64),
@@ -26,7 +26,7 @@ pub struct Hit<'a> {
 
 /// Sampled direction of incident light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drawn {
+pub struct SampledDirection {
     /// Sine and cosine of θi.
     pub from: (f64, f64),
     /// Azimuth of the light, relative to the eye.
@@ -35,7 +35,7 @@ pub struct Drawn {
     pub weight: [f64; 3],
 }
 
-impl<'a> Hit<'a> {
+impl<'a> FibreHit<'a> {
     /// Creates an intersection with a fibre of azimuthal roughness `scale`, radians.
     ///
     /// * `sigma`: absorption per radius, 0 or more
@@ -55,7 +55,7 @@ impl<'a> Hit<'a> {
         ];
         let sums = shares.map(|of| of.iter().sum::<f64>());
         let whole: f64 = sums.iter().sum();
-        let ends = from_fn(|p| wrapped(section.turned(p as u32, gamma) + p as f64 * PI));
+        let ends = from_fn(|p| wrapped(section.deviation(p as u32, gamma) + p as f64 * PI));
         Self { fibre, scale, to, ends, shares, chances: sums.map(|sum| sum / whole) }
     }
 
@@ -80,7 +80,7 @@ impl<'a> Hit<'a> {
     }
 
     /// Samples a direction from four uniform numbers in 0..1.
-    pub fn draw(&self, [path, around, height, turn]: [f64; 4]) -> Drawn {
+    pub fn sample(&self, [path, around, height, turn]: [f64; 4]) -> SampledDirection {
         let (mut p, mut left) = (0, path);
         while p + 1 < PATHS && left >= self.chances[p] {
             left -= self.chances[p];
@@ -96,16 +96,16 @@ impl<'a> Hit<'a> {
         let sin_i = (-cos * sin_o + sin * libm::cos(TAU * turn) * cos_o).clamp(-1.0, 1.0);
         let from = (sin_i, (1.0 - sin_i * sin_i).max(0.0).sqrt());
         let phi = match self.ends.get(p) {
-            Some(end) => wrapped(end + drawn_logistic(self.scale, around)),
+            Some(end) => wrapped(end + sample_logistic(self.scale, around)),
             None => TAU * around - PI,
         };
         let (value, chance) = self.value(from, phi);
-        Drawn { from, phi, weight: if chance > 0.0 { value.map(|x| x / chance) } else { [0.0; 3] } }
+        SampledDirection { from, phi, weight: if chance > 0.0 { value.map(|x| x / chance) } else { [0.0; 3] } }
     }
 }
 
 /// Samples [`logistic`] from a uniform number in 0..1.
-fn drawn_logistic(scale: f64, even: f64) -> f64 {
+fn sample_logistic(scale: f64, even: f64) -> f64 {
     let below = 1.0 / (1.0 + libm::exp(PI / scale));
     let share = (below + even * (1.0 - 2.0 * below)).clamp(1e-300, 1.0 - 1e-16);
     (-scale * libm::log(1.0 / share - 1.0)).clamp(-PI, PI)

@@ -7,8 +7,8 @@
 //!   is applied. One table serves all colours.
 //! - Values that hardly depend on the azimuth, or not at all, need no table: [`Means`].
 
-use super::azimuthal::Way;
-use super::means::{Means, REFERENCE_SIGMA};
+use super::azimuthal::PathContribution;
+use super::means::{FibreMeans, REFERENCE_SIGMA};
 use super::optics::LEAST_COS_D;
 use super::{Angles, Fibre, PATHS};
 use core::array::from_fn;
@@ -19,7 +19,7 @@ const DRAWN_OUT: f64 = 0.3;
 
 /// Tables of a fibre.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tables {
+pub struct ScatteringTables {
     /// Texels along each edge, 2 or more.
     pub size: usize,
     /// Index of refraction.
@@ -32,11 +32,11 @@ pub struct Tables {
     /// [`LEAST_COS_D`] to 1, columns by φ / π from 0 to 1.
     pub around: Vec<[f32; PATHS]>,
     /// Properties that need no table.
-    pub means: Means,
+    pub means: FibreMeans,
 }
 
 /// Returns the position of sin θh on its stretched axis, −1..=1.
-pub fn drawn_out(sin_h: f64) -> f64 {
+pub fn stretched(sin_h: f64) -> f64 {
     sin_h / (DRAWN_OUT + (1.0 - DRAWN_OUT) * sin_h.abs())
 }
 
@@ -60,7 +60,7 @@ pub fn between<T: Copy + Into<f64>, const N: usize>(table: &[[T; N]], size: usiz
     })
 }
 
-impl Tables {
+impl ScatteringTables {
     /// Computes the tables of a fibre.
     ///
     /// * `size`: texels along each edge, 2 to 1024
@@ -89,7 +89,7 @@ impl Tables {
             let [r, tt, trt] = from_fn(|p| section.mean_ways(p as u32, &phis, REFERENCE_SIGMA));
             around.extend((0..size).map(|i| [r[i].light, tt[i].light, trt[i].light, tt[i].length].map(|x| x as f32)));
         }
-        Self { size, eta: fibre.eta, along, around, means: Means::new(fibre) }
+        Self { size, eta: fibre.eta, along, around, means: FibreMeans::new(fibre) }
     }
 
     /// Returns the position of two directions in the table along the fibre.
@@ -98,7 +98,7 @@ impl Tables {
         let sin_h = (0.5 * (angles.from.0 + angles.to.0) / cos_d.max(1e-9)).clamp(-1.0, 1.0);
         // The sign of the difference tells which direction is closer to the tip.
         let half = (1.0 - cos_d * cos_d).max(0.0).sqrt().copysign(angles.to.0 - angles.from.0) / (1.0 + cos_d);
-        [drawn_out(sin_h), half].map(|place| 0.5 + 0.5 * place)
+        [stretched(sin_h), half].map(|place| 0.5 + 0.5 * place)
     }
 
     /// Returns the position of two directions in the table around the fibre.
@@ -112,7 +112,7 @@ impl Tables {
     }
 
     /// Creates tables from such layers; `None` if they are not square, differ in size, or are smaller than 2.
-    pub fn of_layers(eta: f64, means: Means, [along, around]: [Vec<[f32; PATHS]>; 2]) -> Option<Self> {
+    pub fn of_layers(eta: f64, means: FibreMeans, [along, around]: [Vec<[f32; PATHS]>; 2]) -> Option<Self> {
         let size = along.len().isqrt();
         let same = along.len() == size * size && around.len() == size * size;
         (same && size >= 2).then_some(Self { size, eta, along, around, means })
@@ -130,8 +130,8 @@ impl Tables {
         let [r, tt, trt, length] = around;
         let [r, tt, trt, others] = [along[0] * r, along[1] * tt, along[2] * trt, along[3]];
         sigma.map(|sigma| {
-            let left = self.means.left(angles.cos_d(), self.eta, sigma);
-            r + Way { light: tt, length }.left(sigma) + left * left * (trt + left * others)
+            let left = self.means.transmittance(angles.cos_d(), self.eta, sigma);
+            r + PathContribution { light: tt, length }.attenuated(sigma) + left * left * (trt + left * others)
         })
     }
 }

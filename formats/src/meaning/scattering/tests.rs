@@ -1,11 +1,11 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use super::azimuthal::{Glint, over_section, wrapped};
-use super::gaussian_light::{BroadlyLit, GaussianLight};
+use super::azimuthal::{GlintShape, over_section, wrapped};
+use super::gaussian_light::{BroadlyLitFibre, GaussianLight};
 use super::longitudinal::{Spread, i0e};
-use super::near::{Drawn, Hit};
+use super::near::{SampledDirection, FibreHit};
 use super::optics::Section;
-use super::tables::Tables;
+use super::tables::ScatteringTables;
 use super::*;
 use core::f64::consts::{PI, TAU};
 
@@ -54,8 +54,8 @@ fn what_goes_around_is_what_comes_in() {
             let section = Section::new(eta, cos_deg(degrees));
             let at = format!("eta {eta}, {degrees} degrees");
             assert!((around(4000, |phi| section.reflected(phi)) - section.energy(0)).abs() < 1e-6, "{at}");
-            assert!((around(40_000, |phi| section.through(phi).light) - section.energy(1)).abs() < 1e-4, "{at}");
-            let glints = section.glints(&Glint::default());
+            assert!((around(40_000, |phi| section.transmitted(phi).light) - section.energy(1)).abs() < 1e-4, "{at}");
+            let glints = section.glints(&GlintShape::default());
             let light = |phi: f64| section.glinting(phi, glints.as_ref()).map(|way| way.light).sum::<f64>();
             let off = around(20_000, light) / section.energy(2) - 1.0;
             assert!(off.abs() < 5e-3, "{at}: {off}");
@@ -74,25 +74,25 @@ fn roots_are_where_light_comes_out() {
         for degrees in [0.0, 40.0, 52.0, 60.0, 80.0] {
             let section = Section::new(eta, cos_deg(degrees));
             // The contribution of a ray through the axis agrees with its closed form.
-            let straight = section.through(PI);
+            let straight = section.transmitted(PI);
             let expected = section.share(1, 1.0) / (4.0 * (1.0 - 1.0 / section.across));
             assert!((straight.light - expected).abs() < 1e-9);
             assert!((straight.length - 2.0 / section.cos_t).abs() < 1e-9);
             if section.across > 2.05 {
-                let back: f64 = section.within(0.0).map(|way| way.light).sum();
+                let back: f64 = section.reflected_inside(0.0).map(|way| way.light).sum();
                 assert!(
                     (back - section.share(2, 1.0) / (4.0 * (1.0 - 2.0 / section.across))).abs() < 1e-9,
                     "{eta} {degrees}"
                 );
             }
             // The light is continuous where both halves meet.
-            let back = |phi: f64| section.within(phi).map(|way| way.light).sum::<f64>();
+            let back = |phi: f64| section.reflected_inside(phi).map(|way| way.light).sum::<f64>();
             assert!((back(0.0) - back(1e-9)).abs() < 1e-6, "eta {eta}, {degrees} degrees");
             for k in 1..60 {
                 let phi = f64::from(k) / 60.0 * PI;
-                let count = section.within(phi).count();
+                let count = section.reflected_inside(phi).count();
                 let inside = section.caustic().is_some_and(|(_, at)| phi < at);
-                let reach = -section.turned(2, PI / 2.0);
+                let reach = -section.deviation(2, PI / 2.0);
                 // Two contributions on this side of the caustic, and one from the other half, as far as it reaches.
                 let expected = usize::from(inside) * if phi > -reach { 2 } else { 1 } + usize::from(phi <= reach);
                 assert_eq!(count, expected, "eta {eta}, {degrees} degrees, phi {phi}, reach {reach}");
@@ -105,7 +105,7 @@ fn roots_are_where_light_comes_out() {
 
 #[test]
 fn printed_glints_gain_or_lose_light() {
-    let glint = Glint { width: 5_f64.to_radians(), ..Glint::default() };
+    let glint = GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() };
     let off = |degrees: f64| {
         let section = Section::new(1.55, cos_deg(degrees));
         let light =
@@ -156,7 +156,7 @@ fn directions(count: u32) -> impl Iterator<Item = [DVec3; 3]> {
 
 #[test]
 fn light_may_be_turned_about() {
-    let fibre = Fibre { around: Around::Smooth(Glint::default()), keeps: Keeps::Reciprocity, ..Fibre::default() };
+    let fibre = Fibre { around: AzimuthalScattering::Smooth(GlintShape::default()), keeps: LobeShape::Reciprocity, ..Fibre::default() };
     for [tip, light, eye] in directions(300) {
         let (there, back) = (Angles::between(tip, light, eye), Angles::between(tip, eye, light));
         let (a, b) = (fibre.scatter([0.2; 3], &there), fibre.scatter([0.2; 3], &back));
@@ -167,8 +167,8 @@ fn light_may_be_turned_about() {
 #[test]
 fn no_directions_break_it() {
     let fibres =
-        [Around::Rough(0.05), Around::Rough(0.6), Around::Smooth(Glint::default())].into_iter().flat_map(|around| {
-            [Keeps::Energy, Keeps::Reciprocity].map(|keeps| Fibre { around, keeps, ..Fibre::default() })
+        [AzimuthalScattering::Rough(0.05), AzimuthalScattering::Rough(0.6), AzimuthalScattering::Smooth(GlintShape::default())].into_iter().flat_map(|around| {
+            [LobeShape::Energy, LobeShape::Reciprocity].map(|keeps| Fibre { around, keeps, ..Fibre::default() })
         });
     let z = DVec3::Z;
     let odd =
@@ -183,7 +183,7 @@ fn no_directions_break_it() {
     // Through η′ = 2, where the glints meet.
     for k in 0..=4000 {
         let section = Section::new(1.55, cos_deg(44.0 + 12.0 * f64::from(k) / 4000.0));
-        let glints = section.glints(&Glint::default());
+        let glints = section.glints(&GlintShape::default());
         let most = (0..90)
             .map(|j| section.glinting(f64::from(j).to_radians(), glints.as_ref()).map(|way| way.light).sum::<f64>());
         let most = most.fold(0.0, f64::max);
@@ -196,10 +196,10 @@ fn a_mean_way_absorbs_as_all_ways_do() {
     let section = Fibre::default().section(0.8);
     for p in 0..3 {
         for phi in [0.0, 0.5, 2.0, PI] {
-            let way = section.mean_way(p, phi, 0.3);
+            let way = section.mean_contribution(p, phi, 0.3);
             let mut left = 0.0;
-            section.ways(p, phi, &mut |way| left += way.left(0.3));
-            assert!((way.left(0.3) - left).abs() < 1e-12 && way.length >= 0.0);
+            section.contributions(p, phi, &mut |way| left += way.attenuated(0.3));
+            assert!((way.attenuated(0.3) - left).abs() < 1e-12 && way.length >= 0.0);
         }
     }
     assert!((over_section(|_| 1.0) - 2.0).abs() < 1e-12 && wrapped(3.0 * PI + 0.1) < -3.0);
@@ -219,11 +219,11 @@ fn off(fibre: &Fibre, sigma: [f64; 3], found: impl Fn(&Angles) -> [f64; 3]) -> f
 
 #[test]
 fn tables_are_near_the_equations() {
-    for around in [Around::Rough(0.12), Around::Smooth(Glint::default())] {
-        for keeps in [Keeps::Energy, Keeps::Reciprocity] {
+    for around in [AzimuthalScattering::Rough(0.12), AzimuthalScattering::Smooth(GlintShape::default())] {
+        for keeps in [LobeShape::Energy, LobeShape::Reciprocity] {
             let fibre = Fibre { around, keeps, ..Fibre::default() };
             for (size, most) in [(64, 0.02), (128, 0.007)] {
-                let tables = Tables::new(&fibre, size);
+                let tables = ScatteringTables::new(&fibre, size);
                 let sigma = [0.1, 0.5, 2.0];
                 let found = off(&fibre, sigma, |angles| tables.scatter(sigma, angles));
                 println!("{around:?} {keeps:?} {size}: {found}");
@@ -237,7 +237,7 @@ fn tables_are_near_the_equations() {
 #[test]
 fn light_goes_on_and_comes_back() {
     let fibre = Fibre::default();
-    let tables = Tables::new(&fibre, 64);
+    let tables = ScatteringTables::new(&fibre, 64);
     for cos in [0.15, 0.4, 0.7, 1.0] {
         let sigmas = colour::absorption([1.0, 0.5, 0.1], 0.12);
         let [on, back] = tables.means.sides(cos, tables.eta, sigmas);
@@ -246,7 +246,7 @@ fn light_goes_on_and_comes_back() {
         for (c, sigma) in sigmas.into_iter().enumerate().skip(1) {
             let of_ways = |p: u32, phi: f64| {
                 let mut sum = 0.0;
-                section.ways(p, phi, &mut |way| sum += way.left(sigma));
+                section.contributions(p, phi, &mut |way| sum += way.attenuated(sigma));
                 sum
             };
             let half = |from: f64| {
@@ -264,7 +264,7 @@ fn light_goes_on_and_comes_back() {
         }
     }
     let layers = tables.layers().map(<[_]>::to_vec);
-    assert_eq!(Tables::of_layers(tables.eta, tables.means, layers).as_ref(), Some(&tables));
+    assert_eq!(ScatteringTables::of_layers(tables.eta, tables.means, layers).as_ref(), Some(&tables));
 }
 
 #[test]
@@ -310,8 +310,8 @@ fn a_white_fibre_vanishes_in_even_light() {
             let (mut drawn, mut found) = (0.0, 0.0);
             for i in 0..COUNT {
                 let [offset, numbers @ ..] = even(i);
-                let hit = Hit::new(&fibre, scale, [0.0; 3], 2.0 * offset - 1.0, to);
-                drawn += hit.draw(numbers).weight[1];
+                let hit = FibreHit::new(&fibre, scale, [0.0; 3], 2.0 * offset - 1.0, to);
+                drawn += hit.sample(numbers).weight[1];
                 // The same with directions uniform over the sphere.
                 let sin_i = 2.0 * numbers[0] - 1.0;
                 let from = (sin_i, (1.0 - sin_i * sin_i).max(0.0).sqrt());
@@ -329,7 +329,7 @@ fn a_white_fibre_vanishes_in_even_light() {
 #[test]
 fn from_nearby_and_from_afar_are_one_fibre() {
     let fibre = Fibre::default();
-    let Around::Rough(scale) = fibre.around else { return };
+    let AzimuthalScattering::Rough(scale) = fibre.around else { return };
     let sigma = [0.1, 0.5, 2.0];
     // On the cone of each path, both have the same cross-section.
     for degrees in [0.0_f64, 20.0, 50.0] {
@@ -341,7 +341,7 @@ fn from_nearby_and_from_afar_are_one_fibre() {
             let mut near = [0.0; 3];
             for i in 0..COUNT {
                 let offset = (2.0 * f64::from(i) + 1.0) / f64::from(COUNT) - 1.0;
-                let (value, _) = Hit::new(&fibre, scale, sigma, offset, to).value(from, phi);
+                let (value, _) = FibreHit::new(&fibre, scale, sigma, offset, to).value(from, phi);
                 near.iter_mut().zip(value).for_each(|(sum, x)| *sum += x / f64::from(COUNT));
             }
             for (a, b) in afar.into_iter().zip(near) {
@@ -355,14 +355,14 @@ fn from_nearby_and_from_afar_are_one_fibre() {
 fn what_is_drawn_comes_as_often_as_it_says() {
     let fibre = Fibre::default();
     let to = (0.5, 0.75_f64.sqrt());
-    let hit = Hit::new(&fibre, 0.12, [0.3, 0.5, 1.0], 0.4, to);
+    let hit = FibreHit::new(&fibre, 0.12, [0.3, 0.5, 1.0], 0.4, to);
     // Bins of sin θi and φ: number of samples in each, and its probability.
     const BOXES: usize = 8;
     const COUNT: u32 = 100_000;
     let mut fallen = [[0.0; BOXES]; BOXES];
     for i in 0..COUNT {
         let [_, numbers @ ..] = even(i);
-        let Drawn { from, phi, .. } = hit.draw(numbers);
+        let SampledDirection { from, phi, .. } = hit.sample(numbers);
         let place = [0.5 + 0.5 * from.0, 0.5 + phi / TAU].map(|x| ((x * BOXES as f64) as usize).min(BOXES - 1));
         fallen[place[0]][place[1]] += 1.0 / f64::from(COUNT);
     }
@@ -401,7 +401,7 @@ fn by_grid(fibre: &Fibre, sigma: f64, tip: DVec3, light: &GaussianLight, eye: DV
         let rest = section.rest(sigma);
         for (j, phi) in phis.iter().enumerate() {
             let from = tip * sin + (across * libm::cos(start + phi) + beside * libm::sin(start + phi)) * cos;
-            let around: f64 = (0..3).map(|p| along[p] * ways[p][j].left(sigma)).sum();
+            let around: f64 = (0..3).map(|p| along[p] * ways[p][j].attenuated(sigma)).sum();
             sum += (around + along[3] * rest) * light.radiance(from) * cos;
         }
     }
@@ -411,8 +411,8 @@ fn by_grid(fibre: &Fibre, sigma: f64, tip: DVec3, light: &GaussianLight, eye: DV
 #[test]
 fn lights_that_are_gaussians_scatter_as_all_their_directions_do() {
     let rough = Fibre { tilt: 0.1, ..Fibre::default() };
-    let smooth = Fibre { around: Around::Smooth(Glint { width: 0.2, ..Glint::default() }), ..Fibre::default() };
-    let marschner = Fibre { keeps: Keeps::Reciprocity, ..rough };
+    let smooth = Fibre { around: AzimuthalScattering::Smooth(GlintShape { width: 0.2, ..GlintShape::default() }), ..Fibre::default() };
+    let marschner = Fibre { keeps: LobeShape::Reciprocity, ..rough };
     let tip = DVec3::new(0.2, 0.9, 0.3).normalize();
     let eye = DVec3::new(0.5, 0.3, 0.8).normalize();
     let [before, behind, aside] = [(-0.2, 0.4, 0.9), (0.1, -0.3, -0.9), (0.9, 0.3, -0.3)].map(DVec3::from);
@@ -427,7 +427,7 @@ fn lights_that_are_gaussians_scatter_as_all_their_directions_do() {
     for (fibre, towards, degrees) in cases.into_iter().chain(others) {
         let sharpness = f64::to_radians(degrees).powi(-2);
         let light = GaussianLight { towards: towards.normalize(), sharpness };
-        let found = BroadlyLit::new(&fibre).scatter([0.2; 3], tip, &light, eye)[0];
+        let found = BroadlyLitFibre::new(&fibre).scatter([0.2; 3], tip, &light, eye)[0];
         let expected = by_grid(&fibre, 0.2, tip, &light, eye);
         let off = (found - expected) / light.whole();
         assert!(off.abs() < 2e-5, "{fibre:?} {towards} {degrees}: {found}, expected {expected}");
@@ -436,12 +436,12 @@ fn lights_that_are_gaussians_scatter_as_all_their_directions_do() {
     // its lobes apart.
     let even = GaussianLight { towards: eye, sharpness: 0.0 };
     for fibre in [Fibre::default(), rough, smooth] {
-        let found = BroadlyLit::new(&fibre).scatter([0.0; 3], tip, &even, eye)[0];
+        let found = BroadlyLitFibre::new(&fibre).scatter([0.0; 3], tip, &even, eye)[0];
         assert!((found - 1.0).abs() < 0.02, "{fibre:?}: {found}");
     }
     // Narrow lights do not overflow, and lights along the fibre have no azimuth.
     for (towards, sharpness) in [(tip, 1e6), (-tip, 3.0), (eye, 1e9), (behind.normalize(), 1e4)] {
-        let found = BroadlyLit::new(&rough).scatter([0.0; 3], tip, &GaussianLight { towards, sharpness }, eye);
+        let found = BroadlyLitFibre::new(&rough).scatter([0.0; 3], tip, &GaussianLight { towards, sharpness }, eye);
         assert!(found.iter().all(|x| x.is_finite() && *x >= 0.0), "{towards} {sharpness}: {found:?}");
     }
 }

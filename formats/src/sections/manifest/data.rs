@@ -1,7 +1,7 @@
 //! Data of the manifest. Fields are in byte order: see `FORMAT.md`, "MANI".
 
 use super::choice::Choice;
-use super::detail::{self, CoatInfo, DetailLevel};
+use super::detail::{self, FarLayerInfo, DetailLevel};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
@@ -37,7 +37,7 @@ pub struct Manifest {
     pub warnings: Vec<String>,
     /// Far layer, since version 3, like the fields below: all layers above the surface seen from above, in one more
     /// array layer of the shell textures, dry and wet, after the outermost.
-    pub coat: Option<CoatInfo>,
+    pub coat: Option<FarLayerInfo>,
     /// Levels of detail, finest first; empty if all layers are drawn at any distance.
     pub detail: Vec<DetailLevel>,
     /// Record of how the settings were chosen, if the bake had limits.

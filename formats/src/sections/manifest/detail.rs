@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Far layer: its height and lighting, as means over the hair visible from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct CoatInfo {
+pub struct FarLayerInfo {
     /// Share of the fur's height at which a surface drawn with the far layer has as wide an outline as the layers,
     /// 0..=1.
     pub height: f32,
@@ -42,7 +42,7 @@ pub struct DetailLevel {
     pub density: f32,
 }
 
-impl CoatInfo {
+impl FarLayerInfo {
     /// Checks that every share is in range.
     pub(super) fn check(&self) -> Result<(), String> {
         for (what, value, max) in [

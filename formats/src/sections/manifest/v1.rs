@@ -93,7 +93,7 @@ impl TryFrom<&Manifest> for ManifestV1 {
     fn try_from(new: &Manifest) -> Result<Self, String> {
         let fur = &new.fur;
         let refuse = |what: &str| Err(format!("{what} is given, expected none in version 1 of the format"));
-        if let Some(what) = v2::beyond(new) {
+        if let Some(what) = v2::first_newer_field(new) {
             return refuse(what);
         }
         if fur.wet.is_some() {

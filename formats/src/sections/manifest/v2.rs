@@ -10,7 +10,7 @@ use crate::tag::Tag;
 const SINCE_VERSION_3: [u8; 10] = [0; 10];
 
 /// Returns the path of the first field that is set and was added in version 3.
-pub(super) fn beyond(manifest: &Manifest) -> Option<&'static str> {
+pub(super) fn first_newer_field(manifest: &Manifest) -> Option<&'static str> {
     let fields = [
         ("coat", manifest.coat.is_some()),
         ("detail", !manifest.detail.is_empty()),
@@ -22,7 +22,7 @@ pub(super) fn beyond(manifest: &Manifest) -> Option<&'static str> {
 /// Reads the section at `offset` of a package.
 pub(super) fn decode(offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError> {
     let manifest: Manifest = decode_section(Tag::MANIFEST, offset, &[bytes, &SINCE_VERSION_3].concat())?;
-    match beyond(&manifest) {
+    match first_newer_field(&manifest) {
         // Bytes of the section that continue as in version 3.
         Some(what) => {
             let reason = format!("bytes of {what} behind the manifest of version 2, expected its end");
@@ -34,7 +34,7 @@ pub(super) fn decode(offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError>
 
 /// Writes the section; fails for a manifest with fields that version 2 cannot store.
 pub(super) fn encode(manifest: &Manifest) -> Result<Vec<u8>, FormatError> {
-    if let Some(what) = beyond(manifest) {
+    if let Some(what) = first_newer_field(manifest) {
         let reason = format!("{what} is given, expected none in version 2 of the format");
         return Err(FormatError::Content { tag: Tag::MANIFEST, offset: 0, reason });
     }

@@ -32,7 +32,7 @@ impl<'a> Package<'a> {
     /// Fails if the section is damaged, or is inconsistent with the manifest's fur.
     pub fn strands(&self) -> Result<Option<StrandsView<'a>>, FormatError> {
         let Some((index, section)) = self.find(Tag::STRANDS, 0) else { return Ok(None) };
-        let header = self.keep(index, || {
+        let header = self.cached(index, || {
             let view = StrandsView::parse(self.section_bytes(index)?, section.offset, self.limits())?;
             let fail = |at: u64, reason: String| {
                 let offset = section.offset + at;
@@ -57,7 +57,7 @@ impl<'a> Package<'a> {
 impl PackageWriter<'_> {
     /// Adds the strands of the tile.
     pub fn strands(self, strands: &StrandsData) -> Self {
-        let stored = counted(strands.roots.len(), strands.points_per_strand, strands.points.len())
+        let stored = set_count(strands.roots.len(), strands.points_per_strand, strands.points.len())
             .and_then(|_| StoredStrands::of(strands).map_err(fault));
         self.encoded(Tag::STRANDS, stored.and_then(|stored| encode(&stored)))
     }
@@ -111,7 +111,7 @@ fn fault(reason: String) -> FormatError {
 }
 
 /// Returns the number of sets of points, one or two. Fails if the counts are inconsistent.
-fn counted(strands: usize, per_strand: u32, points: usize) -> Result<u32, FormatError> {
+fn set_count(strands: usize, per_strand: u32, points: usize) -> Result<u32, FormatError> {
     match strands.checked_mul(per_strand as usize) {
         Some(of_set) if of_set > 0 && points == of_set => Ok(1),
         Some(of_set) if of_set > 0 && points / 2 == of_set && points.is_multiple_of(2) => Ok(2),
@@ -124,7 +124,7 @@ fn encode(data: &StoredStrands) -> Result<Vec<u8>, FormatError> {
     let header = Header {
         strands: u32::try_from(data.roots.len()).map_err(|_| fault("more than 2^32 strands".into()))?,
         points: data.points_per_strand,
-        sets: counted(data.roots.len(), data.points_per_strand, data.points.len())?,
+        sets: set_count(data.roots.len(), data.points_per_strand, data.points.len())?,
         scale: data.scale,
     };
     let [first, end] = layout(header);

@@ -64,7 +64,7 @@ impl<'a> Package<'a> {
             index,
             reason: format!("the package holds {} textures", self.manifest().textures.len()),
         })?;
-        let shape = self.keep(at, || {
+        let shape = self.cached(at, || {
             let view = TextureView::parse(self.section_bytes(at)?, section.offset, self.limits())?;
             Ok(view.shape())
         })?;
@@ -72,7 +72,7 @@ impl<'a> Package<'a> {
     }
 
     /// Returns a texture like [`Self::texture`]; fails for half floats, which only lookup tables use.
-    pub(crate) fn picture(&self, index: u32) -> Result<TextureView<'a>, FormatError> {
+    pub(crate) fn image_texture(&self, index: u32) -> Result<TextureView<'a>, FormatError> {
         let view = self.texture(index)?;
         if view.format == TextureFormat::Rgba16Float {
             let reason = format!("is {}, which tables of fibres have, expected another format", view.format.name());
@@ -112,7 +112,7 @@ impl<'a> Package<'a> {
 
     /// Fails if dry and wet hair cannot be blended: a shader decodes the directions of both in the same way. Other
     /// faults of the textures are reported elsewhere.
-    pub(crate) fn wet_like_dry(&self) -> Result<(), FormatError> {
+    pub(crate) fn check_wet_matches_dry(&self) -> Result<(), FormatError> {
         let (Ok(Some(dry)), Ok(Some(wet)), Some(info)) =
             (self.fur_textures(), self.wet_textures(), &self.manifest().fur.wet)
         else {
@@ -135,7 +135,7 @@ impl<'a> Package<'a> {
         color_texture: u32,
         direction_texture: u32,
     ) -> Result<FurTextures<'a>, FormatError> {
-        let (color, direction) = (self.picture(color_texture)?, self.picture(direction_texture)?);
+        let (color, direction) = (self.image_texture(color_texture)?, self.image_texture(direction_texture)?);
         for (index, view) in [(color_texture, &color), (direction_texture, &direction)] {
             let found = (view.width, view.height, view.layers);
             if found != size {
@@ -165,7 +165,7 @@ impl<'a> Package<'a> {
         let Some(index) = self.manifest().materials.get(material).and_then(|m| m.base_color_texture) else {
             return Ok(None);
         };
-        let view = self.picture(index)?;
+        let view = self.image_texture(index)?;
         if view.layers != 1 || view.format.components() != 4 {
             let (layers, format) = (view.layers, view.format.name());
             let reason = format!(
@@ -183,7 +183,7 @@ impl<'a> Package<'a> {
         let Some(index) = self.manifest().materials.get(material).and_then(|m| m.groom_texture) else {
             return Ok(None);
         };
-        let view = self.picture(index)?;
+        let view = self.image_texture(index)?;
         if view.layers != 1 || view.format.is_srgb() {
             let (layers, format) = (view.layers, view.format.name());
             let reason = format!(

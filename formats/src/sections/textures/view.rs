@@ -37,9 +37,9 @@ const LEVEL_ENTRY: usize = ktx2::LevelIndex::LENGTH;
 
 /// Position of a .ktx2 file in the package, for errors.
 #[derive(Clone, Copy)]
-struct Place(u64);
+struct FileOffset(u64);
 
-impl Place {
+impl FileOffset {
     fn fail(self, at: u64, reason: String) -> FormatError {
         FormatError::Content { tag: Tag::TEXTURE, offset: self.0.saturating_add(at), reason }
     }
@@ -47,7 +47,7 @@ impl Place {
 
 /// Checked contents of a texture's header.
 #[derive(Clone, Copy)]
-pub(super) struct Shape {
+pub(super) struct TextureHeader {
     format: TextureFormat,
     width: u32,
     height: u32,
@@ -57,14 +57,14 @@ pub(super) struct Shape {
 
 impl<'a> TextureView<'a> {
     /// Returns the texture in a file of this shape.
-    pub(super) fn of(ktx2: &'a [u8], shape: Shape) -> Self {
-        let Shape { format, width, height, layers, levels } = shape;
+    pub(super) fn of(ktx2: &'a [u8], shape: TextureHeader) -> Self {
+        let TextureHeader { format, width, height, layers, levels } = shape;
         Self { format, width, height, layers, levels, ktx2 }
     }
 
-    pub(super) fn shape(&self) -> Shape {
+    pub(super) fn shape(&self) -> TextureHeader {
         let Self { format, width, height, layers, levels, .. } = *self;
-        Shape { format, width, height, layers, levels }
+        TextureHeader { format, width, height, layers, levels }
     }
 
     /// Reads a .ktx2 file. `offset` is its position in the package and only used in errors: 0 for a file on its own.
@@ -80,7 +80,7 @@ impl<'a> TextureView<'a> {
     pub fn parse(ktx2: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
         // The crate's types decode the header and the level index. Its `Reader` is not used: it panics on a descriptor
         // with block dimension 255, and its errors have no position.
-        let place = Place(offset);
+        let place = FileOffset(offset);
         let header: &[u8; ktx2::Header::LENGTH] = ktx2.first_chunk().ok_or_else(|| {
             place.fail(0, format!("{} bytes, expected a KTX2 header of {}", ktx2.len(), ktx2::Header::LENGTH))
         })?;
@@ -137,7 +137,7 @@ impl<'a> TextureView<'a> {
     }
 
     /// Checks the positions of descriptor, key/value and global data, and the descriptor's contents. Returns their end.
-    fn check_metadata(&self, place: Place, index: &ktx2::Index) -> Result<u64, FormatError> {
+    fn check_metadata(&self, place: FileOffset, index: &ktx2::Index) -> Result<u64, FormatError> {
         let index_end = (ktx2::Header::LENGTH + LEVEL_ENTRY * self.levels as usize) as u64;
         let mut end = index_end;
         for (what, at, offset, length) in [
@@ -166,7 +166,7 @@ impl<'a> TextureView<'a> {
 
     /// Checks that the descriptor, which repeats the format, agrees with it. Otherwise tools would disagree about the
     /// colours.
-    fn check_descriptor(&self, place: Place, offset: u32, length: u32) -> Result<(), FormatError> {
+    fn check_descriptor(&self, place: FileOffset, offset: u32, length: u32) -> Result<(), FormatError> {
         let (expected, _) = ktx2::dfd::Basic::from_format(self.format.ktx2())
             .map_err(|e| place.fail(12, format!("no data format descriptor for {}: {e}", self.format.name())))?;
         let mut expected = ktx2::dfd::Block::Basic(expected).to_vec();
@@ -193,7 +193,7 @@ impl<'a> TextureView<'a> {
         Ok(())
     }
 
-    fn check_levels(&self, place: Place, mut end: u64) -> Result<(), FormatError> {
+    fn check_levels(&self, place: FileOffset, mut end: u64) -> Result<(), FormatError> {
         // Least common multiple of the block's size and 4: 4 for 2 and 4, 16 for 16.
         let alignment = u64::from(self.format.block_bytes().max(4));
         for level in (0..self.levels).rev() {

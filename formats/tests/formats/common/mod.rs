@@ -179,7 +179,7 @@ pub fn sample_manifest() -> Manifest {
         .to_vec(),
         quality: vec![QualityFigure { name: "angle_distortion".into(), value: 0.0625, unit: "1".into() }],
         warnings: vec!["3 triangles without area were left out".into()],
-        coat: Some(CoatInfo { height: 0.75, ambient_height: 0.625, light_straight: 0.5, light_slanted: 0.25 }),
+        coat: Some(FarLayerInfo { height: 0.75, ambient_height: 0.625, light_straight: 0.5, light_slanted: 0.25 }),
         detail: vec![
             DetailLevel { step: 1, full_px: 24.0, gone_px: 18.0, fins: 1.0, density: 1.0 },
             DetailLevel { step: 2, full_px: 12.0, gone_px: 8.0, fins: 0.5, density: 1.25 },

@@ -1,22 +1,22 @@
 //! Hair groups of a package; their hairs are generated at load time.
 
-use super::set::{Growth, Guided, HairRoot, Strand, Strands, mean_bent, steps};
+use super::set::{StrandSource, Guided, HairRoot, Strand, StrandSet, mean_deviation, steps};
 use crate::error::RuntimeError;
 use crate::gpu::{WORKGROUP, largest_buffer};
 use crate::model::upload::Uploader;
 use glam::{Vec3, Vec4};
-use pelage_formats::meaning::hair_groups::{HAIR_COLORS, Hair, Planted, hair_color, hair_radius, triangle_frame};
-use pelage_formats::meaning::hair_motion::ballast;
+use pelage_formats::meaning::hair_groups::{HAIR_COLORS, Hair, GrownGroup, hair_color, hair_radius, triangle_frame};
+use pelage_formats::meaning::hair_motion::gravity_compensation;
 use pelage_formats::meaning::{encode_visibility, linear_to_srgb, posed_vertices};
 use pelage_formats::{GroupMotion, HairGroup, MeshView, Package, Pose};
 use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
 /// Number of hairs sampled to measure the deviation of simplified hairs.
-const MEASURED: usize = 256;
+const SAMPLED_HAIRS: usize = 256;
 
 /// Mesh at rest, as hair groups need it.
-struct Rest {
+struct RestMesh {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     /// Triangle range of each part.
@@ -29,7 +29,7 @@ pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
     mesh: &MeshView<'_>,
-) -> Result<Vec<Strands>, RuntimeError> {
+) -> Result<Vec<StrandSet>, RuntimeError> {
     let groups = package.hair_groups()?;
     if groups.is_empty() {
         return Ok(Vec::new());
@@ -40,7 +40,7 @@ pub(super) fn load(
     }
     let indices: Vec<u32> = mesh.indices().collect();
     let part = |part: &pelage_formats::Part| part.first_index / 3..(part.first_index + part.index_count) / 3;
-    let rest = Rest {
+    let rest = RestMesh {
         positions: posed_vertices(mesh, None, &pose).map(|v| Vec3::from(v.position)).collect(),
         triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
         parts: package.manifest().parts.iter().map(part).collect(),
@@ -54,16 +54,16 @@ pub(super) fn load(
     let fibres = package.fibres()?;
     let fibre = |number: usize| fibres.as_ref().and_then(|f| f.of_groups.get(number)).copied().unwrap_or(0).into();
     let each = groups.iter().enumerate();
-    each.map(|(number, group)| grown(uploader, group, moves(number), fibre(number), &rest)).collect()
+    each.map(|(number, group)| generate_group(uploader, group, moves(number), fibre(number), &rest)).collect()
 }
 
-fn grown(
+fn generate_group(
     uploader: &Uploader<'_>,
     group: &HairGroup,
     motion: Option<(GroupMotion, Vec<f32>)>,
     fibre: u32,
-    rest: &Rest,
-) -> Result<Strands, RuntimeError> {
+    rest: &RestMesh,
+) -> Result<StrandSet, RuntimeError> {
     use wgpu::BufferUsages as Usage;
     let points = group.points;
     let (motion, freedom) = motion.unzip();
@@ -71,7 +71,7 @@ fn grown(
     // Room for the padding of each part's workgroups.
     let filled = u64::from(WORKGROUP) * rest.parts.len() as u64;
     let most = u32::try_from(of_buffer.saturating_sub(filled)).unwrap_or(u32::MAX);
-    let planted = Planted::new(group, &rest.positions, &rest.triangles, most);
+    let planted = GrownGroup::new(group, &rest.positions, &rest.triangles, most);
     let widened = group.hair_count() as f32 / planted.hairs.len().max(1) as f32;
     let (mut strands, mut roots, mut of_parts) = (Vec::new(), Vec::new(), Vec::new());
     for part in &rest.parts {
@@ -80,18 +80,18 @@ fn grown(
         for (number, hair) in here {
             // Any prefix is an even sample.
             let chance = (number as f32 + 0.5) / planted.hairs.len() as f32;
-            strands.push(Strand { color: u32::MAX, of_tile: hair.color, chance, ..Strand::default() });
+            strands.push(Strand { color: u32::MAX, of_tile: hair.color, selection: chance, ..Strand::default() });
             roots.push(root(hair, rest));
         }
         // Strands that pad the last workgroup never grow.
         let fill = strands.len().next_multiple_of(WORKGROUP as usize);
-        strands.resize(fill, Strand { chance: 1.0, ..Strand::default() });
+        strands.resize(fill, Strand { selection: 1.0, ..Strand::default() });
         roots.resize(fill, HairRoot::default());
         of_parts.push(first..fill as u32);
     }
     if strands.is_empty() {
         // A buffer cannot be empty.
-        strands.push(Strand { chance: 1.0, ..Strand::default() });
+        strands.push(Strand { selection: 1.0, ..Strand::default() });
         roots.push(HairRoot::default());
     }
     let corners = |triangle: u32| rest.triangles[triangle as usize].map(|v| rest.positions[v as usize]);
@@ -99,11 +99,11 @@ fn grown(
     let measured: Vec<Vec<Vec3>> = planted
         .hairs
         .iter()
-        .take(MEASURED)
+        .take(SAMPLED_HAIRS)
         .map(|hair| hair.points(corners(hair.root.triangle), &at_rest).collect())
         .collect();
     let length = |points: &Vec<Vec3>| points.windows(2).map(|ends| ends[0].distance(ends[1])).sum::<f32>();
-    let as_groomed = |step: u32| mean_bent(measured.iter().map(Vec::as_slice), step as usize);
+    let as_groomed = |step: u32| mean_deviation(measured.iter().map(Vec::as_slice), step as usize);
     // Straight hair that moves does not stay straight. The deviation of a segment from an arc of a quarter turn is
     // proportional to the square of its share of the hair.
     let longest = planted.guides.iter().map(length).fold(0.0, f32::max);
@@ -114,7 +114,7 @@ fn grown(
         [v, w, x, u32::from(*b) | u32::from(*c) << 16]
     };
     let triangles: Vec<[u32; 4]> = planted.guide_triangles.iter().zip(&group.guide_roots).map(triangle).collect();
-    let held_up = |(triangle, points): (&u32, &Vec<Vec3>)| ballast(points, triangle_frame(corners(*triangle)));
+    let held_up = |(triangle, points): (&u32, &Vec<Vec3>)| gravity_compensation(points, triangle_frame(corners(*triangle)));
     // Also stores how freely the guide moves; unused if no guide moves.
     let freedom = freedom.unwrap_or_default();
     let of_guide = |(number, guide)| {
@@ -138,9 +138,9 @@ fn grown(
         reach_m,
         fibre,
     };
-    Ok(Strands {
+    Ok(StrandSet {
         strands: uploader.buffer("hairs", bytemuck::cast_slice(&strands), Usage::STORAGE)?,
-        growth: Growth::Guided(guided),
+        growth: StrandSource::Guided(guided),
         tile: uploader.buffer("hair profiles", bytemuck::cast_slice(&profiles), Usage::STORAGE)?,
         points,
         count: of_parts.last().map_or(0, |range: &Range<u32>| range.end),
@@ -149,11 +149,11 @@ fn grown(
         dry_points: HAIR_COLORS * points,
         radius: group.root_radius_m * widened,
         mean_width_m: 2.0 * mean_radius_m * widened,
-        bent_m: steps(points).map(bent).collect(),
+        deviation_m: steps(points).map(bent).collect(),
     })
 }
 
-fn root(hair: &Hair, rest: &Rest) -> HairRoot {
+fn root(hair: &Hair, rest: &RestMesh) -> HairRoot {
     let unorm = |w: f32| (w.clamp(0.0, 1.0) * 65535.0).round() as u16;
     HairRoot {
         vertices: rest.triangles[hair.root.triangle as usize],
@@ -161,7 +161,7 @@ fn root(hair: &Hair, rest: &Rest) -> HairRoot {
         guides: hair.follow.guides.map(|guide| guide as u16),
         shares: hair.follow.weights.map(|w| (w * 255.0).round() as u8),
         length: hair.length,
-        aside: hair.aside.to_array(),
+        aside: hair.tip_offset.to_array(),
         reserved: 0,
     }
 }

@@ -1,10 +1,10 @@
 //! Strands of a package: fur strands and hair groups.
 
-mod coat;
+mod fur;
 mod groups;
 mod set;
 
-pub(crate) use set::{CORNER_BYTES, Growth, Guided, HairRoot, Stand, Strand, StrandConstants, Strands};
+pub(crate) use set::{CORNER_BYTES, StrandSource, Guided, HairRoot, SurfacePoint, Strand, StrandConstants, StrandSet};
 
 use super::upload::Uploader;
 use crate::error::RuntimeError;
@@ -17,8 +17,8 @@ pub(super) fn load(
     package: &Package<'_>,
     mesh: &MeshView<'_>,
     most_of_coat: u32,
-) -> Result<Vec<Strands>, RuntimeError> {
-    let mut sets: Vec<Strands> = coat::load(uploader, package, mesh, most_of_coat)?.into_iter().collect();
+) -> Result<Vec<StrandSet>, RuntimeError> {
+    let mut sets: Vec<StrandSet> = fur::load(uploader, package, mesh, most_of_coat)?.into_iter().collect();
     sets.extend(groups::load(uploader, package, mesh)?);
     Ok(sets)
 }

@@ -11,11 +11,11 @@ const MOST_SHADOWING: f32 = 100_000.0;
 
 /// Strands of a model with the same number of points each: its fur strands, or a hair group.
 #[derive(Debug)]
-pub(crate) struct Strands {
+pub(crate) struct StrandSet {
     /// Buffer of [`Strand`], one per strand.
     pub(crate) strands: wgpu::Buffer,
     /// Source data from which points are posed.
-    pub(crate) growth: Growth,
+    pub(crate) growth: StrandSource,
     /// Points of the tile's strands as stored in the package, dry, then wet. For a hair group: radius and colour of its
     /// hairs in the same format.
     pub(crate) tile: wgpu::Buffer,
@@ -31,16 +31,16 @@ pub(crate) struct Strands {
     /// Mean width of the tile's dry strands over all their points, metres.
     pub(crate) mean_width_m: f32,
     /// Deviation of the mean dry strand from its simplified form, metres, for each of [`Self::steps`].
-    pub(crate) bent_m: Vec<f32>,
+    pub(crate) deviation_m: Vec<f32>,
     /// Smallest chance in each workgroup; empty if the strands are not sorted by chance.
     pub(super) least_chances: Vec<f32>,
 }
 
 /// Kinds of strands: the data from which their points are posed.
 #[derive(Debug)]
-pub(crate) enum Growth {
+pub(crate) enum StrandSource {
     /// Fur: the surface position of each point, [`Stand`].
-    Coat {
+    Fur {
         /// Points of all dry strands, followed by those of wet hair.
         stands: wgpu::Buffer,
     },
@@ -88,12 +88,12 @@ pub(crate) struct HairRoot {
     pub(crate) reserved: u32,
 }
 
-impl Strands {
+impl StrandSet {
     /// Returns the guided hair, if the strands follow guides.
     pub(crate) fn guided(&self) -> Option<&Guided> {
         match &self.growth {
-            Growth::Coat { .. } => None,
-            Growth::Guided(guided) => Some(guided),
+            StrandSource::Fur { .. } => None,
+            StrandSource::Guided(guided) => Some(guided),
         }
     }
 
@@ -116,13 +116,13 @@ impl Strands {
     /// as many fur strands as a map can resolve.
     pub(crate) fn shadow_share(&self) -> f32 {
         match self.growth {
-            Growth::Coat { .. } => (MOST_SHADOWING / self.count.max(1) as f32).min(1.0),
-            Growth::Guided(_) => 1.0,
+            StrandSource::Fur { .. } => (MOST_SHADOWING / self.count.max(1) as f32).min(1.0),
+            StrandSource::Guided(_) => 1.0,
         }
     }
 
     /// Returns the range of a part that contains all strands whose chance is below `share`, in whole workgroups.
-    pub(crate) fn in_front(&self, part: &Range<u32>, share: f32) -> Range<u32> {
+    pub(crate) fn prefix_below(&self, part: &Range<u32>, share: f32) -> Range<u32> {
         let groups = (part.start / WORKGROUP) as usize..part.end.div_ceil(WORKGROUP) as usize;
         let Some(chances) = self.least_chances.get(groups) else { return part.clone() };
         // Where non-adjacent parts were joined, the order holds only within each piece.
@@ -131,7 +131,7 @@ impl Strands {
     }
 
     /// Returns the size in bytes of the particles of movable guides: two vectors per point, and four for their frames.
-    pub(crate) fn pearl_bytes(&self) -> Option<u64> {
+    pub(crate) fn particle_bytes(&self) -> Option<u64> {
         let guided = self.guided().filter(|guided| guided.motion.is_some())?;
         Some(u64::from(guided.guide_count) * u64::from(2 * self.points + 4) * 16)
     }
@@ -143,11 +143,11 @@ impl Strands {
 
     /// Returns the corners of a ribbon that uses every `step`th point: two per point.
     fn corners(&self, step: u32) -> u32 {
-        2 * (self.pieces(step) + 1)
+        2 * (self.segments(step) + 1)
     }
 
     /// Returns the segments of such a ribbon, each of two triangles.
-    pub(crate) fn pieces(&self, step: u32) -> u32 {
+    pub(crate) fn segments(&self, step: u32) -> u32 {
         (self.points - 1) / step
     }
 
@@ -164,8 +164,8 @@ impl Strands {
     /// Returns the size on the GPU in bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let growth = match &self.growth {
-            Growth::Coat { stands } => stands.size(),
-            Growth::Guided(guided) => {
+            StrandSource::Fur { stands } => stands.size(),
+            StrandSource::Guided(guided) => {
                 guided.triangles.size() + guided.guides.size() + guided.ballast.size() + guided.hairs.size()
             }
         };
@@ -188,7 +188,7 @@ pub(crate) struct Strand {
     /// Index of the tile's strand.
     pub(crate) of_tile: u32,
     /// Random number in 0..1 that selects a share of all strands.
-    pub(crate) chance: f32,
+    pub(crate) selection: f32,
     pub(crate) lean: f32,
     pub(crate) fur_height: f32,
 }
@@ -196,7 +196,7 @@ pub(crate) struct Strand {
 /// Surface position of a strand point: on a triangle of the mesh, or beside it in its plane.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub(crate) struct Stand {
+pub(crate) struct SurfacePoint {
     /// Triangle corners.
     pub(crate) vertices: [u32; 3],
     /// Weights of the second and third corner, as snorm of a quarter of the value.
@@ -230,7 +230,7 @@ pub(super) fn steps(points: u32) -> impl DoubleEndedIterator<Item = u32> {
 
 /// Returns the greatest mean distance of some strands from the straight segments between every `step`th of their
 /// points.
-pub(super) fn mean_bent<'a>(strands: impl Iterator<Item = &'a [Vec3]>, step: usize) -> f32 {
+pub(super) fn mean_deviation<'a>(strands: impl Iterator<Item = &'a [Vec3]>, step: usize) -> f32 {
     let off_piece = |piece: &[Vec3]| {
         let (from, along) = (piece[0], piece[piece.len() - 1] - piece[0]);
         let off = |p: &Vec3| {

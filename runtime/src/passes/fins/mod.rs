@@ -1,12 +1,12 @@
 //! `fins`: hair quads on mesh edges, faded by viewing angle (Lengyel 2001). Blended into the application's colour
 //! target, with depth test and without depth write. Runs between `skin` and `shells`.
 
-use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
-use crate::gpu::{Group, RenderSpec, Shader, on};
-use crate::hair::{groom, hair_wgsl, material};
+use super::{Outcome, Pass, PassId, PassStage, any_reduced};
+use crate::gpu::{DrawBindGroup, RenderSpec, Shader, flag};
+use crate::hair::{groom_constants, hair_wgsl, material_constants};
 use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{Recording, Seen, fin_draws};
+use crate::scene::{Recording, VisibleInstance, fin_draws};
 
 /// Shader of the `fins` pass.
 pub(crate) const SHADER: Shader = Shader {
@@ -26,7 +26,7 @@ impl PassId {
 /// Descriptor of the `fins` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "fins",
-    place: PassPlace::Picture,
+    place: PassStage::Picture,
     styles: &[StyleKind::Fur],
     does: "quads of hair on the edges of the skin, faded by the angle they are seen at. The vertex shader reads them from storage buffers, because each corner has to know both ends of its edge",
     runs_when: "there is fur to see, the package has fins, and the device has storage buffers in vertex shaders",
@@ -35,13 +35,13 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
-    let mut constants = material(part);
-    constants.extend(seen.look.lights());
-    constants.extend(groom(&seen.model, part));
+fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part) -> RenderSpec {
+    let mut constants = material_constants(part);
+    constants.extend(seen.look.lit_surface_constants());
+    constants.extend(groom_constants(&seen.model, part));
     constants.extend([
-        on("LEAN", seen.model.varies().lean),
-        on("PLANAR_DIRECTIONS", seen.model.fins().is_some_and(|fins| fins.planar_directions)),
+        flag("LEAN", seen.model.varies().lean),
+        flag("PLANAR_DIRECTIONS", seen.model.fins().is_some_and(|fins| fins.planar_directions)),
     ]);
     // Fins are visible from both sides and occlude nothing.
     let spec = frame.picture_spec(SHADER, ["vs_fins", "fs_fins"], constants, [false, true], true);
@@ -52,7 +52,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let (mut draws, mut with_fins, mut edges) = (Vec::new(), 0, 0);
     for seen in instances.iter().filter(|seen| seen.in_picture() && seen.look.fins) {
-        let textures = seen.model.fins().and_then(|fins| Group::of(&fins.textures));
+        let textures = seen.model.fins().and_then(|fins| DrawBindGroup::of(&fins.textures));
         let of_model = fin_draws(frame, seen, textures, |frame, part| spec(frame, seen, part));
         if !of_model.is_empty() {
             with_fins += 1;
@@ -68,7 +68,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         (true, _) => "no instances",
         (_, Some(1)) => "one layer is the skin alone",
         _ if fur.is_some_and(|fur| !fur.fins) => "switched off",
-        _ if !instances.iter().any(Seen::in_picture) => "nothing is in the picture",
+        _ if !instances.iter().any(VisibleInstance::in_picture) => "nothing is in the picture",
         _ if any_reduced(frame) => "the fur is too small on screen",
         _ if instances.iter().any(|seen| seen.model.manifest().fur.fins.is_some()) => {
             "no edges, or no storage buffers in vertex shaders"

@@ -4,11 +4,11 @@
 //! with leaned normals and tangents. All later passes draw the copy. Shells, fins, fur strands, ink strokes and shadow
 //! maps therefore lean without code of their own.
 
-use super::{Outcome, Pass, PassId, PassPlace, columns};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, storage_in, storage_out};
+use super::{Outcome, Pass, PassId, PassStage, columns};
+use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, storage_in, storage_out};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches};
-use crate::swing::WindBlock;
+use crate::guide_motion::WindBlock;
 use bytemuck::{Pod, Zeroable};
 use pelage_formats::{AttributeVertex, GeometryVertex};
 
@@ -32,7 +32,7 @@ impl PassId {
 /// Descriptor of the `fur_motion` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "fur_motion",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Ink],
     does: "compute: leans fur in wind and stride, by a particle on each vertex of the skin",
     runs_when: "frames move hair, fur is to be seen and large enough, and it is not at rest",
@@ -76,7 +76,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             world_from_model: columns(swing.world_from_model),
             origin: swing.origin.to_array(),
             vertices,
-            went: swing.went.to_array(),
+            went: swing.displacement.to_array(),
             seconds: swing.seconds(),
             wind: swing.wind(),
             before_s: swing.frame_before_s,
@@ -86,12 +86,12 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         };
         let place = frame.uniforms.put_array(frame.gpu, &[block]);
         let buffers = [&seen.moved.posed, seen.model.attributes(), &lean.tips, &seen.moved.geometry];
-        let bound = (0..).zip(buffers.map(Bound::all));
-        let entries = bound.chain([(4, Bound::block::<FurMotion>(&place.buffer, place.offset))]).collect();
+        let bound = (0..).zip(buffers.map(BindingResource::all));
+        let entries = bound.chain([(4, BindingResource::block::<FurMotion>(&place.buffer, place.offset))]).collect();
         let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
         let spec = ComputeSpec { shader: SHADER, entry: "lean_fur", groups: vec![layout], constants: Vec::new() };
         let pipeline = frame.compute_pipeline(spec);
-        dispatches.push(Dispatch { pipeline, groups: vec![Group::of(&group)], threads: vertices });
+        dispatches.push(Dispatch { pipeline, groups: vec![DrawBindGroup::of(&group)], threads: vertices });
         count += vertices;
     }
     if dispatches.is_empty() {

@@ -3,12 +3,12 @@
 //! Reads the posed vertices, the groomed guides and the previous state of the particles. Writes the particles and the
 //! posed guides; `hair_pose` writes the latter for guides that do not move.
 
-use super::{Outcome, Pass, PassId, PassPlace, columns};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, storage_in, storage_out};
-use crate::model::Growth;
+use super::{Outcome, Pass, PassId, PassStage, columns};
+use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, storage_in, storage_out};
+use crate::model::StrandSource;
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
-use crate::swing::WindBlock;
+use crate::guide_motion::WindBlock;
 use bytemuck::{Pod, Zeroable};
 use pelage_formats::GeometryVertex;
 
@@ -32,7 +32,7 @@ impl PassId {
 /// Descriptor of the `hair_motion` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "hair_motion",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "compute: lets hair on guides swing: Verlet with lengths that hold, and colliders",
     runs_when: "hair on guides is drawn, frames move it, and it is not at rest",
@@ -88,12 +88,12 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     });
     let (mut dispatches, mut count) = (Vec::new(), 0);
     for (seen, set) in strand_sets(&instances) {
-        let (Growth::Guided(guided), Some(swing)) = (&set.strands.growth, &seen.moved.swing) else { continue };
-        let (Some(motion), Some(guides), Some(pearls)) = (&guided.motion, &set.posed.guides, &set.posed.pearls) else {
+        let (StrandSource::Guided(guided), Some(swing)) = (&set.strands.growth, &seen.moved.swing) else { continue };
+        let (Some(motion), Some(guides), Some(pearls)) = (&guided.motion, &set.posed.guides, &set.posed.particles) else {
             continue;
         };
         let is_fresh = swing.is_fresh || set.posed.is_fresh;
-        if set.posed.has_lived || swing.is_at_rest && !is_fresh {
+        if set.posed.is_updated || swing.is_at_rest && !is_fresh {
             continue;
         }
         let block = HairMotion {
@@ -101,7 +101,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             model_from_world: columns(swing.world_from_model.inverse()),
             origin: swing.origin.to_array(),
             points: set.strands.points,
-            went: swing.went.to_array(),
+            went: swing.displacement.to_array(),
             steps: swing.steps,
             gravity: swing.params.gravity.to_array(),
             step_s: swing.step_s,
@@ -128,23 +128,23 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         }
         let size = size_of_val(&colliders[..]) as u64;
         let place = frame.uniforms.put_array(frame.gpu, &colliders);
-        let colliders = Bound::Bytes { buffer: place.buffer, offset: place.offset, size };
+        let colliders = BindingResource::Bytes { buffer: place.buffer, offset: place.offset, size };
         let place = frame.uniforms.put_array(frame.gpu, &[block]);
         let entries = vec![
-            (0, Bound::all(&seen.moved.posed)),
-            (1, Bound::all(&guided.triangles)),
-            (2, Bound::all(&guided.guides)),
-            (3, Bound::all(&guided.ballast)),
-            (4, Bound::all(pearls)),
-            (5, Bound::all(guides)),
+            (0, BindingResource::all(&seen.moved.posed)),
+            (1, BindingResource::all(&guided.triangles)),
+            (2, BindingResource::all(&guided.guides)),
+            (3, BindingResource::all(&guided.ballast)),
+            (4, BindingResource::all(pearls)),
+            (5, BindingResource::all(guides)),
             (6, colliders),
-            (7, Bound::block::<HairMotion>(&place.buffer, place.offset)),
+            (7, BindingResource::block::<HairMotion>(&place.buffer, place.offset)),
         ];
         let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
         let groups = vec![layout.clone()];
         let spec = ComputeSpec { shader: SHADER, entry: "move_guides", groups, constants: Vec::new() };
         let pipeline = frame.compute_pipeline(spec);
-        dispatches.push(Dispatch { pipeline, groups: vec![Group::of(&group)], threads: guided.guide_count });
+        dispatches.push(Dispatch { pipeline, groups: vec![DrawBindGroup::of(&group)], threads: guided.guide_count });
         count += guided.guide_count;
     }
     if dispatches.is_empty() {

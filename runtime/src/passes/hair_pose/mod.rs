@@ -1,8 +1,8 @@
 //! `hair_pose`: places hair on guides at its roots on the posed mesh, once per changed pose.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, in_compute, storage_in, storage_out, uniform};
-use crate::model::{Growth, HairRoot, StrandConstants};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, in_compute, storage_in, storage_out, uniform};
+use crate::model::{StrandSource, HairRoot, StrandConstants};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
@@ -28,7 +28,7 @@ impl PassId {
 /// Descriptor of the `hair_pose` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "hair_pose",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "compute: turns guides with the skin they root in, and places the points of the hairs that follow them",
     runs_when: "hair on guides is drawn, and the pose changed",
@@ -58,28 +58,28 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let (mut guides, mut hairs) = (Vec::new(), Vec::new());
     let mut count = 0;
     for (seen, set) in strand_sets(&instances) {
-        let (Growth::Guided(guided), Some(posed_guides)) = (&set.strands.growth, &set.posed.guides) else { continue };
+        let (StrandSource::Guided(guided), Some(posed_guides)) = (&set.strands.growth, &set.posed.guides) else { continue };
         if !set.posed.stale {
             continue;
         }
         for (number, (_, of_part)) in set.parts(seen.model.parts(), 1.0).enumerate() {
             let entries = vec![
-                (0, Bound::all(&seen.moved.geometry)),
-                (1, Bound::all(&guided.triangles)),
-                (2, Bound::all(&guided.guides)),
-                (3, Bound::all(posed_guides)),
-                (4, Bound::all(&guided.hairs)),
-                (5, Bound::all(&set.posed.buffer)),
-                (6, frame.strand_constants(&set, &of_part, &set.drawn.whole())),
+                (0, BindingResource::all(&seen.moved.geometry)),
+                (1, BindingResource::all(&guided.triangles)),
+                (2, BindingResource::all(&guided.guides)),
+                (3, BindingResource::all(posed_guides)),
+                (4, BindingResource::all(&guided.hairs)),
+                (5, BindingResource::all(&set.posed.buffer)),
+                (6, frame.strand_constants(&set, &of_part, &set.drawn.full_detail())),
             ];
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let mut dispatch = |entry, threads| {
                 let groups = vec![layout.clone()];
                 let spec = ComputeSpec { shader: SHADER, entry, groups, constants: Vec::new() };
-                Dispatch { pipeline: frame.compute_pipeline(spec), groups: vec![Group::of(&group)], threads }
+                Dispatch { pipeline: frame.compute_pipeline(spec), groups: vec![DrawBindGroup::of(&group)], threads }
             };
             // `hair_motion` writes the guides that move.
-            if number == 0 && !set.posed.swings(&seen.moved, guided) {
+            if number == 0 && !set.posed.is_moved(&seen.moved, guided) {
                 // All guides in one dispatch, regardless of their part.
                 guides.push(dispatch("pose_guides", set.strands.points * guided.guide_count));
             }

@@ -1,9 +1,9 @@
 //! `ink_composite`: paper, wash and lines into the application's pass, with the depth of the painted surface.
 
-use super::{Outcome, Pass, PassId, PassPlace, ink_normals, ink_stroke, ink_trace};
-use crate::gpu::{Draw, Shader, on};
-use crate::params::{InkBackground, InkShow, StyleKind};
-use crate::scene::{Recording, Screen, ink_screen_wgsl};
+use super::{Outcome, Pass, PassId, PassStage, ink_normals, ink_stroke, ink_trace};
+use crate::gpu::{Draw, Shader, flag};
+use crate::params::{InkBackground, InkDebugView, StyleKind};
+use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 /// Shader of the `ink_composite` pass.
 pub(crate) const SHADER: Shader = Shader {
@@ -19,7 +19,7 @@ impl PassId {
 /// Descriptor of the `ink_composite` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_composite",
-    place: PassPlace::Picture,
+    place: PassStage::Picture,
     styles: &[StyleKind::Ink],
     does: "paper, wash and lines into the application's pass, with the depth of what is painted",
     runs_when: "the style is ink",
@@ -29,16 +29,16 @@ pub(crate) const PASS: Pass = Pass {
 };
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    let lines = if frame.params.debug.ink == InkShow::Features { ink_trace::TRACED } else { ink_stroke::STROKES };
+    let lines = if frame.params.debug.ink == InkDebugView::Features { ink_trace::TRACED } else { ink_stroke::STROKES };
     let picture = frame.params.style.ink().is_some_and(|ink| ink.background == InkBackground::Picture);
-    let screen = Screen {
-        constants: vec![on("PICTURE", picture)],
+    let screen = ScreenPass {
+        constants: vec![flag("PICTURE", picture)],
         reads: &[(1, ink_normals::NORMALS), (2, ink_normals::SURFACES), (3, lines)],
         depth: Some((4, ink_normals::DEPTH)),
         paper: Some([5, 6]),
         clamped: Some(7),
     };
-    let Some((mut spec, group)) = frame.screen(SHADER, "fs_composite", &screen, frame.options.color_format) else {
+    let Some((mut spec, group)) = frame.screen_spec(SHADER, "fs_composite", &screen, frame.options.color_format) else {
         return Outcome::Skipped("the style is not ink");
     };
     spec.colors = vec![frame.picture_color(true)];

@@ -1,10 +1,10 @@
 //! `ink_dilate`: the row half of the dilation; `ink_stroke` does the columns. Together they are one dilation by a disc
 //! of each feature's own size, instead of three dilations by 3 x 3 pixels.
 
-use super::{Outcome, Pass, PassId, PassPlace, ink_trace};
+use super::{Outcome, Pass, PassId, PassStage, ink_trace};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
-use crate::scene::{Recording, Screen, ink_screen_wgsl};
+use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 /// Shader of the `ink_dilate` pass.
 pub(crate) const SHADER: Shader =
@@ -21,7 +21,7 @@ impl PassId {
 /// Descriptor of the `ink_dilate` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_dilate",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Ink],
     does: "for each pixel the feature of its row whose line reaches it farthest, and how many there are",
     runs_when: "the style is ink",
@@ -32,6 +32,6 @@ pub(crate) const PASS: Pass = Pass {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let reads = &[(1, ink_trace::TRACED)];
-    frame.fill(SHADER, "fs_dilate", &Screen { reads, ..Screen::default() }, &ROWS);
+    frame.run_screen_pass(SHADER, "fs_dilate", &ScreenPass { reads, ..ScreenPass::default() }, &ROWS);
     Outcome::recorded(format!("{} pixels along rows", frame.ink_reach_px()))
 }

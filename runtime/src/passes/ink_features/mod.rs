@@ -1,10 +1,10 @@
 //! `ink_features`: the pixels that lines run through, with half width and strength of the line, from neighbouring
 //! normals at two thresholds (Fang 2006, §2).
 
-use super::{Outcome, Pass, PassId, PassPlace, ink_normals};
+use super::{Outcome, Pass, PassId, PassStage, ink_normals};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
-use crate::scene::{Recording, Screen, ink_screen_wgsl};
+use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 /// Shader of the `ink_features` pass.
 pub(crate) const SHADER: Shader =
@@ -21,7 +21,7 @@ impl PassId {
 /// Descriptor of the `ink_features` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_features",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Ink],
     does: "the pixels that lines run through, from neighbouring normals at two thresholds (Fang 2006, §2), and steps of depth",
     runs_when: "the style is ink",
@@ -32,7 +32,7 @@ pub(crate) const PASS: Pass = Pass {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let reads = &[(1, ink_normals::NORMALS), (2, ink_normals::SURFACES)];
-    frame.fill(SHADER, "fs_features", &Screen { reads, ..Screen::default() }, &FEATURES);
+    frame.run_screen_pass(SHADER, "fs_features", &ScreenPass { reads, ..ScreenPass::default() }, &FEATURES);
     let [width, height] = frame.params.viewport;
     Outcome::recorded(format!("{width} x {height}"))
 }

@@ -1,12 +1,12 @@
 //! `ink_fur`: fins and outer shells as dry brush strokes, blended over the sheet in the application's pass, with depth
 //! test and without depth write.
 
-use super::{Outcome, Pass, PassId, PassPlace, ink_normals};
-use crate::gpu::{Draw, RenderSpec, Shader, faces, on};
-use crate::hair::material;
+use super::{Outcome, Pass, PassId, PassStage, ink_normals};
+use crate::gpu::{Draw, RenderSpec, Shader, primitive_state, flag};
+use crate::hair::material_constants;
 use crate::model::Part;
-use crate::params::{InkShow, StyleKind};
-use crate::scene::{Recording, Seen, fin_draws, has_strokes, ink_surface_wgsl};
+use crate::params::{InkDebugView, StyleKind};
+use crate::scene::{Recording, VisibleInstance, fin_draws, has_strokes, ink_surface_wgsl};
 
 /// Shader of the `ink_fur` pass.
 pub(crate) const SHADER: Shader = Shader {
@@ -30,7 +30,7 @@ impl PassId {
 /// Descriptor of the `ink_fur` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_fur",
-    place: PassPlace::Picture,
+    place: PassStage::Picture,
     styles: &[StyleKind::Ink],
     does: "fins and two outer shells as dry strokes",
     runs_when: "the style is ink, and a package has strokes of fur",
@@ -41,22 +41,22 @@ pub(crate) const PASS: Pass = Pass {
 
 fn spec(
     frame: &Recording<'_>,
-    seen: &Seen,
+    seen: &VisibleInstance,
     part: &Part,
     entries: [&'static str; 2],
     model_layout: &wgpu::BindGroupLayout,
 ) -> RenderSpec {
-    let mut constants = material(part);
-    constants.push(on("LEAN", seen.model.varies().lean));
+    let mut constants = material_constants(part);
+    constants.push(flag("LEAN", seen.model.varies().lean));
     let sides = [seen.look.mirrored, part.double_sided];
     let mut spec = frame.picture_spec(SHADER, entries, constants, sides, true);
     spec.groups[2] = model_layout.clone();
     RenderSpec { depth: Some(frame.picture_depth(false, true)), ..spec }
 }
 
-fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen, with_fins: bool) -> Vec<Draw> {
-    let Some((layout, group)) = frame.ink_model(index, Some(ink_normals::NORMALS)) else { return Vec::new() };
-    let groups = [frame.seen_from_eye(seen), Some(group.clone())];
+fn draws(frame: &mut Recording<'_>, index: usize, seen: &VisibleInstance, with_fins: bool) -> Vec<Draw> {
+    let Some((layout, group)) = frame.ink_model_group(index, Some(ink_normals::NORMALS)) else { return Vec::new() };
+    let groups = [frame.eye_group(seen), Some(group.clone())];
     let shells =
         |frame: &Recording<'_>, part: &Part| spec(frame, seen, part, ["vs_ink_shells", "fs_ink_shells"], &layout);
     let mut draws = frame.part_draws(seen, |part| part.furred, groups, 0..SHELLS, shells);
@@ -64,7 +64,7 @@ fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen, with_fins: bool) 
         let fins = |frame: &Recording<'_>, part: &Part| {
             let spec = spec(frame, seen, part, ["vs_ink_fins", "fs_ink_fins"], &layout);
             // Fins are visible from both sides.
-            RenderSpec { primitive: faces(false, true), ..spec }
+            RenderSpec { primitive: primitive_state(false, true), ..spec }
         };
         draws.extend(fin_draws(frame, seen, Some(group), fins));
     }
@@ -72,7 +72,7 @@ fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen, with_fins: bool) 
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    if frame.params.debug.ink != InkShow::Painting {
+    if frame.params.debug.ink != InkDebugView::Painting {
         return Outcome::Skipped("the painting is not shown");
     }
     let Some(ink) = frame.params.style.ink() else { return Outcome::Skipped("the style is not ink") };

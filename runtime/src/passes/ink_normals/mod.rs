@@ -2,12 +2,12 @@
 //! perpendicular to the view, with 1 / clip w; wash and line parameters; depth. The ink style takes all geometry from
 //! them, so that later passes cost the same for any mesh.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Draw, RenderSpec, Shader, Stream, Target, attribute, depth_state, on, record};
-use crate::hair::material;
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{Draw, RenderSpec, Shader, VertexLayout, Target, attribute, depth_state, flag, record};
+use crate::hair::material_constants;
 use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{Recording, Seen, has_strokes, ink_surface_wgsl, nearer};
+use crate::scene::{Recording, VisibleInstance, has_strokes, ink_surface_wgsl, depth_compare};
 use pelage_formats::{GeometryVertex, InkVertex};
 use std::mem::offset_of;
 
@@ -43,7 +43,7 @@ impl PassId {
 /// Descriptor of the `ink_normals` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_normals",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Ink],
     does: "draws all surfaces into three textures of the picture's size, which the other ink passes read: depth; the face's normal, in the frame perpendicular to the view, and 1 / clip w; grey of the wash, grey of the sphere map's stroke, width and dryness of lines",
     runs_when: "the style is ink",
@@ -57,32 +57,32 @@ const NOTHING: wgpu::Color = wgpu::Color { r: 1.0, g: 1.0, b: 0.0, a: 0.0 };
 
 fn spec(
     frame: &Recording<'_>,
-    seen: &Seen,
+    seen: &VisibleInstance,
     part: &Part,
     model_layout: &wgpu::BindGroupLayout,
     strokes: bool,
 ) -> RenderSpec {
-    let mut constants = material(part);
-    constants.push(on("FUR_STROKES", strokes && part.furred));
-    let stored = [Stream::of::<GeometryVertex>(&REST_ATTRIBUTES), Stream::of::<InkVertex>(&INK_ATTRIBUTES)];
+    let mut constants = material_constants(part);
+    constants.push(flag("FUR_STROKES", strokes && part.furred));
+    let stored = [VertexLayout::of::<GeometryVertex>(&REST_ATTRIBUTES), VertexLayout::of::<InkVertex>(&INK_ATTRIBUTES)];
     let sides = [seen.look.mirrored, part.double_sided];
     let mut spec = frame.picture_spec(SHADER, ["vs_ink", "fs_ink"], constants, sides, false);
     spec.groups[2] = model_layout.clone();
     spec.streams.extend(stored);
     RenderSpec {
         colors: vec![NORMALS.format.into(), SURFACES.format.into()],
-        depth: Some(depth_state(DEPTH.format, true, nearer(false, frame.options.reversed_depth))),
+        depth: Some(depth_state(DEPTH.format, true, depth_compare(false, frame.options.reversed_depth))),
         samples: 1,
         ..spec
     }
 }
 
-fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen) -> Vec<Draw> {
-    let (Some((layout, group)), Some(ink)) = (frame.ink_model(index, None), seen.model.ink()) else {
+fn draws(frame: &mut Recording<'_>, index: usize, seen: &VisibleInstance) -> Vec<Draw> {
+    let (Some((layout, group)), Some(ink)) = (frame.ink_model_group(index, None), seen.model.ink()) else {
         return Vec::new();
     };
     let strokes = frame.params.style.ink().is_some_and(|params| has_strokes(seen, params));
-    let groups = [frame.seen_from_eye(seen), Some(group)];
+    let groups = [frame.eye_group(seen), Some(group)];
     let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part, &layout, strokes);
     let mut draws = frame.part_draws(seen, |_| true, groups, 0..1, spec);
     for draw in &mut draws {

@@ -1,10 +1,10 @@
 //! `ink_stroke`: opacity and grey of lines: the dilated features, filled by brush and sphere map (Fang 2006, §2),
 //! roughened by the paper.
 
-use super::{Outcome, Pass, PassId, PassPlace, ink_dilate, ink_normals, ink_trace};
+use super::{Outcome, Pass, PassId, PassStage, ink_dilate, ink_normals, ink_trace};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
-use crate::scene::{Recording, Screen, ink_screen_wgsl};
+use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 /// Shader of the `ink_stroke` pass.
 pub(crate) const SHADER: Shader =
@@ -21,7 +21,7 @@ impl PassId {
 /// Descriptor of the `ink_stroke` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_stroke",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Ink],
     does: "the same along columns; opacity and darkness of the line there: its core, and what the sphere map fills within its width",
     runs_when: "the style is ink",
@@ -31,11 +31,11 @@ pub(crate) const PASS: Pass = Pass {
 };
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    let screen = Screen {
+    let screen = ScreenPass {
         reads: &[(1, ink_normals::NORMALS), (2, ink_normals::SURFACES), (3, ink_trace::TRACED), (4, ink_dilate::ROWS)],
         paper: Some([5, 6]),
-        ..Screen::default()
+        ..ScreenPass::default()
     };
-    frame.fill(SHADER, "fs_stroke", &screen, &STROKES);
+    frame.run_screen_pass(SHADER, "fs_stroke", &screen, &STROKES);
     Outcome::recorded(format!("{} pixels along columns", frame.ink_reach_px()))
 }

@@ -2,10 +2,10 @@
 //! of a dense mesh turn at every face. Whether a line continues decides whether it exists, and how strong and wide it
 //! is.
 
-use super::{Outcome, Pass, PassId, PassPlace, ink_features, ink_normals};
+use super::{Outcome, Pass, PassId, PassStage, ink_features, ink_normals};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
-use crate::scene::{Recording, Screen, ink_screen_wgsl};
+use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 /// Shader of the `ink_trace` pass.
 pub(crate) const SHADER: Shader =
@@ -22,7 +22,7 @@ impl PassId {
 /// Descriptor of the `ink_trace` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_trace",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Ink],
     does: "follows the line of each feature to both sides: leaves out what soon ends inside the body, and evens out strength and width",
     runs_when: "the style is ink",
@@ -33,7 +33,7 @@ pub(crate) const PASS: Pass = Pass {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let reads = &[(1, ink_normals::NORMALS), (2, ink_features::FEATURES)];
-    frame.fill(SHADER, "fs_trace", &Screen { reads, ..Screen::default() }, &TRACED);
+    frame.run_screen_pass(SHADER, "fs_trace", &ScreenPass { reads, ..ScreenPass::default() }, &TRACED);
     let [width, height] = frame.params.viewport;
     Outcome::recorded(format!("{width} x {height}"))
 }

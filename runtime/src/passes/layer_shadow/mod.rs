@@ -9,13 +9,13 @@
 //! The fringe of fur beside a body therefore shades objects behind it, and no layer needs a depth buffer of its own.
 //! Such buffers took a fifth of the time on a software rasteriser.
 
-use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
-use crate::gpu::{Bound, Draw, RenderSpec, Shader, depth_state, on, record, storage, uniform};
-use crate::hair::{groom, hair_wgsl, holes};
-use crate::light::{CasterPass, HairMaps, ShadowMaps};
+use super::{Outcome, Pass, PassId, PassStage, any_reduced};
+use crate::gpu::{BindingResource, Draw, RenderSpec, Shader, depth_state, flag, record, storage, uniform};
+use crate::hair::{groom_constants, hair_wgsl, cutout_constants};
+use crate::light::{CasterPass, HairMapKind, ShadowMaps};
 use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{DEPTH, MapTarget, Recording, Seen, begin_maps, light_inside, record_depth};
+use crate::scene::{DEPTH, MapTarget, Recording, VisibleInstance, begin_maps, light_inside_remark, record_depth};
 use crate::shared::deep_opacity::DeepOpacity;
 use glam::Vec3;
 
@@ -37,7 +37,7 @@ impl PassId {
 /// Descriptor of the `layer_shadow` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "layer_shadow",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "the transmittance of the hair above each layer, seen from the key light, into an array of R16Float maps (Yang 2006, §3); of all hair into one, where packages know how hair shadows hair",
     runs_when: "self-shadow on, fur drawn, and light, pose or model changed",
@@ -56,13 +56,13 @@ const MULTIPLIED: wgpu::BlendState = {
     wgpu::BlendState { color: times, alpha: wgpu::BlendComponent { dst_factor: wgpu::BlendFactor::SrcAlpha, ..times } }
 };
 
-fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
+fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part) -> RenderSpec {
     let varies = seen.model.varies().groom || part.has_groom_texture || seen.model.manifest().fur.wet.is_some();
     let mapped = part.cutout || varies;
     let entries = if mapped { ["vs_layer_mapped", "fs_layer_mapped"] } else { ["vs_layer", "fs_layer"] };
-    let mut constants = holes(part);
-    constants.extend(groom(&seen.model, part));
-    constants.extend([on("LEAN", seen.model.varies().lean), on("RESAMPLED", seen.look.maps_resampled)]);
+    let mut constants = cutout_constants(part);
+    constants.extend(groom_constants(&seen.model, part));
+    constants.extend([flag("LEAN", seen.model.varies().lean), flag("RESAMPLED", seen.look.maps_resampled)]);
     RenderSpec {
         colors: vec![wgpu::ColorTargetState {
             format: ShadowMaps::LAYER_FORMAT,
@@ -80,7 +80,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
 fn draws(frame: &mut Recording<'_>) -> Vec<Draw> {
     let mut draws = Vec::new();
     for seen in frame.instances.clone().iter().filter(|seen| seen.drawing.has_shells()) {
-        let groups = [frame.seen_from_light(seen), seen.fur()];
+        let groups = [frame.light_group(seen), seen.fur()];
         draws.extend(frame.part_draws(seen, |part| part.furred, groups, 0..1, |frame, part| spec(frame, seen, part)));
     }
     draws
@@ -96,8 +96,8 @@ fn record_guided(frame: &mut Recording<'_>, maps: &ShadowMaps, target: &wgpu::Te
         vec![storage::<u32>(0, wgpu::ShaderStages::FRAGMENT), uniform::<DeepOpacity>(1, false)]
     });
     let place = frame.uniforms.put(frame.gpu, &[maps.deep_opacity()]);
-    let block = Bound::block::<DeepOpacity>(&place.buffer, place.offset);
-    let group = frame.cache.bind_groups.get(frame.gpu, GUIDED.name, &layout, vec![(0, Bound::all(deep)), (1, block)]);
+    let block = BindingResource::block::<DeepOpacity>(&place.buffer, place.offset);
+    let group = frame.cache.bind_groups.get(frame.gpu, GUIDED.name, &layout, vec![(0, BindingResource::all(deep)), (1, block)]);
     let spec = RenderSpec::screen(GUIDED, ["vs_guided", "fs_guided"], layout, ShadowMaps::LAYER_FORMAT);
     let spec = RenderSpec { constants: vec![("MAP_SIZE", maps.key.params.map_size)], ..spec };
     let draw = Draw::screen(frame.pipeline(spec), &group);
@@ -117,7 +117,7 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     let Some((outermost, below)) = layers.slices.split_last() else { return };
     // Only hair on guides can be above the outermost layer, at any height.
     record_guided(frame, maps, outermost);
-    if maps.key.hair == HairMaps::Total {
+    if maps.key.hair == HairMapKind::Total {
         let all = below.first().unwrap_or(outermost);
         if !below.is_empty() {
             frame.encoder.copy_texture_to_texture(place(1), place(0), texels);
@@ -139,21 +139,21 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
-    if let Some(maps) = maps.as_deref().filter(|maps| frame.redraws_maps() && maps.key.hair != HairMaps::None) {
+    if let Some(maps) = maps.as_deref().filter(|maps| frame.redraws_maps() && maps.key.hair != HairMapKind::None) {
         // With single strands, this map was recorded earlier.
         if maps.deep.is_none() {
             record_depth(frame, maps, CasterPass::Nearest);
         }
         record_layers(frame, maps);
     }
-    match maps.filter(|maps| maps.key.hair != HairMaps::None) {
-        Some(maps) if frame.redraws_maps() && maps.key.hair == HairMaps::Total => {
+    match maps.filter(|maps| maps.key.hair != HairMapKind::None) {
+        Some(maps) if frame.redraws_maps() && maps.key.hair == HairMapKind::Total => {
             let (size, layers) = (maps.key.params.map_size, maps.key.map_layers - 1);
-            Outcome::recorded(format!("one map of {layers} layers, {size} x {size}{}", light_inside(&maps)))
+            Outcome::recorded(format!("one map of {layers} layers, {size} x {size}{}", light_inside_remark(&maps)))
         }
         Some(maps) if frame.redraws_maps() => {
             let (size, layers) = (maps.key.params.map_size, maps.key.map_layers - 1);
-            Outcome::recorded(format!("{layers} maps of {size} x {size}{}", light_inside(&maps)))
+            Outcome::recorded(format!("{layers} maps of {size} x {size}{}", light_inside_remark(&maps)))
         }
         Some(_) => Outcome::Skipped("light, poses and models as in the maps"),
         None if frame.instances.is_empty() => Outcome::Skipped("no instances"),

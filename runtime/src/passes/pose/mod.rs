@@ -3,10 +3,10 @@
 //! Reads rest vertices, morph target deltas, joint weights and joint matrices. Writes a vertex buffer of the same
 //! layout and size as the rest vertices. Packages without a skeleton skip the pass and draw their rest vertices.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Place, Shader, storage_in};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, UniformRange, Shader, storage_in};
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, Recording, Seen, record_dispatches};
+use crate::scene::{Dispatch, Recording, VisibleInstance, record_dispatches};
 use bytemuck::Pod;
 use pelage_formats::{GeometryVertex, MorphDelta, SkinVertex};
 
@@ -42,7 +42,7 @@ impl PassId {
 /// Descriptor of the `pose` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "pose",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Bare, StyleKind::Ink],
     does: "compute: morphs and skins the base mesh once for all later passes",
     runs_when: "the package has a skeleton and the pose changed",
@@ -66,7 +66,7 @@ struct Layouts {
 }
 
 impl Layouts {
-    fn of(frame: &mut Recording<'_>) -> Self {
+    fn new(frame: &mut Recording<'_>) -> Self {
         let [read, write] = [true, false].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
         let layouts = &mut frame.cache.layouts;
         Self {
@@ -82,32 +82,32 @@ impl Layouts {
 }
 
 /// Uploads per-frame values of an instance; returns their bind group and offset.
-fn numbers<T: Pod>(
+fn upload_values<T: Pod>(
     frame: &mut Recording<'_>,
     label: &'static str,
     layout: &wgpu::BindGroupLayout,
     values: &[T],
 ) -> (wgpu::BindGroup, u64) {
-    let Place { buffer, offset, .. } = frame.uniforms.put_array(frame.gpu, values);
+    let UniformRange { buffer, offset, .. } = frame.uniforms.put_array(frame.gpu, values);
     let size = size_of_val(values) as u64;
     let groups = &mut frame.cache.bind_groups;
-    (groups.get(frame.gpu, label, layout, vec![(0, Bound::Bytes { buffer, offset: 0, size })]), offset)
+    (groups.get(frame.gpu, label, layout, vec![(0, BindingResource::Bytes { buffer, offset: 0, size })]), offset)
 }
 
-fn dispatch(frame: &mut Recording<'_>, layouts: &Layouts, seen: &Seen) -> Option<Dispatch> {
+fn dispatch(frame: &mut Recording<'_>, layouts: &Layouts, seen: &VisibleInstance) -> Option<Dispatch> {
     let (model, moves) = (&seen.model, seen.moved.pose.as_ref()?);
     let buffers = [model.geometry(), model.skin()?, &seen.moved.posed];
-    let joints = numbers(frame, "pelage joints", &layouts.joints, &moves.joints);
-    let entries = (0..).zip(buffers.map(Bound::all)).collect();
+    let joints = upload_values(frame, "pelage joints", &layouts.joints, &moves.joints);
+    let entries = (0..).zip(buffers.map(BindingResource::all)).collect();
     let vertices = frame.cache.bind_groups.get(frame.gpu, "pelage pose", &layouts.vertices, entries);
-    let mut groups = vec![Group::at(&joints.0, joints.1), Group::of(&vertices)];
+    let mut groups = vec![DrawBindGroup::at(&joints.0, joints.1), DrawBindGroup::of(&vertices)];
     let mut bound = vec![layouts.joints.clone(), layouts.vertices.clone()];
     let morphs = model.morphs().filter(|_| moves.shifts.iter().any(|shift| *shift != 0.0));
     if let Some(morphs) = morphs {
-        let entries = (0..).zip([&morphs.first, &morphs.deltas].map(Bound::all)).collect();
+        let entries = (0..).zip([&morphs.first, &morphs.deltas].map(BindingResource::all)).collect();
         let deltas = frame.cache.bind_groups.get(frame.gpu, "pelage morph deltas", &layouts.deltas, entries);
-        let shifts = numbers(frame, "pelage morph shifts", &layouts.shifts, &moves.shifts);
-        groups.extend([Group::of(&deltas), Group::at(&shifts.0, shifts.1)]);
+        let shifts = upload_values(frame, "pelage morph shifts", &layouts.shifts, &moves.shifts);
+        groups.extend([DrawBindGroup::of(&deltas), DrawBindGroup::at(&shifts.0, shifts.1)]);
         bound.extend([layouts.deltas.clone(), layouts.shifts.clone()]);
     }
     let shader = if morphs.is_some() { MORPHED } else { SHADER };
@@ -122,7 +122,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if skinned == 0 {
         return Outcome::Skipped("no instance has a skeleton");
     }
-    let layouts = Layouts::of(frame);
+    let layouts = Layouts::new(frame);
     let dispatches: Vec<_> = instances.iter().filter_map(|seen| dispatch(frame, &layouts, seen)).collect();
     if dispatches.is_empty() {
         return Outcome::Skipped("no pose changed");

@@ -1,7 +1,7 @@
 //! `probe`: pass that exists only in tests. Shows what adding a pass requires: this folder, and its line in `frame.rs`.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, Draw, RenderSpec, Shader, uniform};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{BindingResource, Draw, RenderSpec, Shader, uniform};
 use crate::params::StyleKind;
 use crate::scene::Recording;
 
@@ -14,7 +14,7 @@ impl PassId {
 /// Descriptor of the `probe` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "probe",
-    place: PassPlace::Picture,
+    place: PassStage::Picture,
     styles: &[StyleKind::Bare],
     does: "the whole picture in one colour",
     runs_when: "the style is bare, in tests",
@@ -29,7 +29,7 @@ pub(crate) const COLOR: [f32; 4] = [0.0, 1.0, 0.0, 1.0];
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || vec![uniform::<[f32; 4]>(0, false)]);
     let place = frame.uniforms.put(frame.gpu, &[COLOR]);
-    let entries = vec![(0, Bound::block::<[f32; 4]>(&place.buffer, place.offset))];
+    let entries = vec![(0, BindingResource::block::<[f32; 4]>(&place.buffer, place.offset))];
     let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
     let spec = RenderSpec::screen(SHADER, ["vs_probe", "fs_probe"], layout, frame.options.color_format);
     let pipeline = frame.pipeline(RenderSpec { depth: Some(frame.picture_depth(false, true)), ..spec });

@@ -14,11 +14,11 @@
 //! It is not blurred across a step to a deeper surface. Hair there may be behind the nearer object, which would lose
 //! light at its edges.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, Draw, RenderSpec, Shader, depth_texture, record, sampler, texture, uniform};
-use crate::light::{CasterPass, HairMaps, ShadowMaps};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{BindingResource, Draw, RenderSpec, Shader, depth_texture, record, sampler, texture, uniform};
+use crate::light::{CasterPass, HairMapKind, ShadowMaps};
 use crate::params::StyleKind;
-use crate::scene::{DEPTH, MapTarget, Recording, begin_maps, light_inside, record_depth};
+use crate::scene::{DEPTH, MapTarget, Recording, begin_maps, light_inside_remark, record_depth};
 use bytemuck::{Pod, Zeroable};
 
 /// Shader of the filter passes.
@@ -32,7 +32,7 @@ impl PassId {
 /// Descriptor of the `shadow_width` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "shadow_width",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Bare],
     does: "two depth maps from the key light, and a third map made of them by shrinking and stretching: its grey says how far a place lies from the edge of a shadow (Yang 2006, §4)",
     runs_when: "soft shadow on, and light, pose or model changed",
@@ -68,7 +68,7 @@ struct Step<'a> {
     target: &'a wgpu::TextureView,
 }
 
-fn record_step(frame: &mut Recording<'_>, step: &Step<'_>, constants: &Bound) {
+fn record_step(frame: &mut Recording<'_>, step: &Step<'_>, constants: &BindingResource) {
     let d2 = wgpu::TextureViewDimension::D2;
     let layout = frame.cache.layouts.get(frame.gpu, step.layout, || {
         let mut entries = vec![uniform::<Filter>(0, false)];
@@ -78,8 +78,8 @@ fn record_step(frame: &mut Recording<'_>, step: &Step<'_>, constants: &Bound) {
         entries
     });
     let mut entries = vec![(0, constants.clone())];
-    entries.extend(step.depths.iter().chain(step.colors).map(|(n, view)| (*n, Bound::View((*view).clone()))));
-    entries.extend(step.linear.then(|| (5, Bound::Sampler(frame.surfaces.map_sampler.clone()))));
+    entries.extend(step.depths.iter().chain(step.colors).map(|(n, view)| (*n, BindingResource::View((*view).clone()))));
+    entries.extend(step.linear.then(|| (5, BindingResource::Sampler(frame.surfaces.map_sampler.clone()))));
     let group = frame.cache.bind_groups.get(frame.gpu, step.layout, &layout, entries);
     let spec = RenderSpec::screen(FILTER, ["vs_filter", step.fragment], layout, ShadowMaps::WIDTH_FORMAT);
     let draw = Draw::screen(frame.pipeline(spec), &group);
@@ -104,7 +104,7 @@ fn record_filter(frame: &mut Recording<'_>, maps: &ShadowMaps) {
         reserved2: 0.0,
     };
     let place = frame.uniforms.put(frame.gpu, &[constants]);
-    let constants = Bound::block::<Filter>(&place.buffer, place.offset);
+    let constants = BindingResource::block::<Filter>(&place.buffer, place.offset);
     let white = frame.surfaces.white.clone();
     let hair = maps.layers.as_ref().and_then(|layers| layers.slices.first()).unwrap_or(&white);
     let (nearest, farthest) = ((1, &maps.nearest.view), (2, &textures.farthest.view));
@@ -143,13 +143,13 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     match maps.as_deref().filter(|maps| maps.key.soft_shadow) {
         Some(maps) if frame.redraws_maps() => {
             // If hair shadows hair, this map was recorded earlier.
-            if maps.key.hair == HairMaps::None && maps.deep.is_none() {
+            if maps.key.hair == HairMapKind::None && maps.deep.is_none() {
                 record_depth(frame, maps, CasterPass::Nearest);
             }
             record_depth(frame, maps, CasterPass::Farthest);
             record_filter(frame, maps);
             let (size, shrink) = (maps.key.params.map_size, maps.key.params.shrink);
-            Outcome::recorded(format!("{size} x {size}, shrunk {shrink} times{}", light_inside(maps)))
+            Outcome::recorded(format!("{size} x {size}, shrunk {shrink} times{}", light_inside_remark(maps)))
         }
         Some(_) => Outcome::Skipped("light, poses and models as in the maps"),
         None if frame.instances.is_empty() => Outcome::Skipped("no instances"),

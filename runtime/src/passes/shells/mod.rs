@@ -1,12 +1,12 @@
 //! `shells`: layers 1.. of the hair, inside to outside, blended into the application's colour target, with depth test
 //! and depth write (Lengyel 2001; Yang 2006, §2).
 
-use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
-use crate::gpu::{Draw, RenderSpec, Shader, on};
-use crate::hair::{groom, hair_wgsl, material};
+use super::{Outcome, Pass, PassId, PassStage, any_reduced};
+use crate::gpu::{Draw, RenderSpec, Shader, flag};
+use crate::hair::{groom_constants, hair_wgsl, material_constants};
 use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{Recording, Seen};
+use crate::scene::{Recording, VisibleInstance};
 use std::ops::Range;
 
 /// Shader of the `shells` pass.
@@ -27,7 +27,7 @@ impl PassId {
 /// Descriptor of the `shells` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "shells",
-    place: PassPlace::Picture,
+    place: PassStage::Picture,
     styles: &[StyleKind::Fur],
     does: "layers from the skin outwards, each pixel lit by Yang 2006, eq. (3)",
     runs_when: "there is fur to see",
@@ -36,7 +36,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
+fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part) -> RenderSpec {
     let (model, look) = (&seen.model, &seen.look);
     let varies = model.varies();
     let of_material = part.has_texture || part.cutout || part.has_groom_texture;
@@ -49,21 +49,21 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
     } else {
         ["vs_shells", "fs_shells"]
     };
-    let mut constants = material(part);
-    constants.extend(look.lights());
-    constants.extend(groom(model, part));
+    let mut constants = material_constants(part);
+    constants.extend(look.lit_surface_constants());
+    constants.extend(groom_constants(model, part));
     constants.extend([
-        on("LEAN", varies.lean),
-        on("PLANAR_DIRECTIONS", model.planar_directions()),
-        on("RESAMPLED", look.resampled),
-        on("DETAIL", look.detail),
-        on("MAPS_BETWEEN", look.maps_between),
+        flag("LEAN", varies.lean),
+        flag("PLANAR_DIRECTIONS", model.planar_directions()),
+        flag("RESAMPLED", look.resampled),
+        flag("DETAIL", look.detail),
+        flag("MAPS_BETWEEN", look.maps_between),
     ]);
     frame.picture_spec(SHADER, entries, constants, [look.mirrored, part.double_sided], true)
 }
 
 /// Returns the range of draw instances, one per layer.
-fn layers(frame: &Recording<'_>, seen: &Seen) -> Range<u32> {
+fn layers(frame: &Recording<'_>, seen: &VisibleInstance) -> Range<u32> {
     frame.params.debug.only_layer.map_or_else(
         || seen.drawing.shell_instances(),
         |k| k.min(seen.drawing.layers)..(k + 1).min(seen.drawing.layers),
@@ -71,8 +71,8 @@ fn layers(frame: &Recording<'_>, seen: &Seen) -> Range<u32> {
 }
 
 /// Returns the draws of an instance's furred parts.
-fn draws(frame: &mut Recording<'_>, seen: &Seen) -> Vec<Draw> {
-    let (layers, groups) = (layers(frame, seen), [frame.seen_from_eye(seen), seen.fur()]);
+fn draws(frame: &mut Recording<'_>, seen: &VisibleInstance) -> Vec<Draw> {
+    let (layers, groups) = (layers(frame, seen), [frame.eye_group(seen), seen.fur()]);
     let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part);
     let draws = frame.part_draws(seen, |part| part.furred, groups, layers.clone(), spec);
     if draws.len() < 2 {
@@ -105,7 +105,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     Outcome::Skipped(match (instances.is_empty(), frame.params.style.fur().and_then(|fur| fur.layers)) {
         (true, _) => "no instances",
         (_, Some(1)) => "one layer is the skin alone",
-        _ if !instances.iter().any(Seen::in_picture) => "nothing is in the picture",
+        _ if !instances.iter().any(VisibleInstance::in_picture) => "nothing is in the picture",
         _ if instances.iter().any(|seen| seen.look.strands) => "single strands are drawn in their place",
         _ if any_reduced(frame) => "the fur is too small on screen: far coats on the skin",
         _ => "no package has fur",

@@ -1,11 +1,11 @@
 //! `skin`: the opaque base mesh, bare parts included, into the application's colour target, with depth write.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{RenderSpec, Shader, on};
-use crate::hair::{groom, hair_wgsl, material};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{RenderSpec, Shader, flag};
+use crate::hair::{groom_constants, hair_wgsl, material_constants};
 use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{Recording, Seen};
+use crate::scene::{Recording, VisibleInstance};
 
 /// Shader of the `skin` pass.
 pub(crate) const SHADER: Shader =
@@ -19,7 +19,7 @@ impl PassId {
 /// Descriptor of the `skin` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "skin",
-    place: PassPlace::Picture,
+    place: PassStage::Picture,
     styles: &[StyleKind::Fur, StyleKind::Bare],
     does: "the opaque base mesh, depth written",
     runs_when: "always, but in ink",
@@ -28,24 +28,24 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part, furred: bool) -> RenderSpec {
+fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part, furred: bool) -> RenderSpec {
     let (model, look) = (&seen.model, &seen.look);
-    let mut constants = material(part);
-    constants.extend(look.lights());
+    let mut constants = material_constants(part);
+    constants.extend(look.lit_surface_constants());
     let sides = [look.mirrored, part.double_sided];
     if !furred {
-        constants.push(on("ROLL_OFF", frame.params.style.kind() == StyleKind::Bare));
+        constants.push(flag("ROLL_OFF", frame.params.style.kind() == StyleKind::Bare));
         let mut spec = frame.picture_spec(SHADER, ["vs_bare", "fs_bare"], constants, sides, false);
         // Bare parts bind no hair textures.
         spec.groups.truncate(2);
         return spec;
     }
-    constants.extend(groom(model, part));
+    constants.extend(groom_constants(model, part));
     constants.extend([
         // The surface has no lean unless it is raised to the far fur layer.
-        on("LEAN", model.varies().lean && look.coat),
-        on("PLANAR_DIRECTIONS", model.planar_directions()),
-        on("COAT", look.coat),
+        flag("LEAN", model.varies().lean && look.coat),
+        flag("PLANAR_DIRECTIONS", model.planar_directions()),
+        flag("COAT", look.coat),
     ]);
     frame.picture_spec(SHADER, ["vs_furred", "fs_furred"], constants, sides, false)
 }
@@ -56,7 +56,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let shown = || instances.iter().filter(|seen| seen.in_picture());
     let furry = frame.params.style.fur().is_some();
     for seen in shown() {
-        let groups = [frame.seen_from_eye(seen), seen.fur()];
+        let groups = [frame.eye_group(seen), seen.fur()];
         let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part, part.furred && furry);
         draws.extend(frame.part_draws(seen, |_| true, groups, 0..1, spec));
     }

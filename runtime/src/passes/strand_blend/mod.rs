@@ -1,9 +1,9 @@
 //! `strand_blend`: blends the nearest hair segments of each pixel into the application's pass, each at its own depth.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, Draw, Group, RenderSpec, Shader, on, storage, uniform};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{BindingResource, Draw, DrawBindGroup, RenderSpec, Shader, flag, storage, uniform};
 use crate::params::StyleKind;
-use crate::scene::{NearestHair, Recording};
+use crate::scene::{NearestHairBlock, Recording};
 
 /// Shader of the `strand_blend` pass.
 pub(crate) const SHADER: Shader = Shader {
@@ -24,7 +24,7 @@ impl PassId {
 /// Descriptor of the `strand_blend` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_blend",
-    place: PassPlace::Picture,
+    place: PassStage::Picture,
     styles: &[StyleKind::Fur],
     does: "the eight nearest pieces of hair in each pixel: the farthest first, each by how much it covers; then their depth",
     runs_when: "strands are drawn with blended edges",
@@ -40,13 +40,13 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let read = |binding| storage::<u32>(binding, both);
-        vec![read(0), read(1), read(2), uniform::<NearestHair>(3, false)]
+        vec![read(0), read(1), read(2), uniform::<NearestHairBlock>(3, false)]
     });
     let block = frame.uniforms.put(frame.gpu, &[nearest.block]);
     let lists = &nearest.lists;
     let buffers = [&lists.keys, &lists.lights, &lists.layers];
-    let mut entries: Vec<_> = (0..).zip(buffers.map(Bound::all)).collect();
-    entries.push((3, Bound::block::<NearestHair>(&block.buffer, block.offset)));
+    let mut entries: Vec<_> = (0..).zip(buffers.map(BindingResource::all)).collect();
+    entries.push((3, BindingResource::block::<NearestHairBlock>(&block.buffer, block.offset)));
     let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
     let blended = frame.picture_color(true);
     let nothing = wgpu::ColorTargetState { write_mask: wgpu::ColorWrites::empty(), ..frame.picture_color(false) };
@@ -57,7 +57,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             fragment: Some(fragment),
             groups: vec![layout.clone()],
             streams: Vec::new(),
-            constants: vec![on("REVERSED_DEPTH", frame.options.reversed_depth)],
+            constants: vec![flag("REVERSED_DEPTH", frame.options.reversed_depth)],
             primitive: wgpu::PrimitiveState::default(),
             colors: vec![color],
             depth: Some(frame.picture_depth(writes_depth, true)),
@@ -65,7 +65,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         };
         Draw {
             pipeline: frame.pipeline(spec),
-            groups: [Group::of(&group), None, None, None],
+            groups: [DrawBindGroup::of(&group), None, None, None],
             vertices: Default::default(),
             indices: None,
             range: 0..0,

@@ -1,9 +1,9 @@
 //! `strand_gather`: finds the nearest hair segments in each pixel by a compute rasteriser, once per frame.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, WORKGROUP, in_compute, on, storage_in, storage_out, uniform};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, WORKGROUP, in_compute, flag, storage_in, storage_out, uniform};
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, NearestHair, Recording, record_dispatches, strand_sets};
+use crate::scene::{Dispatch, NearestHairBlock, Recording, record_dispatches, strand_sets};
 
 /// Shader of the `strand_gather` pass.
 pub(crate) const SHADER: Shader = Shader {
@@ -23,7 +23,7 @@ impl PassId {
 /// Descriptor of the `strand_gather` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_gather",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "compute: finds the eight nearest pieces of hair in each pixel, and how much of it each covers",
     runs_when: "strands are drawn with blended edges",
@@ -43,7 +43,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             storage_out::<u32>(2),
             storage_out::<u32>(3),
             storage_out::<u32>(4),
-            in_compute(uniform::<NearestHair>(5, false)),
+            in_compute(uniform::<NearestHairBlock>(5, false)),
         ]
     });
     let instances = frame.instances.clone();
@@ -51,20 +51,20 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let mut count = 0;
     for (seen, set) in strand_sets(&instances) {
         let Some(ribbons) = set.ribbons else { continue };
-        let pieces = set.strands.pieces(set.drawn.step);
+        let pieces = set.strands.segments(set.drawn.step);
         let lists = &nearest.lists;
         // Both rounds use one pipeline: the second must reproduce the keys of the first bit by bit.
         let mut dispatch = |entry, round, threads| {
-            let block = frame.uniforms.put(frame.gpu, &[NearestHair { pieces, round, ..nearest.block }]);
+            let block = frame.uniforms.put(frame.gpu, &[NearestHairBlock { pieces, round, ..nearest.block }]);
             let buffers = [&ribbons.counts, &ribbons.corners, &lists.keys, &lists.lights, &lists.layers];
-            let mut entries: Vec<_> = (0..).zip(buffers.map(Bound::all)).collect();
-            entries.push((5, Bound::block::<NearestHair>(&block.buffer, block.offset)));
+            let mut entries: Vec<_> = (0..).zip(buffers.map(BindingResource::all)).collect();
+            entries.push((5, BindingResource::block::<NearestHairBlock>(&block.buffer, block.offset)));
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let groups = vec![frame.surfaces.frame.clone(), layout.clone()];
-            let constants = vec![on("REVERSED_DEPTH", frame.options.reversed_depth)];
+            let constants = vec![flag("REVERSED_DEPTH", frame.options.reversed_depth)];
             Dispatch {
                 pipeline: frame.compute_pipeline(ComputeSpec { shader: SHADER, entry, groups, constants }),
-                groups: vec![frame.seen_from_eye(seen), Group::of(&group)],
+                groups: vec![frame.eye_group(seen), DrawBindGroup::of(&group)],
                 threads,
             }
         };

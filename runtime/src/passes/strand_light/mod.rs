@@ -1,12 +1,12 @@
 //! `strand_light`: builds lit ribbons of the visible strands, once per frame. Later passes read only their vertices.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, WORKGROUP, in_compute, on, storage_in, storage_out, uniform};
-use crate::hair::{groom, hair_wgsl, material};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, WORKGROUP, in_compute, flag, storage_in, storage_out, uniform};
+use crate::hair::{groom_constants, hair_wgsl, material_constants};
 use crate::light::ShadowMaps;
 use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, Recording, Seen, StrandSet, posed_layout, record_dispatches, strand_sets};
+use crate::scene::{Dispatch, Recording, VisibleInstance, StrandSet, posed_layout, record_dispatches, strand_sets};
 use crate::shared::deep_opacity::DeepOpacity;
 
 /// Shader of the `strand_light` pass.
@@ -31,7 +31,7 @@ impl PassId {
 /// Descriptor of the `strand_light` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_light",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "compute: finds the strands that can be seen, and makes ribbons of them that face the eye, with the light of each point",
     runs_when: "strands are drawn",
@@ -40,17 +40,17 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str, u32)> {
-    let mut constants = seen.look.strand_lights();
-    constants.push(on("DEEP_SHADOW", seen.look.deep_shadow));
+fn constants(seen: &VisibleInstance, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str, u32)> {
+    let mut constants = seen.look.lit_strand_constants();
+    constants.push(flag("DEEP_SHADOW", seen.look.deep_shadow));
     // Mesh surface and groom do not apply to hair on guides.
     if let Some(guided) = set.strands.guided() {
-        constants.push(on("HANGS", true));
+        constants.push(flag("HANGS", true));
         constants.push(("FIBRE", guided.fibre));
     } else {
-        constants.extend(material(part));
-        constants.extend(groom(&seen.model, part));
-        constants.push(on("LEAN", seen.model.varies().lean));
+        constants.extend(material_constants(part));
+        constants.extend(groom_constants(&seen.model, part));
+        constants.push(flag("LEAN", seen.model.varies().lean));
     }
     constants
 }
@@ -84,8 +84,8 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             let deep = maps.and_then(|maps| maps.deep.as_ref()).unwrap_or(&strands.tile);
             let mut entries = frame.posed_strands(&set, &of_part, set.drawn).to_vec();
             let buffers = [&ribbons.seen, &ribbons.counts, &ribbons.corners, deep];
-            entries.extend((4..).zip(buffers.map(Bound::all)));
-            entries.push((8, Bound::block::<DeepOpacity>(&block.buffer, block.offset)));
+            entries.extend((4..).zip(buffers.map(BindingResource::all)));
+            entries.push((8, BindingResource::block::<DeepOpacity>(&block.buffer, block.offset)));
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let mut dispatch = |entry, threads| {
                 let surfaces = frame.surfaces;
@@ -93,7 +93,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
                 let spec = ComputeSpec { shader: SHADER, entry, groups, constants: constants(seen, &set, part) };
                 Dispatch {
                     pipeline: frame.compute_pipeline(spec),
-                    groups: vec![frame.seen_from_eye(seen), Group::of(&part.material), Group::of(&group)],
+                    groups: vec![frame.eye_group(seen), DrawBindGroup::of(&part.material), DrawBindGroup::of(&group)],
                     threads,
                 }
             };
@@ -110,7 +110,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if select.is_empty() {
         return Outcome::Skipped("no single hairs are to be seen");
     }
-    for ribbons in instances.iter().flat_map(Seen::strands).filter_map(|set| set.ribbons) {
+    for ribbons in instances.iter().flat_map(VisibleInstance::strands).filter_map(|set| set.ribbons) {
         frame.encoder.clear_buffer(&ribbons.seen, 0, None);
     }
     // Each dispatch sees the writes of those before it.

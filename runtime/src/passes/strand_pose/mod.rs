@@ -1,9 +1,9 @@
 //! `strand_pose`: places the points of all strands on the posed mesh, once per changed pose.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, in_compute, storage_in, storage_out, uniform};
-use crate::hair::grown;
-use crate::model::{Growth, Stand, Strand, StrandConstants};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, in_compute, storage_in, storage_out, uniform};
+use crate::hair::growth_and_wetness_constants;
+use crate::model::{StrandSource, SurfacePoint, Strand, StrandConstants};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
@@ -29,7 +29,7 @@ impl PassId {
 /// Descriptor of the `strand_pose` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_pose",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "compute: places the points of a coat's strands on the posed skin once for all later passes: of as many strands as those look at",
     runs_when: "strands of a coat are drawn, and the pose changed",
@@ -47,7 +47,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
         vec![
             storage_in::<GeometryVertex>(0),
-            storage_in::<Stand>(1),
+            storage_in::<SurfacePoint>(1),
             storage_in::<Strand>(2),
             storage_in::<[u32; 4]>(3),
             in_compute(uniform::<StrandConstants>(4, false)),
@@ -56,27 +56,27 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     });
     let mut dispatches = Vec::new();
     for (seen, set) in strand_sets(&instances) {
-        let Growth::Coat { stands } = &set.strands.growth else { continue };
+        let StrandSource::Fur { stands } = &set.strands.growth else { continue };
         if !set.posed.stale {
             continue;
         }
         let strands = set.strands;
         for (part, of_part) in set.parts(seen.model.parts(), set.posed.share) {
             let entries = vec![
-                (0, Bound::all(&seen.moved.geometry)),
-                (1, Bound::all(stands)),
-                (2, Bound::all(&strands.strands)),
-                (3, Bound::all(&strands.tile)),
-                (4, frame.strand_constants(&set, &of_part, &set.drawn.whole())),
-                (5, Bound::all(&set.posed.buffer)),
+                (0, BindingResource::all(&seen.moved.geometry)),
+                (1, BindingResource::all(stands)),
+                (2, BindingResource::all(&strands.strands)),
+                (3, BindingResource::all(&strands.tile)),
+                (4, frame.strand_constants(&set, &of_part, &set.drawn.full_detail())),
+                (5, BindingResource::all(&set.posed.buffer)),
             ];
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let groups = vec![layout.clone(), frame.surfaces.material.clone()];
-            let constants = grown(&seen.model, part);
+            let constants = growth_and_wetness_constants(&seen.model, part);
             let spec = ComputeSpec { shader: SHADER, entry: "pose_strands", groups, constants };
             dispatches.push(Dispatch {
                 pipeline: frame.compute_pipeline(spec),
-                groups: vec![Group::of(&group), Group::of(&part.material)],
+                groups: vec![DrawBindGroup::of(&group), DrawBindGroup::of(&part.material)],
                 threads: strands.points * of_part.len() as u32,
             });
         }

@@ -1,8 +1,8 @@
 //! `strand_shadow`: deep opacity map of single strands, seen from the key light.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, depth_texture, in_compute, on, storage_out, uniform};
-use crate::hair::{DrawnSet, grown_by};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, depth_texture, in_compute, flag, storage_out, uniform};
+use crate::hair::{StrandSetDrawing, growth_constants};
 use crate::light::CasterPass;
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, posed_layout, record_depth, record_dispatches, strand_sets};
@@ -33,7 +33,7 @@ impl PassId {
 /// Descriptor of the `strand_shadow` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_shadow",
-    place: PassPlace::Before,
+    place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "compute: how much hair lies before each point in the key light, in slabs behind the first hair of each texel (a deep opacity map)",
     runs_when: "strands are drawn with self-shadow, and light, pose or model changed",
@@ -77,24 +77,24 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let step = strands.steps().rfind(|step| pieces / step >= fewest).unwrap_or(1);
         // The share is fixed, so that the map does not depend on the distance of the eye when it was drawn.
         let share = strands.shadow_share();
-        let thrown = DrawnSet { share, widened: share.recip(), step, ..*set.drawn };
+        let thrown = StrandSetDrawing { share, widened: share.recip(), step, ..*set.drawn };
         for (part, of_part) in set.parts(seen.model.parts(), share) {
             let mut entries = frame.posed_strands(&set, &of_part, &thrown).to_vec();
             entries.extend([
-                (4, Bound::all(deep)),
-                (5, Bound::View(maps.nearest.view.clone())),
-                (6, Bound::block::<DeepOpacity>(&block.buffer, block.offset)),
+                (4, BindingResource::all(deep)),
+                (5, BindingResource::View(maps.nearest.view.clone())),
+                (6, BindingResource::block::<DeepOpacity>(&block.buffer, block.offset)),
             ]);
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let mut dispatch = |entry| {
                 let surfaces = frame.surfaces;
                 let groups = vec![surfaces.frame.clone(), surfaces.material.clone(), layout.clone()];
                 let coat = strands.guided().is_none();
-                let constants = if coat { grown_by(&seen.model, part) } else { vec![on("GUIDED", true)] };
+                let constants = if coat { growth_constants(&seen.model, part) } else { vec![flag("GUIDED", true)] };
                 let spec = ComputeSpec { shader: SHADER, entry, groups, constants };
                 Dispatch {
                     pipeline: frame.compute_pipeline(spec),
-                    groups: vec![frame.seen_from_light(seen), Group::of(&part.material), Group::of(&group)],
+                    groups: vec![frame.light_group(seen), DrawBindGroup::of(&part.material), DrawBindGroup::of(&group)],
                     threads: of_part.len() as u32,
                 }
             };

@@ -1,8 +1,8 @@
 //! `strands`: hair as ribbons that face the eye, opaque and of true width, into the application's pass, with depth test
 //! and depth write.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Draw, RenderSpec, Shader, Stream, attribute};
+use super::{Outcome, Pass, PassId, PassStage};
+use crate::gpu::{Draw, RenderSpec, Shader, VertexLayout, attribute};
 use crate::model::CORNER_BYTES;
 use crate::params::StyleKind;
 use crate::scene::{Recording, strand_sets};
@@ -25,7 +25,7 @@ impl PassId {
 /// Descriptor of the `strands` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strands",
-    place: PassPlace::Picture,
+    place: PassStage::Picture,
     styles: &[StyleKind::Fur],
     does: "strands one by one: opaque ribbons of true width that face the eye, depth written",
     runs_when: "single hairs are to be seen, the package has strands, and edges are not blended",
@@ -35,7 +35,7 @@ pub(crate) const PASS: Pass = Pass {
 };
 
 /// Vertex stream of ribbon corners: world-space position, and light.
-const CORNER: Stream = Stream {
+const CORNER: VertexLayout = VertexLayout {
     stride: CORNER_BYTES,
     attributes: &[attribute(0, wgpu::VertexFormat::Float32x3, 0), attribute(1, wgpu::VertexFormat::Uint32, 12)],
 };
@@ -65,7 +65,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         };
         draws.push(Draw {
             pipeline: frame.pipeline(spec),
-            groups: [frame.seen_from_eye(seen), None, None, None],
+            groups: [frame.eye_group(seen), None, None, None],
             vertices: [Some(ribbons.corners.clone()), None, None, None],
             indices: Some(indices.clone()),
             range: 0..0,

@@ -5,11 +5,11 @@ use super::kinds::{
     LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
-use crate::{Picture, Viewpoint, camera};
+use crate::{TargetSettings, Viewpoint, camera};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
-    DebugView, Detail, FrameParams, FurParams, FurShow, Hair, HairMotionParams, InkBackground, InkParams, InkShow,
+    DebugView, Detail, FrameParams, FurParams, FurDebugView, HairGeometry, HairMotionParams, InkBackground, InkParams, InkDebugView,
     Light, LineWidth, Scattering, SelfShadow, ShadowParams, StrandEdges, Style,
 };
 
@@ -18,9 +18,9 @@ const ANY_VIEW: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_de
 
 impl Look {
     /// Returns the render target settings.
-    pub fn picture(&self) -> Picture {
+    pub fn picture(&self) -> TargetSettings {
         let size = self.picture.size;
-        Picture { size: (size.width, size.height), samples: self.picture.samples.0, background: self.background() }
+        TargetSettings { size: (size.width, size.height), samples: self.picture.samples.0, background: self.background() }
     }
 
     /// Returns the frame parameters of the look. The camera is a placeholder until a [`crate::Stage`] or the
@@ -41,9 +41,9 @@ impl Look {
                 KeyLight::Distant(towards) => distant(towards, self.key_strength()),
                 KeyLight::Nearby(position) => Light::Point { position, color: Vec3::splat(self.key_strength()) },
             };
-            params.environment = self.light_around();
+            params.environment = self.environment();
             if let (Some(around), None) = (&params.environment, self.light.strength) {
-                params.light = around.sun.as_ref().map_or_else(|| distant(around.middle().as_vec3(), 0.0), Light::sun);
+                params.light = around.sun.as_ref().map_or_else(|| distant(around.mean_direction().as_vec3(), 0.0), Light::sun);
             }
             params.style = style;
             params.fill_lights = self.fill_lights().map(|(towards, strength)| distant(towards, strength)).collect();
@@ -81,7 +81,7 @@ impl Look {
                 LookDetail::Level(level) => Detail::Level(level),
             };
             fur.fins = self.fur.fins;
-            fur.hair = same!(self.fur.hair, LookHair => Hair: Auto, Shells, Strands);
+            fur.hair = same!(self.fur.hair, LookHair => HairGeometry: Auto, Shells, Strands);
             fur.strand_edges = same!(self.fur.strand_edges, LookStrandEdges => StrandEdges: Samples, Blended);
             fur.scattering = same!(self.fur.scattering, LookScattering => Scattering: Multiple, Single, Off);
             fur.self_shadow = same!(self.shadow.self_shadow, LookSelfShadow => SelfShadow: Auto, Baked, Maps, Off);
@@ -133,8 +133,8 @@ impl Look {
     /// Returns the debug view.
     pub(crate) fn debug_view(&self) -> DebugView {
         let mut view = DebugView::default();
-        view.fur = same!(self.fur.show, LookFurShow => FurShow: Picture, Geometry, Overdraw);
-        view.ink = same!(self.ink.show, LookShow => InkShow: Painting, Lines, Features, Wash);
+        view.fur = same!(self.fur.show, LookFurShow => FurDebugView: Picture, Geometry, Overdraw);
+        view.ink = same!(self.ink.show, LookShow => InkDebugView: Painting, Lines, Features, Wash);
         view
     }
 }

@@ -315,7 +315,7 @@ text_field!(
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkySource {
     /// Kind of source.
-    pub of: SkyOf,
+    pub kind: SkyKind,
     /// Rotation in degrees, from +x towards −z, in the direction that models turn.
     pub yaw_deg: f32,
     /// Lights read from the file ([`crate::Look::take_lights`]); not part of the text.
@@ -324,7 +324,7 @@ pub struct SkySource {
 
 /// Kinds of environment map sources.
 #[derive(Clone, Debug, PartialEq)]
-pub enum SkyOf {
+pub enum SkyKind {
     /// File: a panorama, `.hdr` or `.exr`, or lights, `.toml`.
     File(String),
     /// Uniform light from all directions, linear RGB, 0 or more.
@@ -344,20 +344,20 @@ impl SkySource {
         };
         let end = of.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase());
         let of = match (of.split_once('/'), end.as_deref()) {
-            (Some((above, below)), _) if colour(above).is_some() => SkyOf::Gradient(colour(above)?, colour(below)?),
-            _ if colour(of).is_some() => SkyOf::Even(colour(of)?),
-            (_, Some("hdr" | "exr" | "toml")) => SkyOf::File(of.to_owned()),
+            (Some((above, below)), _) if colour(above).is_some() => SkyKind::Gradient(colour(above)?, colour(below)?),
+            _ if colour(of).is_some() => SkyKind::Even(colour(of)?),
+            (_, Some("hdr" | "exr" | "toml")) => SkyKind::File(of.to_owned()),
             _ => return None,
         };
-        yaw_deg.is_finite().then_some(Self { of, yaw_deg, lights: None })
+        yaw_deg.is_finite().then_some(Self { kind: of, yaw_deg, lights: None })
     }
 
     fn text(&self) -> String {
         let colour = |[r, g, b]: [f32; 3]| format!("{r:?},{g:?},{b:?}");
-        let of = match &self.of {
-            SkyOf::File(path) => path.clone(),
-            SkyOf::Even(rgb) => colour(*rgb),
-            SkyOf::Gradient(above, below) => format!("{}/{}", colour(*above), colour(*below)),
+        let of = match &self.kind {
+            SkyKind::File(path) => path.clone(),
+            SkyKind::Even(rgb) => colour(*rgb),
+            SkyKind::Gradient(above, below) => format!("{}/{}", colour(*above), colour(*below)),
         };
         if self.yaw_deg == 0.0 { of } else { format!("{of}:{:?}", self.yaw_deg) }
     }
@@ -400,9 +400,9 @@ text_field!(
 
 /// Direction of any length but 0: the validation of a knob that is a direction.
 #[derive(Clone, Copy)]
-pub(super) struct Towards(pub [f32; 3]);
+pub(super) struct DirectionField(pub [f32; 3]);
 
-impl Field for Towards {
+impl Field for DirectionField {
     type Range = Range<f32>;
 
     fn expected(range: &Self::Range) -> String {
@@ -416,7 +416,7 @@ impl Field for Towards {
     fn from_raw(raw: &Raw) -> Option<Self> {
         // A scene file's [view] and the short form of a fill light write it as text.
         match raw {
-            Raw::String(text) => <[f32; 3]>::from_raw(&<[f32; 3]>::raw_of_word(text)),
+            Raw::String(text) => <[f32; 3]>::from_raw(&<[f32; 3]>::parse_word(text)),
             raw => <[f32; 3]>::from_raw(raw),
         }
         .map(Self)
@@ -430,8 +430,8 @@ impl Field for Towards {
         self.0.to_toml()
     }
 
-    fn raw_of_word(word: &str) -> Raw {
-        <[f32; 3]>::raw_of_word(word)
+    fn parse_word(word: &str) -> Raw {
+        <[f32; 3]>::parse_word(word)
     }
 }
 
@@ -451,14 +451,14 @@ pub(super) const PLACE: Range<f32> = -1e6..=1e6;
 impl FillLight {
     fn of(direction: Option<&Raw>, strength: Option<&Raw>) -> Result<Self, String> {
         let direction = direction.ok_or("direction is missing")?;
-        let direction = Towards::read(direction, &PLACE).map_err(|reason| format!("direction: {reason}"))?.0;
+        let direction = DirectionField::read(direction, &PLACE).map_err(|reason| format!("direction: {reason}"))?.0;
         let strength = strength.map_or(Ok(1.0), |raw| f32::read(raw, &STRENGTH));
         Ok(Self { direction, strength: strength.map_err(|reason| format!("strength: {reason}"))? })
     }
 }
 
 impl Item for FillLight {
-    const ALONE: bool = true;
+    const ALLOW_SINGLE: bool = true;
 
     fn expected_list() -> String {
         "a list of lights such as { direction = [1, 2, 1], strength = 0.5 } or \"1,2,1/0.5\"".into()
@@ -468,8 +468,8 @@ impl Item for FillLight {
         match raw {
             Raw::String(text) => {
                 let (direction, strength) = text.split_once('/').map_or((text.as_str(), None), |(d, s)| (d, Some(s)));
-                let strength = strength.map(f32::raw_of_word);
-                Self::of(Some(&Towards::raw_of_word(direction)), strength.as_ref()).map_err(Some)
+                let strength = strength.map(f32::parse_word);
+                Self::of(Some(&DirectionField::parse_word(direction)), strength.as_ref()).map_err(Some)
             }
             Raw::Table(table) => {
                 if let Some((key, _)) = table.iter().find(|(key, _)| key != "direction" && key != "strength") {
@@ -483,7 +483,7 @@ impl Item for FillLight {
     }
 
     fn in_range(&self) -> bool {
-        Towards(self.direction).in_range(&PLACE) && self.strength.in_range(&STRENGTH)
+        DirectionField(self.direction).in_range(&PLACE) && self.strength.in_range(&STRENGTH)
     }
 
     fn to_toml(&self) -> String {

@@ -82,7 +82,7 @@ pub const SHORT_FORMS: &[ShortForm] = &[
 pub const SAMPLES: ShortForm = short("samples", "N", "picture.samples");
 
 /// Returns the reason why a key of the papers' printed forms, by its current or former name, is unknown to this build.
-pub(super) fn in_laboratory(name: &str) -> Option<String> {
+pub(super) fn laboratory_hint(name: &str) -> Option<String> {
     let (table, key) = name.split_once('.').unwrap_or((name, ""));
     let now = format!("study.{}{key}", if table == "ink" { "ink_" } else { "" });
     let is_printed = name == "study" || SHORT_FORMS.iter().any(|short| short.key == now);

@@ -1,7 +1,7 @@
 //! Look keys of the laboratory: the papers' printed forms instead of those that pelage draws with.
 
 use pelage_params::{params, words};
-use pelage_runtime::{Anchoring, FeatureRule, Lighting, PenumbraForm, SlantForm, SphereMapForm, Study};
+use pelage_runtime::{Anchoring, FeatureRule, LightingStage, PenumbraForm, SlantForm, SphereMapForm, Study};
 
 words! {
     /// Position of a soft shadow's penumbra.
@@ -106,9 +106,9 @@ impl LookStudy {
         let slant = |slant| same!(slant, LookSlant => SlantForm: Corrected, Printed);
         Study::default().with(|study| {
             study.light_slant = slant(self.slant);
-            study.look_slant = slant(self.view_slant);
+            study.view_slant = slant(self.view_slant);
             study.penumbra = same!(self.penumbra_form, LookPenumbra => PenumbraForm: Centred, Inner);
-            study.lighting = same!(self.lighting, LookLighting => Lighting: Pixel, Vertex);
+            study.lighting = same!(self.lighting, LookLighting => LightingStage: Pixel, Vertex);
             study.ambient_attenuation = self.ambient_attenuation;
             study.back_attenuation = self.back_attenuation;
             study.features = same!(self.ink_rule, LookRule => FeatureRule: AnyBelow, AllBelow);

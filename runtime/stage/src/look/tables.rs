@@ -2,9 +2,9 @@
 
 use super::kinds::{
     Background, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow,
-    LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, SkyOf, SkySource, Towards,
+    LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, SkyKind, SkySource, DirectionField,
 };
-use super::short::in_laboratory;
+use super::short::laboratory_hint;
 #[cfg(feature = "study")]
 use super::study::LookStudy;
 use crate::framing::TOWARDS_LIGHT;
@@ -34,7 +34,7 @@ params! {
     /// `[light]`: the lights. The key light casts shadows, fill lights do not.
     LookLight in light {
         /// Direction towards a distant key light, x,y,z of any length; replaces `position_m`.
-        direction: [f32; 3] = TOWARDS_LIGHT.to_array(), in PLACE, as Towards, clears position_m;
+        direction: [f32; 3] = TOWARDS_LIGHT.to_array(), in PLACE, as DirectionField, clears position_m;
         /// Position of a nearby key light, x,y,z in metres; replaces `direction`.
         position_m: Option<[f32; 3]> = None, in PLACE, or "none";
         /// Strength of the key light. `auto` is 1, or 0 with an environment map, whose sun then is the key light, if it
@@ -70,14 +70,14 @@ impl LookEnvironment {
 
     /// Returns the environment map given by colours, neither rotated nor scaled. A ground, if set, replaces the light
     /// from below by reflected light. `None` for a file.
-    pub fn said(&self) -> Option<Environment> {
-        let (above, lights) = match &self.sky.as_ref()?.of {
-            SkyOf::File(_) => return None,
-            SkyOf::Even(radiance) => (radiance, Environment::constant(*radiance)),
-            SkyOf::Gradient(above, below) => (above, Environment::gradient(*above, *below)),
+    pub fn from_colors(&self) -> Option<Environment> {
+        let (above, lights) = match &self.sky.as_ref()?.kind {
+            SkyKind::File(_) => return None,
+            SkyKind::Even(radiance) => (radiance, Environment::constant(*radiance)),
+            SkyKind::Gradient(above, below) => (above, Environment::gradient(*above, *below)),
         };
         let Some(ground) = self.ground_color() else { return Some(lights) };
-        let comes = lights.onto_ground().as_vec3().to_array();
+        let comes = lights.ground_irradiance().as_vec3().to_array();
         Some(Environment::gradient(*above, std::array::from_fn(|i| ground[i] * comes[i])))
     }
 }
@@ -185,7 +185,7 @@ params! {
 
 tables! {
     /// Look of a picture. `Look::default()` is fur in soft daylight, 834 × 424 pixels.
-    pub struct Look, such as "shadow.penumbra=0.3", elsewhere in_laboratory {
+    pub struct Look, such as "shadow.penumbra=0.3", elsewhere laboratory_hint {
         /// Size, style and background of the picture.
         picture: LookPicture,
         /// Key light and fill lights.
@@ -274,22 +274,22 @@ impl Look {
     }
 
     /// Returns the environment map, rotated and scaled; `None` without one, and for a file that has not been read.
-    pub fn light_around(&self) -> Option<Environment> {
+    pub fn environment(&self) -> Option<Environment> {
         let source = self.environment.sky.as_ref()?;
-        let lights = match &source.of {
-            SkyOf::File(_) => source.lights.as_deref()?.clone(),
-            _ => self.environment.said()?,
+        let lights = match &source.kind {
+            SkyKind::File(_) => source.lights.as_deref()?.clone(),
+            _ => self.environment.from_colors()?,
         };
-        Some(lights.turned(source.yaw_deg).times(self.environment.strength))
+        Some(lights.turned(source.yaw_deg).scaled(self.environment.strength))
     }
 
     /// Reads the environment file with `read`, if there is one that has not been read yet.
     ///
     /// # Errors
     /// The error of `read`.
-    pub fn take_lights(&mut self, read: &mut ReadLights<'_>) -> Result<(), String> {
+    pub fn read_environment(&mut self, read: &mut ReadLights<'_>) -> Result<(), String> {
         let (lobes, ground) = (self.environment.lobes, self.environment.ground_color());
-        if let Some(SkySource { of: SkyOf::File(path), lights: lights @ None, .. }) = &mut self.environment.sky {
+        if let Some(SkySource { kind: SkyKind::File(path), lights: lights @ None, .. }) = &mut self.environment.sky {
             *lights = Some(read(Path::new(path), lobes, ground)?);
         }
         Ok(())
@@ -301,8 +301,8 @@ impl Look {
     }
 
     /// Resolves a relative path of the environment file against that folder.
-    pub fn files_in(&mut self, folder: &Path) {
-        if let Some(SkySource { of: SkyOf::File(path), .. }) = &mut self.environment.sky {
+    pub fn resolve_files(&mut self, folder: &Path) {
+        if let Some(SkySource { kind: SkyKind::File(path), .. }) = &mut self.environment.sky {
             *path = folder.join(&*path).display().to_string();
         }
     }
@@ -315,7 +315,7 @@ impl Look {
         let before = self.environment.sky.take();
         let read = self.read(text);
         match &self.environment.sky {
-            Some(_) => self.files_in(folder),
+            Some(_) => self.resolve_files(folder),
             None => self.environment.sky = before,
         }
         read
@@ -336,7 +336,7 @@ impl Look {
     }
 
     /// Makes the key light distant, in that direction.
-    pub(crate) fn light_from(&mut self, direction: Vec3) {
+    pub(crate) fn set_light_direction(&mut self, direction: Vec3) {
         self.light.direction = direction.to_array();
         self.light.position_m = None;
     }

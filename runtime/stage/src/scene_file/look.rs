@@ -7,7 +7,7 @@ use pelage_params::{ParamError, unknown_key};
 use std::path::Path;
 
 /// Keys that belong to another table than `[view]`, or to none.
-const ELSEWHERE: [(&str, &str); 9] = [
+const KEYS_OF_OTHER_TABLES: [(&str, &str); 9] = [
     ("camera", "in [camera]"),
     ("light", "in [light]"),
     ("point_light", "as position in [light]"),
@@ -43,14 +43,14 @@ impl SceneFile {
             Some(SceneLook::File(path)) => {
                 let folder = Path::new(path).parent().unwrap_or(Path::new(""));
                 let (file, text) = file(path).map_err(|reason| self.fault("look", reason))?;
-                let fault = |error: ParamError| StageError::Input { file, place: error.place(), reason: error.reason };
+                let fault = |error: ParamError| StageError::Input { file, place: error.location(), reason: error.reason };
                 look.read_in(folder, &text).map_err(fault)?;
             }
         }
         if let Some(light) = &self.scene.light {
             super::check_light(&self.source(), Some(light))?;
             if let Some(towards) = light.direction {
-                look.light_from(towards.0);
+                look.set_light_direction(towards.0);
             }
             look.light.position_m = light.position.map(|position| position.0.to_array());
         }
@@ -59,7 +59,7 @@ impl SceneFile {
 
     /// Applies one key of `[view]`.
     fn view(&self, look: &mut Look, name: &str, value: &toml::Value) -> Result<(), String> {
-        if let Some((_, place)) = ELSEWHERE.iter().find(|(key, _)| *key == name) {
+        if let Some((_, place)) = KEYS_OF_OTHER_TABLES.iter().find(|(key, _)| *key == name) {
             return Err(format!("expected it {place}"));
         }
         let short = short_form(name)?;

@@ -38,11 +38,11 @@
 mod look;
 mod text;
 
-use crate::cast::{Actor, Cast, Place, Playing, carried_by, clip_named, framed, morph_named};
+use crate::cast::{Actor, Cast, Placement, Playback, root_displacement, clip_named, frame_actors, morph_named};
 use crate::framing::{FOV_DEG, Framing};
 use crate::toml_text::TomlText;
 use crate::track::Track;
-use crate::{NamedPackage, Shot, StageError, Viewpoint};
+use crate::{NamedPackage, CameraTrack, StageError, Viewpoint};
 use glam::Vec3;
 use pelage_formats::Animation;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ pub use text::{
 };
 
 /// Minimum displacement of a clip used with root motion, metres.
-const LEAST_WAY_M: f32 = 1e-4;
+const MIN_DISPLACEMENT_M: f32 = 1e-4;
 
 /// Scene file: its contents, and the location of each item for messages.
 #[derive(Clone, Debug)]
@@ -98,7 +98,7 @@ pub struct LoadedScene {
     /// Names of [`Self::actors`], in order.
     pub names: Vec<String>,
     /// Camera; `None` frames all models.
-    pub camera: Option<Shot>,
+    pub camera: Option<CameraTrack>,
 }
 
 impl SceneFile {
@@ -169,7 +169,7 @@ impl SceneFile {
             let clip = playing(&source, i, model, &packages[package].name, &animations[package])?;
             let morphs = weights(&source, i, model, &packages[package].name, &animations[package])?;
             let carried = carried(&source, i, model, clip, &animations[package])?;
-            actors.push(Actor { package, place, clip, over: None, carried, morphs });
+            actors.push(Actor { package, place, clip, fade_to: None, cycle_displacement: carried, morphs });
         }
         Ok(LoadedScene { packages, actors, names, camera })
     }
@@ -187,9 +187,9 @@ impl LoadedScene {
         let packages = self.packages.iter().map(open).collect::<Result<Vec<_>, StageError>>()?;
         let asked = framing.orbit.is_some() || framing.look_at.is_some();
         let camera = match (camera, self.camera.as_ref().filter(|_| !asked)) {
-            (Some(camera), _) => Shot::fixed(camera),
+            (Some(camera), _) => CameraTrack::fixed(camera),
             (None, Some(shot)) => shot.clone(),
-            (None, None) => Shot::fixed(framed(&packages, &self.actors, aspect, framing)?),
+            (None, None) => CameraTrack::fixed(frame_actors(&packages, &self.actors, aspect, framing)?),
         };
         Ok(Cast { packages, actors: self.actors.clone(), camera })
     }
@@ -210,7 +210,7 @@ fn check_light(source: &TomlText<'_>, light: Option<&SceneLight>) -> Result<(), 
     }
 }
 
-fn shot(source: &TomlText<'_>, camera: &SceneCamera) -> Result<Shot, StageError> {
+fn shot(source: &TomlText<'_>, camera: &SceneCamera) -> Result<CameraTrack, StageError> {
     let fov = |fov: Option<FieldOfView>| fov.map_or(FOV_DEG, |fov| fov.0);
     let keys: Vec<(String, f32, Vec3, Vec3, f32)> = match (camera.eye, camera.target, &camera.path) {
         (Some(eye), Some(target), None) => vec![("camera.target".into(), 0.0, eye.0, target.0, fov(camera.fov_deg))],
@@ -229,7 +229,7 @@ fn shot(source: &TomlText<'_>, camera: &SceneCamera) -> Result<Shot, StageError>
     if let Some((place, ..)) = keys.iter().find(|(_, _, eye, target, _)| eye == target) {
         return Err(source.fault(place, "found the same point as the eye, expected them apart"));
     }
-    Ok(Shot {
+    Ok(CameraTrack {
         eye: source.track("camera.path", keys.iter().map(|k| (k.1, k.2)).collect())?,
         target: source.track("camera.path", keys.iter().map(|k| (k.1, k.3)).collect())?,
         fov_deg: source.track("camera.path", keys.iter().map(|k| (k.1, k.4)).collect())?,
@@ -267,13 +267,13 @@ fn check_clip(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<(),
     }
 }
 
-fn place(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<Place, StageError> {
+fn place(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<Placement, StageError> {
     let scale = model.scale.map_or(1.0, |scale| scale.0);
     let key = |name: &str| format!("model[{i}].{name}");
     let Some(path) = &model.path else {
         let heading_deg = Track::fixed(model.heading_deg.map_or(0.0, |heading| heading.0));
         let position = Track::fixed(model.position.map_or(Vec3::ZERO, |position| position.0));
-        return Ok(Place { position, heading_deg: Some(heading_deg), scale });
+        return Ok(Placement { position, heading_deg: Some(heading_deg), scale });
     };
     for (name, given) in [("position", model.position.is_some()), ("heading_deg", model.heading_deg.is_some())] {
         if given {
@@ -291,7 +291,7 @@ fn place(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<Place, S
     } else {
         Some(source.track(&key("path"), headings.into_iter().flatten().collect())?)
     };
-    Ok(Place { position, heading_deg, scale })
+    Ok(Placement { position, heading_deg, scale })
 }
 
 /// Reads every package that the models name, once. Also returns the package index of each model.
@@ -320,13 +320,13 @@ fn playing(
     model: &SceneModel,
     package: &str,
     animation: &Animation,
-) -> Result<Option<Playing>, StageError> {
+) -> Result<Option<Playback>, StageError> {
     let Some(name) = &model.clip else { return Ok(None) };
     let (clip, duration_s) = clip_named(animation, name).map_err(|has| {
         let reason = format!("found {name:?}, expected a clip of {package}, which {has}");
         source.fault(&format!("model[{i}].clip"), reason)
     })?;
-    Ok(Some(Playing {
+    Ok(Some(Playback {
         clip,
         duration_s,
         start_s: model.start_s.map_or(0.0, |start| start.0),
@@ -340,12 +340,12 @@ fn carried(
     source: &TomlText<'_>,
     i: usize,
     model: &SceneModel,
-    clip: Option<Playing>,
+    clip: Option<Playback>,
     animation: &Animation,
 ) -> Result<Vec3, StageError> {
     let Some(playing) = clip.filter(|_| model.root_motion) else { return Ok(Vec3::ZERO) };
-    let way = carried_by(animation, playing.clip);
-    if way.length() < LEAST_WAY_M {
+    let way = root_displacement(animation, playing.clip);
+    if way.length() < MIN_DISPLACEMENT_M {
         let name = &animation.clips[playing.clip].name;
         let reason = format!(
             "found true, but the clip {name:?} ends where it began, expected one that moves its root, or a path"

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// Maximum coordinate, metres, and maximum time, seconds.
-const FARTHEST: f64 = 1e6;
+const MAX_VALUE: f64 = 1e6;
 
 /// Scene as written in its file: plain data that can be inspected and changed before loading.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -156,7 +156,7 @@ impl TryFrom<f64> for Number {
     type Error = String;
 
     fn try_from(x: f64) -> Result<Self, String> {
-        within(x, -FARTHEST, FARTHEST).map(Self)
+        within(x, -MAX_VALUE, MAX_VALUE).map(Self)
     }
 }
 
@@ -169,7 +169,7 @@ impl TryFrom<[f64; 3]> for Point {
     type Error = String;
 
     fn try_from(xyz: [f64; 3]) -> Result<Self, String> {
-        let [x, y, z] = xyz.map(|x| within(x, -FARTHEST, FARTHEST));
+        let [x, y, z] = xyz.map(|x| within(x, -MAX_VALUE, MAX_VALUE));
         Ok(Self(Vec3::new(x?, y?, z?)))
     }
 }

@@ -1,6 +1,6 @@
 //! Fitting: a panorama as a small set of lights.
 
-use super::lobes::{Cells, Chosen};
+use super::lobes::{Cells, LobeSelection};
 use super::panorama::Panorama;
 use super::sun;
 use glam::DVec3;
@@ -23,7 +23,7 @@ impl Default for FitParams {
 
 /// Lights fitted to a panorama, and their deviation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fitted {
+pub struct FitResult {
     /// Fitted lights.
     pub environment: Environment,
     /// Share of all light that comes from the sun.
@@ -35,7 +35,7 @@ pub struct Fitted {
     /// this sky; both over its cells of 5.6 degrees.
     pub error: f64,
     /// Number of invalid panorama pixels that were repaired.
-    pub mended: u32,
+    pub repaired_pixels: u32,
 }
 
 /// Width and height of the picture that lights are fitted to: 5.6 degrees per cell, below the least width of a lobe.
@@ -48,11 +48,11 @@ const MOVES_OF_ALL: usize = 8;
 impl Panorama {
     /// Fits lights to the panorama, by least squares of radiance over solid angle. The same picture gives the same
     /// lights on every machine.
-    pub fn fit(&self, params: FitParams) -> Fitted {
-        let whole = self.whole();
+    pub fn fit(&self, params: FitParams) -> FitResult {
+        let whole = self.total();
         let (sun, without) = sun::split(self, params.sun);
         let cells = Cells::new(&without.reduced(CELLS));
-        let mut chosen = Chosen::new(&cells);
+        let mut chosen = LobeSelection::new(&cells);
         for _ in 0..params.lobes.min(Environment::MOST_LOBES) {
             if !chosen.add_best() {
                 break;
@@ -71,21 +71,21 @@ impl Panorama {
         lobes.sort_by(|a, b| brightness(b.whole()).total_cmp(&brightness(a.whole())));
         let sun_light = sun.map_or(0.0, |sun| brightness(DVec3::from(sun.color.map(f64::from))) * std::f64::consts::PI);
         let mut environment = Environment { even: even.as_vec3().into(), sun: None, lobes };
-        let rest = without.whole();
+        let rest = without.total();
         // Least squares preserve the total light only if the uniform light has some of each colour.
-        let scale = (rest / environment.whole().max(DVec3::splat(1e-300))).as_vec3().to_array();
+        let scale = (rest / environment.total().max(DVec3::splat(1e-300))).as_vec3().to_array();
         let scaled = |color: [f32; 3]| std::array::from_fn(|i| color[i] * scale[i]);
         environment.even = scaled(environment.even);
         environment.lobes.iter_mut().for_each(|lobe| lobe.radiance = scaled(lobe.radiance));
-        let part = (environment.whole() - rest).abs() / rest.max(DVec3::splat(1e-300));
+        let part = (environment.total() - rest).abs() / rest.max(DVec3::splat(1e-300));
         let energy = if rest.max_element() > 0.0 { part.max_element() } else { 0.0 };
         let error = chosen.error();
-        Fitted {
+        FitResult {
             environment: Environment { sun, ..environment },
             sun_share: if brightness(whole) > 0.0 { sun_light / brightness(whole) } else { 0.0 },
             energy,
             error,
-            mended: self.mended(),
+            repaired_pixels: self.mended(),
         }
     }
 }

@@ -12,7 +12,7 @@ const WIDTHS_DEG: [f64; 6] = [8.0, 12.0, 18.0, 27.0, 40.0, 60.0];
 const LEAST_DEG: f64 = 8.0;
 const MOST_DEG: f64 = 75.0;
 /// Minimum share of the total light that a lobe must explain to be added.
-const WORTH: f64 = 1e-7;
+const MIN_GAIN: f64 = 1e-7;
 
 /// Sky divided into cells.
 pub(super) struct Cells {
@@ -62,7 +62,7 @@ impl Shape {
 }
 
 /// Lobes chosen so far.
-pub(super) struct Chosen<'a> {
+pub(super) struct LobeSelection<'a> {
     cells: &'a Cells,
     candidates: Vec<(Shape, Vec<f64>)>,
     shapes: Vec<Shape>,
@@ -76,7 +76,7 @@ pub(super) struct Chosen<'a> {
     rest: [Vec<f64>; 3],
 }
 
-impl<'a> Chosen<'a> {
+impl<'a> LobeSelection<'a> {
     /// Creates a selection that contains only uniform light.
     pub(super) fn new(cells: &'a Cells) -> Self {
         let candidates = spread_evenly(DIRECTIONS).flat_map(|towards| {
@@ -107,7 +107,7 @@ impl<'a> Chosen<'a> {
         };
         let best = self.candidates.iter().map(|(shape, column)| (shape, worth(column)));
         let Some((shape, worth)) = best.max_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
-        if worth <= WORTH * self.cells.size {
+        if worth <= MIN_GAIN * self.cells.size {
             return false;
         }
         self.shapes.push(*shape);

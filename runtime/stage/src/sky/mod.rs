@@ -11,7 +11,7 @@ mod squares;
 mod sun;
 mod text;
 
-pub use fit::{FitParams, Fitted};
+pub use fit::{FitParams, FitResult};
 pub use panorama::Panorama;
 pub use pelage_formats::meaning::environment::{Environment, LightLobe, Sun};
 pub use text::{environment_from_toml, environment_to_toml};

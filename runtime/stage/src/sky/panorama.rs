@@ -41,7 +41,7 @@ impl Panorama {
                 pixels.len(),
                 Self::MOST_PIXELS
             );
-            return Err(StageError::Asked { what: "panorama".into(), reason });
+            return Err(StageError::Request { what: "panorama".into(), reason });
         }
         let finite = pixels.iter().flatten().copied().filter(|x| x.is_finite());
         let brightest = finite.fold(1.0, f32::max);
@@ -61,7 +61,7 @@ impl Panorama {
     /// # Errors
     ///
     /// As [`Panorama::new`].
-    pub fn painted((width, height): (u32, u32), radiance: impl Fn(DVec3) -> DVec3) -> Result<Self, StageError> {
+    pub fn from_fn((width, height): (u32, u32), radiance: impl Fn(DVec3) -> DVec3) -> Result<Self, StageError> {
         let blank = Self { width, height, pixels: Vec::new(), mended: 0 };
         let count = u64::from(width) * u64::from(height);
         // Rejects too large a picture before painting it.
@@ -112,7 +112,7 @@ impl Panorama {
     }
 
     /// Returns the radiance from a unit direction, interpolated between the four nearest pixels.
-    pub fn seen(&self, towards: DVec3) -> DVec3 {
+    pub fn sample(&self, towards: DVec3) -> DVec3 {
         let (across, down) = self.place(towards);
         let (x, y) = (across - 0.5, (down - 0.5).clamp(0.0, f64::from(self.height - 1)));
         let column = |x: f64| (x as i64).rem_euclid(i64::from(self.width)) as u32;
@@ -162,7 +162,7 @@ impl Panorama {
     }
 
     /// Returns the integral of the radiance over all directions.
-    pub fn whole(&self) -> DVec3 {
+    pub fn total(&self) -> DVec3 {
         let row = |row: u32| (0..self.width).map(|x| self.at(x, row)).sum::<DVec3>() * self.solid_angle(row);
         (0..self.height).map(row).sum()
     }

@@ -10,7 +10,7 @@ const REACHES_DEG: [f64; 4] = [3.0, 4.5, 6.0, 8.0];
 /// Width of the ring around it, degrees, whose light stands for the sky without the sun.
 const RING_DEG: f64 = 3.0;
 /// Light in the ring, relative to the mean light of the sun, below which the sun ends.
-const ENDS_AT: f64 = 0.1;
+const EDGE_SHARE: f64 = 0.1;
 
 /// Returns the sun of a sky, if it has at least the share `least` of all light, and the sky without it.
 pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
@@ -34,7 +34,7 @@ pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
         let [inside, outside] = [reach, reach + RING_DEG].map(|deg| libm::cos(deg.to_radians()));
         let about = near.iter().copied().filter(|(_, cosine)| *cosine > outside);
         let (disc, ring): (Vec<_>, Vec<_>) = about.partition(|(_, cosine)| *cosine > inside);
-        let ends = brightness(mean(&ring)) <= ENDS_AT * brightness(mean(&disc));
+        let ends = brightness(mean(&ring)) <= EDGE_SHARE * brightness(mean(&disc));
         ends.then_some((disc, ring))
     };
     let Some((disc, ring)) = REACHES_DEG.into_iter().find_map(split_at) else { return none() };
@@ -48,7 +48,7 @@ pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
         let pixel = &mut pixels[*y as usize * width as usize + *x as usize];
         *pixel = (sky.at(*x, *y).min(around)).as_vec3().into();
     }
-    let whole = brightness(sky.whole());
+    let whole = brightness(sky.total());
     if whole <= 0.0 || brightness(light) < least * whole {
         return none();
     }

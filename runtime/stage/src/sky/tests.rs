@@ -3,7 +3,7 @@ use super::*;
 use glam::{DVec3, Vec3};
 
 fn painted(size: (u32, u32), radiance: impl Fn(DVec3) -> DVec3) -> Panorama {
-    Panorama::painted(size, radiance).unwrap()
+    Panorama::from_fn(size, radiance).unwrap()
 }
 
 fn lobe(towards: [f32; 3], width_deg: f32, radiance: [f32; 3]) -> LightLobe {
@@ -23,7 +23,7 @@ fn directions_and_pixels_are_those_of_other_programs() {
     let within = sky.towards_within(5, 1, [0.5, 0.5]);
     assert_eq!(sky.pixel(within), (5, 1));
     assert!((within.y - 0.5 * libm::cos(std::f64::consts::FRAC_PI_4)).abs() < 1e-12, "{within}");
-    assert!((sky.whole() / (4.0 * std::f64::consts::PI) - 1.0).abs().max_element() < 1e-12);
+    assert!((sky.total() / (4.0 * std::f64::consts::PI) - 1.0).abs().max_element() < 1e-12);
 }
 
 #[test]
@@ -31,7 +31,7 @@ fn means_keep_the_light_whatever_the_sizes() {
     let sky = painted((37, 19), |way| DVec3::new(1.0 + way.x, 2.0 + way.y, 1.0 + way.z * way.x));
     for size in [(64, 32), (16, 8), (5, 3), (1, 1)] {
         let less = sky.reduced(size);
-        assert!((less.whole() / sky.whole() - 1.0).abs().max_element() < 1e-6, "{size:?}");
+        assert!((less.total() / sky.total() - 1.0).abs().max_element() < 1e-6, "{size:?}");
     }
     assert_eq!(sky.reduced((64, 32)).size(), (37, 19));
 }
@@ -76,7 +76,7 @@ fn a_sun_that_dominates_is_a_light_of_its_own() {
     let sun = found.environment.sun.unwrap();
     assert!(Vec3::from(sun.towards).as_dvec3().dot(towards) > libm::cos(0.7_f64.to_radians()), "{sun:?}");
     assert!(found.sun_share > 0.2 && found.sun_share < 0.9, "{}", found.sun_share);
-    let whole = found.environment.whole() / sky(2_000.0).whole();
+    let whole = found.environment.total() / sky(2_000.0).total();
     assert!((whole - 1.0).abs().max_element() < 1e-3, "{whole}");
     // The rest of the sky is uniform.
     assert!(found.environment.lobes.is_empty() || found.error < 0.01, "{found:?}");
@@ -90,10 +90,10 @@ fn between_pixels_a_panorama_is_even_and_goes_around() {
     let sky = painted((64, 32), |way| DVec3::new(2.0 + way.x, 2.0 + way.y, 2.0 + way.z));
     for way in [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::new(-0.9, 0.3, 0.01), DVec3::new(0.2, -0.9, -0.3), DVec3::Y] {
         let way = way.normalize();
-        assert!((sky.seen(way) - 2.0 - way).abs().max_element() < 0.06, "{way}: {}", sky.seen(way));
+        assert!((sky.sample(way) - 2.0 - way).abs().max_element() < 0.06, "{way}: {}", sky.sample(way));
     }
     // No seam where the columns wrap around.
-    let [one, other] = [1e-6, -1e-6].map(|z| sky.seen(DVec3::new(-1.0, 0.0, z).normalize()));
+    let [one, other] = [1e-6, -1e-6].map(|z| sky.sample(DVec3::new(-1.0, 0.0, z).normalize()));
     assert!((one - other).length() < 1e-4, "{one} {other}");
 }
 
@@ -103,11 +103,11 @@ fn between_pixels_a_panorama_is_even_and_goes_around() {
 fn a_ground_sends_back_its_share() {
     let sky = painted((256, 128), |way| if way.y > 0.0 { DVec3::new(1.0, 2.0, 4.0) } else { DVec3::splat(50.0) });
     let over = sky.over_ground([0.5, 0.25, 0.0], DVec3::new(0.0, 2.0, 0.0));
-    assert_eq!(over.seen(DVec3::Y), sky.seen(DVec3::Y));
-    let below = over.seen(DVec3::new(0.3, -0.6, 0.2).normalize());
+    assert_eq!(over.sample(DVec3::Y), sky.sample(DVec3::Y));
+    let below = over.sample(DVec3::new(0.3, -0.6, 0.2).normalize());
     assert!((below - DVec3::new(0.5, 1.0, 0.0)).abs().max_element() < 1e-3, "{below}");
     let black = sky.over_ground([0.0; 3], DVec3::ZERO);
-    assert!((black.whole() / sky.whole()).max_element() < 0.5 && black.seen(DVec3::NEG_Y) == DVec3::ZERO);
+    assert!((black.total() / sky.total()).max_element() < 0.5 && black.sample(DVec3::NEG_Y) == DVec3::ZERO);
 }
 
 #[test]

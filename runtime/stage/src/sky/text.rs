@@ -27,8 +27,8 @@ pub fn environment_from_toml(name: &str, text: &str) -> Result<Environment, Stag
                 let lobes = lobes.iter().enumerate();
                 environment.lobes = lobes.map(|(i, value)| lobe(&source, i, value)).collect::<Result<_, _>>()?;
             }
-            ("sun", other) => return Err(source.fault("sun", other.instead_of("a table"))),
-            ("lobe", other) => return Err(source.fault("lobe", other.instead_of("tables, each [[lobe]]"))),
+            ("sun", other) => return Err(source.fault("sun", other.unexpected("a table"))),
+            ("lobe", other) => return Err(source.fault("lobe", other.unexpected("tables, each [[lobe]]"))),
             (other, _) => return Err(unknown(&source, other, &["even", "sun", "lobe"])),
         }
     }
@@ -42,7 +42,7 @@ pub fn environment_from_toml(name: &str, text: &str) -> Result<Environment, Stag
 
 fn lobe(source: &TomlText<'_>, number: usize, value: &Raw) -> Result<LightLobe, StageError> {
     let at = format!("lobe[{number}]");
-    let Raw::Table(entries) = value else { return Err(source.fault(&at, value.instead_of("a table"))) };
+    let Raw::Table(entries) = value else { return Err(source.fault(&at, value.unexpected("a table"))) };
     let [towards, width, radiance] = fields(source, &at, entries, ["towards", "width_deg", "radiance"])?;
     let key = |name: &str| format!("{at}.{name}");
     Ok(LightLobe {
@@ -76,7 +76,7 @@ fn unknown(source: &TomlText<'_>, key: &str, names: &[&str]) -> StageError {
 }
 
 fn number_of(source: &TomlText<'_>, key: &str, value: &Raw) -> Result<f32, StageError> {
-    value.number().map(|x| x as f32).ok_or_else(|| source.fault(key, value.instead_of("a number")))
+    value.number().map(|x| x as f32).ok_or_else(|| source.fault(key, value.unexpected("a number")))
 }
 
 fn three(source: &TomlText<'_>, key: &str, value: &Raw) -> Result<[f32; 3], StageError> {
@@ -88,7 +88,7 @@ fn three(source: &TomlText<'_>, key: &str, value: &Raw) -> Result<[f32; 3], Stag
             }
             Ok(out)
         }
-        other => Err(source.fault(key, other.instead_of("three numbers"))),
+        other => Err(source.fault(key, other.unexpected("three numbers"))),
     }
 }
 

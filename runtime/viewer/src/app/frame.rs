@@ -2,7 +2,7 @@
 
 use super::state::App;
 use crate::subject::Subject;
-use crate::workshop::TruthAsked;
+use crate::workshop::ReferenceRequest;
 use pelage_stage::StageError;
 use serde_json::json;
 use std::time::{Duration, Instant};
@@ -12,7 +12,7 @@ const SETTLES: Duration = Duration::from_millis(220);
 
 /// Result of a frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Step {
+pub struct FrameOutcome {
     /// Whether the picture was redrawn.
     pub drew: bool,
     /// Time until the next change; `None` if nothing changes without user input.
@@ -25,7 +25,7 @@ impl App {
     /// # Errors
     ///
     /// [`StageError::Device`] if the device is lost. A look that cannot be drawn is shown as a failure in the window.
-    pub fn go_on(&mut self) -> Result<Step, StageError> {
+    pub fn next_frame(&mut self) -> Result<FrameOutcome, StageError> {
         let now = Instant::now();
         let since = self.played_at.replace(now).map_or(Duration::ZERO, |before| now - before);
         // After a long pause between frames, the clip continues where it was.
@@ -37,7 +37,7 @@ impl App {
             self.show.go_on(seconds, 0.0);
         }
         if std::mem::take(&mut self.settles) {
-            return Ok(Step { drew: false, wait: Some(Duration::ZERO) });
+            return Ok(FrameOutcome { drew: false, wait: Some(Duration::ZERO) });
         }
         self.go_on_saving();
         let moves = self.playing || self.moved_at.is_some_and(|at| at.elapsed() < SETTLES);
@@ -59,7 +59,7 @@ impl App {
         if drew {
             let took_ms = self.show.last().map_or(0.0, |last| 1e3 * last.took.as_secs_f64());
             let event = if first { "first picture" } else { "picture" };
-            self.events.tell(event, json!({ "width": size.0, "height": size.1, "took_ms": took_ms }));
+            self.events.log(event, json!({ "width": size.0, "height": size.1, "took_ms": took_ms }));
         }
         if !moves && self.truth.is_due() {
             self.trace()?;
@@ -71,7 +71,7 @@ impl App {
         } else {
             self.said().map(|_| Duration::from_secs(1))
         };
-        Ok(Step { drew, wait })
+        Ok(FrameOutcome { drew, wait })
     }
 
     fn trace(&mut self) -> Result<(), StageError> {
@@ -84,7 +84,7 @@ impl App {
         (look.picture.size.width, look.picture.size.height) = self.area;
         let camera = self.show.view(self.area)?;
         let clip = self.show.clip().map(|clip| clip.name.clone());
-        self.workers.trace(TruthAsked { file, look, camera, clip, time_s: self.show.time_s(), drawn });
+        self.workers.trace(ReferenceRequest { file, look, camera, clip, time_s: self.show.time_s(), drawn });
         Ok(())
     }
 }

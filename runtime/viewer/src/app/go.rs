@@ -3,7 +3,7 @@
 use super::state::App;
 use crate::subject::Subject;
 use glam::{Quat, Vec2, Vec3};
-use pelage_stage::{KeyLight, Meter, Navigator, within};
+use pelage_stage::{KeyLight, Meter, Navigator, wrap_time};
 use serde_json::json;
 
 impl App {
@@ -80,7 +80,7 @@ impl App {
     /// Returns the current time of what plays, seconds.
     pub fn moment_s(&self) -> f32 {
         let time_s = self.show.time_s();
-        self.show.clip().map_or(time_s, |clip| within(time_s, clip.duration_s))
+        self.show.clip().map_or(time_s, |clip| wrap_time(time_s, clip.duration_s))
     }
 
     /// Seeks to a time, and pauses.
@@ -105,7 +105,7 @@ impl App {
             Ok(times) => {
                 let passes: Vec<_> =
                     times.passes.iter().map(|(id, ms)| json!({ "name": id.name(), "ms": ms })).collect();
-                self.events.tell("measured", json!({ "frame_ms": times.frame, "passes": passes }));
+                self.events.log("measured", json!({ "frame_ms": times.frame, "passes": passes }));
                 self.times = Some(times);
             }
             Err(error) => self.fail(error.to_string()),

@@ -15,11 +15,11 @@ impl App {
         match saved {
             Ok(path) => {
                 let path = path.display().to_string();
-                self.events.tell("saved", json!({ "what": what, "file": path }));
+                self.events.log("saved", json!({ "what": what, "file": path }));
                 self.say(format!("{what} saved: {path}"));
             }
             Err(reason) => {
-                self.events.tell("not saved", json!({ "what": what, "reason": reason }));
+                self.events.log("not saved", json!({ "what": what, "reason": reason }));
                 self.say(reason);
             }
         }
@@ -52,7 +52,7 @@ impl App {
         {
             let (width, height) = self.area;
             let view = json!({ "camera": view.to_string(), "size": format!("{width}x{height}"), "time_s": self.show.time_s() });
-            self.events.tell("pictured", view);
+            self.events.log("pictured", view);
         }
         self.tell_saved("picture", saved);
     }

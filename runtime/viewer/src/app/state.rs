@@ -4,7 +4,7 @@ use crate::knobs::{Edits, Knobs, Search};
 use crate::lights::Lights;
 use crate::script::Events;
 use crate::show::Show;
-use crate::truth::TruthBeside;
+use crate::truth::ReferencePane;
 use crate::worker::Workers;
 use crate::workshop::Progress;
 use egui::Rect;
@@ -55,7 +55,7 @@ pub struct App {
     pub speed: f32,
     pub(super) played_at: Option<Instant>,
     pub(super) moved_at: Option<Instant>,
-    pub truth: TruthBeside,
+    pub truth: ReferencePane,
     pub panels: bool,
     /// Cache of environment maps.
     pub(crate) lights: Lights,
@@ -105,7 +105,7 @@ impl App {
             speed: 1.0,
             played_at: None,
             moved_at: None,
-            truth: TruthBeside::default(),
+            truth: ReferencePane::default(),
             panels: true,
             lights: Lights::default(),
             help: false,
@@ -125,13 +125,13 @@ impl App {
     }
 
     pub(super) fn fail(&mut self, reason: String) {
-        self.events.tell("failure", json!({ "reason": reason }));
+        self.events.log("failure", json!({ "reason": reason }));
         self.failure = Some(reason);
     }
 
-    pub(super) fn mended(&mut self) {
+    pub(super) fn clear_failure(&mut self) {
         if self.failure.take().is_some() {
-            self.events.tell("mended", json!({}));
+            self.events.log("mended", json!({}));
         }
     }
 

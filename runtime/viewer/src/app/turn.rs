@@ -13,7 +13,7 @@ impl App {
             let _ = look.set(&assignment);
         }
         // An error in the file is reported when the file is named.
-        let _ = self.lights.give(&mut look);
+        let _ = self.lights.apply_to(&mut look);
         look
     }
 
@@ -27,9 +27,9 @@ impl App {
         }
         match refused {
             Some(reason) => self.fail(reason),
-            None => self.mended(),
+            None => self.clear_failure(),
         }
-        if let Err(reason) = self.lights.give(&mut self.look_now()) {
+        if let Err(reason) = self.lights.apply_to(&mut self.look_now()) {
             self.fail(format!("environment.sky: {reason}"));
         }
         self.changed();

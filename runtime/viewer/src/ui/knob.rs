@@ -9,7 +9,7 @@ const WIDEST_SLIDER: f64 = 1e5;
 const CHANGED: Color32 = Color32::from_rgb(232, 176, 92);
 
 /// User input on a knob.
-enum Hand {
+enum KnobInput {
     Nothing,
     /// New value as TOML; more changes of the same drag may follow.
     Drags(String),
@@ -35,9 +35,9 @@ pub fn row(ui: &mut Ui, knob: &'static Knob, now: &dyn Knobs, edits: &mut Edits)
     ui.end_row();
     match hand {
         _ if reset => edits.reset(knob.name),
-        Hand::Nothing => return false,
-        Hand::Drags(value) => edits.set(knob.name, value, true),
-        Hand::Sets(value) => {
+        KnobInput::Nothing => return false,
+        KnobInput::Drags(value) => edits.set(knob.name, value, true),
+        KnobInput::Sets(value) => {
             edits.set(knob.name, value, false);
             edits.released();
         }
@@ -55,20 +55,20 @@ fn explain(ui: &mut Ui, knob: &Knob, now: &dyn Knobs) {
     ui.label(RichText::new(format!("Default: {default}.")).weak());
 }
 
-fn control(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
+fn control(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> KnobInput {
     match ((knob.control)(), value) {
         (Control::Toggle, value) => {
             let mut on = value == Some("true");
-            if ui.checkbox(&mut on, "").changed() { Hand::Sets(on.to_string()) } else { Hand::Nothing }
+            if ui.checkbox(&mut on, "").changed() { KnobInput::Sets(on.to_string()) } else { KnobInput::Nothing }
         }
         (Control::Choice(choices), value) => {
             let word = value.map(shown).unwrap_or_default();
-            let mut hand = Hand::Nothing;
+            let mut hand = KnobInput::Nothing;
             ComboBox::from_id_salt(knob.name).selected_text(&word).width(140.0).show_ui(ui, |ui| {
                 for choice in choices {
                     let answer = ui.selectable_label(choice.word == word, choice.word).on_hover_text(choice.doc.trim());
                     if answer.clicked() {
-                        hand = Hand::Sets(format!("{:?}", choice.word));
+                        hand = KnobInput::Sets(format!("{:?}", choice.word));
                     }
                 }
             });
@@ -101,7 +101,7 @@ fn control(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
             dragged(&answer, || number_text(number, whole))
         }
         (Control::Number { least, most, whole, .. }, value) => {
-            chosen(ui, value, || number_text(middle(least, most), whole))
+            unset_button(ui, value, || number_text(middle(least, most), whole))
         }
         (Control::Vector { least, most, .. }, Some(value)) if numbers(value).is_some() => {
             let mut numbers = numbers(value).unwrap_or_default();
@@ -115,10 +115,10 @@ fn control(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
                 })
                 .inner;
             let all = answers.into_iter().reduce(|a, b| a.union(b));
-            all.map_or(Hand::Nothing, |answer| dragged(&answer, || vector_text(&numbers)))
+            all.map_or(KnobInput::Nothing, |answer| dragged(&answer, || vector_text(&numbers)))
         }
         (Control::Vector { len, least, most }, value) => {
-            chosen(ui, value, || vector_text(&vec![1.0_f64.clamp(least, most); len]))
+            unset_button(ui, value, || vector_text(&vec![1.0_f64.clamp(least, most); len]))
         }
         (Control::Color, value) => {
             let mut rgb = value.and_then(color).unwrap_or([128; 3]);
@@ -131,29 +131,29 @@ fn control(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
 }
 
 /// Draws an unset knob as a button; a click sets it to `begin()`.
-fn chosen(ui: &mut Ui, value: Option<&str>, begin: impl FnOnce() -> String) -> Hand {
+fn unset_button(ui: &mut Ui, value: Option<&str>, begin: impl FnOnce() -> String) -> KnobInput {
     let word = value.map_or("chosen".into(), shown);
     let answer = ui.button(word).on_hover_text("nobody says it; a click takes it into your hand");
-    if answer.clicked() { Hand::Sets(begin()) } else { Hand::Nothing }
+    if answer.clicked() { KnobInput::Sets(begin()) } else { KnobInput::Nothing }
 }
 
 /// Draws a text field for values that only text can express. The value is taken when the field loses focus, or at
 /// Enter.
-fn text(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
+fn text(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> KnobInput {
     let id = ui.make_persistent_id("text");
     let stands = value.map(shown).unwrap_or_default();
     let mut typed = ui.data_mut(|data| data.get_temp::<String>(id)).unwrap_or_else(|| stands.clone());
     let answer = ui.add(TextEdit::singleline(&mut typed).desired_width(150.0).hint_text("left out"));
     if answer.lost_focus() && typed != stands {
         ui.data_mut(|data| data.remove::<String>(id));
-        return Hand::Sets(toml_of(knob, &typed));
+        return KnobInput::Sets(toml_of(knob, &typed));
     }
     if answer.has_focus() {
         ui.data_mut(|data| data.insert_temp(id, typed));
     } else {
         ui.data_mut(|data| data.remove::<String>(id));
     }
-    Hand::Nothing
+    KnobInput::Nothing
 }
 
 /// Converts typed text to TOML: a list, number or quoted string unchanged, anything else as a string.
@@ -163,11 +163,11 @@ fn toml_of(knob: &Knob, typed: &str) -> String {
 }
 
 /// Converts the response of a draggable widget.
-fn dragged(answer: &Response, text: impl FnOnce() -> String) -> Hand {
+fn dragged(answer: &Response, text: impl FnOnce() -> String) -> KnobInput {
     match (answer.changed(), answer.dragged()) {
-        (true, true) => Hand::Drags(text()),
-        (true, false) => Hand::Sets(text()),
-        _ => Hand::Nothing,
+        (true, true) => KnobInput::Drags(text()),
+        (true, false) => KnobInput::Sets(text()),
+        _ => KnobInput::Nothing,
     }
 }
 

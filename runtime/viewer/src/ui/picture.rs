@@ -17,23 +17,23 @@ const FLIGHT: f32 = 0.6;
 pub fn show(ui: &mut Ui, app: &mut App, drawn: Option<TextureId>) {
     let all = ui.available_rect_before_wrap();
     ui.painter().rect_filled(all, 0.0, BEHIND);
-    let columns = if app.truth.is_asked() { 3.0 } else { 1.0 };
+    let columns = if app.truth.is_shown() { 3.0 } else { 1.0 };
     let width = all.width() / columns;
     let column = |i: f32| Rect::from_min_size(pos2(all.left() + i * width, all.top()), vec2(width, all.height()));
     app.set_area(column(0.0), ui.ctx().pixels_per_point());
     let first = ui.interact(column(0.0), ui.scope_id().with("picture"), Sense::click_and_drag());
-    hands(ui, app, &first);
+    mouse_input(ui, app, &first);
     if let Some(picture) = drawn {
         ui.painter().image(picture, column(0.0), whole(), Color32::WHITE);
     }
-    if app.truth.is_asked() {
+    if app.truth.is_shown() {
         truth(ui, app, [0.0, 1.0, 2.0].map(column));
     }
     if app.show.subject().is_none() && app.failure.is_none() && app.working.is_none() {
         let text = "Drop a package (.pelage), a model (.glb, .gltf, .obj) or a scene (.toml) here";
         ui.painter().text(all.center(), Align2::CENTER_CENTER, text, FontId::proportional(18.0), Color32::GRAY);
     }
-    over(ui, app, all);
+    overlay(ui, app, all);
 }
 
 fn whole() -> Rect {
@@ -55,15 +55,15 @@ fn truth(ui: &mut Ui, app: &mut App, [drawn, traced, flip]: [Rect; 3]) {
         }
     }
     tag(ui, drawn, "drawn");
-    tag(ui, traced, &truth.said());
-    tag(ui, flip, &truth.said_of_flip());
+    tag(ui, traced, &truth.status_text());
+    tag(ui, flip, &truth.flip_text());
     for x in [traced.left(), flip.left()] {
         painter.vline(x, traced.y_range(), ui.visuals().widgets.noninteractive.bg_stroke);
     }
 }
 
 /// Handles mouse input for the camera or the light.
-fn hands(ui: &mut Ui, app: &mut App, picture: &Response) {
+fn mouse_input(ui: &mut Ui, app: &mut App, picture: &Response) {
     let rect = picture.rect;
     let height = rect.height().max(1.0);
     let (moved, modifiers) = (picture.drag_delta(), ui.input(|input| input.modifiers));
@@ -132,7 +132,7 @@ fn flight(ui: &mut Ui, app: &mut App) {
 }
 
 /// Draws the overlay.
-fn over(ui: &mut Ui, app: &mut App, all: Rect) {
+fn overlay(ui: &mut Ui, app: &mut App, all: Rect) {
     let at = Rect::from_min_max(all.left_bottom() - vec2(-10.0, 120.0), all.right_bottom() - vec2(10.0, 8.0));
     ui.scope_builder(egui::UiBuilder::new().max_rect(at).layout(egui::Layout::bottom_up(egui::Align::LEFT)), |ui| {
         if let Some(failure) = &app.failure {

@@ -24,9 +24,9 @@ mod topology;
 mod visible;
 
 use pelage_bake::mask::Mask;
-use pelage_bake::strands::Skin;
+use pelage_bake::strands::PosedMesh;
 use pelage_import::BakeError;
-use pelage_truth::{Sight, TrueCamera};
+use pelage_truth::{SurfaceVisibility, TrueCamera};
 use rayon::prelude::*;
 use topology::Topology;
 
@@ -34,7 +34,7 @@ pub use line::{ContourForm, LineKind, LineParams, LineSegment};
 
 /// Posed mesh surface whose lines can be found from any viewpoint.
 pub struct TrueLines {
-    sight: Sight,
+    sight: SurfaceVisibility,
     topology: Topology,
 }
 
@@ -56,13 +56,13 @@ impl TrueLines {
     /// # Errors
     ///
     /// [`BakeError::Internal`] for positions that are not finite.
-    pub fn new(skin: Skin) -> Result<Self, BakeError> {
+    pub fn new(skin: PosedMesh) -> Result<Self, BakeError> {
         let topology = Topology::new(&skin);
-        Ok(Self { sight: Sight::new(skin)?, topology })
+        Ok(Self { sight: SurfaceVisibility::new(skin)?, topology })
     }
 
     /// Returns the mesh surface with its rays.
-    pub fn sight(&self) -> &Sight {
+    pub fn sight(&self) -> &SurfaceVisibility {
         &self.sight
     }
 
@@ -72,18 +72,18 @@ impl TrueLines {
     /// # Errors
     ///
     /// [`BakeError::Params`] for an angle outside 0..=180.
-    pub fn seen(&self, camera: &TrueCamera, size: (u32, u32), params: &LineParams) -> Result<VisibleLines, BakeError> {
+    pub fn visible_from(&self, camera: &TrueCamera, size: (u32, u32), params: &LineParams) -> Result<VisibleLines, BakeError> {
         if !(0.0..=180.0).contains(&params.crease_deg) {
             let reason = format!("is {}, expected 0..=180", params.crease_deg);
             return Err(BakeError::Params { what: "crease_deg", reason });
         }
-        let look = self.sight.from(camera, size);
+        let look = self.sight.view(camera, size);
         let mut pieces = self.topology.pieces(&self.sight, &look, params);
         if params.contour == ContourForm::Interpolated {
             pieces.extend(smooth::contours(&self.sight, &look));
         }
         let near_m = NEAR * self.sight.radius_m();
-        let segments = pieces.par_iter().map(|piece| visible::parts(piece, &look, near_m)).flatten().collect();
+        let segments = pieces.par_iter().map(|piece| visible::visible_parts(piece, &look, near_m)).flatten().collect();
         Ok(VisibleLines { width: size.0, height: size.1, segments })
     }
 }

@@ -2,23 +2,23 @@
 use super::*;
 use glam::DVec2;
 use glam::{DVec3, Vec3};
-use pelage_bake::strands::{SkinMaterial, SkinPoint};
+use pelage_bake::strands::{PosedMaterial, PosedVertex};
 use pelage_truth::Lens;
 
 /// Returns a mesh surface of one material; normals point away from the origin.
-fn skin(positions: &[DVec3], triangles: &[[u32; 3]], double_sided: bool) -> Skin {
-    let vertex = |p: &DVec3| SkinPoint {
+fn skin(positions: &[DVec3], triangles: &[[u32; 3]], double_sided: bool) -> PosedMesh {
+    let vertex = |p: &DVec3| PosedVertex {
         position_ws: *p,
         normal_ws: p.normalize_or(DVec3::Z),
         color: glam::Vec4::ONE,
-        ..SkinPoint::default()
+        ..PosedVertex::default()
     };
-    Skin {
+    PosedMesh {
         vertices: positions.iter().map(vertex).collect(),
         same_place: (0..positions.len() as u32).collect(),
         triangles: triangles.to_vec(),
         material_of: vec![0; triangles.len()],
-        materials: vec![SkinMaterial { base_color: glam::Vec4::ONE, double_sided, ..SkinMaterial::default() }],
+        materials: vec![PosedMaterial { base_color: glam::Vec4::ONE, double_sided, ..PosedMaterial::default() }],
     }
 }
 
@@ -80,7 +80,7 @@ fn seen(mesh: &(Vec<DVec3>, Vec<[u32; 3]>), eye: Vec3) -> VisibleLines {
 
 fn seen_with(mesh: &(Vec<DVec3>, Vec<[u32; 3]>), eye: Vec3, params: &LineParams, double_sided: bool) -> VisibleLines {
     let lines = TrueLines::new(skin(&mesh.0, &mesh.1, double_sided)).unwrap();
-    lines.seen(&camera(eye), SIZE, params).unwrap()
+    lines.visible_from(&camera(eye), SIZE, params).unwrap()
 }
 
 /// Returns the lengths of all kinds in the order of [`LineKind::ALL`], metres.
@@ -114,13 +114,13 @@ fn a_cube_shows_its_outline_and_three_creases() {
 
 #[test]
 fn an_angle_that_is_none_is_refused() {
-    let lines = TrueLines::new(Skin::default()).unwrap();
+    let lines = TrueLines::new(PosedMesh::default()).unwrap();
     for crease_deg in [-1.0, 181.0, f64::NAN] {
         let params = LineParams { crease_deg, ..LineParams::default() };
-        let error = lines.seen(&camera(Vec3::Z), SIZE, &params).unwrap_err().to_string();
+        let error = lines.visible_from(&camera(Vec3::Z), SIZE, &params).unwrap_err().to_string();
         assert!(error.contains("crease_deg") && error.contains("0..=180"), "{error}");
     }
-    assert!(lines.seen(&camera(Vec3::Z), SIZE, &LineParams::default()).unwrap().segments.is_empty());
+    assert!(lines.visible_from(&camera(Vec3::Z), SIZE, &LineParams::default()).unwrap().segments.is_empty());
 }
 
 #[test]
@@ -207,7 +207,7 @@ fn a_perspective_sees_the_near_larger_and_nothing_behind_the_eye() {
     let look = |eye: Vec3, target: Vec3| {
         let lens = Lens::Perspective { fov_y_rad: 1.0 };
         lines
-            .seen(&TrueCamera { eye_ws: eye, target_ws: target, up_ws: Vec3::Y, lens }, SIZE, &LineParams::default())
+            .visible_from(&TrueCamera { eye_ws: eye, target_ws: target, up_ws: Vec3::Y, lens }, SIZE, &LineParams::default())
             .unwrap()
     };
     // Only the near face, 4 m in front of the eye, is visible.

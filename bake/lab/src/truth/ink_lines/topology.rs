@@ -1,10 +1,10 @@
 //! Adjacency of the faces of a mesh surface, and those of its edges that are lines from a viewpoint.
 
 use super::line::{ContourForm, LineParams};
-use super::visible::{Family, Piece};
+use super::visible::{Family, MeshLine};
 use glam::DVec3;
-use pelage_bake::strands::Skin;
-use pelage_truth::{Look, Sight};
+use pelage_bake::strands::PosedMesh;
+use pelage_truth::{SurfaceView, SurfaceVisibility};
 use std::collections::HashMap;
 
 /// Edges of a mesh whose vertices at one position are merged.
@@ -33,8 +33,8 @@ struct Side {
 }
 
 impl Topology {
-    pub(super) fn new(skin: &Skin) -> Self {
-        let place_of = places(skin);
+    pub(super) fn new(skin: &PosedMesh) -> Self {
+        let place_of = position_ids(skin);
         let corner = |v: u32| skin.vertices[v as usize].position_ws;
         let normal = |t: &[u32; 3]| {
             let [a, b, c] = t.map(corner);
@@ -61,7 +61,7 @@ impl Topology {
     }
 
     /// Returns the edges that are lines from a viewpoint, hidden or not.
-    pub(super) fn pieces(&self, sight: &Sight, look: &Look<'_>, params: &LineParams) -> Vec<Piece> {
+    pub(super) fn pieces(&self, sight: &SurfaceVisibility, look: &SurfaceView<'_>, params: &LineParams) -> Vec<MeshLine> {
         let skin = sight.skin();
         let corner = |v: u32| skin.vertices[v as usize].position_ws;
         let middle = |face: u32| skin.corners(face as usize).iter().map(|c| c.position_ws).sum::<DVec3>() / 3.0;
@@ -70,7 +70,7 @@ impl Topology {
             .normals
             .iter()
             .enumerate()
-            .map(|(face, normal)| -normal.dot(look.way_to(corner(skin.triangles[face][0]))))
+            .map(|(face, normal)| -normal.dot(look.direction_to(corner(skin.triangles[face][0]))))
             .collect();
         let faces_eye = |face: u32| facing[face as usize] > 0.0;
         let shows = |face: u32| faces_eye(face) || skin.material(face as usize).double_sided;
@@ -97,7 +97,7 @@ impl Topology {
             let (family, face) = family(edge)?;
             let [from, to] = edge.ends.map(corner);
             let slack_m = slack_floor.max(SLACK_EDGES * from.distance(to));
-            Some(Piece { from, to, family, inside: middle(face), slack_m })
+            Some(MeshLine { from, to, family, inside: middle(face), slack_m })
         };
         self.edges.iter().filter_map(piece).collect()
     }
@@ -112,9 +112,9 @@ const SLACK_RADII: f64 = 1e-6;
 const SLACK_EDGES: f64 = 1e-3;
 
 /// Returns for each vertex a number that is the same for all vertices at its position.
-fn places(skin: &Skin) -> Vec<u32> {
+fn position_ids(skin: &PosedMesh) -> Vec<u32> {
     let mut first_at = HashMap::new();
-    let place = |(i, v): (usize, &pelage_bake::strands::SkinPoint)| {
+    let place = |(i, v): (usize, &pelage_bake::strands::PosedVertex)| {
         // Adding zero merges both zeros.
         let key = (v.position_ws + 0.0).to_array().map(f64::to_bits);
         *first_at.entry(key).or_insert(i as u32)

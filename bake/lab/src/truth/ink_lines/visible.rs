@@ -2,7 +2,7 @@
 
 use super::line::{LineKind, LineSegment};
 use glam::{DVec2, DVec3};
-use pelage_truth::Look;
+use pelage_truth::SurfaceView;
 
 /// Largest distance between samples along a line, pixels.
 pub(super) const STEP_PX: f64 = 0.5;
@@ -11,7 +11,7 @@ const BEYOND_PX: f64 = 1.0;
 
 /// Straight line on the mesh, hidden or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Piece {
+pub(super) struct MeshLine {
     /// Ends in world space, metres.
     pub(super) from: DVec3,
     pub(super) to: DVec3,
@@ -33,7 +33,7 @@ pub(super) enum Family {
 /// Returns the parts of a piece that are visible in the picture.
 ///
 /// * `near_m`: anything nearer to the eye is ignored
-pub(super) fn parts(piece: &Piece, look: &Look<'_>, near_m: f64) -> Vec<LineSegment> {
+pub(super) fn visible_parts(piece: &MeshLine, look: &SurfaceView<'_>, near_m: f64) -> Vec<LineSegment> {
     let Some(line) = Line::new(piece, look, near_m) else { return Vec::new() };
     let Some((begin, end)) = line.inside(look.rays().size()) else { return Vec::new() };
     let steps = ((end - begin) * line.from_px.distance(line.to_px) / STEP_PX).ceil().max(1.0) as u32;
@@ -43,7 +43,7 @@ pub(super) fn parts(piece: &Piece, look: &Look<'_>, near_m: f64) -> Vec<LineSegm
     for i in 0..steps {
         // Each sample represents the interval between its neighbours.
         let (from_px, to_px) = (line.at(share(i)), line.at(share(i + 1)));
-        let kind = line.seen_as(0.5 * (share(i) + share(i + 1)), piece, look);
+        let kind = line.visible_kind(0.5 * (share(i) + share(i + 1)), piece, look);
         if let Some(kind) = kind {
             match out.last_mut().filter(|_| last == Some(kind)) {
                 Some(segment) => segment.to_px = to_px,
@@ -66,7 +66,7 @@ struct Line {
 }
 
 impl Line {
-    fn new(piece: &Piece, look: &Look<'_>, near_m: f64) -> Option<Self> {
+    fn new(piece: &MeshLine, look: &SurfaceView<'_>, near_m: f64) -> Option<Self> {
         let rays = look.rays();
         let (mut from, mut to) = (piece.from, piece.to);
         let (a, b) = (rays.depth(from), rays.depth(to));
@@ -79,7 +79,7 @@ impl Line {
         } else if b < near_m {
             to = cut(to, from, (b, a));
         }
-        let ((from_px, a), (to_px, b)) = (rays.place(from)?, rays.place(to)?);
+        let ((from_px, a), (to_px, b)) = (rays.project(from)?, rays.project(to)?);
         let depths = if rays.is_parallel() { (1.0, 1.0) } else { (a, b) };
         Some(Self { from, to, from_px, to_px, depths })
     }
@@ -114,9 +114,9 @@ impl Line {
     }
 
     /// Returns the kind of line at a point; `None` if it is hidden.
-    fn seen_as(&self, share: f64, piece: &Piece, look: &Look<'_>) -> Option<LineKind> {
+    fn visible_kind(&self, share: f64, piece: &MeshLine, look: &SurfaceView<'_>) -> Option<LineKind> {
         let at = self.at_ws(share);
-        if !look.sees(at, piece.slack_m) {
+        if !look.is_visible(at, piece.slack_m) {
             return None;
         }
         Some(match piece.family {
@@ -125,7 +125,7 @@ impl Line {
             Family::Contour => {
                 let across = (self.to_px - self.from_px).perp().normalize_or_zero();
                 let at_px = self.at(share);
-                let inwards = look.place_px(piece.inside).map_or(0.0, |inside| (inside - at_px).dot(across));
+                let inwards = look.project_px(piece.inside).map_or(0.0, |inside| (inside - at_px).dot(across));
                 let outwards = if inwards > 0.0 { -across } else { across };
                 match look.at(at_px + outwards * BEYOND_PX) {
                     Some(_) => LineKind::Contour,

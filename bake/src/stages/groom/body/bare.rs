@@ -1,9 +1,9 @@
 //! Proximity to eyes, nose and mouth, that is to small bare parts of the mesh.
 
-use super::skin::Skin;
-use super::subject::Body;
+use super::welded_mesh::WeldedMesh;
+use super::input::Body;
 use crate::noise::smooth_step;
-use crate::stages::cells::{Cells, closest};
+use crate::stages::cells::{TriangleGrid, closest_barycentric};
 
 /// Distance from bare parts within which hair is shortened, radii of the body.
 const REACH: f32 = 0.15;
@@ -24,7 +24,7 @@ pub(in crate::stages::groom) fn furred_faces(body: &Body<'_>) -> Vec<bool> {
 }
 
 /// Returns for each welded vertex whether a furred triangle touches it.
-pub(super) fn furred_places(body: &Body<'_>, skin: &Skin) -> Vec<bool> {
+pub(super) fn furred_places(body: &Body<'_>, skin: &WeldedMesh) -> Vec<bool> {
     let mut places = vec![false; skin.len()];
     let faces = skin.faces.iter().zip(furred_faces(body));
     faces.filter(|(_, furred)| *furred).flat_map(|(face, _)| face).for_each(|p| places[*p as usize] = true);
@@ -33,7 +33,7 @@ pub(super) fn furred_places(body: &Body<'_>, skin: &Skin) -> Vec<bool> {
 
 /// Returns how near each welded vertex is to a small bare part, along the surface: 1 at its border, 0 from [`REACH`]
 /// on.
-pub(super) fn nearness(body: &Body<'_>, skin: &Skin) -> Vec<f32> {
+pub(super) fn nearness(body: &Body<'_>, skin: &WeldedMesh) -> Vec<f32> {
     let furred = furred_faces(body);
     let bare: Vec<[u32; 3]> = skin.faces.iter().zip(&furred).filter(|(_, furred)| !**furred).map(|(f, _)| *f).collect();
     let small = small_parts(skin, &bare);
@@ -41,12 +41,12 @@ pub(super) fn nearness(body: &Body<'_>, skin: &Skin) -> Vec<f32> {
         return vec![0.0; skin.len()];
     }
     let place = |p: u32| skin.positions[p as usize];
-    let cells = Cells::new(&small, &place, GAP);
+    let cells = TriangleGrid::new(&small, &place, GAP);
     let gap = |p: u32| {
         let at = place(p);
         let distance = |triangle: u32| {
             let corners = small[triangle as usize].map(place);
-            let w = closest(at, corners);
+            let w = closest_barycentric(at, corners);
             at.distance(corners[0] * w.x + corners[1] * w.y + corners[2] * w.z)
         };
         cells.within(at, GAP).map(distance).fold(f32::INFINITY, f32::min)
@@ -57,7 +57,7 @@ pub(super) fn nearness(body: &Body<'_>, skin: &Skin) -> Vec<f32> {
 }
 
 /// Returns the bare triangles whose connected part is small.
-fn small_parts(skin: &Skin, bare: &[[u32; 3]]) -> Vec<[u32; 3]> {
+fn small_parts(skin: &WeldedMesh, bare: &[[u32; 3]]) -> Vec<[u32; 3]> {
     // Union-find; the smallest vertex represents each part.
     let mut least: Vec<u32> = (0..skin.len() as u32).collect();
     fn find(least: &mut [u32], mut place: u32) -> u32 {

@@ -12,8 +12,8 @@
 mod bare;
 mod parts;
 mod regions;
-mod skin;
-mod subject;
+mod welded_mesh;
+mod input;
 mod thickness;
 mod words;
 
@@ -21,10 +21,10 @@ use crate::decision::{Decision, metres_in_words};
 use crate::noise::smooth_step;
 pub(super) use bare::furred_faces;
 use glam::Vec3;
-use parts::{Growth, Region};
+use parts::{PartGroom, Region};
 use pelage_formats::Pose;
-pub(super) use skin::Skin;
-pub use subject::Body;
+pub(super) use welded_mesh::WeldedMesh;
+pub use input::Body;
 
 /// Width of the smoothing over the surface, radii of the body.
 const SPREAD: f32 = 0.05;
@@ -36,15 +36,15 @@ const SHORTEST: f32 = 0.25;
 const THIN_LEAN: f32 = 0.5;
 const THIN_DENSITY: f32 = 1.7;
 /// Groom beside bare parts; the length is relative to that far from them.
-const BARE: Growth = Growth { length: 0.15, lean: 0.5, density: 1.8, by_thickness: 0.0 };
+const BARE: PartGroom = PartGroom { length: 0.15, lean: 0.5, density: 1.8, by_thickness: 0.0 };
 /// Hair length on the underside of a trunk relative to its back.
 const UNDERSIDE: f32 = 1.1;
 /// Minimum relative difference between the longest and the shortest hair: bodies that vary less have no distinct parts.
 const LEAST_SPREAD: f32 = 0.1;
 /// Lower limit of thick and upper limit of thin parts in reports about bodies without named parts.
-const SPOKEN: [f32; 2] = [0.9, 0.45];
+const REPORTED_THICKNESS: [f32; 2] = [0.9, 0.45];
 /// Minimum share of the area for a part to be reported.
-const LEAST_SPOKEN: f64 = 0.002;
+const MIN_REPORTED_SHARE: f64 = 0.002;
 /// Number of body parts.
 const PARTS: usize = Region::Unknown as usize + 1;
 
@@ -73,7 +73,7 @@ impl BodyGroom {
             return None;
         }
         let center = Vec3::from(body.bounds.center);
-        let skin = Skin::new(body.mesh, body.rest, center, radius_m);
+        let skin = WeldedMesh::new(body.mesh, body.rest, center, radius_m);
         let furred = bare::furred_places(body, &skin);
         if !furred.contains(&true) {
             return None;
@@ -82,8 +82,8 @@ impl BodyGroom {
         let parts = parts_of_places(body, &skin, |p| (p - center) / radius_m);
         let bare = bare::nearness(body, &skin);
 
-        let grown: Vec<Growth> = thick.iter().zip(&parts).map(|(thick, parts)| growth(*thick, parts)).collect();
-        let channel = |value: fn(&Growth) -> f32| skin.spread(&grown.iter().map(value).collect::<Vec<_>>(), SPREAD);
+        let grown: Vec<PartGroom> = thick.iter().zip(&parts).map(|(thick, parts)| growth(*thick, parts)).collect();
+        let channel = |value: fn(&PartGroom) -> f32| skin.spread(&grown.iter().map(value).collect::<Vec<_>>(), SPREAD);
         let (mut length, mut lean, mut density) = (channel(|g| g.length), channel(|g| g.lean), channel(|g| g.density));
         let near = |value: &mut [f32], bare_value: &dyn Fn(f32) -> f32| {
             value.iter_mut().zip(&bare).for_each(|(v, near)| *v += near * (bare_value(*v) - *v));
@@ -102,7 +102,7 @@ impl BodyGroom {
         }
         // After the test above, because a sphere has an underside as well. No smoothing is needed: normals are already
         // smooth.
-        let has_names = tells(&parts);
+        let has_names = has_specific_parts(&parts);
         for (place, length) in length.iter_mut().enumerate() {
             let trunk = if has_names { trunk(&parts[place]) } else { thick[place] };
             *length *= 1.0 + (UNDERSIDE - 1.0) * trunk * (1.0 - bare[place]) * underside(skin.normals[place]);
@@ -112,7 +112,7 @@ impl BodyGroom {
         lean.iter_mut().for_each(|v| *v *= share);
         density.iter_mut().for_each(|v| *v = (1.0 + share * (*v - 1.0)).clamp(0.25, 4.0));
 
-        let spoken = spoken(&skin, &furred, &parts, &thick, &bare, &length);
+        let spoken = reported_parts(&skin, &furred, &parts, &thick, &bare, &length);
         let of_vertices = |values: &[f32]| skin.place_of.iter().map(|place| values[*place as usize]).collect();
         Some(Self {
             length: of_vertices(&length),
@@ -135,7 +135,7 @@ impl BodyGroom {
 }
 
 /// Returns the relative thickness of the body at each welded vertex: 0 for legs, 1 for the trunk.
-fn relative_thickness(skin: &Skin, furred: &[bool]) -> Vec<f32> {
+fn relative_thickness(skin: &WeldedMesh, furred: &[bool]) -> Vec<f32> {
     let thickness = thickness::thickness(skin);
     let on_fur: Vec<Option<f32>> = thickness.iter().zip(furred).map(|(t, furred)| t.filter(|_| *furred)).collect();
     // A quantile instead of the maximum: a few rays along the trunk are very long.
@@ -147,7 +147,7 @@ fn relative_thickness(skin: &Skin, furred: &[bool]) -> Vec<f32> {
 }
 
 /// Returns the weight of each body part at each welded vertex; the weights sum to 1.
-fn parts_of_places(body: &Body<'_>, skin: &Skin, to_skin: impl Fn(Vec3) -> Vec3) -> Vec<[f32; PARTS]> {
+fn parts_of_places(body: &Body<'_>, skin: &WeldedMesh, to_skin: impl Fn(Vec3) -> Vec3) -> Vec<[f32; PARTS]> {
     let mut unknown = [0.0; PARTS];
     unknown[Region::Unknown as usize] = 1.0;
     let mut parts = vec![unknown; skin.len()];
@@ -171,7 +171,7 @@ fn parts_of_places(body: &Body<'_>, skin: &Skin, to_skin: impl Fn(Vec3) -> Vec3)
         }
         parts[*place as usize] = shares;
     }
-    if !tells(&parts) {
+    if !has_specific_parts(&parts) {
         return vec![unknown; skin.len()];
     }
     let is_root = |node: &usize| {
@@ -182,20 +182,20 @@ fn parts_of_places(body: &Body<'_>, skin: &Skin, to_skin: impl Fn(Vec3) -> Vec3)
         let mut pose = Pose::default();
         pose.sample(animation, None, 0.0);
         let joint = pose.nodes.get(head).map(|node| to_skin(node.w_axis.truncate()));
-        joint.into_iter().for_each(|joint| part_muzzle(skin, joint, &mut parts));
+        joint.into_iter().for_each(|joint| split_muzzle(skin, joint, &mut parts));
     }
     parts
 }
 
 /// Whether any welded vertex belongs to a part that identifies its location on the body.
-fn tells(parts: &[[f32; PARTS]]) -> bool {
-    let told = |p: &[f32; PARTS]| Region::ALL.iter().any(|r| r.tells() && p[*r as usize] > 0.5);
+fn has_specific_parts(parts: &[[f32; PARTS]]) -> bool {
+    let told = |p: &[f32; PARTS]| Region::ALL.iter().any(|r| r.is_specific() && p[*r as usize] > 0.5);
     parts.iter().any(told)
 }
 
 /// Separates the muzzle from the head, because few rigs have a joint for it: the part in front of the head's centre,
 /// seen from the head's joint. Heads upright on their joint, such as human ones, have none.
-fn part_muzzle(skin: &Skin, joint: Vec3, parts: &mut [[f32; PARTS]]) {
+fn split_muzzle(skin: &WeldedMesh, joint: Vec3, parts: &mut [[f32; PARTS]]) {
     let head = Region::Head as usize;
     if parts.iter().any(|p| p[Region::Muzzle as usize] > 0.5) {
         return;
@@ -223,8 +223,8 @@ fn part_muzzle(skin: &Skin, joint: Vec3, parts: &mut [[f32; PARTS]]) {
 }
 
 /// Returns the groom for a mixture of parts.
-fn growth(thick: f32, parts: &[f32; PARTS]) -> Growth {
-    let mut sum = Growth { length: 0.0, lean: 0.0, density: 0.0, by_thickness: 0.0 };
+fn growth(thick: f32, parts: &[f32; PARTS]) -> PartGroom {
+    let mut sum = PartGroom { length: 0.0, lean: 0.0, density: 0.0, by_thickness: 0.0 };
     for region in Region::ALL {
         let (weight, here) = (parts[region as usize], region.growth());
         let thin = here.by_thickness * (1.0 - thick);
@@ -246,8 +246,8 @@ fn underside(normal: Vec3) -> f32 {
 }
 
 /// Returns the parts found, with the mean of `length` on each.
-fn spoken(
-    skin: &Skin,
+fn reported_parts(
+    skin: &WeldedMesh,
     furred: &[bool],
     parts: &[[f32; PARTS]],
     thick: &[f32],
@@ -263,14 +263,14 @@ fn spoken(
             total += weighed;
             all += area;
         }
-        (total > LEAST_SPOKEN * all).then_some((name, (sum / total) as f32))
+        (total > MIN_REPORTED_SHARE * all).then_some((name, (sum / total) as f32))
     };
     let near_bare = mean("near bare parts", &|p| if bare[p] > 0.5 { 1.0 } else { 0.0 });
-    if !tells(parts) {
+    if !has_specific_parts(parts) {
         let where_thick = |is: fn(f32) -> bool| move |p: usize| if is(thick[p]) && bare[p] < 0.1 { 1.0 } else { 0.0 };
         let found = [
-            mean("thick parts", &where_thick(|t| t > SPOKEN[0])),
-            mean("thin parts", &where_thick(|t| t < SPOKEN[1])),
+            mean("thick parts", &where_thick(|t| t > REPORTED_THICKNESS[0])),
+            mean("thin parts", &where_thick(|t| t < REPORTED_THICKNESS[1])),
             near_bare,
         ];
         return found.into_iter().flatten().collect();

@@ -26,7 +26,7 @@ pub(super) enum Region {
 
 /// Groom of a body part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Growth {
+pub(super) struct PartGroom {
     /// Length relative to the back.
     pub length: f32,
     /// Extra lean, 0..=1: short hair lies flat on legs and face.
@@ -60,8 +60,8 @@ impl Region {
 
     /// Returns the groom of the part. The values are what photographs of dogs, wolves, horses, cattle, foxes and cats
     /// agree in.
-    pub(super) fn growth(self) -> Growth {
-        let grows = |length, lean, density, by_thickness| Growth { length, lean, density, by_thickness };
+    pub(super) fn growth(self) -> PartGroom {
+        let grows = |length, lean, density, by_thickness| PartGroom { length, lean, density, by_thickness };
         match self {
             Self::Muzzle => grows(0.2, 0.5, 2.0, 0.0),
             Self::Face => grows(0.3, 0.4, 1.5, 0.0),
@@ -81,7 +81,7 @@ impl Region {
     }
 
     /// Whether the part identifies a location on an animal; a root named "body" alone does not.
-    pub(super) fn tells(self) -> bool {
+    pub(super) fn is_specific(self) -> bool {
         !matches!(self, Self::Unknown | Self::Torso)
     }
 

@@ -211,7 +211,7 @@ fn a_spine_that_is_numbered_through_has_neck_and_head() {
 fn thickness_is_the_way_through_the_body() {
     let mesh = barrel_with_rod();
     let rest = RestPose { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
-    let skin = Skin::new(&mesh, &rest, Vec3::ZERO, 2.0);
+    let skin = WeldedMesh::new(&mesh, &rest, Vec3::ZERO, 2.0);
     let thickness = thickness::thickness(&skin);
     let of = |z: f32| {
         let place = skin.positions.iter().position(|p| (p.z * 2.0 - z).abs() < 1e-4).unwrap();
@@ -227,7 +227,7 @@ fn thickness_is_the_way_through_the_body() {
         ..Mesh::default()
     };
     let rest = RestPose { positions: sheet.positions.clone(), normals: sheet.normals.clone() };
-    assert_eq!(thickness::thickness(&Skin::new(&sheet, &rest, Vec3::ZERO, 1.0)), [None; 3]);
+    assert_eq!(thickness::thickness(&WeldedMesh::new(&sheet, &rest, Vec3::ZERO, 1.0)), [None; 3]);
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn places_are_welded_and_ways_go_along_the_skin() {
     };
     let skins = [&mesh, &torn].map(|mesh| {
         let rest = RestPose { positions: mesh.positions.clone(), normals: Vec::new() };
-        Skin::new(mesh, &rest, Vec3::ZERO, 1.0)
+        WeldedMesh::new(mesh, &rest, Vec3::ZERO, 1.0)
     });
     assert_eq!(skins[0].positions, skins[1].positions);
     assert!(skins[1].pieces.iter().all(|piece| *piece == 0));
@@ -260,7 +260,7 @@ fn places_are_welded_and_ways_go_along_the_skin() {
 fn values_spread_within_their_bounds_and_keep_their_sum() {
     let mesh = turned(&(0..=60).map(|i| (i as f32 / 60.0, 0.1)).collect::<Vec<_>>());
     let rest = RestPose { positions: mesh.positions.clone(), normals: Vec::new() };
-    let skin = Skin::new(&mesh, &rest, Vec3::ZERO, 1.0);
+    let skin = WeldedMesh::new(&mesh, &rest, Vec3::ZERO, 1.0);
     let step: Vec<f32> = skin.positions.iter().map(|p| if p.z < 0.5 { 0.0 } else { 1.0 }).collect();
     let spread = skin.spread(&step, 0.05);
     let sum = |values: &[f32]| values.iter().zip(&skin.areas).map(|(v, a)| f64::from(v * a)).sum::<f64>();

@@ -1,6 +1,6 @@
 //! Thickness of a body at its welded vertices: the shape diameter function (Shapira, Shamir and Cohen-Or 2008).
 
-use super::skin::Skin;
+use super::welded_mesh::WeldedMesh;
 use glam::Vec3;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
@@ -41,7 +41,7 @@ impl Boundable for Facet {
 impl Facet {
     /// Returns the distance at which a ray leaves the body through the triangle (Möller and Trumbore 1997); `None` if
     /// it enters there or misses.
-    fn leaves(&self, origin: Vec3, way: Vec3) -> Option<f32> {
+    fn exit_distance(&self, origin: Vec3, way: Vec3) -> Option<f32> {
         let [a, b, c] = self.corners;
         let (e, f) = (b - a, c - a);
         let p = way.cross(f);
@@ -64,7 +64,7 @@ impl Facet {
 /// Returns the thickness of the body at each welded vertex, radii of the mesh: the median length of rays inwards.
 /// `None` if most rays hit nothing, for example on an open sheet. A ray ends at the far side of its own connected
 /// component.
-pub(super) fn thickness(skin: &Skin) -> Vec<Option<f32>> {
+pub(super) fn thickness(skin: &WeldedMesh) -> Vec<Option<f32>> {
     let corners = |face: &[u32; 3]| face.map(|p| skin.positions[p as usize]);
     let facets: Vec<Facet> =
         skin.faces.iter().map(|f| Facet { corners: corners(f), piece: skin.pieces[f[0] as usize] }).collect();
@@ -86,7 +86,7 @@ pub(super) fn thickness(skin: &Skin) -> Vec<Option<f32>> {
             let origin = skin.positions[place] - normal * 1e-5;
             let ways = cone.iter().map(|d| along * d.x + across * d.y - normal * d.z);
             let mut found: Vec<f32> =
-                ways.map(|way| far_side(&tree, &facets, origin, way, skin.pieces[place])).collect();
+                ways.map(|way| distance_to_far_side(&tree, &facets, origin, way, skin.pieces[place])).collect();
             found.sort_unstable_by(f32::total_cmp);
             // On a sharp edge some rays leave immediately. They are ignored unless most do, as in a very thin ear.
             let first = found.partition_point(|distance| *distance < AT_ONCE);
@@ -102,11 +102,11 @@ pub(super) fn thickness(skin: &Skin) -> Vec<Option<f32>> {
 }
 
 /// Returns the distance at which a ray leaves its own connected component, otherwise any; infinite if it hits nothing.
-fn far_side(tree: &CwBvh, facets: &[Facet], origin: Vec3, way: Vec3, piece: u32) -> f32 {
+fn distance_to_far_side(tree: &CwBvh, facets: &[Facet], origin: Vec3, way: Vec3, piece: u32) -> f32 {
     let (mut own, mut any) = (f32::INFINITY, f32::INFINITY);
     let ray = Ray::new(origin.into(), way.into(), 0.0, f32::INFINITY);
     tree.ray_traverse(ray, &mut RayHit::none(), |_, id| {
-        let Some(distance) = facets[id].leaves(origin, way) else { return f32::INFINITY };
+        let Some(distance) = facets[id].exit_distance(origin, way) else { return f32::INFINITY };
         any = any.min(distance);
         if facets[id].piece != piece {
             return f32::INFINITY;

@@ -1,0 +1,160 @@
+//! Stage `surface`: lays out the hair tile on a model according to the recipe, the body and the marks in the model.
+//! Records what it chooses for values that the recipe leaves open.
+
+use crate::decision::Decision;
+use crate::recipe::{
+    self, ColorParams, CombSource, GroomCoordinates, HairColors, Recipe, ShadingModel, SrgbColor, SurfaceSource,
+};
+use crate::stages::groom::{
+    self, Body, BodyGroom, FurredMaterials, JointValues, LayoutMaps, Lengths, MapImages, Maps, MarkValues, ModelAtlas, ImageCoordinates,
+};
+use crate::stages::metric::{self, TileRecipe};
+use crate::stages::size;
+use crate::stages::surface::{self, Comb, Surface, SurfaceParams};
+use pelage_formats::Bounds;
+use pelage_import::BakeError;
+use pelage_import::mesh::{CombLine, Model, RestPose};
+use std::collections::BTreeSet;
+
+/// Output of the `surface` stage.
+#[derive(Clone, Debug)]
+pub struct Layout<'a> {
+    /// Mesh with hair-tile coordinates.
+    pub surface: Surface,
+    /// Box and sphere around the mesh at rest.
+    pub bounds: Bounds,
+    /// Whether hair grows on each material.
+    pub furred: Vec<bool>,
+    /// Effective value of `model.bare`: the recipe's or the chosen one.
+    pub bare: Vec<String>,
+    /// Lengths that the recipe may leave open, resolved.
+    pub lengths: Lengths,
+    /// Recipe with hair density and radii converted to tile units.
+    pub filled: Recipe,
+    /// Hair colours that the recipe may leave open, resolved.
+    pub hair_colors: HairColors,
+    /// Groom maps of the recipe.
+    pub maps: Maps<'a>,
+    /// Density and comb of the maps at the model's vertices.
+    pub lay: LayoutMaps,
+    /// Values that the recipe left open and the bake chose.
+    pub decisions: Vec<Decision>,
+    /// Warnings of `import` and of this stage.
+    pub warnings: Vec<String>,
+}
+
+/// Runs the first stage alone: lays out the hair tile on a model. Arguments are those of [`Told`](super::Told).
+///
+/// # Errors
+///
+/// The errors of [`bake`](super::bake()) that this stage can raise.
+pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapImages) -> Result<Layout<'a>, BakeError> {
+    let mut warnings = model.warnings.clone();
+    let rest = RestPose::of(&model.mesh, model.animation.as_ref());
+    let bounds = groom::bounds(&rest);
+    let FurredMaterials { furred, bare, decision } = groom::find_furred_materials(model, &rest, recipe.model.bare.as_deref(), &mut warnings);
+    let animation = model.animation.as_ref();
+    let body = Body { mesh: &model.mesh, rest: &rest, animation, furred: &furred, bounds: &bounds };
+    let mut by_body = BodyGroom::of(&body, recipe.groom.by_body);
+    if recipe.surface.source == SurfaceSource::Model {
+        // The density follows from the model's own texture coordinates.
+        by_body.iter_mut().for_each(|body| body.density = None);
+    }
+    let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings)
+        .with_joints(JointValues::new(&recipe.groom.joint, animation, &mut warnings))
+        .with_body(by_body)
+        .with_marks(MarkValues::new(&recipe.surface.comb_marks, &model.combs, &body, &mut warnings));
+    let maps = match (recipe.groom.coordinates, recipe.groom.coordinates.projection()) {
+        (_, Some(along)) => maps.over(ImageCoordinates::Space { along, bounds }),
+        (GroomCoordinates::Atlas, None) if maps.has_images() => {
+            maps.over(ImageCoordinates::Atlas(Box::new(ModelAtlas::new(file, model)?)))
+        }
+        _ => maps,
+    };
+    let TileRecipe { recipe: filled, decisions: of_tile, warnings: of_hair } = metric::to_tile_units(recipe, &bounds)?;
+    warnings.extend(of_hair);
+    let lengths = Lengths::resolve(&filled, &bounds);
+    let colored = groom::is_colored(model, &maps, &furred, &recipe.color);
+    // Hair without any colour source gets a brown root and tip colour, which would tint the colours of marks. With
+    // coloured marks the brown becomes the base colour instead.
+    let plain = maps.marks().has_color() && !colored && recipe.color.root.is_none() && recipe.color.tip.is_none();
+    let (maps, colored) = if plain { (maps.with_plain_color(HairColors::PLAIN), true) } else { (maps, colored) };
+    let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(&filled)).chain(of_tile).collect();
+    if plain {
+        decisions.push(Decision {
+            what: "colour of the coat beside marks",
+            chosen: "brown, the model brings no colour".into(),
+            line: format!("groom.color = {}", in_toml(HairColors::PLAIN)),
+        });
+    }
+    let open = match (colored, recipe.shading.model) {
+        (true, ShadingModel::KajiyaKay) => HairColors::NEUTRAL,
+        (true, ShadingModel::Marschner) => HairColors::SCATTERING,
+        (false, _) => HairColors::BROWN,
+    };
+    let pigmented = recipe.fibre.pigmented();
+    let hair_colors = recipe.color.hair(pigmented.unwrap_or(open));
+    decisions.extend(maps.decision(recipe.groom.by_body, lengths.length_m));
+    let why = match (plain, colored) {
+        _ if pigmented.is_some() => "of the pigments of fibre.eumelanin and fibre.pheomelanin",
+        (true, _) => "neutral, marks colour the coat",
+        (_, true) => "neutral, the model's own colours show",
+        _ => "brown, the model brings no colour",
+    };
+    decisions.extend(hair_color_decisions(&recipe.color, hair_colors, why));
+    size::check(file, recipe, &bounds, &lengths)?;
+    let params = SurfaceParams::from_recipe(&filled.surface, lengths.tile_size_m, furred.clone());
+    let lay = maps.layout_maps(&model.mesh, &rest, params.comb.global_direction())?;
+    if lay != LayoutMaps::default() && recipe.surface.source == SurfaceSource::Model {
+        warnings.push("groom.density and groom.comb have no effect beside surface.source = \"model\"".into());
+    }
+    let comb = match lay.comb.clone() {
+        Some(wishes) => Comb::PerVertex(wishes),
+        None => Comb::of_recipe(&recipe.surface, &model.combs, bounds.radius),
+    };
+    decisions.extend(comb_decision(&recipe.surface, &comb, &model.combs));
+    let params = SurfaceParams { comb, density: lay.density.clone(), ..params };
+    let surface = surface::parameterize(file, model, &params)?;
+    warnings.extend(size::warnings(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
+    warnings.extend(surface.warnings.iter().cloned());
+    Ok(Layout { surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
+}
+
+/// Reports that lines drawn in the model comb the hair, if the recipe leaves the source open.
+fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[CombLine]) -> Option<Decision> {
+    if params.comb != CombSource::Auto || drawn.is_empty() || !matches!(comb, Comb::Marks { .. }) {
+        return None;
+    }
+    let names: BTreeSet<&str> = drawn.iter().map(|line| line.name.as_str()).collect();
+    let names: Vec<&str> = names.into_iter().collect();
+    Some(Decision {
+        what: "where hair is combed to",
+        chosen: format!("along what is drawn in the model: {}; \"direction\" leaves that out", names.join(", ")),
+        line: format!("surface.comb = \"{}\"", CombSource::Marks.word()),
+    })
+}
+
+/// Formats a built-in colour, whose components are whole bytes, for a recipe.
+fn in_toml(color: SrgbColor) -> String {
+    let [r, g, b] = color.0.map(|c| (255.0 * c).round() as u8);
+    format!("\"#{r:02x}{g:02x}{b:02x}\"")
+}
+
+/// Reports the hair colours that `color` leaves open, with the reason for their choice.
+fn hair_color_decisions(color: &ColorParams, hair: HairColors, why: &'static str) -> impl Iterator<Item = Decision> {
+    let open = [
+        (
+            "lightness of hair",
+            "gain",
+            color.gain.is_none() && color.root.is_none() && color.tip.is_none(),
+            hair.gain.to_string(),
+        ),
+        ("colour at the root", "root", color.root.is_none(), in_toml(hair.root)),
+        ("colour at the tip", "tip", color.tip.is_none(), in_toml(hair.tip)),
+    ];
+    open.into_iter().filter(|(.., is_open, _)| *is_open).map(move |(what, key, _, value)| Decision {
+        what,
+        chosen: why.into(),
+        line: format!("color.{key} = {value}"),
+    })
+}

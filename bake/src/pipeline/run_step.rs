@@ -1,0 +1,263 @@
+//! Implementation of the steps: each takes its inputs, calls its stage and stores the output.
+
+use super::layout::{Layout, lay};
+use super::outputs::{Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, BakeInput, StrandVisibility, required};
+use crate::recipe::{ColorParams, HairColors, Recipe, ShadingModel};
+use crate::stages::detail;
+use crate::stages::fins;
+use crate::stages::groom::{self, Atlas, BareDistances, Lengths, Pattern, RootAtlas, RootColorInput, Vertices};
+use crate::stages::simulate::{LateralOffsets, StyleForces, TileHair};
+use crate::stages::hair_groups;
+use crate::stages::ink::{self, InkTarget, VertexInk};
+use crate::stages::pack::{self, PackInput, ModelResults};
+use crate::stages::scatter;
+use crate::stages::strands;
+use crate::stages::surface::Surface;
+use crate::stages::slice;
+use crate::stages::visibility;
+use Output::*;
+use pelage_formats::Shading;
+use pelage_import::BakeError;
+use std::sync::Arc;
+
+pub(super) fn surface<'a>(told: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
+    let model = required(&outputs.model, Model)?;
+    outputs.laid = Some(lay(told.file, model, told.recipe, told.images)?);
+    Ok(())
+}
+
+pub(super) fn simulate(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let laid = required(&outputs.laid, Layout)?;
+    let HairColors { root, tip, .. } = laid.hair_colors;
+    let color = ColorParams { root: Some(root), tip: Some(tip), ..told.recipe.color.clone() };
+    let recipe = Recipe { color, ..laid.filled.clone() };
+    outputs.hair = Some(TileHair::grow(&recipe, laid.lengths, laid.maps.fur_wetness())?);
+    Ok(())
+}
+
+pub(super) fn visible(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, params) = (required(&outputs.hair, Hair)?, &told.recipe.visibility);
+    let find = || {
+        let dry = visibility::visibility(&hair.strands, params, None)?;
+        // Both use one horizon, because they are blended.
+        let wet = |strands| visibility::visibility(strands, params, Some(dry.horizon));
+        let wet = hair.wet.as_ref().map(wet).transpose()?;
+        Ok::<_, BakeError>(self::StrandVisibility { dry, wet })
+    };
+    outputs.visible = Some(params.enabled.then(find).transpose()?);
+    Ok(())
+}
+
+pub(super) fn slice(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, recipe) = (required(&outputs.hair, Hair)?, told.recipe);
+    let with_coat = detail::has_far_layer(recipe);
+    let volumes = 1 + u64::from(hair.wet.is_some());
+    told.steps.begin(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
+    let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
+    let slice = |strands, visible| {
+        let on_layer = &mut || told.steps.step();
+        slice::shell_textures(strands, visible, &recipe.slice, &recipe.pack, with_coat, on_layer)
+    };
+    let dry = slice(&hair.strands, visible.map(|v| &v.dry))?;
+    let wet = hair.wet.as_ref().map(|strands| slice(strands, visible.and_then(|v| v.wet.as_ref()))).transpose()?;
+    let shells = self::Shells { dry, wet };
+    outputs.shells = Some(shells);
+    Ok(())
+}
+
+pub(super) fn single(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, params) = (required(&outputs.hair, Hair)?, &told.recipe.strands);
+    let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
+    let visible = [visible.map(|v| &v.dry), visible.and_then(|v| v.wet.as_ref())];
+    outputs.single = Some(params.enabled.then(|| strands::strands(hair, visible, params.points)));
+    Ok(())
+}
+
+pub(super) fn groom(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid, recipe) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?, told.recipe);
+    let self::Layout { bounds, furred, maps, .. } = laid;
+    let mut surface = laid.surface.clone();
+    let pattern = Pattern::new(&recipe.color, told.images, bounds)?;
+    let asides = LateralOffsets::from_strands(&required(&outputs.hair, Hair)?.strands);
+    let rooting = RootColorInput {
+        furred,
+        pattern: pattern.as_ref(),
+        asides: &asides.mean,
+        reach: asides.reach(),
+        most_side: recipe.color.pattern_texels,
+    };
+    let colored =
+        |surface: &Surface| groom::colors(model, &Vertices::from(surface), maps, furred, recipe.color.base_color);
+    let uncut = colored(&surface)?;
+    let roots = recipe.color.at_root.then(|| RootAtlas::new(&mut surface, &uncut, &rooting)).flatten();
+    let plain = pattern.as_ref().filter(|_| roots.is_none());
+    let atlas = plain.map(|_| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
+    let mut coat = maps.vertex_groom(&Vertices::from(&surface))?;
+    let (skin, longest_m) = ((&surface.mesh, &surface.rest), laid.lengths.length_m);
+    let chosen_m = || groom::chosen_margin_m(skin, furred, &coat.length, longest_m, bounds.radius);
+    let bare_margin_m = recipe.groom.bare_margin_m.or_else(chosen_m);
+    if let Some(margin_m) = bare_margin_m.filter(|margin_m| *margin_m > 0.0) {
+        BareDistances::new(skin.0, skin.1, furred, margin_m).shorten(&mut coat.length);
+    }
+    let open = recipe.groom.bare_margin_m.is_none();
+    let decisions = bare_margin_m.filter(|_| open).map(groom::margin_decision).into_iter().collect();
+    let mut colors = colored(&surface)?;
+    let mut grooms = maps.textures()?;
+    if let Some(roots) = &roots {
+        roots.paint(&rooting, &mut surface, &mut colors, &mut grooms);
+    }
+    if let (Some(pattern), Some(atlas)) = (plain, &atlas) {
+        pattern.paint(atlas, furred, &mut surface, &mut colors, &mut grooms);
+    }
+    colors.lighten(furred, laid.hair_colors.gain);
+    let warnings = atlas.as_ref().and_then(Atlas::warning).into_iter().collect();
+    let pattern_size_m = pattern.as_ref().map(Pattern::width_m);
+    let roots = roots.map(|roots| roots.info(asides.at));
+    outputs.groomed = Some(Arc::new(self::Groomed {
+        surface,
+        coat,
+        colors,
+        grooms,
+        pattern_size_m,
+        roots,
+        bare_margin_m,
+        decisions,
+        warnings,
+    }));
+    Ok(())
+}
+
+/// Returns the height of the fur, metres.
+fn height_m(hair: &TileHair, lengths: Lengths) -> f32 {
+    hair.strands.height * lengths.tile_size_m
+}
+
+pub(super) fn guided(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid, groomed) =
+        (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?, required(&outputs.groomed, Groomed)?);
+    let ground = hair_groups::GroomTarget {
+        file: told.file,
+        mesh: &groomed.surface.mesh,
+        rest: &groomed.surface.rest,
+        radius_m: laid.bounds.radius,
+        materials: &model.materials,
+        nodes: &model.nodes,
+        files: told.images,
+    };
+    outputs.guided = Some(hair_groups::groups(&told.recipe.strands, &ground)?);
+    Ok(())
+}
+
+pub(super) fn fins(_: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (laid, hair) = (required(&outputs.laid, Layout)?, required(&outputs.hair, Hair)?);
+    let groomed = required(&outputs.groomed, Groomed)?;
+    let (height_m, tile_size_m) = (height_m(hair, laid.lengths), laid.lengths.tile_size_m);
+    let fins = fins::fins(&groomed.surface, &laid.furred, &groomed.coat, height_m, tile_size_m);
+    outputs.fins = Some(pack::model_fins(&groomed.surface, &fins));
+    Ok(())
+}
+
+pub(super) fn fin_textures(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, fins, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.fins, Fins)?, told.recipe);
+    let depth = recipe.fins.depth.or(fins.depth).filter(|_| recipe.fins.enabled && fins.section.is_some());
+    let make = |depth| slice::fin_textures(&hair.strands, depth, &recipe.slice, &recipe.pack);
+    outputs.fin_textures = Some(depth.map(make).transpose()?);
+    Ok(())
+}
+
+pub(super) fn scatter(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (skin, guided) = (required(&outputs.skin, Skin)?, required(&outputs.guided, Guided)?);
+    let materials = skin.manifest.materials.iter().map(|material| material.name.as_str());
+    let groups = guided.groups.iter().map(|group| group.name.as_str());
+    let scatters = told.recipe.shading.model == ShadingModel::Marschner;
+    outputs.fibres = Some(scatters.then(|| scatter::tables(&told.recipe.fibre, materials, groups)).transpose()?);
+    Ok(())
+}
+
+pub(super) fn ink(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?);
+    let self::Groomed { surface, .. } = &**required(&outputs.groomed, Groomed)?;
+    let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
+    let canvas = InkTarget { mesh, rest, radius, materials: &model.materials, images: told.images };
+    let params = &told.recipe.ink;
+    let fur = ink::fur_strength(told.recipe, model, &laid.furred);
+    outputs.ink = Some(params.enabled.then(|| ink::vertex_ink(params, fur, &canvas)).transpose()?);
+    Ok(())
+}
+
+pub(super) fn ink_textures(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (laid, hair, recipe) = (required(&outputs.laid, Layout)?, required(&outputs.hair, Hair)?, told.recipe);
+    let painting = &mut outputs.kept.painting;
+    let paint = |skin: &VertexInk| {
+        let strokes = laid.furred.contains(&true) && skin.shading.fur > 0.0;
+        let strands = strokes.then_some(&hair.strands);
+        ink::textures_with_memo(&recipe.ink, &recipe.pack, told.images, strands, told.steps, painting)
+    };
+    outputs.ink_textures = Some(required(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?);
+    Ok(())
+}
+
+pub(super) fn skin(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?);
+    let (hair, groomed, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.groomed, Groomed)?, told.recipe);
+    let images = SkinImages { groomed: groomed.clone(), pack: recipe.pack.clone() };
+    let files = outputs.kept.skin.make(images, SkinFiles::encode)?;
+    let pieces = ModelResults {
+        name: told.name,
+        model,
+        inputs: &told.images.inputs,
+        surface: &groomed.surface,
+        furred: &laid.furred,
+        coat: &groomed.coat,
+        colors: &groomed.colors,
+        bounds: laid.bounds,
+        bare: &laid.bare,
+        bare_margin_m: groomed.bare_margin_m,
+        lengths: laid.lengths,
+        filled: &laid.filled,
+        hair_colors: laid.hair_colors,
+        height_m: height_m(hair, laid.lengths),
+        strands: laid.filled.strands_in_tile(),
+        pattern_size_m: groomed.pattern_size_m,
+        roots: groomed.roots.as_ref(),
+        base_colors: &files.base_colors,
+        groom_textures: &files.grooms,
+        groom_of_material: &groomed.grooms.of_material,
+        simplified: recipe.detail.has_lists(),
+        warnings: &[&laid.warnings[..], &groomed.warnings].concat(),
+    };
+    outputs.skin = Some(pack::model_part(&pieces, &mut outputs.kept.of_skin));
+    Ok(())
+}
+
+pub(super) fn pack(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let shells = required(&outputs.shells, Shells)?;
+    let ink = required(&outputs.ink, Ink)?.as_ref().zip(required(&outputs.ink_textures, InkTextures)?.as_ref());
+    let (skin, hair) = (required(&outputs.skin, Skin)?, required(&outputs.hair, Hair)?);
+    let shading = Shading::from(&told.recipe.shading);
+    // Without a furred material the strands are unused.
+    let furred = skin.manifest.materials.iter().any(|material| material.furred);
+    let packed = pack::pack(&PackInput {
+        recipe: told.recipe,
+        shading: if StyleForces::of(hair.style).wet { shading.wet() } else { shading },
+        skin,
+        shells: &shells.dry,
+        wet_shells: shells.wet.as_ref(),
+        strands: required(&outputs.single, Single)?.as_ref().filter(|_| furred),
+        hair: required(&outputs.guided, Guided)?,
+        fins: required(&outputs.fins, Fins)?,
+        fin_textures: required(&outputs.fin_textures, FinTextures)?.as_ref(),
+        fibres: required(&outputs.fibres, Fibres)?.as_ref(),
+        ink,
+    });
+    let (bytes, warnings) = packed.map_err(|error| match error {
+        BakeError::Params { what, reason } => BakeError::Input {
+            file: told.file.to_owned(),
+            place: "whole model".to_owned(),
+            reason: format!("its size decides {what}: {reason}; say it in the recipe, or see model.unit_m"),
+        },
+        other => other,
+    })?;
+    outputs.package = Some(PackageBytes { bytes, warnings });
+    Ok(())
+}

@@ -1,0 +1,53 @@
+//! All the hair of a tile, as a resolved recipe describes it: the only source of strands for a bake and for the
+//! ray-traced reference.
+
+use super::styles::{StyleForces, WET};
+use super::{Strands, VolumeParams, simulate_with_underfur};
+use crate::recipe::{HairParams, Recipe, Style};
+use crate::stages::groom::{Lengths, FurWetness};
+use pelage_import::BakeError;
+
+/// Strands of one tile: dry, and the same hairs wet if only parts of the fur are wet.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TileHair {
+    /// Dry strands, or the only ones there are.
+    pub strands: Strands,
+    /// Same hairs when wet, with the height of `strands`; `None` if the fur is dry or wet everywhere.
+    pub wet: Option<Strands>,
+    /// Style of `strands`.
+    pub style: Style,
+}
+
+impl TileHair {
+    /// Grows the strands.
+    ///
+    /// # Errors
+    /// [`BakeError::Params`] for a value outside its range.
+    pub fn grow(recipe: &Recipe, lengths: Lengths, water: FurWetness) -> Result<Self, BakeError> {
+        let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
+        let style = if water == FurWetness::Wet { WET } else { recipe.hair.style };
+        let grow = |style| simulate_with_style(recipe, style, &volume);
+        let mut strands = grow(style)?;
+        let mut wet = if water == FurWetness::Mixed && !StyleForces::of(style).wet { Some(grow(WET)?) } else { None };
+        if let Some(wet) = &mut wet {
+            // Mixed layers need the same heights.
+            strands.height = strands.height.max(wet.height);
+            wet.height = strands.height;
+        }
+        Ok(Self { strands, wet, style })
+    }
+}
+
+/// Grows guard hair and underfur of a recipe's tile, with guard hair in the given style.
+fn simulate_with_style(recipe: &Recipe, style: Style, volume: &VolumeParams) -> Result<Strands, BakeError> {
+    let hair = HairParams { style, ..recipe.hair.clone() };
+    simulate_with_underfur(&hair, &recipe.underfur, &recipe.color, volume)
+}
+
+/// Grows the strands of a recipe's tile, dry or wet according to its style.
+///
+/// # Errors
+/// [`BakeError::Params`] for a value outside its range.
+pub fn simulate_recipe(recipe: &Recipe, volume: &VolumeParams) -> Result<Strands, BakeError> {
+    simulate_with_style(recipe, recipe.hair.style, volume)
+}

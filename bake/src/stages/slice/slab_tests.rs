@@ -1,0 +1,198 @@
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use super::*;
+use crate::recipe::{ColorParams, HairParams, natural};
+use crate::stages::simulate::{VolumeParams, simulate};
+
+const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
+
+fn slice(tile_texels: u32) -> SliceParams {
+    SliceParams { tile_texels, ..SliceParams::default() }
+}
+
+fn coat() -> Strands {
+    simulate(&natural().hair, &ColorParams::default(), &VolumeParams::default()).unwrap()
+}
+
+/// Makes one hair of radius 0.02 from `root` to `tip`.
+fn hair(root: Vec3, tip: Vec3) -> Strands {
+    let middle = 0.5 * (root + tip);
+    Strands {
+        points: vec![root, middle, tip],
+        radii: vec![0.02; 3],
+        colors: vec![Vec3::splat(0.5); 3],
+        offsets: vec![0, 3],
+        height: 0.5,
+        root_color: Vec3::ZERO,
+    }
+}
+
+/// Draws one slab of the given depth; returns width, height and RGBA of all levels, for colour and direction.
+fn slab(strands: &Strands, index: usize, depth: f32) -> (Levels, Levels) {
+    let params = slice(32);
+    let size = size(strands, &params);
+    levels(draw(strands, SLABS[index], depth, size, params.filter_width), size, FORMAT)
+}
+
+fn alpha(level: &(u32, u32, Vec<u8>)) -> Vec<f32> {
+    level.2.chunks_exact(4).map(|t| f32::from(t[3]) / 255.0).collect()
+}
+
+fn mean(values: &[f32]) -> f32 {
+    values.iter().sum::<f32>() / values.len() as f32
+}
+
+/// Returns the column with the highest opacity in a level, as a share of its width.
+fn column(level: &(u32, u32, Vec<u8>)) -> f32 {
+    let (width, alpha) = (level.0 as usize, alpha(level));
+    let sum = |x: usize| alpha.iter().skip(x).step_by(width).sum::<f32>();
+    let best = (0..width).max_by(|a, b| sum(*a).total_cmp(&sum(*b))).unwrap();
+    (best as f32 + 0.5) / width as f32
+}
+
+#[test]
+fn an_edge_takes_the_slab_that_runs_along_it() {
+    for (direction, expected) in [
+        (Vec2::new(1.0, 0.1), (0, false)),
+        (Vec2::new(-3.0, 0.1), (0, true)),
+        (Vec2::new(0.2, 0.2), (1, false)),
+        (Vec2::new(-2.0, -1.9), (1, true)),
+        (Vec2::new(0.1, 5.0), (2, false)),
+        (Vec2::new(0.1, -5.0), (2, true)),
+        (Vec2::new(-1.0, 1.0), (3, false)),
+        (Vec2::new(1.0, -1.0), (3, true)),
+        (Vec2::ZERO, (0, false)),
+    ] {
+        assert_eq!(slab_along(direction), expected, "{direction}");
+    }
+    for slab in SLABS {
+        let ([p, q], [m, n]) = (slab.step.map(i32::from), slab.neighbour.map(i32::from));
+        assert_eq!(p * n - q * m, 1, "{slab:?}: its neighbour is not one period away");
+    }
+}
+
+#[test]
+fn a_hair_stands_where_its_root_is() {
+    // Upright, at u = 0.3, v = 0.1.
+    let strands = hair(Vec3::new(0.3, 0.1, 0.0), Vec3::new(0.3, 0.1, 0.5));
+    // Along (1, 1) its offset across is 0.1 − 0.3, so the copy in the tile above is used: (0.3 + 1.1) / 2. Along (−1,
+    // 1) the offset is −0.1 − 0.3, so the copy in the tile below is used: (−0.3 − 0.9) / 2, which wraps to 0.4.
+    for (index, expected) in [(0, 0.3), (1, 0.7), (2, 0.1), (3, 0.4)] {
+        let found = column(&slab(&strands, index, 1.0).0[0]);
+        assert!((found - expected).abs() < 0.02, "slab {index}: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn the_tile_wraps() {
+    let strands = coat();
+    let mut moved = strands.clone();
+    // Shifted by whole tiles: the same hair.
+    moved.points.iter_mut().for_each(|p| *p += Vec3::new(3.0, -2.0, 0.0));
+    for index in 0..SLABS.len() {
+        let (a, b) = (slab(&strands, index, 0.3), slab(&moved, index, 0.3));
+        let differing = |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+        // Rounding may move a hair at the face of the slab in or out of it.
+        let share = differing(&a.0[0].2, &b.0[0].2) as f32 / a.0[0].2.len() as f32;
+        assert!(share < 0.02, "slab {index}: {share} of the texels differ");
+    }
+}
+
+#[test]
+fn lean_shows_in_the_slab_that_runs_along_it() {
+    // Leaning towards +v.
+    let strands = hair(Vec3::new(0.5, 0.2, 0.0), Vec3::new(0.5, 0.5, 0.5));
+    let rows = |index: usize| {
+        let level = &slab(&strands, index, 1.0).0[0];
+        let (width, alpha) = (level.0 as usize, alpha(level));
+        let center = |row: &[f32]| {
+            let sum: f32 = row.iter().sum();
+            row.iter().enumerate().map(|(x, a)| (x as f32 + 0.5) * a).sum::<f32>() / sum / width as f32
+        };
+        let rows: Vec<_> = alpha.chunks_exact(width).map(center).collect();
+        rows[rows.len() * 3 / 4] - rows[rows.len() / 4]
+    };
+    assert!(rows(0).abs() < 0.01, "across its lean the hair stands upright, not {}", rows(0));
+    assert!((rows(2) - 0.15).abs() < 0.02, "half of its lean of 0.3 between the quarters, not {}", rows(2));
+    assert!(rows(1) > 0.05 && rows(1) < rows(2), "at 45 degrees less of it, not {}", rows(1));
+    // The direction is in the tile's frame for every slab.
+    for index in 0..SLABS.len() {
+        let (color, direction) = slab(&strands, index, 1.0);
+        let (at, _) = alpha(&color[0]).iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
+        let texel: [u8; 4] = direction[0].2[4 * at..4 * at + 4].try_into().unwrap();
+        let found = pelage_formats::decode_direction(texel.map(|b| f32::from(b) / 255.0), FORMAT);
+        let expected = Vec3::new(0.0, 0.3, 0.5).normalize();
+        assert!(found.dot(expected) > 0.99, "slab {index}: {found}");
+    }
+}
+
+#[test]
+fn mips_keep_the_covered_share() {
+    let strands = coat();
+    for index in 0..SLABS.len() {
+        let (color, direction) = slab(&strands, index, 0.05);
+        let shares: Vec<_> = color.iter().map(|level| mean(&alpha(level))).collect();
+        assert!(shares[0] > 0.02, "there is hair: {shares:?}");
+        // Tolerance of two per cent, plus the rounding of a byte.
+        assert!(shares.iter().all(|s| (s - shares[0]).abs() < 0.02 * shares[0] + 0.5 / 255.0), "{shares:?}");
+        let sizes: Vec<_> = color.iter().map(|l| (l.0, l.1)).collect();
+        assert_eq!(sizes.last(), Some(&(1, 1)));
+        assert_eq!(direction.iter().map(|l| (l.0, l.1)).collect::<Vec<_>>(), sizes);
+        for (width, height, texels) in color.iter().chain(&direction) {
+            assert_eq!(texels.len(), (width * height * 4) as usize);
+        }
+    }
+}
+
+/// Checks that the covered share does not depend on the resolution, as the opacity of a mean density would.
+#[test]
+fn coarse_texels_cover_what_fine_ones_do() {
+    let strands = coat();
+    let share = |texels: u32| {
+        let params = slice(texels);
+        let size = size(&strands, &params);
+        let sums = draw(&strands, SLABS[0], 0.05, size, params.filter_width);
+        sums.iter().map(|s| s[0]).sum::<f32>() / sums.len() as f32
+    };
+    let [coarse, fine] = [16, 128].map(share);
+    assert!((coarse / fine - 1.0).abs() < 0.2, "{coarse} at 16 texels, {fine} at 128");
+}
+
+#[test]
+fn a_deeper_slab_has_more_hair() {
+    let strands = coat();
+    let share = |depth: f32| mean(&alpha(&slab(&strands, 0, depth).0[0]));
+    let shares = [0.01, 0.02, 0.1, 1.0, 3.0].map(share);
+    assert!(shares.windows(2).all(|w| w[0] < w[1]), "{shares:?}");
+    // Proportional, because hairs do not overlap yet.
+    assert!((shares[1] / shares[0] - 2.0).abs() < 0.5, "{shares:?}");
+}
+
+#[test]
+fn opacity_thins_to_nothing_at_the_tips() {
+    // Hair as high as the volume everywhere.
+    let strands = simulate(
+        &HairParams { length_variation: 0.0, lean: 0.0, frizz: 0.0, ..natural().hair },
+        &ColorParams::default(),
+        &VolumeParams::default(),
+    )
+    .unwrap();
+    let level = &slab(&strands, 0, 0.05).0[0];
+    let rows: Vec<_> = alpha(level).chunks_exact(level.0 as usize).map(mean).collect();
+    assert!(rows[1] > 0.1 && rows[rows.len() - 1] < 0.1 * rows[1], "{rows:?}");
+    // The first row loses the half of a hair's blur that extends below the surface.
+    assert!(rows[1..].windows(2).all(|w| w[1] <= w[0] + 0.02), "{rows:?}");
+}
+
+#[test]
+fn the_same_on_any_number_of_threads() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| fin_textures(&coat(), 0.05, &slice(64), &PackParams::default()).unwrap())
+    };
+    let one = on(1);
+    assert!(one == on(3));
+    assert_eq!((one.width, one.height), (128, 64), "a volume 0.4 tiles high");
+    let error = fin_textures(&coat(), 0.0, &slice(64), &PackParams::default()).unwrap_err().to_string();
+    assert!(error.contains("fins.depth") && error.contains("0.001..=8"), "{error}");
+}

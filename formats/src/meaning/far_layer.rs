@@ -1,0 +1,38 @@
+//! Key light on the hair that is visible in the far layer, the single layer that replaces all others at a distance.
+
+use crate::sections::manifest::detail::FarLayerInfo;
+
+/// Returns the share of the key light that reaches the hair visible in the far layer. `path` is the path length through
+/// a layer over the layer's thickness.
+pub fn far_layer_light(path: f32, base: f32, slope: f32) -> f32 {
+    1.0 / (base + slope * path)
+}
+
+/// Returns the coefficients `base` and `slope` for which [`coat_light`] matches the two values of `coat` at paths 1 and
+/// 4.
+///
+/// This form is exact for fur that hides everything behind it. Hair is then seen as deep as light enters, and t is the
+/// mean of T^(ρp) over the transmittance T, 1 / (1 + ρp).
+pub fn far_layer_light_coefficients(coat: &FarLayerInfo) -> [f32; 2] {
+    // Zero light has no reciprocal.
+    let [straight, slanted] = [coat.light_straight, coat.light_slanted].map(|t| t.max(1e-3).recip());
+    let slope = (slanted - straight) / 3.0;
+    [straight - slope, slope]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stored_lights_are_met_where_they_were_measured() {
+        let coat = FarLayerInfo { light_straight: 0.4, light_slanted: 0.15, ..FarLayerInfo::default() };
+        let [base, slope] = far_layer_light_coefficients(&coat);
+        for (path, expected) in [(1.0, 0.4), (4.0, 0.15)] {
+            let found = far_layer_light(path, base, slope);
+            assert!((found - expected).abs() < 1e-6, "{path}: {found}");
+        }
+        let [base, slope] = far_layer_light_coefficients(&FarLayerInfo::default());
+        assert!(far_layer_light(1.0, base, slope).is_finite());
+    }
+}

@@ -1,0 +1,95 @@
+//! Instances of a frame.
+
+use super::ribbons::Ribbons;
+use crate::gpu::DrawBindGroup;
+use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
+use crate::model::{Model, Part, StrandSet};
+use crate::motion::{PosedInstance, PosedStrands};
+use crate::report::InstanceDetail;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Instance in a frame.
+#[derive(Debug)]
+pub(crate) struct VisibleInstance {
+    pub(crate) model: Model,
+    pub(crate) moved: PosedInstance,
+    /// Level of detail of its fur.
+    pub(crate) drawing: InstanceDrawing,
+    pub(crate) look: Variant,
+    /// Sets of strands that are drawn.
+    pub(crate) sets: Vec<VisibleStrandSet>,
+    /// Offset of its uniform block for the eye; `light_offset`: for the key light.
+    pub(super) view_offset: u64,
+    pub(super) light_offset: u64,
+}
+
+/// Set of strands in a frame.
+#[derive(Debug)]
+pub(crate) struct VisibleStrandSet {
+    pub(crate) drawn: StrandSetDrawing,
+    /// Posed points.
+    pub(crate) posed: PosedStrands,
+    /// Ribbons of its strands, if the instance may be in the picture.
+    pub(crate) ribbons: Option<Arc<Ribbons>>,
+}
+
+/// Set of strands with all data that passes read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StrandSet<'a> {
+    pub(crate) drawn: &'a StrandSetDrawing,
+    pub(crate) strands: &'a StrandSet,
+    pub(crate) posed: &'a PosedStrands,
+    pub(crate) ribbons: Option<&'a Arc<Ribbons>>,
+}
+
+impl StrandSet<'_> {
+    /// Returns the parts on which the set grows, each with the range of its strands that `share` selects.
+    pub(crate) fn parts<'p>(&self, parts: &'p [Part], share: f32) -> impl Iterator<Item = (&'p Part, Range<u32>)> {
+        let (set, strands) = (self.drawn.set, self.strands);
+        let of_part = move |part: &'p Part| (part, strands.prefix_below(&part.strands[set], share));
+        parts.iter().map(of_part).filter(|(_, strands)| !strands.is_empty())
+    }
+}
+
+impl VisibleInstance {
+    /// Returns the sets of strands that are drawn.
+    pub(crate) fn strands(&self) -> impl Iterator<Item = StrandSet<'_>> {
+        self.sets.iter().map(|set| StrandSet {
+            drawn: &set.drawn,
+            strands: &self.model.strands()[set.drawn.set],
+            posed: &set.posed,
+            ribbons: set.ribbons.as_ref(),
+        })
+    }
+
+    /// Returns the level of detail for reports.
+    pub(crate) fn detail_report(&self) -> InstanceDetail {
+        let detail = self.drawing.reported();
+        match self.sets.first() {
+            Some(VisibleStrandSet { drawn, .. }) if self.model.fur_strands().is_none() => {
+                let strand_pieces = self.model.strands()[drawn.set].segments(drawn.step);
+                InstanceDetail { strands: drawn.share, strand_pieces, ..detail }
+            }
+            _ => detail,
+        }
+    }
+
+    /// Returns whether hair or fur is still moving, so that the next frame differs without any input.
+    pub(crate) fn is_animating(&self) -> bool {
+        let swings = self.moved.swing.as_ref().is_some_and(|swing| !swing.is_at_rest);
+        swings
+            && self.in_picture()
+            && (self.moved.lean.is_some() || self.sets.iter().any(|set| set.posed.particles.is_some()))
+    }
+
+    /// Returns whether any part of the instance may be in the picture.
+    pub(crate) fn in_picture(&self) -> bool {
+        self.drawing.detail.in_picture
+    }
+
+    /// Returns group 2 of its shells; `None` for a model without fur.
+    pub(crate) fn fur(&self) -> Option<DrawBindGroup> {
+        self.model.fur().and_then(DrawBindGroup::of)
+    }
+}
