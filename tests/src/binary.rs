@@ -1,4 +1,4 @@
-//! The real binaries `pelage` and `pelage-lab`, run in fresh folders.
+//! Runs the real binaries `pelage` and `pelage-lab` in fresh folders.
 
 use std::ffi::OsStr;
 use std::hash::{Hash as _, Hasher as _};
@@ -6,32 +6,32 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-/// The binary `pelage` of this build's profile, built by cargo once per test process.
+/// Returns the path of the `pelage` binary of this build's profile, which cargo builds once per test process.
 ///
-/// Cargo hands a binary's path only to tests of its own package, and builds it only for them.
+/// Cargo provides a binary's path only to tests of its own package, and builds it only for them.
 ///
 /// # Panics
 ///
-/// Where cargo cannot build it: no test that needs the binary can say anything then.
+/// If cargo cannot build it: tests that need the binary are then meaningless.
 pub fn pelage() -> PathBuf {
     folder().join(format!("pelage{}", std::env::consts::EXE_SUFFIX))
 }
 
-/// The binary `pelage-lab`: the same command with `chart`.
+/// Returns the path of the `pelage-lab` binary: the same command with `chart`.
 ///
 /// # Panics
 ///
-/// As [`pelage`].
+/// Same as [`pelage`].
 pub fn lab() -> PathBuf {
     folder().join(format!("pelage-lab{}", std::env::consts::EXE_SUFFIX))
 }
 
-/// The folder of both binaries, once they are built.
+/// Returns the folder of both binaries, and builds them on the first call.
 fn folder() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
         let test = std::env::current_exe().unwrap_or_else(|e| panic!("no path of the test: {e}"));
-        // <target>/<profile>/deps/<test>, or <target>/<profile>/<chore>
+        // `<target>/<profile>/deps/<test>`, or `<target>/<profile>/<chore>`.
         let folder = test.ancestors().skip(1).find(|f| f.file_name() != Some(OsStr::new("deps")));
         let folder = folder.unwrap_or_else(|| panic!("{} has no profile folder", test.display()));
         let profile = match folder.file_name().and_then(OsStr::to_str) {
@@ -40,8 +40,8 @@ fn folder() -> &'static Path {
         };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let output = Command::new(cargo)
-            // The whole workspace, and with it a small test, so that the features are those of `cargo test --workspace`: then
-            // there is nothing left to compile but pelage.
+            // The whole workspace and one small test, so that the features match those of `cargo test --workspace`.
+            // Only pelage is then left to compile.
             .args([
                 "build",
                 "--workspace",
@@ -54,7 +54,7 @@ fn folder() -> &'static Path {
                 "--profile",
                 profile,
             ])
-            // `tests/timed.sh` sets it for the test harness; build scripts would run again for it.
+            // `tests/timed.sh` sets it for the test harness; with it, build scripts would run again.
             .env_remove("RUSTC_BOOTSTRAP")
             .current_dir(workspace())
             .output()
@@ -64,7 +64,7 @@ fn folder() -> &'static Path {
     })
 }
 
-/// The folder of packages that tests share, beside the binary; emptied when the binary is newer.
+/// Returns the folder of shared test packages, beside the binary; emptied if the binary is newer.
 fn fixtures() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
@@ -78,15 +78,16 @@ fn fixtures() -> &'static Path {
     })
 }
 
-/// The folder with the workspace's `Cargo.toml`.
+/// Returns the folder of the workspace's `Cargo.toml`.
 pub fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
-/// Adds all files under a folder to `out`, in the order of their names.
+/// Appends all files below a folder to `out`, ordered by name.
 ///
 /// # Panics
-/// Where a folder cannot be read.
+///
+/// If a folder cannot be read.
 pub fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
     let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
     let mut entries: Vec<_> =
@@ -101,18 +102,18 @@ pub fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-/// What a run left behind.
+/// Result of a run.
 #[derive(Debug)]
 pub struct Run {
-    /// Exit code; `None` where a signal ended the process.
+    /// Exit code; `None` if a signal ended the process.
     pub code: Option<i32>,
-    /// All of stdout.
+    /// Complete stdout.
     pub stdout: String,
-    /// All of stderr.
+    /// Complete stderr.
     pub stderr: String,
 }
 
-/// A fresh folder to run `pelage` in, removed with the value.
+/// Temporary folder to run `pelage` in, removed when dropped.
 #[derive(Debug)]
 pub struct Sandbox {
     folder: tempfile::TempDir,
@@ -126,32 +127,32 @@ impl Default for Sandbox {
 }
 
 impl Sandbox {
-    /// Makes the folder.
+    /// Creates the folder.
     ///
     /// # Panics
     ///
-    /// Where the system refuses.
+    /// If the system refuses.
     pub fn new() -> Self {
         let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("no temporary folder: {e}"));
         Self { folder, program: pelage }
     }
 
-    /// Runs `pelage-lab` in the place of `pelage`.
+    /// Returns the sandbox with `pelage-lab` as its program.
     #[must_use]
     pub fn with_lab(self) -> Self {
         Self { program: lab, ..self }
     }
 
-    /// The folder.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    /// Writes a file, with the folders above it.
+    /// Writes a file, and creates its parent folders.
     ///
     /// # Panics
     ///
-    /// Where the system refuses.
+    /// If the system refuses.
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path().join(name);
         let written = path.parent().map_or(Ok(()), std::fs::create_dir_all).and_then(|()| std::fs::write(&path, bytes));
@@ -159,38 +160,39 @@ impl Sandbox {
         path
     }
 
-    /// The bytes of a file.
+    /// Reads a file.
     ///
     /// # Panics
     ///
-    /// Where it cannot be read.
+    /// If it cannot be read.
     #[track_caller]
     pub fn read(&self, name: &str) -> Vec<u8> {
         std::fs::read(self.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
-    /// As [`files`] of the folder.
+    /// Lists the folder; see [`files`].
     pub fn files(&self) -> Vec<String> {
         files(self.path())
     }
 
-    /// A command that will run `pelage` here, with nothing on stdin.
+    /// Returns a command that runs `pelage` in this folder, with empty stdin.
     pub fn command(&self, args: &[impl AsRef<OsStr>]) -> Command {
         let mut command = Command::new((self.program)());
         command.args(args).current_dir(self.path()).stdin(Stdio::null());
-        // Mesa's device selection looks there for a display; where it is unset, as in a container, the driver writes "error:" lines of its own on stderr.
+        // Mesa's device selection looks there for a display. If it is unset, as in a container, the driver writes its
+        // own "error:" lines to stderr.
         command.env("XDG_RUNTIME_DIR", self.path());
         command
     }
 
-    /// Bakes a package here that a test needs for something else than its bake: `args` are those of `pelage bake`.
+    /// Bakes a package here, for tests that do not test the bake itself. `args` are those of `pelage bake`.
     ///
-    /// The command's own cache serves what was baked before by the same tool from the same files, settings and name of the
-    /// package. Threads and processes that want the same package wait for the first.
+    /// The command's own cache reuses a bake by the same tool with the same files, settings and package name. Threads
+    /// and processes that want the same package wait for the first.
     ///
     /// # Panics
     ///
-    /// Where the bake fails.
+    /// If the bake fails.
     pub fn fixture(&self, args: &[impl AsRef<OsStr>]) {
         let args: Vec<&OsStr> = args.iter().map(AsRef::as_ref).collect();
         let mut hasher = std::hash::DefaultHasher::new();
@@ -202,21 +204,21 @@ impl Sandbox {
         assert_eq!(run.code, Some(0), "{args:?}: {run:?}");
     }
 
-    /// Runs `pelage` here. No run may ever panic, whatever its input.
+    /// Runs `pelage` in this folder. No run may panic, whatever its input.
     ///
     /// # Panics
     ///
-    /// Where the binary cannot be started, or speaks of a panic.
+    /// If the binary cannot be started, or its stderr mentions a panic or an internal error.
     pub fn run(&self, args: &[impl AsRef<OsStr>]) -> Run {
         finish(self.command(args))
     }
 }
 
-/// Runs a command to its end.
+/// Runs a command to completion.
 ///
 /// # Panics
 ///
-/// As [`Sandbox::run`].
+/// Same as [`Sandbox::run`].
 pub fn finish(mut command: Command) -> Run {
     let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
     let run = Run {
@@ -228,7 +230,7 @@ pub fn finish(mut command: Command) -> Run {
     run
 }
 
-/// Everything in a folder, relative paths, sorted; folders end in `/`, and links to them are no folders.
+/// Returns all entries of a folder as relative paths, sorted. Folders end in `/`; links to folders count as files.
 pub fn files(folder: &Path) -> Vec<String> {
     fn list(folder: &Path, prefix: &str, out: &mut Vec<String>) {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {

@@ -1,4 +1,4 @@
-//! What the developers' chores do through the real binary: bake a model, draw it, measure it, and put pictures together.
+//! Building blocks of the chores, run through the real binary: bake a model, draw it, measure it, and combine pictures.
 
 use crate::binary::{Run, Sandbox, finish};
 use anyhow::{Context as _, ensure};
@@ -6,30 +6,30 @@ use image::{GenericImage as _, Rgb, RgbImage};
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// Behind the models, and where a sheet is not full.
+/// Background behind the models, and fill of empty cells of a sheet.
 pub const BACKGROUND: Rgb<u8> = Rgb([204, 209, 217]);
 
-/// A folder for packages and pictures on the way.
+/// Temporary folder for packages and pictures.
 #[derive(Debug, Default)]
 pub struct Workshop {
     sandbox: Sandbox,
 }
 
-/// A baked package, and what the binary said of it.
+/// Baked package and the binary's report.
 #[derive(Clone, Debug)]
 pub struct Baked {
-    /// The package, in the workshop.
+    /// Path of the package in the workshop.
     pub package: PathBuf,
-    /// `pelage bake --json`.
+    /// Output of `pelage bake --json`.
     pub report: Value,
 }
 
 impl Workshop {
-    /// Runs the binary; paths in the arguments are those of whoever typed them.
+    /// Runs the binary; paths in the arguments are relative to the caller's current folder.
     ///
     /// # Errors
     ///
-    /// The binary's own words where it fails.
+    /// The binary's error message if it fails.
     pub fn run(&self, arguments: &[&str]) -> anyhow::Result<Run> {
         let mut command = self.sandbox.command(arguments);
         command.current_dir(std::env::current_dir()?);
@@ -42,7 +42,7 @@ impl Workshop {
     ///
     /// # Errors
     ///
-    /// As [`Self::run`].
+    /// Same as [`Self::run`].
     pub fn bake<S: AsRef<str>>(&self, name: &str, model: &[S]) -> anyhow::Result<Baked> {
         let package = self.sandbox.path().join(format!("{name}.pelage"));
         let path = package.display().to_string();
@@ -57,7 +57,7 @@ impl Workshop {
     ///
     /// # Errors
     ///
-    /// As [`Self::run`].
+    /// Same as [`Self::run`].
     pub fn draw<S: AsRef<str>>(&self, baked: &Baked, size: &str, options: &[S]) -> anyhow::Result<RgbImage> {
         let picture = self.sandbox.path().join("picture.png").display().to_string();
         let package = baked.package.display().to_string();
@@ -70,11 +70,11 @@ impl Workshop {
 }
 
 impl Workshop {
-    /// Draws so many pictures of a sequence, as [`Self::draw`] does one.
+    /// Draws a sequence of pictures; otherwise like [`Self::draw`].
     ///
     /// # Errors
     ///
-    /// As [`Self::run`].
+    /// Same as [`Self::run`].
     pub fn sequence<S: AsRef<str>>(
         &self,
         baked: &Baked,
@@ -97,11 +97,11 @@ impl Workshop {
     }
 }
 
-/// Pictures of one size row by row.
+/// Arranges pictures of one size row by row.
 ///
 /// # Errors
 ///
-/// Where there is none, or one is larger than the first.
+/// If `pictures` is empty, or a picture is larger than the first.
 pub fn sheet(pictures: &[RgbImage], columns: usize) -> anyhow::Result<RgbImage> {
     let (w, h) = pictures.first().context("no picture")?.dimensions();
     let size = (w * columns.min(pictures.len()) as u32, h * pictures.len().div_ceil(columns) as u32);

@@ -1,18 +1,18 @@
-//! Runs shader functions on the GPU: one invocation for each case of a table.
+//! Runs shader functions on the GPU, one invocation per case of a table.
 
 use pelage_runtime::wgpu;
 use pelage_stage::Gpu;
 use wgpu::util::DeviceExt;
 
-/// What the output holds before the shader runs. A case that still holds it was not computed.
+/// Value of the output before the shader runs. A case that still has it was not computed.
 pub const SENTINEL: f32 = -98_765.25;
 
 /// Evaluates `expression`, a `vec4<f32>` in WGSL, for every case.
 ///
-/// * `library` - WGSL with the functions that the expression calls
-/// * `cases` - `N` vectors each, which the expression sees as `in_0`, `in_1`, … of type `vec4<f32>`
+/// * `library`: WGSL with the functions that the expression calls
+/// * `cases`: `N` vectors each, available to the expression as `in_0`, `in_1`, … of type `vec4<f32>`
 ///
-/// Panics where a component of the result still holds the sentinel.
+/// Panics if a component of the result still holds the sentinel.
 pub fn evaluate<const N: usize>(gpu: &Gpu, library: &str, expression: &str, cases: &[[[f32; 4]; N]]) -> Vec<[f32; 4]> {
     let inputs: String = (0..N).map(|k| format!("    let in_{k} = inputs[{N}u * index + {k}u];\n")).collect();
     let source = format!(

@@ -1,4 +1,4 @@
-//! A screen without glass, the window of `pelage view` on it, and hands: Xvfb, the real binary, xdotool.
+//! Window of `pelage view` on a virtual display with simulated input: Xvfb, the real binary, xdotool.
 
 use crate::binary::pelage;
 use pelage_needs::Need;
@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// So long anything may take. Two cores that compile beside it need a while for a bake.
+/// Timeout for any single step. A bake is slow if two cores compile beside it.
 const PATIENCE: Duration = Duration::from_secs(90);
 
-/// A screen. It goes with the value.
+/// Virtual display, closed when dropped.
 #[derive(Debug)]
 pub struct Desktop {
     server: Child,
@@ -21,18 +21,18 @@ pub struct Desktop {
 
 impl Drop for Desktop {
     fn drop(&mut self) {
-        // It may be gone already.
+        // The server may have exited already.
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
 }
 
 impl Desktop {
-    /// A screen for the test of that name, or `None` with a loud word where the machine has none to give.
+    /// Opens a display for the named test, or returns `None` with a message on stderr if the tools are missing.
     ///
     /// # Panics
     ///
-    /// Where the server starts and does not say where it is; under `CI`, where there is none.
+    /// If the server starts but does not report its display; under `CI`, if the tools are missing.
     pub fn open(test: &str) -> Option<Self> {
         for tool in ["Xvfb", "xdotool"] {
             if !pelage_needs::is_installed(tool) {
@@ -49,11 +49,11 @@ impl Desktop {
         Some(desktop)
     }
 
-    /// A screen of 1600 × 1000 pixels.
+    /// Starts a display of 1600 × 1000 pixels.
     ///
     /// # Panics
     ///
-    /// As [`Self::open`].
+    /// Same as [`Self::open`].
     pub fn start() -> Self {
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1600x1000x24", "-nolisten", "tcp"])
@@ -70,14 +70,14 @@ impl Desktop {
         Self { server, display: format!(":{}", line.trim()) }
     }
 
-    /// Opens `pelage view` with those arguments, in a folder where it saves what it saves.
+    /// Opens `pelage view` with the given arguments; `folder` receives the files that it saves.
     ///
     /// # Panics
     ///
-    /// Where the binary cannot be started.
+    /// If the binary cannot be started.
     pub fn view(&self, folder: &Path, args: &[impl AsRef<OsStr>]) -> View<'_> {
         let events = folder.join("events.jsonl");
-        // What an earlier window wrote is not this one's.
+        // Removes the events of an earlier window.
         let _ = std::fs::remove_file(&events);
         let mut command = Command::new(pelage());
         command.arg("view").args(args).arg("--events").arg(&events).current_dir(folder);
@@ -90,13 +90,13 @@ impl Desktop {
     }
 }
 
-/// A window that is open. It is closed with the value.
+/// Open window of `pelage view`, closed when dropped.
 #[derive(Debug)]
 pub struct View<'a> {
     desktop: &'a Desktop,
     child: Child,
     events: PathBuf,
-    /// Lines of the events that were read.
+    /// Number of event lines read so far.
     read: usize,
     errors: PathBuf,
 }
@@ -109,20 +109,20 @@ impl Drop for View<'_> {
 }
 
 impl View<'_> {
-    /// The next event of that name after those that were waited for; those before it are passed over.
+    /// Waits for the next event with the given name; skips the events before it.
     ///
     /// # Panics
     ///
-    /// Where it does not come, or the window is gone.
+    /// If the event does not arrive, or the window is gone.
     pub fn wait_for(&mut self, name: &str) -> Value {
         self.wait_for_any(&[name])
     }
 
-    /// As [`Self::wait_for`], of several names.
+    /// Waits for the next event with one of the given names; see [`Self::wait_for`].
     ///
     /// # Panics
     ///
-    /// As [`Self::wait_for`].
+    /// Same as [`Self::wait_for`].
     pub fn wait_for_any(&mut self, names: &[&str]) -> Value {
         let began = Instant::now();
         while began.elapsed() < PATIENCE {
@@ -141,11 +141,11 @@ impl View<'_> {
         panic!("{names:?} did not happen; what did: {}", std::fs::read_to_string(&self.events).unwrap_or_default());
     }
 
-    /// That the window is there.
+    /// Asserts that the window is open and its stderr mentions no panic.
     ///
     /// # Panics
     ///
-    /// Where it is not, with what it said.
+    /// If it is not, with its stderr.
     pub fn assert_alive(&mut self) {
         let ended = self.child.try_wait().unwrap_or_else(|e| panic!("{e}"));
         let said = || std::fs::read_to_string(&self.errors).unwrap_or_default();
@@ -153,16 +153,16 @@ impl View<'_> {
         assert!(!said().contains("panicked") && !said().contains("internal error"), "{}", said());
     }
 
-    /// Passes over all that happened so far.
+    /// Skips all events so far.
     pub fn pass_over(&mut self) {
         self.read = std::fs::read_to_string(&self.events).unwrap_or_default().lines().count();
     }
 
-    /// What hands do: words of xdotool.
+    /// Runs xdotool with the given arguments and returns its stdout.
     ///
     /// # Panics
     ///
-    /// Where xdotool refuses.
+    /// If xdotool fails.
     pub fn hands(&self, words: &[&str]) -> String {
         let mut command = Command::new("xdotool");
         command.args(words).env("DISPLAY", &self.desktop.display);
@@ -171,11 +171,11 @@ impl View<'_> {
         String::from_utf8_lossy(&output.stdout).trim().to_owned()
     }
 
-    /// The window, brought to where keys go. Without a window manager nobody else does it.
+    /// Gives the window the keyboard focus and returns its id. Without a window manager nothing else does.
     ///
     /// # Panics
     ///
-    /// Where there is none.
+    /// If the window is not found.
     pub fn focus(&self) -> String {
         let found = self.hands(&["search", "--sync", "--onlyvisible", "--name", "pelage$"]);
         let window = found.lines().next().unwrap_or_else(|| panic!("no window")).to_owned();
@@ -187,16 +187,16 @@ impl View<'_> {
     ///
     /// # Panics
     ///
-    /// Where xdotool refuses.
+    /// If xdotool fails.
     pub fn key(&self, key: &str) {
         self.hands(&["key", key]);
     }
 
-    /// Drags with a button from one place of the screen to another, in steps.
+    /// Drags with a mouse button from one screen position to another, in steps.
     ///
     /// # Panics
     ///
-    /// Where xdotool refuses.
+    /// If xdotool fails.
     pub fn drag(&self, button: &str, from: (i32, i32), to: (i32, i32)) {
         let words = |at: (i32, i32)| (at.0.to_string(), at.1.to_string());
         let (x, y) = words(from);
@@ -209,11 +209,11 @@ impl View<'_> {
         self.hands(&["mouseup", button]);
     }
 
-    /// Presses a key that saves something, and says where it is.
+    /// Presses a key that saves a file, and returns the path of the file.
     ///
     /// # Panics
     ///
-    /// Where it is not saved.
+    /// If the file is not saved.
     pub fn save(&mut self, key: &str) -> PathBuf {
         self.pass_over();
         self.key(key);

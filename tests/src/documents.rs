@@ -1,26 +1,26 @@
-//! Reading the project's documents as a test does: which files there are, what they name, and what they cite.
+//! Reads the project's documents for tests: the files, the names in them, and their citations.
 
 use crate::binary::workspace;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// A text file of the repository.
+/// Text file of the repository.
 #[derive(Clone, Debug)]
 pub struct Document {
-    /// Path from the repository's root, with slashes.
+    /// Path relative to the repository root, with slashes.
     pub path: String,
-    /// What it says.
+    /// Contents.
     pub text: String,
 }
 
-/// Folders that hold nothing written by hand.
+/// Folders without files written by hand.
 const SKIPPED: [&str; 5] = ["target", ".git", "out", "corpus", "node_modules"];
 
-/// All text files of the repository with one of those extensions, in the order of their paths.
+/// Returns all text files of the repository with one of the given extensions, ordered by path.
 ///
 /// # Panics
 ///
-/// Where a folder or such a file cannot be read: what is passed over is not checked.
+/// If a folder or file cannot be read: a skipped file would not be checked.
 pub fn documents(extensions: &[&str]) -> Vec<Document> {
     let mut found = Vec::new();
     collect(workspace(), extensions, &mut found);
@@ -45,7 +45,7 @@ fn collect(folder: &Path, extensions: &[&str], found: &mut Vec<Document>) {
     }
 }
 
-/// The sections of the formula sheet that a text cites: "formulas 3.2", "formulas 4.6, 3.2", "formulas §6.1".
+/// Returns the sections of the formula sheet that a text cites: "formulas 3.2", "formulas 4.6, 3.2", "formulas §6.1".
 pub fn cited_formulas(text: &str) -> Vec<String> {
     let mut cited = Vec::new();
     for (at, word) in text.match_indices("formulas") {
@@ -64,7 +64,7 @@ pub fn cited_formulas(text: &str) -> Vec<String> {
     cited
 }
 
-/// The numbers of a document's headings: "4.2" of `### 4.2 Layer-wise shadow maps`.
+/// Returns the numbers of a document's headings: "4.2" of `### 4.2 Layer-wise shadow maps`.
 pub fn numbered_headings(markdown: &str) -> BTreeSet<String> {
     let headings = markdown.lines().filter(|line| line.starts_with('#'));
     headings
@@ -74,25 +74,25 @@ pub fn numbered_headings(markdown: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// The Markdown files that a text names, such as `FORMAT.md` or `bake/docs/artists.md`.
+/// Returns the Markdown files that a text names, such as `FORMAT.md` or `bake/docs/artists.md`.
 pub fn named_documents(text: &str) -> Vec<String> {
     let part = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
     let words = text.split(|c: char| !part(c)).map(|word| word.trim_matches('.'));
     words.filter(|word| word.len() > 3 && word.ends_with(".md")).map(str::to_owned).collect()
 }
 
-/// What a document has between single backticks, outside of blocks of code.
+/// Returns the code spans of a document: text between single backticks, outside of code blocks.
 pub fn quoted(markdown: &str) -> Vec<String> {
     let prose = without_code(markdown);
-    // A span may go on in the next line of its paragraph.
+    // A span may continue on the next line of its paragraph.
     let paragraphs = prose.split("\n\n");
     paragraphs
         .flat_map(|p| p.split('`').skip(1).step_by(2).map(|span| span.replace('\n', " ")).collect::<Vec<_>>())
         .collect()
 }
 
-/// The files and folders of the repository that a document names between backticks: what begins with a folder of its top level, without a
-/// pattern in it.
+/// Returns the files and folders of the repository named between backticks: spans that begin with a top-level folder
+/// and contain no pattern.
 pub fn named_paths(markdown: &str) -> Vec<String> {
     let top = ["assets/", "bake/", "formats/", "runtime/", "tests/", ".ci/"];
     let plain = |span: &String| !span.contains([' ', '*', '<', '{', '…', '$']);
@@ -100,8 +100,8 @@ pub fn named_paths(markdown: &str) -> Vec<String> {
     quoted(markdown).into_iter().filter(|s| top.iter().any(|t| s.starts_with(t)) && plain(s)).map(path).collect()
 }
 
-/// Where the links and pictures of a document lead, as far as that is in the repository: a path from the document's folder, which may
-/// be empty, and an anchor, which may be.
+/// Returns the targets of a document's links and pictures within the repository: a path from the document's folder and
+/// an anchor. Either may be empty.
 pub fn links(markdown: &str) -> Vec<(String, String)> {
     let prose = without_code(markdown);
     let targets = prose.split("](").skip(1).filter_map(|rest| rest.split(')').next());
@@ -114,7 +114,7 @@ pub fn links(markdown: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// The anchors that a Markdown document has, as the usual hosts make them of its headings.
+/// Returns the anchors of a Markdown document, derived from its headings as common hosts do.
 pub fn anchors(markdown: &str) -> BTreeSet<String> {
     let anchor = |heading: &str| -> String {
         let text = heading.trim_start_matches('#').trim().to_lowercase();
@@ -124,7 +124,7 @@ pub fn anchors(markdown: &str) -> BTreeSet<String> {
     without_code(markdown).lines().filter(|line| line.starts_with('#')).map(anchor).collect()
 }
 
-/// Lines of prose that are longer than so many columns, with their numbers. Tables, pictures and code may be.
+/// Returns the prose lines longer than `columns`, with their line numbers. Tables, pictures and code are exempt.
 pub fn long_lines(markdown: &str, columns: usize) -> Vec<(usize, String)> {
     let prose = |line: &str| !line.starts_with(['|', '!', '<']);
     let lines = without_code(markdown);
@@ -132,7 +132,7 @@ pub fn long_lines(markdown: &str, columns: usize) -> Vec<(usize, String)> {
     numbered.map(|(i, line)| (i + 1, line.to_owned())).collect()
 }
 
-/// The same text with empty lines in place of blocks of code.
+/// Replaces the lines of code blocks by empty lines.
 fn without_code(markdown: &str) -> String {
     let mut fenced = false;
     let mut out = String::with_capacity(markdown.len());
@@ -147,7 +147,7 @@ fn without_code(markdown: &str) -> String {
     out
 }
 
-/// The file or folder that a path in a document leads to, from the repository's root.
+/// Returns the file or folder that a path in a document refers to, below the workspace folder.
 pub fn target(document: &Document, path: &str) -> PathBuf {
     let folder = workspace().join(&document.path);
     folder.parent().unwrap_or(workspace()).join(path)

@@ -1,4 +1,4 @@
-//! The device that GPU tests share.
+//! Device shared by the GPU tests.
 
 use pelage_needs::{Need, gpu_is_wanted, had};
 use pelage_runtime::wgpu;
@@ -7,10 +7,10 @@ use std::sync::OnceLock;
 
 static SHARED: OnceLock<Gpu> = OnceLock::new();
 
-/// The device for the GPU test of that name, shared by the tests of one process.
+/// Returns the device for the named GPU test, shared by all tests of a process.
 ///
-/// No adapter is a failure, unless `PELAGE_NO_GPU=1` says by name that GPU tests are left out: then `None`, with a loud word. The name
-/// stands in `tests/needs/register.txt`, and `./run test` counts that the test had the device.
+/// A missing adapter is a failure, unless `PELAGE_NO_GPU=1` is set. In that case returns `None` and prints a message to
+/// stderr. The name must be in `tests/needs/register.txt`; `./run test` checks that the test had the device.
 pub fn gpu(test: &str) -> Option<&'static Gpu> {
     if !gpu_is_wanted(test) {
         return None;

@@ -1,4 +1,4 @@
-//! What the tests and the developers' chores share.
+//! Code shared by the tests and the developer chores.
 
 pub mod binary;
 pub mod chores;
@@ -16,6 +16,6 @@ pub mod schema;
 pub mod silhouette;
 pub mod strokes;
 
-/// The furry sphere of the runtime's examples, and their ground.
+/// Furry sphere of the runtime's examples, and its ground.
 #[path = "../../runtime/examples/support/mod.rs"]
 pub mod support;

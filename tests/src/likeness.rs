@@ -1,4 +1,4 @@
-//! Pairs of pictures that a person ranked, which the error of a bake with limits is calibrated on.
+//! Pairs of pictures ranked by a person; they calibrate the error measure of a bake with limits.
 
 use crate::binary::workspace;
 use pelage_bake::io;
@@ -6,31 +6,31 @@ use pelage_bake::picture::Picture;
 use pelage_truth::likeness::Likeness;
 use std::path::{Path, PathBuf};
 
-/// One setting looks more like the truth than another.
+/// Pair of settings; the first looks closer to the reference picture than the second.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pair {
-    /// Whose pictures.
+    /// Name of the animal.
     pub animal: String,
-    /// The setting that a person prefers, `layers_texels_fins`.
+    /// Setting that a person prefers, `layers_texels_fins`.
     pub better: String,
-    /// The other one.
+    /// Setting that looks worse.
     pub worse: String,
 }
 
-/// Height of the fur in the stored pictures, pixels: that of the longest hair. Beyond the hair both pictures are empty and within the body both are
-/// covered, so that more than enough changes no error.
+/// Height of the fur in the stored pictures, pixels; the longest hair counts. A larger value does not change the error:
+/// beyond the hair both pictures are empty, and within the body both are covered.
 pub const FUR_PX: f64 = 8.0;
 
-/// Where the pictures are.
+/// Returns the folder of the pictures.
 pub fn folder() -> PathBuf {
     workspace().join("tests/golden/likeness")
 }
 
-/// All pairs of `pairs.txt`.
+/// Reads all pairs of `pairs.txt`.
 ///
 /// # Panics
 ///
-/// Where the file is not there, or a line is no pair.
+/// If the file is missing, or a line is malformed.
 pub fn pairs() -> Vec<Pair> {
     let path = folder().join("pairs.txt");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
@@ -42,7 +42,7 @@ pub fn pairs() -> Vec<Pair> {
     lines.map(pair).collect()
 }
 
-/// The settings of an animal that a pair names, and the arguments of `pelage bake --set` that each stands for.
+/// Returns the settings of an animal that occur in a pair, sorted and without duplicates.
 pub fn settings(animal: &str) -> Vec<String> {
     let of = pairs().into_iter().filter(|pair| pair.animal == animal);
     let mut all: Vec<String> = of.flat_map(|pair| [pair.better, pair.worse]).collect();
@@ -51,13 +51,13 @@ pub fn settings(animal: &str) -> Vec<String> {
     all
 }
 
-/// The likeness of one picture of the folder to another.
+/// Compares a drawn picture with the reference picture.
 ///
 /// * `fur_px`: height of the fur, pixels
 ///
 /// # Panics
 ///
-/// Where a picture is not there, or they are of two sizes.
+/// If a picture is missing, or the sizes differ.
 pub fn likeness(drawn: &Path, truth: &Path, fur_px: f64) -> Likeness {
     let read = |path: &Path| -> Picture { io::read_picture(path).unwrap_or_else(|e| panic!("{e}")) };
     Likeness::of(&read(drawn), &read(truth), fur_px).unwrap_or_else(|e| panic!("{}: {e}", drawn.display()))

@@ -1,4 +1,4 @@
-//! Packages made from others: with fins, with fibres, with another manifest.
+//! Packages derived from others: with fins, with fibres, with a different manifest.
 
 use crate::support::ktx2;
 use pelage_bake::recipe::FibreParams;
@@ -8,7 +8,7 @@ use pelage_runtime::formats::{
     TextureFormat,
 };
 
-/// The same sections as another package, under another manifest: more can be added.
+/// Starts a package with the same sections under a new manifest; more sections can be added.
 fn carried<'a>(package: &Package<'a>, manifest: Manifest) -> PackageWriter<'a> {
     let sections = package.sections().iter().enumerate().skip(1);
     sections.fold(PackageWriter::new(manifest), |writer, (i, section)| {
@@ -20,7 +20,7 @@ fn opened(bytes: &[u8]) -> Package<'_> {
     Package::open(bytes, &Limits::default()).expect("a valid package")
 }
 
-/// The same package with another manifest.
+/// Returns the same package with a changed manifest.
 pub fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
     let package = opened(bytes);
     let mut manifest = package.manifest().clone();
@@ -28,13 +28,13 @@ pub fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8
     carried(&package, manifest).finish().expect("a valid package")
 }
 
-/// The package with strands of the tile.
+/// Returns the package with the given strands of the tile.
 pub fn with_strands(bytes: &[u8], strands: &StrandsData) -> Vec<u8> {
     let package = opened(bytes);
     carried(&package, package.manifest().clone()).strands(strands).finish().expect("a valid package")
 }
 
-/// The package, which has no hair on guides, with hair of those fibres.
+/// Returns a package without hair on guides, with hair of the given fibres added.
 pub fn with_fibres(bytes: &[u8], fibre: &FibreParams) -> Vec<u8> {
     let package = opened(bytes);
     let mut manifest = package.manifest().clone();
@@ -46,12 +46,13 @@ pub fn with_fibres(bytes: &[u8], fibre: &FibreParams) -> Vec<u8> {
     carried(&package, manifest).texture(made.file).fibres(&info).finish().expect("a valid package")
 }
 
-/// White strands that all light reaches, of five points on a straight line.
+/// Returns white, fully lit strands of five points each on a straight line.
 ///
-/// * `roots`: in the tile
-/// * `from`: share of the fur's height at which all begin
-/// * `tips`: each strand's tip: way aside, widths of the tile, and share of the fur's height; of wet strands behind those of dry ones, where they can be
-/// * `radius`: widths of the tile
+/// * `roots`: positions in the tile
+/// * `from`: height at which all strands begin, as a share of the fur's height
+/// * `tips`: tip of each strand: sideways offset in tile widths, and height as a share of the fur's height; tips of wet
+///   strands, if any, follow those of dry ones
+/// * `radius`: radius in tile widths
 pub fn straight_strands(roots: &[[f32; 2]], from: f32, tips: &[[f32; 3]], radius: f32) -> StrandsData {
     const POINTS: u32 = 5;
     let along = |tip: &[f32; 3]| {
@@ -73,7 +74,7 @@ pub fn straight_strands(roots: &[[f32; 2]], from: f32, tips: &[[f32; 3]], radius
 /// Opacity of every texel of the fins' textures.
 pub const ALPHA: u8 = 128;
 
-/// The package with fins of even opacity on pairs of its first part's vertices. What it has of ink is left out.
+/// Returns the package with fins of uniform opacity on pairs of its first part's vertices. Ink data is removed.
 pub fn with_fins(bytes: &[u8], edges: &[(u32, u32)]) -> Vec<u8> {
     let package = opened(bytes);
     let mut manifest = package.manifest().clone();

@@ -6,10 +6,10 @@ use pelage_stage::Look;
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// Every page with the path where it stands.
+/// Returns every page with its path.
 ///
 /// # Panics
-/// Where the binary does not say what its command line is.
+/// If the binary does not describe its command line.
 pub fn pages() -> Vec<(PathBuf, String)> {
     let run = Sandbox::new().with_lab().run(&["commands-page", "--json"]);
     assert_eq!(run.code, Some(0), "{run:?}");

@@ -1,4 +1,4 @@
-//! Drawing test pictures, and comparing them with stored ones.
+//! Draws test pictures and compares them with stored ones.
 
 use crate::silhouette::half_to_f32;
 use pelage_runtime::formats::meaning::{linear_to_srgb, srgb_to_linear};
@@ -6,7 +6,7 @@ use pelage_runtime::{FrameParams, Instance, PassId, Renderer, wgpu};
 use pelage_stage::{Canvas, Gpu};
 use std::path::{Path, PathBuf};
 
-/// A picture: RGBA8 texels, row-major from the top.
+/// Picture of RGBA8 texels, row-major from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Width and height, pixels.
@@ -16,17 +16,17 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Texels whose alpha is above 0.
+    /// Returns the number of texels with alpha above 0.
     pub fn covered(&self) -> usize {
         self.rgba.iter().filter(|p| p[3] > 0).count()
     }
 
-    /// Mean of one channel, 0..=255.
+    /// Returns the mean of one channel, 0..=255.
     pub fn mean(&self, channel: usize) -> f64 {
         self.rgba.iter().map(|p| f64::from(p[channel])).sum::<f64>() / self.rgba.len() as f64
     }
 
-    /// The same with the mean light of `by`×`by` texels in place of each; `by` divides both sides.
+    /// Returns the picture shrunk by averaging `by`×`by` texels in linear light; `by` divides both sides.
     pub fn shrunk(&self, by: u32) -> Self {
         let (width, height) = (self.size.0 / by, self.size.1 / by);
         let share = 1.0 / (by * by) as f32;
@@ -41,7 +41,7 @@ impl Picture {
         Self { size: (width, height), rgba }
     }
 
-    /// Writes a PNG, making its folder.
+    /// Writes a PNG, and creates its folder.
     pub fn save(&self, path: &Path) {
         std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("the folder can be made");
         let (width, height) = self.size;
@@ -50,14 +50,14 @@ impl Picture {
     }
 }
 
-/// Draws instances over transparent black, all passes, in a picture of the frame's viewport.
+/// Draws instances with all passes over transparent black, in a picture of the size of the frame's viewport.
 pub fn draw(gpu: &Gpu, renderer: &mut Renderer, params: &FrameParams, instances: &[&Instance]) -> Picture {
     let passes: Vec<PassId> = PassId::all().collect();
     let bytes = draw_passes(gpu, renderer, params, instances, &passes);
     Picture { size: params.viewport.into(), rgba: bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect() }
 }
 
-/// Draws some passes over transparent black; texels as the renderer's colour format has them.
+/// Draws some passes over transparent black; the texels have the renderer's colour format.
 pub fn draw_passes(
     gpu: &Gpu,
     renderer: &mut Renderer,
@@ -76,7 +76,7 @@ pub fn draw_passes(
     targets.texels(gpu).expect("the device answers")
 }
 
-/// What the device did for draws.
+/// Pipeline statistics of draw calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counted {
     /// Invocations of vertex shaders.
@@ -85,8 +85,8 @@ pub struct Counted {
     pub fragments: u64,
 }
 
-/// Begins the application's pass, draws, submits everything, and says what the device did in that pass. The device has
-/// `PIPELINE_STATISTICS_QUERY`.
+/// Begins the application's pass, draws, submits everything, and returns the statistics of that pass. The device must
+/// have `PIPELINE_STATISTICS_QUERY`.
 pub fn counted(
     gpu: &Gpu,
     targets: &Canvas,
@@ -119,7 +119,7 @@ pub fn counted(
     Counted { vertices: counts[0], fragments: counts[1] }
 }
 
-/// How much two pictures differ.
+/// Difference of two pictures.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
     /// Mean absolute difference over all channels, 0..=255.
@@ -141,18 +141,18 @@ pub fn difference(a: &Picture, b: &Picture) -> Difference {
     Difference { mean: sum / (4 * a.rgba.len()) as f64, share: off as f64 / a.rgba.len() as f64 }
 }
 
-/// Where the stored picture of that name lies.
+/// Returns the path of the stored picture with the given name.
 pub fn golden_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("golden").join(format!("{name}.png"))
 }
 
-/// Compares with the stored picture `golden/NAME.png`, of at most 64 KiB. `Err` says how they differ; actual picture, expected
-/// picture and difference then lie in `target/golden/`.
+/// Compares with the stored picture `golden/NAME.png`, of at most 64 KiB. `Err` describes the difference; the actual
+/// picture, the expected picture and the difference are then in `target/golden/`.
 ///
 /// Only `PELAGE_WRITE_GOLDEN=1` writes a stored picture; a missing, unreadable or wrong-sized one is an error.
 ///
-/// The tolerance, mean 0.5 of 255 and 0.5 % of texels off by more than 16, leaves room for another version of the rasteriser's
-/// rounding, but not for fur that moved by a pixel.
+/// The tolerance is a mean of 0.5 of 255, and 0.5 % of texels that differ by more than 16. It allows for different
+/// rounding in another version of the rasteriser, but not for fur that moved by a pixel.
 pub fn compare_golden(name: &str, actual: &Picture) -> Result<(), String> {
     let path = golden_path(name);
     if std::env::var("PELAGE_WRITE_GOLDEN").is_ok_and(|v| v == "1") {

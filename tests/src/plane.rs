@@ -1,4 +1,4 @@
-//! A plane of even fur: what is left to see is the opacity of the layers.
+//! Plane with uniform fur, on which only the opacity of the layers is visible.
 
 use crate::support::ktx2;
 use crate::support::sphere::{SphereParams, manifest};
@@ -8,29 +8,30 @@ use pelage_runtime::formats::{
     TextureFormat,
 };
 
-/// What varies over a plane, or does not.
+/// Optional groom of a plane.
 #[derive(Clone, Debug, Default)]
 pub struct PlaneGroom {
     /// Lean of all vertices.
     pub lean: f32,
-    /// Slope by which normals of the corners lean outwards.
+    /// Outward slope of the normals at the corners.
     pub outwards: f32,
     /// Bareness and wetness of all vertices.
     pub vertex: [u8; 2],
-    /// Groom texture: share of the hair and wetness of its texels, row by row, with their number on a row; all of the plane.
+    /// Groom texture over the whole plane: texels per row, and share of hair and wetness of each texel, row by row.
     pub texture: Option<(u32, Vec<[u8; 2]>)>,
     /// Opacity of the layers of wet hair.
     pub wet_opacity: Option<u8>,
-    /// Strands of the tile, and how many tiles lie along an edge of the plane.
+    /// Strands of the tile, and the number of tiles along an edge of the plane.
     pub strands: Option<(StrandsData, f32)>,
 }
 
-/// A square of 0.2 m in the plane z = 0, facing +z, whose layers all have the same opacity (0..=255) everywhere.
+/// Returns a square of 0.2 m in the plane z = 0, facing +z, whose layers all have the same opacity (0..=255)
+/// everywhere.
 pub fn plane(layers: u32, opacity: u8) -> Vec<u8> {
     groomed_plane(layers, opacity, Shading::default(), &PlaneGroom::default())
 }
 
-/// The plane with a groom.
+/// Returns the plane with a groom.
 pub fn groomed_plane(layers: u32, opacity: u8, shading: Shading, groom: &PlaneGroom) -> Vec<u8> {
     let params = SphereParams { layers, texels: 4, ..SphereParams::default() };
     let corner = |x: f32, y: f32| GeometryVertex {

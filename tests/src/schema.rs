@@ -1,10 +1,10 @@
-//! A checker for the part of JSON Schema that `bake/docs/schemas.json` uses.
+//! Checker for the subset of JSON Schema that `bake/docs/schemas.json` uses.
 
 use crate::binary::{Run, workspace};
 use serde_json::Value;
 use std::sync::LazyLock;
 
-/// The schemas of the results of all commands, by name.
+/// Schemas of the results of all commands, by name.
 static SCHEMAS: LazyLock<Value> = LazyLock::new(|| {
     let path = workspace().join("bake/docs/schemas.json");
     let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
@@ -27,7 +27,7 @@ pub fn answer(run: &Run, name: &str) -> Value {
 ///
 /// # Panics
 ///
-/// If there is no such schema, or the value violates it.
+/// If the schema does not exist, or the value violates it.
 #[track_caller]
 pub fn hold(name: &str, value: &Value) {
     check(&SCHEMAS, &SCHEMAS[name], value).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -37,7 +37,7 @@ pub fn hold(name: &str, value: &Value) {
 ///
 /// # Panics
 ///
-/// As [`answer`], and for any exit code but 0.
+/// Same as [`answer`], and for any exit code other than 0.
 #[track_caller]
 pub fn done(run: &Run, name: &str) -> Value {
     assert_eq!(run.code, Some(0), "{run:?}");

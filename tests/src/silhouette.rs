@@ -1,29 +1,29 @@
-//! Models whose silhouettes are measured.
+//! Models for measurements of silhouettes.
 
 use crate::binary::{Sandbox, workspace};
 use pelage_needs::data;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// IEEE 754 binary16, little-endian.
+/// Converts an IEEE 754 binary16 number, little-endian.
 pub fn half_to_f32(bytes: [u8; 2]) -> f32 {
     half::f16::from_le_bytes(bytes).to_f32()
 }
 
-/// A model to be measured.
+/// Model to be measured.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// For messages.
+    /// Name for messages.
     pub name: &'static str,
-    /// The model.
+    /// Path of the model.
     pub model: PathBuf,
-    /// Path of its recipe from the workspace's root; `None` for the default.
+    /// Path of the recipe relative to the workspace root; `None` for the default.
     pub recipe: Option<&'static str>,
     /// Size of the picture, pixels.
     pub size: (u32, u32),
 }
 
-/// The project's own models, and the bunny where the test data are there, for the test of that name.
+/// Returns the project's own models, and the bunny if the test data are available to the named test.
 pub fn cases(test: &str) -> Vec<Case> {
     let own = |name: &'static str, recipe, size| {
         let model = workspace().join(format!("assets/models/{name}.glb"));
@@ -41,9 +41,9 @@ pub fn cases(test: &str) -> Vec<Case> {
     cases
 }
 
-/// A package of a model in plain texels.
+/// Bakes a package of a model with plain texels.
 ///
-/// `recipe`: path from the workspace's root; `set`: assignments to its keys.
+/// `recipe`: path relative to the workspace root; `set`: assignments to its keys.
 pub fn bake_plain(model: &Path, recipe: Option<&str>, set: &[&str]) -> Vec<u8> {
     let sandbox = Sandbox::new();
     let mut args: Vec<OsString> =
@@ -51,7 +51,7 @@ pub fn bake_plain(model: &Path, recipe: Option<&str>, set: &[&str]) -> Vec<u8> {
     if let Some(path) = recipe {
         args.extend(["--recipe".into(), workspace().join(path).into()]);
     }
-    // Plain texels, so that no error of blocks is counted.
+    // Plain texels, so that compression errors do not count.
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
     args.extend(plain.iter().chain(set).flat_map(|set| ["--set".into(), set.into()]));
     sandbox.fixture(&args);

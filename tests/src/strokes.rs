@@ -1,8 +1,8 @@
-//! What of a drawing is no stroke: how much of its ink lies in specks.
+//! Measures how much ink of a drawing is in specks instead of strokes.
 
 use pelage_bake::mask::Mask;
 
-/// The parts of a set that hang together over sides or corners of pixels, each as the numbers of its pixels, row by row from the top.
+/// Returns the 8-connected components of a mask as pixel indices, row by row from the top.
 pub fn parts(mask: &Mask) -> Vec<Vec<usize>> {
     let (width, height) = (mask.width as usize, mask.height as usize);
     let mut seen = vec![false; mask.pixels.len()];
@@ -30,31 +30,31 @@ pub fn parts(mask: &Mask) -> Vec<Vec<usize>> {
     parts
 }
 
-/// Ink of a drawing, and how much of it is in specks.
+/// Ink of a drawing, and its share in specks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Specks {
-    /// Pixels of ink.
+    /// Number of ink pixels.
     pub ink: usize,
-    /// Those of them in parts that are shorter than asked, from corner to corner of the box about them.
+    /// Number of ink pixels in components whose bounding box has a diagonal below the limit.
     pub short: usize,
-    /// Such parts.
+    /// Number of such components.
     pub count: usize,
 }
 
 impl Specks {
-    /// Pixels of short parts in a thousand of ink.
+    /// Returns the pixels of short components per thousand ink pixels.
     pub fn per_mille(&self) -> f64 {
         1000.0 * self.short as f64 / self.ink.max(1) as f64
     }
 
-    /// Both together.
+    /// Adds two counts.
     #[must_use]
     pub fn joined(self, other: Self) -> Self {
         Self { ink: self.ink + other.ink, short: self.short + other.short, count: self.count + other.count }
     }
 }
 
-/// How much of the ink lies in parts shorter than that, pixels.
+/// Counts the ink in components shorter than `shorter_than_px`, pixels.
 pub fn specks(ink: &Mask, shorter_than_px: f64) -> Specks {
     let width = ink.width as usize;
     let parts = parts(ink);
@@ -71,7 +71,7 @@ pub fn specks(ink: &Mask, shorter_than_px: f64) -> Specks {
     found
 }
 
-/// Pixels of ink in parts that touch no pixel of the body.
+/// Returns the number of ink pixels in components that touch no pixel of the body.
 pub fn adrift(ink: &Mask, body: &Mask) -> usize {
     let touches = |part: &Vec<usize>| {
         part.iter().any(|i| {
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn specks_are_short_parts_and_adrift_is_what_touches_no_body() {
         let mask = drawn(&["########", "........", "..##....", "........", ".#......"]);
-        // The long line is 8.06 from corner to corner, the dash 2.24, the dot 1.41.
+        // The bounding-box diagonals: long line 8.06, dash 2.24, dot 1.41.
         let found = specks(&mask, 2.0);
         assert_eq!((found.ink, found.short, found.count), (11, 1, 1));
         assert_eq!(specks(&mask, 3.0).short, 3);

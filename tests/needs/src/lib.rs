@@ -1,8 +1,9 @@
-//! What tests need that a machine may lack: an adapter, test data, a C compiler, a browser, Ninja.
+//! Requirements of tests that a machine may lack: an adapter, test data, a C compiler, a desktop, a browser, Ninja.
 //!
-//! A test asks here, by its name. It gets what it needs, or `None` with a loud word, and returns; under `CI` what is missing
-//! is a failure. Whatever the answer, it goes into the log that `PELAGE_TEST_LOG` names, and `./run test` holds the log
-//! against [`register::REGISTER`]: a test that vanishes, or that nobody listed, fails the gate.
+//! A test asks for its requirement here and passes its own name. If the requirement is missing, the test gets `None`, a
+//! message goes to stderr, and the test returns. Under `CI` a missing requirement is a failure. Each answer is written
+//! to the log named by `PELAGE_TEST_LOG`. `./run test` checks that log against [`register::REGISTER`] and fails if a
+//! registered test is missing or an unregistered one appears.
 
 pub mod register;
 
@@ -10,28 +11,28 @@ use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// What a test needs.
+/// Requirement of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Need {
     /// An adapter that wgpu can open.
     Gpu,
-    /// The shared test data: `PELAGE_DATA`, or `../shared/data` beside the repository.
+    /// Shared test data: `PELAGE_DATA`, or `../shared/data` beside the repository.
     Data,
-    /// A C compiler: `CC`, or `cc`.
+    /// C compiler: `CC`, or `cc`.
     Compiler,
-    /// A screen without glass, and hands for it: `Xvfb` and `xdotool`.
+    /// Virtual display and simulated input: `Xvfb` and `xdotool`.
     Desktop,
-    /// Chromium, and the page that is built for it: tests in `runtime/web/tests`, which write the same log.
+    /// Chromium and the page built for it. The tests are in `runtime/web/tests` and write the same log.
     Browser,
     /// Ninja, which runs herds.
     Ninja,
 }
 
 impl Need {
-    /// All needs.
+    /// All requirements.
     pub const ALL: [Self; 6] = [Self::Gpu, Self::Data, Self::Compiler, Self::Desktop, Self::Browser, Self::Ninja];
 
-    /// Its word in log and register.
+    /// Returns the name used in the log and the register.
     pub fn word(self) -> &'static str {
         match self {
             Self::Gpu => "gpu",
@@ -44,23 +45,23 @@ impl Need {
     }
 }
 
-/// Notes that a test had what it needs.
+/// Logs that a test had its requirement.
 ///
 /// # Panics
 ///
-/// Where the log cannot be written.
+/// If the log cannot be written.
 pub fn had(need: Need, test: &str, what: &str) {
     note("had", need, test, what);
 }
 
-/// Notes that a test goes without what it needs, on stderr as well.
+/// Logs that a test lacks its requirement, and prints it to stderr.
 ///
 /// # Panics
 ///
-/// Where the log cannot be written, and wherever `CI` is set: nothing may be left out there.
+/// If the log cannot be written, or if `CI` is set, where no test may be skipped.
 pub fn lacked(need: Need, test: &str, why: &str) {
     note("lacked", need, test, why);
-    // Written to the handle: the harness captures only the print macros.
+    // Writes to the handle, because the harness captures the print macros only.
     let said = writeln!(std::io::stderr(), "SKIPPED: {test} ({why})");
     assert!(said.is_ok(), "stderr cannot be written");
     assert!(!is_ci(), "{test}: {why}; CI is set, and nothing is skipped there");
@@ -68,29 +69,29 @@ pub fn lacked(need: Need, test: &str, why: &str) {
 
 fn note(how: &str, need: Need, test: &str, words: &str) {
     let Some(path) = std::env::var_os("PELAGE_TEST_LOG") else { return };
-    // One write in append mode, so that lines of tests that run side by side stay whole.
+    // A single write in append mode keeps the lines of concurrent tests whole.
     let line = format!("{how}\t{}\t{test}\t{}\n", need.word(), words.replace(['\n', '\t'], " "));
     let written =
         OpenOptions::new().append(true).create(true).open(&path).and_then(|mut f| f.write_all(line.as_bytes()));
     written.unwrap_or_else(|e| panic!("{}: {e}", Path::new(&path).display()));
 }
 
-/// Whether this is a run for continuous integration: `CI` is set, and neither empty, `0` nor `false`.
+/// Returns whether this is a continuous integration run: `CI` is set and is not empty, `0` or `false`.
 pub fn is_ci() -> bool {
     std::env::var("CI").is_ok_and(|v| !["", "0", "false"].contains(&v.as_str()))
 }
 
-/// Where the shared test data should lie; nothing may be there.
+/// Returns the expected path of the shared test data; it may not exist.
 pub fn data_folder() -> PathBuf {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     std::env::var_os("PELAGE_DATA").map_or(beside, PathBuf::from)
 }
 
-/// The shared test data for the test of that name, or `None` with a loud word.
+/// Returns the path of the shared test data for the named test, or `None` with a message on stderr.
 ///
 /// # Panics
 ///
-/// As [`had`] and [`lacked`].
+/// Same as [`had`] and [`lacked`].
 pub fn data(test: &str) -> Option<PathBuf> {
     let path = data_folder();
     let words = path.display().to_string();
@@ -102,16 +103,16 @@ pub fn data(test: &str) -> Option<PathBuf> {
     None
 }
 
-/// Whether a program is where the shell would find it.
+/// Returns whether a program is on `PATH`.
 pub fn is_installed(program: &str) -> bool {
     std::env::var_os("PATH").is_some_and(|path| std::env::split_paths(&path).any(|p| p.join(program).is_file()))
 }
 
-/// Whether the test of that name has Ninja; where not, it has said so.
+/// Returns whether Ninja is installed, and logs the answer for the named test.
 ///
 /// # Panics
 ///
-/// As [`had`] and [`lacked`].
+/// Same as [`had`] and [`lacked`].
 pub fn ninja(test: &str) -> bool {
     let there = is_installed("ninja");
     if there {
@@ -122,12 +123,12 @@ pub fn ninja(test: &str) -> bool {
     there
 }
 
-/// Whether the GPU test of that name is wanted: unless `PELAGE_NO_GPU=1` says by name that GPU tests are left out. Who opens the
-/// device says [`had`].
+/// Returns whether the named GPU test should run: always, unless `PELAGE_NO_GPU=1` is set. The caller that opens the
+/// device calls [`had`].
 ///
 /// # Panics
 ///
-/// As [`lacked`].
+/// Same as [`lacked`].
 pub fn gpu_is_wanted(test: &str) -> bool {
     let off = std::env::var("PELAGE_NO_GPU").is_ok_and(|v| v == "1");
     if off {

@@ -1,12 +1,12 @@
-//! Holds the log of a run of all tests against the register: `needs LOG`.
+//! Checks the log of a complete test run against the register: `needs LOG`.
 //!
-//! Exits with 0 where every registered test had what it needs, with 77 where some went without (they are named), and with 1 where
-//! one is missing or unknown, or the log cannot be read.
+//! Exit code 0: every registered test had its requirement. 77: some tests lacked theirs and are listed. 1: a test is
+//! missing or unknown, or the log cannot be read.
 
 use pelage_needs::register::{REGISTER, check};
 use std::process::ExitCode;
 
-/// What a skipped test exits with in other projects' harnesses; `run` reads it.
+/// Exit code for skipped tests, as in other projects' harnesses; read by `run`.
 const WENT_WITHOUT: u8 = 77;
 
 fn main() -> ExitCode {

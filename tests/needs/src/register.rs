@@ -1,19 +1,19 @@
-//! The register of all tests that need something, and what a log says about it.
+//! Register of all tests with requirements, and the check of a log against it.
 
 use crate::Need;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The committed list: a line for each test, the need's word, a space, the test's name.
+/// Committed list; one line per test: name of the requirement, a space, name of the test.
 pub const REGISTER: &str = include_str!("../register.txt");
 
-/// A need and the name of a test.
+/// Requirement and name of a test.
 pub type Entry = (Need, String);
 
-/// Reads a register.
+/// Parses a register.
 ///
 /// # Errors
 ///
-/// The first line that names no need, no test, or one that is there already.
+/// The first line with an unknown requirement, without a test, or that repeats an earlier one.
 pub fn entries(register: &str) -> Result<BTreeSet<Entry>, String> {
     let mut all = BTreeSet::new();
     for (number, line) in register.lines().enumerate() {
@@ -31,20 +31,20 @@ fn need(word: &str) -> Option<Need> {
     Need::ALL.into_iter().find(|n| n.word() == word)
 }
 
-/// What a run of all tests amounts to.
+/// Summary of a complete test run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Roll {
-    /// Tests that had what they need, of each need.
+    /// Number of tests that had their requirement, per requirement.
     pub had: BTreeMap<Need, usize>,
-    /// Registered tests that went without, each with the reason that it gave.
+    /// Registered tests that lacked their requirement, with the reason that each logged.
     pub lacked: BTreeMap<Entry, String>,
 }
 
-/// Holds the log of a run of all tests against a register.
+/// Checks the log of a complete test run against a register.
 ///
 /// # Errors
 ///
-/// All that is wrong: lines that are no log, registered tests that never asked for what they need, and tests that asked and
+/// All faults: malformed log lines, registered tests that did not ask for their requirement, and tests that asked but
 /// are not registered.
 pub fn check(register: &str, log: &str) -> Result<Roll, Vec<String>> {
     let registered = entries(register).map_err(|e| vec![format!("register: {e}")])?;
@@ -68,7 +68,7 @@ pub fn check(register: &str, log: &str) -> Result<Roll, Vec<String>> {
     let mut roll = Roll::default();
     for (need, test) in registered {
         let key = (need.word(), test.as_str());
-        // A test that asks several times has what it needs only if it always had it.
+        // A test that asks several times counts as served only if every request was served.
         if let Some(why) = lacked.get(&key) {
             roll.lacked.insert((need, test.clone()), (*why).to_owned());
         } else if had.contains(&key) {
@@ -94,7 +94,7 @@ mod tests {
         let roll = check(LIST, LOG).unwrap();
         assert_eq!(roll.had, BTreeMap::from([(Need::Gpu, 2), (Need::Data, 1)]));
         assert!(roll.lacked.is_empty());
-        // Once or often is the same.
+        // Repeated requests count once.
         assert_eq!(check(LIST, &format!("{LOG}{LOG}")), Ok(roll));
     }
 

@@ -1,4 +1,5 @@
-//! What cases begin from: a small model with everything that a model can have, recipes, a scene, a look, and packages baked of them.
+//! Bases of the cases: a small model with every feature that a model can have, recipes, a scene, a look, and packages
+//! baked from them.
 
 use super::case::Entry;
 use super::hair_files::{self, HAIR};
@@ -12,7 +13,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::process::Command;
 
-/// Settings that make a bake as small as it gets.
+/// Settings for the smallest possible bake.
 pub const SMALL: [&str; 16] = [
     "--threads",
     "1",
@@ -32,7 +33,7 @@ pub const SMALL: [&str; 16] = [
     "ink.wash_texels=32",
 ];
 
-/// A recipe that names images, materials and marks.
+/// Recipe that names images, materials and colour marks.
 pub const MAPS: &str = r##"# Everything that a recipe can name.
 [model]
 unit_m = 0.5
@@ -101,7 +102,7 @@ bc_quality = "fast"
 base_color_max = 64
 "##;
 
-/// A scene of two models of one package.
+/// Scene of two models of one package.
 pub const SCENE: &str = r##"# Two models, paths, a camera that moves.
 [look.picture]
 size = "16x16"
@@ -139,7 +140,7 @@ loop = false
 path = [{ time_s = 0, position = [0.45, 0, 1.2] }, { time_s = 2, position = [1.65, 0, 1.2], heading_deg = 20 }]
 "##;
 
-/// A look with all its tables.
+/// Look with all its tables.
 pub const LOOK: &str = r##"# Every table of a look.
 [picture]
 size = "16x16"
@@ -196,7 +197,7 @@ ink_printed_lines = false
 ink_anchoring = "surface"
 "##;
 
-/// A box with each way to write a corner, materials and an image.
+/// Box with every notation of a face corner, materials and an image.
 pub const OBJ: &str = "\
 # box
 mtllib a.mtl
@@ -231,36 +232,37 @@ p 1
 l 1 2
 ";
 
-/// The materials of [`OBJ`].
+/// Materials of [`OBJ`].
 pub const MTL: &str = "# skins\nnewmtl a\nKd 1 0.5 0\nmap_Kd -s 1 1 -clamp on ./a.png\nnewmtl b\nKd 0.5\nd 0.5\n";
 
 /// All bases.
 #[derive(Clone, Debug)]
 pub struct Bases {
-    /// Packages with names for people.
+    /// Packages with display names.
     pub packages: Vec<(&'static str, Vec<u8>)>,
-    /// Unpacked packages whose recipe is sound, as entries below `in/`.
+    /// Unpacked packages with a valid recipe, as entries below `in/`.
     pub folders: Vec<(&'static str, Vec<Entry>)>,
-    /// A glTF document and its buffer; images are in views of it.
+    /// glTF document and its buffer, which includes the images.
     pub model: (Value, Vec<u8>),
-    /// Compressed models as document and buffer; none without the test data.
+    /// Compressed models as document and buffer; empty without the test data.
     pub packed: Vec<(&'static str, Value, Vec<u8>)>,
     /// `a.png`.
     pub png: Vec<u8>,
     /// `b.jpg`.
     pub jpg: Vec<u8>,
-    /// Recipes: those that name all they can, of coats and of hair on guides, and all keys as a package records them.
+    /// Recipes: two with everything that a recipe can name, for fur and for hair on guides, and one with all keys as
+    /// recorded in a package.
     pub recipes: Vec<(&'static str, String)>,
-    /// Strands in each form that a recipe can name.
+    /// Strands in every format that a recipe can name.
     pub guides: Vec<Entry>,
 }
 
 impl Bases {
-    /// Makes them, with the real binary where a package is baked.
+    /// Makes the bases; packages are baked with the real binary.
     ///
     /// # Errors
     ///
-    /// Where a base does not bake, or files cannot be had.
+    /// If a base does not bake, or a file cannot be read or written.
     pub fn make() -> anyhow::Result<Self> {
         let (png, jpg) = (picture(ImageFormat::Png)?, picture(ImageFormat::Jpeg)?);
         let model = model(&png, &jpg);
@@ -295,7 +297,7 @@ impl Bases {
             ("plain", plain),
             ("hairy", hairy),
         ];
-        // The recipe of the golden package has a key that no recipe has, which is for other tests.
+        // The golden package's recipe has a key that does not exist in recipes, for other tests.
         let v3 = with_manifest(&v3, |manifest| manifest.recipe.clear());
         let mut folders = Vec::new();
         for (name, bytes) in
@@ -307,17 +309,17 @@ impl Bases {
         Ok(Self { packages, folders, model, packed: compressed()?, png, jpg, recipes, guides })
     }
 
-    /// Both images.
+    /// Returns both images.
     pub fn images(&self) -> Vec<Entry> {
         vec![Entry::file("a.png", &*self.png), Entry::file("b.jpg", &*self.jpg)]
     }
 
-    /// The model as `m.glb`.
+    /// Returns the model as `m.glb`.
     pub fn glb(&self) -> Entry {
         Entry::File("m.glb".into(), glb(&self.model.0, &self.model.1))
     }
 
-    /// The model as a document that names files, with those files.
+    /// Returns the model as a document that refers to external files, and those files.
     pub fn gltf(&self) -> (Value, Vec<Entry>) {
         let (mut document, bin) = self.model.clone();
         document["buffers"][0]["uri"] = json!("m.bin");
@@ -328,25 +330,25 @@ impl Bases {
     }
 }
 
-/// A whole .glb file.
+/// Encodes a complete .glb file.
 ///
 /// # Panics
 ///
-/// Where it would have more than 4 GiB.
+/// If it would exceed 4 GiB.
 pub fn glb(document: &Value, bin: &[u8]) -> Vec<u8> {
     glb_of_text(&document.to_string(), bin)
 }
 
-/// As [`glb`], of a text that need not be JSON.
+/// Encodes a .glb file as [`glb`] does, but from a text that need not be JSON.
 ///
 /// # Panics
 ///
-/// As [`glb`].
+/// Same as [`glb`].
 pub fn glb_of_text(text: &str, bin: &[u8]) -> Vec<u8> {
     container_of_text(text.into(), bin).unwrap_or_else(|e| panic!("a small model: {e}"))
 }
 
-/// Texels of colours that vary, with a dark stroke from left to right: as small as a scanned stroke may be.
+/// Encodes a picture with varying colours and a dark stroke from left to right, as small as a scanned stroke may be.
 fn picture(format: ImageFormat) -> anyhow::Result<Vec<u8>> {
     const SIZE: u32 = 48;
     let texel = |x: u32, y: u32| {
@@ -360,7 +362,8 @@ fn picture(format: ImageFormat) -> anyhow::Result<Vec<u8>> {
     Ok(out.into_inner())
 }
 
-/// A box of twelve triangles with two joints, two clips, two materials with textures, colours, and a shape to blend to.
+/// Makes a box of twelve triangles with two joints, two clips, two textured materials, vertex colours and a morph
+/// target.
 fn model(png: &[u8], jpg: &[u8]) -> (Value, Vec<u8>) {
     let mut buffer = Buffer::default();
     let bytes = |numbers: &[f32]| -> Vec<u8> { numbers.iter().flat_map(|x| x.to_le_bytes()).collect() };
@@ -460,7 +463,7 @@ fn model(png: &[u8], jpg: &[u8]) -> (Value, Vec<u8>) {
     (document, buffer.bytes)
 }
 
-/// The small compressed boxes of the test data.
+/// Reads the small compressed boxes of the test data.
 fn compressed() -> anyhow::Result<Vec<(&'static str, Value, Vec<u8>)>> {
     let folder = pelage_needs::data_folder().join("meshes/compressed");
     if !folder.is_dir() {
@@ -474,7 +477,7 @@ fn compressed() -> anyhow::Result<Vec<(&'static str, Value, Vec<u8>)>> {
     Ok(vec![("draco", draco, bytes), ("meshopt", document, bin)])
 }
 
-/// Document and buffer of a sound .glb file.
+/// Splits a valid .glb file into document and buffer.
 pub fn chunks(glb: &[u8]) -> Option<(Value, Vec<u8>)> {
     let length = u32::from_le_bytes(*glb.get(12..)?.first_chunk()?) as usize;
     let document = serde_json::from_slice(glb.get(20..20 + length)?).ok()?;
@@ -495,7 +498,7 @@ fn unpacked(folder: &Path, package: &[u8]) -> anyhow::Result<Vec<Entry>> {
         let name = format!("in/{}", file.file_name().to_string_lossy());
         entries.push(Entry::File(name, std::fs::read(file.path())?));
     }
-    // The system lists a folder in any order.
+    // The system lists a folder in arbitrary order.
     entries.sort_by(|a, b| a.name().cmp(b.name()));
     std::fs::remove_dir_all(folder.join("in"))?;
     Ok(entries)

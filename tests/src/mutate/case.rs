@@ -1,36 +1,36 @@
-//! One case: files in an otherwise empty folder, what is run on them, and what must hold of what comes out.
+//! Single case: files in an otherwise empty folder, the commands run on them, and the requirements on their output.
 
 use std::path::Path;
 
-/// Something in the folder of a case.
+/// Entry in the folder of a case.
 #[derive(Clone, Debug)]
 pub enum Entry {
-    /// A file with its bytes; folders above it are made.
+    /// File with its contents; parent folders are created.
     File(String, Vec<u8>),
-    /// An empty folder.
+    /// Empty folder.
     Folder(String),
-    /// A symbolic link with that target.
+    /// Symbolic link and its target.
     Link(String, String),
 }
 
 impl Entry {
-    /// A file.
+    /// Returns an [`Entry::File`].
     pub fn file(name: &str, bytes: impl Into<Vec<u8>>) -> Self {
         Self::File(name.into(), bytes.into())
     }
 
-    /// Its path in the folder.
+    /// Returns the path within the folder.
     pub fn name(&self) -> &str {
         match self {
             Self::File(name, _) | Self::Folder(name) | Self::Link(name, _) => name,
         }
     }
 
-    /// Puts it into a folder.
+    /// Writes the entry into a folder.
     ///
     /// # Errors
     ///
-    /// Where the system refuses.
+    /// If the system refuses.
     pub fn put(&self, folder: &Path) -> std::io::Result<()> {
         let path = folder.join(self.name());
         if let Some(parent) = path.parent() {
@@ -41,73 +41,73 @@ impl Entry {
             Self::Folder(_) => std::fs::create_dir_all(path),
             #[cfg(unix)]
             Self::Link(_, target) => std::os::unix::fs::symlink(target, path),
-            // A file that says where it should lead: as good a fault as a link.
+            // A file that contains the link's target is a fault as well.
             #[cfg(not(unix))]
             Self::Link(_, target) => std::fs::write(path, target),
         }
     }
 }
 
-/// What must hold of what a command made, where it exits with 0.
+/// Requirement on the output of a command that exits with 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Then {
-    /// Nothing further.
+    /// No further requirement.
     Nothing,
-    /// It is a package, which `pelage validate` finds sound.
+    /// Package that `pelage validate` accepts.
     Validates,
-    /// It is a folder, which `pelage pack` makes the very same package of.
+    /// Folder from which `pelage pack` makes an identical package.
     PacksBack,
 }
 
-/// A run of `pelage`.
+/// Run of `pelage`.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// Its arguments.
+    /// Arguments.
     pub args: Vec<String>,
-    /// What it writes, in the case's folder; it must be there exactly if the exit code is 0.
+    /// Output in the case's folder; must exist if and only if the exit code is 0.
     pub makes: Option<&'static str>,
-    /// What must hold of that.
+    /// Requirement on the output.
     pub then: Then,
 }
 
 impl Step {
-    /// A command that writes nothing.
+    /// Returns a command that writes nothing.
     pub fn reads(args: &[&str]) -> Self {
         Self { args: args.iter().map(|a| (*a).to_owned()).collect(), makes: None, then: Then::Nothing }
     }
 
-    /// A command that writes `output`.
+    /// Returns a command that writes `output`.
     pub fn makes(args: &[&str], output: &'static str, then: Then) -> Self {
         Self { makes: Some(output), then, ..Self::reads(args) }
     }
 }
 
-/// Files, and what is run on them.
+/// Files, and the commands run on them.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What was changed, for people.
+    /// Description of the change, for messages.
     pub what: String,
-    /// What lies in the folder. A later entry takes the place of an earlier one of its name.
+    /// Contents of the folder. A later entry replaces an earlier one of the same name.
     pub entries: Vec<Entry>,
-    /// What is run, one after the other.
+    /// Commands, in order.
     pub steps: Vec<Step>,
-    /// The entry that is a package: it is looked at within this process as well.
+    /// Name of the package entry, which is checked in this process as well.
     pub package: Option<&'static str>,
 }
 
 impl Case {
-    /// A case of those entries over those of its base.
+    /// Makes a case with `entries` over those of its base.
     pub fn new(what: String, base: &[Entry], entries: Vec<Entry>, steps: Vec<Step>) -> Self {
         let stays = |old: &&Entry| !entries.iter().any(|new| new.name() == old.name());
         let all = base.iter().filter(stays).cloned().chain(entries.iter().cloned()).collect();
         Self { what, entries: all, steps, package: None }
     }
 
-    /// Puts its files into a folder, in place of what there is.
+    /// Replaces the contents of a folder by the case's files.
     ///
     /// # Errors
     ///
-    /// Where the system refuses.
+    /// If the system refuses.
     pub fn lay(&self, folder: &Path) -> std::io::Result<()> {
         if folder.exists() {
             std::fs::remove_dir_all(folder)?;

@@ -1,4 +1,4 @@
-//! One run of the real binary under a clock, with the memory that it took.
+//! Run of the real binary with a time limit, and its peak memory.
 
 use crate::binary::pelage;
 use std::fs::File;
@@ -6,37 +6,37 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// How a run ended.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Ended {
-    /// Exit code; `None` where a signal ended the process, also that of the clock.
+    /// Exit code; `None` if a signal ended the process, including the time limit.
     pub code: Option<i32>,
-    /// It was ended because it took longer than the limit.
+    /// Whether the run exceeded the time limit and was killed.
     pub too_long: bool,
-    /// All of stdout.
+    /// Complete stdout.
     pub stdout: String,
-    /// All of stderr.
+    /// Complete stderr.
     pub stderr: String,
-    /// Seconds from start to end.
+    /// Duration, seconds.
     pub seconds: f64,
-    /// The most memory that it held at a time, bytes; 0 where the system does not say.
+    /// Peak memory, bytes; 0 if the system does not report it.
     pub peak: u64,
 }
 
-/// How often a process is looked at. Memory grows slower than that: a gigabyte takes a tenth of a second to be written to.
+/// Polling interval. Memory grows slower than this: writing a gigabyte takes a tenth of a second.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// Runs `pelage` in a folder, for at most so long. What it says goes through files in `notes`, so that no pipe can fill up.
+/// Runs `pelage` in a folder, for at most `limit`. Output goes to files in `notes`, so that no pipe can fill up.
 ///
 /// # Errors
 ///
-/// Where the system refuses to start it, or to make or read those files.
+/// If the system refuses to start the process, or to create or read those files.
 pub fn run(args: &[String], folder: &Path, notes: &Path, limit: Duration) -> std::io::Result<Ended> {
     let [out, err] = ["stdout", "stderr"].map(|name| notes.join(name));
     let mut command = Command::new(pelage());
     command.args(args).current_dir(folder).stdin(Stdio::null());
     command.stdout(File::create(&out)?).stderr(File::create(&err)?);
-    // Mesa looks there for a display, and complains on stderr where there is none.
+    // Mesa looks there for a display, and writes to stderr if the variable is unset.
     command.env("XDG_RUNTIME_DIR", notes);
     let begun = Instant::now();
     let mut child = command.spawn()?;
@@ -57,10 +57,10 @@ pub fn run(args: &[String], folder: &Path, notes: &Path, limit: Duration) -> std
     Ok(Ended { code: status.code(), too_long, stdout: text(&out)?, stderr: text(&err)?, seconds, peak })
 }
 
-/// The most memory that a process has held so far, bytes: Linux says it, other systems do not.
+/// Returns the peak memory of a process so far, bytes. Linux reports it, other systems do not.
 fn held(child: &Child) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-    // Until it is replaced, a new process is this one, with all its memory.
+    // Until `exec`, the new process is a copy of this one, with all its memory.
     if !status.starts_with("Name:\tpelage\n") {
         return 0;
     }

@@ -1,4 +1,4 @@
-//! Unpacked folders: fields of the manifest, of the animation and of the mesh, files that are not what they were.
+//! Unpacked folders: fields of the manifest, the animation and the mesh, and replaced files.
 
 use super::bases::{Bases, chunks, glb, glb_of_text};
 use super::case::{Case, Entry, Step, Then};
@@ -6,7 +6,8 @@ use super::change;
 use super::random::Random;
 use serde_json::Value;
 
-/// What a link in the folder leads to: a device that never ends, itself, nothing, a folder, a file of another kind.
+/// Targets of links in the folder: an endless device, the link itself, a missing file, a folder, a file of another
+/// type.
 const TARGETS: [&str; 5] = ["/dev/zero", "", "gone", "..", "manifest.json"];
 
 /// Makes a case.
@@ -23,13 +24,13 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         11 => strands(base, random),
         _ => other(base, random),
     };
-    // What is taken away is left out of the base.
+    // A removed entry is left out of the base.
     let base: Vec<Entry> = base.iter().filter(|entry| entry.name() != file).cloned().collect();
     let steps = vec![Step::makes(&["pack", "in", "out.pelage"], "out.pelage", Then::Validates)];
     Case::new(format!("{name}: {file}: {how}"), &base, entry.into_iter().collect(), steps)
 }
 
-/// Name of a file, what was done to it, and what is there instead.
+/// Name of a file, description of the change, and the replacement.
 type Changed = (String, String, Option<Entry>);
 
 fn bytes_of<'a>(base: &'a [Entry], name: &str) -> Option<&'a [u8]> {
@@ -47,7 +48,7 @@ fn document(base: &[Entry], name: &str, turn: u64, random: &mut Random) -> Chang
     (name.into(), how, Some(Entry::file(name, text)))
 }
 
-/// The mesh: its document, or its buffer.
+/// Changes the mesh: its document or its buffer.
 fn mesh(base: &[Entry], turn: u64, random: &mut Random) -> Changed {
     const NAME: &str = "in/mesh.glb";
     let Some((document, mut bin)) = bytes_of(base, NAME).and_then(chunks) else { return contents(base, random) };
@@ -66,7 +67,7 @@ fn recipe(base: &[Entry], turn: u64, random: &mut Random) -> Changed {
     (NAME.into(), how, Some(Entry::file(NAME, text)))
 }
 
-/// Bytes of any file.
+/// Changes the bytes of any file.
 fn contents(base: &[Entry], random: &mut Random) -> Changed {
     let name = random.pick(base).name().to_owned();
     let mut bytes = bytes_of(base, &name).unwrap_or_default().to_vec();
@@ -74,7 +75,7 @@ fn contents(base: &[Entry], random: &mut Random) -> Changed {
     (name.clone(), how, Some(Entry::File(name, bytes)))
 }
 
-/// Bytes of a file of strands, mostly of its header.
+/// Changes the bytes of a strand file, mostly of its header.
 fn strands(base: &[Entry], random: &mut Random) -> Changed {
     let files: Vec<&str> = base.iter().map(Entry::name).filter(|name| name.ends_with(".hair")).collect();
     if files.is_empty() {
@@ -93,7 +94,7 @@ fn strands(base: &[Entry], random: &mut Random) -> Changed {
     (name.clone(), how, Some(Entry::File(name, bytes)))
 }
 
-/// Something else in the place of a file, or nothing.
+/// Replaces a file by a different entry or removes it.
 fn other(base: &[Entry], random: &mut Random) -> Changed {
     let name = random.pick(base).name().to_owned();
     let (how, entry) = match random.below(5) {

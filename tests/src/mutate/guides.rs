@@ -1,4 +1,4 @@
-//! Files of strands that recipes name: `.hair`, `.tfx`, text, lines of a glTF.
+//! Strand files named by recipes: `.hair`, `.tfx`, text, lines of a glTF.
 
 use super::bases::{Bases, SMALL, chunks, glb, glb_of_text};
 use super::case::{Case, Entry, Step, Then};
@@ -6,7 +6,7 @@ use super::change;
 use super::hair_files::recipe_of;
 use super::random::Random;
 
-/// Numbers of headers: bytes where each begins.
+/// Byte offsets of the numbers in file headers.
 const HEADS: [(&str, &[usize]); 3] =
     [("g.hair", &[0, 4, 8, 12, 16]), ("g3.tfx", &[0, 4, 8, 144, 148]), ("g4.tfx", &[0, 4, 8, 12])];
 
@@ -35,7 +35,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     Case::new(format!("{named}: {how}"), &[bases.glb(), recipe], entries, steps)
 }
 
-/// A number of a header.
+/// Changes a number of a header.
 fn head(bytes: &mut [u8], at: usize, random: &mut Random) -> String {
     let field = &mut bytes[at..at + 4];
     let old = u32::from_le_bytes([field[0], field[1], field[2], field[3]]);
@@ -44,7 +44,7 @@ fn head(bytes: &mut [u8], at: usize, random: &mut Random) -> String {
     format!("{new} in place of {old} at byte {at}")
 }
 
-/// Lines in a glTF, in one file or in two.
+/// Changes lines in a glTF, stored in one file or in two.
 fn lines(file: &[u8], turn: u64, random: &mut Random) -> (String, Vec<Entry>) {
     let Some((mut document, mut bin)) = chunks(file) else { unreachable!("a whole .glb") };
     match random.below(4) {

@@ -1,4 +1,4 @@
-//! Hair on guides as bases: a recipe that names strands in each form that is read, and those files.
+//! Hair on guides as bases: a recipe that names strands in each supported format, and those files.
 
 use super::case::Entry;
 use anyhow::Context as _;
@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use pelage_bake::strands::export::StrandFormat;
 use pelage_bake::strands::{CurvePoint, Curves};
 
-/// A recipe with every key of groups and tufts, and the strands of the tile.
+/// Recipe with every key of groups and tufts, and the strands of the tile.
 pub const HAIR: &str = r##"# Hair that is no coat.
 [strands]
 enabled = true
@@ -84,13 +84,14 @@ enabled = false
 bc_quality = "fast"
 "##;
 
-/// The recipe for one file of guides.
+/// Returns the recipe for a single file of guides.
 pub fn recipe_of(file: &str) -> String {
     let head = "[strands]\n[[strands.group]]\nname = \"guides\"\nhairs = 12\nloose_m = 10\nscale_m = 1.0\n";
     format!("{head}file = \"{file}\"\n")
 }
 
-/// The same eight strands in each form: of two to five points, the roots beside each other above the model.
+/// Encodes the same eight strands in each format. They have two to five points; the roots are side by side above the
+/// model.
 pub fn files() -> anyhow::Result<Vec<Entry>> {
     let points = |strand: u32| {
         (0..2 + strand % 4).map(move |k| CurvePoint {
@@ -116,7 +117,7 @@ pub fn files() -> anyhow::Result<Vec<Entry>> {
     Ok(out)
 }
 
-/// TressFX of that version: four strands of three points.
+/// Encodes a TressFX file of the given version: four strands of three points.
 fn tfx(version: u32) -> Vec<u8> {
     const STRANDS: u32 = 4;
     const POINTS: u32 = 3;

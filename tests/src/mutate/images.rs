@@ -1,4 +1,4 @@
-//! Images: PNG and JPEG that models and recipes name, KTX2 in unpacked folders.
+//! Images: PNG and JPEG files named by models and recipes, KTX2 files in unpacked folders.
 
 use super::bases::{Bases, MAPS};
 use super::case::{Case, Entry, Step, Then};
@@ -26,7 +26,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     }
 }
 
-/// One of the two images with changed bytes; of a PNG mostly with right checksums.
+/// Returns one of the two images with changed bytes; PNG files mostly with valid checksums.
 fn image(bases: &Bases, random: &mut Random) -> (String, Entry) {
     let (name, mut bytes) = match random.below(3) {
         0 => ("b.jpg", bases.jpg.clone()),
@@ -44,7 +44,7 @@ fn image(bases: &Bases, random: &mut Random) -> (String, Entry) {
     (format!("{name}: {how}"), Entry::File(name.into(), bytes))
 }
 
-/// Width, height, depth and kind of the texels, as the header says them.
+/// Changes the width, height, bit depth or colour type in the header.
 fn size(png: &mut [u8], random: &mut Random) -> String {
     let at = *random.pick(&[16, 20]);
     let size = *random.pick(&[0, 1, 9, 255, 16_384, 65_536, 0x7fff_ffff, u32::MAX]);
@@ -59,7 +59,7 @@ fn size(png: &mut [u8], random: &mut Random) -> String {
     how
 }
 
-/// Puts the checksum of each chunk of a PNG right, as far as its lengths lead.
+/// Updates the checksum of each chunk of a PNG, as far as its lengths are valid.
 fn seal_png(bytes: &mut [u8]) {
     let mut at = 8;
     while let Some(length) =
@@ -75,7 +75,7 @@ fn seal_png(bytes: &mut [u8]) {
     }
 }
 
-/// A texture of an unpacked folder.
+/// Changes a texture of an unpacked folder.
 fn ktx2(bases: &Bases, random: &mut Random) -> Case {
     let (name, base) = random.pick(&bases.folders);
     let textures: Vec<&Entry> = base.iter().filter(|entry| entry.name().ends_with(".ktx2")).collect();

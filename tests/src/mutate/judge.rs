@@ -1,4 +1,4 @@
-//! Whether a case shows a fault of pelage.
+//! Decides whether a case shows a fault of pelage.
 
 use super::case::{Case, Entry, Step, Then};
 use super::child::{Ended, run};
@@ -13,25 +13,25 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Longer than this no command may take.
+/// Time limit of a command, seconds.
 pub const SECONDS: u64 = 10;
-/// More memory than this no command may hold, bytes.
+/// Memory limit of a command, bytes.
 pub const BYTES: u64 = 1 << 30;
-/// Exit codes that bad input may have: done, usage, file system, bad input, faults found.
+/// Exit codes allowed for bad input: success, usage, file system, bad input, faults found.
 const CODES: [i32; 5] = [0, 1, 2, 3, 7];
 
-/// What came of a case.
+/// Outcome of a case.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// How often each command ended with each code: `bake 3`.
+    /// Number of runs per command and exit code; keys like `bake 3`.
     pub exits: BTreeMap<String, u64>,
-    /// What is wrong with pelage.
+    /// Faults of pelage.
     pub faults: Vec<String>,
-    /// A command took too long, which may be the fault of a machine that had other things to do.
+    /// Whether a command took too long, which may be the fault of a busy machine.
     pub slow: bool,
-    /// The longest command, seconds.
+    /// Duration of the longest command, seconds.
     pub seconds: f64,
-    /// The most memory of a command, bytes.
+    /// Peak memory of any command, bytes.
     pub peak: u64,
 }
 
@@ -42,7 +42,7 @@ impl Outcome {
     }
 }
 
-/// The runtime, which every package must load in that has no fault that stops drawing.
+/// Runtime in which every package must load, unless it has a fault that stops drawing.
 #[derive(Debug)]
 pub struct Loader {
     gpu: Gpu,
@@ -50,11 +50,11 @@ pub struct Loader {
 }
 
 impl Loader {
-    /// On the device that wgpu prefers.
+    /// Opens the device that wgpu prefers.
     ///
     /// # Errors
     ///
-    /// Where there is no adapter.
+    /// If an adapter is missing.
     pub fn open() -> Result<Self, StageError> {
         let gpu = Gpu::open()?;
         let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default());
@@ -62,14 +62,14 @@ impl Loader {
         Ok(Self { gpu, renderer: Mutex::new(renderer) })
     }
 
-    /// Why a package does not load; what this device cannot do is no fault of the package.
+    /// Loads a package. Exceeding a limit of the device is not a fault of the package.
     ///
     /// # Errors
     ///
-    /// The runtime's words, or that it panicked.
+    /// The runtime's error message, or the message of a panic.
     pub fn load(&self, bytes: &[u8]) -> Result<(), String> {
         let loaded = catch_unwind(AssertUnwindSafe(|| {
-            // A panic under the lock is told, and ends nothing.
+            // A panic while the lock was held is reported; the run continues.
             let renderer = self.renderer.lock().unwrap_or_else(PoisonError::into_inner);
             let loaded = renderer.load_bytes(bytes).map(drop);
             (loaded, self.gpu.wait())
@@ -88,25 +88,25 @@ fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
 }
 
-/// A folder for cases, emptied before each, and one beside it for what commands say.
+/// Folder for cases, emptied before each, and a folder beside it for the output of commands.
 #[derive(Debug)]
 pub struct Bench {
     folder: tempfile::TempDir,
 }
 
 impl Bench {
-    /// Makes the folders.
+    /// Creates the folders.
     ///
     /// # Errors
     ///
-    /// Where the system refuses.
+    /// If the system refuses.
     pub fn new() -> std::io::Result<Self> {
         let out = Self { folder: tempfile::tempdir()? };
         std::fs::create_dir(out.notes())?;
         Ok(out)
     }
 
-    /// Where the case lies.
+    /// Returns the folder of the case.
     pub fn case(&self) -> PathBuf {
         self.folder.path().join("case")
     }
@@ -115,11 +115,11 @@ impl Bench {
         self.folder.path().join("notes")
     }
 
-    /// Puts the files of a case into the folder, in place of those of the last one.
+    /// Replaces the files of the previous case by those of `case`.
     ///
     /// # Errors
     ///
-    /// Where the system refuses.
+    /// If the system refuses.
     pub fn lay(&self, case: &Case) -> std::io::Result<()> {
         case.lay(&self.case())
     }
@@ -128,13 +128,13 @@ impl Bench {
     ///
     /// # Errors
     ///
-    /// Where the system refuses files or processes.
+    /// If the system refuses files or processes.
     pub fn judge(&self, case: &Case, loader: Option<&Loader>) -> std::io::Result<Outcome> {
         self.lay(case)?;
         let mut outcome = Outcome::default();
         let mut drawable = None;
         for step in &case.steps {
-            // Who goes without the runtime may have no adapter.
+            // Without a loader there may be no adapter.
             if step.args[0] == "render" && loader.is_none() {
                 continue;
             }
@@ -155,7 +155,7 @@ impl Bench {
         Ok(outcome)
     }
 
-    /// One command, with what must hold of its end and of what it leaves behind.
+    /// Runs one command, and checks its exit code, its output and the files that it leaves.
     fn step(&self, case: &Case, step: &Step, outcome: &mut Outcome) -> std::io::Result<Ended> {
         let folder = self.case();
         let before = files(&folder);
@@ -185,7 +185,7 @@ impl Bench {
             outcome.fault(step, format!("exit code {code} without a message"));
         }
         let named = |entry: &Entry| said.contains(entry.name().rsplit('/').next().unwrap_or_default());
-        // What is missing is no entry, but its folder is an argument.
+        // A missing file is not an entry, but its folder is an argument.
         let below = |arg: &String| said.contains(&format!("{arg}/")) || said.contains(&format!("{arg}:"));
         if ended.code == Some(3) && !case.entries.iter().any(named) && !step.args.iter().any(below) {
             outcome.fault(step, format!("exit code 3 and no file named: {said}"));
@@ -210,7 +210,7 @@ impl Bench {
         Ok(ended)
     }
 
-    /// What must hold of what a command made.
+    /// Checks the requirement on the output of a command.
     fn then(&self, case: &Case, step: &Step, output: &'static str, outcome: &mut Outcome) -> std::io::Result<()> {
         match step.then {
             Then::Nothing => {}
@@ -241,7 +241,7 @@ impl Bench {
     }
 }
 
-/// Whether `validate --json` found nothing that stops drawing; `None` where it could not judge.
+/// Returns whether `validate --json` found nothing that stops drawing; `None` if it could not judge.
 fn drawable_by(ended: &Ended) -> Option<bool> {
     if !matches!(ended.code, Some(0 | 7)) {
         return None;
@@ -250,8 +250,8 @@ fn drawable_by(ended: &Ended) -> Option<bool> {
     Some(answer["faults"].as_array()?.iter().all(|fault| fault["stops_drawing"] == false))
 }
 
-/// A package within this process: the formats may not panic on it, and the runtime draws it exactly if `validate` says so. Gives the faults, and whether
-/// it loads where that was tried.
+/// Checks a package in this process. The formats must not panic on it. The runtime must draw it if and only if
+/// `validate` says so. Returns the faults, and whether the package loads if that was tried.
 fn within(bytes: &[u8], drawable: Option<bool>, loader: Option<&Loader>) -> (Vec<String>, Option<bool>) {
     let (mut faults, mut loads) = (Vec::new(), None);
     let used = catch_unwind(|| lay_out::open(bytes) && !lay_out::round_trip(bytes));

@@ -1,6 +1,6 @@
-//! Packages that hold anything at all: laid out as the format asks, with right checksums, whatever their sections say.
+//! Packages with arbitrary sections: laid out as the format requires, with valid checksums.
 
-/// What the fuzz targets do with a package: open it, use everything in it, put its checksums right.
+/// Operations of the fuzz targets on a package: open it, use everything in it, update its checksums.
 #[path = "../../../formats/fuzz/src/bodies.rs"]
 mod bodies;
 
@@ -8,17 +8,17 @@ pub use bodies::{open, reseal, round_trip};
 
 use pelage_formats::{Limits, MAGIC, Package};
 
-/// A tag and the section's bytes.
+/// Tag and contents of a section.
 pub type Section = ([u8; 4], Vec<u8>);
 
-/// Bytes of the header, and of one entry of the table.
+/// Size of the header and of one table entry, bytes.
 const ENTRY: usize = 32;
 
-/// Version and sections of a package that opens.
+/// Returns the version and the sections of a valid package.
 ///
 /// # Panics
 ///
-/// Where it does not.
+/// If it does not open.
 pub fn sections(package: &[u8]) -> (u32, Vec<Section>) {
     let package = Package::open(package, &Limits::default()).unwrap_or_else(|e| panic!("a base that opens: {e}"));
     let bytes = |index: usize| {
@@ -29,7 +29,7 @@ pub fn sections(package: &[u8]) -> (u32, Vec<Section>) {
     (package.version(), list.collect())
 }
 
-/// A package of those sections.
+/// Makes a package of the given sections.
 pub fn lay_out(version: u32, sections: &[Section]) -> Vec<u8> {
     let mut table = Vec::new();
     let mut data = Vec::new();

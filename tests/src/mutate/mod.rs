@@ -1,17 +1,18 @@
-//! The mutation run: tens of thousands of damaged inputs through the real binary, each judged by how the binary ends and what it leaves behind.
+//! Mutation run: tens of thousands of damaged inputs through the real binary, each judged by exit code, output and
+//! files left behind.
 //!
-//! A case is made from the seed, its kind and its number alone. It is a fault of pelage where a command
+//! A case depends only on the seed, its kind and its number. A command has a fault if it
 //!
-//! * panics, is ended by a signal, or exits with another code than 0, 1, 2, 3 and 7,
-//! * takes longer than [`judge::SECONDS`], also by itself, or holds more memory than [`judge::BYTES`],
-//! * exits with 0 and its output is missing, or a package that `pelage validate` finds faults in,
-//! * exits with another code and leaves something behind, or says nothing, or, with 3, names no file;
+//! * panics, is ended by a signal, or exits with a code other than 0, 1, 2, 3 and 7,
+//! * takes longer than [`judge::SECONDS`], also when run alone, or holds more memory than [`judge::BYTES`],
+//! * exits with 0, and its output is missing or is a package that `pelage validate` rejects,
+//! * exits with another code and leaves something behind, or prints no message, or, with 3, names no file;
 //!
-//! and of a package, where
+//! and a package shows a fault if
 //!
-//! * the formats panic on it, or cannot write a valid one again,
-//! * `validate --json` finds nothing that stops drawing, and the runtime does not load it, or the other way round,
-//! * `unpack` takes it apart, and `pack` does not make the same bytes of it.
+//! * the formats panic on it, or cannot write it again although it is valid,
+//! * `validate --json` finds nothing that stops drawing, but the runtime does not load it, or vice versa,
+//! * `unpack` succeeds, and `pack` does not make the same bytes from the result.
 
 pub mod bases;
 pub mod case;
@@ -41,12 +42,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// A kind of input.
+/// Kind of input.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// As `--only` names it.
+    /// Name in `--only`.
     pub name: &'static str,
-    /// Its share of all cases, per cent.
+    /// Share of all cases, per cent.
     pub share: u64,
     make: fn(&Bases, u64, &mut Random) -> Case,
 }
@@ -62,42 +63,42 @@ pub const KINDS: [Kind; 7] = [
     Kind { name: "guides", share: 6, make: guides::case },
 ];
 
-/// Which cases are run, and how.
+/// Cases to run, and how to run them.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// Kind and number of each case.
     pub cases: Vec<(usize, u64)>,
-    /// Cases at a time.
+    /// Number of concurrent cases.
     pub jobs: usize,
 }
 
 impl Plan {
-    /// So many cases in all, each kind with its share.
+    /// Plans `cases` cases in all, each kind with its share.
     pub fn all(seed: u64, cases: u64, jobs: usize) -> Self {
         let of_kind = |(kind, k): (usize, &Kind)| (0..(cases * k.share).div_ceil(100)).map(move |i| (kind, i));
         Self { seed, cases: KINDS.iter().enumerate().flat_map(of_kind).collect(), jobs }
     }
 
-    /// So many cases of one kind.
+    /// Plans the given cases of one kind.
     pub fn only(seed: u64, kind: usize, cases: std::ops::Range<u64>, jobs: usize) -> Self {
         Self { seed, cases: cases.map(|i| (kind, i)).collect(), jobs }
     }
 }
 
-/// What came of the cases of a kind.
+/// Results of the cases of a kind.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// Cases that were run.
+    /// Number of cases run.
     pub cases: u64,
-    /// How often each command ended with each code: `bake 3`.
+    /// Number of runs per command and exit code; keys like `bake 3`.
     pub exits: BTreeMap<String, u64>,
     /// Number and description of each case that shows a fault, with its faults.
     pub faults: Vec<(u64, String, Vec<String>)>,
-    /// The longest command, seconds.
+    /// Duration of the longest command, seconds.
     pub seconds: f64,
-    /// The most memory of a command, bytes.
+    /// Peak memory of any command, bytes.
     pub peak: u64,
 }
 
@@ -115,24 +116,25 @@ impl Tally {
     }
 }
 
-/// What came of a run.
+/// Results of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// In the order of [`KINDS`].
+    /// Results per kind, in the order of [`KINDS`].
     pub tallies: [Tally; KINDS.len()],
-    /// How long all of it took, seconds.
+    /// Total duration, seconds.
     pub seconds: f64,
-    /// Kinds that were left out, with the reason.
+    /// Skipped kinds, with the reason.
     pub left_out: Vec<String>,
 }
 
 impl Report {
-    /// Cases that show a fault.
+    /// Returns the number of cases that show a fault.
     pub fn faulty(&self) -> usize {
         self.tallies.iter().map(|tally| tally.faults.len()).sum()
     }
 
-    /// A table with a row for each kind, and below it each fault once, with how often it was found and the first case that shows it.
+    /// Formats a table with a row per kind. Below it each fault is listed once, with its frequency and the first case
+    /// that shows it.
     pub fn text(&self, seed: u64) -> String {
         let mut out =
             "| kind | cases | exits | faults | longest, s | peak, MiB |\n|---|---|---|---|---|---|\n".to_owned();
@@ -152,7 +154,7 @@ impl Report {
             let mut classes: BTreeMap<String, (u64, u64, &str, &str)> = BTreeMap::new();
             for (index, what, faults) in &tally.faults {
                 for fault in faults {
-                    // Numbers differ from case to case.
+                    // Numbers differ from case to case and are removed.
                     let class: String = fault.chars().filter(|c| !c.is_ascii_digit()).take(160).collect();
                     classes.entry(class).or_insert((0, *index, what, fault)).0 += 1;
                 }
@@ -171,16 +173,16 @@ impl Report {
 
 /// Runs the cases of a plan.
 ///
-/// * `loader`: the runtime that packages must load in; `None` leaves that out, and all drawing
-/// * `keep`: where inputs that show a fault are kept, each in a folder with the commands
+/// * `loader`: runtime in which packages must load; `None` skips that and all drawing
+/// * `keep`: folder for inputs that show a fault, each in a subfolder with its commands
 ///
 /// # Errors
 ///
-/// Where a base cannot be made, or the system refuses files or processes.
+/// If a base cannot be made, or the system refuses files or processes.
 ///
 /// # Panics
 ///
-/// Where a case cannot be made, which is a fault of this chore.
+/// If a case cannot be made, which is a fault of this chore.
 pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow::Result<Report> {
     let begun = Instant::now();
     let bases = Bases::make().context("the bases")?;
@@ -200,7 +202,7 @@ pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow:
             let Some((kind, index)) = cases.get(at) else { break };
             if at > 0 && at.is_multiple_of(2000) {
                 let seconds = begun.elapsed().as_secs();
-                // Whoever waits for a quarter of an hour wants to see it pass.
+                // Progress report, since a run takes a quarter of an hour.
                 eprintln!("{at} of {} cases after {seconds} s, now {}", cases.len(), KINDS[*kind].name);
             }
             let case = make(plan.seed, *kind, *index, &bases);
@@ -220,7 +222,7 @@ pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow:
     for (kind, index, what, mut outcome) in outcomes {
         let case = || make(plan.seed, kind, index, &bases);
         if outcome.slow {
-            // The machine had other things to do, or so we give it the benefit of the doubt.
+            // The machine may have been busy, so the case runs once more.
             outcome = bench.judge(&case(), loader)?;
         }
         if let Some(keep) = keep.filter(|_| !outcome.faults.is_empty()) {
@@ -236,7 +238,7 @@ fn make(seed: u64, kind: usize, index: u64, bases: &Bases) -> Case {
     (KINDS[kind].make)(bases, index, &mut Random::of_case(seed, kind as u64, index))
 }
 
-/// Puts the files of a case into a folder of its own, with what to run there.
+/// Writes the files of a case into a folder of its own, with the commands to run there.
 fn keep(case: &Case, outcome: &Outcome, folder: &Path) -> anyhow::Result<()> {
     case.lay(folder)?;
     let mut text = format!("# {}\n", case.what.replace('\n', " "));

@@ -1,4 +1,4 @@
-//! Packages: bytes anywhere, the table of sections, and what sections hold, with right checksums and with wrong ones.
+//! Packages: arbitrary bytes, the table of sections, and the contents of sections, with valid and invalid checksums.
 
 use super::bases::Bases;
 use super::case::{Case, Entry, Step, Then};
@@ -9,9 +9,10 @@ use pelage_formats::{Animation, HairGroup, Limits, Manifest, Morphs, Package, Ta
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Of so many cases one is drawn: a frame takes as long as many of the other commands.
+/// Interval at which cases are drawn; a frame takes as long as many other commands.
 const DRAWN: u64 = 8;
-/// How often a field is changed anew that no longer fits its type. What never fits is left to changes of bytes.
+/// Maximum number of attempts to change a field to a value of its type. Fields that never fit are left to changes of
+/// bytes.
 const TRIES: u64 = 12;
 
 /// Makes a case.
@@ -23,7 +24,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
             (change::bytes(&mut bytes, random), bytes)
         }
         1 | 2 => {
-            // Header and table, with checksums that say that all is well.
+            // Header and table, with valid checksums.
             let mut bytes = base.clone();
             let how = if random.below(2) == 0 { change::bytes(&mut bytes, random) } else { head(&mut bytes, random) };
             reseal(&mut bytes);
@@ -51,7 +52,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     Case { package: Some("a.pelage"), ..Case::new(format!("{name}: {how}"), &[], entries, steps) }
 }
 
-/// A field of the header or of an entry of the table.
+/// Changes a field of the header or of a table entry.
 fn head(bytes: &mut [u8], random: &mut Random) -> String {
     let count = bytes.get(12).copied().unwrap_or(0);
     let at = 8 + 4 * random.below(6 + 8 * usize::from(count));
@@ -67,7 +68,7 @@ fn head(bytes: &mut [u8], random: &mut Random) -> String {
     format!("{new} in place of {old} at byte {at}")
 }
 
-/// Sections left out, doubled, exchanged, emptied, called something else; another version.
+/// Removes, duplicates, swaps, empties or renames sections, or changes the version.
 fn table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     let (mut version, mut list) = sections(base);
     let (a, b) = (random.below(list.len()), random.below(list.len()));
@@ -107,11 +108,12 @@ fn table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     (how, lay_out(version, &list))
 }
 
-/// A field of the manifest, of the animation, of morph targets or of hair on guides, with a value of its type that need not make sense.
+/// Changes a field of the manifest, the animation, the morph targets or the hair on guides. The value has the right
+/// type but need not make sense.
 fn fields(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>) {
     let (version, mut list) = sections(base);
     let package = Package::open(base, &Limits::default());
-    // The manifests of older versions have other fields.
+    // Manifests of older versions have different fields.
     let Some(package) = package.ok().filter(|package| package.version() == 3) else { return contents(base, random) };
     let animation = package.animation().ok().flatten().filter(|_| random.below(4) == 0);
     let morphs = package.morphs().ok().flatten().filter(|_| random.below(8) == 0);
@@ -130,10 +132,10 @@ fn fields(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>) {
     (format!("{tag}: {how}"), lay_out(version, &list))
 }
 
-/// The value with one field changed, in the encoding of a section.
+/// Changes one field of the value and encodes it as a section.
 fn field<T: Serialize + DeserializeOwned>(value: &T, turn: u64, random: &mut Random) -> Option<(String, Vec<u8>)> {
     let document = serde_json::to_value(value).ok()?;
-    // Fixed width, little end first: what `FORMAT.md` says of encoding.
+    // Fixed width, little-endian: the encoding specified in `FORMAT.md`.
     let config = bincode::config::standard().with_little_endian().with_fixed_int_encoding();
     (0..TRIES).find_map(|_| {
         let (how, text) = change::json(&document, turn, random);
@@ -142,10 +144,11 @@ fn field<T: Serialize + DeserializeOwned>(value: &T, turn: u64, random: &mut Ran
     })
 }
 
-/// One section's bytes, laid out anew whatever their length, so that what reads sections sees them.
+/// Changes the bytes of one section. The package is laid out again for any length, so that the section readers see the
+/// change.
 fn contents(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     let (version, mut list) = sections(base);
-    // The manifest says most, and is a half of all.
+    // The manifest holds most fields and is chosen in half of the cases.
     let at = if random.below(2) == 0 { 0 } else { random.below(list.len()) };
     let mut how = Vec::new();
     for _ in 0..=random.below(2) {

@@ -1,13 +1,14 @@
-//! Random numbers that are the same on every machine.
+//! Random numbers that are the same on all machines.
 
-/// The generator that damaged packages of the formats' own tests are made with.
+/// Random number generator shared with the formats' own tests of damaged packages.
 #[path = "../../../formats/tests/formats/common/random.rs"]
 mod numbers;
 
 pub use numbers::Random;
 
 impl Random {
-    /// The numbers of one case: they hang on nothing but these three, so that a case can be repeated by itself.
+    /// Returns the random numbers of one case. They depend only on the three arguments, so that a case can be repeated
+    /// alone.
     pub fn of_case(seed: u64, kind: u64, index: u64) -> Self {
         let mut out = Self(seed);
         out.0 = out.next_u64() ^ kind;
@@ -15,7 +16,7 @@ impl Random {
         out
     }
 
-    /// One of a list, which is not empty.
+    /// Returns a random element of a non-empty list.
     pub fn pick<'a, T>(&mut self, list: &'a [T]) -> &'a T {
         &list[self.below(list.len())]
     }

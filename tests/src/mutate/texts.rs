@@ -1,11 +1,11 @@
-//! What people write: recipes, scenes and looks.
+//! Texts written by people: recipes, scenes and looks.
 
 use super::bases::{Bases, LOOK, SCENE};
 use super::case::{Case, Entry, Step, Then};
 use super::change;
 use super::random::Random;
 
-/// Makes a case: two recipes for a scene or look, which take longer where they are right.
+/// Makes a case. Recipes are twice as frequent as scenes and looks, which take longer if valid.
 pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     match random.below(6) {
         0..=3 => recipe(bases, turn, random),

@@ -1,4 +1,5 @@
-//! The committed models are what the code makes, and keep what the recipes and the other tests rely on.
+//! Checks that the committed models match the code that makes them, and have the properties that recipes and other
+//! tests rely on.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -22,13 +23,13 @@ fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets").join(name)
 }
 
-/// The hare takes seconds to make; the tests share it.
+/// Returns the hare, which takes seconds to make and is shared by the tests.
 fn hare() -> &'static Model {
     static HARE: OnceLock<Model> = OnceLock::new();
     HARE.get_or_init(|| hare::model().unwrap())
 }
 
-/// So do the other animals and the hills.
+/// Returns the ox, shared like the hare; the other animals and the hills follow.
 fn ox() -> &'static Model {
     static OX: OnceLock<Model> = OnceLock::new();
     OX.get_or_init(|| ox::model().unwrap())
@@ -58,13 +59,13 @@ fn part<'a>(model: &'a Model, name: &str) -> &'a Primitive {
     model.primitives.iter().find(|p| p.name == name).unwrap()
 }
 
-/// Lowest and highest of a part's positions.
+/// Returns the bounding box of a part's positions.
 fn bounds(p: &Primitive) -> [DVec3; 2] {
     let positions = || p.positions.iter();
     [positions().fold(DVec3::MAX, |m, &p| m.min(p)), positions().fold(DVec3::MIN, |m, &p| m.max(p))]
 }
 
-/// The skin of an animal as one primitive: all materials but those of the balls that are its eyes and nose.
+/// Returns the mesh surface of an animal as one primitive: all materials except the balls of its eyes and nose.
 fn whole_skin(model: &Model) -> Primitive {
     let mut whole = Primitive::new(&model.name, 0);
     for p in model.primitives.iter().filter(|p| !["eyes", "nose"].contains(&p.name.as_str())) {
@@ -83,14 +84,14 @@ fn report(p: &Primitive) -> ChartReport {
     charts::report(&p.positions, &p.uvs, &p.triangles)
 }
 
-/// Bits of a position: equal for the copies of a vertex along a seam.
+/// Bit pattern of a position; equal for all copies of a vertex along a seam.
 type PositionKey = [u64; 3];
 
 fn key(p: DVec3) -> PositionKey {
     p.to_array().map(|x| (x + 0.0).to_bits())
 }
 
-/// Counts, for every undirected edge after joining equal positions, how often it runs each way.
+/// Counts the uses of every undirected edge per direction, after merging equal positions.
 fn edges(p: &Primitive) -> BTreeMap<[PositionKey; 2], [u32; 2]> {
     let mut edges: BTreeMap<_, [u32; 2]> = BTreeMap::new();
     for t in &p.triangles {
@@ -107,7 +108,7 @@ fn is_closed_manifold(p: &Primitive) -> bool {
     edges(p).values().all(|ways| *ways == [1, 1])
 }
 
-/// Vertices - edges + triangles after joining equal positions: 2 for a ball, 0 for a torus.
+/// Returns vertices - edges + triangles after merging equal positions: 2 for a ball, 0 for a torus.
 fn euler_characteristic(p: &Primitive) -> i64 {
     let edges = edges(p);
     let vertices: BTreeSet<_> = edges.keys().flatten().collect();
@@ -150,7 +151,7 @@ fn committed_patterns_are_what_the_code_makes_and_repeat() {
         let path = folder("patterns").join(format!("{name}.png"));
         let committed = image::open(&path).unwrap().into_rgb8();
         assert!(committed == made, "{} differs from what the code makes; run make_assets", path.display());
-        // Over the border neighbours differ no more than inside.
+        // Neighbours across the border differ no more than inside.
         let step = |x0: u32, x1: u32| -> f64 {
             let rows = (0..patterns::SIDE)
                 .map(|y| (made[(x0, y)][0].abs_diff(made[(x1, y)][0]), made[(y, x0)][0].abs_diff(made[(y, x1)][0])));
@@ -184,7 +185,7 @@ fn the_ox_is_as_large_as_a_water_buffalo() {
     let [low, high] = bounds(&skin);
     assert!(low.y.abs() < 0.01, "it stands on the ground: {}", low.y);
     assert!((2.5..3.1).contains(&(high.z - low.z)), "{low} {high}");
-    // Every material has its place: hooves below, horns above the back, the muzzle before all else.
+    // Positions of the materials: hooves at the bottom, horns above the back, the muzzle foremost.
     let [hooves, horns, muzzle] = ["hooves", "horns", "muzzle"].map(|name| bounds(part(ox(), name)));
     assert!(hooves[1].y < 0.12 && horns[0].y > 0.9 && muzzle[0].z > 1.4, "{hooves:?} {horns:?} {muzzle:?}");
     assert_eq!(horns[1].y, high.y);
@@ -202,7 +203,7 @@ fn the_crane_stands_on_its_legs_with_its_head_high() {
     assert_eq!(beak[1].z, high.z);
 }
 
-/// Square metres of a part's triangles.
+/// Returns the area of a part's triangles, m².
 fn area(p: &Primitive) -> f64 {
     let corner = |v: u32| p.positions[v as usize];
     let double = |t: &[u32; 3]| (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).length();
@@ -216,7 +217,7 @@ fn the_pony_is_built_like_one_and_its_long_hair_has_a_place_to_grow() {
     assert!(pony().to_glb().unwrap().len() <= 600_000);
     let [low, high] = bounds(&skin);
     assert!(low.y.abs() < 0.005 && (1.25..1.4).contains(&high.y), "it stands on the ground, ears up: {low} {high}");
-    // 1 m at the withers: the highest skin over the elbows.
+    // 1 m at the withers: the highest point of the mesh surface above the elbows.
     let withers = skin.positions.iter().filter(|p| (0.0..0.15).contains(&p.z)).map(|p| p.y).fold(0.0, f64::max);
     assert!((0.98..1.05).contains(&withers), "{withers}");
     let [crest, poll, dock, hooves] = ["crest", "poll", "dock", "hooves"].map(|name| part(pony(), name));
@@ -230,7 +231,7 @@ fn the_pony_is_built_like_one_and_its_long_hair_has_a_place_to_grow() {
     assert!(bounds(poll)[0].y > 1.15 && bounds(poll)[0].z > withers.z && width(poll) < 0.07, "{:?}", bounds(poll));
     assert!(bounds(dock)[1].z < -0.5 && bounds(dock)[0].y > 0.6, "{:?}", bounds(dock));
     assert!(bounds(hooves)[1].y < 0.08, "{:?}", bounds(hooves));
-    // Short hair on the face, none to speak of at the eyes.
+    // Short hair on the face, hardly any at the eyes.
     let (coat, eyes) = (part(pony(), "body"), part(pony(), "eyes"));
     let to_eye = |p: DVec3| eyes.positions.iter().map(|e| e.distance(p)).fold(f64::MAX, f64::min);
     let lids = coat.positions.iter().zip(&coat.colors).filter(|(p, _)| to_eye(**p) < 0.003);
@@ -282,7 +283,7 @@ fn hills_stand_behind_each_other_and_the_path_is_flat() {
     for pair in ridges.windows(2) {
         assert!(pair[1][1].z < pair[0][0].z && pair[1][1].y > pair[0][1].y, "{ridges:?}");
     }
-    // What animals stand on, and nothing that hides their feet before it.
+    // Ground for the animals, with nothing in front that hides their feet.
     let path = part(hills(), "path");
     assert!(path.positions.iter().all(|p| p.y.abs() < 1e-6 && p.z.abs() < 1.4), "{:?}", bounds(path));
     let [left, right] = bounds(path);
@@ -291,7 +292,7 @@ fn hills_stand_behind_each_other_and_the_path_is_flat() {
         assert!(p.z < 0.0 || p.y < 1e-6, "{p} stands before the path");
         assert!(p.z.abs() > 1.6 || p.y.abs() < 1e-6, "{p} is not flat");
     }
-    // A foot that floats over the ground would show a gap: the ridges reach below it.
+    // The ridges reach below the ground, since a floating foot of a ridge would show a gap.
     assert!(ridges.iter().all(|r| r[0].y < -1.0), "{ridges:?}");
 }
 
@@ -394,10 +395,11 @@ fn tubes_close_after_whole_tiles() {
     }
 }
 
-/// The joint of a foot, and where its tip rests.
+/// Joint of a foot, and rest position of its tip.
 type Foot = (usize, DVec3);
 
-/// The models with a skeleton: feet, and metres and seconds of a cycle of a gait.
+/// Returns the models with a skeleton, with their feet, and with the distance (m) and duration (s) of a cycle of a
+/// gait.
 fn animals() -> Vec<(&'static Model, &'static str, Vec<Foot>, [f64; 2])> {
     vec![
         (hare(), "Walk", hare_rig::feet(), [hare_rig::HOP_M, hare_rig::HOP_S]),
@@ -436,7 +438,8 @@ fn skin_weights_sum_to_one_and_clips_loop() {
     assert_eq!(names, ["EarBreath", "Walk"]);
 }
 
-/// Height over its lowest, and metres a second backwards, of a foot's tip at `steps` moments of a gait.
+/// Returns, for `steps` moments of a gait, the height of a foot's tip above its lowest (m) and its backward speed
+/// (m/s).
 fn foot_path(model: &Model, gait: &str, (joint, tip): Foot, seconds: f64, steps: u32) -> Vec<[f64; 2]> {
     let clip = model.clips.iter().find(|c| c.name == gait).unwrap();
     let at = |k: u32| {
@@ -455,7 +458,7 @@ fn feet_on_the_ground_go_with_it() {
         let high = model.primitives[0].positions.iter().map(|p| p.y).fold(0.0, f64::max);
         for foot in feet {
             let path = foot_path(model, gait, foot, seconds, 48);
-            // Without the moments in which it comes down or leaves.
+            // Excludes the moments of touch-down and lift-off.
             let low = |k: usize| path[k % 48][0] < 0.006 * high;
             let down: Vec<f64> = (0..48).filter(|&k| low(k + 47) && low(k) && low(k + 1)).map(|k| path[k][1]).collect();
             let (slow, fast) = down.iter().fold((f64::MAX, f64::MIN), |m, v| (m.0.min(*v), m.1.max(*v)));
@@ -479,7 +482,7 @@ fn every_recipe_parses_and_names_materials_that_exist() {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         let recipe = Recipe::parse(&name, &fs::read_to_string(&path).unwrap()).unwrap_or_else(|e| panic!("{e}"));
         recipe.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
-        // Each is made when its recipe comes, once.
+        // Each model is made once, when its recipe comes up.
         let model = match name.as_str() {
             "hare.toml" => Some(hare()),
             "ox.toml" => Some(ox()),

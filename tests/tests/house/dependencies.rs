@@ -1,11 +1,11 @@
-//! The floors of the house: which crate may know which, as `cargo tree` shows them.
+//! Checks the floors of the crates: which crate may depend on which, by `cargo tree`.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::workspace;
 use std::collections::BTreeSet;
 use std::process::Command;
 
-/// What a command of cargo prints of this workspace, without the network.
+/// Returns the stdout of a cargo command in this workspace, run without network access.
 pub fn cargo(command: &str, arguments: &[&str]) -> String {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
@@ -18,7 +18,7 @@ pub fn cargo(command: &str, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Names of all crates that a normal build of `package` links, itself included.
+/// Returns the names of all crates that a normal build of `package` links, including itself.
 fn tree(package: &str, options: &[&str]) -> BTreeSet<String> {
     let normal = ["--package", package, "--edges", "normal", "--prefix", "none", "--format", "{p}", "--target", "all"];
     let text = cargo("tree", &[&normal, options].concat());
@@ -75,7 +75,7 @@ fn the_stage_is_plain_data_and_with_its_feature_draws() {
 fn the_viewer_knows_windows_and_no_models() {
     let never = ["clap", "rayon", "gltf", "pelage-bake", "pelage-glb"];
     assert_floor("pelage-viewer", &[], &["winit", "egui", "wgpu", "pelage-stage", "pelage-runtime"], &never);
-    // Without its windows the tool draws and knows none.
+    // Without its window feature the tool draws but links no window crate.
     assert_floor("pelage-tool", &["--no-default-features"], &["wgpu"], &["winit", "egui", "pelage-viewer"]);
 }
 
@@ -142,12 +142,12 @@ fn the_models_know_no_other_floor_but_how_gltf_is_written() {
 
 #[test]
 fn the_tool_draws_and_has_no_laboratory() {
-    // The negative control: the same look at the same tree does find wgpu and the laboratory where they are.
+    // Negative control: the same check of the full tree finds wgpu and the window crates.
     assert_floor("pelage-tool", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &["pelage-lab"]);
     assert_floor("pelage-lab", &[], &["pelage-tool", "plotters"], &[]);
 }
 
-/// The printed forms are compiled for the laboratory alone.
+/// Checks that the printed forms are compiled for the laboratory only.
 #[test]
 fn nothing_that_ships_has_the_study() {
     for (package, expected) in

@@ -1,4 +1,4 @@
-//! What the documents say, held against the code and against each other.
+//! Checks documents against the code and against each other.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_bake::recipe::Recipe;
@@ -28,7 +28,7 @@ fn the_readme_names_every_subcommand() {
     let readme = std::fs::read_to_string(workspace().join("README.md")).unwrap();
     let help = Sandbox::new().run(&["--help"]).stdout;
     let commands = help.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
-    // A command stands two spaces in; the lines that its description goes on in stand further in.
+    // A command is indented by two spaces; continuation lines of its description are indented further.
     let names: Vec<_> = commands
         .lines()
         .filter_map(|l| l.strip_prefix("  ").filter(|l| !l.starts_with(' '))?.split_whitespace().next())
@@ -39,7 +39,7 @@ fn the_readme_names_every_subcommand() {
     }
 }
 
-/// The passes of a frame as ARCHITECTURE.md lists them.
+/// Checks that ARCHITECTURE.md lists the passes of a frame.
 #[test]
 fn the_architecture_lists_every_pass() {
     let document = std::fs::read_to_string(workspace().join("ARCHITECTURE.md")).unwrap();
@@ -52,14 +52,14 @@ fn the_architecture_lists_every_pass() {
     );
 }
 
-/// Every section of the formula sheet that code or a document cites.
+/// Checks that every section of the formula sheet cited by code or documents exists.
 #[test]
 fn every_cited_formula_stands_in_the_sheet() {
     const SHEET: &str = "formats/docs/formulas.md";
     let sheet = std::fs::read_to_string(workspace().join(SHEET)).unwrap();
     let sections = numbered_headings(&sheet);
     let mut cited = 0;
-    // This crate's own reader of citations has made-up ones in its tests.
+    // The citation parser of this crate has made-up citations in its tests.
     let all = documents(&["rs", "wgsl", "md", "toml"]).into_iter().filter(|d| d.path != "tests/src/documents.rs");
     for document in all {
         for section in cited_formulas(&document.text) {
@@ -70,7 +70,7 @@ fn every_cited_formula_stands_in_the_sheet() {
     assert!(sections.len() > 30 && cited > 10, "{} sections, {cited} citations", sections.len());
 }
 
-/// Sources and documents name no document that a reader of the repository does not have.
+/// Checks that sources and documents name only documents of the repository.
 #[test]
 fn every_named_document_is_in_the_repository() {
     let there: Vec<String> = documents(&["md"]).into_iter().map(|d| d.path).collect();
@@ -80,7 +80,7 @@ fn every_named_document_is_in_the_repository() {
     };
     let mut named = 0;
     for document in documents(&["rs", "wgsl", "md", "toml"]) {
-        // Tests write documents that never were.
+        // Its tests contain made-up names of documents.
         if document.path == "tests/src/documents.rs" {
             continue;
         }
@@ -92,7 +92,7 @@ fn every_named_document_is_in_the_repository() {
     assert!(named > 20, "only {named} found");
 }
 
-/// The pages of decisions: each is in the index, and each decision says what it must.
+/// Checks that each page of decisions is in the index, and that each decision has the required parts.
 #[test]
 fn every_decision_says_why_and_what_would_change_it() {
     let index = std::fs::read_to_string(workspace().join("formats/docs/decisions.md")).unwrap();
@@ -111,7 +111,7 @@ fn every_decision_says_why_and_what_would_change_it() {
     assert!(decisions >= 43, "only {decisions} decisions");
 }
 
-/// Files and folders that a document names, and where its links lead.
+/// Checks that files and folders named by documents exist, and that links resolve.
 #[test]
 fn what_documents_point_at_is_there() {
     let mut pointed = 0;
@@ -134,7 +134,7 @@ fn what_documents_point_at_is_there() {
     assert!(pointed > 100, "only {pointed} found");
 }
 
-/// Documents are read in narrow windows, and the two that come first are short.
+/// Checks line widths, since documents are read in narrow windows, and the length of the two that are read first.
 #[test]
 fn documents_keep_their_size() {
     let read_first = ["README.md", "ARCHITECTURE.md"];
@@ -145,7 +145,7 @@ fn documents_keep_their_size() {
             let lines = document.text.lines().count();
             assert!(lines <= 150, "{} has {lines} lines, expected at most 150", document.path);
         }
-        // Pages that are made from the code have the widths of its comments.
+        // Generated pages have the line widths of the comments in the code.
         let made = document.text.contains("\nThis page is made from ");
         if first || (document.path.contains("/docs/") && !made) {
             let long = long_lines(&document.text, 120);
@@ -156,7 +156,7 @@ fn documents_keep_their_size() {
     assert!(seen > 20, "only {seen} documents");
 }
 
-/// What the pages for artists and scripts tell to type is understood: recipes, single keys, options.
+/// Checks that the input shown on the pages for artists and scripts is valid: recipes, single keys, options.
 #[test]
 fn what_documents_tell_to_type_is_understood() {
     let sandbox = Sandbox::new().with_lab();
@@ -189,7 +189,7 @@ fn what_documents_tell_to_type_is_understood() {
             recipes += 1;
         }
         for assignment in text.split("--set ").skip(1) {
-            // Quoted where the shell would take it apart.
+            // Assignments are quoted where the shell would split them.
             let end: &[char] = if assignment.starts_with('\'') { &['\''] } else { &[' ', '`', '\n'] };
             let assignment = assignment.trim_start_matches('\'').split(end).next().unwrap();
             if assignment != "key=value" {

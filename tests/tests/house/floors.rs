@@ -1,10 +1,12 @@
-//! The houses, read off their sources: no files of a crate know each other in a circle, and in runtime and bake a file knows only lower floors.
+//! Checks dependencies within crates by their sources: no cycles between the files of a crate, and in runtime and bake
+//! a file uses only lower floors.
 
 use super::sources::{Arrows, Module, Named, arrows, circle, modules, named};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Floors of the runtime from the lowest up: a room is a file or a folder of `runtime/src`. runtime/docs/house.md says what each is for.
+/// Floors of the runtime from the lowest up. A room is a file or a folder of `runtime/src`; runtime/docs/house.md
+/// describes each.
 const RUNTIME: [&[&str]; 14] = [
     &["error", "report", "shared", "bounds"],
     &["camera", "gpu"],
@@ -22,8 +24,8 @@ const RUNTIME: [&[&str]; 14] = [
     &["renderer"],
 ];
 
-/// Floors of the baker: words and formulas, images, the recipe, the stages, strands on a skin beside files on disk, the order of the stages, and what
-/// runs a part of it.
+/// Floors of the baker from the lowest up: basics; masks and sampling; pictures; the recipe; the stages; strands and
+/// files on disk; the order of the stages; users of the pipeline.
 const BAKE: [&[&str]; 8] = [
     &["decision", "noise", "steps", "unfinished", "remade", "traffic", "hexadecimal"],
     &["mask", "sample"],
@@ -35,19 +37,20 @@ const BAKE: [&[&str]; 8] = [
     &["reslice", "rebake", "groom_map", "sky_file", "cache"],
 ];
 
-/// Which file of a crate names which.
+/// Reads the dependencies between the files of a crate.
 fn read(folder: &str) -> Arrows {
     arrows(&modules(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join("src")))
 }
 
-/// The folders of the workspace's crates, as its manifest lists them.
+/// Returns the folders of the workspace's crates from its manifest.
 fn crates() -> Vec<String> {
     let manifest = include_str!("../../../Cargo.toml");
     let list = manifest.split("members = [").nth(1).and_then(|rest| rest.split(']').next()).unwrap_or_default();
     list.split('"').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
-/// A room's floor is where its crate's list has it; the crate's roots list all rooms and have none of their own.
+/// Returns the uses of rooms that are not on a lower floor, and the number of uses. Crate roots list all rooms and have
+/// no floor.
 fn rooms_that_know_too_much(arrows: &Arrows, floors: &[&[&str]]) -> (Vec<String>, usize) {
     let floor =
         |module: &Module| floors.iter().position(|rooms| module.first().is_some_and(|r| rooms.contains(&r.as_str())));
@@ -79,7 +82,7 @@ fn no_files_of_a_crate_know_each_other_in_a_circle() {
     assert!(files > 300 && count > 800, "{files} files and {count} arrows were read");
 }
 
-/// Arrows between the rooms of a crate: a room is a file or a folder of `src`.
+/// Returns the dependencies between the rooms of a crate; a room is a file or a folder of `src`.
 fn rooms(arrows: &Arrows) -> Arrows {
     let room = |module: &Module| module[..module.len().min(1)].to_vec();
     let mut out = Arrows::new();
@@ -90,14 +93,14 @@ fn rooms(arrows: &Arrows) -> Arrows {
     out
 }
 
-/// Crates in which folders still know each other in a circle: the list may only get shorter.
+/// Crates whose folders still have cyclic dependencies; this list may only shrink.
 const CIRCLES: [&str; 2] = ["formats", "bake/lab"];
 
 #[test]
 fn no_rooms_of_a_crate_know_each_other_in_a_circle() {
     let circles: Vec<_> = crates().into_iter().filter_map(|c| Some((circle(&rooms(&read(&c)))?, c))).collect();
     assert_eq!(circles.iter().map(|(_, folder)| folder).collect::<Vec<_>>(), CIRCLES.each_ref(), "{circles:?}");
-    // Two files of one folder and a file beside it: no circle of files, but one of rooms.
+    // Two files of one folder and a file beside it: no cycle of files, but a cycle of rooms.
     let module = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Module>();
     let files = Arrows::from([
         (module(&["a", "b"]), BTreeSet::from([module(&["d"])])),
@@ -141,7 +144,7 @@ fn imports_are_found() {
     assert!(handed_on.len() == 1 && handed_on[0].called == "L", "{handed_on:?}");
 }
 
-/// A crate of three files.
+/// Returns a crate of three files.
 fn small(root: &str, a: &str, b: &str) -> Arrows {
     let module = |name: &str| if name.is_empty() { Vec::new() } else { vec![name.to_string()] };
     arrows(&BTreeMap::from([(module(""), root.into()), (module("a"), a.into()), (module("b"), b.into())]))

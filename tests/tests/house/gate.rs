@@ -1,10 +1,11 @@
-//! The gate itself: what it cannot check is a word to a developer, and a failure where `CI` is set.
+//! Checks the gate itself: an omitted check gives a message to developers, and a failure if `CI` is set.
 #![cfg(unix)]
 
 use pelage_tests::binary::workspace;
 use std::process::Command;
 
-/// Runs `tests/not_checked.sh advisories` with `CI` and `PELAGE_EXCEPTIONS`: whether the gate goes on, and what it says.
+/// Runs `tests/not_checked.sh advisories` with `CI` and `PELAGE_EXCEPTIONS`. Returns whether the gate continues, and
+/// its stderr.
 fn not_checked(ci: Option<&str>, exceptions: Option<&str>) -> (bool, String) {
     let mut command = Command::new("sh");
     command.args(["tests/not_checked.sh", "advisories", "no network"]).current_dir(workspace());
@@ -25,7 +26,7 @@ fn what_goes_unchecked_fails_in_ci_unless_it_is_named() {
         (Some("false"), None, true),
         (Some("true"), None, false),
         (Some("true"), Some("wasm shell"), false),
-        // A longer name is another one.
+        // A longer name does not match.
         (Some("true"), Some("advisories2"), false),
         (Some("true"), Some("wasm advisories"), true),
     ] {

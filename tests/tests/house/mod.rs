@@ -1,4 +1,4 @@
-//! What can be said without a GPU, a bake or test data: which crate knows which, which file knows which, what the documents promise. Seconds.
+//! Checks that need no GPU, bake or test data and take seconds: dependencies of crates and files, and documents.
 
 mod dependencies;
 mod documentation;

@@ -1,4 +1,4 @@
-//! Crates that a registry takes: what their manifests say, and that the gate checks each of their features alone.
+//! Checks the crates for publication: their manifests, and that the gate checks each of their features alone.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::dependencies::cargo;
@@ -6,10 +6,10 @@ use pelage_tests::binary::workspace;
 use serde_json::Value;
 use std::path::Path;
 
-/// The crates that may be published, as `cargo metadata` describes them.
+/// Returns the crates that may be published, as described by `cargo metadata`.
 fn published() -> Vec<Value> {
     let metadata: Value = serde_json::from_str(&cargo("metadata", &["--no-deps", "--format-version", "1"])).unwrap();
-    // `publish = false` is an empty list of registries.
+    // `publish = false` appears as an empty list of registries.
     let may = |package: &&Value| package["publish"].is_null();
     let packages: Vec<Value> = metadata["packages"].as_array().unwrap().iter().filter(may).cloned().collect();
     assert!(packages.len() >= 7, "{packages:?}");
@@ -29,7 +29,7 @@ fn manifests_say_what_a_registry_shows() {
         let readme = std::fs::read_to_string(folder.join(package["readme"].as_str().unwrap())).unwrap();
         assert!(readme.starts_with(&format!("# {name}\n")), "{name}: {}", readme.lines().next().unwrap());
         assert_eq!(package["metadata"]["docs"]["rs"]["all-features"], true, "{name}");
-        // Links to the repository's own; what a registry is sent has their texts.
+        // Links to the licences of the repository; the published archive has their texts.
         for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
             let text = |folder: &Path| std::fs::read_to_string(folder.join(licence)).unwrap_or_default();
             assert!(text(folder) == text(workspace()) && !text(folder).is_empty(), "{name} has no {licence}");
@@ -37,7 +37,8 @@ fn manifests_say_what_a_registry_shows() {
     }
 }
 
-/// A package holds all that it is built from, so `bake/tool/built_in` has copies of what the demo shows.
+/// Checks the copies in `bake/tool/built_in` of everything that the demo shows; a published package must contain all
+/// its sources.
 #[test]
 fn what_comes_with_the_binary_is_what_stands_in_assets() {
     let read = |path: &Path| std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -57,7 +58,7 @@ fn what_comes_with_the_binary_is_what_stands_in_assets() {
     }
 }
 
-/// Selections of crates and features that the gate lints besides the whole workspace, as they are in `run`.
+/// Returns the selections of crates and features in `run` that the gate lints in addition to the whole workspace.
 fn selections() -> Vec<String> {
     let run = std::fs::read_to_string(workspace().join("run")).unwrap();
     let list = run.split("for selection in ").nth(1).and_then(|rest| rest.split("; do").next()).unwrap();
@@ -68,7 +69,7 @@ fn selections() -> Vec<String> {
 fn the_gate_checks_every_feature_on_and_off() {
     let selections = selections();
     let workspace_build = "--workspace".to_owned();
-    // `NAME vVERSION (FOLDER) FEATURES` of every crate, for each selection.
+    // `NAME vVERSION (FOLDER) FEATURES` of every crate, per selection.
     let trees: Vec<String> = selections
         .iter()
         .map(|selection| format!("--package {selection}"))

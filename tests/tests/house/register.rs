@@ -1,6 +1,7 @@
-//! No test may vanish: none may stand in a file that no binary names, and none that needs something may be left out of the register.
+//! Checks that no test vanishes: each file of tests belongs to a binary, and each test with a requirement is
+//! registered.
 //!
-//! What a run says of the register is held against it by `./run test`.
+//! The log of a run is checked against the register by `./run test`.
 
 use pelage_needs::Need;
 use pelage_needs::register::{Entry, REGISTER, entries};
@@ -8,7 +9,7 @@ use pelage_tests::binary::{walk, workspace};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// The functions by which a test asks for what it needs; its name is the argument, as a literal.
+/// Functions by which a test asks for its requirement; the name of the test is the argument, as a literal.
 const ASKED: [(&str, Need); 7] = [
     ("gpu(", Need::Gpu),
     ("data(", Need::Data),
@@ -19,13 +20,13 @@ const ASKED: [(&str, Need); 7] = [
     ("ninja(", Need::Ninja),
 ];
 
-/// Files with tests that may ask.
+/// Returns the files whose tests may ask.
 fn sources() -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     for folder in ["formats/tests", "runtime/src", "runtime/bevy/tests", "runtime/web/tests", "tests/tests"] {
         walk(&workspace().join(folder), &mut files);
     }
-    // This file names functions, and tests that there are not; what npm installs is none of ours.
+    // Excludes this file, which contains function names and made-up tests, and files installed by npm.
     files.retain(|f| {
         let is_ours = !f.ends_with("house/register.rs") && !f.iter().any(|part| part == "node_modules");
         is_ours && f.extension().is_some_and(|e| e == "rs" || e == "mjs")
@@ -37,7 +38,7 @@ fn sources() -> Vec<(PathBuf, String)> {
     files.into_iter().map(read).collect()
 }
 
-/// Needs and names that code asks by.
+/// Returns the requirements and test names that code asks with.
 fn asked(code: &str) -> BTreeSet<Entry> {
     let mut found = BTreeSet::new();
     for (word, need) in ASKED {
@@ -52,7 +53,7 @@ fn asked(code: &str) -> BTreeSet<Entry> {
     found
 }
 
-/// Whether code has the name as a literal, or as a word by itself.
+/// Returns whether code contains the name as a literal or as a whole word.
 fn names(code: &str, name: &str) -> bool {
     let in_a_word = |c: char| c.is_alphanumeric() || c == '_';
     code.match_indices(name)
@@ -87,7 +88,7 @@ fn askers_are_found() {
     assert!(names("rows!(shells, ink);", "ink") && !names("drawn_ink inky", "ink"));
 }
 
-/// The modules beside a crate's root or a `mod.rs` that it does not declare.
+/// Returns the modules beside a crate root or a `mod.rs` that it does not declare.
 fn orphans(root: &str, beside: &[String]) -> Vec<String> {
     let declared = |line: &str| {
         let line = line.trim();
@@ -109,7 +110,7 @@ fn every_file_of_tests_is_part_of_its_binary() {
         let mut files = Vec::new();
         walk(&folder, &mut files);
         files.retain(|f| f.extension().is_some_and(|e| e == "rs"));
-        // Cargo makes a binary of each file in the folder itself, and of each folder with a `main.rs`.
+        // Cargo makes a binary of each file directly in the folder, and of each folder with a `main.rs`.
         let is_root = |f: &Path| f.ends_with("main.rs") || f.ends_with("mod.rs") || f.parent() == Some(&folder);
         for root in files.iter().filter(|f| is_root(f)) {
             let text = std::fs::read_to_string(root).unwrap_or_else(|e| panic!("{}: {e}", root.display()));

@@ -1,19 +1,19 @@
-//! A crate's sources, read for what each file names: its imports and the paths in its code, with re-exports followed to where things are declared.
+//! Reads the names in a crate's sources: imports and paths, with re-exports followed to the declaring module.
 //!
-//! What only tests compile is left out. It is a reader of this project's style and no compiler: a path counts where it begins with `crate`, `super`,
-//! `self` or a module of the file's own.
+//! Items compiled only for tests are skipped. This is not a compiler and reads only this project's style. A path counts
+//! if it begins with `crate`, `super`, `self` or a child module of the file.
 
 use pelage_tests::binary::walk;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// A module, `passes::skin` as its names; the crate's root is empty.
+/// Module path as a list of names, such as `passes::skin`; empty for the crate root.
 pub type Module = Vec<String>;
 
-/// Each file's module with the modules of the files that it names.
+/// Module of each file, with the modules of the files that it uses.
 pub type Arrows = BTreeMap<Module, BTreeSet<Module>>;
 
-/// Module path of a file below `src`: `passes/skin/mod.rs` is `passes::skin`.
+/// Returns the module path of a file below `src`: `passes/skin/mod.rs` is `passes::skin`.
 fn module_of(file: &Path, source: &Path) -> Module {
     let inside = file.strip_prefix(source).expect("inside the sources").with_extension("");
     let mut names: Module = inside.iter().map(|part| part.to_string_lossy().into_owned()).collect();
@@ -27,7 +27,7 @@ fn is_test(module: &[String]) -> bool {
     module.iter().any(|name| name == "tests" || name == "probe" || name.ends_with("_tests"))
 }
 
-/// The modules below a folder `src`, with their code.
+/// Returns the modules below a folder `src`, with their code.
 pub fn modules(source: &Path) -> BTreeMap<Module, String> {
     let mut files = Vec::new();
     walk(source, &mut files);
@@ -39,7 +39,7 @@ pub fn modules(source: &Path) -> BTreeMap<Module, String> {
     files.into_iter().map(read).filter(|(module, _)| !is_test(module)).collect()
 }
 
-/// Where the braces that open first in `code` close again.
+/// Returns the end of the first brace block in `code`.
 fn end_of_braces(code: &str) -> usize {
     let mut depth = 0;
     for (at, c) in code.char_indices() {
@@ -53,7 +53,7 @@ fn end_of_braces(code: &str) -> usize {
     code.len()
 }
 
-/// Code without comments, and without items that only tests compile.
+/// Returns the code without comments and without items compiled only for tests.
 fn code_of(text: &str) -> String {
     const TESTS: &str = "#[cfg(test)]";
     let mut code = text.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n");
@@ -70,7 +70,8 @@ fn code_of(text: &str) -> String {
     code
 }
 
-/// Adds what a path stands for, `a::b`, `a::{b, c::d as e}` or `a::*`, with its last name as it is called here; returns how far it reaches.
+/// Adds the paths that `a::b`, `a::{b, c::d as e}` or `a::*` refers to, with their local names. Returns the length
+/// read.
 fn unfold(text: &str, mut path: Module, own: &[String], found: &mut BTreeSet<(Module, String)>) -> usize {
     let skip = |at: usize| at + text[at..].len() - text[at..].trim_start().len();
     let mut at = 0;
@@ -82,7 +83,7 @@ fn unfold(text: &str, mut path: Module, own: &[String], found: &mut BTreeSet<(Mo
             "crate" => path.clear(),
             "self" if path.is_empty() => path = own.to_vec(),
             "self" => {}
-            // The first of several leads from this file, each other one a step up.
+            // The first `super` starts at this file; each further one goes up a level.
             "super" if path.is_empty() => path = own[..own.len().saturating_sub(1)].to_vec(),
             "super" => drop(path.pop()),
             _ => path.push(name),
@@ -92,7 +93,7 @@ fn unfold(text: &str, mut path: Module, own: &[String], found: &mut BTreeSet<(Mo
             while !text[at..].starts_with('}') && !text[at..].is_empty() {
                 let length = unfold(&text[at..], path.clone(), own, found);
                 at = skip(at + length);
-                // What cannot be read is passed over.
+                // Unreadable text is skipped.
                 at = if text[at..].starts_with(',') || length == 0 { skip(at + 1) } else { at };
             }
             return at + 1;
@@ -111,20 +112,20 @@ fn unfold(text: &str, mut path: Module, own: &[String], found: &mut BTreeSet<(Mo
     }
 }
 
-/// A path that code names.
+/// Path named in code.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Named {
-    /// From the crate's root.
+    /// Path from the crate root.
     pub path: Module,
-    /// Its last name, as it is called in the file.
+    /// Local name in the file.
     pub called: String,
-    /// It is handed on: `pub use`.
+    /// Whether the path is re-exported by `pub use`.
     pub handed_on: bool,
 }
 
-/// Paths that the code of module `own` names. `children`: its modules that are files.
+/// Returns the paths that the code of module `own` names. `children`: its child modules that are files.
 pub fn named(code: &str, own: &[String], children: &BTreeSet<String>) -> BTreeSet<Named> {
-    // Where modules within the file begin and end.
+    // Inline modules of the file.
     let inner = |at: usize| {
         let mut module = own.to_vec();
         for (start, _) in code.match_indices("mod ") {
@@ -142,7 +143,7 @@ pub fn named(code: &str, own: &[String], children: &BTreeSet<String>) -> BTreeSe
         for (start, _) in code.match_indices(&format!("{first}::")) {
             let before = code[..start].trim_end_matches(' ');
             let glued = code[..start].chars().next_back().is_some_and(|c| c.is_alphanumeric() || "_:".contains(c));
-            // In braces of an import a name goes on from what stands before them; who may see an item is no import.
+            // Within the braces of an import, a name continues the path before them; a visibility is not an import.
             let line = code[..start].rfind(';').map_or(0, |at| at + 1);
             let continued = children.contains(first)
                 && code[line..start].rfind("::{").is_some_and(|open| {
@@ -164,7 +165,8 @@ pub fn named(code: &str, own: &[String], children: &BTreeSet<String>) -> BTreeSe
     found
 }
 
-/// Which file names which. What a file hands on of its own modules is no arrow from it, and leads whoever imports it there on to where it is declared.
+/// Returns the dependencies between files. A re-export of a file's own child module is not a dependency of that file.
+/// Imports of such a name count as dependencies on the declaring module.
 pub fn arrows(modules: &BTreeMap<Module, String>) -> Arrows {
     let children = |own: &Module| -> BTreeSet<String> {
         let child = |m: &Module| m.len() == own.len() + 1 && m.starts_with(own);
@@ -180,7 +182,7 @@ pub fn arrows(modules: &BTreeMap<Module, String>) -> Arrows {
     }
     let home = |path: &Module| -> Option<Module> {
         let mut path = path.clone();
-        // Handed on a few times at most.
+        // Limit on the length of re-export chains.
         for _ in 0..8 {
             let module = (0..=path.len()).rev().map(|n| path[..n].to_vec()).find(|m| modules.contains_key(m))?;
             let further = path.get(module.len()).and_then(|name| handed_on.get(&(module.clone(), name.clone())));
@@ -200,7 +202,7 @@ pub fn arrows(modules: &BTreeMap<Module, String>) -> Arrows {
     out
 }
 
-/// Files that lead back to themselves.
+/// Returns the files of a dependency cycle, if there is one.
 pub fn circle(arrows: &Arrows) -> Option<Vec<Module>> {
     fn walk(at: &Module, arrows: &Arrows, done: &mut BTreeSet<Module>, way: &mut Vec<Module>) -> Option<Vec<Module>> {
         if let Some(from) = way.iter().position(|seen| seen == at) {

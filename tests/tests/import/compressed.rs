@@ -1,4 +1,5 @@
-//! Compressed glTF: what meshopt's own encoder packs must come out of our decoder bit for bit, and no damage may do harm.
+//! Compressed glTF: our decoder must restore the data of meshopt's own encoder bit for bit, and damage must not cause
+//! harm.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -9,7 +10,7 @@ use pelage_import::mesh::Model;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// A wavy sheet of `side` x `side` vertices: positions, octahedral-ready normals, triangles.
+/// Returns a wavy sheet of `side` x `side` vertices: positions, normals for octahedral encoding, triangles.
 fn sheet(side: usize) -> (Vec<[f32; 3]>, Vec<[f32; 4]>, Vec<u32>) {
     let (mut positions, mut normals, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
     for y in 0..side {
@@ -30,7 +31,7 @@ fn sheet(side: usize) -> (Vec<[f32; 3]>, Vec<[f32; 4]>, Vec<u32>) {
     (positions, normals, triangles)
 }
 
-/// A document of one mesh whose views are packed. Its own buffer 0 holds packed bytes only; buffer 1 has none.
+/// Document of one mesh with compressed views. Buffer 0 holds compressed bytes only; buffer 1 has no data.
 struct Packed {
     doc: Doc,
     plain: usize,
@@ -43,7 +44,7 @@ impl Packed {
         Self { doc, plain: 0 }
     }
 
-    /// A view of `count` elements of `stride` bytes, packed as `bytes`.
+    /// Adds a view of `count` elements of `stride` bytes, compressed as `bytes`.
     fn view(&mut self, bytes: &[u8], mode: &str, filter: &str, count: usize, stride: usize) -> usize {
         let view = self.doc.view(bytes);
         let offset = self.doc.json["bufferViews"][view]["byteOffset"].clone();
@@ -82,7 +83,7 @@ fn packed_vertices<T>(elements: &[T]) -> Vec<u8> {
     meshopt::encode_vertex_buffer_level(elements, 2, Some(0)).unwrap()
 }
 
-/// The sheet with everything packed: quantized positions, filtered normals, triangles of two bytes.
+/// Returns the sheet with everything compressed: quantized positions, filtered normals, triangles of two-byte indices.
 fn packed_sheet(side: usize) -> (Packed, Vec<[u16; 4]>, Vec<u32>) {
     let (positions, normals, triangles) = sheet(side);
     let n = positions.len();
@@ -115,7 +116,7 @@ fn quantized_and_packed_is_what_went_in() {
     for (found, expected) in model.mesh.positions.iter().zip(&quantized) {
         assert_eq!(*found, Vec3::new(expected[0].into(), expected[1].into(), expected[2].into()) / 65_535.0);
     }
-    // The encoder may turn a triangle, never over.
+    // The encoder may rotate the corners of a triangle but not flip it.
     let corners = |t: [u32; 3]| {
         let mut t = t;
         let least = (0..3).min_by_key(|k| t[*k]).unwrap();
@@ -126,12 +127,12 @@ fn quantized_and_packed_is_what_went_in() {
     let expected: Vec<_> = triangles.as_chunks::<3>().0.iter().map(|t| corners(*t)).collect();
     assert_eq!(found, expected);
     for (found, expected) in model.mesh.normals.iter().zip(sheet(40).1) {
-        // Eight bits of an octahedron: a degree and a half.
+        // Octahedral encoding with eight bits: 1.5 degrees.
         assert!(found.angle_between(Vec3::from_slice(&expected)) < 0.025, "{found} for {expected:?}");
     }
 }
 
-/// One accessor behind one packed view, as floats of the vertex positions of a mesh.
+/// Reads a compressed view through one accessor, as the vertex positions of a mesh.
 fn through_positions(
     bytes: &[u8],
     filter: &str,
@@ -148,7 +149,7 @@ fn through_positions(
 
 #[test]
 fn vertices_of_every_size_and_kind_of_change() {
-    // Counts around the sizes of groups and blocks; changes of zero, of two, four and eight bits.
+    // Counts around the sizes of groups and blocks; deltas of zero, two, four and eight bits.
     for count in [3, 15, 16, 17, 240, 255, 256, 257, 700] {
         for spread in [0_u32, 1, 5, 100, 1 << 20] {
             let mut state = 1_u32;
@@ -181,7 +182,7 @@ fn filters_are_undone_as_their_own_library_does() {
     let short = meshopt::encode_filter_oct::<i16>(&normals, 12);
     let model = through_positions(&packed_vertices(&short), "OCTAHEDRAL", n, 8, I16).unwrap();
     for (found, expected) in model.mesh.positions.iter().zip(&normals) {
-        // Twelve bits of an octahedron.
+        // Octahedral encoding with twelve bits.
         assert!((*found - Vec3::from_slice(expected)).length() < 2e-3, "{found} for {expected:?}");
     }
 
@@ -196,7 +197,7 @@ fn filters_are_undone_as_their_own_library_does() {
     let model = through_positions(&packed_vertices(&quaternions), "QUATERNION", n, 8, I16).unwrap();
     for (found, expected) in model.mesh.positions.iter().zip(&expected) {
         let expected = Vec3::new(expected[0].into(), expected[1].into(), expected[2].into()) / 32_767.0;
-        // Their decoder takes a reciprocal square root of twelve bits where the processor has one.
+        // The reference decoder uses a reciprocal square root of twelve bits if the processor has one.
         assert!((*found - expected).length() < 1e-3, "{found} for {expected}");
     }
 }
@@ -221,7 +222,7 @@ fn index_lists_in_any_order() {
             let model = import_bytes(&packed.glb()).unwrap();
             let mut found: Vec<u32> = model.mesh.triangles.iter().flatten().copied().collect();
             if mode == "TRIANGLES" {
-                // Compared as sets of corners; orientation is another test's matter.
+                // Compared as sets of corners; another test checks orientation.
                 let sort = |v: &mut Vec<u32>| v.as_chunks_mut::<3>().0.iter_mut().for_each(|t| t.sort_unstable());
                 let mut expected = list.clone();
                 sort(&mut expected);
@@ -275,7 +276,7 @@ fn ext(json: &mut Value) -> &mut Value {
 
 #[test]
 fn a_small_file_cannot_unfold_without_measure() {
-    // The first view is unpacked; with the second, which is refused before that, both would take more than a gibibyte.
+    // The first view is decompressed. The second is rejected beforehand, since both would take more than a gibibyte.
     let elements = vec![[0.5_f32; 64]; 64];
     let mut packed = Packed::new();
     let bytes = packed_vertices(&elements);
@@ -303,7 +304,7 @@ fn survives(bytes: &[u8], folder: &Path) -> bool {
     }
 }
 
-/// Flips bits of `glb` from `start` on, one at a time, and counts what can still be read.
+/// Flips bits of `glb` from `start` on, one at a time, and counts the rejected and the readable files.
 fn flip(glb: &[u8], start: usize, step: usize, folder: &Path) -> [usize; 2] {
     let mut counts = [0; 2];
     for at in (start..glb.len()).step_by(step) {
@@ -362,7 +363,7 @@ fn draco_and_plain_agree() {
     )
     .unwrap();
     check(&model);
-    // A box of edge 1 about the origin, its normals along the axes.
+    // Box of edge 1 around the origin, with normals along the axes.
     assert_eq!((model.mesh.positions.len(), model.mesh.triangles.len()), (24, 12));
     for (position, normal) in model.mesh.positions.iter().zip(&model.mesh.normals) {
         assert!((position.abs() - Vec3::splat(0.5)).abs().max_element() < 1e-3, "{position}");

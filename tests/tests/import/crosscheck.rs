@@ -1,4 +1,4 @@
-//! A second opinion: what the `gltf` crate's own reader finds in sound files, number by number.
+//! Cross-check against the `gltf` crate's own reader on valid files, number by number.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -22,7 +22,7 @@ struct Seen {
     weights: Vec<[f32; 4]>,
 }
 
-/// Depth first, as the importer lists parts.
+/// Collects nodes depth first, in the importer's order of parts.
 fn gather(node: &gltf::Node<'_>, parent: Mat4, blob: &[u8], seen: &mut Seen) {
     let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
     for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
@@ -81,7 +81,7 @@ fn both_readers_see_the_same_vertices() {
         assert_eq!(mesh.uvs, seen.uvs, "{name}");
         assert_eq!(mesh.triangles, seen.triangles, "{name}");
         assert_eq!(mesh.skin.len(), seen.joints.len(), "{name}");
-        // The importer sorts by weight and lists joints of weight zero as 0, so what counts is each joint's share.
+        // The importer sorts by weight and lists joints of weight zero as 0, so each joint's share is compared.
         for ((found, joints), weights) in mesh.skin.iter().zip(&seen.joints).zip(&seen.weights) {
             let total: f32 = weights.iter().sum();
             let share = |joints: &[u16; 4], weights: &[f32; 4], joint: u16| -> f32 {
@@ -109,7 +109,7 @@ fn both_readers_see_the_same_keys() {
             let mut channels = clip.channels.iter();
             for channel in expected.channels() {
                 let target = channel.target().node();
-                // Nodes that move no vertex are dropped; several may share the empty name.
+                // Nodes that move no vertex are dropped; several may have an empty name.
                 let node = target.name().unwrap_or_default();
                 if !animation.nodes.iter().any(|n| n.name == node) {
                     continue;
@@ -136,7 +136,7 @@ fn both_readers_see_the_same_keys() {
 
 const MORPHED: [&str; 2] = ["morph/AnimatedMorphCube/AnimatedMorphCube.gltf", "morph/MorphStressTest.gltf"];
 
-/// The buffers that a `.gltf` file names.
+/// Reads the buffers that a `.gltf` file names.
 fn buffers(gltf: &gltf::Gltf, folder: &Path) -> Vec<Vec<u8>> {
     let bytes = |uri: &str| match uri.split_once("base64,") {
         Some((_, text)) => base64::Engine::decode(&base64::engine::general_purpose::STANDARD, text).unwrap(),
@@ -150,7 +150,7 @@ fn buffers(gltf: &gltf::Gltf, folder: &Path) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Weights of a node's morph targets at a moment of a clip, by straight lines between its keys.
+/// Returns the weights of a node's morph targets at a time of a clip, by linear interpolation between keys.
 fn weights_at(node: &gltf::Node<'_>, clip: &gltf::Animation<'_>, time_s: f64, buffers: &[Vec<u8>]) -> Vec<f64> {
     let own = node.weights().or(node.mesh().and_then(|mesh| mesh.weights())).unwrap_or_default();
     let mut weights: Vec<f64> = own.iter().map(|w| f64::from(*w)).collect();
@@ -170,7 +170,7 @@ fn weights_at(node: &gltf::Node<'_>, clip: &gltf::Animation<'_>, time_s: f64, bu
     weights
 }
 
-/// Where a file puts its vertices, evaluated in double precision.
+/// Evaluates the vertex positions of a file in double precision.
 fn morphed(
     node: &gltf::Node<'_>,
     parent: DMat4,
@@ -193,8 +193,8 @@ fn morphed(
     found
 }
 
-/// A package poses what morphs as the file does in double precision: every vertex of one is one of the other. Normals are the coat's own, which is
-/// closed over hard edges.
+/// Checks that a package poses morph targets as the file does in double precision. Every vertex of one must be a vertex
+/// of the other. Normals are not compared, because the fur has its own, closed over hard edges.
 #[test]
 fn a_package_morphs_as_the_file_says() {
     let Some(data) = data("a_package_morphs_as_the_file_says") else { return };

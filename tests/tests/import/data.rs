@@ -1,4 +1,4 @@
-//! Every glTF file of the shared test data: what it must give, or how it must fail.
+//! Every glTF file of the shared test data, with its expected result or error.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -32,8 +32,8 @@ fn extent(model: &Model) -> Vec3 {
     positions.iter().fold(Vec3::NEG_INFINITY, |a, b| a.max(*b)) - low
 }
 
-/// File, triangles, extent once posed, images, joints, clips. Triangles and extents are those of the data's README (four
-/// digits), except where a comment says otherwise; instances count as often as they are shown.
+/// File, triangles, extent once posed, images, joints, clips. Triangles and extents are from the data's README (four
+/// digits), except where a comment says otherwise. Every instance counts.
 type Row = (&'static str, usize, [f32; 3], usize, usize, usize);
 const READABLE: &[Row] = &[
     ("static/Duck.glb", 4212, [1.655, 1.54, 1.153], 1, 0, 0),
@@ -46,13 +46,13 @@ const READABLE: &[Row] = &[
     ("skinned/quaternius_ShibaInu.glb", 1950, [1.071, 3.089, 4.165], 0, 46, 12),
     ("skinned/quaternius_Velociraptor.glb", 1248, [2.636, 6.075, 12.74], 0, 29, 6),
     ("skinned/quaternius_Wolf.glb", 1962, [1.057, 2.701, 5.272], 0, 51, 12),
-    // Two skins of 43 joints and twelve rigid parts; the README's posed extent is that of the skinned parts alone.
+    // Two skins of 43 joints and twelve rigid parts; the README's posed extent covers the skinned parts only.
     ("compressed/RobotExpressive_quantized.glb", 3237, [3.1, 4.461, 2.685], 0, 98, 11),
     ("compressed/BoxMeshopt.glb", 12, [1.0, 1.0, 1.0], 0, 0, 0),
     ("compressed/BoxDraco/BoxDraco.gltf", 12, [1.0, 1.0, 1.0], 0, 0, 0),
-    // Meshes that stand in the scene several times.
+    // Meshes with several instances in the scene.
     ("compressed/2CylinderEngine_draco/2CylinderEngine.gltf", 110_336, [743.4, 273.0, 268.0], 0, 0, 0),
-    // A skin of 43 joints and a rigid weapon; posed, the character has its arms down.
+    // A glTF skin of 43 joints and a rigid weapon; when posed, the character's arms are down.
     ("compressed/quaternius_RedPandaAstronaut_draco.glb", 8032, [3.4, 3.147, 1.244], 1, 44, 18),
     ("morph/AnimatedMorphCube/AnimatedMorphCube.gltf", 12, [2.0, 2.0, 2.0], 0, 1, 1),
     ("morph/MorphStressTest.gltf", 2412, [4.0, 0.6, 1.0], 2, 1, 3),
@@ -60,13 +60,13 @@ const READABLE: &[Row] = &[
     ("gltf-asset-generator/Mesh_PrimitiveMode_06.gltf", 2, [1.0, 1.0, 0.0], 0, 0, 0),
     ("gltf-asset-generator/Mesh_PrimitiveMode_12.gltf", 2, [1.0, 1.0, 0.0], 0, 0, 0),
     ("gltf-asset-generator/Mesh_PrimitiveMode_14.gltf", 2, [1.0, 1.0, 0.0], 0, 0, 0),
-    // One of its meshes stands in the scene twice.
+    // One of its meshes has two instances in the scene.
     ("hard-gltf/ShapeCollection.glb", 3542, [14.5, 2.0, 2.5], 0, 0, 0),
     ("hard-gltf/assimp_BoxBadNormals-glTF-Binary/BoxBadNormals.glb", 12, [1.0, 1.0, 1.0], 0, 0, 0),
     // The README's extent includes the lines.
     ("hard-gltf/assimp_IncorrectVertexArrays/Cube.gltf", 46, [7.0, 2.0, 4.5], 0, 0, 0),
     ("hard-gltf/assimp_issue_3269/texcoord_crash.gltf", 10, [2.4, 2.4, 0.05259], 1, 0, 0),
-    // Slips in a normal texture's scale and in a scene's name, neither of which fur needs.
+    // Errors in the scale of a normal texture and in the name of a scene, neither of which fur needs.
     ("hard-gltf/assimp_wrongTypes/badNumber.gltf", 12, [1.0, 1.0, 1.0], 1, 0, 0),
     ("hard-gltf/assimp_wrongTypes/badString.gltf", 12, [1.0, 1.0, 1.0], 1, 0, 0),
     ("hard-gltf/barycentric.gltf", 2, [2.0, 2.0, 0.0], 0, 0, 0),
@@ -82,7 +82,7 @@ const READABLE: &[Row] = &[
     ("hard-gltf/trimesh_no_indices_3storybuilding.glb", 72, [56.08, 9.0, 63.36], 0, 0, 0),
 ];
 
-/// File, place and a part of the reason.
+/// File, location and a part of the reason.
 const REFUSED: &[(&str, &str, &str)] = &[
     (
         "hard-gltf/assimp_IndexOutOfRange/IndexOutOfRange.gltf",
@@ -209,7 +209,7 @@ fn every_file_is_read_or_refused_with_a_place() {
     assert!(files.len() > 180 && read > 50 && refused.len() > 50);
 }
 
-/// What the Khronos validator finds no error in must be readable, with as many triangles as it counts.
+/// Checks that files accepted by the Khronos validator are readable, with the triangle count that it reports.
 #[test]
 fn files_that_the_validator_accepts_are_read() {
     let Some(data) = data("files_that_the_validator_accepts_are_read") else { return };
@@ -240,7 +240,8 @@ fn clips_have_the_known_names_and_lengths() {
     assert_eq!((man.clips[0].name.as_str(), man.clips[0].duration_s), ("clip_0", 2.0));
 }
 
-/// The animals are stored a hundred times smaller than they are posed, with other axes: triangles must face outward once posed.
+/// Checks that the triangles of the animals face outward once posed. They are stored a hundred times smaller and with
+/// different axes.
 #[test]
 fn closed_animals_enclose_a_positive_volume_once_posed() {
     let Some(data) = data("closed_animals_enclose_a_positive_volume_once_posed") else { return };

@@ -1,11 +1,11 @@
-//! Broken models: each fault is an error that says where it is, what was found and what was expected.
+//! Broken models: each fault gives an error with the location, the value found and the value expected.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
 use pelage_import::BakeError;
 use serde_json::{Value, json};
 
-/// An indexed triangle with normals and texture coordinates.
+/// Returns an indexed triangle with normals and texture coordinates.
 fn plain() -> Doc {
     let mut doc = Doc::new();
     let position = doc.triangle();
@@ -18,7 +18,7 @@ fn plain() -> Doc {
     doc
 }
 
-/// Replaces what `pointer` names in a good document and expects this error.
+/// Replaces the value at `pointer` in a valid document and expects the given error.
 #[track_caller]
 fn expect(pointer: &str, value: Value, place: &str, reason: &str) {
     let mut doc = plain();
@@ -119,7 +119,7 @@ fn ranges_are_checked_against_the_bytes_there_are() {
         "/bufferViews/0/buffer",
         "is 1, expected less than 1, the number of buffers",
     );
-    // Keys of a clip have no count to be compared with first.
+    // The keys of a clip have no earlier count to compare with.
     let mut doc = plain();
     let keys = doc.floats(&[0.], "SCALAR");
     let sampler = json!({"input": keys, "output": 0});
@@ -135,7 +135,7 @@ fn ranges_are_checked_against_the_bytes_there_are() {
     assert_eq!(doc.fault(), (format!("{place}/count"), zeros.to_owned()));
 }
 
-/// Small files that would unfold into more than a package may hold: refused before the memory is taken.
+/// Checks that small files that would expand beyond the limits of a package are rejected before memory is allocated.
 #[test]
 fn shared_accessors_cannot_unfold_without_bounds() {
     let million = json!({"componentType": F32, "type": "VEC3", "count": 1_000_000});
@@ -314,7 +314,7 @@ fn buffers_that_are_missing_or_short_are_named() {
     assert_eq!(reason, "buffer 0 holds 3 bytes, byteLength says 104: it is cut off");
     assert!(text(&doc, json!({"byteLength": 104, "uri": "data:;base64,A!"})).1.contains("base64 is broken"));
     assert!(text(&doc, json!({"byteLength": 104, "uri": "data:AAAA"})).1.contains("without a comma"));
-    // Percent-encoded data: one triangle of zeros except a one.
+    // Percent-encoded data: one triangle, all zeros except a single one.
     doc.bin.clear();
     let encoded: String = plain().bin.iter().map(|b| format!("%{b:02X}")).collect();
     let mut root = doc.json.clone();

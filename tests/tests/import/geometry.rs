@@ -1,4 +1,4 @@
-//! Shapes, transforms and materials: models built in code against numbers worked out by hand.
+//! Shapes, transforms and materials: models built in code, compared with numbers worked out by hand.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -109,7 +109,7 @@ fn sparse_accessors_replace_elements_with_and_without_a_view() {
 #[test]
 fn interleaved_vertices_are_read_by_stride() {
     let mut doc = Doc::new();
-    // Two bytes of offset in the view would be unaligned for floats; exporters do it, bytes do not mind.
+    // An offset of two bytes in the view misaligns floats. Exporters do this, and it must work.
     let mut bytes = vec![0xff; 2];
     for v in [[0.0_f32, 0., 0., 0.25, 0.5], [1., 0., 0., 0.75, 0.5], [0., 1., 0., 0.25, 1.]] {
         bytes.extend(v[..].bytes());
@@ -132,7 +132,7 @@ fn interleaved_vertices_are_read_by_stride() {
 fn quantised_attributes_normalised_or_not() {
     let mut doc = Doc::new();
     doc.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-    // i8 normalised: -128 clamps to -1, 127 is 1. i16 plain: the number itself. u8 normalised: 255 is 1. u16 plain.
+    // Normalised i8: -128 clamps to -1, 127 is 1. Plain i16: the number itself. Normalised u8: 255 is 1. Plain u16.
     let mut add = |bytes: Vec<u8>, component: u32, kind: &str, normalized: bool| {
         let accessor = doc.accessor(&bytes, component, kind, 3);
         doc.json["accessors"][accessor]["normalized"] = json!(normalized);
@@ -156,7 +156,7 @@ fn quantised_attributes_normalised_or_not() {
     assert_eq!(mesh.uvs[3..5], [Vec2::new(0.0, 3.0), Vec2::new(1.0, 0.0)]);
 }
 
-/// A white PNG of one texel.
+/// Encodes a white PNG of one texel.
 fn png() -> Vec<u8> {
     let mut out = std::io::Cursor::new(Vec::new());
     image::RgbaImage::from_pixel(1, 1, image::Rgba([255; 4])).write_to(&mut out, image::ImageFormat::Png).unwrap();
@@ -174,7 +174,8 @@ fn textured(doc: &mut Doc, info: serde_json::Value) -> usize {
 
 #[test]
 fn texture_transform_turns_and_picks_its_set() {
-    // The example of the extension's text: a quarter turn, half size, shifted down: the lower left quarter of the image.
+    // Example of the extension's specification: quarter turn, half size, shifted down; the lower left quarter of the
+    // image.
     let mut doc = Doc::new();
     let position = square(&mut doc);
     let zero = doc.floats(&[9.0; 8], "VEC2");
@@ -189,7 +190,7 @@ fn texture_transform_turns_and_picks_its_set() {
     for (found, expected) in model.mesh.uvs.iter().zip([[0., 1.], [0., 0.5], [0.5, 0.5], [0.5, 1.]]) {
         assert!(found.abs_diff_eq(expected.into(), 1e-6), "{found} {expected:?}");
     }
-    // Embedded image: in the records, without a name.
+    // An embedded image is recorded without a name.
     assert_eq!((model.inputs[1].role.as_str(), model.inputs[1].name.as_str()), ("image", ""));
 }
 
@@ -218,7 +219,7 @@ fn materials_keep_what_fur_needs() {
     let mask = doc.push("materials", mask);
     let old = json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.5, 0.5, 0.5, 1.0]}}});
     let old = doc.push("materials", old);
-    // Not used by any part, so its broken image does not matter.
+    // No part uses it, so its broken image does not matter.
     doc.push("materials", json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 99}}}));
     for material in [json!(mask), json!(texture), json!(null), json!(old), json!(mask)] {
         doc.show(json!({"attributes": {"POSITION": position}, "material": material}));
@@ -241,9 +242,9 @@ fn gloss_is_known_where_a_number_says_it() {
     let position = doc.triangle();
     for pbr in [
         json!({"roughnessFactor": 0.25, "metallicFactor": 0.5}),
-        // What is left out is 1, says the specification.
+        // Omitted factors are 1 by the specification.
         json!({}),
-        // Of an image the factors are but the upper ends; which image it is does not matter.
+        // With an image the factors are only upper bounds; the image itself does not matter.
         json!({"roughnessFactor": 0.25, "metallicRoughnessTexture": {"index": 99}}),
     ] {
         let material = doc.push("materials", json!({"pbrMetallicRoughness": pbr}));
@@ -271,7 +272,7 @@ fn parts_know_the_names_of_their_node_and_mesh() {
     assert_eq!(names, [vec!["Horn.L", "Cone.003"], vec!["Cone.003"], vec![]]);
 }
 
-/// The eight faces of the octahedron with corners at distance 1, no index.
+/// Eight faces of the octahedron with corners at distance 1, without an index.
 const OCTAHEDRON: [[[f32; 3]; 3]; 8] = {
     let (x, y, z) = ([1., 0., 0.], [0., 1., 0.], [0., 0., 1.]);
     let (mx, my, mz) = ([-1., 0., 0.], [0., -1., 0.], [0., 0., -1.]);
@@ -349,7 +350,7 @@ fn node_transforms_multiply_and_mirrored_nodes_keep_their_outside() {
     let child = doc.show(json!({"attributes": {"POSITION": position, "NORMAL": normal}}));
     doc.json["nodes"][child]["translation"] = json!([1, 0, 0]);
     let half = std::f32::consts::FRAC_1_SQRT_2;
-    // A quarter turn about z, twice the size: (1,0,0)+(1,0,0) = (2,0,0) goes to (0,4,0)+(0,0,5).
+    // A quarter turn about z, twice the size: (1,0,0)+(1,0,0) = (2,0,0) becomes (0,4,0)+(0,0,5).
     let parent =
         json!({"children": [child], "rotation": [0, 0, half, half], "scale": [2, 2, 2], "translation": [0, 0, 5]});
     doc.push("nodes", parent);
@@ -358,7 +359,7 @@ fn node_transforms_multiply_and_mirrored_nodes_keep_their_outside() {
         assert_near(*p, q);
     }
     assert_near(face(&model, 0), [0., 0., 4.]);
-    // Mirroring x alone would turn the triangle's back to +z.
+    // Mirroring x alone would turn the back of the triangle towards +z.
     doc.json["nodes"][1]["scale"] = json!([-2, 2, 2]);
     let model = doc.model();
     assert_near(face(&model, 0), [0., 0., 4.]);
@@ -444,7 +445,7 @@ fn morph_targets_rest_at_their_default_weights() {
     assert_eq!(model.mesh.morph_rows, [1, 1, 1], "vertices that move alike share a row");
 }
 
-/// Two nodes show one mesh: each has targets of its own.
+/// Checks that two nodes with one mesh have their own morph targets.
 #[test]
 fn morph_targets_have_names_and_belong_to_nodes() {
     let mut doc = Doc::new();
@@ -476,7 +477,7 @@ fn morph_targets_have_names_and_belong_to_nodes() {
     let row = |v: usize| &model.morph_rows.0[model.mesh.morph_rows[v] as usize];
     assert_eq!((row(0)[0].normal, row(0)[0].target, row(3)[0].target), (Some(Vec3::X), 0, 1));
     assert!(row(1).is_empty());
-    // The normal at rest is (0.75, 0, 1) made unit length; what a weight adds shrinks alike.
+    // The normal at rest is (0.75, 0, 1) normalised; a morph target's delta shrinks by the same factor.
     let length = model.mesh.normals[3].distance(Vec3::new(0.6, 0.0, 0.8));
     assert!(length < 1e-6 && (row(3)[0].normal.unwrap().x - 0.8).abs() < 1e-6, "{:?}", row(3));
 

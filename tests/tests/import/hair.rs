@@ -1,4 +1,5 @@
-//! Hair files of other programs from the test data: what they hold, and how near hair grown between a tenth of their strands comes to the rest.
+//! Hair files of other programs from the test data: their contents, and the error of hair interpolated between every
+//! tenth strand.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use crate::import::support::Bytes as _;
@@ -14,7 +15,8 @@ use pelage_import::import_strands;
 use pelage_needs::data;
 use serde_json::{Value, json};
 
-/// File, strands, points of each, and the most that hair between every tenth strand may be off, RMS in shares of its length.
+/// File, strands, points per strand, and greatest RMS error of hair between every tenth strand, as a share of its
+/// length.
 const FILES: [(&str, usize, usize, f64); 5] = [
     ("straight.hair", 10_000, 16, 0.075),
     ("ponytail_back.tfx", 517, 16, 0.18),
@@ -23,10 +25,11 @@ const FILES: [(&str, usize, usize, f64); 5] = [
     ("Ratboy_mohawk.tfx", 2228, 32, 0.25),
 ];
 
-/// Points that strands are compared at.
+/// Number of points at which strands are compared.
 const POINTS: usize = 24;
 
-/// RMS distance between strands and what grows from their roots when every tenth is a guide, over the mean length of all.
+/// Returns the RMS distance between all strands and hair grown from their roots with every tenth strand as a guide,
+/// divided by the mean length of all.
 fn off_between_guides(guides: &Guides) -> f64 {
     let shapes: Vec<Vec<Vec3>> = (0..guides.len()).map(|i| even(guides.strand(i))).collect();
     let followed = GuideInterpolator::new(shapes.iter().step_by(10).cloned().collect());
@@ -45,7 +48,7 @@ fn off_between_guides(guides: &Guides) -> f64 {
     (sum / f64::from(count)).sqrt() / mean
 }
 
-/// Points equally far apart along a strand.
+/// Resamples a strand at equal distances.
 fn even(strand: &[Vec3]) -> Vec<Vec3> {
     let curve = smoothed(strand, 8 * POINTS);
     let mut along = vec![0.0f32];
@@ -80,7 +83,7 @@ fn hair_between_guides_is_near_the_combed_one() {
     }
 }
 
-/// Strands of a glTF that names no files.
+/// Reads the strands of a glTF that names no files.
 fn lines(bytes: &[u8]) -> Result<Guides, BakeError> {
     let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
     let (guides, inputs) = import_strands("folder/hair.glb", bytes, &mut resolve)?;
@@ -113,7 +116,7 @@ fn exported_lines_come_back() {
     assert_eq!(guides.colors, curves.points.iter().map(|p| p.color).collect::<Vec<_>>());
 }
 
-/// A document with a node for each primitive of these six points on the x axis.
+/// Returns a document with a node for each of `primitives`, which use six given points on the x axis.
 fn drawn(primitives: &[Value]) -> Doc {
     let mut doc = Doc::new();
     let points: Vec<f32> = (0..6).flat_map(|i| [i as f32, 0.0, 0.0]).collect();
@@ -130,7 +133,7 @@ fn drawn(primitives: &[Value]) -> Doc {
     doc
 }
 
-/// x of the points of each strand.
+/// Returns the x coordinates of the points of each strand.
 fn places(guides: &Guides) -> Vec<Vec<f32>> {
     (0..guides.len()).map(|i| guides.strand(i).iter().map(|p| p.x).collect()).collect()
 }
@@ -149,7 +152,7 @@ fn lines_of_all_modes_are_strands() {
     let guides = lines(&doc.glb()).unwrap();
     let expected: [&[f32]; 8] = [
         &[4.0, 5.0],
-        // Two of its three lines go down.
+        // Two of its three lines run downwards.
         &[3.0, 2.0, 1.0, 0.0],
         &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
         &[2.0, 0.0, 4.0],
@@ -160,7 +163,7 @@ fn lines_of_all_modes_are_strands() {
     ];
     assert_eq!((places(&guides), guides.left_out), (expected.map(<[f32]>::to_vec).to_vec(), 1));
     assert!(guides.radii.is_empty() && guides.colors.is_empty());
-    // Nodes place them.
+    // Nodes transform the lines.
     let nodes = doc.json["nodes"].as_array_mut().unwrap();
     nodes[1]["translation"] = json!([0, 7, 0]);
     nodes[1]["scale"] = json!([-2, 1, 1]);
@@ -170,7 +173,7 @@ fn lines_of_all_modes_are_strands() {
     let guides = lines(&doc.gltf()).unwrap();
     assert_eq!(places(&guides), [[102.0, 100.0, 104.0].to_vec(), (0..6).map(|i| 100.0 - 2.0 * i as f32).collect()]);
     assert_eq!(guides.strand(1)[0].y, 7.0);
-    // Lines that list both ends go on where the last one ended.
+    // Separate segments continue a strand if they begin at the last end point.
     let mut doc = Doc::new();
     let ends =
         doc.floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 9.0, 0.0, 0.0, 8.0, 0.0, 0.0], "VEC3");

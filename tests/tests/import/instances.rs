@@ -1,11 +1,11 @@
-//! `EXT_mesh_gpu_instancing`: meshes that a node shows at many places.
+//! `EXT_mesh_gpu_instancing`: several instances of a mesh in one node.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
 use pelage_import::mesh::RestPose;
 use serde_json::{Value, json};
 
-/// A triangle under a node at (0, 0, 10), with instances of these attributes.
+/// Returns a triangle under a node at (0, 0, 10), with instances of the given attributes.
 fn doc(attributes: impl FnOnce(&mut Doc) -> Value) -> Doc {
     let mut doc = Doc::new();
     let position = doc.triangle();
@@ -39,12 +39,12 @@ fn a_mesh_stands_where_its_instances_are_and_not_where_its_node_is() {
     assert_eq!(model.mesh.triangles.len(), 2);
     assert_near(places[0], [1.0, 0.0, 10.0]);
     assert_near(places[1], [2.0, 0.0, 10.0]);
-    // Scaled threefold along x, turned a quarter about z by a rotation of length 2, and moved.
+    // Scaled threefold along x, rotated by a quarter turn about z by a quaternion of length 2, and translated.
     assert_near(places[3], [0.0, 2.0, 10.0]);
     assert_near(places[4], [0.0, 5.0, 10.0]);
     assert_near(places[5], [-1.0, 2.0, 10.0]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
-    // Two parts of the node's name, and one place of that name.
+    // Two parts with the node's name, and one node of that name.
     assert!(model.mesh.parts.iter().all(|part| part.names.contains(&"grove".to_owned())));
     assert_eq!(model.nodes.iter().filter(|place| place.name == "grove").count(), 1);
 }
@@ -52,7 +52,7 @@ fn a_mesh_stands_where_its_instances_are_and_not_where_its_node_is() {
 #[test]
 fn whole_numbers_turn_and_mirrors_keep_their_outside() {
     let model = doc(|doc| {
-        // A quarter about z in normalised bytes; mirrored in x.
+        // A quarter turn about z in normalised bytes; mirrored in x.
         let rotation = doc.accessor(&[0_i8, 0, 90, 90][..].bytes(), I8, "VEC4", 1);
         doc.json["accessors"][rotation]["normalized"] = json!(true);
         json!({"ROTATION": rotation, "SCALE": doc.floats(&[-1., 1., 1.], "VEC3")})
@@ -109,7 +109,7 @@ fn what_is_wrong_with_instances_is_said() {
         let found = doc(attributes).fault();
         assert!(found.0.contains(place) && found.1.contains(reason), "{found:?}, expected {place}: {reason}");
     }
-    // All nodes together count.
+    // The limit applies to the sum over all nodes.
     let mut many = doc(
         |doc| json!({"SCALE": doc.push("accessors", json!({"componentType": F32, "type": "VEC3", "count": 40_000}))}),
     );
@@ -125,7 +125,7 @@ fn none_at_all_shows_nothing_and_a_skinned_mesh_is_shown_once() {
     );
     let found = nothing.fault();
     assert!(found.1.contains("shows no triangle"), "{found:?}");
-    // Without a mesh there is nothing to show at many places.
+    // Without a mesh there are no instances.
     let mut bare = doc(two_places);
     let node = bare.json["nodes"][0].clone();
     bare.push("nodes", json!({"extensions": node["extensions"]}));

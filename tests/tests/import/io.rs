@@ -1,4 +1,4 @@
-//! Files in and out: paths that models name, and output that is whole or absent.
+//! Input and output files: paths named by models, and output that is complete or absent.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -15,7 +15,7 @@ fn names(folder: &Path) -> Vec<String> {
     out
 }
 
-/// A model whose buffer is the file that `uri` names.
+/// Returns a model whose buffer is the file named by `uri`.
 fn external(uri: &str) -> (Vec<u8>, Vec<u8>) {
     let mut doc = Doc::new();
     let position = doc.triangle();
@@ -155,7 +155,7 @@ fn a_model_reads_nothing_outside_its_folder_unless_told() {
         );
         assert!(read(uri, Reach::Anywhere).is_ok(), "{uri}");
     }
-    // What is not there is refused alike, so that a model cannot ask which files a machine has.
+    // A missing file is rejected in the same way, so that a model cannot probe for files.
     let (_, reason) = fault(read("../no-such-file.bin", Reach::OwnFolder));
     assert!(reason.contains("leads out of the model's folder"), "{reason}");
     for uri in ["bin/inside.bin", "./bin/inside.bin", "bin/../bin/inside.bin"] {
@@ -178,14 +178,14 @@ fn only_regular_files_are_read_and_no_more_of_them_than_is_declared() {
         let (place, reason) = fault(read_model(&model, &ImportOptions::default(), Reach::Anywhere));
         assert_eq!(place, "/buffers/0/uri");
         assert!(reason.contains(what), "{reason}");
-        // In an OBJ a missing image is a warning.
+        // In an OBJ a missing image gives a warning.
         let obj = folder.path().join("m.obj");
         std::fs::write(&obj, "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
         std::fs::write(folder.path().join("m.mtl"), format!("newmtl a\nmap_Kd {uri}\n")).unwrap();
         let found = read_model(&obj, &ImportOptions::default(), Reach::Anywhere).unwrap();
         assert!(found.warnings.iter().any(|w| w.contains(what)), "{:?}", found.warnings);
     }
-    // A terabyte of which the model declares 36 bytes.
+    // A file of a terabyte, of which the model declares 36 bytes.
     let bin = external("x").1;
     let large = std::fs::File::create(folder.path().join("large.bin")).unwrap();
     std::io::Write::write_all(&mut &large, &bin).unwrap();
@@ -193,7 +193,7 @@ fn only_regular_files_are_read_and_no_more_of_them_than_is_declared() {
     std::fs::write(&model, external("large.bin").0).unwrap();
     let read = read_model(&model, &ImportOptions::default(), Reach::OwnFolder).unwrap();
     assert_eq!((read.inputs[1].bytes, read.mesh.triangles.len()), (36, 1));
-    // One that declares a terabyte.
+    // A model that declares a terabyte.
     let mut doc = Doc::new();
     let position = doc.triangle();
     doc.show(json!({"attributes": {"POSITION": position}}));

@@ -1,4 +1,4 @@
-//! What the importer makes of files: right ones, wrong ones, hostile ones; other crates as judges.
+//! Tests of the importer: valid, broken and hostile files; cross-checks against other crates.
 
 mod compressed;
 mod crosscheck;

@@ -1,5 +1,5 @@
-//! Damaged models: cut, with flipped bits, with fields replaced. The importer must answer each with a sound model or with an
-//! error that has a place, and never panic. The seed is fixed, so a failure repeats.
+//! Damaged models: truncated, with flipped bits, with replaced fields. The importer must return a valid model or an
+//! error with a location, and never panic. The seed is fixed, so failures are reproducible.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::panic::catch_unwind;
 use std::path::Path;
 
-/// xorshift64* (Marsaglia 2003, Vigna 2016): enough to pick places.
+/// xorshift64* (Marsaglia 2003, Vigna 2016); sufficient for random positions.
 struct Random(u64);
 
 impl Random {
@@ -21,7 +21,8 @@ impl Random {
     }
 }
 
-/// Everything at once, small: two skins' worth of joints, a clip of each kind, a sparse and a quantised accessor, an image.
+/// Returns a small document with all features: joints of two skins, a clip of each kind, a sparse and a quantised
+/// accessor, an image.
 fn rich() -> Doc {
     let mut doc = Doc::new();
     let position = doc.floats(&[0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.], "VEC3");
@@ -74,7 +75,8 @@ fn rich() -> Doc {
     doc
 }
 
-/// Imports damaged bytes. Panics, and only then, when the importer does or when what it gives is unsound.
+/// Imports damaged bytes and returns whether they were accepted. Panics if and only if the importer panics or returns
+/// an invalid model.
 fn survives(what: &str, bytes: &[u8], folder: &Path) -> bool {
     let folder = folder.to_owned();
     let outcome = catch_unwind(|| {
@@ -99,7 +101,7 @@ fn survives(what: &str, bytes: &[u8], folder: &Path) -> bool {
     outcome.unwrap_or_else(|_| panic!("{what}: panicked, or gave an unsound model"))
 }
 
-/// What judges the models must itself be able to fail.
+/// Checks that the model checker itself can fail.
 #[test]
 fn unsound_models_are_seen() {
     let good = rich().model();
@@ -118,7 +120,7 @@ fn unsound_models_are_seen() {
     }
 }
 
-/// Every place of a JSON tree, as pointers.
+/// Collects the JSON pointers of all values of a tree.
 fn places(value: &Value, here: String, out: &mut Vec<String>) {
     match value {
         Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| places(v, format!("{here}/{i}"), out)),
@@ -165,7 +167,7 @@ fn every_field_of_a_rich_model_can_be_anything() {
         }
     }
     println!("{tried} changed fields, {refused} refused");
-    // Both answers must occur often, else the test feeds it nothing but one kind.
+    // Both results must be frequent, else the test covers only one.
     assert!(tried > 5000 && refused > 1000 && tried - refused > 1000, "{tried} tried, {refused} refused");
 }
 
@@ -222,14 +224,15 @@ fn flipped_bits_and_cuts_of_files() {
         "morph/AnimatedMorphCube/AnimatedMorphCube.gltf",
     ] {
         let path = data.join("meshes").join(name);
-        // White space after the last brace can be cut without harm.
+        // White space after the last brace can be removed without harm.
         let bytes = std::fs::read(&path).unwrap();
         let good = if name.ends_with("gltf") { bytes.trim_ascii_end() } else { &bytes };
         flip_and_cut(name, good, path.parent().unwrap(), 300);
     }
 }
 
-/// Each statement and each way to write a corner, a concave polygon, materials with an image.
+/// Returns an OBJ with every statement and every notation of a face corner, a concave polygon, and materials with an
+/// image.
 fn rich_obj() -> String {
     "# rich\nmtllib a.mtl\no box\nv 0 0 0\nv 1 0 0 1 0.5 0\nv 1 1 0\nv 0 1 0 1\nv 0.5 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
      vn 0 0 1\nvn 0 0.6 0.8\ng side lid\nusemtl a\ns 1\nf 1/1/1 2/2/2 3/3/1\nusemtl b\nf -5//-1 -3//1 -2//1\n\
@@ -251,7 +254,7 @@ fn damaged_obj() {
         let fine = survives(what, bytes, folder.path());
         *if fine { &mut read } else { &mut refused } += 1;
     };
-    // A text that is cut off is often still a text: every prefix must be read or refused, and neither may panic.
+    // A truncated text is often still valid: every prefix must be read or rejected without a panic.
     for length in 0..good.len() {
         count(&format!("cut to {length}"), &good.as_bytes()[..length]);
         for bit in 0..8 {
@@ -309,7 +312,7 @@ fn damaged_obj() {
     assert!(read > 1000 && refused > 1000, "{read} read, {refused} refused");
 }
 
-/// The shape does not depend on a material file: no damage to one may cost the model.
+/// Checks that a damaged material file does not cause the model to be rejected; the shape does not depend on it.
 #[test]
 fn damaged_material_files() {
     let folder = tempfile::tempdir().unwrap();

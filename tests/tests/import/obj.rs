@@ -1,4 +1,4 @@
-//! Wavefront OBJ: what the importer makes of it, and how it complains.
+//! Wavefront OBJ: results and errors of the importer.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -10,7 +10,7 @@ use pelage_import::mesh::Model;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Imports a text, with files beside it, under a name that says nothing.
+/// Imports a text, with files beside it, under a name without meaning.
 fn with_files(text: &str, files: &[(&str, &[u8])], options: &ImportOptions) -> Result<Model, BakeError> {
     let files: BTreeMap<_, _> = files.iter().copied().collect();
     let mut resolve = |uri: &str, _: u64| {
@@ -39,7 +39,7 @@ fn a_square_with_everything() {
     ));
     assert_eq!(m.mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(m.mesh.positions[2], Vec3::new(1.0, 1.0, 0.0));
-    // Images lie from the top down, and so do texture coordinates from here on.
+    // Image rows run from the top down, and so do texture coordinates from here on.
     assert_eq!(m.mesh.uvs[2], Vec2::new(1.0, 0.25));
     assert!(m.mesh.parts[0].has_uvs && m.animation.is_none());
     assert_eq!(m.mesh.parts[0].source, r#"object "box", group "side", material "skin""#);
@@ -54,7 +54,7 @@ fn indices_count_from_either_end() {
     let forward = model(&format!("{SQUARE}f 1 2 3\nv 5 5 5\nf 1 3 4\n"));
     let backward = model(&format!("{SQUARE}f -4 -3 -2\nv 5 5 5\nf -5 -3 -2\n"));
     assert_eq!(forward.mesh, backward.mesh);
-    // A face may stand before its vertices.
+    // A face may precede its vertices.
     assert_eq!(model(&format!("f 1 2 3\n{SQUARE}")).mesh.triangles, [[0, 1, 2]]);
 }
 
@@ -76,7 +76,7 @@ fn parts_gather_what_belongs_together() {
 
 #[test]
 fn normals_are_computed_smooth_and_do_not_hang_on_the_triangulation() {
-    // A cube of quads: at each corner three faces meet, in four, five or six triangles.
+    // A cube of quads: three faces meet at each corner, with four, five or six triangles.
     let cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
         f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n";
     let m = model(cube);
@@ -85,19 +85,19 @@ fn normals_are_computed_smooth_and_do_not_hang_on_the_triangulation() {
         let outward = (*position - Vec3::splat(0.5)).normalize();
         assert!(normal.abs_diff_eq(outward, 1e-6), "{position}: {normal}");
     }
-    // Joined by position across parts and doubled vertices.
+    // Joined by position across parts and duplicated vertices.
     let split = cube.replace("f 5 6 7 8", "v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nusemtl lid\nf -4 -3 -2 -1");
     let n = model(&split);
     assert_eq!(n.mesh.parts.len(), 2);
     for (position, normal) in n.mesh.positions.iter().zip(&n.mesh.normals) {
         assert!(normal.abs_diff_eq((*position - Vec3::splat(0.5)).normalize(), 1e-6), "{position}: {normal}");
     }
-    // What the file says is kept where it says something, and completed where it does not.
+    // Existing normals are kept, missing ones are completed.
     let m = model(&format!("{SQUARE}vn 0 0.6 0.8\nf 1//1 2//1 3//1\nf 1 3 4\n"));
     assert_near(m.mesh.normals[0], [0.0, 0.6, 0.8]);
     assert_near(m.mesh.normals[5], [0.0, 0.0, 1.0]);
     assert_warns(&m, "3 normals are missing");
-    // Against the winding: the triangles turn, not the normals.
+    // If normals oppose the winding, the triangles are flipped, not the normals.
     let m = model(&format!("{SQUARE}vn 0 0 -1\nf 1//1 2//1 3//1\n"));
     assert!(face(&m, 0).z < 0.0);
     assert_warns(&m, "face against their normals");
@@ -105,7 +105,7 @@ fn normals_are_computed_smooth_and_do_not_hang_on_the_triangulation() {
 
 #[test]
 fn concave_polygons_keep_their_shape() {
-    // An arrow head whose notch is its second corner.
+    // Arrow head whose notch is its second corner.
     let m = model("v 2 2 0\nv 0 1 0\nv -2 2 0\nv 0 0 0\nf 1 2 3 4\n");
     let areas: Vec<f32> = (0..2).map(|i| face(&m, i).z).collect();
     assert!(areas.iter().all(|z| *z > 0.0) && (areas.iter().sum::<f32>() - 4.0).abs() < 1e-6, "{areas:?}");
@@ -205,7 +205,7 @@ fn the_name_counts_only_where_the_contents_do_not_tell() {
     for bytes in [doc.glb(), doc.gltf()] {
         check(&named("a.obj", &bytes).unwrap());
     }
-    // A slip at the very beginning: only the name says whose fault it is.
+    // An error at the very beginning: only the file name shows which file is at fault.
     assert_eq!(fault(named("a.OBJ", b"vv 1 2 3\nv 0 0 0\nf 1 1 5")).0, "line 3");
     assert!(fault(named("a.txt", b"vv 1 2 3\nv 0 0 0\nf 1 1 5")).1.contains("neither GLB nor JSON nor OBJ"));
     assert!(fault(named("a.obj", b"ply\nformat ascii 1.0\n")).1.contains("a PLY file"));
@@ -286,7 +286,7 @@ fn whatever_is_wrong_with_materials_is_a_warning() {
     }
 }
 
-/// Every part of the corpus that can be read: triangles once polygons are cut (the data's README), parts, materials.
+/// Readable files of the corpus: triangles after triangulation (the data's README), parts, materials.
 const READABLE: &[(&str, usize, usize, usize)] = &[
     ("static/armadillo.obj", 29_170, 1, 1),
     ("static/bunny.obj", 6598, 1, 1),
@@ -306,7 +306,7 @@ const READABLE: &[(&str, usize, usize, usize)] = &[
     ("hard-obj/assimp_box_without_lineending.obj", 12, 1, 1),
     ("hard-obj/assimp_cube_with_vertexcolors.obj", 12, 1, 1),
     ("hard-obj/assimp_empty_mat.obj", 256, 1, 1),
-    // Four that it names; its four groups of teeth and its eye, which share two of those, have their own.
+    // Four named materials; its four groups of teeth and its eye, which share two of them, have their own parts.
     ("hard-obj/assimp_spider.obj", 1368, 19, 9),
     ("hard-obj/assimp_testmixed.obj", 12, 1, 1),
     ("hard-obj/draco_cube_quads.obj", 12, 1, 1),
@@ -316,7 +316,7 @@ const READABLE: &[(&str, usize, usize, usize)] = &[
     ("hard-obj/draco_multiple_isolated_triangles.obj", 5, 1, 1),
     ("hard-obj/draco_sphere.obj", 224, 1, 1),
     ("hard-obj/draco_test_nm.obj", 170, 1, 1),
-    // Normals that are named and not there.
+    // Normals that are named but missing.
     ("hard-obj/draco_test_wrong_attribute_mapping.obj", 1, 1, 1),
     ("hard-obj/trimesh_capsule/capsule.obj", 10_200, 1, 1),
     ("hard-obj/trimesh_face_in_group_name_mid_file.obj", 2, 2, 1),
@@ -326,18 +326,18 @@ const READABLE: &[(&str, usize, usize, usize)] = &[
     ("hard-obj/trimesh_joined_tetrahedra.obj", 8, 2, 1),
     ("hard-obj/trimesh_negative_indices.obj", 12, 1, 1),
     ("hard-obj/trimesh_not_convex.obj", 96, 1, 1),
-    // One of its two faces has two corners.
+    // One of its two faces has only two corners.
     ("hard-obj/trimesh_notenoughindices.obj", 1, 1, 1),
     ("hard-obj/trimesh_polygonfaces.obj", 3, 1, 1),
     ("hard-obj/trimesh_quadknot.obj", 2880, 1, 1),
     ("hard-obj/trimesh_target.obj", 3318, 1, 1),
 ];
 
-/// File, place and a part of the reason.
+/// File, location and a part of the reason.
 const REFUSED: &[(&str, &str, &str)] = &[
-    // An index of zero; two of the faces before it are out of range too.
+    // An index of zero; two of the faces before it are also out of range.
     ("hard-obj/assimp_malformed.obj", "line 28", "`0`, expected a vertex index from 1"),
-    // `3.1+e2` is a number to no one but the test's author.
+    // `3.1+e2` is not a valid number.
     ("hard-obj/assimp_number_formats.obj", "line 11", "`3.1+e2`, expected a number"),
     ("hard-obj/assimp_point_cloud.obj", "whole file", "no face, expected at least one; it has 3 vertices"),
     ("hard-obj/draco_inf_nan.obj", "line 1", "`inf`, expected a finite number"),
@@ -372,7 +372,7 @@ fn every_obj_of_the_test_data() {
     assert_eq!(seen, all, "files without an expectation");
 }
 
-/// A second opinion on sound files: positions, texture coordinates and triangles as `tobj` finds them.
+/// Cross-checks valid files against `tobj`: positions, texture coordinates and triangles.
 #[test]
 fn tobj_agrees_on_sound_files() {
     let Some(data) = data("tobj_agrees_on_sound_files") else { return };
@@ -389,7 +389,7 @@ fn tobj_agrees_on_sound_files() {
         let path = data.join("meshes").join(name);
         let ours = read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap();
         let theirs = by_tobj(&path);
-        // Parts may come in another order, and corners of a triangle in another rotation; neither matters.
+        // Parts may be in a different order, and the corners of a triangle rotated; neither matters.
         let mut found: Vec<_> = ours
             .mesh
             .triangles

@@ -1,4 +1,4 @@
-//! Levels of detail: what they draw, that they look like all layers, and that nothing jumps between them.
+//! Levels of detail: passes drawn, similarity to all layers, and no jumps between levels.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_formats::meaning::srgb_to_linear;
@@ -22,7 +22,7 @@ fn baked(name: &str) -> Vec<u8> {
     bake_plain(&model, Some(&format!("assets/recipes/{name}.toml")), &[])
 }
 
-/// A package on the device, seen from its front left.
+/// Package on the device, seen from its front left.
 struct Stage<'a> {
     gpu: &'a Gpu,
     renderer: Renderer,
@@ -36,7 +36,7 @@ impl<'a> Stage<'a> {
         Self { gpu, renderer, instance: Instance::new(0, &model) }
     }
 
-    /// `distance`: over that from which the model fills the picture.
+    /// Returns frame parameters; `distance` is a multiple of the distance from which the model fills the picture.
     fn params(&self, distance: f32, detail: Detail) -> FrameParams {
         let bounds = &self.instance.model.manifest().bounds;
         let center = Vec3::from(bounds.center);
@@ -44,7 +44,7 @@ impl<'a> Stage<'a> {
         let eye = center + Vec3::new(0.62, 0.28, 0.73).normalize() * away;
         let projection =
             Projection::Perspective { fov_y_rad: FOV_RAD, aspect: 1.0, near_m: 0.01 * away, far_m: 10.0 * away };
-        // Near by, strands would take the place of the layers.
+        // At close range, strands would replace the layers.
         let layers = |fur: &mut FurParams| (fur.detail, fur.hair) = (detail, HairGeometry::Shells);
         FrameParams::new(Camera::look_at(eye, center, projection), SIZE.into()).with_fur(layers)
     }
@@ -64,7 +64,7 @@ impl<'a> Stage<'a> {
 
 const AUTO: Detail = Detail::Auto { bias: 1.0 };
 
-/// Sum of opacities, and mean luminance of what they show, linear.
+/// Returns the sum of opacities, and the mean linear luminance of the covered texels.
 fn figures(picture: &Picture) -> (f64, f64) {
     let (mut coverage, mut light) = (0.0, 0.0);
     for [r, g, b, a] in &picture.rgba {
@@ -75,13 +75,13 @@ fn figures(picture: &Picture) -> (f64, f64) {
     (coverage, light / coverage)
 }
 
-/// Mean absolute difference of opacity over what is covered.
+/// Returns the mean absolute difference of opacity over the covered area.
 fn outline(a: &Picture, b: &Picture) -> f64 {
     let apart = a.rgba.iter().zip(&b.rgba).map(|(p, q)| f64::from(p[3].abs_diff(q[3])) / 255.0).sum::<f64>();
     apart / figures(a).0
 }
 
-/// Relative differences of coverage and luminance from all layers, and that of the outline.
+/// Returns the relative differences of coverage and luminance from all layers, and the difference of the outline.
 fn apart(full: &Picture, other: &Picture) -> [f64; 3] {
     let ((c0, l0), (c1, l1)) = (figures(full), figures(other));
     [c1 / c0 - 1.0, l1 / l0 - 1.0, outline(full, other)]
@@ -95,7 +95,7 @@ fn levels_look_like_all_layers() {
         let mut stage = Stage::new(gpu, &bytes);
         let levels = stage.instance.model.manifest().detail.clone();
         assert_eq!(levels.iter().map(|l| l.step).collect::<Vec<_>>(), [1, 2, 4, 0], "{name}");
-        // Without the exponents: what the layers that are left say of themselves.
+        // Without the exponents: the remaining layers keep their own opacity.
         let naive = with_manifest(&bytes, |m| m.detail[1].density = 1.0 / m.detail[1].step as f32);
         let mut naive = Stage::new(gpu, &naive);
         for distance in [1.0, 2.0, 4.0] {
@@ -116,14 +116,14 @@ fn levels_look_like_all_layers() {
                 "{name} at {distance}: {fading:?}"
             );
             assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.3 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
-            // The negative control.
+            // Negative control.
             let lost = at(&mut naive, 1.0);
             assert!(lost[1] < -0.03 || lost[0] < -0.01, "{name} at {distance}: {lost:?} without exponents");
         }
     }
 }
 
-/// The largest FLIP between neighbouring frames while the camera goes away in small steps.
+/// Returns the largest FLIP between neighbouring frames while the camera moves away in small steps.
 fn popping(stage: &mut Stage<'_>, detail: Detail, steps: impl Iterator<Item = f32>) -> f64 {
     let opaque = |picture: Picture| {
         let texels = picture.rgba.iter().flat_map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
@@ -140,7 +140,7 @@ fn nothing_jumps_while_the_camera_goes_away() {
     let bytes = baked("hare");
     let mut stage = Stage::new(gpu, &bytes);
     let levels = stage.instance.model.manifest().detail.clone();
-    // The same levels, each switched at once in the middle of where it fades.
+    // The same levels, but each switched abruptly in the middle of its fade.
     let hard = with_manifest(&bytes, |m| {
         for level in &mut m.detail {
             level.full_px = (level.full_px * level.gone_px).sqrt();
@@ -153,7 +153,7 @@ fn nothing_jumps_while_the_camera_goes_away() {
         stage.report(&params).instances[0].fur_px.unwrap()
     };
     for level in &levels[..levels.len() - 1] {
-        // The distance where the fur is so high, by halving.
+        // Distance at which the fur has this height in pixels, by bisection.
         let mut find = |px: f32| {
             let (mut near, mut far) = (0.01f32, 100.0f32);
             for _ in 0..40 {
@@ -162,7 +162,8 @@ fn nothing_jumps_while_the_camera_goes_away() {
             }
             near
         };
-        // About the beginning, the middle and the end of the fade, in steps so small that moving itself changes little.
+        // Around the beginning, the middle and the end of the fade, in steps so small that the motion itself changes
+        // little.
         let middle_px = (level.full_px * level.gone_px).sqrt();
         let middles = [level.full_px, middle_px, level.gone_px].map(&mut find);
         let largest = |stage: &mut Stage<'_>, detail| {
@@ -199,7 +200,7 @@ fn a_small_hare_has_fewer_layers_and_fewer_passes_than_a_large_one() {
     let layers = |report: &FrameReport| report.instances[0].layers;
     assert_eq!((layers(&large), layers(&middle), layers(&small)), (15, 4, 0));
     assert_eq!(ran(&large), "layer_shadow shadow_width skin shells");
-    // The map of all hair is of as few layers there, and is as it was.
+    // The map of all hair has equally few layers there, and is reused.
     assert_eq!(ran(&middle), "skin shells");
     let triangles = |report: &FrameReport| report.instances[0].triangles;
     assert!(triangles(&large) == triangles(&middle) && triangles(&middle) > 2 * triangles(&small));
@@ -245,7 +246,7 @@ fn all_layers_are_drawn_as_without_levels() {
     // Without levels there is nothing to choose.
     assert!(without.draw(1.0, Detail::Level(2.0)) == full);
     assert!(with.draw(1.0, Detail::Level(1.0)) != full);
-    // Bare skin has none.
+    // Bare surfaces have no levels.
     let [bare, same] = [&mut with, &mut without].map(|stage| {
         let params = stage.params(1.0, Detail::Level(2.0)).with(|p| p.style = Style::Bare);
         draw(gpu, &mut stage.renderer, &params, &[&stage.instance])

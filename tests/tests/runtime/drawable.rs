@@ -1,5 +1,5 @@
-//! What `pelage validate` says of drawing is what the runtime does: a package without a fault that stops drawing loads, and one with such a fault
-//! does not.
+//! Checks that `pelage validate` agrees with the runtime: a package loads if and only if it has no fault that stops
+//! drawing.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::formats::{
@@ -30,7 +30,7 @@ fn sphere() -> Vec<u8> {
     })
 }
 
-/// The sphere with the last byte of the `nth` section of a tag changed, under a checksum that is right or wrong.
+/// Returns the sphere with the last byte of the `nth` section of a tag changed, under a valid or invalid checksum.
 fn damaged(tag: Tag, nth: usize, sealed: bool) -> Vec<u8> {
     let good = sphere();
     let (version, mut list) = sections(&good);
@@ -45,7 +45,7 @@ fn damaged(tag: Tag, nth: usize, sealed: bool) -> Vec<u8> {
     bad
 }
 
-/// The sphere with wet hair whose directions have that format.
+/// Returns the sphere with wet hair whose directions have the given format.
 fn wet(format: TextureFormat) -> Vec<u8> {
     let good = sphere();
     let package = Package::open(&good, &Limits::default()).unwrap();
@@ -62,7 +62,7 @@ fn wet(format: TextureFormat) -> Vec<u8> {
     writer.texture(texture).finish().unwrap()
 }
 
-/// A texture more than anything uses, of zeros in place of a KTX2 file.
+/// Returns the sphere with an unused extra texture of zeros instead of a KTX2 file.
 fn unused_texture() -> Vec<u8> {
     let good = sphere();
     let package = Package::open(&good, &Limits::default()).unwrap();
@@ -83,7 +83,7 @@ fn what_validate_lets_pass_the_runtime_loads() {
     let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let nothing = PackageWriter::new(Manifest::default());
     let without_triangles = PackageWriter::new(Manifest::default()).mesh(&MeshData::default());
-    // Name, package, exit code of `validate`, whether it is drawn.
+    // Name, package, exit code of `validate`, and whether the package is drawn.
     let table: Vec<(&str, Vec<u8>, i32, bool)> = vec![
         ("version 1", golden("v1.pelage"), 7, true),
         ("version 2", golden("v2.pelage"), 7, true),

@@ -1,4 +1,4 @@
-//! False colours in the place of light: what a frame is drawn with, and how many fragments lie over each other.
+//! False colours instead of lighting: the geometry that a frame is drawn with, and the number of overlapping fragments.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::glam::Vec3;
@@ -10,14 +10,14 @@ use pelage_tests::packages::straight_strands;
 use pelage_tests::pictures::{Picture, draw};
 use pelage_tests::plane::{PlaneGroom, groomed_plane};
 
-/// A plane of layers and of strands, seen from above.
+/// Returns the parameters of a view from above, for a plane with layers and strands.
 fn above(show: FurDebugView) -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.25, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
     FrameParams::new(camera, [128; 2]).with(|p| p.soft_shadow = false).with(|p| p.debug.fur = show)
 }
 
-/// Share of the pixels whose channel `of` is 1.25 times as bright as the two others.
+/// Returns the share of the pixels whose channel `of` is 1.25 times as bright as the two others.
 fn share(picture: &Picture, of: usize) -> f64 {
     let leads = |p: &&[u8; 4]| (0..3).filter(|i| *i != of).all(|i| 4 * u32::from(p[of]) > 5 * u32::from(p[i]));
     picture.rgba.iter().filter(leads).count() as f64 / picture.rgba.len() as f64

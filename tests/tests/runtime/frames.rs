@@ -1,5 +1,5 @@
-//! Frames beside and after each other: what they make anew, what they keep of owners, what a dropped encoder loses, and what is not drawn
-//! because nobody sees it.
+//! Concurrent and consecutive frames: resources that they create, state kept per owner, loss when an encoder is
+//! dropped, and culling.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -23,25 +23,25 @@ fn sphere() -> SphereParams {
     SphereParams { quads: QUADS, texels: 16, strands: 60, ..SphereParams::default() }
 }
 
-/// A furry sphere that bends, with a bare band and with fins on the rows of its first side.
+/// Returns a furry sphere that bends, with a bare band and with fins on the rows of its first side.
 fn creature() -> Vec<u8> {
     let row = |j: u32| (0..QUADS).map(move |i| (j * (QUADS + 1) + i, j * (QUADS + 1) + i + 1));
     let edges: Vec<_> = (0..=QUADS).flat_map(row).collect();
     with_fins(&package(&SphereParams { skeleton: true, bare_band: true, ..sphere() }), &edges)
 }
 
-/// One with strands.
+/// Returns a package with strands.
 fn hairy() -> Vec<u8> {
     let roots: Vec<_> = (0..16).map(|i| [(i % 4) as f32 / 4.0, (i / 4) as f32 / 4.0]).collect();
     with_strands(&creature(), &straight_strands(&roots, 0.0, &[[0.1, 0.2, 1.0]; 16], 0.01))
 }
 
-/// One with the ink style and strokes of fur, which bends too.
+/// Returns a package with the ink style and strokes of fur, which bends too.
 fn inked() -> Vec<u8> {
     package(&SphereParams { skeleton: true, ink: true, ..sphere() })
 }
 
-/// One with levels of detail and a far coat: its outermost layer.
+/// Returns a package with levels of detail and a far coat: its outermost layer.
 fn detailed() -> Vec<u8> {
     with_manifest(&creature(), |manifest| {
         manifest.fur.layers -= 1;
@@ -60,7 +60,7 @@ fn from(towards: Vec3) -> FrameParams {
     FrameParams::new(Camera::framing(Vec3::ZERO, 0.17, towards, 0.6, 1.0), SIZE.into())
 }
 
-/// The same with strokes of fur, over what the application drew.
+/// Changes the style to ink with strokes of fur, over the application's picture.
 fn in_ink(params: FrameParams) -> FrameParams {
     params.with_ink(InkParams::default().with(|ink| {
         ink.background = InkBackground::Picture;
@@ -68,7 +68,7 @@ fn in_ink(params: FrameParams) -> FrameParams {
     }))
 }
 
-/// The same as single strands.
+/// Changes the fur to single strands.
 fn in_strands(params: FrameParams) -> FrameParams {
     params.with_fur(|fur| fur.hair = HairGeometry::Strands)
 }
@@ -81,7 +81,7 @@ fn aside(x: f32) -> Mat4 {
     Mat4::from_translation(Vec3::X * x)
 }
 
-/// An application: a renderer, and targets of its own.
+/// Application with a renderer and its own targets.
 struct Stage<'a> {
     gpu: &'a Gpu,
     renderer: Renderer,
@@ -109,7 +109,7 @@ impl<'a> Stage<'a> {
         (encoder, frame)
     }
 
-    /// Draws what is prepared, submits it, and waits for it as an application's present does.
+    /// Draws a prepared frame, submits it, and waits for it as an application's present does.
     fn finish(&self, mut encoder: wgpu::CommandEncoder, frame: &Frame) {
         frame.draw(&mut self.targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
         self.gpu.queue.submit([encoder.finish()]);
@@ -126,7 +126,7 @@ impl<'a> Stage<'a> {
         frame.report().clone()
     }
 
-    /// What was drawn last.
+    /// Returns the last picture drawn.
     fn picture(&self) -> Picture {
         read(self.gpu, &self.targets)
     }
@@ -137,7 +137,7 @@ fn read(gpu: &Gpu, targets: &Canvas) -> Picture {
     Picture { size: SIZE, rgba }
 }
 
-/// What a renderer that has done nothing before draws of a package.
+/// Draws a package with a fresh renderer.
 fn alone(gpu: &Gpu, package: &[u8], params: &FrameParams, place: impl Fn(Instance) -> Instance) -> Picture {
     let mut stage = Stage::new(gpu);
     let model = stage.load(package);
@@ -153,7 +153,8 @@ fn reason(report: &FrameReport, id: PassId) -> &str {
     &report.passes.iter().find(|pass| pass.name == id.name()).unwrap().reason
 }
 
-/// A device of the test's own: nobody else's poll may take the word that a submission is done and keep it for a moment.
+/// Opens a separate device for the test, so that no other test's poll can consume and delay the completion of a
+/// submission.
 fn own(features: wgpu::Features) -> Gpu {
     Gpu::with(features, Some(wgpu::Limits::default())).unwrap()
 }
@@ -181,7 +182,7 @@ fn a_frame_in_which_nothing_is_new_makes_nothing() {
         assert!(buffers > 0 && textures > 0 && bind_groups > 0 && pipelines > 0, "{name}: {:?}", reports[0].created);
         for (number, report) in reports.iter().enumerate().skip(2) {
             assert_eq!(report.created, CreatedObjects::default(), "{name}, frame {number}");
-            // A frame that is still under way keeps its slot, so that a few begin with others.
+            // A frame in flight keeps its slot, so the first few frames use new ones.
             assert!(
                 number < 5 || report.uploaded_bytes == 0,
                 "{name}, frame {number}: {} bytes",
@@ -190,7 +191,8 @@ fn a_frame_in_which_nothing_is_new_makes_nothing() {
         }
         assert!(!ran(&reports[5], PassId::POSE) && !ran(&reports[5], PassId::SHADOW_WIDTH), "{name}");
 
-        // The camera goes round, the animation plays, the light turns: from the sixth frame on there is room for all of it.
+        // The camera orbits, the animation plays and the light turns: from the sixth frame on all buffers are large
+        // enough.
         for number in 0..24 {
             let time_s = number as f32 / 24.0;
             let angle = std::f32::consts::TAU * time_s;
@@ -209,7 +211,7 @@ fn a_frame_in_which_nothing_is_new_makes_nothing() {
 #[test]
 fn frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone() {
     let Some(gpu) = gpu("frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone") else { return };
-    // Two cameras, and for what has light two lights, whose maps differ.
+    // Two cameras and, if there is lighting, two lights whose maps differ.
     let left = lit_from(from(Vec3::new(-0.3, 0.35, 1.0)), Vec3::new(-1.0, 1.0, 0.3));
     let right = lit_from(from(Vec3::new(1.0, 0.2, 0.1)), Vec3::new(0.2, 0.4, 1.0));
     for (name, package, views) in [
@@ -233,7 +235,7 @@ fn frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone() {
             assert!(read(gpu, targets) == *expected, "{name}: the other frame of the encoder shows through");
         }
 
-        // Kept while others are prepared and drawn, of the same size and of another.
+        // Kept while other frames are prepared and drawn, with the same size and with another one.
         let kept = frames;
         for turn in 1..4 {
             let towards = Vec3::new(turn as f32, 1.0, -1.0);
@@ -259,8 +261,8 @@ fn a_dropped_encoder_loses_nothing() {
     let after = lit_from(before.clone(), Vec3::new(1.0, 0.5, 0.2));
     let expected = alone(gpu, &bytes, &after, |one| one.moving(bend(0.5)));
     let passes = [PassId::POSE, PassId::LAYER_SHADOW, PassId::SHADOW_WIDTH];
-    // As the first of all frames and as a later one; dropped as an encoder and as commands that were never submitted; with the frame before it or
-    // after.
+    // All combinations: first or later frame; dropped as an encoder or as commands that were never submitted; dropped
+    // before or after the frame.
     for first in [true, false] {
         for finished in [true, false] {
             for frame_first in [true, false] {
@@ -300,7 +302,7 @@ fn who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it() {
     let gpu = own(wgpu::Features::PIPELINE_STATISTICS_QUERY);
     let mut stage = Stage::new(&gpu);
     let model = stage.load(&creature());
-    // On the way from the light to the one that is seen.
+    // Between the light and the visible instance.
     let towards_light = Vec3::new(-1.0, 0.05, 0.5).normalize();
     let between = Mat4::from_translation(0.6 * towards_light);
     let (seen, outside) = (Instance::new(0, &model), Instance::new(1, &model).at(between));
@@ -326,7 +328,7 @@ fn who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it() {
         assert!(!ran(&report, id) && reason(&report, id) == "nothing is in the picture", "{id:?}: {report:?}");
     }
     assert!(ran(&report, PassId::LAYER_SHADOW) && ran(&report, PassId::SHADOW_WIDTH), "{report:?}");
-    // Without shadows nothing is left of it.
+    // Without shadows it has no effect.
     let dark = params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off);
     stage.present(&dark, [&seen]);
     let one = stage.picture();
@@ -334,7 +336,7 @@ fn who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it() {
     assert!(stage.picture() == one);
 }
 
-/// Nothing is left out too early: where an instance that goes out of the picture is left out from, nothing of it was to be seen any more.
+/// Checks that culling is not too early: an instance that leaves the picture must be invisible before it is culled.
 #[test]
 fn what_is_left_out_could_not_be_seen() {
     let Some(gpu) = gpu("what_is_left_out_could_not_be_seen") else { return };
@@ -345,7 +347,7 @@ fn what_is_left_out_could_not_be_seen() {
     for (reversed_depth, projection, from, motion) in [
         (false, perspective, aslant, bend(0.45)),
         (true, perspective, aslant, bend(0.45)),
-        // Along the sides of the box about the model, which then is no larger than what is in it.
+        // Along the sides of the bounding box, where the culling bounds are tight.
         (false, parallel, Vec3::Z, Motion::Rest),
     ] {
         let options = RendererOptions { reversed_depth, ..RendererOptions::default() };
@@ -378,7 +380,7 @@ fn what_is_left_out_could_not_be_seen() {
                 assert!(at(inside));
                 let left = read(gpu, &targets).covered();
                 assert_eq!(left, 0, "{projection:?}, {way}: pixels to be seen at {inside} m, left out at {outside} m");
-                // But it was, not long ago.
+                // Slightly closer to the picture it is still visible.
                 let seen = (1..300).map(|k| inside - 0.01 * k as f32).find(|distance| {
                     at(*distance);
                     read(gpu, &targets).covered() > 0
@@ -398,14 +400,14 @@ fn owners_keep_what_is_theirs() {
     let (bending, plain) = (creature(), package(&SphereParams { quads: 11, stripes: true, ..sphere() }));
     let (bending_model, plain_model) = (stage.load(&bending), stage.load(&plain));
 
-    // Two of one number are a mistake, and change nothing.
+    // A duplicate owner number is an error and changes nothing.
     let twins = [Instance::new(7, &bending_model), Instance::new(7, &plain_model).at(aside(0.1))];
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let error = stage.renderer.prepare(&mut encoder, &params, &twins).unwrap_err().to_string();
     assert!(error.contains("Instance::owner") && error.contains('7') && error.contains("twice"), "{error}");
     assert_eq!(stage.renderer.owners_gpu_bytes(), 0, "a frame that failed keeps nothing");
 
-    // Who changes its model, there and back, is drawn as if it had had no other.
+    // An instance that changes its model and changes back is drawn as if it had never had another.
     let [bent, still] = [(&bending, bend(0.5)), (&plain, Motion::Rest)]
         .map(|(package, motion)| alone(gpu, package, &params, |one| one.moving(motion.clone())));
     assert_ne!(bent, still);
@@ -418,7 +420,7 @@ fn owners_keep_what_is_theirs() {
         assert_eq!(stage.renderer.owners_gpu_bytes(), 0, "nothing is posed any more");
     }
 
-    // Straight from an iterator, from a vector, and borrowed one by one: the same picture, whatever the numbers.
+    // Passed as an iterator, as a vector, and by reference: the same picture, whatever the owner numbers.
     let place = |k: u64| Instance::new(k, &bending_model).at(aside(0.05 * k as f32)).moving(bend(0.2 * k as f32));
     stage.present(&params, (0..3).map(place));
     let three = stage.picture();
@@ -435,7 +437,7 @@ fn owners_keep_what_is_theirs() {
     assert!(stage.picture() == three && ran(&report, PassId::POSE));
     assert_eq!(stage.renderer.owners_gpu_bytes(), 6 * one_owner);
 
-    // Forgotten on request, or after 256 frames that do not name them.
+    // State is released on request, or after 256 frames that do not name the owner.
     for owner in 0..3 {
         stage.renderer.forget(owner);
     }
@@ -449,7 +451,8 @@ fn owners_keep_what_is_theirs() {
     assert_eq!(stage.renderer.owners_gpu_bytes(), one_owner);
 }
 
-/// More than a buffer of the renderer's holds: what one frame draws of many is what eight draw of an eighth each.
+/// Checks that a crowd larger than a buffer of the renderer is drawn correctly: one frame must equal eight frames of an
+/// eighth each.
 #[test]
 fn a_crowd_is_drawn_as_in_smaller_frames() {
     let Some(gpu) = gpu("a_crowd_is_drawn_as_in_smaller_frames") else { return };
@@ -459,7 +462,7 @@ fn a_crowd_is_drawn_as_in_smaller_frames() {
     let fur = FrameParams::new(camera, size.into())
         .with(|p| p.soft_shadow = false)
         .with_fur(|f| f.self_shadow = SelfShadow::Off);
-    // Lines so thin that they stay away from those of another frame.
+    // Thin lines, so that they do not reach lines drawn in another frame.
     let ink = in_ink(fur.clone()).with(|p| {
         if let Style::Ink(ink) = &mut p.style {
             ink.width = LineWidth::Pixels(2.0);
@@ -530,7 +533,7 @@ fn prepared_pipelines_are_all_that_the_first_frame_needs() {
         assert!(stage.picture() == expected, "{name}");
     }
 
-    // Every level of detail, alone and beside one that is near.
+    // Every level of detail, alone and beside a near instance.
     let auto = front.clone().with_fur(|f| f.detail = Detail::Auto { bias: 1.0 });
     let mut stage = Stage::new(gpu);
     let model = stage.load(&detailed());
@@ -626,7 +629,8 @@ fn preparing_pipelines_between_frames_disturbs_none() {
     assert_eq!(stage.present(&in_ink(params), [&creature]).created.pipelines, 0);
 }
 
-/// Two cameras of one submission, as for two eyes or two windows, need no more than one camera does once there is room for both.
+/// Checks that two cameras in one submission (two eyes or two windows) create nothing once the buffers are large
+/// enough, as with one camera.
 #[test]
 fn two_views_of_one_submission_make_nothing_either() {
     if gpu("two_views_of_one_submission_make_nothing_either").is_none() {
@@ -655,7 +659,7 @@ fn two_views_of_one_submission_make_nothing_either() {
                     frame.draw(&mut stage.targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
                     let created = frame.report().created;
                     assert!(round < 6 || created == CreatedObjects::default(), "{name} {kept} {round} {number}: {created:?}");
-                    // Of two lights each draws over the other's maps, unless their frames live at once.
+                    // With two lights, each overwrites the other's maps unless their frames are alive at the same time.
                     let maps = ran(frame.report(), PassId::SHADOW_WIDTH) && (kept || name != "two lights");
                     assert!(round < 6 || !maps, "{name} {kept} {round} {number}: maps are drawn anew");
                     frames.extend(kept.then_some(frame));
@@ -667,7 +671,7 @@ fn two_views_of_one_submission_make_nothing_either() {
     }
 }
 
-/// Who times passes may submit what is recorded so far after each of them.
+/// Checks that an application that times passes may submit the recorded commands after each of them.
 #[test]
 fn a_mark_may_submit_what_is_recorded() {
     let Some(gpu) = gpu("a_mark_may_submit_what_is_recorded") else { return };
@@ -696,7 +700,7 @@ fn a_mark_may_submit_what_is_recorded() {
     }
 }
 
-/// A herd that grows by one a frame needs new room now and then, not in every frame.
+/// Checks that a herd that grows frame by frame needs new buffers occasionally, not in every frame.
 #[test]
 fn a_growing_herd_makes_few_buffers() {
     if gpu("a_growing_herd_makes_few_buffers").is_none() {
@@ -705,7 +709,7 @@ fn a_growing_herd_makes_few_buffers() {
     let gpu = own(wgpu::Features::empty());
     let mut stage = Stage::new(&gpu);
     let model = stage.load(&package(&SphereParams { quads: 2, ..sphere() }));
-    // Outside the picture: what is told of them counts, not what they draw.
+    // Outside the picture: only the instance data counts, not the drawing.
     let params = from(Vec3::Z).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off);
     let far = |k: u64| Instance::new(k, &model).at(aside(50.0 + k as f32));
     let mut buffers = 0;

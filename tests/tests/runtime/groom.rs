@@ -1,4 +1,4 @@
-//! What the groom does to a picture: bare skin, wet hair, lean.
+//! Effects of the groom on a picture: bare surfaces, wet hair, lean.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -16,13 +16,14 @@ const SIZE: (u32, u32) = (64, 64);
 const LAYERS: u32 = 8;
 const OPACITY: u8 = 90;
 
-/// Straight from above: the plane of 0.2 m fills the picture.
+/// Returns a view straight from above: the plane of 0.2 m fills the picture.
 fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
-    // Without shadows: what is compared here has other neighbours to shade it.
+    // No shadows, since the compared planes have different neighbours that would shade them.
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
     let params = FrameParams::new(camera, SIZE.into()).with_fur(|f| f.self_shadow = SelfShadow::Off);
-    // The hair of the plane stands upright, and is looked at along its strands: what layers store is what shall be seen.
+    // The hair of the plane is upright and viewed along its strands, so that the stored opacities are visible
+    // unchanged.
     params.with(|p| (p.soft_shadow, p.study.view_slant) = (false, SlantForm::Printed))
 }
 
@@ -33,7 +34,8 @@ fn picture(gpu: &Gpu, params: &FrameParams, opacity: u8, shading: Shading, groom
     draw(gpu, &mut renderer, params, &[&plane])
 }
 
-/// Light that sums to 1: none of it is rolled off in the style that shows bare skin alone, so that bare skin looks alike in both styles.
+/// Returns light that sums to 1. The bare style then compresses no highlights, so that bare surfaces look alike in both
+/// styles.
 fn even_light() -> Shading {
     Shading { ambient: [0.35; 3], diffuse: [0.65; 3], ..Shading::default() }
 }
@@ -63,7 +65,7 @@ fn bare_vertices_show_the_skin() {
 #[test]
 fn bare_texels_show_the_skin_and_their_neighbours_the_fur() {
     let Some(gpu) = gpu("bare_texels_show_the_skin_and_their_neighbours_the_fur") else { return };
-    // Two texels each, so that the sampler mixes nothing between their middles, where it is looked.
+    // Two texels each, so that the sampler mixes nothing between their centres, where the picture is sampled.
     let texels = vec![[0, 0], [0, 0], [255, 0], [255, 0]];
     let left_bare = PlaneGroom { texture: Some((4, texels)), ..PlaneGroom::default() };
     let masked = plain(gpu, &left_bare);
@@ -104,7 +106,8 @@ fn wetness_goes_from_dry_hair_to_wet_hair() {
 #[test]
 fn lean_moves_the_outer_layers_along_the_comb_direction() {
     let Some(gpu) = gpu("lean_moves_the_outer_layers_along_the_comb_direction") else { return };
-    // From the right, so that +y, the bitangent, is up: fur 25 mm high that leans wholly reaches 25 mm past the plane's edge.
+    // View from the right, so that +y, the bitangent, is up: fully leaning fur 25 mm high reaches 25 mm beyond the
+    // plane's edge.
     let projection = Projection::Orthographic { height_m: 0.3, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
     let params = FrameParams::new(Camera::look_at(Vec3::new(2.0, 0.0, 0.9), Vec3::ZERO, projection), SIZE.into());
     let rows = |lean: f32| {

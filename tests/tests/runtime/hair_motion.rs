@@ -1,4 +1,4 @@
-//! Hair on guides that swings: when it does, and that it comes to rest.
+//! Swinging hair on guides: when it swings, and that it comes to rest.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -22,7 +22,7 @@ fn sphere() -> Vec<u8> {
     package(&SphereParams { quads: 12, texels: 32, strands: 90, tiles: 4, ..SphereParams::default() })
 }
 
-/// Positions and triangles.
+/// Returns the positions and triangles of a package.
 fn skin(bytes: &[u8]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let opened = Package::open(bytes, &Limits::default()).unwrap();
     let mesh = opened.mesh().unwrap().unwrap().to_data();
@@ -30,7 +30,7 @@ fn skin(bytes: &[u8]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (mesh.geometry.iter().map(|v| v.position.into()).collect(), triangles)
 }
 
-/// A group of thick hairs that stand out, each with its points in the frame of its triangle as `points` says by its number.
+/// Returns a group of thick, protruding hairs; `points` gives the points of each guide in the frame of its triangle.
 fn group(triangles: u32, points: impl Fn(u32) -> Vec<Vec3>) -> HairGroup {
     let roots = (0..GUIDES).map(|guide| guide * triangles / GUIDES);
     let guides: Vec<_> = roots
@@ -75,7 +75,7 @@ fn params() -> FrameParams {
     params.with(|p| p.soft_shadow = false).with_fur(|fur| fur.self_shadow = SelfShadow::Off)
 }
 
-/// What the application brings.
+/// Returns a collider supplied by the application.
 fn ball() -> Capsule {
     let place = Vec3::new(0.35, 0.1, 0.05);
     Capsule { from: place, to: place, radius_m: 0.08 }
@@ -104,7 +104,7 @@ fn hair_at_rest_costs_nothing_and_is_as_it_was_groomed() {
     let still = Instance::new(1, &model);
     let (ran, posed, groomed) = frame(&still, 1.0 / 60.0, Vec3::ZERO);
     assert!(ran && posed);
-    // Wind blows for a while, and ceases.
+    // Wind blows for a while, then stops.
     let (_, _, blown) = (0..30).map(|_| frame(&still, 1.0 / 30.0, Vec3::X * 4.0)).last().unwrap();
     let swing = difference(&blown, &groomed).mean;
     assert!(swing > 2.0, "{swing}");
@@ -118,10 +118,10 @@ fn hair_at_rest_costs_nothing_and_is_as_it_was_groomed() {
     }
     let (frames, picture) = rested.unwrap();
     assert!((30..300).contains(&frames), "at rest after {frames} frames");
-    // A thousandth of the swing is left, which is pixels at the edges of hairs.
+    // A thousandth of the swing remains and changes pixels at the edges of hairs.
     let off = difference(&picture, &groomed).mean;
     assert!(off < 0.04 * swing, "off by {off}, swung by {swing}");
-    // Neither moves it without time; what is put elsewhere begins anew.
+    // Without elapsed time nothing moves; after a cut the motion restarts from the groomed shape.
     assert!(!frame(&still, 0.0, Vec3::ZERO).0);
     assert!(frame(&still.clone().at(Mat4::from_translation(Vec3::X * 0.01)), 1.0 / 60.0, Vec3::ZERO).0);
     let mut put = still.clone();

@@ -1,4 +1,4 @@
-//! The ink style in the runtime: what is painted where, and how it stands among the application's own things.
+//! Ink style in the runtime: where it paints, and how it combines with the application's own objects.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -20,7 +20,7 @@ fn sphere() -> SphereParams {
 }
 
 fn from(towards: Vec3) -> FrameParams {
-    // Without what varies, so that what is measured is what the geometry says.
+    // No variation, so that the measurement depends only on the geometry.
     let still = InkParams::default().with(|ink| {
         (ink.pressure, ink.dryness, ink.roughness_px, ink.paper_grain) = (0.0, 0.0, 0.0, 0.0);
         ink.width = LineWidth::Pixels(6.0);
@@ -43,7 +43,7 @@ fn painted(gpu: &Gpu, params: &FrameParams, sphere: &SphereParams) -> Picture {
     draw(gpu, &mut renderer, params, &[&instance])
 }
 
-/// Pixels that are darker than middle grey.
+/// Returns the pixels that are darker than middle grey.
 fn dark(picture: &Picture) -> Vec<(u32, u32)> {
     let pixels = picture.rgba.iter().enumerate().filter(|(_, p)| p[0] < 128);
     pixels.map(|(i, _)| (i as u32 % picture.size.0, i as u32 / picture.size.0)).collect()
@@ -53,12 +53,12 @@ fn dark(picture: &Picture) -> Vec<(u32, u32)> {
 fn lines_stand_on_the_outline_as_wide_as_asked() {
     let Some(gpu) = gpu("lines_stand_on_the_outline_as_wide_as_asked") else { return };
     let features = dark(&painted(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Features), &sphere()));
-    // The camera sees a sphere of radius 0.1 in a frame made for 0.13.
+    // The camera frames a radius of 0.13, the sphere has a radius of 0.1.
     let middle = 0.5 * SIZE.0 as f32 - 0.5;
     let place = |(x, y): &(u32, u32)| ((*x as f32 - middle).powi(2) + (*y as f32 - middle).powi(2)).sqrt();
     let radius = features.iter().map(place).sum::<f32>() / features.len() as f32;
     assert!(features.iter().all(|p| (place(p) - radius).abs() < 1.5), "features off the outline");
-    // A ring: at least one pixel per pixel of the perimeter's shorter way round.
+    // Ring of at least one pixel per pixel of the circumference, counted in steps that may be diagonal.
     let ring = 2.0 * std::f32::consts::PI * radius;
     assert!((0.85 * ring..1.9 * ring).contains(&(features.len() as f32)), "{} features on {ring}", features.len());
 
@@ -90,12 +90,12 @@ fn edges_of_lines_are_soft_and_specks_are_left_out() {
     assert!(between(false) > 200, "lines have hard edges");
     assert_eq!(between(true), 0, "as printed a pixel is ink or not");
 
-    // A sphere whose outline lies about one pixel, and one with more.
+    // A sphere whose outline surrounds about one pixel, and a larger one.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&package(&sphere())).unwrap();
     let mut seen = |show, scale: f32| {
         let params = with(|_, _, debug| debug.ink = show);
-        // The middle of the picture is a corner of four pixels; the camera of `from` sees 0.13 m in half of its rows.
+        // The centre of the picture is a corner of four pixels; the camera of `from` sees 0.13 m in half of its rows.
         let half_pixel = 0.5 * 0.13 / (0.5 * SIZE.0 as f32);
         let instance = Instance::new(0, &model)
             .at(Mat4::from_translation(Vec3::new(half_pixel, half_pixel, 0.0)) * Mat4::from_scale(Vec3::splat(scale)));
@@ -115,7 +115,7 @@ fn lines_in_metres_are_thinner_with_distance() {
         params.camera = Camera::look_at(Vec3::Z * distance, Vec3::ZERO, projection);
         dark(&painted(gpu, &params, &sphere())).len() as f32
     };
-    // Twice as far: half the perimeter, and half the width, or not.
+    // At twice the distance the perimeter is half; the width is half only in metres.
     let metres = area(0.45, LineWidth::Metres(0.012)) / area(0.9, LineWidth::Metres(0.012));
     let pixels = area(0.45, LineWidth::Pixels(8.0)) / area(0.9, LineWidth::Pixels(8.0));
     assert!(metres > 1.4 * pixels, "metres shrink by {metres}, pixels by {pixels}");
@@ -134,7 +134,8 @@ fn the_wash_fades_from_its_centre_and_blank_paper_stays() {
     assert_eq!(picture.rgba[0], [255; 4], "beside the sphere there is no wash");
 }
 
-/// Lightest and darkest grey of an even wash in the middle of the sphere, 0..=1, with all of the paper's grain.
+/// Returns the lightest and the darkest grey (0..=1) of a uniform wash in the middle of the sphere, with full paper
+/// grain.
 fn wash_over_grain(gpu: &Gpu, grey: f32) -> [f32; 2] {
     let params = with(|ink, _, debug| {
         // The paper of these packages has 8 texels a side: 2 pixels each.
@@ -232,7 +233,7 @@ fn nearer_instances_hide_lines_of_those_behind() {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&package(&sphere())).unwrap();
     let near = Instance::new(0, &model);
-    // Smaller and behind: none of it is seen.
+    // Smaller and behind, so completely hidden.
     let smaller = Mat4::from_translation(Vec3::Z * -0.2) * Mat4::from_scale(Vec3::splat(0.5));
     let behind = Instance::new(1, &model).at(smaller);
     let params = with(|_, _, debug| debug.ink = InkDebugView::Lines);
@@ -248,7 +249,7 @@ fn what_varies_moves_with_the_surface_and_not_with_the_picture() {
     let sphere = SphereParams { skeleton: true, ..sphere() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let mut instance = Instance::new(0, &renderer.load_bytes(&package(&sphere)).unwrap());
-    // The whole sphere turns with its joints while the camera goes round with them: only what hangs on the picture then changes.
+    // The sphere turns with its joints and the camera follows: only screen-anchored effects change.
     let mut shown = |anchoring, angle: f32| {
         let turn = Mat4::from_rotation_y(angle);
         let mut params = with(|_, study, debug| (debug.ink, study.anchoring) = (InkDebugView::Wash, anchoring));
@@ -259,7 +260,7 @@ fn what_varies_moves_with_the_surface_and_not_with_the_picture() {
     let still = shown(Anchoring::Surface, 0.0);
     let turned = difference(&still, &shown(Anchoring::Surface, 0.7));
     assert!(turned.mean < 0.2, "the surface's own picture changed by {turned:?}");
-    // The camera alone goes round: the picture's grain stays, the surface's goes with the surface.
+    // Only the camera orbits: grain anchored to the screen stays, grain anchored to the surface moves with it.
     let mut round = |anchoring, angle: f32| {
         let mut params = with(|_, study, debug| (debug.ink, study.anchoring) = (InkDebugView::Wash, anchoring));
         let towards = Mat4::from_rotation_y(angle).transform_vector3(Vec3::Z);
@@ -285,7 +286,7 @@ fn the_printed_sphere_map_knows_no_outline() {
         [SphereMapForm::Perpendicular, SphereMapForm::Reflection, SphereMapForm::Printed].map(shown);
     let features = dark(&painted(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Lines), &sphere())).len();
     assert!(safe > features && reflected > 0, "safe {safe}, reflected {reflected}");
-    // All normals have one place: no rim at all, what is left are the features.
+    // All normals map to one point: no rim remains, only the features.
     assert!(printed < safe, "printed {printed}, safe {safe}");
 }
 

@@ -1,4 +1,4 @@
-//! Ink lines against the lines of the mesh: whether they are where they should be, whether they stay lines, and whether they stay still.
+//! Ink lines compared with the lines of the mesh: position, shape and stability.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use glam::{Mat4, Vec3, vec3};
@@ -22,20 +22,20 @@ use pelage_truth::{Lens, SurfaceVisibility, TrueCamera};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Settings of a bake that ink does not look at, and that cost time: little fur.
+/// Settings of a bake that ink does not use but that cost time: little fur.
 const QUICK: [&str; 4] = ["slice.layers=4", "slice.tile_texels=64", "fins.enabled=false", "hair.density=50"];
 
-/// The project's own model of that name.
+/// Returns the path of the project's own model with the given name.
 fn own(name: &str) -> PathBuf {
     workspace().join(format!("assets/models/{name}.glb"))
 }
 
-/// A model of the test data, for the test of that name.
+/// Returns a model of the test data for the named test.
 fn shared(test: &str, path: &str) -> Option<PathBuf> {
     data(test).map(|data| data.join("meshes").join(path))
 }
 
-/// Rows of `pelage chart ink` for a model.
+/// Returns the rows of `pelage chart ink` for a model.
 fn chart(model: &Path, rows: &str) -> Vec<Value> {
     let sandbox = Sandbox::new().with_lab();
     let mut args = vec!["chart", "ink", model.to_str().unwrap(), "--rows", rows, "-o", "out", "--json", "-q"];
@@ -49,7 +49,7 @@ fn number(row: &Value, column: &str) -> f64 {
     row[column].as_f64().unwrap_or_else(|| panic!("no {column}: {row}"))
 }
 
-/// The bar of the style: precision and recall within two pixels, at defaults.
+/// Acceptance threshold of the style: precision and recall within two pixels, at defaults.
 const BAR: f64 = 0.9;
 
 #[track_caller]
@@ -81,7 +81,8 @@ fn lines_of_well_known_meshes() {
     }
 }
 
-/// As printed, hardly a line is found: all four neighbours of a pixel never differ along a straight edge.
+/// Checks that the printed rule finds hardly any line: along a straight edge, the four neighbours of a pixel never all
+/// differ.
 #[test]
 fn the_printed_rule_misses_the_lines() {
     if gpu("the_printed_rule_misses_the_lines").is_none() {
@@ -96,7 +97,7 @@ fn the_printed_rule_misses_the_lines() {
     assert!(recall < 0.2, "recall {recall}");
 }
 
-/// Draws ink off screen.
+/// Offscreen renderer of ink.
 struct Brush {
     gpu: &'static Gpu,
     renderer: Renderer,
@@ -111,7 +112,7 @@ impl Brush {
         Self { gpu, renderer, size }
     }
 
-    /// Bytes of the picture, RGBA.
+    /// Returns the texels of the picture, RGBA.
     fn draw(&mut self, instance: &Instance, camera: &Camera, study: Study, ink: InkDebugView) -> Vec<[u8; 4]> {
         let blank = on_blank_paper(&InkParams::default());
         let params = FrameParams::new(*camera, self.size.into()).with_ink(blank);
@@ -121,16 +122,16 @@ impl Brush {
         bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect()
     }
 
-    /// Lines that are darker than half of white light.
+    /// Returns a mask of the lines that are darker than half of white light.
     fn dark(&mut self, instance: &Instance, camera: &Camera, study: Study) -> Mask {
         let pixels = self.draw(instance, camera, study, InkDebugView::Lines).iter().map(|p| p[0] < 188).collect();
         Mask { width: self.size.0, height: self.size.1, pixels }
     }
 }
 
-/// Widest strokes of a package from 24 sides, pixels: by the sphere map alone, and ours.
+/// Returns the widest stroke of a package from 24 sides, pixels: with the sphere map alone, and with our template.
 ///
-/// * `towards`: middle and radius of what is looked at, and from where, after a turn in radians
+/// * `towards`: centre and radius of the framed sphere and direction of the camera, for an angle in radians
 fn widest(brush: &mut Brush, package: &[u8], towards: impl Fn(f32) -> (Vec3, f32, Vec3)) -> [f64; 2] {
     let instance = Instance::new(0, &brush.renderer.load_bytes(package).unwrap());
     let mut most = [0.0f64; 2];
@@ -152,7 +153,7 @@ fn bounds(package: &[u8]) -> (Vec3, f32) {
     (Vec3::from(bounds.center), bounds.radius)
 }
 
-/// No stroke is wider than the template, which the sphere map alone exceeds (Fang 2006, Fig. 3).
+/// Asserts that no stroke is wider than the template, and that the sphere map alone exceeds it (Fang 2006, Fig. 3).
 #[track_caller]
 fn strokes_stay_strokes(name: &str, [alone, ours]: [f64; 2], template: f64) {
     println!("{name}: widest stroke {ours:.1} px, template {template:.1} px, sphere map alone {alone:.1} px");
@@ -179,7 +180,7 @@ fn strokes_are_no_wider_than_the_template() {
     }
 }
 
-/// Flicker of a model that walks past, frame by frame, with wash and lines tied to one or the other.
+/// Returns the flicker of a model that walks past, frame by frame, with the given anchoring of wash and lines.
 fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> Flicker {
     let opened = Package::open(package, &Limits::default()).unwrap();
     let animation = opened.animation().unwrap().unwrap();
@@ -194,7 +195,7 @@ fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> 
     let mut before: Option<(SurfaceVisibility, Vec<f32>, Mask)> = None;
     for frame in 0..6 {
         let time_s = frame as f32 / 24.0;
-        // A body's length and a half a second, nose first.
+        // 1.5 body lengths per second, nose first.
         let way = vec3(0.0, 0.0, 3.0 * radius * time_s);
         instance.motion = Motion::Clip { clip, time_s };
         instance.transform = Mat4::from_translation(way);
@@ -216,8 +217,9 @@ fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> 
     sum
 }
 
-/// Tied to the model, wash and lines change half as much from frame to frame as tied to the screen, over all of the skin: contours that come and go
-/// with reason counted in. Where no line is, hardly anything is left.
+/// Checks that wash and lines anchored to the model change half as much between frames as those anchored to the screen.
+/// The whole mesh surface counts, including contours that appear and disappear legitimately. Away from lines hardly any
+/// change remains.
 #[test]
 fn wash_and_lines_move_with_the_model() {
     let Some(gpu) = gpu("wash_and_lines_move_with_the_model") else { return };

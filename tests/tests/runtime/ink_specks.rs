@@ -1,4 +1,4 @@
-//! Ink on meshes that are hard to draw: lines of dense scans stay lines, and strokes of fur hang on the body.
+//! Ink on meshes that are hard to draw: lines of dense scans must stay lines, and strokes of fur must touch the body.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use glam::{Vec3, vec3};
@@ -18,20 +18,20 @@ use pelage_tests::strokes::{Specks, adrift, specks};
 use std::path::PathBuf;
 
 const SIZE: (u32, u32) = (834, 424);
-/// Sides that a model is looked at from, evenly round it.
+/// Number of views, evenly spaced around the model.
 const VIEWS: u32 = 6;
 
-/// The project's own model of that name.
+/// Returns the path of the project's own model with the given name.
 fn own(name: &str) -> PathBuf {
     workspace().join(format!("assets/models/{name}.glb"))
 }
 
-/// A model of the test data, for the test of that name.
+/// Returns a model of the test data for the named test.
 fn shared(test: &str, path: &str) -> Option<PathBuf> {
     data(test).map(|data| data.join("meshes").join(path))
 }
 
-/// Looks at the whole model of a package from its sides.
+/// Returns cameras that frame the whole model of a package from each side.
 fn cameras(package: &[u8]) -> Vec<Camera> {
     let opened = Package::open(package, &Limits::default()).unwrap();
     let bounds = opened.manifest().bounds;
@@ -43,7 +43,7 @@ fn cameras(package: &[u8]) -> Vec<Camera> {
     (0..VIEWS).map(|view| Camera::framing(Vec3::from(bounds.center), bounds.radius, from(view), 0.5, aspect)).collect()
 }
 
-/// How much ink of the lines lies in parts that are shorter than three lines are wide, from all sides.
+/// Counts the ink in line components shorter than three line widths, over all views.
 fn short_lines(gpu: &Gpu, package: &[u8]) -> Specks {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
@@ -71,7 +71,7 @@ fn lines_of_dense_scans_are_no_specks() {
     }
     let mut wrong = Vec::new();
     for (name, model, recipe, most) in models {
-        // Of models without a recipe the lines of the bare body: who names no fur in ink gets none.
+        // For models without a recipe the lines of the bare body: ink fur is switched off.
         let stone = if recipe.is_none() { &["ink.fur=0"][..] } else { &[] };
         let sets = [&["slice.layers=4", "fins.enabled=false"], stone].concat();
         let found = short_lines(gpu, &bake_plain(&model, recipe, &sets));
@@ -83,7 +83,7 @@ fn lines_of_dense_scans_are_no_specks() {
     assert!(wrong.is_empty(), "{}", wrong.join("; "));
 }
 
-/// Pixels of fur that hang in the air, in a thousand of the body's.
+/// Returns the pixels of detached fur strokes per thousand pixels of the body.
 fn adrift_per_mille(gpu: &Gpu, package: &[u8]) -> f64 {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());

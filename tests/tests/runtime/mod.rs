@@ -1,5 +1,5 @@
-//! The runtime on a real device, through its public door: formulas three ways, single passes, whole pictures, many frames.
-//! All tests share one device (`pelage_tests::gpu`).
+//! Tests of the runtime's public API on a real device: formulas by three implementations, single passes, whole
+//! pictures, many frames. All tests share one device (`pelage_tests::gpu`).
 
 mod detail;
 mod drawable;

@@ -1,4 +1,4 @@
-//! Morph targets on the GPU: a model that morphs is drawn as one that was stored in that shape.
+//! Morph targets on the GPU: a morphed model must look like one stored in that shape.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -14,7 +14,7 @@ use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{difference, draw};
 use pelage_tests::support::sphere::{SphereParams, package};
 
-/// A sphere that two targets change: "long" pulls what is above upwards, "nose" pushes a bump out to the right.
+/// Returns a sphere with two morph targets: "long" pulls the upper part upwards, "nose" pushes a bump out to the right.
 fn sphere() -> (Vec<u8>, Morphs) {
     let bytes = package(&SphereParams {
         quads: 12,
@@ -64,7 +64,7 @@ fn sphere() -> (Vec<u8>, Morphs) {
     (bytes, morphs)
 }
 
-/// The package with morph targets, or with its vertices where `shifts` puts them.
+/// Returns the package with morph targets, or with its vertices moved by the weights `shifts`.
 fn changed(bytes: &[u8], morphs: &Morphs, shifts: Option<&[f32]>) -> Vec<u8> {
     let package = Package::open(bytes, &Limits::default()).unwrap();
     let mut mesh = package.mesh().unwrap().unwrap().to_data();
@@ -82,7 +82,8 @@ fn changed(bytes: &[u8], morphs: &Morphs, shifts: Option<&[f32]>) -> Vec<u8> {
     textures.fold(writer, |writer, i| writer.texture(package.texture(i).unwrap().ktx2)).finish().unwrap()
 }
 
-/// Without shadows: their maps are fitted to how far a model may reach, which its joints and targets tell less closely than its vertices.
+/// Returns a view without shadows. Shadow maps are fitted to the reach of a model, and joints and targets give looser
+/// bounds than vertices.
 fn front() -> FrameParams {
     let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.2, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0), [128, 128]);
     params.with(|p| p.soft_shadow = false).with_fur(|fur| fur.self_shadow = SelfShadow::Off)
@@ -100,7 +101,7 @@ fn a_morphed_model_is_drawn_as_one_of_that_shape() {
     let cases = [
         (Instance::new(1, &model).morphing(vec![(0, 1.0), (1, 0.5)]), [1.0, 0.5]),
         (Instance::new(1, &model).moving(Motion::Clip { clip: 0, time_s: 1.0 }), [1.0, 0.5]),
-        // What the application says goes before what the clip does.
+        // Weights set by the application override those of the clip.
         (
             Instance::new(1, &model).moving(Motion::Clip { clip: 0, time_s: 1.0 }).morphing(vec![(0, 0.0), (0, 0.25)]),
             [0.25, 0.5],
@@ -119,7 +120,7 @@ fn a_morphed_model_is_drawn_as_one_of_that_shape() {
             "case {number}: {off:?}, against rest {moved:?}"
         );
     }
-    // Back at rest it is what it was, and a frame like the one before poses nothing.
+    // Back at rest the picture is the same, and a frame identical to the last poses nothing.
     assert_eq!(difference(&picture(&Instance::new(1, &model)), &rest).mean, 0.0);
     let mut posed = |instance: &Instance| {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());

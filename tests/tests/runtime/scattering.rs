@@ -1,4 +1,5 @@
-//! Hair as fibres that scatter light: what a layer sends the eye against the equations, and what light from hair to hair does to coats.
+//! Hair as fibres that scatter light: a layer compared with the equations, and the effect of multiple scattering on
+//! fur.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_bake::recipe::{FibreParams, OtherFibre};
@@ -32,7 +33,7 @@ fn params(eye: Vec3, light: Vec3, seen_m: f32, size: u32) -> FrameParams {
     })
 }
 
-/// Colours of all pixels.
+/// Returns the colours of all pixels.
 fn pixels(
     gpu: &Gpu,
     renderer: &mut Renderer,
@@ -45,7 +46,8 @@ fn pixels(
     texels.chunks_exact(8).map(texel).collect()
 }
 
-/// An opaque layer of upright grey fibres, from many sides, in light that no other hair takes: of the coat's own, and of its material's.
+/// Checks an opaque layer of upright grey fibres from many directions, in light that no other hair absorbs. Both the
+/// default fibre and the fibre of a material are tested.
 #[test]
 fn a_layer_scatters_what_its_fibres_do() {
     let Some(gpu) = gpu("a_layer_scatters_what_its_fibres_do") else { return };
@@ -61,7 +63,7 @@ fn scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
     let mut renderer = renderer(gpu);
     let model = renderer.load_bytes(&with_fibres(&plane(2, 255), fibre)).unwrap();
     let instance = Instance::new(0, &model);
-    // 127 of 255, as the plane has it.
+    // 127 of 255, the colour of the plane.
     let color = [127.0 / 255.0; 3];
     let sigma = colour::absorption(color, f64::from(fibre.of_coat().around));
     let ways = [
@@ -71,7 +73,7 @@ fn scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
         Vec3::new(-0.2, -0.9, 0.4),
         Vec3::new(0.9, 0.1, 0.15),
     ];
-    // The last, as an eye, looks past the plane.
+    // As a view direction the last one is too grazing for the plane.
     for (eye, light) in ways[..4].iter().flat_map(|eye| ways.iter().map(move |light| (*eye, *light))) {
         let single = params(eye, light, 0.02, 8).with(|p| p.soft_shadow = false).with_fur(|fur| {
             fur.self_shadow = SelfShadow::Off;
@@ -87,7 +89,8 @@ fn scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
     }
 }
 
-/// The same in light that is spread about a direction above the skin, as wide as skies are, and of what is even: against the integral over all directions.
+/// Checks the same for light spread around a direction above the mesh surface, as wide as skies are. The reference is
+/// the integral over all directions.
 #[test]
 fn a_layer_scatters_what_its_fibres_do_of_broad_light() {
     let Some(gpu) = gpu("a_layer_scatters_what_its_fibres_do_of_broad_light") else { return };
@@ -114,7 +117,7 @@ fn a_layer_scatters_what_its_fibres_do_of_broad_light() {
             let expected = exact.scatter(sigma, Vec3::Z.as_dvec3(), &lobe.light(), eye.as_dvec3().normalize());
             for ((found, expected), radiance) in found.into_iter().zip(expected).zip(lobe.radiance) {
                 let (found, expected) = (f64::from(found), expected * f64::from(radiance));
-                // A fiftieth of what a fibre sends that scatters to all sides alike.
+                // Tolerance: a fiftieth of the light from a fibre that scatters uniformly.
                 let even = f64::from(radiance) * lobe.light().whole() / (4.0 * PI);
                 let within = 0.05 * expected + 0.02 * even;
                 assert!((found - expected).abs() < within, "{eye}, {towards}: {found}, expected {expected}");
@@ -123,7 +126,7 @@ fn a_layer_scatters_what_its_fibres_do_of_broad_light() {
     }
 }
 
-/// The hare in a coat of fibres with so much eumelanin.
+/// Returns the hare with fur of fibres with the given eumelanin.
 fn hare(renderer: &Renderer, eumelanin: &str) -> Instance {
     let pigment = format!("fibre.eumelanin={eumelanin}");
     let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", &pigment];
@@ -131,7 +134,8 @@ fn hare(renderer: &Renderer, eumelanin: &str) -> Instance {
     Instance::new(0, &renderer.load_bytes(&bytes).unwrap())
 }
 
-/// White hair under light that is even all around looks as that light does, in layers and strand by strand, and a sky that is turned by a whole turn changes nothing.
+/// Checks that white hair under a uniform environment has the radiance of the environment, in layers and in strands. A
+/// full turn of the environment must change nothing.
 #[test]
 fn a_white_coat_is_as_bright_as_an_even_sky() {
     let Some(gpu) = gpu("a_white_coat_is_as_bright_as_an_even_sky") else { return };
@@ -151,7 +155,7 @@ fn a_white_coat_is_as_bright_as_an_even_sky() {
     for hair in [HairGeometry::Shells, HairGeometry::Strands] {
         let found = mean(hair, Environment::constant([1.0, 0.5, 2.0])) / Vec3::new(1.0, 0.5, 2.0);
         println!("{hair:?}: {found}");
-        // Paths find .955: what is lost is lost to eyes, nose and undercoat.
+        // The path tracer gives 0.955: the rest is lost to eyes, nose and undercoat.
         assert!((found / 0.955 - 1.0).abs().max_element() < 0.1, "{hair:?}: {found}");
     }
     let gradient = Environment::gradient([1.0; 3], [0.1; 3]);
@@ -163,7 +167,8 @@ fn a_white_coat_is_as_bright_as_an_even_sky() {
     assert!(before > beside && beside > behind, "{before} {beside} {behind}");
 }
 
-/// Lobes of a sky that turns come over the horizon, over each other and behind the body without a jump, in layers and strand by strand.
+/// Checks that the lobes of a turning environment cause no jumps in layers or in strands. The lobes rise over the
+/// horizon, cross each other and pass behind the body.
 #[test]
 fn a_turning_sky_does_not_flicker() {
     let Some(gpu) = gpu("a_turning_sky_does_not_flicker") else { return };
@@ -200,7 +205,7 @@ fn a_turning_sky_does_not_flicker() {
                 blocks
             })
             .collect();
-        // Of each block how far it swings, and the largest second difference, which a jump is.
+        // Range of each block, and its largest second difference, which reveals jumps.
         let figures = (0..SQUARES).map(|block| {
             let of = |i: usize| frames[i][block];
             let ends = |(least, most): (f64, f64), x: f64| (least.min(x), most.max(x));
@@ -210,7 +215,7 @@ fn a_turning_sky_does_not_flicker() {
         });
         let (swing, jump) = figures.fold((0.0_f64, 0.0_f64), |most, of| (most.0.max(of.0), most.1.max(of.1)));
         println!("{hair:?}: swing {swing:.4}, largest second difference {jump:.4}");
-        // What is smooth bends little from one to the next, and a jump stays as large as it is.
+        // A smooth curve has small second differences; a jump keeps its full size.
         assert!(swing > 0.003 && jump < 0.04 * swing, "{hair:?}: swing {swing}, largest second difference {jump}");
     }
 }
@@ -229,7 +234,8 @@ fn what_is_wrong_with_an_environment_is_said() {
     assert!(error.contains("FrameParams::environment") && error.contains("lobe[0].towards"), "{error}");
 }
 
-/// Between corners whose normals stand far apart, what vertices hand on is short. That is no light from behind, which would be blinding.
+/// Checks the interpolation between corners with very different normals, where the interpolated vectors are short. That
+/// must not count as light from behind, which would be far too bright.
 #[test]
 fn sharp_edges_are_no_light_from_behind() {
     let Some(gpu) = gpu("sharp_edges_are_no_light_from_behind") else { return };
@@ -254,7 +260,7 @@ fn sharp_edges_are_no_light_from_behind() {
     };
     let (even, sharp) = (brightest(0.0), brightest(6.0));
     println!("even {even}, sharp {sharp}");
-    // Hair across the look and the light is the brightest that there is from here: upright hair is less bright.
+    // Hair perpendicular to view and light gives the greatest brightness; upright hair is darker.
     let across = FibreParams::default().of_coat().fibre();
     let angles = Angles::between(Vec3::X.as_dvec3(), Vec3::Z.as_dvec3(), Vec3::Z.as_dvec3());
     let sigma = colour::absorption([127.0 / 255.0; 3], f64::from(FibreParams::default().of_coat().around));
@@ -262,8 +268,8 @@ fn sharp_edges_are_no_light_from_behind() {
     assert!(f64::from(even) < most && f64::from(sharp) < most, "even {even}, sharp {sharp}, expected less than {most}");
 }
 
-/// The hare in white and in black: light that goes on from hair to hair is most of the one's and little of the other's, layers and strands agree, and no pixel is
-/// anything but light from any side.
+/// Checks multiple scattering on the hare in white and in black. It must dominate the light of white hair but not of
+/// black hair, and layers and strands must agree. All pixels must be finite and non-negative for light from any side.
 #[test]
 fn light_goes_from_hair_to_hair() {
     let Some(gpu) = gpu("light_goes_from_hair_to_hair") else { return };
@@ -294,14 +300,15 @@ fn light_goes_from_hair_to_hair() {
     });
     assert!(white[0] > 3.0 * white[1], "white: {white:?}");
     assert!(black[0] < 2.0 * black[1] && black[0] < 0.2 * white[0], "black: {black:?}, white {white:?}");
-    // Along the hair, from behind, and from where the eye is.
+    // Along the hair, from behind, and from the camera.
     for light in [Vec3::Y, Vec3::NEG_Y, -front, Vec3::new(0.4, 0.2, 0.9), Vec3::new(-0.4, -0.2, -0.9)] {
         mean(&hares[2], HairGeometry::Shells, Scattering::Multiple, light);
     }
 }
 
-/// Long brown hair around a head: skin hides the light from what hangs behind it, hair that goes around it shadows what lies on its other side, and light that goes
-/// from hair to hair leaves a sheet of hair. Traced paths find 0.185 and 0.083 of the light that they find in front; without all that it is 0.27 and 0.22.
+/// Checks long brown hair around a head: the surface hides light from the hair behind it, hair around the head casts
+/// shadows to the other side, and multiple scattering leaves the sheet of hair. Path tracing gives 0.185 (side) and
+/// 0.083 (behind) of the frontal light. Without these effects the values would be 0.27 and 0.22.
 #[test]
 fn hair_around_a_body_is_dark_behind_it() {
     let Some(gpu) = gpu("hair_around_a_body_is_dark_behind_it") else { return };

@@ -1,4 +1,5 @@
-//! Light in fur: layer-wise shadow maps, soft shadows, lights without shadow, and the application's own geometry among them.
+//! Light in fur: layer-wise shadow maps, soft shadows, lights without shadow, and the application's own geometry among
+//! the casters.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -29,24 +30,24 @@ fn towards(direction: Vec3) -> Light {
     Light::Directional { towards_light: direction, color: Vec3::ONE }
 }
 
-/// Shadows as dense as the layers are drawn.
+/// Returns shadows with the density of the drawn layers.
 fn as_drawn() -> ShadowParams {
     ShadowParams::default().with(|s| s.density = 1.0)
 }
 
-/// Straight from above on the plane at z = 0.
+/// Returns a view straight from above on the plane at z = 0.
 fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
     FrameParams::new(camera, SIZE.into()).with(|p| (p.light, p.shadows) = (towards(Vec3::Z), as_drawn()))
 }
 
-/// Owners.
+/// Owner numbers.
 const PLANE: u64 = 0;
 const BALL: u64 = 1;
 
 fn furry_plane(renderer: &Renderer, layers: u32, opacity: u8) -> Instance {
-    // Upright hair in upright light would be black: here it is lit from all sides alike.
+    // Upright hair in upright light would be black, so it is lit uniformly from all sides.
     let shading = Shading {
         ambient: [0.2; 3],
         diffuse: [0.8; 3],
@@ -72,7 +73,7 @@ fn texel(maps: &ShadowMaps, point: Vec3) -> ([u32; 2], Vec4) {
     ([place.x, place.y].map(|x| (x / place.w * size) as u32), place)
 }
 
-/// The transmittance that each layer-wise map holds over a point of the skin.
+/// Returns the transmittance in each layer-wise map above a point of the mesh surface.
 fn transmittances(gpu: &Gpu, maps: &ShadowMaps, point: Vec3) -> Vec<f32> {
     let layers = maps.layers().unwrap();
     let ([x, y], _) = texel(maps, point);
@@ -125,7 +126,7 @@ fn density_scales_the_optical_depth() {
     assert!(greens.windows(2).all(|w| w[0] > w[1] + 1.0), "denser is darker: {greens:?}");
 }
 
-/// Fewer or more map layers than are drawn let the same light through to the skin.
+/// Checks that fewer or more map layers than drawn layers transmit the same light to the mesh surface.
 #[test]
 fn map_layers_keep_the_density() {
     let Some(gpu) = gpu("map_layers_keep_the_density") else { return };
@@ -140,7 +141,7 @@ fn map_layers_keep_the_density() {
         assert!((found[0] - expected).abs() < 4e-3, "{map_layers} map layers: {}, expected {expected}", found[0]);
         assert!(found.windows(2).all(|w| w[0] <= w[1]) && found.last() == Some(&1.0), "{found:?}");
     }
-    // Coarser maps draw nearly the same picture.
+    // Coarser maps give nearly the same picture.
     let fine = draw(gpu, &mut renderer, &above(), &[&plane]);
     let coarse = draw(gpu, &mut renderer, &above().with(|p| p.shadows.map_layers = Some(2)), &[&plane]);
     let found = difference(&fine, &coarse);
@@ -249,7 +250,7 @@ fn maps_are_drawn_anew_only_when_something_changes() {
     assert_eq!(ran(&prepare(gpu, &mut renderer, &bare, &[&ball])), (false, true), "bare skin throws soft shadows");
 }
 
-/// Two frames of one submission with two lights keep maps of their own.
+/// Checks that two frames of one submission with two lights keep separate maps.
 #[test]
 fn a_frame_keeps_its_maps() {
     let Some(gpu) = gpu("a_frame_keeps_its_maps") else { return };
@@ -263,7 +264,7 @@ fn a_frame_keeps_its_maps() {
     assert_ne!(transmittances(gpu, second.shadows().unwrap(), Vec3::ZERO), before);
 }
 
-/// A sphere over the plane, lit from straight above.
+/// Returns a sphere above the plane, lit from straight above.
 fn ball_over_plane(renderer: &Renderer) -> [Instance; 2] {
     let params = SphereParams { quads: 12, texels: 16, strands: 40, height_m: 0.001, ..SphereParams::default() };
     let ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
@@ -276,7 +277,7 @@ fn things_throw_soft_shadows_on_fur() {
     let Some(gpu) = gpu("things_throw_soft_shadows_on_fur") else { return };
     let mut renderer = renderer(gpu);
     let [plane, ball] = ball_over_plane(&renderer);
-    // A row through the middle of the shadow, seen from below the ball.
+    // A row of pixels through the middle of the shadow, seen from below the ball.
     let mut row = |penumbra: f32, form: PenumbraForm, soft_shadow: bool| -> Vec<u8> {
         let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 0.14 };
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 0.14), Vec3::ZERO, projection);
@@ -299,7 +300,7 @@ fn things_throw_soft_shadows_on_fur() {
         let between = |row: &[u8]| row.iter().filter(|v| (row[32] + 12..lit - 12).contains(v)).count();
         assert!(between(&soft) > between(&hard) + 2, "{form:?}: soft {soft:?}, hard {hard:?}");
     }
-    // The centred edge is half lit where the hard one is; the inner one is dark only farther in.
+    // The centred penumbra is half lit at the hard edge; the inner one gets dark only farther in.
     let area = |row: &[u8]| row.iter().map(|v| f64::from(lit.saturating_sub(*v))).sum::<f64>();
     let (hard, centred, inner) = (
         row(0.0, PenumbraForm::Centred, true),
@@ -310,7 +311,7 @@ fn things_throw_soft_shadows_on_fur() {
     assert!((area(&centred) / area(&hard) - 1.0).abs() < 0.25, "centred {} of hard {}", area(&centred), area(&hard));
 }
 
-/// A square of the application's own at a height over the plane, drawn as depth alone.
+/// Square of the application at a given height above the plane, drawn as depth only.
 struct Square {
     pipelines: [wgpu::RenderPipeline; 2],
     uniform: wgpu::Buffer,
@@ -440,14 +441,15 @@ fn the_applications_geometry_shades_the_fur_and_is_shaded() {
         alone.rgba[corner]
     );
 
-    // The same revision keeps the maps, another draws them anew.
+    // The same revision keeps the maps; a different one redraws them.
     let ran = |frame: &Frame| frame.report().passes.iter().find(|p| p.name == "shadow_width").unwrap().ran;
     assert!(!ran(&square.prepare(gpu, &mut renderer, &params, &[&plane], 1).0));
     let (frame, encoder) = square.prepare(gpu, &mut renderer, &params, &[&plane], 2);
     assert!(ran(&frame));
     gpu.queue.submit([encoder.finish()]);
 
-    // What an application's shader would find for its own ground at z = -0.01, from the map and the twin of the shader's function.
+    // Expected result of an application's shader for its own ground at z = -0.01, from the map and the twin of the
+    // shader's function.
     let maps = frame.shadows().unwrap();
     let width = read_map(gpu, maps.width().unwrap(), 0);
     let light_at = |point: Vec3| {
@@ -460,7 +462,7 @@ fn the_applications_geometry_shades_the_fur_and_is_shaded() {
     assert!(light_at(Vec3::new(0.0, 0.0, 0.1)).0 > 0.99, "the square itself is lit");
 }
 
-/// The hair's transmittance reaches the application's ground, too: the fourth channel of the width map.
+/// Checks that the hair's transmittance also reaches the application's ground: the fourth channel of the width map.
 #[test]
 fn fur_shades_the_applications_ground() {
     let Some(gpu) = gpu("fur_shades_the_applications_ground") else { return };
@@ -538,7 +540,8 @@ fn what_is_out_of_range_is_named() {
     }
 }
 
-/// A light that turns once around: no frame jumps in brightness by more than a small share of the whole swing.
+/// Checks that no frame of a full turn of the light changes in brightness by more than a small share of the total
+/// range.
 #[test]
 fn a_turning_light_does_not_flicker() {
     let Some(gpu) = gpu("a_turning_light_does_not_flicker") else { return };
@@ -555,7 +558,8 @@ fn a_turning_light_does_not_flicker() {
         greens.push(draw(gpu, &mut renderer, &params, &[&ball]).mean(1));
     }
     let swing = greens.iter().copied().fold(f64::MIN, f64::max) - greens.iter().copied().fold(f64::MAX, f64::min);
-    // A smooth swing of one turn changes by at most pi / 48 of itself from frame to frame; second differences show a jump.
+    // A smooth curve over one turn changes by at most pi / 48 of its range between frames; second differences reveal
+    // jumps.
     let jump = (0..frames).map(|i| {
         let [a, b, c] = [0, 1, 2].map(|k| greens[(i + k) % frames]);
         (a - 2.0 * b + c).abs()

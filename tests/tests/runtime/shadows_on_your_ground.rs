@@ -1,5 +1,5 @@
-//! Shadows between the fur and an application's own geometry, through the scene and the shader of the example of that name and of
-//! `forty_animals`.
+//! Shadows between the fur and an application's own geometry, with the scene and the shader of the example of the same
+//! name and of `forty_animals`.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -16,12 +16,12 @@ use pelage_tests::support::ground::{Cuboid, Scene};
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: u32 = 256;
-/// Radius of the sphere's skin, and length of its fur, metres.
+/// Radius of the bare sphere, and length of its fur, metres.
 const SKIN: f32 = 0.1;
 const FUR: f32 = 0.025;
-/// Where the sphere hovers over the ground, whose top is at height 0.
+/// Centre of the sphere above the ground, whose top is at height 0.
 const CENTER: Vec3 = Vec3::new(0.0, 0.16, 0.0);
-/// Metres that a picture of the ground is wide and high.
+/// Width and height of a picture of the ground, metres.
 const VIEW_M: f32 = 0.8;
 
 struct Stage<'a> {
@@ -34,7 +34,7 @@ struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     fn new(gpu: &'a Gpu) -> Self {
-        // Not sRGB: what is read back is the light itself.
+        // Not sRGB, so that the values read back are linear light.
         let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba8Unorm, ..RendererOptions::default() };
         let renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
         let sphere = package(&SphereParams { quads: 16, texels: 32, strands: 120, ..SphereParams::default() });
@@ -66,7 +66,7 @@ impl<'a> Stage<'a> {
         (frame, targets.texels(self.gpu).unwrap())
     }
 
-    /// The share of the light that arrives on the ground, seen from above without the fur that would hide it.
+    /// Returns the share of the light that reaches the ground, seen from above without the fur that would hide it.
     fn ground(
         &mut self,
         params: &FrameParams,
@@ -87,14 +87,14 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// A picture of the white ground from above.
+/// Picture of the white ground from above.
 struct GroundLight {
     rgba: Vec<u8>,
     light_ws: Vec4,
 }
 
 impl GroundLight {
-    /// What is left of the light at a point of the ground: the shader's constants taken out again.
+    /// Returns the share of the light at a point of the ground, with the shader's constants removed.
     fn at(&self, x: f32, z: f32) -> f32 {
         let pixel = |v: f32| ((v / VIEW_M + 0.5) * SIZE as f32) as usize;
         let value = f32::from(self.rgba[4 * (pixel(z) * SIZE as usize + pixel(x))]) / 255.0;
@@ -102,7 +102,7 @@ impl GroundLight {
         (value - 0.2) / (0.8 * towards.normalize().y)
     }
 
-    /// The mean around a circle about the middle.
+    /// Returns the mean around a circle about the middle.
     fn ring(&self, radius: f32) -> f32 {
         let points = (0..32).map(|i| std::f32::consts::TAU * i as f32 / 32.0);
         points.map(|a| self.at(radius * a.cos(), radius * a.sin())).sum::<f32>() / 32.0
@@ -129,7 +129,7 @@ fn fur_throws_a_soft_shadow_with_a_fringe_on_the_applications_ground() {
     let mut stage = Stage::new(gpu);
     let casters = Scene::new(&gpu.device, &stage.options, &[slab()]);
     let lamp = Vec3::new(0.0, 0.7, 0.0);
-    // How the lamp's cone along a sphere of that radius widens to the ground.
+    // Radius on the ground of the lamp's cone that touches a sphere of radius `r`.
     let cone = |r: f32| {
         let sin = r / (lamp.y - CENTER.y);
         lamp.y * sin / (1.0 - sin * sin).sqrt()
@@ -152,21 +152,21 @@ fn fur_throws_a_soft_shadow_with_a_fringe_on_the_applications_ground() {
             let rings: Vec<f32> = (0..60).map(|i| picture.ring(fur * i as f32 / 50.0)).collect();
             assert!(rings.windows(2).all(|w| w[1] > w[0] - 0.03), "{name}, {light:?}: not outwards lighter: {rings:?}");
         }
-        // Soft: half lit at the edge of the skin's shadow, with a slope to both sides.
+        // Soft: half lit at the edge of the shadow of the bare sphere, with a slope to both sides.
         let edge = [-0.003, 0.0, 0.003].map(|d| bare.ring(skin + d));
         assert!((edge[1] - 0.5).abs() < 0.25, "{light:?}: at the edge {edge:?}");
         assert!(edge[0] > 0.02 && edge[2] < 0.98 && edge[2] > edge[0] + 0.1, "{light:?}: about the edge {edge:?}");
-        // The fringe.
+        // Fringe of the fur's shadow.
         let between = 0.5 * (skin + fur);
         let fringe = [furry.ring(between), bare.ring(between)];
         assert!(fringe[0] < 0.5 * fringe[1] && fringe[1] > 0.85, "{light:?}: fur beside the skin {fringe:?}");
     }
-    // Slanted, it lies where the light puts it.
+    // A slanted light moves the shadow.
     let slanted = Vec3::new(-0.6, 0.8, 0.0);
     let aside = CENTER.y * 0.75;
     let (_, picture) = stage.ground(&from_above(sun(slanted)), &casters, Some(0.35), 9);
     assert!(picture.at(aside, 0.0) < 0.02 && picture.at(-aside, 0.0) > 0.98);
-    // An ellipse as long as the sphere over the sine of the light's elevation.
+    // An ellipse as long as the sphere's diameter over the sine of the light's elevation.
     for (x, z) in [(aside + SKIN / 0.8, 0.0), (aside - SKIN / 0.8, 0.0), (aside, SKIN), (aside, -SKIN)] {
         let (inner, outer) = (0.85, 1.45);
         let at = |scale: f32| picture.at(aside + (x - aside) * scale, z * scale);
@@ -174,7 +174,7 @@ fn fur_throws_a_soft_shadow_with_a_fringe_on_the_applications_ground() {
     }
 }
 
-/// What reaches the ground when each kind of shadow is switched off.
+/// Checks the light on the ground when each kind of shadow is switched off.
 #[test]
 fn shadows_that_are_off_leave_the_ground_lit() {
     let Some(gpu) = gpu("shadows_that_are_off_leave_the_ground_lit") else { return };
@@ -202,7 +202,7 @@ fn shadows_that_are_off_leave_the_ground_lit() {
     }
 }
 
-/// Where there is no map, there is no shadow: not that of its last texel either.
+/// Checks that the ground beyond a map is lit, and that the last texel of the map is not repeated.
 #[test]
 fn beyond_the_maps_the_ground_is_lit() {
     let Some(gpu) = gpu("beyond_the_maps_the_ground_is_lit") else { return };
@@ -218,7 +218,7 @@ fn beyond_the_maps_the_ground_is_lit() {
     assert!(whole.at(reach + 0.01, 0.0) < 0.02, "larger bounds take it in");
 }
 
-/// The shader's `light_received` finds what its twin finds in the map that is read back.
+/// Checks that the shader's `light_received` agrees with its twin on the map read back.
 #[test]
 fn the_shader_reads_the_maps_as_its_twin_does() {
     let Some(gpu) = gpu("the_shader_reads_the_maps_as_its_twin_does") else { return };
@@ -245,7 +245,7 @@ fn the_shader_reads_the_maps_as_its_twin_does() {
             light_at_place(row(y).lerp(row(y + 1), b), place, towards.normalize().y, &receiver)
         };
         let (mut worst, mut shaded) = (0.0f32, 0);
-        // Middles of pixels, so that both look at the same point.
+        // Pixel centres, so that both evaluate the same point.
         for i in (0..SIZE).step_by(3) {
             let middle = |i: u32| ((i as f32 + 0.5) / SIZE as f32 - 0.5) * VIEW_M;
             for j in (0..SIZE).step_by(3) {
@@ -260,7 +260,8 @@ fn the_shader_reads_the_maps_as_its_twin_does() {
     }
 }
 
-/// Hair behind a thing, seen from the light, takes no light from it, though the hair's shadow is blurred.
+/// Checks that hair behind an object, as seen from the light, does not darken it, although the shadow of the hair is
+/// blurred.
 #[test]
 fn hair_behind_a_thing_leaves_it_lit() {
     let Some(gpu) = gpu("hair_behind_a_thing_leaves_it_lit") else { return };
@@ -301,7 +302,7 @@ fn the_applications_post_darkens_the_fur() {
     let camera = Camera::framing(CENTER, SKIN + FUR, Vec3::new(-1.0, 0.2, 0.6), 0.6, 1.0);
     let params = from_above(sun(towards_light)).with(|p| p.camera = camera);
     let clip_from_world = camera.projection.clip_from_view(false) * camera.view_from_world;
-    // On the outer end of the fur: towards the light past the post's near face, and a post's width beside its shadow.
+    // Points at half the fur's length: one in the post's shadow, and one a post's width beside it.
     let brightness = |rgba: &[u8], direction: Vec3| {
         let clip = clip_from_world * (CENTER + direction.normalize() * (SKIN + 0.5 * FUR)).extend(1.0);
         let pixel = |v: f32| ((0.5 + 0.5 * v / clip.w) * SIZE as f32) as usize;

@@ -1,8 +1,8 @@
-//! Shared shader functions three ways: f64 truth, Rust twin, GPU.
+//! Shared shader functions by three implementations: f64 reference, Rust twin, GPU.
 //!
-//! Tolerances: the twin does the f32 operations of the shader, of which `normalize_or` alone leaves out one, a scaling where nothing needs it. So
-//! both are held to the same distance from the truth; WGSL grants exp2, log2 and inverseSqrt a few units in the last place more than Rust's, and
-//! powers multiply that by the exponent.
+//! Tolerances: the twin performs the f32 operations of the shader. Only `normalize_or` omits one, a scaling where it is
+//! not needed. Both therefore have the same tolerance. WGSL allows exp2, log2 and inverseSqrt a few units in the last
+//! place more than Rust's, and powers multiply that by the exponent.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -20,7 +20,8 @@ use pelage_tests::support::sphere::Random;
 
 type Case<const N: usize> = [[f32; 4]; N];
 
-/// Checks twin and GPU against the truth for every case. `tolerance` is absolute, per component, given the truth.
+/// Checks twin and GPU against the truth for every case. `tolerance` is absolute, per component, as a function of the
+/// truth.
 fn three_ways<const N: usize>(
     name: &str,
     library: &str,
@@ -114,7 +115,7 @@ fn sin_power() {
         &cases,
         |[c]| x(f64::from(c[0]).max(1e-30).powf(c[1].into())),
         |[c]| xf(kajiya_kay::sin_power(c[0], c[1])),
-        // log2 is off by about 2^-21 near 1 (WGSL), times the exponent, times the result; and one more for exp2.
+        // log2 has an error of about 2^-21 near 1 (WGSL), times the exponent, times the result, plus one for exp2.
         |[c], p| {
             p * (1e-6 * f64::from(c[1]) + 1e-6 * (f64::from(c[1]) * f64::from(c[0].max(1e-30)).log2()).abs() + 1e-6)
                 + 1e-12
@@ -180,7 +181,7 @@ fn resampled_opacity() {
     let mut cases: Vec<Case<1>> = Vec::new();
     for i in 0..=600 {
         for exponent in [1.0 / 64.0, 0.125, 0.3, 1.0, 2.0, 5.0, 63.0] {
-            // Opacities from 1e-8 to 1, evenly in their logarithm.
+            // Opacities from 1e-8 to 1, uniform in their logarithm.
             cases.push([[10f32.powf(-8.0 + i as f32 / 75.0), exponent, 0.0, 0.0]]);
         }
     }
@@ -191,7 +192,7 @@ fn resampled_opacity() {
         &cases,
         |[c]| x(-(f64::from(c[1]) * (-f64::from(c[0]).min(1.0 - 1.0 / 2048.0)).ln_1p()).exp_m1()),
         |[c]| xf(opacity::resampled_opacity(c[0], c[1])),
-        // Relative: the point of the safe form is that small opacities keep their digits.
+        // Relative: the safe form must keep the digits of small opacities.
         |_, a| 1e-5 * a,
     );
 }
@@ -250,7 +251,7 @@ fn directions_to_eye_and_light() {
             let to = frame::direction_to(Vec4::from_array(*t), v(p));
             frame::half_vector(to, v(p)).extend(to.x).to_array()
         },
-        // Adding two nearly opposed unit vectors amplifies an ulp by the inverse of what is left.
+        // Adding two nearly opposite unit vectors amplifies an ulp by the inverse of the remaining length.
         |[t, p], _| {
             let to = (d(t) - d(p) * f64::from(t[3])).normalize();
             1e-6 / (to + d(p)).length().max(1e-3)
@@ -282,7 +283,7 @@ fn tile_frames() {
             DVec3::new(t64.dot(d(w)), (h * n64.cross(t64)).dot(d(w)), n64.dot(d(w))).extend(0.0).to_array()
         },
         |[n, t, w]| tile_frame::to_tile(tile_frame::tile_frame(v(n), v(t), n[3]), v(w)).extend(0.0).to_array(),
-        // Gram-Schmidt amplifies an ulp by the inverse of what is left of the tangent.
+        // Gram-Schmidt amplifies an ulp by the inverse of the remaining tangent.
         |[n, t, _], _| 2e-6 / d(n).cross(d(t)).length().max(1e-3),
     );
 }
@@ -310,12 +311,12 @@ fn directions_decode_as_the_format_says() {
             decoded.extend(0.0).to_array()
         },
         |[c]| tile_frame::decode_direction(Vec4::from_array(*c), c[3] > 0.5).extend(0.0).to_array(),
-        // z is the root of a difference: an ulp of 1 under the root.
+        // z is the square root of a difference: an ulp of 1 under the root.
         |_, component| 1e-6 + 3e-7 / component.abs().max(5e-4),
     );
 }
 
-/// The shader's decoding spares the clamps of the format's. Wherever they do not bite, both are one.
+/// Checks that the shader's decoding, which omits the format's clamps, agrees with it wherever they have no effect.
 #[test]
 fn directions_decode_as_in_formats() {
     use pelage_runtime::formats::{TextureFormat, decode_direction, encode_direction};
@@ -368,7 +369,7 @@ fn leaned_hair() {
         "vec4(hair_direction(in_0.xyz, in_1.z, lean_slope(in_1.x, in_1.y)), lean_offset(in_1.x, in_1.y))",
         &cases,
         |[direction, c]| {
-            // A short piece of hair of another length, its two ends moved aside as far as each height says.
+            // Short piece of hair with a new length, its two ends moved sideways by the lean at each height.
             let (lean, height, share) = (f64::from(c[0]), f64::from(c[1]), f64::from(c[2]));
             let piece = 1e-6 * d(direction);
             let aside = |h: f64| lean * h * h;
@@ -403,7 +404,7 @@ fn normals_under_a_matrix() {
               handedness_of(mat3x3(in_0.xyz, in_1.xyz, in_2.xyz)))",
         &cases,
         |[a, b, c, n]| {
-            // The inverse transpose, which the cofactor form stands for.
+            // Inverse transpose, which the cofactor form replaces.
             let m = DMat3::from_cols(d(a), d(b), d(c));
             (m.inverse().transpose() * d(n)).normalize().extend(m.determinant().signum()).to_array()
         },
@@ -411,7 +412,7 @@ fn normals_under_a_matrix() {
             let m = Mat3::from_cols(v(a), v(b), v(c));
             skinning::transform_normal(m, v(n)).extend(skinning::handedness_of(m)).to_array()
         },
-        // Cofactors cancel as the determinant shrinks; it is above 0.05 here.
+        // Cofactors cancel as the determinant shrinks; here it is above 0.05.
         |_, _| 2e-5,
     );
 }
@@ -474,7 +475,7 @@ fn what_is_seen_of_fins_and_through_layers() {
         &cases,
         |[c]| [1.0 / f64::from(c[0]).abs().max(0.1), 0.0, 0.0, 0.0],
         |[c]| [opacity::view_path(c[0]), 0.0, 0.0, 0.0],
-        // A division, which WGSL lets be 2.5 units of the last place off.
+        // A division, which may be off by 2.5 units in the last place in WGSL.
         |_, path| 4e-7 * path,
     );
     let mut random = Random(9);
@@ -491,7 +492,7 @@ fn what_is_seen_of_fins_and_through_layers() {
         &looks,
         |[tangent, eye]| {
             let (t, e) = (d(tangent), d(eye));
-            // Of hair in all directions two thirds of the square are across any look.
+            // For uniformly distributed hair, two thirds of the squared length are perpendicular to any view direction.
             let rest = 2.0 / 3.0 * (1.0 - t.length_squared()).max(0.0);
             let path = (e.cross(t).length_squared() + rest).sqrt().max(0.1) / e.z.abs().max(0.1);
             [path / (0.5 + 0.5 * (t.truncate().length_squared() + rest).sqrt()), 0.0, 0.0, 0.0]
@@ -513,12 +514,12 @@ fn what_is_seen_of_fins_and_through_layers() {
             [(1.0 + share * share * (path * path - 1.0)).sqrt(), 0.0, 0.0, 0.0]
         },
         |[c]| [opacity::shortened_path(c[0], c[1]), 0.0, 0.0, 0.0],
-        // A way of 1 rounds, and its square.
+        // A path of 1 is rounded, and so is its square.
         |_, path| 8e-7 * path,
     );
 }
 
-/// The comparer itself: a wrong expression must be caught, and so must a shader that computes nothing.
+/// Checks the transmittance of a layer and the slanted path through it.
 #[test]
 fn layer_transmittances() {
     let mut random = Random(41);
@@ -546,7 +547,7 @@ fn layer_transmittances() {
     );
 }
 
-/// Attenu_Shadow where depth spans 0.5 m, the penumbra is 0.2, the blur 4 mm and a texel 1 mm.
+/// Returns Attenu_Shadow for a depth range of 0.5 m, a penumbra of 0.2, a blur of 4 mm and texels of 1 mm.
 fn soft_shadow_truth(texel: [f64; 4], z: f64, distance: f64, path: f64, centred: bool) -> f64 {
     let [w, wz, first, _] = texel;
     let (range, penumbra, blur, texel) =
@@ -566,7 +567,7 @@ fn soft_shadow_truth(texel: [f64; 4], z: f64, distance: f64, path: f64, centred:
     1.0 + (lit - 1.0) * share
 }
 
-/// Where the answer jumps, rounding may fall on either side.
+/// Returns whether the result is discontinuous here, so that rounding may give either side.
 fn steep_shadow(texel: [f32; 4], z: f32, distance: f32, path: f32) -> bool {
     let [w, wz, first, _] = texel;
     let bias = 0.001 * distance * (0.5 + path);
@@ -583,7 +584,7 @@ fn soft_shadows() {
     for i in 0..3000 {
         let w = random.next_f32();
         let (first, z) = (random.next_f32(), random.next_f32());
-        // The last thousand at a point light's distances and slants; some with nothing near in shadow.
+        // The last thousand have a point light's distances and slants; some have nothing near in shadow.
         let w = if i % 7 == 0 { 0.0 } else { w };
         let (distance, path) =
             if i < 2000 { (1.0, 1.0) } else { (0.1 + 3.0 * random.next_f32(), 1.0 + 3.0 * random.next_f32()) };
@@ -617,7 +618,7 @@ fn light_received() {
         ..receiver::ShadowReceiver::default()
     };
     let path = |n_dot_l: f32| 1.0 / f64::from(n_dot_l).abs().max(0.25);
-    // Texel; place in the maps, of which many lie beside or beyond them and some behind a point light; cosine, form.
+    // Texel; position in the maps, often beside or beyond them, sometimes behind a point light; cosine; form.
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..4000 {
         let w = if i % 7 == 0 { 0.0 } else { random.next_f32() };
@@ -650,7 +651,7 @@ fn light_received() {
         &cases,
         truth,
         |c| xf(receiver::light_at_place(Vec4::from(c[0]), Vec4::from(c[1]), c[2][0], &receiver(c[2][1]))),
-        // As soft_shadow itself.
+        // Same as for `soft_shadow`.
         |_, _| 2e-3,
     );
 }
@@ -671,7 +672,7 @@ fn a_wrong_shader_is_caught() {
     });
     assert!(wrong.is_err(), "an error of 1e-4 passed a tolerance of 1e-6");
     let idle = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        // Writes the sentinel, as a shader that never ran would leave it.
+        // Writes the sentinel, like a shader that never ran.
         evaluate(gpu, "", &format!("vec4({:?}) + 0.0 * in_0", pelage_tests::compute::SENTINEL), &[[[0.0; 4]]])
     }));
     assert!(idle.is_err(), "an untouched output passed");
@@ -710,7 +711,7 @@ fn visibility_of_the_tile() {
     );
 }
 
-/// Of all unit vectors, those along the fibre and those that are opposite or equal as well.
+/// Checks all kinds of unit vectors, including vectors along the fibre and pairs that are opposite or equal.
 #[test]
 fn angles_about_a_fibre() {
     let mut random = Random(11);
@@ -754,7 +755,7 @@ fn angles_about_a_fibre() {
             let found = scattering::fibre_angles(v(tip), v(light), v(eye));
             [found.along.x, found.along.y, found.around.y, found.cos_i]
         },
-        // Square roots of differences: half of the digits, where angles are right angles or none.
+        // Square roots of differences lose half of the digits if an angle is 90° or 0.
         |[tip, light, eye], _| {
             let cos = |way: &[f32; 4]| (1.0 - d(tip).dot(d(way)).powi(2)).max(1e-7).sqrt();
             let wide = d(light).dot(d(eye)) > 0.9;
@@ -763,7 +764,7 @@ fn angles_about_a_fibre() {
                 + 2e-3 * f64::from(u8::from(cos(light).min(cos(eye)) < 1e-2))
         },
     );
-    // The azimuth has no truth along the fibre; elsewhere its cosine has.
+    // The azimuth is undefined along the fibre; elsewhere its cosine is compared.
     let across: Vec<Case<3>> = cases
         .iter()
         .filter(|[tip, light, eye]| [light, eye].iter().all(|way| d(tip).dot(d(way)).abs() < 0.99))
@@ -781,7 +782,7 @@ fn angles_about_a_fibre() {
         |[tip, light, eye]| {
             xf((std::f32::consts::PI * scattering::fibre_angles(v(tip), v(light), v(eye)).around.x).cos())
         },
-        // Lavapipe's acos is good to about 1e-4.
+        // Lavapipe's acos is accurate to about 1e-4.
         |_, _| 3e-4,
     );
 }
@@ -848,7 +849,7 @@ fn openness_comes_back_from_two_bytes() {
         let of = Openness { share, tangential: [out * turn.cos(), out * turn.sin()] };
         let [x, y] = environment::pack_openness(of).map(|byte| f32::from(byte) / 255.0);
         let found = environment::unpack_openness(Vec2::new(x, y)) * environment::USUALLY_OPEN;
-        // Half of a step of each number.
+        // Half a quantisation step of each number.
         assert!((found.length() - share).abs() < 0.004, "{of:?}: {found}");
         let expected = of.vector() / of.share;
         assert!(found.normalize().truncate().distance(expected.truncate()) < 0.11, "{of:?}: {found}");
@@ -987,7 +988,8 @@ fn light_in_a_coat_of_fibres() {
 #[test]
 fn light_in_hair_that_hangs() {
     let mut random = Random(31);
-    // Sines of the light's and the eye's angle, variance, share of the light; what goes on and comes back; what is left, and the cosine.
+    // Sines of the angles of light and view, variance, share of direct light; light scattered forward and back;
+    // remaining light, and cosine.
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..3000 {
         let sine = |random: &mut Random, which| match which {
@@ -1075,7 +1077,7 @@ fn light_in_hair_that_hangs() {
     );
 }
 
-/// Packages may hold any of them.
+/// Checks fibres with extreme values, all of which packages may contain.
 #[test]
 fn fibres_without_light_are_no_trouble_to_hair_that_hangs() {
     for (on, back) in [(0.0, 0.0), (1e-30, 0.0), (0.0, 1.0), (1.0, 1.0), (-10.0, 10.0), (10.0, 10.0), (-10.0, -10.0)] {
@@ -1096,26 +1098,27 @@ fn along_cone(sin_i: f64, sin_o: f64, variance: f64) -> f64 {
     2.0 * k * i0e(a) * (a - k * (1.0 + sin_i * sin_o)).exp() / (1.0 - (-2.0 * k).exp())
 }
 
-/// As a shader writes it.
+/// Formats a fibre as WGSL.
 fn literal(fibre: &scattering::Fibre) -> String {
     let vec4 = |[x, y, z, w]: [f32; 4]| format!("vec4({x:?}, {y:?}, {z:?}, {w:?})");
     let [on, back] = [fibre.on, fibre.back].map(|of| of.map(vec4).join(", "));
     format!("Fibre({}, array({on}), array({back}))", vec4(fibre.optics))
 }
 
-/// Of a fibre of hair.
+/// Optics of a hair fibre.
 const OPTICS: [f32; 4] = [0.41623, 0.17, 0.45, 0.0];
 const FITTED: [[f32; 4]; 3] = [[0.04, 0.85, 0.1, 0.01], [0.1, -0.5, 0.3, 0.1], [0.2, -0.3, 0.1, 0.0]];
-/// What it absorbs and leaves in the shader of these cases.
+/// Absorption of the fibre and remaining light, in the shader of these cases.
 const ABSORBED: &str = "fibre_absorption(in_2.xyz, in_2.w)";
 const LEFT: &str = "fibre_left(in_2.z, vec4(0.41623, 0.17, 0.45, 0.0), fibre_absorption(in_2.xyz, in_2.w))";
 
-/// What a fibre absorbs a radius of the colour's channel.
+/// Returns the absorption of a fibre per radius for a channel of the colour.
 fn sigma(color: &[f32; 4], channel: usize) -> f64 {
     (f64::from(color[channel]).clamp(1e-3, 1.0).ln() * f64::from(color[3])).powi(2)
 }
 
-/// What it leaves of light that crosses it once, where the colour's blue is the cosine of the difference angle.
+/// Returns the remaining share of light that crosses the fibre once; the colour's blue is the cosine of the difference
+/// angle.
 fn left(color: &[f32; 4], channel: usize) -> f64 {
     let cos = f64::from(color[2]).max(0.1);
     let [per_eta2, _, aside, _] = OPTICS.map(f64::from);

@@ -1,11 +1,11 @@
-//! Levels of detail in the shared shader functions: Rust twin and GPU against the truth, spelled out.
+//! Levels of detail in the shared shader functions: Rust twin and GPU against an explicit reference.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::shared::detail;
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 
-/// Layers that a level draws, by marking them.
+/// Returns the layers that a level draws, by enumeration.
 fn drawn(baked: u32, step: u32) -> Vec<u32> {
     (1..baked).rev().step_by(step as usize).collect::<Vec<_>>().into_iter().rev().collect()
 }
@@ -19,7 +19,7 @@ fn layers_of_levels_on_the_device_are_those_of_the_twin_and_of_the_definition() 
             let list = drawn(baked, step);
             assert_eq!(detail::detail_count(baked, step) as usize, list.len());
             for layer in 1..baked {
-                // Itself and those below it, down to the next that is drawn.
+                // The layer itself and those below it, down to the next drawn layer.
                 let below = list.iter().rev().find(|k| **k < layer).copied().unwrap_or(0);
                 let stood_for = if list.contains(&layer) { (layer - below) as f32 } else { 0.0 };
                 let nth = list.iter().position(|k| *k == layer);
@@ -41,7 +41,7 @@ fn layers_of_levels_on_the_device_are_those_of_the_twin_and_of_the_definition() 
     }
 }
 
-/// On the way from a level to the next.
+/// Checks the transition between two levels.
 #[test]
 fn layers_between_levels_on_the_device_are_those_of_the_twin() {
     let mut cases: Vec<[[f32; 4]; 1]> = Vec::new();
@@ -86,7 +86,7 @@ fn exponents_heights_and_light_on_the_device_are_those_of_the_twin() {
             detail::far_layer_light(number, 1.0, slope),
             detail::light_within(0.05 * slope, number),
         ];
-        // A device's logarithm of numbers near 1 is coarse.
+        // A device's logarithm of numbers near 1 is imprecise.
         for ((found, twin), least) in found.iter().zip(twin).zip([1e-6, 1e-6, 1e-6, 1e-4]) {
             assert!((found - twin).abs() <= least * twin.abs().max(1.0), "{case:?}: {found}, expected {twin}");
         }
@@ -108,7 +108,7 @@ fn light_within_a_layer_is_that_of_the_stack_it_stands_for() {
             assert!((found - lit / seen).abs() < 2e-5, "{alpha}, {layers}: {found}, expected {}", lit / seen);
         }
     }
-    // Nothing jumps where a layer begins to stand for more, and hair that is not there or opaque has an answer.
+    // Continuous where a layer begins to represent several, and defined for absent and for opaque hair.
     assert!((detail::light_within(0.5, 1.001) - 1.0).abs() < 1e-3);
     for alpha in [0.0, 1.0] {
         assert!((0.0..=1.0).contains(&detail::light_within(alpha, 4.0)));

@@ -1,4 +1,4 @@
-//! The ink style's formulas: truth in f64, Rust twin and GPU (Fang 2006).
+//! Formulas of the ink style: f64 reference, Rust twin and GPU (Fang 2006).
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -6,7 +6,7 @@ use pelage_runtime::shared::{ink, srgb};
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 
-/// Unit vectors all over the half sphere that faces the eye, rim and pole among them.
+/// Returns unit vectors all over the hemisphere that faces the camera, including rim and pole.
 fn normals() -> Vec<Vec3> {
     let mut all = vec![Vec3::Z, Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.8, 0.0)];
     for i in 0..400 {
@@ -32,7 +32,8 @@ fn the_outline_is_the_rim_of_the_sphere_map_and_the_device_agrees() {
         assert!(uv.distance(truth) < 1e-6, "{n}: {uv}, expected {truth}");
         let radius = 0.5 * (1.0 - f64::from(n.z).powi(2)).max(0.0).sqrt();
         assert!((f64::from((uv - 0.5).length()) - radius).abs() < 1e-4, "{n}");
-        // A swollen rim reaches twice as far in; the outline stays where it is. The middle has no direction to move in.
+        // A swollen rim reaches twice as far inwards; the outline stays in place. The centre has no direction to move
+        // in.
         if n == Vec3::Z {
             continue;
         }
@@ -50,14 +51,15 @@ fn the_outline_is_the_rim_of_the_sphere_map_and_the_device_agrees() {
     }
 }
 
-/// The printed equation gives one place for all normals; its reading by reflection is right along the axis and off beside it, with the outline inside the
-/// rim: at cos(a/2)/2, a the angle to the axis.
+/// Checks both forms of the sphere map. The printed equation maps all normals to one point. The form by reflection is
+/// correct along the axis only; beside it, the outline moves inside the rim, to cos(a/2)/2, where a is the angle to the
+/// axis.
 #[test]
 fn the_printed_sphere_map_is_one_place_and_the_reflected_one_shrinks_off_the_axis() {
     let eye = DVec3::new(0.3, 0.2, 1.0).normalize().as_vec3();
     let places: Vec<Vec2> =
         normals().iter().map(|n| ink::ink_sphere_uv_printed(*n, eye)).filter(|p| p.is_finite()).collect();
-    // Off the axis the direction of the place is the eye's whatever the normal.
+    // Off the axis the direction of the point is that of the eye, for any normal.
     let first = (places[10] - 0.5).normalize();
     assert!(places.iter().all(|p| (*p - 0.5).normalize_or_zero().dot(first).abs() > 0.999), "{places:?}");
     let axis = Vec3::Z;
@@ -92,7 +94,7 @@ fn the_printed_sphere_map_is_one_place_and_the_reflected_one_shrinks_off_the_axi
 
 #[test]
 fn features_tones_wash_and_strokes_on_the_device_are_those_of_the_twin() {
-    // The two thresholds of the paper are the ends of the ramp.
+    // The ramp ends at the two thresholds of the paper.
     assert_eq!([0.81, 0.8, 0.65, -1.0].map(|v| ink::ink_feature_strength(v, 0.8, 0.65)), [0.0, 0.0, 1.0, 1.0]);
     assert!((ink::ink_feature_strength(0.725, 0.8, 0.65) - 0.5).abs() < 1e-5);
     assert_eq!(ink::ink_feature_strength(0.8, 0.8, 0.8), 0.0, "thresholds that coincide divide by nothing");

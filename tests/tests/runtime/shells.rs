@@ -1,4 +1,4 @@
-//! What makes shells cheap leaves the picture as it is.
+//! Checks that the optimisations of shells leave the picture unchanged.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -25,7 +25,7 @@ fn picture(gpu: &Gpu, sphere: &SphereParams, params: &FrameParams) -> Picture {
     draw(gpu, &mut renderer, params, &[&instance])
 }
 
-/// Largest difference of a channel, 0..=255.
+/// Returns the largest difference of a channel, 0..=255.
 fn largest(a: &Picture, b: &Picture) -> u8 {
     let channels = a.rgba.as_flattened().iter().zip(b.rgba.as_flattened());
     channels.map(|(x, y)| x.abs_diff(*y)).max().unwrap()
@@ -36,21 +36,22 @@ fn forms_of_the_varyings_draw_the_same() {
     let Some(gpu) = gpu("forms_of_the_varyings_draw_the_same") else { return };
     let plain = picture(gpu, &sphere(), &front());
     assert!(plain.covered() > 8000, "{} pixels of fur", plain.covered());
-    // A texture that changes nothing, and a light that adds nothing, need the longer forms.
+    // A neutral texture and a black light require the longer forms.
     let mapped = picture(gpu, &SphereParams { white_texture: true, ..sphere() }, &front());
     assert!(largest(&plain, &mapped) <= 1, "mapped: {} of 255", largest(&plain, &mapped));
     let mut params = front();
     params.fill_lights = vec![Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO }];
     let filled = picture(gpu, &sphere(), &params);
     assert!(largest(&plain, &filled) <= 1, "filled: {} of 255", largest(&plain, &filled));
-    // The comparison sees what it should.
+    // Negative control of the comparison.
     params.fill_lights = vec![Light::Directional { towards_light: Vec3::Y, color: Vec3::splat(0.2) }];
     assert!(largest(&plain, &picture(gpu, &sphere(), &params)) > 8, "a light that is there shows");
     let striped = picture(gpu, &SphereParams { stripes: true, ..sphere() }, &front());
     assert!(largest(&plain, &striped) > 8, "stripes show");
 }
 
-/// Mean over the pixels where every picture is opaque of the luminance, 0..=255, and of its difference to the right-hand neighbour.
+/// Returns the means of the luminance (0..=255) and of its difference to the right-hand neighbour, over pixels opaque
+/// in every picture.
 fn luminance_and_contrast(picture: &Picture, opaque: &dyn Fn(usize) -> bool) -> (f64, f64) {
     let at = |i: usize| {
         let [r, g, b, _] = picture.rgba[i].map(f64::from);
@@ -79,9 +80,9 @@ fn light_at_vertices_is_as_bright_and_more_even() {
         assert!((0.95..1.05).contains(&brightness), "{brightness} times as bright");
         let contrast = sharp_at_vertices / sharp;
         assert!((0.5..0.97).contains(&contrast), "{contrast} times the contrast");
-        // Where nothing of the key light is left, both are the same.
+        // Without key light both are the same.
         params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
-        // Computed at vertices, the direction to the eye is not quite that of the pixel.
+        // Interpolated from vertices, the view direction differs slightly from that of the pixel.
         params.study.view_slant = SlantForm::Printed;
         let dark = picture(gpu, &sphere, &params);
         params.study.lighting = LightingStage::Pixel;

@@ -1,4 +1,4 @@
-//! Single strands: what they cover, what the groom leaves of them, how they shade each other, and when they take the place of layers.
+//! Single strands: coverage, effect of the groom, mutual shadows, and the transition from layers.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::formats::{Shading, StrandsData};
@@ -17,21 +17,21 @@ use pelage_tests::silhouette::bake_plain;
 use pelage_truth::compare::compare;
 
 const SIZE: u32 = 256;
-/// Of the square that is seen: a little more than the plane, which is 0.2 m wide.
+/// Width of the visible square, metres; slightly more than the plane, which is 0.2 m wide.
 const SEEN_M: f32 = 0.25;
 const PX_PER_M: f32 = SIZE as f32 / SEEN_M;
 /// Tiles along an edge of the plane.
 const TILES: f32 = 8.0;
 const TILE_M: f32 = 0.2 / TILES;
-/// Strands of a tile, in rows that do not touch.
+/// Number of strands per tile, in rows that do not touch.
 const ROWS: usize = 8;
 
-/// Light that comes alike to all that no hair hides.
+/// Returns light of equal strength on everything that no hair hides.
 fn even_light() -> Shading {
     Shading { ambient: [0.0; 3], diffuse: [1.0; 3], specular: [0.0; 3], ..Shading::default() }
 }
 
-/// Straight down, hair in white.
+/// Returns a view straight down, in white light.
 fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: SEEN_M, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [SIZE; 2]).with(|p| {
@@ -49,10 +49,10 @@ fn renderer(gpu: &Gpu, samples: u32) -> Renderer {
     Renderer::new(&gpu.device, &gpu.queue, &options).unwrap()
 }
 
-/// Strands that lie above the skin beside each other, of one width in pixels and 0.6 tiles long.
+/// Returns parallel horizontal strands above the mesh surface, of uniform width in pixels and 0.6 tiles long.
 fn lying(width_px: f32) -> StrandsData {
     let roots: Vec<_> = (0..ROWS).map(|i| [0.37 * i as f32 % 1.0, (i as f32 + 0.5) / ROWS as f32]).collect();
-    // A little askew, so that they meet samples of all rows.
+    // Slightly tilted, so that they cover samples of all rows.
     straight_strands(&roots, 0.5, &[[0.6, 0.07, 0.5]; ROWS], 0.5 * width_px / PX_PER_M / TILE_M)
 }
 
@@ -60,7 +60,7 @@ fn plane(strands: StrandsData, groom: PlaneGroom) -> Vec<u8> {
     groomed_plane(4, 128, even_light(), &PlaneGroom { strands: Some((strands, TILES)), ..groom })
 }
 
-/// Opacity of the strands alone, pixels.
+/// Returns the summed opacity of the strands alone, pixels.
 fn covered(gpu: &Gpu, package: &[u8], params: &FrameParams, samples: u32) -> f32 {
     let mut renderer = renderer(gpu, samples);
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
@@ -68,14 +68,14 @@ fn covered(gpu: &Gpu, package: &[u8], params: &FrameParams, samples: u32) -> f32
     texels.chunks_exact(4).map(|texel| f32::from(texel[3]) / 255.0).sum()
 }
 
-/// Pixels that strands cover which do not hide each other.
+/// Returns the expected coverage of strands that do not overlap, pixels.
 fn expected_px(width_px: f32) -> f32 {
     let length_px = 0.6f32.hypot(0.07) * TILE_M * PX_PER_M;
     TILES * TILES * ROWS as f32 * length_px * width_px
 }
 
-/// A ribbon an eighth of a pixel wide covers an eighth of what one of a pixel does: drawn at least a pixel wide, as lines are, it would cover eight times
-/// as much.
+/// Checks that a ribbon an eighth of a pixel wide covers an eighth of a ribbon one pixel wide. Drawn at least one pixel
+/// wide, as lines are, it would cover eight times as much.
 #[test]
 fn thin_strands_cover_as_much_as_they_are_wide() {
     let Some(gpu) = gpu("thin_strands_cover_as_much_as_they_are_wide") else { return };
@@ -90,7 +90,8 @@ fn thin_strands_cover_as_much_as_they_are_wide() {
     }
 }
 
-/// Blended edges against ribbons of many samples, and the same picture whatever the order of the threads; with the depth buffer either way round.
+/// Checks blended edges against ribbons with many samples. The picture must not depend on the order of threads, and
+/// both depth directions must agree.
 #[test]
 fn blended_strands_are_what_many_samples_see() {
     let Some(gpu) = gpu("blended_strands_are_what_many_samples_see") else { return };
@@ -112,7 +113,7 @@ fn blended_strands_are_what_many_samples_see() {
     assert!(blended == drawn(StrandEdges::Blended, 1, false, 256), "it depends on the order of threads");
     let reversed = difference(&blended, &drawn(StrandEdges::Blended, 1, true, 256));
     assert!(reversed.mean < 0.05, "{reversed:?}");
-    // Sixteen pixels of four samples for each.
+    // Each pixel is the mean of sixteen pixels with four samples.
     let fine = drawn(StrandEdges::Samples, 4, false, 1024).shrunk(4);
     let of = |edges, samples| difference(&drawn(edges, samples, false, 256), &fine).mean;
     let found = [of(StrandEdges::Blended, 1), of(StrandEdges::Samples, 4), of(StrandEdges::Samples, 1)];
@@ -129,13 +130,13 @@ fn bare_places_grow_as_few_strands_as_the_groom_says() {
         let (found, expected) = (vertex(bareness), 1.0 - f32::from(bareness) / 255.0);
         assert!((found - expected).abs() < 0.05, "{bareness}: {found}, expected {expected}");
     }
-    // A texture whose left half is bare.
+    // A texture with a bare left half.
     let texels = [[0u8, 0], [0, 0], [255, 0], [255, 0]].repeat(4);
     let half = grown(PlaneGroom { texture: Some((4, texels)), ..PlaneGroom::default() });
     assert!((half - 0.5).abs() < 0.05, "{half}");
 }
 
-/// Wet strands here are half as long as dry ones: between the two they are in between.
+/// Checks that strands between wet and dry are interpolated; wet strands here are half as long as dry ones.
 #[test]
 fn wet_strands_are_mixed_with_dry_ones() {
     let Some(gpu) = gpu("wet_strands_are_mixed_with_dry_ones") else { return };
@@ -154,7 +155,7 @@ fn wet_strands_are_mixed_with_dry_ones() {
     }
 }
 
-/// Mean light of the strands' pixels that are not black.
+/// Returns the mean light of the strand pixels that are not black.
 fn light(gpu: &Gpu, package: &[u8], params: &FrameParams) -> f64 {
     let mut renderer = renderer(gpu, 1);
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
@@ -168,26 +169,27 @@ fn light(gpu: &Gpu, package: &[u8], params: &FrameParams) -> f64 {
     lit.iter().sum::<f64>() / lit.len() as f64
 }
 
-/// A wide strand lies below many thin ones, and is seen from below them: what reaches it is exp(-c), where they cover c of each texel of the map.
+/// Checks the shadow on a wide strand below many thin ones, seen from below. The transmittance is exp(-c), where the
+/// thin strands cover a share c of each texel of the map.
 #[test]
 fn strands_take_the_light_of_those_below() {
     let Some(gpu) = gpu("strands_take_the_light_of_those_below") else { return };
-    // Several in each texel of the map.
+    // Several per texel of the map.
     const ABOVE: usize = 128;
     for cover in [0.25f32, 1.0] {
-        // Lengths of a tile: together they cover as much of it everywhere.
+        // As long as a tile: together they give uniform coverage.
         let roots: Vec<_> = (0..ABOVE).map(|i| [0.0, (i as f32 + 0.5) / ABOVE as f32]).collect();
         let mut strands = straight_strands(&roots, 1.0, &[[1.0, 0.0, 1.0]; ABOVE], 0.5 * cover / ABOVE as f32);
-        // So that they are told from what lies below them.
+        // Black, so that they differ from the strand below them.
         strands.points.iter_mut().for_each(|point| point.color = [0; 3]);
         let below = straight_strands(&[[0.0, 0.51]], 0.0, &[[1.0, 0.0, 0.0]], 0.1);
         strands.roots.extend(below.roots);
         strands.points.extend(below.points);
         let package = plane(strands, PlaneGroom::default());
-        // Strands show the same light to an eye on either side; the plane is not drawn.
+        // Strands show the same light to a camera on either side; the plane is not drawn.
         let projection = Projection::Orthographic { height_m: 0.15, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
         let below = in_strands(above()).with(|p| {
-            // Nearly straight up, from where the skin still faces the eye enough for its hair to be drawn.
+            // Nearly straight up, from where the surface still faces the camera enough for its hair to be drawn.
             p.camera = Camera::look_at(Vec3::new(0.0, -1.0, -0.4), Vec3::ZERO, projection);
         });
         let [shaded, plain] = [SelfShadow::Auto, SelfShadow::Off]
@@ -197,13 +199,13 @@ fn strands_take_the_light_of_those_below() {
     }
 }
 
-/// In a target that holds any number, light at the edges and ends of a ribbon is what its points have: taken at the middle of a pixel that the ribbon
-/// misses, it would run on to less than nothing.
+/// Checks that light at the edges and ends of a ribbon stays within the range of its points, in a float target.
+/// Extrapolated to the centre of a pixel that the ribbon misses, it would be negative.
 #[test]
 fn light_at_the_ends_of_strands_is_no_less_than_none() {
     let Some(gpu) = gpu("light_at_the_ends_of_strands_is_no_less_than_none") else { return };
     let mut strands = lying(0.5);
-    // From black to white and back, point by point.
+    // Alternately black and white, point by point.
     let white = |point: usize| if point.is_multiple_of(2) { 0 } else { 255 };
     strands.points.iter_mut().enumerate().for_each(|(number, point)| point.color = [white(number); 3]);
     let options = CanvasOptions {
@@ -232,14 +234,14 @@ fn light_at_the_ends_of_strands_is_no_less_than_none() {
     assert!(lit > 1000 && negative == 0, "{negative} numbers below 0 beside {lit} above");
 }
 
-/// Scaled, turned and mirrored, with the camera and the light, strands look the same.
+/// Checks that strands look the same when scaled, rotated and mirrored together with camera and light.
 #[test]
 fn strands_follow_the_instance() {
     let Some(gpu) = gpu("strands_follow_the_instance") else { return };
     let package = plane(lying(2.0), PlaneGroom::default());
     let mut renderer = renderer(gpu, 4);
     let model = renderer.load_bytes(&package).unwrap();
-    // Maps lie elsewhere on what is elsewhere.
+    // No shadow maps, since they depend on the position.
     let above = || in_strands(above()).with_fur(|fur| fur.self_shadow = SelfShadow::Off);
     let plain = draw(gpu, &mut renderer, &above(), &[&Instance::new(0, &model)]);
     let (scale, turn, away) = (3.0, Quat::from_rotation_x(0.7), Vec3::new(5.0, -2.0, 1.0));
@@ -247,7 +249,7 @@ fn strands_follow_the_instance() {
     let projection =
         Projection::Orthographic { height_m: scale * SEEN_M, aspect: 1.0, near_m: 0.0, far_m: scale * 2.0 };
     let params = above().with(|p| {
-        // Turned about x, so that the way up is still in the picture's plane.
+        // Rotated about x, so that the up direction stays in the picture plane.
         p.camera = Camera::look_at(place.transform_point3(Vec3::Z), away, projection);
         p.light = Light::Directional { towards_light: turn * Vec3::Z, color: Vec3::ONE };
     });
@@ -258,7 +260,7 @@ fn strands_follow_the_instance() {
     let mirrored = draw(gpu, &mut renderer, &above(), &[&Instance::new(0, &model).at(mirror)]);
     let rows = mirrored.rgba.chunks_exact(SIZE as usize);
     let back = Picture { rgba: rows.flat_map(|row| row.iter().rev().copied()).collect(), ..mirrored.clone() };
-    // The samples of a pixel are no mirror of themselves: edges differ, and strands in other places would by far more.
+    // The samples of a pixel are not symmetric, so edges differ; misplaced strands would differ far more.
     assert!(difference(&plain, &back).mean < 3.0, "{:?}", difference(&plain, &back));
     assert!(difference(&plain, &mirrored).mean > 10.0, "{:?}", difference(&plain, &mirrored));
 }
@@ -284,8 +286,9 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
     };
     let auto = |_: &mut pelage_runtime::FurParams| ();
     let full = |fur: &mut pelage_runtime::FurParams| fur.detail = Detail::Full;
-    // Width in pixels, samples, share of strands. All of them take over at .9 pixels over the root of the samples; with four samples a quarter of them,
-    // each four times as wide, at a quarter of that.
+    // Share, width in pixels, samples, expected share of strands. With full detail, strands replace layers at 0.9
+    // pixels over the square root of the samples. With four samples a quarter of the strands, each four times as wide,
+    // replaces them at a quarter of that width.
     for (quarter, width_px, samples, share) in
         [(0.7, 1, 0.0), (0.95, 1, 1.0), (0.35, 4, 0.0), (0.387, 4, 0.5), (0.43, 4, 1.0), (0.48, 4, 1.0)]
             .into_iter()
@@ -301,7 +304,7 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
         assert_eq!(ran(&report, PassId::SHELLS), layers);
         assert_eq!(report.instances[0].layers, if layers { 3 } else { 0 });
     }
-    // What is asked for by name goes before.
+    // An explicit choice has priority.
     assert!(!ran(&at(4, 2.0, &|fur| fur.hair = HairGeometry::Shells), PassId::STRANDS));
     assert!(!ran(&at(4, 2.0, &|fur| fur.layers = Some(4)), PassId::STRANDS));
     assert!(!ran(&at(4, 2.0, &|fur| fur.detail = Detail::Level(0.0)), PassId::STRANDS));
@@ -309,7 +312,7 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
     assert!(!ran(&at(1, 0.05, &|fur| fur.hair = HairGeometry::Strands), PassId::SHELLS));
 }
 
-/// A mane whose edges are soft lies over a coat that is layers.
+/// Checks that a mane with soft edges is drawn over fur in layers.
 #[test]
 fn blended_hair_lies_over_layers() {
     let Some(gpu) = gpu("blended_hair_lies_over_layers") else { return };
@@ -333,7 +336,7 @@ fn blended_hair_lies_over_layers() {
     assert!(found[0] < found[1], "{found:?}");
 }
 
-/// Nobody waits for a compiler when an animal comes near, however many points it is drawn with.
+/// Checks that no pipeline is compiled when an animal comes near, for any number of points per strand.
 #[test]
 fn prepared_pipelines_are_all_that_strands_need() {
     let Some(gpu) = gpu("prepared_pipelines_are_all_that_strands_need") else { return };
@@ -356,13 +359,13 @@ fn prepared_pipelines_are_all_that_strands_need() {
     }
 }
 
-/// Where the device's buffers do not hold the lists of a picture's pixels, strands are drawn in samples.
+/// Checks that strands are drawn with samples if the device's buffers cannot hold the lists of all pixels.
 #[test]
 fn blended_edges_fall_back_to_samples() {
     if gpu("blended_edges_fall_back_to_samples").is_none() {
         return;
     }
-    // Room for half of the picture.
+    // Space for half of the picture.
     let bytes = u64::from(SIZE * SIZE) * 36 / 2;
     let limits = wgpu::Limits { max_storage_buffer_binding_size: bytes, ..wgpu::Limits::default() };
     let gpu = Gpu::with(wgpu::Features::empty(), Some(limits)).unwrap();
@@ -373,12 +376,12 @@ fn blended_edges_fall_back_to_samples() {
     assert!(ran(&found, PassId::STRANDS) && !ran(&found, PassId::STRAND_BLEND), "{found:?}");
     let reason = &found.passes.iter().find(|pass| pass.name == PassId::STRAND_GATHER.name()).unwrap().reason;
     assert!(reason.contains("buffers"), "{reason}");
-    // A smaller picture has room.
+    // A smaller picture fits.
     let small = report(&gpu, &mut renderer, &params.with(|p| p.viewport = [SIZE / 2; 2]), &instance);
     assert!(ran(&small, PassId::STRAND_BLEND) && !ran(&small, PassId::STRANDS), "{small:?}");
 }
 
-/// Who has too few storage buffers draws layers, and says so.
+/// Checks that a device with too few storage buffers draws layers and reports it.
 #[test]
 fn a_small_device_draws_layers() {
     if gpu("a_small_device_draws_layers").is_none() {
@@ -394,7 +397,7 @@ fn a_small_device_draws_layers() {
     assert!(reason.contains("storage buffers"), "{reason}");
 }
 
-/// An animal that was drawn in layers first has the same strands as one that never was.
+/// Checks that an animal drawn in layers first gets the same strands as one drawn in strands at once.
 #[test]
 fn strands_that_come_later_are_posed() {
     let Some(gpu) = gpu("strands_that_come_later_are_posed") else { return };
@@ -412,7 +415,7 @@ fn strands_that_come_later_are_posed() {
     assert!(drawn(&[HairGeometry::Shells]) == at_once && drawn(&[HairGeometry::Shells, HairGeometry::Strands, HairGeometry::Shells]) == at_once);
 }
 
-/// The hare from where it is layers to where it is strands: between frames no more changes than while it is one of them.
+/// Checks the hare's transition from layers to strands: frames change no more than in either form.
 #[test]
 fn nothing_jumps_between_layers_and_strands() {
     let Some(gpu) = gpu("nothing_jumps_between_layers_and_strands") else { return };
@@ -427,12 +430,12 @@ fn nothing_jumps_between_layers_and_strands() {
         let projection = Projection::Perspective { fov_y_rad: 0.5, aspect: 1.0, near_m: 0.01, far_m: 100.0 };
         FrameParams::new(Camera::look_at(eye, center, projection), [200; 2]).with_fur(|f| f.hair = hair)
     };
-    // How far on the way: strands come in, then layers go.
+    // Progress of the transition: strands fade in, then layers fade out.
     let drawn = |renderer: &mut Renderer, distance| {
         let found = report(gpu, renderer, &seen_from(distance, HairGeometry::Auto), &instance).instances[0];
         found.strands + if found.layers > 0 { 0.0 } else { 1.0 }
     };
-    // The distances where strands begin, where they are all, and where layers end, by halving.
+    // Distances at which strands begin, strands are complete, and layers end, by bisection.
     let mut find = |wanted: f32| {
         let (mut near, mut far) = (1.5f32, 100.0f32);
         for _ in 0..40 {

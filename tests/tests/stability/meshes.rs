@@ -1,5 +1,5 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! Lapped patches on real meshes: every mesh of the test data, and the figures that the project promises on the well-known ones.
+//! Lapped patches on real meshes: every mesh of the test data, and the quality measures promised for well-known ones.
 
 use pelage_bake::io::{Reach, read_model};
 use pelage_bake::recipe::{self, Recipe};
@@ -12,12 +12,12 @@ use pelage_needs::data;
 use pelage_tests::binary::{walk, workspace};
 use std::path::{Path, PathBuf};
 
-/// Whether the importer knows files of that name.
+/// Returns whether the importer supports the file extension.
 fn is_model(path: &Path) -> bool {
     path.extension().is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|x| e == *x))
 }
 
-/// As `pelage bake` does it without a recipe.
+/// Computes the surface as `pelage bake` does without a recipe.
 fn surface(model: &Model) -> Result<Surface, BakeError> {
     let box_of = bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
     let tile_size_m = Lengths::resolve(&Recipe::default(), &box_of).tile_size_m;
@@ -38,7 +38,7 @@ fn no_triangle_of_any_mesh_is_flipped() {
         let Ok(model) = read_model(&path, &ImportOptions { unit_m: 1.0 }, Reach::OwnFolder) else { continue };
         let s = match surface(&model) {
             Ok(s) => s,
-            // A mesh without area has no surface, and is refused with these words alone.
+            // A mesh without area has no surface and is rejected with exactly this message.
             Err(error) => {
                 assert!(error.to_string().contains("triangles has an area"), "{name}: {error}");
                 continue;

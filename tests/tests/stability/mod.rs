@@ -1,4 +1,5 @@
-//! Methods driven over their cliffs: the naive form fails where ours stays within its bound; and surfaces that are hard to lay out.
+//! Stability tests: the naive form of each method fails where ours stays within its bound; and surfaces that are hard
+//! to parameterize.
 
 mod meshes;
 mod rows;

@@ -1,5 +1,5 @@
-//! The stability table: our form of each method stays within its bound where the naive form fails. What drives both over the cliff stands
-//! in `pelage_lab::stability`, which `pelage chart stability` prints; what holds besides is tested here.
+//! Stability table: our form of each method stays within its bound where the naive form fails. The inputs are in
+//! `pelage_lab::stability`, which `pelage chart stability` prints; further properties are tested here.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -11,7 +11,8 @@ use pelage_lab::stability;
 use pelage_lab::stability::{Drawing, Finding, Row, grow, hair_simulation, natural_hair, opacity, slice, texels};
 use pelage_tests::gpu::gpu;
 
-/// Runs a row: within the bound, *and* over the cliff. Data that never reached it would prove nothing.
+/// Asserts that a row stays within its bound and that the naive form fails. Inputs on which it does not fail would
+/// prove nothing.
 #[track_caller]
 fn holds<D>(row: &Row<D>, findings: Vec<Finding>) {
     assert!(!findings.is_empty(), "{} drives nothing", row.method);
@@ -22,7 +23,8 @@ fn holds<D>(row: &Row<D>, findings: Vec<Finding>) {
     }
 }
 
-/// One test per row, so that one failure does not hide another; a row without its test does not compile into the count.
+/// Generates one test per row, so that one failure does not hide another; a row without a test makes
+/// `every_row_has_its_test` fail.
 macro_rules! rows {
     ($($module:ident),+) => {
         $(
@@ -63,7 +65,7 @@ rows!(
     environment
 );
 
-/// The rows that need pictures, likewise.
+/// Generates the tests of the rows that need pictures.
 macro_rules! drawn_rows {
     ($($module:ident),+) => {
         $(
@@ -85,7 +87,7 @@ macro_rules! drawn_rows {
 
 drawn_rows!(shells, ink, strand_width, strand_light);
 
-/// What judges the rows must itself be able to fail.
+/// Checks that the checker of rows can itself fail.
 #[test]
 fn a_row_that_breaks_its_bound_is_seen() {
     let spoil: [fn(&mut stability::Finding); 3] =
@@ -104,12 +106,12 @@ fn a_cancelled_mean_is_stored_as_upright_or_as_nothing() {
     let noise = Vec3::new(3e-8, -6e-8, 0.0);
     assert_eq!(encode_mean(noise, TextureFormat::Rg8Unorm)[..2], [128, 128]);
     assert_eq!(encode_mean(noise, TextureFormat::Rgba8Unorm)[..3], [128, 128, 128]);
-    // Naive: rounding noise becomes a direction as firm as any.
+    // Naive form: rounding noise becomes a unit direction.
     let naive = noise / noise.length();
     assert!((naive.length() - 1.0).abs() < 1e-3 && naive.z == 0.0);
 }
 
-/// Mean colour seen from above over black: premultiplied colours, layer over layer.
+/// Checks that mip levels keep the mean colour seen from above over black: premultiplied colours, layer over layer.
 #[test]
 fn mip_levels_keep_the_mean_colour_too() {
     let set = slice(&grow(&HairParams { density: 250, ..natural_hair().unwrap() }, 0.4).unwrap(), 16, 64).unwrap();

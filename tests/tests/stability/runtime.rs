@@ -1,6 +1,6 @@
-//! Where the runtime's methods fail, and that ours do not: each test drives the naive form over its cliff and sees it fail, then
-//! holds the safe form to its bound. The rows "Kajiya–Kay", "opacity and layer count", "animation" and
-//! "shells" of the stability table.
+//! Failures of naive methods in the runtime: each test shows that the naive form fails, then checks the safe form
+//! against its bound. Covers the rows "Kajiya–Kay", "opacity and layer count", "animation" and "shells" of the
+//! stability table.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -23,7 +23,7 @@ use pelage_tests::plane::plane;
 use pelage_tests::silhouette::{Case, cases, half_to_f32};
 use pelage_tests::support::sphere::{self, Random, SphereParams};
 
-/// Unit vectors on a grid over the sphere, axes included, and 100 000 at random.
+/// Returns unit vectors on a grid over the sphere, axes included, and 100 000 random ones.
 fn unit_vectors() -> Vec<Vec3> {
     let mut all = Vec::new();
     for i in 0..=64 {
@@ -48,7 +48,7 @@ const EXPONENTS: [f32; 9] = [0.0, 0.5, 1.0, 2.0, 3.0, 30.0, 101.0, 1000.0, 10_00
 fn kajiya_kay_with_the_hair_along_the_light() {
     let mut cases = Vec::new();
     for (i, t) in unit_vectors().into_iter().enumerate() {
-        // L = T, L = −T, and L a rounding error away from T.
+        // L = T, L = −T, and L a rounding error from T.
         let l = [t, -t, (t * 1.000_000_1).normalize()][i % 3];
         cases.push([t.extend(EXPONENTS[i % EXPONENTS.len()]).to_array(), l.extend(0.0).to_array()]);
     }
@@ -85,7 +85,7 @@ fn normals_and_tangents_under_odd_joints() {
             let tangent = tile_frame::orthonormal_tangent(m * tile_frame::any_perpendicular(*n), safe);
             assert!((tangent.length() - 1.0).abs() < 1e-5, "{name}: tangent {tangent}");
             assert!(tangent.dot(safe).abs() < 1e-4, "{name}: tangent {tangent} leans on {safe}");
-            // Outward stays outward: a step along the new normal is a step away from the tangent plane's image.
+            // Normals must stay outward: a step along the new normal leads away from the image of the tangent plane.
             if m.determinant().abs() > 1e-3 {
                 assert!(safe.dot(m * *n) > 0.0, "{name}: {n} points inward as {safe}");
             }
@@ -118,14 +118,14 @@ fn normals_and_tangents_under_odd_joints() {
 
 #[test]
 fn joints_of_weight_zero_count_for_nothing() {
-    // A joint that no weight points at may hold anything: an unused joint with a broken inverse bind matrix.
+    // A joint without weights may hold anything: an unused joint with a broken inverse bind matrix.
     let broken = Mat4::from_cols_array(&[f32::NAN; 16]);
     let moved = Mat4::from_translation(Vec3::X);
     let weights = Vec4::new(1.0, 0.0, 0.0, 0.0);
     let naive = moved * weights.x + broken * weights.y;
     assert!(naive.is_nan(), "the naive sum survives: this test no longer reaches the cliff");
     assert_eq!(skinning::blend(moved, broken, broken, broken, weights), moved);
-    // No weight at all: the vertex stays where it was stored, instead of collapsing into the origin.
+    // Without weights the vertex keeps its stored position instead of collapsing to the origin.
     assert_eq!(moved * 0.0, Mat4::ZERO);
     assert_eq!(skinning::blend(moved, moved, moved, moved, Vec4::ZERO), Mat4::IDENTITY);
 
@@ -142,7 +142,7 @@ fn joints_of_weight_zero_count_for_nothing() {
 
 #[test]
 fn weights_that_do_not_sum_to_one_are_refused() {
-    // The documented result: such packages do not open, so the pose pass needs no rule for them.
+    // By design such packages do not open, so the pose pass needs no rule for them.
     let bytes = sphere::package(&SphereParams { quads: 2, texels: 8, skeleton: true, ..SphereParams::default() });
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let (mesh, animation) = (package.mesh().unwrap().unwrap().to_data(), package.animation().unwrap().unwrap());
@@ -158,9 +158,9 @@ fn weights_that_do_not_sum_to_one_are_refused() {
     }
 }
 
-/// Mean opacity of the shells alone, skin left out, drawn into a float target.
+/// Returns the mean opacity of the shells without the base surface, drawn into a float target.
 fn mean_opacity(gpu: &pelage_stage::Gpu, layers: u32, baked: u32, opacity: u8) -> f64 {
-    // An 8-bit target stalls (formula sheet, 3.2); 16-bit floats keep the product within 0.6 %.
+    // An 8-bit target stops accumulating (formula sheet, 3.2); 16-bit floats keep the product within 0.6 %.
     let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..RendererOptions::default() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let bytes = plane(baked, opacity);
@@ -168,7 +168,7 @@ fn mean_opacity(gpu: &pelage_stage::Gpu, layers: u32, baked: u32, opacity: u8) -
     let projection = Projection::Orthographic { height_m: 0.1, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     let params = FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [16, 16])
         .with_fur(|f| f.layers = Some(layers))
-        // The hair of the plane stands upright, and is looked at along its strands.
+        // The hair of the plane is upright and viewed along its strands.
         .with(|p| p.study.view_slant = pelage_runtime::SlantForm::Printed);
     let texels = draw_passes(gpu, &mut renderer, &params, &[&Instance::new(0, &model)], &[PassId::SHELLS]);
     texels.chunks_exact(8).map(|t| f64::from(half_to_f32([t[6], t[7]]))).sum::<f64>() / 256.0
@@ -194,7 +194,7 @@ fn density_does_not_depend_on_the_number_of_layers() {
     }
 }
 
-/// Measures a model from its front left.
+/// Measures the silhouette of a model from its front left.
 fn silhouette(gpu: &pelage_stage::Gpu, case: &Case) -> SilhouetteMeasures {
     let mut recipe = Recipe::of_coat(Coat::Natural).unwrap();
     if let Some(path) = case.recipe {
@@ -208,7 +208,8 @@ fn silhouette(gpu: &pelage_stage::Gpu, case: &Case) -> SilhouetteMeasures {
     measure(&package, case.size, &mut draw).unwrap()
 }
 
-/// Seen along the skin, sheets cover less than the hair that they stand for. Slabs and fins cover what the strands do.
+/// Checks the coverage at the outline. Seen along the surface, layer sheets cover less than the hair that they
+/// represent; slabs and fins cover as much as the strands.
 #[test]
 fn the_outline_is_covered_as_by_the_strands() {
     let Some(gpu) = gpu("the_outline_is_covered_as_by_the_strands") else { return };

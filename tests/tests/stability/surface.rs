@@ -1,7 +1,7 @@
-//! Where parameterizations fail, and that ours does not: the rows "surface" and "solver" of the stability table.
+//! Parameterizations that fail in naive form but not in ours: the rows "surface" and "solver" of the stability table.
 //!
-//! What drives both forms over the cliff stands in `pelage_lab::stability`, where `rows.rs` holds it to bound and failure; here is what
-//! must hold besides.
+//! The inputs of both forms are in `pelage_lab::stability`, and `rows.rs` checks bound and failure. Additional
+//! requirements are tested here.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -36,7 +36,7 @@ fn moved(mut model: Model, by: Vec3) -> Model {
     model
 }
 
-/// Every triangle has positive area in the tile and the stated number is left.
+/// Asserts that every triangle has positive area in the tile, and that the given number of triangles remains.
 fn assert_valid(surface: &Surface, triangles: usize, what: &str) {
     let m = &surface.measures;
     assert_eq!(
@@ -67,7 +67,7 @@ mod soundness {
             let s = surface(&m, 0.3);
             assert_valid(&s, m.mesh.triangles.len(), what);
             assert!(s.warnings.is_empty(), "{what}: {:?}", s.warnings);
-            // Poincaré and Hopf.
+            // Poincaré–Hopf theorem.
             assert_eq!(
                 s.singularities.iter().map(|(_, index)| index).sum::<i32>(),
                 euler,
@@ -85,7 +85,7 @@ mod soundness {
         m.mesh.triangles.extend([[0, 0, 1], [5, 6, 5]]);
         let twice = m.mesh.triangles[10];
         m.mesh.triangles.extend([twice, [twice[1], twice[2], twice[0]]]);
-        // A needle: three points on one line.
+        // Degenerate triangle: three collinear points.
         let middle = (m.mesh.positions[0] + m.mesh.positions[1]) / 2.0;
         m.mesh.positions.push(middle);
         m.mesh.normals.push(Vec3::Y);
@@ -103,7 +103,7 @@ mod soundness {
 
     #[test]
     fn an_edge_of_three_triangles_is_split() {
-        // Two squares that make a sheet, and a third that stands on their common edge.
+        // Two squares that form a sheet, and a third attached to their common edge.
         let positions = vec![
             vec3(0., 0., 0.),
             vec3(0., 0., 1.),
@@ -172,7 +172,7 @@ mod soundness {
         holes.mesh.triangles.retain(|t| !t[0].is_multiple_of(5));
         let left = holes.mesh.triangles.len();
         let mut many = merged(&[holes, moved(sphere(12, 24), vec3(3.0, 0.0, 0.0)), moved(one, vec3(-3.0, 0.0, 0.0))]);
-        // A vertex that nothing uses.
+        // Unused vertex.
         many.mesh.positions.push(Vec3::splat(f32::MAX));
         many.mesh.normals.push(Vec3::Y);
         many.mesh.uvs.push(Vec2::ZERO);
@@ -197,7 +197,7 @@ mod soundness {
 }
 
 mod solver {
-    //! Slivers make the equations nearly singular.
+    //! Slivers, which make the equations nearly singular.
 
     use super::*;
     use pelage_lab::stability::solver::{LEAST, slivers};
@@ -220,7 +220,7 @@ mod solver {
 }
 
 mod modes {
-    //! What the parameters of the stage promise, on surfaces where the answer is known.
+    //! Guarantees of the stage's parameters, on surfaces with a known result.
 
     use super::*;
 
@@ -228,7 +228,7 @@ mod modes {
     fn developable_surfaces_are_laid_flat_without_distortion() {
         let cylinder = {
             let mut m = grid(32, 200, |b, a| vec3(0.5 * a.cos(), 0.0, 0.5 * a.sin()) + Vec3::Y * (b * 0.5));
-            // The grid closes both ways; a cylinder must not.
+            // The grid is closed in both directions; a cylinder must not be.
             m.mesh.triangles.retain(|t| t.iter().all(|v| *v >= 200) || t.iter().all(|v| *v < 31 * 200));
             m.mesh.parts[0].triangle_count = m.mesh.triangles.len();
             m
@@ -236,7 +236,7 @@ mod modes {
         let p = SurfaceParams { comb: Comb::Gravity, ..params(0.3) };
         let s = parameterize("test", &cylinder, &p).unwrap();
         let m = s.measures;
-        // The polygon of 200 sides turns by 1.8° from side to side, which the comb, along the axis, does not notice.
+        // The polygon of 200 sides turns by 1.8° per side, which does not affect a comb along the axis.
         assert!(m.angle_distortion < 1e-9 && m.area_distortion < 1e-9, "{m:?}");
         assert!(m.comb_misalignment_deg.unwrap() < 1e-4 && m.flipped_triangles == 0, "{m:?}");
     }
@@ -249,7 +249,7 @@ mod modes {
         for (tangent, normal) in s.tangents.iter().zip(&s.mesh.normals) {
             let wish = comb.reject_from_normalized(*normal);
             let along_v = normal.cross(tangent.truncate()) * tangent.w;
-            // Where the wish is strong, nothing but smoothing stands between.
+            // Where the wish is strong, only smoothing changes it.
             if wish.length() > 0.9 * comb.length() {
                 assert!(along_v.angle_between(wish) < 0.2, "{along_v} {wish}");
             }
@@ -332,7 +332,7 @@ mod modes {
                 assert_eq!(seen.entry(*v).or_insert(*patch), patch, "vertex {v} serves two patches");
             }
         }
-        // One vertex for each place and patch: no copies beyond that.
+        // One vertex per position and patch: no further copies.
         let mut places = std::collections::HashSet::new();
         for (v, patch) in &seen {
             assert!(places.insert((s.input_vertex[*v as usize], *patch)), "vertex {v} is one too many");
@@ -367,7 +367,7 @@ mod modes {
 
     #[test]
     fn the_tile_has_its_size() {
-        // Area of the tile against area of the skin: the mean scale is the recipe's.
+        // Area of the tile against area of the mesh surface: the mean scale must be that of the recipe.
         let s = surface(&torus(), 0.3);
         let area = |p: [DVec3; 3]| (p[1] - p[0]).cross(p[2] - p[0]).length();
         let skin: f64 = s.mesh.triangles.iter().map(|t| area(t.map(|v| s.rest.positions[v as usize].as_dvec3()))).sum();

@@ -1,4 +1,4 @@
-//! The stages of a bake, alone and one after the other.
+//! Tests of the stages of a bake, alone and in sequence.
 
 mod pipeline;
 mod rebake;

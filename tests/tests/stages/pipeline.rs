@@ -1,5 +1,5 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! The way through bake, from the built-in models to packages.
+//! Complete bake, from the built-in models to packages.
 
 use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, BakeInput};
 use pelage_bake::recipe::{HairGroupParams, Recipe, StrandParams};
@@ -17,7 +17,7 @@ pub fn asset(path: &str) -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// A built-in recipe, with fins: all that a package may have.
+/// Returns a built-in recipe with fins, so that the package has every optional part.
 fn recipe(name: &str) -> Recipe {
     let file = format!("recipes/{name}.toml");
     let mut recipe = Recipe::parse(&file, std::str::from_utf8(&asset(&file)).unwrap()).unwrap();
@@ -25,7 +25,8 @@ fn recipe(name: &str) -> Recipe {
     recipe
 }
 
-/// A recipe without ink and of plain texels, for tests that look at fur only: ink and the encoders of textures take most of a bake.
+/// Returns a recipe without ink and with plain texels, for tests of fur only. Ink and the texture encoders take most of
+/// a bake.
 fn fur(name: &str) -> Recipe {
     let mut recipe = recipe(name);
     for set in ["ink.enabled=false", "pack.shell_format=rgba8", "pack.direction_format=rg8"] {
@@ -34,7 +35,7 @@ fn fur(name: &str) -> Recipe {
     recipe
 }
 
-/// A model of `assets/models`.
+/// Imports a model of `assets/models`.
 pub fn import_built_in(name: &str, recipe: &Recipe) -> Model {
     let mut no_files = |uri: &str, _: u64| panic!("a built-in model names the file {uri}");
     let bytes = asset(&format!("models/{name}.glb"));
@@ -94,7 +95,7 @@ fn every_texture_format_makes_a_valid_package_of_the_stated_shape() {
         let package = Package::open(&bytes, &Limits::default()).unwrap();
         for index in 0..2 {
             let view = package.texture(index).unwrap();
-            // The shells, and the far coat.
+            // Shells and far coat.
             assert_eq!((view.width, view.height, view.layers, view.levels), (32, 32, 9, 6), "{shell} {direction}");
         }
         let fur = package.manifest().fur;
@@ -115,7 +116,7 @@ fn bare_materials_carry_no_hair() {
         seen[usize::from(furred)] += 1;
         for index in &indices[part.first_index as usize..][..part.index_count as usize] {
             let height = vertices[*index as usize].fur_height;
-            // The hare's vertices carry the length of its hair, nowhere 0 on its coat.
+            // The hare's vertices store the length of its hair; on furred parts it is nowhere 0.
             assert!(if furred { height > 0.0 && height <= manifest.fur.height_m } else { height == 0.0 }, "{height}");
         }
     }
@@ -136,7 +137,7 @@ fn what_is_found_to_be_bare_is_recorded_and_baked_again() {
     assert_eq!(bare, ["Eye", "Nose"]);
     let recorded = Recipe::parse("recorded", &manifest.recipe).unwrap();
     assert_eq!(recorded.model.bare, Some(vec!["Eye".to_owned(), "Nose".to_owned()]));
-    // The line in words of the recipe gives the same bytes, and is a choice no more.
+    // The decision's line, set in the recipe, gives the same bytes and is then no longer a decision.
     recipe.set(&line).unwrap();
     let said = bake("hare", &recipe).unwrap();
     assert!(said.package == found.package, "the line says something else than was chosen");
@@ -158,7 +159,7 @@ fn hair_grows_short_towards_bare_parts() {
         mesh.geometry().map(|v| v.fur_height).collect::<Vec<_>>()
     };
     let without = heights(Some(0.0));
-    // One that the recipe says, and one that the bake chooses.
+    // One margin set in the recipe, and one chosen by the bake.
     for margin in [Some(0.02), None] {
         let with = heights(margin);
         assert_eq!(without.len(), with.len());
@@ -171,7 +172,7 @@ fn hair_grows_short_towards_bare_parts() {
 #[test]
 fn hair_can_keep_its_own_colour() {
     let mut recipe = fur("hare");
-    // Painted into a texture they would be at no vertex.
+    // Colours must be on vertices here, not painted into a texture.
     recipe.color.at_root = false;
     let colors = |recipe: &Recipe| {
         let bytes = bake("hare", recipe).unwrap().package;
@@ -212,7 +213,7 @@ fn wet_hair_shines_more_than_the_recipe_says() {
     assert!(wet.specular[0] > dry.specular[0] && wet.specular_exponent > dry.specular_exponent);
 }
 
-/// Every edge of the furred skin, joined by position, has one fin, and nothing else has.
+/// Checks that every edge of the furred surface, joined by position, has exactly one fin, and no other edge has one.
 #[test]
 fn one_fin_on_every_edge() {
     for name in ["hare", "torus", "knot"] {
@@ -241,7 +242,7 @@ fn one_fin_on_every_edge() {
                 assert!(seen.insert(key), "{name}: a second fin on {key:?}");
                 let [a, b] = [fin.a, fin.b].map(|v| glam::Vec3::from(geometry[v as usize].position));
                 let periods = a.distance(b) / manifest.fur.tile_size_m;
-                // The slabs at 45 degrees have a longer period.
+                // Slabs at 45 degrees have a longer period.
                 let expected = periods / if fin.slab % 2 == 1 { std::f32::consts::SQRT_2 } else { 1.0 };
                 assert!((fin.length.abs() - expected).abs() < 0.01 * expected, "{name}: {fin:?}, expected {expected}");
                 opacities.push(fin.opacity);
@@ -249,7 +250,7 @@ fn one_fin_on_every_edge() {
             assert_eq!(edges.is_subset(&seen), furred, "{name}: {} edges", edges.len());
         }
         assert_eq!(fins.len(), 0);
-        // Closed surfaces have three edges to two triangles; the hare's eyes and nose are bare.
+        // Closed surfaces have three edges per two triangles; the hare's eyes and nose are bare.
         let furred_indices: u32 = manifest
             .parts
             .iter()
@@ -257,7 +258,7 @@ fn one_fin_on_every_edge() {
             .map(|p| p.index_count)
             .sum();
         assert!(2 * seen.len() >= furred_indices as usize, "{name}: {} fins", seen.len());
-        // A tenth of the fins at least stands where it is sparsest, and shows all its hair.
+        // At least a tenth of the fins is in the sparsest areas and shows all its hair.
         let full = opacities.iter().filter(|o| **o == 1.0).count();
         assert!(10 * full >= opacities.len() - 10, "{name}: {full} of {}", opacities.len());
         let info = manifest.fur.fins.unwrap();
@@ -298,7 +299,7 @@ fn the_groom_says_how_dense_and_which_way_hair_lies() {
         let mesh = package.mesh().unwrap().unwrap();
         let (geometry, attributes): (Vec<_>, Vec<_>) = (mesh.geometry().collect(), mesh.attributes().collect());
         let indices: Vec<_> = mesh.indices().map(|i| i as usize).collect();
-        // Area in tiles, and the mean of the direction that v runs in, over all triangles.
+        // Area in tiles, and the mean direction of v, over all triangles.
         let (mut area, mut along) = (0.0, glam::Vec3::ZERO);
         for t in indices.chunks_exact(3) {
             let uv = |k: usize| glam::Vec2::from(attributes[t[k]].tile_uv);
@@ -322,7 +323,7 @@ fn the_groom_says_how_dense_and_which_way_hair_lies() {
 
 #[test]
 fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
-    // Ink keeps its place in the package of one of them: it takes most of a bake.
+    // Only one of the packages has ink, which takes most of a bake.
     let mut tufted = fur("torus");
     let tuft = HairGroupParams { name: "mop".into(), hairs: Some(40), guides: Some(8), ..HairGroupParams::default() };
     tufted.strands.group.push(tuft);
@@ -374,7 +375,7 @@ fn strands_of_a_package_are_those_of_its_tile() {
         let stored: Vec<_> = view.points().collect();
         let mut worst = 0.0f32;
         for (strand, root) in stored.chunks(points as usize).zip(view.roots()) {
-            // In a tile that repeats, a root is near where the difference to it is near a whole number.
+            // In a periodic tile a root is near if the difference is close to a whole number.
             let apart = |i: &usize| {
                 let d = roots[*i].truncate() - glam::Vec2::from(root);
                 (d - d.round()).length()
@@ -416,7 +417,7 @@ fn ink_is_in_the_package_unless_it_is_left_out() {
     let center = glam::Vec3::from(resolved.center.unwrap());
     assert!(center.distance(bounds.center.into()) <= 1.001 * bounds.radius, "{center}");
     assert_eq!(resolved.grain_size_m, Some(ink.info.grain_size_m));
-    // Some of it is dark, some is paper.
+    // Some texels are dark, some are paper.
     let shading = ink.info.shading;
     let grey = |v: pelage_formats::InkVertex| {
         (2.0 * f32::from(v.wash[0]) / 32767.0 * shading.wash_speed + shading.wash_range).clamp(0.0, 1.0)
@@ -446,12 +447,12 @@ fn run<'a>(told: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, 
     Ok((outputs.package.clone().unwrap().bytes, stages))
 }
 
-/// Every step runs where there is what it says that it reads and nothing else, and does not where one of these is missing; what it makes then is
-/// what it made before.
+/// Checks that every step runs with exactly the inputs that it declares, and fails if one is missing. Repeated, it must
+/// give the same output.
 #[test]
 fn a_step_reads_what_it_says() {
     let mut recipe = recipe("ox");
-    // Small textures are as good: what is asked is which step makes them of what.
+    // Small textures suffice, since only the dependencies between steps are tested.
     for set in [
         "slice.layers=4",
         "slice.tile_texels=32",
@@ -493,7 +494,7 @@ fn a_step_reads_what_it_says() {
             let error = step.run(&told, &mut only(&rest)).unwrap_err().to_string();
             assert!(error.contains(&format!("{missing:?} is not there")), "{:?}: {error}", step.makes);
         }
-        // The package that is made of it is the same.
+        // The resulting package is the same.
         let mut again = whole.clone();
         again.invalidate(step.makes);
         assert!(!again.has(step.makes) && !again.has(Output::Package));
@@ -503,7 +504,8 @@ fn a_step_reads_what_it_says() {
     }
 }
 
-/// With another recipe, the pipeline from the first step on that reads what changed is a whole bake.
+/// Checks that a changed recipe gives the result of a whole bake if the pipeline resumes at the first step that reads
+/// the change.
 #[test]
 fn from_here_on_is_a_whole_bake() {
     let first = recipe("torus");
@@ -521,12 +523,13 @@ fn from_here_on_is_a_whole_bake() {
     let (package, stages) = run(&told(&other), &mut outputs).unwrap();
     assert_eq!(stages, ["slice", "fins", "pack"]);
     assert!(package == bake("torus", &other).unwrap().package);
-    // What nothing makes must be given.
+    // The model has no step and must be given.
     let error = run(&told(&first), &mut Outputs::default()).unwrap_err();
     assert!(matches!(&error, BakeError::Internal(reason) if reason.contains("Model is not there")), "{error}");
 }
 
-/// A model that is baked once and sliced gives the bytes of whole bakes: with other layers, tiles, filters and fins, and whatever else changes.
+/// Checks that a model baked once and sliced again gives the bytes of whole bakes: with other layers, tiles, filters
+/// and fins, and with any other change.
 #[test]
 fn sliced_again_is_baked_again() {
     let first = fur("torus");

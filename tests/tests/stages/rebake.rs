@@ -1,5 +1,5 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! A model that is baked again while its recipe changes gives what a whole bake gives, whichever key changes.
+//! Checks that repeated bakes of a model under a changing recipe equal whole bakes, for every key.
 
 use crate::stages::pipeline::{asset, import_built_in};
 use pelage_bake::pipeline::{self, BakeInput};
@@ -10,7 +10,7 @@ use pelage_import::BakeError;
 use pelage_params::{Control, Knob};
 use rayon::prelude::*;
 
-/// A coat of everything that a package may have, as small as can be.
+/// Returns a recipe with all optional parts of a package, as small as possible.
 fn small() -> Recipe {
     let mut recipe = Recipe::parse("torus", std::str::from_utf8(&asset("recipes/torus.toml")).unwrap()).unwrap();
     let small = [
@@ -29,7 +29,8 @@ fn small() -> Recipe {
     recipe
 }
 
-/// The recipe with another value of that key; `None` where this test knows none: a path, a list, a name.
+/// Returns the recipe with a different value of the key; `None` for keys without alternatives in this test: paths,
+/// lists, names.
 fn changed(base: &Recipe, knob: &Knob) -> Option<Recipe> {
     let now = knob.value(base);
     let values: Vec<String> = match (knob.control)() {

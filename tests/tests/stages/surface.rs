@@ -1,12 +1,12 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! The `surface` stage on meshes small enough to know the answer by hand.
+//! The `surface` stage on meshes small enough for results by hand.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 use pelage_bake::stages::surface::{Comb, Source, Surface, SurfaceParams, parameterize};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Material, Mesh, MeshPart, Model};
 
-/// Triangles as exporters without indices write them: three vertices of its own for each.
+/// Returns triangles in the form of exporters without indices: three separate vertices each.
 fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {
     let n = corners.len();
     let mesh = Mesh {
@@ -38,7 +38,7 @@ fn surface(model: &Model) -> Surface {
     parameterize("m.glb", model, &own_uvs(0.25, true)).unwrap()
 }
 
-/// A unit square in the plane z = 0, seen from +z; texture coordinates from `uv`.
+/// Returns a unit square in the plane z = 0, seen from +z, with texture coordinates from `uv`.
 fn square(uv: impl Fn(f32, f32) -> Vec2) -> Model {
     let corner = |x: f32, y: f32| (vec3(x, y, 0.0), uv(x, y));
     let corners = [corner(0., 0.), corner(1., 0.), corner(1., 1.), corner(0., 0.), corner(1., 1.), corner(0., 1.)];
@@ -50,7 +50,7 @@ fn corners_are_joined_and_the_tile_has_its_size() {
     let s = surface(&square(|x, y| vec2(x, y) * 3.0));
     assert_eq!(s.mesh.positions.len(), 4, "six corners of four places");
     let (a, b) = (s.mesh.triangles[0][0] as usize, s.mesh.triangles[0][1] as usize);
-    // One metre of skin is four tiles of 0.25 m, whatever the texture coordinates were.
+    // One metre of mesh surface is four tiles of 0.25 m, for any texture coordinates.
     assert!(((s.tile_uvs[b] - s.tile_uvs[a]).length() - 4.0).abs() < 1e-5);
     for (tangent, normal) in s.tangents.iter().zip(&s.mesh.normals) {
         assert!((tangent.truncate() - Vec3::X).length() < 1e-6 && tangent.w == 1.0, "{tangent}");
@@ -62,12 +62,12 @@ fn corners_are_joined_and_the_tile_has_its_size() {
 
 #[test]
 fn gltf_unwraps_run_downward_and_still_give_upright_frames() {
-    // v down, as a painted texture has it: mirrored as seen from outside.
+    // v points down, as in a painted texture: mirrored when seen from outside.
     let s = surface(&square(|x, y| vec2(x, 1.0 - y)));
     assert_eq!(s.measures.flipped_triangles, 0);
     for t in &s.tangents {
         assert_eq!(t.w, 1.0);
-        // +v is down on the skin; with the normal towards us, +u then points left.
+        // +v points down on the surface; with the normal towards the viewer, +u then points left.
         assert!((t.truncate() + Vec3::X).length() < 1e-6, "{t}");
     }
 }
@@ -95,7 +95,7 @@ fn a_mirrored_half_gets_frames_of_its_own() {
 
 #[test]
 fn normals_agree_across_hard_edges() {
-    // Two faces of a cube that meet at the edge x = 1, z = 0, flat-shaded.
+    // Two flat-shaded faces of a cube that meet at the edge x = 1, z = 0.
     let f = |p: Vec3| (p, vec2(p.x - p.z, p.y));
     let (a, b, c) = (vec3(0., 0., 0.), vec3(1., 0., 0.), vec3(1., 1., 0.));
     let mut m = model(&[f(a), f(b), f(c), f(b), f(vec3(1., 0., -1.)), f(c)], Vec3::Z);

@@ -1,4 +1,4 @@
-//! Bad input through the real binary: exit code, message, and nothing left behind.
+//! Bad input through the real binary: exit code, message, and no files left behind.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use crate::tool::common::random::Random;
@@ -8,7 +8,7 @@ use pelage_tests::binary::{Run, Sandbox};
 use pelage_tests::schema;
 use serde_json::{Value, json};
 
-/// Runs, and asserts exit code and words of stderr; no file may come or go.
+/// Runs the binary, and asserts the exit code, words of stderr, and an unchanged list of files.
 #[track_caller]
 fn refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) -> Run {
     let before = sandbox.files();
@@ -58,14 +58,14 @@ fn packages() {
     sandbox.write("header.pelage", &good[..20]);
     sandbox.write("future.pelage", with_u32(&good, 8, 4));
     sandbox.write("sections.pelage", with_u32(&good, 12, u32::MAX));
-    // The length field of the second section, 4 GiB.
+    // Length field of the second section, 4 GiB.
     sandbox.write("long.pelage", with_u32(&with_u32(&good, 32 + 32 + 16, 0), 32 + 32 + 20, 1));
     sandbox.write("trailing.pelage", [&good[..], b"more"].concat());
     let mut flipped = good.clone();
     flipped[sections[1].offset as usize + 100] ^= 16;
     sandbox.write("flipped.pelage", &flipped);
 
-    // File, exit code of every reader and of `validate`, words of the message.
+    // File, exit code of every reader, exit code of `validate`, words of the message.
     let table: &[(&str, i32, i32, &[&str])] = &[
         ("missing.pelage", 2, 2, &["missing.pelage: cannot read"]),
         ("folder.pelage", 2, 2, &["folder.pelage: cannot read", "folder"]),
@@ -128,7 +128,7 @@ fn outputs_that_cannot_be_written() {
     refused(&sandbox, &["pack", "a.pelage", "b.pelage"], 2, &["a.pelage: cannot read", "it is a file"]);
 }
 
-/// An unpacked sample to spoil.
+/// Returns an unpacked sample package to be damaged.
 fn unpacked() -> Sandbox {
     let sandbox = Sandbox::new();
     sandbox.write("a.pelage", sample_package());
@@ -138,7 +138,7 @@ fn unpacked() -> Sandbox {
 
 #[test]
 fn unpacked_folders() {
-    // Each case spoils one file and names the words that must appear.
+    // Each case damages one file and gives the words required in the message.
     type Spoil = fn(&mut Value);
     let manifests: &[(Spoil, &[&str])] = &[
         (|m| m["pelage_unpacked"] = json!(1), &["/pelage_unpacked", "found 1, expected 3"]),

@@ -1,4 +1,4 @@
-//! Hair by the body and values for single joints, through the real binary.
+//! Hair that follows the body, and values for single joints, through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_formats::{Limits, Package};
@@ -18,11 +18,11 @@ const BAKE: [&str; 10] = [
     "r.toml",
 ];
 
-/// What a bake of a built-in model says, and the heights of the fur on its vertices over that of the fur.
+/// Bakes a built-in model. Returns the report, and the fur height of each vertex as a share of the greatest.
 fn bake(model: &str, recipe: &str) -> (Value, Vec<f32>) {
     let sandbox = Sandbox::new();
     sandbox.write("m.glb", std::fs::read(workspace().join("assets/models").join(model)).unwrap());
-    // Hair that follows the body only where a recipe says so.
+    // Hair follows the body only if the recipe says so.
     sandbox.write("r.toml", format!("[hair]\ncoat = \"natural\"\n{recipe}"));
     let run = sandbox.run(&BAKE);
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -51,7 +51,7 @@ fn a_body_with_limbs_shortens_their_hair_and_says_so() {
     let (shortest, longest) = range(&shares);
     assert!((longest - range(&even).1).abs() < 1e-3, "the longest hair keeps its length: {longest}");
     assert!(shortest < 0.6 * longest, "{shortest} {longest}");
-    // A ring has no limbs: nothing is chosen.
+    // A ring has no limbs, so nothing is chosen.
     let (said, shares) = bake("torus.glb", "[groom]\nby_body = 1\n");
     assert!(lines(&said).iter().all(|line| !line.starts_with("groom.by_body")), "{said}");
     assert!(range(&shares).1 - range(&shares).0 < 1e-3);

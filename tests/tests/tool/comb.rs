@@ -1,4 +1,4 @@
-//! Hair by marks of a recipe, by lines drawn in a model and by images through space, through the real binary.
+//! Comb marks in recipes, comb lines in models and images projected through space, with the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use glam::Vec3;
@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 const BAKE: [&str; 8] =
     ["bake", "m.glb", "-o", "m.pelage", "--json", "--set", "slice.layers=4", "--set=slice.tile_texels=16"];
 
-/// A folder with the torus (about y, 0.28 m wide, its top 0.16 m high), without texture coordinates and colours; `change` changes its document.
+/// Returns a folder with the torus, without texture coordinates and colours. Its axis is y, its width 0.28 m, its top
+/// at 0.16 m. `change` edits its document.
 fn sandbox(change: impl FnOnce(&Sandbox, &mut Value)) -> Sandbox {
     let sandbox = Sandbox::new();
     let glb = std::fs::read(workspace().join("assets/models/torus.glb")).unwrap();
@@ -23,7 +24,8 @@ fn sandbox(change: impl FnOnce(&Sandbox, &mut Value)) -> Sandbox {
     sandbox
 }
 
-/// Adds a line over the top of the torus, at z = 0.2, along +x for 0.2 m: in the file it runs along y, and its node turns it.
+/// Adds a line of 0.2 m along +x over the top of the torus, at z = 0.2. In the file it runs along y; its node rotates
+/// it.
 fn add_line(sandbox: &Sandbox, document: &mut Value) {
     let points: [f32; 9] = [0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     sandbox.write("line.bin", points.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
@@ -53,12 +55,12 @@ fn vertices(sandbox: &Sandbox) -> (Vec<GeometryVertex>, Vec<AttributeVertex>, f3
     (mesh.geometry().collect(), mesh.attributes().collect(), package.manifest().fur.height_m)
 }
 
-/// Bakes, and returns what it said.
+/// Bakes, and returns the report.
 fn bake(sandbox: &Sandbox, more: &[&str]) -> Value {
     done(&sandbox.run(&[&BAKE[..], more].concat()), "bake")
 }
 
-/// Mean of where the hair goes, along the skin, on vertices within a distance of a place.
+/// Returns the mean hair direction, along the surface, of the vertices within a distance of a point.
 fn combed(sandbox: &Sandbox, place: Vec3, within: f32) -> Vec3 {
     let (geometry, ..) = vertices(sandbox);
     let near = geometry.iter().filter(|v| Vec3::from(v.position).distance(place) < within);
@@ -91,12 +93,12 @@ fn a_comb_line_turns_the_hair() {
     assert!(said["decisions"].to_string().contains("comb_top"), "{said}");
     assert_eq!(said["warnings"].as_array().unwrap().len(), 0, "{said}");
     let after = combed(&drawn, TOP, 0.05);
-    // Within a quarter of the reach, 21 mm here, in full; the vertices are up to 50 mm away.
+    // The effect is full within a quarter of the reach, here 21 mm; the vertices are up to 50 mm away.
     assert!(after.dot(Vec3::X) > 0.75, "along the line: {after}");
     let far = combed(&drawn, FAR, 0.05);
     assert!(far.dot(Vec3::NEG_Z) > 0.9, "as far from the line as without: {far}");
 
-    // The recipe has the last word, and the line that the decision names says the same.
+    // The recipe has priority, and the decision's line has the same effect when set in the recipe.
     let package = |more: &[&str]| {
         let said = bake(&drawn, more);
         (lines(&said), std::fs::read(drawn.path().join("m.pelage")).unwrap())
@@ -110,14 +112,14 @@ fn a_comb_line_turns_the_hair() {
     let (lines, _) = package(&["--set", "surface.comb=marks"]);
     assert!(!lines.iter().any(|line| line.starts_with("surface.comb")), "{lines:?}");
     assert!(combed(&drawn, TOP, 0.05).dot(Vec3::X) > 0.75);
-    // And the line joins the recipe's marks.
+    // The line is added to the recipe's marks.
     let marks = "surface.comb_marks=[{ name = \"back\", at = [0, 0.16, -0.2], direction = [0, 0, 1] }]";
     package(&["--set", marks]);
     let (top, back) = (combed(&drawn, TOP, 0.05), combed(&drawn, FAR, 0.05));
     assert!(top.dot(Vec3::X) > 0.6 && back.dot(Vec3::Z) > 0.9, "{top} {back}");
 }
 
-/// Share of the length and colour of the vertex nearest to a place.
+/// Returns the share of the length, and the colour, of the vertex nearest to a point.
 fn coat(sandbox: &Sandbox, place: Vec3) -> (f32, [u8; 4]) {
     let (geometry, attributes, height) = vertices(sandbox);
     let away = |v: &GeometryVertex| Vec3::from(v.position).distance(place);
@@ -136,7 +138,7 @@ fn values_of_marks_hold_at_their_place_and_fade() {
     let said = bake(&sandbox, &["--recipe", "r.toml"]);
     let warnings = said["warnings"].to_string();
     assert!(warnings.contains("lost") && warnings.contains("m away from the nearest skin"), "{warnings}");
-    // The torus brings no colour: beside the white its coat is brown, and the bake says so.
+    // The torus has no colour: its fur is brown outside the white part, and the bake reports the choice.
     assert!(said["decisions"].to_string().contains("groom.color"), "{said}");
     let ((length, white), (elsewhere, brown)) = (coat(&sandbox, TOP), coat(&sandbox, FAR));
     assert!((length - 0.2).abs() < 0.02 && (elsewhere - 0.8).abs() < 0.01, "{length} {elsewhere}");
@@ -148,7 +150,7 @@ fn values_of_marks_hold_at_their_place_and_fade() {
 #[test]
 fn an_image_through_space_comes_out_where_it_was_painted() {
     let sandbox = sandbox(|_, _| {});
-    // Seen from +x, where −z is right: black to the left, white to the right, a grey in the lower half.
+    // Seen from +x, where −z is right: black on the left, white on the right, grey in the lower half.
     let shade = |x: u32, y: u32| {
         if y >= 8 {
             128

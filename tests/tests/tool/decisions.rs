@@ -1,4 +1,4 @@
-//! What a bake chooses where the recipe is silent, through the real binary.
+//! Decisions of a bake where the recipe sets nothing, through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_needs::data;
@@ -9,7 +9,7 @@ use std::path::Path;
 const BAKE: [&str; 8] =
     ["bake", "m.glb", "-o", "m.pelage", "--json", "--set", "slice.layers=4", "--set=slice.tile_texels=16"];
 
-/// The decisions of a bake of a built-in model.
+/// Returns the decisions of a bake of a built-in model.
 fn decisions(model: &str, more: &[&str]) -> Vec<Value> {
     decisions_on(&workspace().join("assets/models").join(model), more)
 }
@@ -33,7 +33,7 @@ fn what_a_recipe_leaves_open_is_said_with_the_line_that_says_the_same() {
     let length = lines(&open).into_iter().find(|line| line.starts_with("hair.length_m = ")).unwrap().to_owned();
     assert!(lines(&open).iter().any(|line| line.starts_with("surface.tile_size_m = ")), "{open:?}");
     assert!(lines(&open).contains(&"model.bare = []"), "{open:?}");
-    // Said in the recipe, it is no longer open.
+    // A value set in the recipe stops being a decision.
     let said = decisions("torus.glb", &["--set", &length.replace(' ', "")]);
     assert!(lines(&said).iter().all(|line| !line.starts_with("hair.length_m")), "{said:?}");
 }
@@ -50,7 +50,7 @@ fn the_models_own_colours_stay() {
     assert!(why.starts_with("brown") && line == "color.root = \"#4a3624\"", "{why}, {line}");
     let said = decisions("hare.glb", &["--set", "color.root=#102030"]);
     assert!(lines(&said).iter().all(|line| !line.starts_with("color.root")), "{said:?}");
-    // Who says a colour has chosen how light it is.
+    // A recipe that sets a colour also sets its brightness.
     assert!(lines(&said).iter().all(|line| !line.starts_with("color.gain")), "{said:?}");
 }
 
@@ -67,7 +67,7 @@ fn bare_parts_are_found_and_a_list_in_the_recipe_goes_first() {
 #[test]
 fn bare_parts_of_known_animals() {
     let Some(data) = data("bare_parts_of_known_animals") else { return };
-    // Each with what is bare, and no more: the nose of the dog and the claws of the reptile are parts of "Black".
+    // The bare parts of each, and no others: the nose of the dog and the claws of the reptile are parts of "Black".
     for (animal, bare) in [
         ("quaternius_Wolf", "[\"Eyes_Black\", \"Nose\"]"),
         ("quaternius_ShibaInu", "[\"Black/eye rims\", \"Eyes_White\", \"Eyes_Pupil\", \"Eyes_Black\", \"Black/nose\"]"),
@@ -136,7 +136,7 @@ fn a_bake_for_a_distance_has_what_is_seen_from_there() {
     let [near, far] = ["0.5", "30"].map(|metres| slices(&["--for-distance", metres]));
     assert!(near[0] > far[0] && near[1] > far[1], "{near:?} {far:?}");
     assert_eq!(far[0], 4, "no more layers than the least");
-    // A picture of twice the height from twice as far shows the same.
+    // A picture of twice the height from twice the distance shows the same.
     assert_eq!(slices(&["--for-distance", "1", "--for-size", "834x848"]), near);
     let bad = sandbox.run(&["bake", "m.glb", "-o", "m.pelage", "--for-distance", "-1"]);
     assert!(bad.code == Some(1) && bad.stderr.contains("expected a number above 0"), "{bad:?}");

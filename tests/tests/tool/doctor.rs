@@ -1,4 +1,4 @@
-//! `pelage doctor` through the real binary, held against what `pelage bench` counts on an adapter.
+//! `pelage doctor` through the real binary, compared with the counts of `pelage bench` on an adapter.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, workspace};
@@ -23,7 +23,7 @@ fn predictions_are_what_an_adapter_counts() {
     let Some(gpu) = gpu("predictions_are_what_an_adapter_counts") else { return };
     let software = gpu.info.device_type == pelage_runtime::wgpu::DeviceType::Cpu;
     let sandbox = Sandbox::new();
-    // Formats that a software adapter holds as they are.
+    // Formats that a software adapter stores unchanged.
     let plain = [
         "pack.shell_format=rgba8",
         "pack.direction_format=rgba8",
@@ -35,7 +35,8 @@ fn predictions_are_what_an_adapter_counts() {
     let mut baked = "";
     for (name, view) in [
         ("hare", &["--size", "500x300"][..]),
-        // Nearly straight down, along the body and close by: turned by a quarter, the picture would hold another part of the hare.
+        // Nearly straight down, along the body and close by; a view turned by a quarter would show a different part of
+        // the hare.
         ("hare", &["--size", "600x200", "--camera", "0.02,0.9,0/0,0.2,0/14"]),
         ("knot", &["--size", "300x300"]),
         ("torus", &["--size", "400x300", "--camera", "1,1,2.5/0,0.1,0/35"]),
@@ -45,7 +46,7 @@ fn predictions_are_what_an_adapter_counts() {
             baked = name;
         }
         let found = doctor(&sandbox, view);
-        // What is foretold is a frame of layers, of a still.
+        // The prediction is for a still frame of layers.
         let still = ["bench", "a.pelage", "--json", "--frames", "1", "--hair", "shells", "--hair-motion", "off"];
         let args = [&still, view].concat();
         let counted = schema::done(&sandbox.run(&args), "bench");
@@ -58,12 +59,13 @@ fn predictions_are_what_an_adapter_counts() {
         assert_eq!(count(&found), count(&counted), "both list the passes of a furry frame");
         for (a, b) in found["passes"].as_array().unwrap().iter().zip(counted["passes"].as_array().unwrap()) {
             assert_eq!(a["name"], b["name"]);
-            // Not every adapter counts.
+            // Not all adapters count fragments.
             let Some(counted) = b["fragments"].as_f64().filter(|n| *n > 0.0) else { continue };
             let predicted = a[if software { "fragments_in_blocks" } else { "fragments" }].as_f64().unwrap();
             let ratio = predicted / counted;
             println!("{name}, {}: {predicted} predicted, {counted} counted: {ratio:.4}", a["name"]);
-            // In software block by block; elsewhere hidden pixels may or may not be tested before they are shaded.
+            // Software rasterisers shade block by block; other adapters may or may not test hidden pixels before
+            // shading.
             let bounds = if software { 0.98..=1.02 } else { 0.5..=2.0 };
             assert!(bounds.contains(&ratio), "{name}, {}: {predicted} predicted, {counted} counted", a["name"]);
             compared += 1;
@@ -72,7 +74,8 @@ fn predictions_are_what_an_adapter_counts() {
     }
 }
 
-/// From where on the nearest hair is seen a renderer knows by the model's bounds, and the forecast by its vertices.
+/// Checks the predicted number of layers. The renderer takes the distance of the nearest hair from the model's bounds,
+/// `doctor` from its vertices.
 #[test]
 fn fewer_layers_are_foreseen() {
     if gpu("fewer_layers_are_foreseen").is_none() {
@@ -94,7 +97,7 @@ fn advice_is_given_where_it_helps() {
     bake(&sandbox, "hare", &["slice.tile_texels=64"]);
     let run = sandbox.run(&["doctor", "a.pelage"]);
     assert!(run.code == Some(0) && run.stdout.contains("nothing to change"), "{run:?}");
-    // Close to its flank layers stand apart, and that comes before all savings.
+    // Close to its flank the layers are visibly apart; this advice precedes all savings.
     let near = ["--size", "64x64", "--camera", "0.25,0.2,0.6/0,0.2,0/1"];
     let found = doctor(&sandbox, &near);
     let advice = found["advice"].as_array().unwrap();
@@ -102,7 +105,7 @@ fn advice_is_given_where_it_helps() {
     assert!(first["saved"].is_null() && first["found"].as_str().unwrap().contains("pixels apart"), "{first}");
     assert!(found["on_screen"]["near_m"].as_f64().unwrap() > 0.0, "{found}");
     assert_eq!(advice.iter().filter(|a| a["saved"].is_null()).count(), 1, "{advice:?}");
-    // All other advice saves, and most of it comes first.
+    // All other advice saves something, and the largest savings come first.
     bake(&sandbox, "hare", &["pack.shell_format=rgba8", "pack.direction_format=rg8"]);
     let found = doctor(&sandbox, &["--size", "64x64", "--instances", "100", "--shadow-map", "0"]);
     assert_eq!((&found["memory"]["shadow_maps"], &found["instances"]), (&0.into(), &100.into()));
@@ -117,8 +120,8 @@ fn advice_is_given_where_it_helps() {
     }
 }
 
-/// Where there is an adapter, advice was tried: of a hare that is 64 pixels high four layers show, however near to each other all of it lie, and
-/// baking fewer of sixteen would be seen, while half the texels do no harm.
+/// Checks that advice is tried if there is an adapter. A hare 64 pixels high shows four layers, all less than half a
+/// pixel apart. Baking fewer than sixteen layers would still be visible, but half the texels are harmless.
 #[test]
 fn advice_that_harms_is_left_out() {
     if gpu("advice_that_harms_is_left_out").is_none() {

@@ -1,4 +1,4 @@
-//! What build systems ask of every command: depfiles, records, caches, parts; through the real binary.
+//! Options for build systems, common to all commands: depfiles, records, caches, parts; through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
@@ -7,11 +7,11 @@ use pelage_tests::schema;
 use serde_json::Value;
 use std::time::{Duration, SystemTime};
 
-/// A bake that takes a moment.
+/// Settings of a fast bake.
 const SMALL: [&str; 6] =
     ["--set", "slice.tile_texels=32", "--set", "slice.layers=4", "--set", "pack.shell_format=rgba8"];
 
-/// A model with a buffer and an image of its own, and a recipe with a map.
+/// Returns a folder with a model that has an external buffer and image, and a recipe with a map.
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     std::fs::create_dir(sandbox.path().join("out")).unwrap();
@@ -77,9 +77,9 @@ fn a_depfile_names_everything_that_was_read() {
     let rule = text.split("\n\n").next().unwrap();
     let expected = "out/m.pelage: \\\n  recipes/r.toml \\\n  recipes/length.png \\\n  models/m.gltf \\\n  models/a\\ mesh.bin \\\n  models/skin\\ \\#1.png";
     assert_eq!(rule.trim_end(), expected);
-    // A file that has gone is no error of Make.
+    // A deleted file must not be an error in Make.
     assert!(text.contains("\nrecipes/length.png:\n"), "{text}");
-    // What makes nothing has its record for a target, or the rule itself.
+    // Without an output the target of the rule is the record, or the depfile itself.
     for (more, target) in [(&["--record", "out/i.json"][..], "out/i.json"), (&[], "out/i.d")] {
         let run = sandbox.run(&[&["inspect", "out/m.pelage", "--depfile", "out/i.d"], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
@@ -118,7 +118,7 @@ fn a_record_says_what_became_of_a_command() {
     let failed = record(&sandbox, "out/m.json");
     assert_eq!(failed["exit_code"], 3);
     assert!(failed["error"].as_str().unwrap().contains("models/m.gltf"), "{failed}");
-    // Also of a command line that is refused, wherever in it that stands.
+    // A record is also written for an invalid command line, wherever the option is.
     for args in [["--record", "out/r.json", "--odd"], ["--odd", "--record=out/r.json", "--quiet"]] {
         let run = bake(&sandbox, &args);
         assert_eq!(run.code, Some(1), "{run:?}");
@@ -147,7 +147,8 @@ fn what_was_made_before_is_taken_from_a_cache() {
     assert!(!cached);
     let (cached, again) = bake("other", &["--threads", "1"]);
     assert!(cached && again == first, "threads and folders change nothing");
-    // Another argument, another image of the model, another map of the recipe: another package. As before: the one of before.
+    // A different argument, image of the model or map of the recipe gives a different package. Restored inputs give the
+    // earlier package.
     assert!(!bake("out", &["--set", "hair.lean=0.2"]).0);
     for (file, grey) in [("models/skin #1.png", 200), ("recipes/length.png", 100)] {
         sandbox.write(file, png(50));
@@ -157,7 +158,7 @@ fn what_was_made_before_is_taken_from_a_cache() {
         let (cached, again) = bake("out", &[]);
         assert!(cached && again == first, "{file}");
     }
-    // What is damaged is made again, and a depfile comes from the cache as well.
+    // Damaged entries are made again, and the depfile is also restored from the cache.
     let mut files = Vec::new();
     pelage_tests::binary::walk(&sandbox.path().join("cache/v1/files"), &mut files);
     files.iter().for_each(|file| std::fs::write(file, "damaged").unwrap());
@@ -212,7 +213,7 @@ fn pictures_and_comparisons_are_kept_as_well() {
         [false, true, false]
     );
     assert_eq!(sandbox.read("out/01.png"), sandbox.read("other/01.png"));
-    // Ranges are the pictures of the whole.
+    // Ranges give the same pictures as the whole sequence.
     assert!(!sequence("out", "4"));
     for picture in ["00.png", "01.png", "02.png", "03.png"] {
         let (whole, range) = (sandbox.read(&format!("out/{picture}")), sandbox.read(&format!("other/{picture}")));

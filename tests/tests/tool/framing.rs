@@ -1,4 +1,4 @@
-//! What the camera frames where none is given, and how white skin is lit, through the real binary.
+//! Default camera and its framing, and exposure of white surfaces, through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, workspace};
@@ -6,11 +6,11 @@ use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 use serde_json::Value;
 
-/// Small, and in formats that need no encoder.
+/// Small settings, and formats without an encoder.
 const SMALL: &str = "--set slice.tile_texels=32 --set slice.layers=4 --set hair.density=60 --set pack.shell_format=rgba8 \
     --set pack.direction_format=rg8 --set pack.base_color_format=rgba8";
 
-/// A sandbox with `hare.pelage`.
+/// Returns a folder with `hare.pelage`.
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     let model = workspace().join("assets/models/hare.glb");
@@ -31,7 +31,7 @@ fn camera(sandbox: &Sandbox, line: &str) -> String {
     rendered(sandbox, &format!("{line} -o a.png"))["camera"].as_str().unwrap().to_owned()
 }
 
-/// Eye, target and height of the view.
+/// Parses eye, target and height of the view.
 fn numbers(camera: &str) -> Vec<f32> {
     camera.split(['/', ',']).map(|n| n.parse().unwrap()).collect()
 }
@@ -40,7 +40,7 @@ fn open(sandbox: &Sandbox, name: &str) -> image::RgbaImage {
     image::open(sandbox.path().join(name)).unwrap().to_rgba8()
 }
 
-/// Whether nothing touches the picture's border, and something is in it.
+/// Returns whether the picture shows something and nothing touches its border.
 fn is_whole(picture: &image::RgbaImage) -> bool {
     let (w, h) = picture.dimensions();
     let covered =
@@ -54,7 +54,7 @@ fn the_camera_that_render_says_draws_the_same_picture() {
     let sandbox = sandbox();
     for line in ["--crowd 12 --clip Walk --time 0.2", "--orbit=-35,20,1.7", "--look-at head --orbit 20,5"] {
         let camera = camera(&sandbox, line);
-        // What frames is left out beside a camera.
+        // Framing options cannot be combined with a camera.
         let line = if line.contains("orbit") { "" } else { line };
         rendered(&sandbox, &format!("{line} --camera={camera} -o b.png"));
         let bytes = |name: &str| std::fs::read(sandbox.path().join(name)).unwrap();
@@ -129,7 +129,7 @@ fn what_is_asked_wrongly_of_the_camera_is_said() {
     assert!(run("doctor hare.pelage --look-at Trunk").stderr.contains("and the joints \""));
 }
 
-/// A white sphere of a metre, without materials.
+/// Returns the OBJ text of a white sphere of one metre, without materials.
 fn sphere() -> String {
     use std::fmt::Write as _;
     let (rings, sides) = (16u32, 32u32);
@@ -168,7 +168,7 @@ fn a_white_sphere_without_fur_shows_its_form() {
         let mut greens: Vec<u8> = covered.iter().map(|p| p[1]).collect();
         greens.sort_unstable();
         let spread = greens[greens.len() * 9 / 10] - greens[greens.len() / 10];
-        // Half of it was clipped, when the sum of the lights went up to 1.55; the highlight alone may be white now.
+        // Half of it was clipped when the lights summed to 1.55; now only the highlight may be white.
         assert!(clipped < 0.02, "{light}: {clipped} of the pixels are white");
         assert!(spread > 60, "{light}: nine tenths of the pixels lie within {spread} of 255");
         assert!(greens[greens.len() - 1] > 235, "{light}: the brightest is {}", greens[greens.len() - 1]);

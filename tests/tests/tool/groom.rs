@@ -4,7 +4,7 @@
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Sandbox, workspace};
 
-/// A PNG of two texels beside each other.
+/// Encodes a PNG of two adjacent texels.
 fn png(texels: [[u8; 4]; 2]) -> Vec<u8> {
     let image = image::RgbaImage::from_raw(2, 1, texels.concat()).unwrap();
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -12,7 +12,7 @@ fn png(texels: [[u8; 4]; 2]) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// A folder with the torus.
+/// Returns a folder with the torus.
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     sandbox.write("torus.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
@@ -27,7 +27,7 @@ fn images_beside_the_recipe_go_into_the_package() {
     let sandbox = sandbox();
     let map = png([[255, 0, 0, 255], [0, 255, 0, 255]]);
     sandbox.write("recipes/maps/coat.png", &map);
-    // Textures over the model's own coordinates.
+    // Textures in the model's own coordinates.
     let recipe = "[color]\nat_root = false\n\
         [groom]\nbare = \"maps/coat.png\"\nwetness = \"maps/coat.png#g\"\ncolor = \"maps/coat.png\"\nlean = 0.5\n\
         [[groom.material]]\nname = \"Coat\"\nlength = 0.5\n[pack]\ndirection_format = \"rg8\"\n";
@@ -53,7 +53,7 @@ fn images_beside_the_recipe_go_into_the_package() {
     let half = manifest.fur.height_m / 2.0;
     assert!(mesh.geometry().all(|v| v.lean == 0.5 && (v.fur_height - half).abs() < 1e-7));
 
-    // The same through --set, whose paths begin at the recipe's folder too.
+    // The same with `--set`, whose paths are also relative to the recipe's folder.
     sandbox.write("recipes/r.toml", recipe.replace("color = \"maps/coat.png\"\n", ""));
     let run = sandbox.run(&[&BAKE[..], &["--set", "groom.color=maps/coat.png"]].concat());
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -87,7 +87,7 @@ fn an_image_that_cannot_be_read_is_named_with_recipe_and_key() {
 fn a_model_without_texture_coordinates_wears_a_pattern() {
     let sandbox = Sandbox::new();
     let glb = std::fs::read(workspace().join("assets/models/knot.glb")).unwrap();
-    // The attribute under another name is nothing that a renderer knows; the length of the JSON stays.
+    // Renderers ignore the renamed attribute; the length of the JSON is unchanged.
     let at = glb.windows(10).position(|w| w == b"TEXCOORD_0").unwrap();
     let mut stripped = glb.clone();
     stripped[at..at + 10].copy_from_slice(b"_EXCOORD_0");

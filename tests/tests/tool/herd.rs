@@ -1,4 +1,4 @@
-//! `pelage herd` through the real binary and Ninja: what runs, what does not, what fails, what survives.
+//! `pelage herd` through the real binary and Ninja: commands run, skipped, failed and interrupted.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
@@ -11,7 +11,8 @@ use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Two models, one of them in two variants, with a picture, a truth in parts, a comparison and a sequence in shares; all of it small.
+/// Two models, one in two variants, with pictures, references in parts, comparisons, and a sequence in shares; all
+/// small.
 const HERD: &str = r#"
 title = "A herd of <three>"
 
@@ -49,7 +50,8 @@ shares = 2
 auto_rotate = true
 "#;
 
-/// Bakes, looks into packages, draws, traces two parts, merges, compares; twice draws a share.
+/// Number of tasks: three packages with bake, inspection, picture, two traced parts, merge and comparison; and two
+/// shares of a sequence.
 const TASKS: usize = 3 * 7 + 2;
 
 fn sandbox() -> Sandbox {
@@ -67,7 +69,7 @@ fn herd(sandbox: &Sandbox, action: &str, more: &[&str]) -> Run {
     sandbox.run(&[&["herd", action, "herd/herd.toml", "-o", "herd/out", "--json"], more].concat())
 }
 
-/// Runs a herd, which ends with that code: what it says, and how many commands were run.
+/// Runs a herd and asserts the exit code. Returns the report and the number of commands run.
 #[track_caller]
 fn run(sandbox: &Sandbox, code: i32, more: &[&str]) -> (Value, u64) {
     let run = herd(sandbox, "run", more);
@@ -77,7 +79,7 @@ fn run(sandbox: &Sandbox, code: i32, more: &[&str]) -> (Value, u64) {
     (said, ran)
 }
 
-/// Hashes of all that a herd has made, but for its own files.
+/// Returns hashes of all files that a herd has made, except its own.
 fn results(sandbox: &Sandbox, out: &str) -> BTreeMap<String, Vec<u8>> {
     let mut files = Vec::new();
     for folder in ["packages", "pictures", "truths", "differences", "sequences"] {
@@ -91,7 +93,7 @@ fn results(sandbox: &Sandbox, out: &str) -> BTreeMap<String, Vec<u8>> {
 }
 
 fn touch(sandbox: &Sandbox, name: &str) {
-    // Ninja goes by times, and those of a file system may be coarse.
+    // Ninja compares modification times, which may be coarse on some file systems.
     std::thread::sleep(Duration::from_millis(20));
     let file = std::fs::File::options().append(true).open(sandbox.path().join(name)).unwrap();
     file.set_modified(std::time::SystemTime::now()).unwrap();
@@ -121,7 +123,7 @@ fn a_herd_runs_what_changed_and_nothing_else() {
     let page = std::fs::read_to_string(sandbox.path().join("herd/out/report.html")).unwrap();
     assert!(page.contains("<title>A herd of &lt;three&gt;") && page.contains("data:image/jpeg;base64,"));
 
-    // Nothing changed; a model whose bytes are the same; a recipe, which has nothing to do with the torus.
+    // Nothing changed; then a model with the same bytes; then a recipe that does not affect the torus.
     let due = || {
         let plan = schema::answer(&herd(&sandbox, "plan", &["--due"]), "herd");
         plan["tasks"]
@@ -146,7 +148,7 @@ fn a_herd_runs_what_changed_and_nothing_else() {
     let changed: Vec<_> = second.iter().filter(|(name, hash)| first[*name] != **hash).map(|(name, _)| name).collect();
     assert!(changed.len() > 4 && changed.iter().all(|name| name.contains("knot")), "{changed:?}");
 
-    // The same herd elsewhere, by one command at a time, has the same bytes; from a cache as well.
+    // The same herd in another folder, one command at a time, gives the same bytes; also from a cache.
     let elsewhere = |out: &str, cache: &str| {
         let args = ["herd", "run", "herd/herd.toml", "-o", out, "--jobs", "1", "--cache", cache, "--json"];
         let run = sandbox.run(&args);
@@ -161,7 +163,7 @@ fn a_herd_runs_what_changed_and_nothing_else() {
     };
     assert_eq!(elsewhere("alone", "cache"), 0);
     assert_eq!(results(&sandbox, "alone"), second);
-    // Once more where nothing is left, as on another machine: all but what looks into packages is there.
+    // Once more without outputs, as on another machine: everything except the inspections comes from the cache.
     std::fs::remove_dir_all(sandbox.path().join("alone")).unwrap();
     assert_eq!(elsewhere("alone", "cache"), TASKS - 3);
     assert_eq!(results(&sandbox, "alone"), second);
@@ -184,7 +186,7 @@ fn a_herd_goes_on_after_failures_and_says_why() {
     let first = failures[0]["message"].as_str().unwrap();
     assert!(first.contains("animals/broken <one>.glb: byte 0"), "{first}");
     assert!(failures[1]["message"].as_str().unwrap().contains("--max-flip"), "{said}");
-    // What failed is tried again, and nothing else.
+    // Only failed commands are repeated.
     assert_eq!(run(&sandbox, 3, &[]).1, 4);
     std::fs::remove_file(sandbox.path().join("herd/animals/broken <one>.glb")).unwrap();
     let (said, ran) = run(&sandbox, 7, &[]);
@@ -206,7 +208,7 @@ fn a_herd_that_was_killed_goes_on_and_has_the_same_bytes() {
     let expected = results(&whole, "herd/out");
     let sandbox = sandbox();
     for made in [1, 3, 5] {
-        // In a group of its own, of which nobody gets a chance to tidy up: neither tool nor Ninja nor commands.
+        // In its own process group, so that the kill gives the tool, Ninja and the commands no chance to clean up.
         let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out", "--quiet"]);
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.stdout(std::process::Stdio::null()).spawn().unwrap();
@@ -239,14 +241,14 @@ fn a_command_that_dies_without_a_word_is_told() {
     let sandbox = sandbox();
     let models_alone = HERD.split("[[view]]").next().unwrap();
     sandbox.write("herd/herd.toml", models_alone);
-    // The system kills a process that writes a larger file than it may.
+    // The system kills a process that writes a file over the limit.
     sandbox.write("bin/ninja", "#!/bin/sh\nPATH=\"${PATH#*:}\"\nulimit -f 8\nexec ninja \"$@\"\n");
     let shim = sandbox.path().join("bin/ninja");
     std::fs::set_permissions(shim, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
     let without_room = |counts: [u64; 3]| {
         let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out", "--json"]);
         let path = format!("{}/bin:{}", sandbox.path().display(), std::env::var("PATH").unwrap());
-        // What a user has set for eyes must not make its words unreadable.
+        // User settings for terminal output must not break the parser.
         command.env("PATH", path).env("CLICOLOR_FORCE", "1").env("NINJA_STATUS", "%p ");
         let killed = finish(command);
         assert_eq!(killed.code, Some(2), "{killed:?}");
@@ -259,10 +261,10 @@ fn a_command_that_dies_without_a_word_is_told() {
         assert!(page.contains("it ended without a"));
     };
     without_room([3, 0, 3]);
-    // Where there is room it is tried again.
+    // Once there is space, the failed commands run again.
     let (said, ran) = run(&sandbox, 0, &[]);
     assert_eq!((ran, &said["tasks"]["failed"]), (6, &0.into()), "{said}");
-    // What it was before says nothing of what it is.
+    // Earlier results do not count as current.
     sandbox.write("herd/recipes/knot.toml", "[hair]\nlean = 0.5\n");
     without_room([1, 0, 1]);
     let plan = schema::answer(&herd(&sandbox, "plan", &["--due"]), "herd");
@@ -283,18 +285,18 @@ fn a_plan_is_a_graph_of_plain_commands() {
         let strings = |key: &str| -> Vec<&str> {
             task[key].as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect()
         };
-        // What a task reads is there, or made by one before it.
+        // The inputs of a task exist or are made by an earlier task.
         for input in strings("inputs") {
             assert!(made.contains(&input) || sandbox.path().join("herd").join(input).is_file(), "{input}");
         }
         made.extend(strings("outputs"));
         assert!(task["expected"]["seconds"].as_f64().unwrap() > 0.0 && strings("command")[0] == "pelage", "{task}");
     }
-    // A look that says how layers are drawn means nothing to a truth.
+    // Settings of layers in a look are not passed to reference pictures.
     let words = |kind: &str| tasks.iter().find(|task| task["kind"] == kind).unwrap()["command"].to_string();
     assert!(words("render").contains("--look=fur.layers=3") && !words("part").contains("fur.layers"));
     assert!(words("bake").contains("--cache\",\"../cache") || words("bake").contains("cache"), "{}", words("bake"));
-    // The commands are what a shell takes, from the herd's folder.
+    // The printed commands work in a shell, from the herd's folder.
     let text = sandbox.run(&["herd", "plan", "herd/herd.toml", "-o", "herd/out"]).stdout;
     let bake = text.lines().find(|line| line.contains("knot.pelage") && line.contains("bake")).unwrap();
     let bake = bake.strip_prefix("pelage ").unwrap();
@@ -379,7 +381,7 @@ fn what_a_herd_file_says_wrong_is_told_before_anything_runs() {
     assert!(run.code == Some(1) && run.stderr.contains("--jobs: it is for --engine ninja"), "{run:?}");
     let run = sandbox.run(&["herd", "run", "none.toml", "-o", "out"]);
     assert_eq!(run.code, Some(2), "{run:?}");
-    // A machine without Ninja is told what to install.
+    // Without Ninja the error says how to install it.
     let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out"]);
     let run = finish({
         command.env("PATH", sandbox.path());

@@ -1,11 +1,12 @@
-//! The error of a bake with limits, held against pairs of pictures that a person ranked.
+//! Error measure of a bake with limits, compared with pairs of pictures ranked by a person.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::likeness::{FUR_PX, folder, likeness, pairs};
 
-/// Every pair is ranked as a person ranks it, by a margin that noise in the true picture does not reach; mean FLIP alone fails.
+/// Checks that every pair is ranked as by a person, by a margin above the noise of the reference picture. Mean FLIP
+/// alone must fail.
 #[test]
 fn pairs_are_ranked_as_a_person_does() {
     let (mut flip_fails, mut wrong) = (0, Vec::new());
@@ -25,7 +26,8 @@ fn pairs_are_ranked_as_a_person_does() {
     assert!(flip_fails >= 10, "mean FLIP alone ranks all but {flip_fails}: the pairs ask for nothing");
 }
 
-/// A pair drawn now: long hair in four coarse layers, which mean FLIP was content with, beside the usual layers with fins.
+/// Checks a freshly drawn pair: long hair in four coarse layers, which mean FLIP accepted, and the usual layers with
+/// fins.
 #[test]
 fn a_ghost_of_an_outline_loses_to_hair() {
     if gpu("a_ghost_of_an_outline_loses_to_hair").is_none() {

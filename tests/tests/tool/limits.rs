@@ -1,4 +1,5 @@
-//! `pelage bake` with limits, and `pelage chart shells`, through the real binary: what is chosen is measured again from fresh.
+//! `pelage bake` with limits, and `pelage chart shells`, through the real binary; the chosen package is measured again
+//! independently.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
@@ -7,8 +8,8 @@ use pelage_tests::likeness::likeness;
 use pelage_tests::schema;
 use serde_json::Value;
 
-/// Small pictures and plain texels: everything is measured as in large ones, and faster. Textures of ink, which no limit changes, would weigh more than
-/// all that there is to choose.
+/// Small pictures and plain texels: the same measurements, but faster. Ink textures are unaffected by limits and would
+/// outweigh everything that can be chosen.
 const SMALL: [&str; 6] = [
     "judge.width=120",
     "judge.height=72",
@@ -18,7 +19,7 @@ const SMALL: [&str; 6] = [
     "ink.enabled=false",
 ];
 
-/// `pelage bake` of the built-in torus with more arguments.
+/// Runs `pelage bake` on the built-in torus with more arguments.
 fn bake(sandbox: &Sandbox, more: &[&str]) -> Run {
     let path = |name: &str| workspace().join(name).display().to_string();
     let (model, recipe) = (path("assets/models/torus.glb"), path("assets/recipes/torus.toml"));
@@ -32,10 +33,10 @@ fn file_size(sandbox: &Sandbox, name: &str) -> u64 {
     std::fs::metadata(sandbox.path().join(name)).unwrap().len()
 }
 
-/// Fragments of a frame of the package that was baked there, as `pelage doctor` counts them.
+/// Returns the fragments of a frame of the baked package, as counted by `pelage doctor`.
 fn fragments(sandbox: &Sandbox) -> f64 {
     let found = schema::done(&sandbox.run(&["doctor", "torus.pelage", "--size", "120x72", "--json"]), "doctor");
-    // Passes that do not draw the picture have none.
+    // Passes that do not draw into the picture have none.
     let fragments: f64 = found["passes"].as_array().unwrap().iter().filter_map(|pass| pass["fragments"].as_f64()).sum();
     assert!(fragments > 0.0, "{found}");
     fragments
@@ -47,7 +48,7 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
         return;
     }
     let sandbox = Sandbox::new();
-    // What the recipe itself gives; a tenth more leaves something to save.
+    // Error of the recipe's own settings; a limit a tenth higher leaves room for savings.
     let trial = schema::done(&bake(&sandbox, &["--max-error", "1", "--json"]), "bake");
     let own = &trial["choice"]["trials"][0];
     let limit = 1.1 * own["error"].as_f64().unwrap();
@@ -55,7 +56,7 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
     let choice = &object["choice"];
     let chosen = &choice["trials"][choice["chosen"].as_u64().unwrap() as usize];
     assert!(chosen["error"].as_f64().unwrap() <= limit, "{choice}");
-    // What it costs is counted, not timed: the search itself is tested with judges that always say the same (`judge/decide`).
+    // The cost is counted, not timed; the search itself is tested with deterministic judges (`judge/decide`).
     let plain = Sandbox::new();
     assert_eq!(bake(&plain, &["-q"]).code, Some(0));
     let (fragments_chosen, fragments_own) = (fragments(&sandbox), fragments(&plain));
@@ -64,7 +65,7 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
     assert!(choice["trials"].as_array().unwrap().len() > 2, "{choice}");
     assert_eq!(choice["views"].as_array().unwrap().len(), 2);
 
-    // The package holds the same evidence, and the settings that were chosen.
+    // The package contains the same evidence, and the chosen settings.
     assert_eq!(sandbox.run(&["unpack", "torus.pelage", "folder", "-q"]).code, Some(0));
     let manifest: Value =
         serde_json::from_slice(&std::fs::read(sandbox.path().join("folder/manifest.json")).unwrap()).unwrap();
@@ -76,7 +77,7 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
         assert!(recipe.lines().any(|l| l == line), "{line} in {recipe}");
     }
 
-    // Drawn, traced and compared by the other subcommands, from the views that the evidence names.
+    // Drawn, traced and compared by the other subcommands, from the views in the evidence.
     let (mut errors, mut flips) = (Vec::new(), Vec::new());
     for view in choice["views"].as_array().unwrap() {
         let words: Vec<&str> = view.as_str().unwrap().split(' ').collect();
@@ -113,14 +114,14 @@ fn costs_have_limits_too() {
     assert_eq!(object["bytes"], file_size(&sandbox, "torus.pelage"));
     let choice = &object["choice"];
     assert_eq!(choice["binding"], "max_bytes", "{choice}");
-    // The truest of what was measured within the limit.
+    // The most accurate of the trials within the limit.
     let trials = choice["trials"].as_array().unwrap();
     let chosen = &trials[choice["chosen"].as_u64().unwrap() as usize];
     let error = |trial: &Value| trial["error"].as_f64().unwrap();
     let within = trials.iter().filter(|t| t["bytes"].as_u64().unwrap() <= limit);
-    // Errors closer than a hundredth are a tie, which the smaller package wins.
+    // Errors within one per cent are a tie, won by the smaller package.
     assert!(within.clone().count() > 0 && within.clone().all(|t| 1.01 * error(t) >= error(chosen)), "{choice}");
-    // What is gained on one side of it is paid for on the other.
+    // The next better trial costs more, and the next cheaper one has a larger error.
     let ms = |trial: &Value| trial["frame_ms"].as_f64().unwrap();
     if let Some(better) = choice["next_better"].as_u64().map(|i| &trials[i as usize]) {
         assert!(error(better) < error(chosen) && ms(better) >= ms(chosen), "{choice}");
@@ -128,7 +129,8 @@ fn costs_have_limits_too() {
     if let Some(cheaper) = choice["next_cheaper"].as_u64().map(|i| &trials[i as usize]) {
         assert!(ms(cheaper) < ms(chosen) && error(cheaper) >= error(chosen), "{choice}");
     }
-    // Each trial has the parts of its error; the chosen one was timed in turns, and its time lies within their spread.
+    // Each trial has the parts of its error. The chosen one was timed alternately with others, and its time is within
+    // the quartiles.
     let judged = object["judged"].as_array().unwrap();
     assert_eq!(judged.len(), trials.len());
     for (parts, trial) in judged.iter().zip(trials) {
@@ -139,7 +141,7 @@ fn costs_have_limits_too() {
     let spread = &judged[choice["chosen"].as_u64().unwrap() as usize]["frame_ms_quartiles"];
     let [low, high] = [0, 1].map(|i| spread[i].as_f64().unwrap());
     assert!(low < high && (low..=high).contains(&ms(chosen)), "{spread}, {chosen}");
-    // A person reads the same.
+    // The text output says the same.
     let run = bake(&sandbox, &["--max-bytes", &bytes]);
     for word in [
         "chosen:",
@@ -204,13 +206,13 @@ fn the_shells_chart() {
             assert!(row[column].as_f64().unwrap() > 0.0, "{column}: {row}");
         }
     }
-    // A package has all that slicing it anew needs.
+    // A package contains everything needed to slice it again.
     assert_eq!(bake(&sandbox, &["-q"]).code, Some(0));
     let run = sandbox.run(&["chart", "shells", "torus.pelage", "-o", "again", "--rows", "1,2", "--json"]);
     let own = schema::done(&run, "chart");
     assert_eq!(own["rows"][0]["fins.enabled"], "false");
     assert!(own["rows"][0]["flip"].as_f64() > own["rows"][0]["coverage_error"].as_f64(), "{own}");
-    // More layers cost more; a picture of the chart is there.
+    // More layers cost more, and the chart is drawn.
     assert!(rows[2]["slice.layers"].as_f64() > rows[0]["slice.layers"].as_f64(), "{rows:?}");
     assert!(rows[2]["package_bytes"].as_f64() != rows[0]["package_bytes"].as_f64());
     assert!(std::fs::read_to_string(sandbox.path().join("out/shells.svg")).unwrap().contains("<svg"));

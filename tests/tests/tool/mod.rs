@@ -1,6 +1,6 @@
-//! The `pelage` command, run as its users run it: fresh folders, real arguments, exit codes, what lies there afterwards.
+//! The `pelage` command as users run it: fresh folders, real arguments, exit codes, resulting files.
 
-/// Random numbers and packages of the formats' own tests.
+/// Random numbers and packages shared with the formats' own tests.
 #[path = "../../../formats/tests/formats/common/mod.rs"]
 mod common;
 

@@ -1,4 +1,5 @@
-//! `bake`, `render` and `bench` through the real binary: bad models and recipes, the whole corpus of hard glTF files, no adapter.
+//! `bake`, `render` and `bench` through the real binary: bad models and recipes, the whole corpus of hard glTF files,
+//! missing adapters.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_needs::data;
@@ -10,14 +11,14 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// The least that a bake can be asked for: what is tested here does not hang on texture sizes.
+/// Smallest possible bake; these tests do not depend on texture sizes.
 const SMALL: [&str; 6] = ["--set", "slice.tile_texels=16", "--set", "slice.layers=4", "--set", "hair.density=20"];
 
 fn bake(sandbox: &Sandbox, model: &str, more: &[&str]) -> Run {
     sandbox.run(&[&["bake", model, "-o", "out.pelage"][..], &SMALL, more].concat())
 }
 
-/// Runs, and asserts exit code and words of stderr; no file may come or go.
+/// Runs the binary, and asserts the exit code, words of stderr, and an unchanged list of files.
 #[track_caller]
 fn refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) {
     let before = sandbox.files();
@@ -30,7 +31,7 @@ fn refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) {
     assert_eq!(sandbox.files(), before, "{args:?} left something behind");
 }
 
-/// One triangle with normals left out and texture coordinates, its data in `triangle.bin`.
+/// Returns a triangle without normals but with texture coordinates, whose data is in `triangle.bin`.
 fn triangle() -> Value {
     json!({
         "asset": { "version": "2.0" },
@@ -64,7 +65,7 @@ fn glb(version: u32, length: u32) -> Vec<u8> {
 
 #[test]
 fn the_good_triangle_bakes() {
-    // What the bad ones below differ from in one thing each.
+    // Valid input, from which each bad one below differs in a single item.
     let sandbox = Sandbox::new();
     sandbox.write("a.gltf", triangle().to_string());
     sandbox.write("triangle.bin", triangle_bin());
@@ -203,7 +204,7 @@ fn pictures() {
     ] {
         refused(&sandbox, args, code, words);
     }
-    // A driver list that names nothing is a machine without a driver.
+    // An empty driver list simulates a machine without a driver.
     for args in [&["render", "out.pelage", "-o", "a.png"][..], &["bench", "out.pelage"], &["demo", "-o", "pictures"]] {
         let before = sandbox.files();
         let mut command = sandbox.command(args);
@@ -236,7 +237,7 @@ fn pictures() {
     let passes = ["ink_normals", "ink_features", "ink_trace", "ink_dilate", "ink_stroke", "ink_composite", "ink_fur"]
         .map(Value::from);
     assert_eq!(ran(&object), passes, "{object}");
-    // Of this one nothing says that it is furred: no strokes of fur.
+    // No recipe says that this model is furred, so it has no strokes of fur.
     let small = ["--set", "slice.tile_texels=16", "--set", "slice.layers=4"];
     let run = sandbox.run(&[&["bake", "good.glb", "-o", "stone.pelage"][..], &small].concat());
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -248,14 +249,14 @@ fn pictures() {
     };
     let (small, large) = (bench("48x32"), bench("96x64"));
     let names = small["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
-    // The bench poses anew in every frame, and what leans follows its skin.
+    // The bench poses the model in every frame, and fur motion follows the posed surface.
     assert_eq!(names, [&["pose", "fur_motion"].map(Value::from)[..], &passes].concat());
     let bytes = |object: &Value| object["gpu_bytes"].as_u64().unwrap();
-    // Of a pixel: normals, surface, features, those that are lines, rows, strokes, depth.
+    // Bytes per pixel: normals, surface, features, line features, rows, strokes, depth.
     assert_eq!(bytes(&large) - bytes(&small), 3 * 48 * 32 * (8 + 4 + 4 + 4 + 4 + 4 + 4));
 }
 
-/// Bakes every model in a sandbox of its own threads; each must leave a package, or nothing.
+/// Bakes all models in one sandbox on several threads; each must leave a complete package or nothing.
 fn bake_all(models: &[PathBuf], more: &[&str]) -> BTreeMap<PathBuf, Run> {
     let (next, results) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
     std::thread::scope(|scope| {
@@ -287,7 +288,7 @@ fn the_corpus_of_hard_files() {
     for folder in ["hard-gltf", "gltf-validator", "gltf-asset-generator"] {
         walk(&data.join("meshes").join(folder), &mut models);
     }
-    // Whatever is no model (buffers, images, notes) is bad input too, and is baked like the rest.
+    // Files that are not models (buffers, images, notes) are bad input too and are baked like the rest.
     assert!(models.len() > 150, "only {} files found", models.len());
     let results = bake_all(&models, &["--set", "ink.enabled=false", "--set", "slice.layers=4"]);
     let mut wrong = Vec::new();
@@ -304,11 +305,11 @@ fn the_corpus_of_hard_files() {
     }
     println!("exit codes: {counts:?}");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    // Much of the corpus has no triangle, or is broken on purpose, and must be refused.
+    // Much of the corpus has no triangles or is broken on purpose, and must be rejected.
     assert!(counts.get(&Some(0)).is_some_and(|n| *n >= 8), "the good models must bake: {counts:?}");
 }
 
-/// OBJ files that cannot be baked, and why; all others can.
+/// OBJ files that must be rejected, with the reason; all others can be baked.
 const REFUSED_OBJ: &[(&str, &str)] = &[
     ("assimp_malformed", "line 28: `f` has `0`"),
     ("assimp_number_formats", "line 11: `v` has `3.1+e2`, expected a number"),
@@ -328,7 +329,8 @@ fn every_obj_file() {
     }
     models.retain(|m| m.extension().is_some_and(|e| e == "obj"));
     assert!(models.len() >= 46, "only {} files found", models.len());
-    // Without textures of ink, which know nothing of the model and take two seconds each, and without shadows of the body on itself.
+    // Without ink textures, which do not depend on the model and take two seconds each, and without shadows of the body
+    // on itself.
     for (model, run) in bake_all(&models, &["--set", "ink.enabled=false", "--set", "visibility.enabled=false"]) {
         let name = model.file_stem().unwrap().to_str().unwrap();
         match REFUSED_OBJ.iter().find(|(file, _)| *file == name) {
@@ -354,7 +356,7 @@ fn an_obj_with_its_materials() {
     let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
         usemtl coat\nf 1/1 2/2 3/3 4/4\n";
     sandbox.write("a.obj", text);
-    // The contents decide, whatever the name says.
+    // The contents determine the format, not the name.
     sandbox.write("a.gltf", text);
     let object = schema::done(&bake(&sandbox, "a.obj", &["--json"]), "bake");
     assert_eq!(object["warnings"], json!([]));

@@ -1,9 +1,10 @@
-//! A slice of the mutation run, so that the chore cannot rot: `cargo run --release -p pelage-tests --bin chores -- mutate` runs all of it.
+//! Subset of the mutation run, so that the chore keeps working. `cargo run --release -p pelage-tests --bin chores --
+//! mutate` runs all of it.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::mutate::{KINDS, Plan, run};
 
-/// Cases of each kind, in the order of [`KINDS`]: those that bake take longer.
+/// Cases of each kind, in the order of [`KINDS`]; those that bake take longer.
 const CASES: [u64; KINDS.len()] = [40, 28, 12, 8, 8, 8, 8];
 
 #[test]
@@ -13,7 +14,7 @@ fn a_slice_of_the_mutation_run_shows_no_fault() {
     let text = report.text(7);
     println!("{text}");
     assert_eq!(report.faulty(), 0, "{text}");
-    // What is refused and what is done must both occur, else the cases reach nothing.
+    // Both rejected and successful cases must occur, else the cases test nothing.
     for word in ["unpack 0", "unpack 3", "pack 0", "pack 3", "bake 0", "bake 3", "validate 0", "validate 7"] {
         let count: u64 = report.tallies.iter().filter_map(|tally| tally.exits.get(word)).sum();
         assert!(count > 0, "no {word}: {text}");

@@ -45,7 +45,7 @@ fn inspect_tells_what_is_inside() {
     for word in ["4 triangles", "bc5-rg-unorm", "breathe", "XTRA", "angle_distortion", "3 triangles without area"] {
         assert!(text.stdout.contains(word), "{word}: {}", text.stdout);
     }
-    // What version 3 knows.
+    // Only in version 3.
     for words in
         ["0.75 of the height", "1 layer in 2, 50 % of the fins", "the coat alone", "max_error binds", "next cheaper"]
     {
@@ -58,7 +58,7 @@ fn validate_lists_each_fault_with_its_place() {
     let sandbox = sandbox();
     let run = sandbox.run(&["validate", "a.pelage", "--json"]);
     let object = schema::answer(&run, "validate");
-    // The sample's recipe holds a key that no recipe has: the one thing about it that only the tool can judge.
+    // The sample's recipe contains an unknown key, the only fault in it that only the tool can detect.
     assert_eq!((run.code, object["valid"].as_bool()), (Some(7), Some(false)), "{run:?}");
     let message = object["faults"][0]["message"].to_string();
     assert!(object["faults"].as_array().unwrap().len() == 1 && message.contains("strands"), "{object}");
@@ -94,7 +94,7 @@ fn validate_lists_each_fault_with_its_place() {
     assert!(text.stdout.contains(&format!("section KTX2, byte {}", sections[4].offset)), "{}", text.stdout);
 }
 
-/// Unpacks, packs, compares; gives the folder's file names.
+/// Unpacks, packs, compares; returns the file names of the folder.
 #[track_caller]
 fn assert_round_trip(sandbox: &Sandbox, package: &[u8]) -> Vec<String> {
     sandbox.write("in.pelage", package);
@@ -131,7 +131,7 @@ fn pack_undoes_unpack() {
     ];
     assert_eq!(files, expected);
     assert_round_trip(&sandbox, &PackageWriter::new(Manifest::default()).finish().unwrap());
-    // A package of an older version stays one.
+    // A package of an older version keeps its version.
     for version in 1..=FORMAT_VERSION {
         let golden = workspace().join(format!("formats/tests/golden/v{version}.pelage"));
         assert_round_trip(&sandbox, &std::fs::read(golden).unwrap());
@@ -165,7 +165,7 @@ fn a_fault_in_unpacked_ink_is_placed_in_its_file() {
     sandbox.write("ink.pelage", ink_package());
     assert_eq!(sandbox.run(&["unpack", "ink.pelage", "folder"]).code, Some(0));
     let mut ink = std::fs::read(sandbox.path().join("folder/ink.bin")).unwrap();
-    // The last byte is a vertex's reserved one.
+    // The last byte is a reserved byte of a vertex.
     *ink.last_mut().unwrap() = 7;
     sandbox.write("folder/ink.bin", ink);
     let run = sandbox.run(&["pack", "folder", "out.pelage"]);
@@ -181,7 +181,7 @@ fn pack_undoes_unpack_for_generated_packages() {
     }
 }
 
-/// Any finite number, of any size and sign.
+/// Returns any finite number, of any magnitude and sign.
 fn float(random: &mut Random) -> f32 {
     loop {
         let value = f32::from_bits(random.next_u64() as u32);
@@ -191,7 +191,7 @@ fn float(random: &mut Random) -> f32 {
     }
 }
 
-/// A package of any sizes and numbers, with or without each thing a package can have.
+/// Returns a package of random sizes and numbers, with or without each optional part.
 fn generated(random: &mut Random) -> Vec<u8> {
     let vertices = random.below(40);
     let triangles = if vertices == 0 { 0 } else { random.below(60) };
@@ -271,7 +271,7 @@ fn generated(random: &mut Random) -> Vec<u8> {
 fn the_unpacked_mesh_opens_as_gltf() {
     let sandbox = sandbox();
     assert_eq!(sandbox.run(&["unpack", "a.pelage", "folder"]).code, Some(0));
-    // Our own importer is the reader at hand that shares nothing with the writer; it warns about nothing it cannot use.
+    // Our own importer shares no code with the writer.
     let options = pelage_import::ImportOptions::default();
     let model = pelage_bake::io::read_model(
         &sandbox.path().join("folder/mesh.glb"),
@@ -306,7 +306,7 @@ fn a_broken_pipe_is_success() {
     let sandbox = sandbox();
     let mut child =
         sandbox.command(&["inspect", "a.pelage"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // Closed before the first byte can be written; a reader that is slow to close changes nothing but the path taken.
+    // Closed before the first byte is written; a slower close only takes a different code path.
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{output:?}");

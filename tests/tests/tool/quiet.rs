@@ -1,11 +1,11 @@
-//! What commands print where they are told to be quiet, and where the driver would complain.
+//! Output of commands with `--quiet`, in an environment where the graphics driver would complain.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, finish, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 
-/// A folder with a small `a.pelage`.
+/// Returns a folder with a small `a.pelage`.
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     let torus = workspace().join("assets/models/torus.glb").display().to_string();

@@ -1,10 +1,11 @@
-//! `reference` and `export` through the real binary: a package's strands, traced and for other programs; no adapter is needed.
+//! `reference` and `export` through the real binary: a package's strands, traced and exported to other programs; no
+//! adapter is needed.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;
 
-/// A folder with the built-in torus as `torus.pelage`, without ink, which no strand knows.
+/// Returns a folder with the built-in torus as `torus.pelage`, without ink, which does not affect strands.
 fn torus(settings: &[&str]) -> Sandbox {
     let sandbox = Sandbox::new();
     let model = workspace().join("assets/models/torus.glb");
@@ -136,7 +137,7 @@ fn what_is_wrong_is_said() {
         let run = sandbox.run(&[&["reference", "torus.pelage"], more].concat());
         assert!(run.code == Some(1) && run.stderr.contains(word), "{more:?}: {run:?}");
     }
-    // A package whose recipe was changed grows other strands than it was sliced from.
+    // A package with a changed recipe would grow strands that do not match its slices.
     assert_eq!(sandbox.run(&["unpack", "torus.pelage", "folder", "-q"]).code, Some(0));
     let recipe = std::fs::read_to_string(sandbox.path().join("folder/recipe.toml")).unwrap();
     let wrong: Vec<String> =

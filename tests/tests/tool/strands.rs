@@ -1,4 +1,4 @@
-//! Single strands through the real binary: nearer to the traced picture than layers, and the same every time.
+//! Single strands through the real binary: closer to the traced picture than layers, and reproducible.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_formats::{Limits, Package};
@@ -38,7 +38,8 @@ fn strands_are_nearer_to_the_true_picture_than_layers() {
     assert!(first == again, "a picture of strands is the same every time");
 }
 
-/// Hair on guides: fur that hangs from the hare, thin enough that every hair counts, at rest and in the middle of a jump.
+/// Checks hair on guides: hair hanging from the hare, thin enough that each hair matters, at rest and in the middle of
+/// a jump.
 #[test]
 fn hair_on_guides_is_drawn_where_the_true_picture_has_it() {
     if gpu("hair_on_guides_is_drawn_where_the_true_picture_has_it").is_none() {
@@ -72,7 +73,7 @@ fn hair_on_guides_is_drawn_where_the_true_picture_has_it() {
             [&found["coverage"], &found["flip"]["mean"]].map(|n| n.as_f64().unwrap())
         };
         let [coverage, flip] = against(&drawn_png);
-        // The same hare without it.
+        // The same hare without the hair on guides.
         if name == "rest" {
             done(&[
                 "bake",
@@ -93,7 +94,7 @@ fn hair_on_guides_is_drawn_where_the_true_picture_has_it() {
     }
 }
 
-/// What `export` writes as lines, in one file and in two, comes back as the guides that it was.
+/// Checks that lines written by `export`, in one file and in two, are read back as the same guides.
 #[test]
 fn exported_lines_are_guides_again() {
     let sandbox = Sandbox::new();
@@ -123,14 +124,14 @@ fn exported_lines_are_guides_again() {
     let mut compared = 0;
     for i in 0..30 {
         let [tip, found] = [&grown, &read].map(|groups| *groups[0].guide(i).last().unwrap());
-        // The roots are the same; their triangles need not be, where a root lies on an edge.
+        // The roots are the same; their triangles may differ if a root is on an edge.
         if grown[0].guide_roots[i].0 == read[0].guide_roots[i].0 {
             assert!(found.distance(tip) < 0.01 * tip.length(), "guide {i}: {found}, expected {tip}");
             compared += 1;
         }
     }
     assert!(compared > 20, "{compared} of 30 on the same triangle");
-    // The same with its buffer in a file beside it.
+    // The same with the buffer in a separate file.
     let (mut document, buffer) = chunks(&std::fs::read(sandbox.path().join("g.glb")).unwrap()).unwrap();
     document["buffers"][0]["uri"] = "g.bin".into();
     sandbox.write("g.bin", buffer);

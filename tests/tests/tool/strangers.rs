@@ -1,4 +1,5 @@
-//! What strangers tripped over, each with what it is now: models of impossible sizes, edits that say one thing and do another.
+//! Problems of first-time users, and their present behaviour: models of impossible sizes, edits with unexpected
+//! results.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
@@ -7,9 +8,9 @@ use std::io::{BufRead as _, BufReader};
 use std::process::Stdio;
 
 const HARE: &str = "assets/models/hare.glb";
-/// Two triangles of a metre, and a third that a test adds.
+/// Two triangles of one metre; tests add a third.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
-/// A bake as short as can be.
+/// Settings of the fastest possible bake.
 const QUICK: [&str; 6] = ["--set", "slice.layers=4", "--set", "slice.tile_texels=16", "--set", "ink.enabled=false"];
 
 fn bake(sandbox: &Sandbox, model: &str, more: &[&str]) -> Run {
@@ -38,7 +39,7 @@ fn models_of_impossible_sizes_are_refused_with_the_unit_that_would_do() {
     refuses(&sandbox, &run, &["hare.glb: whole model: it is ", "surface.tile_size_m", "set model.unit_m=1 "]);
     let run = bake(&sandbox, &hare, &["--set", "model.unit_m=0.00001"]);
     refuses(&sandbox, &run, &["hare.glb: whole model: it is ", "set model.unit_m=1 "]);
-    // Where the recipe says the lengths, the size is the user's own matter; what comes out validates.
+    // If the recipe sets the lengths, the size is the user's decision; the result validates.
     let lengths = ["--set", "hair.length_m=100", "--set", "surface.tile_size_m=900", "--set", "model.unit_m=100000"];
     let run = bake(&sandbox, &hare, &lengths);
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -131,7 +132,7 @@ fn images_of_set_are_found_from_here_and_by_absolute_path() {
         assert_eq!(run.code, Some(0), "{path}: {run:?}");
         let object: Value = serde_json::from_str(&sandbox.run(&["inspect", "out.pelage", "--json"]).stdout).unwrap();
         let text = object["recipe"].as_str().unwrap();
-        // No path of this machine stands in the package.
+        // The package contains no path of this machine.
         assert!(text.contains(&format!("pattern = \"{recorded}\"")), "{text}");
         std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
     }
@@ -158,7 +159,7 @@ fn an_edited_recipe_is_no_new_fur() {
     refuses(&sandbox, &run, &words);
     refuses(&sandbox, &pack("[hair\n"), &["folder/recipe.toml: line 1"]);
     refuses(&sandbox, &pack("[hair]\ndensty = 3\n"), &["folder/recipe.toml: line 2, hair.densty"]);
-    // A comment changes nothing; the recipe as it was gives the bytes that were.
+    // A comment changes nothing; the original recipe gives the original bytes.
     let run = pack(&format!("# my fox\n{recipe}"));
     assert_eq!((run.code, sandbox.run(&["validate", "out.pelage"]).code), (Some(0), Some(0)), "{run:?}");
     assert_eq!(pack(&recipe).code, Some(0));
@@ -228,14 +229,14 @@ fn pipes_in_folders_and_scenes_are_refused() {
 fn a_process_told_to_stop_leaves_nothing_half_written() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
-    // The text of 100 tiles of strands takes long enough to be met half-written.
+    // The text of 100 tiles of strands takes long enough to be interrupted half-written.
     let set = ["--set", "hair.length_m=0.05", "--set", "surface.tile_size_m=0.1"];
     assert_eq!(bake(&sandbox, "a.obj", &set).code, Some(0));
     let before = sandbox.files();
     for signal in ["INT", "TERM"] {
         let mut child =
             sandbox.command(&["export", "out.pelage", "--strands", "strands.txt", "--quiet"]).spawn().unwrap();
-        // Until it writes.
+        // Waits until the command writes.
         while sandbox.files() == before && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
@@ -248,7 +249,8 @@ fn a_process_told_to_stop_leaves_nothing_half_written() {
     }
 }
 
-/// Where stderr is no terminal, a line now and then says how far long work is and how long it may take; before it, what it will come to.
+/// Checks that long work announces its size and, if stderr is not a terminal, prints occasional lines with progress and
+/// remaining time.
 #[test]
 fn long_work_is_told_before_and_while_it_runs() {
     let sandbox = Sandbox::new();
@@ -260,7 +262,7 @@ fn long_work_is_told_before_and_while_it_runs() {
         .spawn()
         .unwrap();
     let mut said = Vec::new();
-    // Without the line that is looked for it ends with the bake, minutes later.
+    // If the expected line is missing, the loop ends with the bake, minutes later.
     for line in BufReader::new(child.stderr.take().unwrap()).lines() {
         said.push(line.unwrap());
         if said.last().is_some_and(|line| line.contains("s: slice, ")) {
@@ -285,7 +287,7 @@ fn an_export_is_thinned_as_it_was_asked() {
         let object: Value = serde_json::from_str(&run.stdout).unwrap();
         let number = |key: &str| object[key].as_u64().unwrap();
         let points = std::fs::read_to_string(sandbox.path().join("strands.txt")).unwrap();
-        // A strand is a block of lines; blank lines stand between.
+        // A strand is a block of lines; blocks are separated by blank lines.
         assert_eq!(points.split("\n\n").filter(|s| !s.trim().is_empty()).count() as u64, number("strands"));
         (number("strands"), number("of_strands"))
     };

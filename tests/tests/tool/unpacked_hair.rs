@@ -1,4 +1,4 @@
-//! Strands and guides of an unpacked package: files that other programs open, and what comes back from them.
+//! Strands and guides of an unpacked package: files for other programs, and the result of packing edited files.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use crate::tool::common::random::Random;
@@ -13,11 +13,11 @@ const STRANDS: usize = 7;
 const POINTS: usize = 4;
 const GUIDES: usize = 5;
 
-/// The sample package, whose mesh has joints and whose hair is dry and wet, with strands and two groups of hair.
+/// Returns the sample package, with joints, dry and wet hair, strands and two groups of hair.
 fn package(strands: &StoredStrands, groups: &[HairGroup]) -> Vec<u8> {
     let sample = sample_package();
     let opened = Package::open(&sample, &Limits::default()).unwrap();
-    // A recipe that reads.
+    // A valid recipe.
     let manifest = Manifest { recipe: String::new(), ..opened.manifest().clone() };
     let sections = opened.sections().iter().enumerate().skip(1);
     let add = |writer: PackageWriter<'static>, (index, section): (usize, &Section)| {
@@ -27,7 +27,7 @@ fn package(strands: &StoredStrands, groups: &[HairGroup]) -> Vec<u8> {
     writer.hair_groups(groups).stored_strands(strands).finish().unwrap()
 }
 
-/// Strands that lie evenly in the tile, rise and taper.
+/// Returns strands that are evenly distributed in the tile, rise and taper.
 fn strands() -> StoredStrands {
     let scale = StrandScale { reach: 0.5, radius: 0.01 };
     let point = |i: usize| {
@@ -76,7 +76,7 @@ fn groups() -> [HairGroup; 2] {
     [group("mane"), HairGroup { hairs: 0, scalp: Vec::new(), ..group("brow/left") }]
 }
 
-/// The package as a folder, in a sandbox of its own.
+/// Unpacks the package into a new sandbox.
 fn unpacked(bytes: &[u8]) -> Sandbox {
     let sandbox = Sandbox::new();
     sandbox.write("in.pelage", bytes);
@@ -93,7 +93,7 @@ fn packed(sandbox: &Sandbox) -> Vec<u8> {
     bytes
 }
 
-/// A `.hair` as `unpack` writes it: all arrays but transparency.
+/// A `.hair` file as written by `unpack`: all arrays except transparency.
 struct Hair {
     bytes: Vec<u8>,
     strands: usize,
@@ -113,7 +113,7 @@ impl Hair {
         sandbox.write(&format!("folder/{name}"), &self.bytes);
     }
 
-    /// The numbers that begin at number `index` of all behind the header and the pieces.
+    /// Changes `N` numbers from number `index` on, counted after the header and the segment counts.
     fn floats<const N: usize>(&mut self, index: usize, change: impl FnOnce(&mut [f32; N])) {
         let at = 128 + 2 * self.strands + 4 * index;
         let bytes = &mut self.bytes[at..at + 4 * N];
@@ -142,7 +142,7 @@ fn stored(bytes: &[u8]) -> StoredStrands {
     Package::open(bytes, &Limits::default()).unwrap().strands().unwrap().unwrap().stored()
 }
 
-/// Points of all guides of a group where the skin at rest has them.
+/// Returns the points of all guides of a group on the mesh surface at rest.
 fn at_rest(bytes: &[u8], group: usize) -> Vec<Vec<Vec3>> {
     let package = Package::open(bytes, &Limits::default()).unwrap();
     let (skin, groups) = (RestMesh::of(&package).unwrap(), package.hair_groups().unwrap());
@@ -162,7 +162,7 @@ fn strands_and_guides_are_files_of_their_own() {
     assert!(names.iter().all(|name| files.contains(&format!("folder/{name}"))), "{files:?}");
     assert!(!files.iter().any(|name| name.contains("STRN") || name.contains("HAIR")), "{files:?}");
     assert!(packed(&sandbox) == bytes, "the bytes differ");
-    // A folder that only they are in is one that `unpack` may write anew.
+    // `unpack` may replace a folder that contains only these files.
     assert_eq!(sandbox.run(&["unpack", "in.pelage", "folder"]).code, Some(0));
     // The first strand of the tile in metres, y up: tile 0.25 m wide, fur 0.03 m high.
     let mut hair = Hair::read(&sandbox, "strands.hair");
@@ -174,7 +174,7 @@ fn strands_and_guides_are_files_of_their_own() {
         assert!(Vec3::from(*p).distance(expected) < 1e-6, "{p:?}, expected {expected}");
     });
     hair.thickness(0, |t| assert!((t[0] - 2.0 * 0.01 * 0.25).abs() < 1e-7, "{t:?}"));
-    // All of it decodes exactly: nothing is kept beside the files.
+    // Everything decodes exactly, so the JSON files contain no exact values.
     for name in ["hair.json", "strands.json"] {
         let text = std::fs::read_to_string(sandbox.path().join("folder").join(name)).unwrap();
         assert_eq!((text.matches("\"exact\": []").count(), text.matches("exact").count()), (2, 2), "{name}: {text}");
@@ -187,7 +187,7 @@ fn any_numbers_of_the_sections_survive() {
         let random = &mut Random(seed);
         let mut made = strands();
         let mut number = |most: u64| (random.next_u64() % most) as u32;
-        // From hair that hardly leaves its root, of which coordinates lose digits, to hair that crosses tiles.
+        // From hair that hardly leaves its root, whose coordinates lose digits, to hair that crosses tiles.
         made.scale = StrandScale { reach: [1e-6, 1e-3, 0.3, 50.0][seed as usize % 4], radius: 1e-3 };
         for root in &mut made.roots {
             *root = [number(1 << 16) as u16, number(1 << 16) as u16];
@@ -225,7 +225,8 @@ fn an_edited_tile_arrives() {
     let (made, bytes) = (strands(), package(&strands(), &groups()));
     let sandbox = unpacked(&bytes);
     let mut hair = Hair::read(&sandbox, "strands.hair");
-    // Strand 2 is bent, thinned and dyed, with its root where it was; strand 3 is moved as a whole over the tile's border.
+    // Strand 2 is bent, thinned and coloured, with its root in place; strand 3 is moved as a whole across the tile's
+    // border.
     for k in 1..POINTS {
         hair.point(2 * POINTS + k, |p| p[0] += 0.01);
     }
@@ -240,7 +241,7 @@ fn an_edited_tile_arrives() {
     for (i, (found, point)) in found.points.iter().zip(&made.points).enumerate() {
         let mut expected = *point;
         if (2 * POINTS + 1..3 * POINTS).contains(&i) {
-            // 0.01 m of a tile of 0.25 m, of which 0.5 are 32767.
+            // 0.01 m of a tile of 0.25 m; a reach of 0.5 is 32767.
             expected.aside[0] += (0.01_f32 / 0.25 / 0.5 * 32767.0).round() as i16;
         }
         if i == 2 * POINTS {
@@ -255,7 +256,7 @@ fn an_edited_tile_arrives() {
         );
         assert_eq!(found.visibility, expected.visibility, "{i}");
     }
-    // Farther than any strand before: all are stored over a larger reach, and stay where they are.
+    // Farther than any other strand: all are stored with a larger reach and keep their positions.
     hair.point(5 * POINTS - 1, |p| p[2] -= 0.5);
     hair.write(&sandbox, "strands.hair");
     let far = stored(&packed(&sandbox));
@@ -273,7 +274,7 @@ fn edited_guides_arrive() {
     let sandbox = unpacked(&bytes);
     let before = at_rest(&bytes, 0);
     let mut hair = Hair::read(&sandbox, "hair_0_mane.hair");
-    // Guide 1 is combed aside; guide 2 is moved with its root to where guide 1 roots.
+    // Guide 1 is combed sideways; guide 2 is moved with its root to the root of guide 1.
     for k in 1..POINTS {
         hair.point(POINTS + k, |p| p[0] += 0.05 * k as f32);
     }
@@ -299,7 +300,7 @@ fn edited_guides_arrive() {
     let (old, new) = (groups(&bytes), groups(&edited));
     assert_eq!(new[0].guide_roots[2].0, old[0].guide_roots[1].0, "it hangs on the other triangle");
     assert_eq!((&new[0].guide_roots[..2], &new[1]), (&old[0].guide_roots[..2], &old[1]));
-    // What only the JSON says.
+    // Values that only the JSON contains.
     let path = sandbox.path().join("folder/hair.json");
     let mut json: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
     (json[0]["hairs"], json[1]["name"]) = (77.into(), "brow".into());

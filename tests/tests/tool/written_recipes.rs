@@ -1,4 +1,4 @@
-//! `pelage bake --write-recipe` through the real binary: the recipe of a bake, and that it gives the same package.
+//! `pelage bake --write-recipe` through the real binary: the written recipe of a bake gives the same package.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_bake::recipe::{Coat, Recipe, keys};
@@ -6,7 +6,7 @@ use pelage_tests::binary::{Run, Sandbox, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 
-/// A folder with the torus, a recipe that names a pattern, and the pattern.
+/// Returns a folder with the torus, a recipe that names a pattern, and the pattern.
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     let asset = |name: &str| std::fs::read(workspace().join("assets").join(name)).unwrap();
@@ -22,12 +22,12 @@ fn bake(sandbox: &Sandbox, package: &str, more: &[&str]) -> Run {
     sandbox.run(&[&["bake", "torus.glb", "-o", package], more].concat())
 }
 
-/// Bakes and writes the recipe, bakes by it, and returns it.
+/// Bakes and writes the recipe, bakes with it, and returns it.
 fn written(sandbox: &Sandbox, path: &str, more: &[&str]) -> String {
     written_and_said(sandbox, path, more).0
 }
 
-/// The same, and the run that wrote it.
+/// Does the same as [`written`], and also returns the run that wrote the recipe.
 fn written_and_said(sandbox: &Sandbox, path: &str, more: &[&str]) -> (String, Run) {
     let first = bake(sandbox, "first.pelage", &[&["--write-recipe", path], more].concat());
     assert_eq!(first.code, Some(0), "{first:?}");
@@ -50,7 +50,7 @@ fn the_written_recipe_gives_the_same_package() {
     let recipe = Recipe::parse("whole.toml", &text).unwrap();
     assert!(recipe.hair.length_m.is_some() && recipe.surface.tile_size_m.is_some(), "{text}");
     assert_eq!(recipe.slice.layers, 4);
-    // Every key is there, with a value or as a comment, and what was chosen says so.
+    // Every key is present, with a value or as a comment, and chosen values are marked.
     for key in keys() {
         let there = [format!("\n{} = ", key.key()), format!("\n# {} =\n", key.key())];
         assert!(there.iter().any(|line| text.contains(line)), "{} is missing: {text}", key.name);
@@ -58,7 +58,7 @@ fn the_written_recipe_gives_the_same_package() {
     assert!(
         text.contains("\n# chosen by the bake: length of hair, ") && text.contains("\n# chosen by the bake\nfur = ")
     );
-    // Written over by the next bake: it is an output like the package.
+    // Overwritten by the next bake: the recipe is an output like the package.
     let again = written(&sandbox, "whole.toml", &[&SMALL[..], &["--set", "hair.length_m=0.01"]].concat());
     assert!(!again.contains("length of hair, "), "{again}");
 }
@@ -72,7 +72,7 @@ fn a_recipe_with_a_coat_and_images_is_written_whole() {
     assert_eq!((recipe.hair.coat, recipe.hair.lean), (Coat::Wool, 0.4));
     assert_eq!(recipe.hair.curl_radius, wool.hair.curl_radius);
     assert_eq!(recipe.images(), [("color.pattern".to_owned(), "spots.png")]);
-    // Of the bake's choices, those that have no words of their own.
+    // Choices of the bake that have no text of their own.
     assert!(
         text.contains("\n# chosen by the bake\npattern_size_m = ") && text.contains("\n# chosen by the bake\ndepth = ")
     );
@@ -96,7 +96,7 @@ fn what_limits_chose_is_in_the_written_recipe() {
     let limits = [&["--max-error", "1", "--json"], &sets[..]].concat();
     let (text, run) = written_and_said(&sandbox, "whole.toml", &limits);
     assert!(text.contains("\n# chosen by the bake: for --max-error 1\nlayers = "), "{text}");
-    // The package is that of a bake that measured nothing; what was measured is said.
+    // The package equals that of a bake without measurements; the measurements are in the report.
     let object = schema::done(&run, "bake");
     assert!(object["choice"].is_object() && object["recipe"] == "whole.toml", "{object}");
     let inspected = sandbox.run(&["inspect", "first.pelage", "--json"]);
@@ -115,10 +115,10 @@ fn a_recipe_that_would_not_find_its_files_is_not_written() {
         assert_eq!(sandbox.files(), before, "{path} left something behind");
     };
     refused("whole.toml", &["color.pattern", "spots.png", "copy them", "--recipe"]);
-    // Another image lies there under that name.
+    // A different image with that name is there.
     sandbox.write("spots.png", std::fs::read(workspace().join("assets/patterns/zebra.png")).unwrap());
     refused("whole.toml", &["whole.toml", "another file", "spots.png"]);
-    // The same one does.
+    // The same image is accepted.
     sandbox.write("spots.png", sandbox.read("recipes/spots.png"));
     written(&sandbox, "whole.toml", &["--recipe", "recipes/mine.toml"]);
 }

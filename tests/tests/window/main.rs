@@ -1,5 +1,5 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! `pelage view` in a real window on a screen without glass, with real keys and a real mouse.
+//! `pelage view` in a real window on a virtual display, with real key and mouse events.
 
 use pelage_bake::pipeline::STAGES;
 use pelage_tests::binary::{Sandbox, walk, workspace};
@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::time::Duration;
 
-/// A hare of little hair, baked once.
+/// Bakes a hare with little hair, once.
 fn package(sandbox: &Sandbox) {
     let model = workspace().join("assets/models/hare.glb").display().to_string();
     let set = SMALL.iter().flat_map(|set| ["--set", set]);
@@ -35,7 +35,7 @@ fn a_window_shows_what_render_draws_and_hands_change_it() {
     package(&sandbox);
     let mut view = shown(&desktop, &sandbox, &["hare.pelage", "--window", "500x400", "--no-panels"]);
 
-    // The picture is that of `render` with the camera that the window tells.
+    // The picture equals that of `render` with the camera reported by the window.
     view.pass_over();
     view.key("p");
     let told = view.wait_for("pictured");
@@ -49,7 +49,7 @@ fn a_window_shows_what_render_draws_and_hands_change_it() {
     let off = first.as_raw().iter().zip(drawn.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(off <= Some(1), "a pixel is off by {off:?} bytes");
 
-    // A drag goes around, and R comes back.
+    // A drag orbits the camera, and R resets it.
     view.drag("1", (150, 200), (350, 230));
     std::thread::sleep(Duration::from_millis(400));
     let turned = pixels(&view.save("p"));
@@ -58,7 +58,7 @@ fn a_window_shows_what_render_draws_and_hands_change_it() {
     let back = pixels(&view.save("p"));
     assert!(back == first, "R is not where it began");
 
-    // Styles, a wheel, flight, light: each changes the picture.
+    // Styles, wheel, flight, light: each changes the picture.
     let mut before = back;
     for (what, hands) in [
         ("bare skin", &["key", "3"][..]),
@@ -82,13 +82,13 @@ fn a_window_shows_what_render_draws_and_hands_change_it() {
     view.hands(&["key", "ctrl+z"]);
     assert!(pixels(&view.save("p")) == before, "an undo does not turn it back");
 
-    // The whole window, and its panels.
+    // The whole window, including its panels.
     view.key("n");
     let window = pixels(&view.save("F12"));
     assert_eq!(window.dimensions(), (500, 400));
     view.key("n");
 
-    // As small as can be, and back.
+    // As small as possible, and back.
     let id = view.focus();
     view.hands(&["windowsize", &id, "1", "1"]);
     std::thread::sleep(Duration::from_millis(300));
@@ -97,7 +97,7 @@ fn a_window_shows_what_render_draws_and_hands_change_it() {
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(pixels(&view.save("p")).dimensions(), (420, 300));
 
-    // The truth beside it, as far as its first sample.
+    // The reference picture beside it, up to its first sample.
     view.pass_over();
     view.key("t");
     let truth = view.wait_for("truth");
@@ -129,7 +129,7 @@ fn a_recipe_is_baked_again_when_it_is_saved_and_a_broken_one_is_told_of() {
     view.focus();
     let dark = pixels(&view.save("p"));
 
-    // As editors save: another file that gets the name.
+    // As editors save: a new file takes the name.
     sandbox.write("hare.toml.new", recipe("[2.5, 2.5, 2.5]"));
     std::fs::rename(sandbox.path().join("hare.toml.new"), sandbox.path().join("hare.toml")).unwrap();
     let made = view.wait_for("made");
@@ -151,7 +151,7 @@ fn a_recipe_is_baked_again_when_it_is_saved_and_a_broken_one_is_told_of() {
     view.wait_for("picture");
     assert!(pixels(&view.save("p")) == dark, "the mended recipe is another one");
 
-    // Saved with nothing changed, the recipe stays as somebody wrote it.
+    // Saved without changes, the recipe keeps its original text.
     view.pass_over();
     view.hands(&["key", "ctrl+s"]);
     view.wait_for("saved");
@@ -173,7 +173,7 @@ fn a_window_outlives_what_is_no_package() {
     sandbox.write("d-text.pelage", b"This is a letter.");
     sandbox.write("e-broken.glb", b"glTF\x02\0\0\0\xff\xff\xff\xff");
     let mut bad = 5;
-    // And every file of the test data that is no model, under names that a window opens.
+    // Also every file of the test data that is not a model, under names that a window opens.
     if let Some(data) = pelage_needs::data("a_window_outlives_what_is_no_package") {
         let mut files = Vec::new();
         walk(&data, &mut files);

@@ -1,8 +1,9 @@
-//! Many furred models in one picture, to be looked at:
-//! `chores contact-sheet OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL [bake options]]…`.
+//! Contact sheet of many furred models: `chores contact-sheet OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL [bake
+//! options]]…`.
 //!
-//! Bakes and draws every model through the real binary, each `WxH` pixels, row by row, and says on stdout which is where and what its
-//! surface stage measured. A model that cannot be baked or drawn ends the run with the binary's own words.
+//! Bakes and draws every model through the real binary, at `WxH` pixels each, row by row. Prints the cell of each model
+//! and the measurements of its surface stage to stdout. If a model cannot be baked or drawn, the run ends with the
+//! binary's error message.
 
 use anyhow::{Context as _, bail, ensure};
 use image::RgbImage;

@@ -1,8 +1,10 @@
-//! How much of an animal's eyes its hair covers: `chores eyes-covered MODEL [bake options] [+ MODEL [bake options]]…`.
+//! Measures how much of an animal's eyes is covered by its hair: `chores eyes-covered MODEL [bake options] [+ MODEL
+//! [bake options]]…`.
 //!
-//! Of each package a copy is drawn whose eyes are green and all else black, bare and furred, without shadows: what of the green is gone, is covered. A
-//! highlight on hair is white and counts for nothing. Eyes are the bare materials whose names say so; seen from the front, and from the front left, through a
-//! long lens, as a whole animal is seen. Of a model without such there is nothing to tell.
+//! A copy of each package gets green eyes and black everything else, and is drawn bare and furred, without shadows.
+//! Green that is lost is covered. Highlights on hair are white and are not counted. Eyes are the bare materials with
+//! "eye" in their name. They are seen from the front and the front left, through a long lens, as in pictures of whole
+//! animals. Models without such materials give an empty row.
 
 use anyhow::{Context as _, ensure};
 use image::RgbImage;
@@ -10,12 +12,13 @@ use pelage_stage::Viewpoint;
 use pelage_tests::chores::{Baked, Workshop};
 use serde_json::{Value, json};
 
-/// Views, degrees about the vertical axis and above the horizon; the eyes fill about half of the picture.
+/// Views: degrees about the vertical axis, degrees above the horizon, and zoom; the eyes fill about half of the
+/// picture.
 const VIEWS: [(&str, &str); 2] = [("front", "0,0,0.5"), ("front left", "40,5,0.5")];
 const SIZE: &str = "834x424";
-/// How far away the camera is, radii of the model.
+/// Distance of the camera, radii of the model.
 const AWAY: f32 = 6.0;
-/// A pixel is covered where less than that share of its green is left.
+/// Threshold of coverage: a pixel is covered if less than this share of its green is left.
 const LEFT: f64 = 0.9;
 
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
@@ -41,7 +44,7 @@ fn measure(workshop: &Workshop, name: &str, model: &[String]) -> anyhow::Result<
             workshop.draw(&marked, SIZE, &[&camera, "--style", style, "--self-shadow", "off", "--soft-shadow", "off"])
         };
         let (pixels, covered, area) = covered(&draw("bare")?, &draw("fur")?);
-        // Of eyes at the sides of a head nothing may be seen from there.
+        // Eyes at the sides of the head may be invisible in this view.
         let [covered, area] =
             [covered, area].map(|share| if pixels > 0 { format!("{:.2}", 100.0 * share) } else { String::new() });
         rows.push(format!("| {} | {} | {view} | {pixels} | {covered} | {area} |", model[0], eyes.join(", ")));
@@ -49,7 +52,8 @@ fn measure(workshop: &Workshop, name: &str, model: &[String]) -> anyhow::Result<
     Ok(rows)
 }
 
-/// The camera that looks at the eyes from that side and that far away, and shows as much of them as one that frames them does.
+/// Returns a camera at distance `away_m` that looks at the eyes from the direction `orbit`. The field of view shows as
+/// much of them as a camera that frames them.
 fn from_afar(workshop: &Workshop, marked: &Baked, eyes: &str, orbit: &str, away_m: f32) -> anyhow::Result<String> {
     let (package, picture) = (&marked.package, marked.package.with_extension("png"));
     let paths = [package, &picture].map(|path| path.display().to_string());
@@ -65,7 +69,8 @@ fn from_afar(workshop: &Workshop, marked: &Baked, eyes: &str, orbit: &str, away_
     Ok(Viewpoint { eye, target: near.target, fov_deg }.to_string())
 }
 
-/// A copy of a package whose eyes are green and all else black, the names of the eyes, and the model's radius, metres.
+/// Returns a copy of a package with green eyes and black everything else, the names of the eyes, and the radius of the
+/// model, m.
 fn marked(workshop: &Workshop, baked: &Baked, name: &str) -> anyhow::Result<(Baked, Vec<String>, f32)> {
     let folder = baked.package.with_file_name(format!("{name}_unpacked"));
     let package = baked.package.with_file_name(format!("{name}_marked.pelage"));
@@ -89,13 +94,14 @@ fn marked(workshop: &Workshop, baked: &Baked, name: &str) -> anyhow::Result<(Bak
     Ok((Baked { package, report: Value::Null }, eyes, radius_m))
 }
 
-/// Pixels of eyes in the bare picture; the share of them that hair covers by more than a tenth, and the share of their light that it takes.
+/// Returns three numbers: pixels of eyes in the bare picture, the share of them that lose more than a tenth of their
+/// green, and the lost share of all green.
 fn covered(bare: &RgbImage, fur: &RgbImage) -> (usize, f64, f64) {
     let green = |pixel: &image::Rgb<u8>| {
         let linear = |byte: u8| (f64::from(byte) / 255.0).powf(2.2);
         (linear(pixel.0[1]) - linear(pixel.0[0])).max(0.0)
     };
-    // The background is a little greener than red.
+    // The background is slightly greener than red.
     let eyes: Vec<(f64, f64)> = bare
         .pixels()
         .zip(fur.pixels())

@@ -1,6 +1,7 @@
-//! The small pictures of the recipe reference: `chores key-pictures bake/docs [KEY…]`.
+//! Small pictures of the recipe reference: `chores key-pictures bake/docs [KEY…]`.
 //!
-//! Each is the hare without a recipe with three values of one key, side by side. Without keys all are drawn.
+//! Each picture shows the hare without a recipe with three values of one key, side by side. Without keys all pictures
+//! are drawn.
 
 use anyhow::{Context as _, bail, ensure};
 use pelage_bake::recipe::KEY_PICTURES;

@@ -1,7 +1,7 @@
-//! The pictures of Yang 2006 that show light in fur, redrawn with this project's own models:
-//! `chores light-pictures FOLDER`.
+//! Figures of Yang 2006 about light in fur, redrawn with this project's own models: `chores light-pictures FOLDER`.
 //!
-//! * `light_single_hairs.png`: sparse hair whose single shadows lie on the skin, without and with self-shadow (Fig. 6)
+//! * `light_single_hairs.png`: sparse hair that casts separate shadows on the mesh surface, without and with
+//!   self-shadow (Fig. 6)
 //! * `light_self_shadow.png`: without and with self-shadow (Fig. 7)
 //! * `light_soft_shadow.png`: no shadow, a hard one, a soft one (Fig. 8)
 //! * `light_terms.png`: eq. (1) per vertex and per pixel, then each term of eq. (3) added in turn (Fig. 10)
@@ -77,7 +77,7 @@ struct Gallery {
 }
 
 impl Gallery {
-    /// One picture for each of `steps`, side by side.
+    /// Draws one picture per step, side by side.
     fn row(&self, name: &str, baked: &Baked, size: &str, common: &str, steps: &[&str]) -> anyhow::Result<()> {
         self.rows(name, baked, size, common, steps, steps.len())
     }

@@ -1,7 +1,8 @@
-//! The pictures that a person ranked, and what the error of a bake with limits makes of them:
-//! `chores likeness-pairs [WIDTHxHEIGHT FOLDER]`.
+//! Draws the pictures ranked by a person, and prints the error that a bake with limits assigns to them: `chores
+//! likeness-pairs [WIDTHxHEIGHT FOLDER]`.
 //!
-//! Without arguments draws those of `tests/golden/likeness` anew, 417x212 pixels; with them larger ones elsewhere, to look at. Needs the test data.
+//! Without arguments, redraws those of `tests/golden/likeness` at 417x212 pixels. With arguments, draws larger ones
+//! into FOLDER for viewing. Needs the test data.
 
 use anyhow::Context as _;
 use pelage_tests::binary::workspace;
@@ -9,9 +10,9 @@ use pelage_tests::chores::Workshop;
 use pelage_tests::likeness::{FUR_PX, folder, likeness, pairs, settings};
 use std::path::{Path, PathBuf};
 
-/// Each animal with its model and the arguments of its bake; a model of the test data begins with `meshes/`.
+/// Animals with their models and bake arguments; models of the test data begin with `meshes/`.
 const ANIMALS: [(&str, &str, &[&str]); 6] = [
-    // As a long-haired husky.
+    // Resembles a long-haired husky.
     ("shiba", "meshes/skinned/quaternius_ShibaInu.glb", &["--set", "hair.length_m=0.25"]),
     ("wolf", "meshes/skinned/quaternius_Wolf.glb", &["--set", "hair.length_m=0.12"]),
     ("alpaca", "meshes/skinned/quaternius_Alpaca.glb", &[]),
@@ -20,7 +21,7 @@ const ANIMALS: [(&str, &str, &[&str]); 6] = [
     ("knot", "assets/models/knot.glb", &["--recipe", "assets/recipes/knot.toml"]),
 ];
 
-/// Samples a pixel of the true pictures.
+/// Samples per pixel of the reference pictures.
 const SAMPLES: &str = "64";
 
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
@@ -61,12 +62,12 @@ fn picture_of(folder: &Path, animal: &str, setting: &str, scale: f64) -> pelage_
     likeness(&here.join(format!("{setting}.png")), &here.join("true.png"), FUR_PX * scale)
 }
 
-/// Paths of recipes begin at the workspace.
+/// Makes the path of a recipe absolute; recipes are relative to the workspace.
 fn absolute(word: &str) -> String {
     if word.starts_with("assets/") { workspace().join(word).display().to_string() } else { word.to_owned() }
 }
 
-/// Bakes one setting and draws it, with `truth` also the true picture.
+/// Bakes and draws one setting; with `truth`, also traces the reference picture.
 fn draw(
     workshop: &Workshop,
     (model, bake): (&Path, &[String]),

@@ -1,6 +1,6 @@
-//! Programs that developers run by hand: `cargo run --release -p pelage-tests --bin chores -- CHORE [ARGUMENTS]`.
+//! Developer programs that are run by hand: `cargo run --release -p pelage-tests --bin chores -- CHORE [ARGUMENTS]`.
 //!
-//! Each chore is a module, which names its arguments.
+//! Each chore is a module that documents its arguments.
 
 mod contact_sheet;
 mod eyes_covered;

@@ -1,6 +1,7 @@
-//! Sequences of what moves, four pictures of each in a row: `chores motion-pictures PICTURE.png [FOX.glb]`.
+//! Rows of four frames for each moving subject: `chores motion-pictures PICTURE.png [FOX.glb]`.
 //!
-//! The pony's mane and tail as it gallops; the head in a breeze; the hare that lands; the hare in a gust; with a model, the same of it as it runs.
+//! Subjects: the pony's mane and tail at a gallop, its head in a breeze, the hare landing, and the hare in a gust. A
+//! given model is shown running.
 
 use anyhow::{Context as _, bail};
 use pelage_tests::binary::workspace;

@@ -1,10 +1,11 @@
-//! Damaged inputs through the real binary, tens of thousands of them:
-//! `chores mutate [--seed N] [--cases N] [--only KIND[:NUMBER]] [--jobs N] [--out DIR] [--no-gpu]`.
+//! Runs the real binary on tens of thousands of damaged inputs: `chores mutate [--seed N] [--cases N] [--only
+//! KIND[:NUMBER]] [--jobs N] [--out DIR] [--no-gpu]`.
 //!
-//! Prints how the commands ended, and every fault with the case that shows it; exits with 1 where there is one. The defaults are 24 000 cases of seed 1,
-//! two at a time, which takes a quarter of an hour. `--only models` runs the cases of one kind, `--only models:17` a single one; `--out` keeps what shows
-//! faults. Packages are also loaded in the runtime, on the device that wgpu prefers; `--no-gpu` leaves that out, and all drawing. `pelage_tests::mutate` says what counts as
-//! a fault. Temporary files are many: with `TMPDIR` in memory it is faster.
+//! Prints the exit codes of the commands and every fault with its case; exits with 1 if there is a fault. The defaults
+//! are 24 000 cases of seed 1, two at a time; this takes about a quarter of an hour. `--only models` runs the cases of
+//! one kind, `--only models:17` a single one. `--out` keeps the cases that show faults. Packages are also loaded in the
+//! runtime, on wgpu's preferred device; `--no-gpu` skips that and all drawing. `pelage_tests::mutate` defines what
+//! counts as a fault. The run writes many temporary files and is faster with `TMPDIR` in memory.
 
 use anyhow::{Context as _, bail};
 use pelage_tests::mutate::judge::Loader;
@@ -45,7 +46,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
             Plan::only(seed, kind, range, jobs)
         }
     };
-    // Panics are caught and told as faults; their own words would drown the report.
+    // Panics are caught and reported as faults; their messages would flood the report.
     std::panic::set_hook(Box::new(|_| ()));
     let loader = if gpu { Some(Loader::open().context("no adapter; --no-gpu goes without")?) } else { None };
     let report = mutate::run(&plan, loader.as_ref(), out.as_deref())?;

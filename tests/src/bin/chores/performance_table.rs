@@ -1,6 +1,6 @@
-//! The tables of runtime/docs/performance.md, measured here and now: `chores performance-table`.
+//! Measures and updates the tables of runtime/docs/performance.md: `chores performance-table`.
 //!
-//! It writes the lines between the page's marks, with adapter, date and commit. Measure on a quiet machine.
+//! Replaces the lines between the markers of the page, with adapter, date and commit. Measure on an idle machine.
 
 use anyhow::{Context as _, ensure};
 use pelage_tests::binary::workspace;
@@ -8,10 +8,10 @@ use pelage_tests::chores::Workshop;
 use serde_json::Value;
 use std::process::Command;
 
-/// What a table shows of a result.
+/// Formatter of a result for a table.
 type Shown = fn(&Value) -> String;
 
-/// What is measured of a frame: words, options of `pelage bench` and what is shown of its result.
+/// Frame measurements: description, options of `pelage bench` and formatter of the result.
 const FRAMES: [(&str, &[&str], Shown); 8] = [
     ("the hare, 834×424, 9 of its 15 layers, all shadows, light still", &[], |found| {
         format!("{}, of which shells {}, skin {}", frame(found), pass(found, "shells"), pass(found, "skin"))
@@ -25,7 +25,7 @@ const FRAMES: [(&str, &[&str], Shown); 8] = [
     ("the hare's shadow maps drawn anew", &[], |found| milliseconds(&found["shadow_maps_ms"])),
 ];
 
-/// What is measured of a bake: words, model below assets/models, options and what is shown of its result.
+/// Bake measurements: description, model below assets/models, options and formatter of the result.
 const BAKES: [(&str, &str, &[&str], Shown); 4] = [
     ("the hare, ink and all; its package", "hare", &["--recipe", "assets/recipes/hare.toml"], of_bake),
     ("the same without ink", "hare", &["--recipe", "assets/recipes/hare.toml", "--set", "ink.enabled=false"], of_bake),
@@ -67,14 +67,14 @@ fn of_bake(found: &Value) -> String {
     format!("{:.2} s; {:.2} MiB", number("seconds"), number("bytes") / f64::from(1 << 20))
 }
 
-/// What a program prints.
+/// Returns the stdout of a program.
 fn printed(program: &str, arguments: &[&str]) -> anyhow::Result<String> {
     let output = Command::new(program).args(arguments).current_dir(workspace()).output()?;
     ensure!(output.status.success(), "{program} {arguments:?} failed");
     Ok(String::from_utf8(output.stdout)?.trim().to_owned())
 }
 
-/// Puts lines between the marks of a table.
+/// Replaces the lines between the markers of a table.
 fn replaced(page: &str, table: &str, lines: &[String]) -> anyhow::Result<String> {
     let (begin, end) = (format!("<!-- {table}: begin -->\n"), format!("<!-- {table}: end -->\n"));
     let (before, rest) = page.split_once(&begin).with_context(|| format!("no mark {begin:?}"))?;

@@ -1,16 +1,18 @@
-//! Whether two builds of `pelage` bake and draw the same, byte for byte, for changes that must change no picture:
-//! `chores same-pictures BEFORE AFTER [-o OUT] [--only WORD]`; and what each pass costs in
-//! both, as a table: `… -- BEFORE AFTER --bench [--rounds N] [-o OUT]`.
+//! Compares two builds of `pelage` byte for byte, for changes that must not change any picture: `chores same-pictures
+//! BEFORE AFTER [-o OUT] [--only WORD]`. Also prints a table of the cost of each pass in both builds: `… -- BEFORE
+//! AFTER --bench [--rounds N] [-o OUT]`.
 //!
-//! BEFORE and AFTER are two binaries of `pelage-lab`: many cases draw printed forms. Both bake every model, and both draw the
-//! packages of BEFORE. OUT, by default `target/same_pictures`, keeps those in `packages`, what it made for them in `made`,
-//! and of what differs both pictures in `pictures` and the other package in `packages_after`. `--only` takes the cases whose name has that word in it.
+//! BEFORE and AFTER are two binaries of `pelage-lab`, because many cases draw printed forms. Both bake every model, and
+//! both draw the packages of BEFORE. OUT defaults to `target/same_pictures`. It keeps the packages of BEFORE in
+//! `packages` and generated sources in `made`. For each difference it keeps both pictures in `pictures` and the package
+//! of AFTER in `packages_after`. `--only` selects the cases whose name contains WORD.
 //!
-//! Some models come from the shared test data (`PELAGE_DATA`); without it their cases are left out, and named. Exit codes: 0 all the same;
-//! 7 something differs, or could not be baked or drawn; 2 nothing differs, but cases were left out; 1 no comparison.
+//! Some models come from the shared test data (`PELAGE_DATA`); without it their cases are skipped and listed. Exit
+//! codes: 0, all the same; 7, something differs or could not be baked or drawn; 2, nothing differs, but cases were
+//! skipped; 1, no comparison.
 //!
-//! Pictures are comparable on one adapter alone, so both have to run on the same machine. No case mirrors a copy as it is drawn, because
-//! scenes cannot say so: the mirrored models here were mirrored by the bake.
+//! Pictures are comparable only on the same adapter, so both binaries have to run on the same machine. No case mirrors
+//! an instance at draw time, because scenes cannot express that. The mirrored models here are mirrored by the bake.
 
 use anyhow::{Context as _, bail, ensure};
 use image::{Rgba, RgbaImage};
@@ -21,7 +23,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
-/// Packages: name, model, and more options of `pelage bake`. What begins with `data/` lies in the shared test data, with `made/` in OUT.
+/// Packages: name, model, and further options of `pelage bake`. Models that begin with `data/` are in the shared test
+/// data, those with `made/` in OUT.
 const PACKAGES: &[(&str, &str, &str)] = &[
     ("hare", "assets/models/hare.glb", "--recipe assets/recipes/hare.toml"),
     ("torus", "assets/models/torus.glb", "--recipe assets/recipes/torus.toml"),
@@ -29,7 +32,7 @@ const PACKAGES: &[(&str, &str, &str)] = &[
     ("ox", "assets/models/ox.glb", "--recipe assets/recipes/ox.toml"),
     ("crane", "assets/models/crane.glb", "--recipe assets/recipes/crane.toml"),
     ("hills", "assets/models/hills.glb", "--recipe assets/recipes/hills.toml"),
-    // Other formats of texels, and fins and levels of detail that are not there.
+    // Other texel formats; no fins and no levels of detail.
     (
         "blocks",
         "assets/models/hare.glb",
@@ -41,7 +44,7 @@ const PACKAGES: &[(&str, &str, &str)] = &[
         "assets/models/torus.glb",
         "--recipe assets/recipes/torus.toml --set fins.enabled=false --set detail.enabled=false",
     ),
-    // Many layers of another width, and constants of the lighting equation that choose other pipelines.
+    // Many layers of a different width, and lighting constants that select other pipelines.
     (
         "layers",
         "assets/models/torus.glb",
@@ -52,7 +55,7 @@ const PACKAGES: &[(&str, &str, &str)] = &[
         "assets/models/knot.glb",
         "--recipe assets/recipes/knot.toml --set shading.specular=[0,0,0] --set hair.style=messy --set ink.fur=0",
     ),
-    // Groom: wet all over, by vertex, and by an image.
+    // Wetness in the groom: uniform, per vertex, and from an image.
     (
         "wet",
         "assets/models/hare.glb",
@@ -85,7 +88,7 @@ const PACKAGES: &[(&str, &str, &str)] = &[
 
 /// Scenes: name, the packages in it, and the file.
 const SCENES: &[(&str, &[&str], &str)] = &[
-    // As `assets/scenes/walk.toml`, with `[view]` for `[look]`, which older builds do not read.
+    // Same as `assets/scenes/walk.toml`, but with `[view]` instead of `[look]`, which older builds cannot read.
     (
         "walk",
         &["ox", "hare", "crane", "hills"],
@@ -185,7 +188,7 @@ scale = 0.7
     ),
 ];
 
-/// Of each package or scene the cases: a name, and options of `pelage render`.
+/// Cases of each package or scene: name, and options of `pelage render`.
 const CASES: &[(&str, &[(&str, &str)])] = &[
     (
         "hare",
@@ -508,7 +511,7 @@ const CASES: &[(&str, &[(&str, &str)])] = &[
     ("bunny", &[("fur", ""), ("ink", "--style ink")]),
 ];
 
-/// What `--bench` measures: a package, and options of `pelage bench`.
+/// Measurements of `--bench`: package, and options of `pelage bench`.
 const MEASURED: &[(&str, &str)] = &[("hare", ""), ("bunny", ""), ("hare", "--style ink")];
 
 const DIFFERENT: u8 = 7;
@@ -533,7 +536,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
         }
     }
     let [before, after] = binaries.as_slice() else { bail!("expected {ARGUMENTS}") };
-    // The binaries run in the workspace's folder, where recipes and models of the lists lie.
+    // The binaries run in the workspace folder, to which the recipes and models of the lists are relative.
     let out = std::path::absolute(out)?;
     for folder in ["packages", "packages_after", "pictures", "made"] {
         std::fs::create_dir_all(out.join(folder)).with_context(|| format!("cannot make {}", out.display()))?;
@@ -554,7 +557,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
 
 const ARGUMENTS: &str = "BEFORE AFTER [-o OUT] [--only WORD], or BEFORE AFTER --bench [--rounds N] [-o OUT]";
 
-/// One of the two binaries.
+/// Binary under comparison.
 struct Binary {
     side: &'static str,
     path: PathBuf,
@@ -567,11 +570,11 @@ impl Binary {
         Ok(Self { side, path, out: out.into() })
     }
 
-    /// Runs it to its end; what it says as JSON.
+    /// Runs the binary to completion and returns its JSON output.
     fn run(&self, arguments: &[String]) -> anyhow::Result<Value> {
         let mut command = Command::new(&self.path);
         command.args(arguments).args(["--json", "--quiet"]).current_dir(workspace()).stdin(Stdio::null());
-        // As in `Sandbox::command`: where it is unset, Mesa's device selection writes lines of its own on stderr.
+        // Same as in `Sandbox::command`: if unset, Mesa's device selection writes its own lines to stderr.
         command.env("XDG_RUNTIME_DIR", &self.out);
         let output = command.output().with_context(|| format!("cannot run {}", self.path.display()))?;
         let stderr = String::from_utf8_lossy(&output.stderr);
@@ -579,7 +582,7 @@ impl Binary {
         serde_json::from_slice(&output.stdout).with_context(|| format!("{}: no JSON on stdout", self.side))
     }
 
-    /// Draws a case; its pictures in order.
+    /// Draws a case and returns its pictures in order.
     fn draw(&self, case: &Case) -> anyhow::Result<Vec<(PathBuf, RgbaImage)>> {
         let mut arguments = vec!["render".into(), self.out.join("packages").join(case.file()).display().to_string()];
         let number = if case.options.contains("--frames") { ".%02d" } else { "" };
@@ -604,7 +607,7 @@ impl Binary {
     }
 }
 
-/// A picture to draw, or several.
+/// Single picture or sequence to draw.
 struct Case {
     subject: &'static str,
     case: &'static str,
@@ -612,7 +615,7 @@ struct Case {
 }
 
 impl Case {
-    /// All of them.
+    /// Returns all cases.
     fn all() -> impl Iterator<Item = Self> {
         CASES.iter().flat_map(|(subject, cases)| cases.iter().map(|(case, options)| Self { subject, case, options }))
     }
@@ -621,28 +624,28 @@ impl Case {
         format!("{}_{}", self.subject, self.case)
     }
 
-    /// The packages in it.
+    /// Returns the names of the packages in this case.
     fn packages(&self) -> Vec<&'static str> {
         self.scene().map_or(vec![self.subject], |(packages, _)| packages.to_vec())
     }
 
-    /// Packages and text of the scene, where it is one.
+    /// Returns the packages and the text of the scene if the case is a scene.
     fn scene(&self) -> Option<(&'static [&'static str], &'static str)> {
         SCENES.iter().find(|scene| scene.0 == self.subject).map(|scene| (scene.1, scene.2))
     }
 
-    /// The file in `packages` that is drawn.
+    /// Returns the name of the file in `packages` that is drawn.
     fn file(&self) -> String {
         format!("{}.{}", self.subject, if self.scene().is_some() { "toml" } else { "pelage" })
     }
 }
 
-/// Whether the package comes from the shared test data.
+/// Returns whether the model of the package is in the shared test data.
 fn needs_data(package: &str) -> bool {
     PACKAGES.iter().any(|(name, model, _)| *name == package && model.starts_with("data/"))
 }
 
-/// Both binaries, and where they work.
+/// Both binaries and their folders.
 struct Pair {
     before: Binary,
     after: Binary,
@@ -651,8 +654,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// Bakes with one of the binaries into a folder of OUT; plain texels where the list does not say otherwise: no encoder needs to
-    /// run, and binaries before and after the decoding at load draw them alike.
+    /// Bakes with one of the binaries into a folder of OUT, with plain texels unless the list says otherwise. Plain
+    /// texels need no encoder, and binaries from before and after decoding at load draw them alike.
     fn bake(&self, binary: &Binary, folder: &str, name: &str) -> anyhow::Result<PathBuf> {
         let (_, model, options) =
             PACKAGES.iter().find(|p| p.0 == name).with_context(|| format!("no package {name}"))?;
@@ -669,7 +672,7 @@ impl Pair {
         Ok(package)
     }
 
-    /// The comparison; says on stdout what differs.
+    /// Compares all selected cases and prints the differences to stdout.
     fn compare(&self, only: &str) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
         let wanted: Vec<Case> = Case::all().filter(|case| case.name().contains(only)).collect();
@@ -716,7 +719,7 @@ impl Pair {
         }))
     }
 
-    /// Draws a case with both; pictures that are the same are not kept.
+    /// Draws a case with both binaries; identical pictures are deleted.
     fn difference(&self, case: &Case) -> anyhow::Result<Difference> {
         let (before, after) = (self.before.draw(case)?, self.after.draw(case)?);
         ensure!(before.len() == after.len(), "{} pictures before, {} after", before.len(), after.len());
@@ -736,7 +739,7 @@ impl Pair {
         Ok(sum)
     }
 
-    /// Times both in turn; says on stdout what each pass costs.
+    /// Times both binaries alternately and prints the cost of each pass to stdout.
     fn bench(&self, rounds: usize) -> anyhow::Result<ExitCode> {
         println!("| package | pass | before, ms | after, ms | after / before |\n|---|---|---|---|---|");
         let mut left_out = Vec::new();
@@ -754,7 +757,7 @@ impl Pair {
             }
             let subject = [*name, options].join(" ");
             for (pass, _) in &reports[0][0] {
-                // A pass that one of them has not is no row, and neither is one without a time.
+                // A pass that only one binary has, or one without a time, gets no row.
                 let of = |costs: &Costs| costs.iter().find(|cost| cost.0 == *pass).map(|cost| cost.1);
                 let pairs = reports.iter().map(|[before, after]| Some((of(before)?, of(after)?)));
                 let Some(pairs) = pairs.collect::<Option<Vec<_>>>() else { continue };
@@ -778,14 +781,14 @@ impl Pair {
     }
 }
 
-/// How far two pictures differ.
+/// Difference of two pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Difference {
-    /// Channels that differ: up to four a pixel.
+    /// Number of channels that differ; up to four per pixel.
     channels: usize,
-    /// All channels.
+    /// Number of all channels.
     of: usize,
-    /// Of 255.
+    /// Greatest difference of a channel, 0..=255.
     greatest: u8,
 }
 
@@ -801,7 +804,7 @@ impl Difference {
         })
     }
 
-    /// Both together.
+    /// Combines two differences.
     fn and(self, other: Self) -> Self {
         Self {
             channels: self.channels + other.channels,
@@ -818,7 +821,7 @@ impl std::fmt::Display for Difference {
     }
 }
 
-/// Says how one of the comparisons ended; its name where not all was the same.
+/// Prints the result of one comparison; returns its name unless all was the same.
 fn say(name: String, found: anyhow::Result<Option<String>>) -> Option<String> {
     let words = match found {
         Ok(None) => {
@@ -832,7 +835,7 @@ fn say(name: String, found: anyhow::Result<Option<String>>) -> Option<String> {
     Some(name)
 }
 
-/// Where two files begin to differ, in words; `None`, and `after` removed, where they are the same.
+/// Describes the first difference of two files. If they are the same, removes `after` and returns `None`.
 fn first_difference(before: &Path, after: &Path) -> anyhow::Result<Option<String>> {
     let (a, b) = (std::fs::read(before)?, std::fs::read(after)?);
     if a == b {
@@ -843,7 +846,7 @@ fn first_difference(before: &Path, after: &Path) -> anyhow::Result<Option<String
     Ok(Some(format!("DIFFERS: {} bytes before, {} after, from byte {first} on", a.len(), b.len())))
 }
 
-/// Milliseconds of what `pelage bench` times, by name.
+/// Milliseconds of each item that `pelage bench` times, by name.
 type Costs = Vec<(String, f64)>;
 
 fn costs(report: &Value) -> anyhow::Result<Costs> {
@@ -855,7 +858,7 @@ fn costs(report: &Value) -> anyhow::Result<Costs> {
         ("loading: upload", &report["upload_ms"]),
         ("loading: pipelines", &report["pipelines_ms"]),
     ];
-    // What a style does not have costs 0.
+    // A pass that a style lacks costs 0.
     let whole = whole.iter().filter_map(|(name, ms)| Some(((*name).to_owned(), ms.as_f64()?)));
     Ok(named.chain(whole).filter(|cost| cost.1 > 0.0).collect())
 }
@@ -867,7 +870,7 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     if values.len() % 2 == 1 { values[middle] } else { (values[middle - 1] + values[middle]) / 2.0 }
 }
 
-/// Models and a recipe that no other place has: holes in a texture, mirrored nodes, a coat painted on an image.
+/// Writes models and a recipe that exist nowhere else: holes in a texture, mirrored nodes, a groom painted on an image.
 fn make_sources(folder: &Path) -> anyhow::Result<()> {
     let disc = |x: u32, y: u32| (x % 32).abs_diff(16).pow(2) + (y % 32).abs_diff(16).pow(2) < 100;
     let holes = |x, y| Rgba([(x * 4) as u8, 160, (y * 4) as u8, if disc(x, y) { 0 } else { 255 }]);
@@ -891,7 +894,7 @@ fn make_sources(folder: &Path) -> anyhow::Result<()> {
         model["scenes"][0]["nodes"] = json!([0, mirror]);
     })?;
 
-    // Red is where nothing grows, green how wet the hair is, blue how far it lies over.
+    // Red: bareness. Green: wetness. Blue: lean of the hair.
     let coat = |x, y| Rgba([if disc(x, y) { 255 } else { 0 }, (x * 2) as u8, (y * 2) as u8, 255]);
     RgbaImage::from_fn(128, 128, coat).save(folder.join("coat.png"))?;
     let recipe = "[surface]\ntile_size_m = 0.04883\n\n[hair]\nlength_m = 0.03\n\n\
@@ -899,16 +902,16 @@ fn make_sources(folder: &Path) -> anyhow::Result<()> {
     Ok(std::fs::write(folder.join("coat.toml"), recipe)?)
 }
 
-/// Writes a model of `assets` with another JSON part.
+/// Writes a copy of a model of `assets` with a modified JSON chunk.
 fn edit(name: &str, to: &Path, change: impl FnOnce(&mut Value)) -> anyhow::Result<()> {
     let from = workspace().join("assets/models").join(format!("{name}.glb"));
     let glb = std::fs::read(&from).with_context(|| format!("cannot read {}", from.display()))?;
-    // Magic, version, length; then length and kind of the JSON.
+    // Magic, version, length; then length and type of the JSON chunk.
     let length = glb.get(12..16).and_then(|bytes| bytes.try_into().ok()).map_or(0, u32::from_le_bytes) as usize;
     let (json, rest) = glb.get(20..).and_then(|rest| rest.split_at_checked(length)).context("no binary glTF")?;
     let mut model: Value = serde_json::from_slice(json)?;
     change(&mut model);
-    // Behind length and kind of its own.
+    // Skips the length and type of the binary chunk.
     let binary = rest.get(8..).context("no binary chunk")?;
     std::fs::write(to, container(&model, binary)?).with_context(|| format!("cannot write {}", to.display()))
 }
@@ -928,7 +931,7 @@ mod tests {
         after.get_pixel_mut(3, 2)[2] += 1;
         assert_eq!(Difference::between(&before, &after).unwrap(), Difference { channels: 1, of: 140, greatest: 1 });
         assert_eq!(Difference::between(&after, &before).unwrap().channels, 1);
-        // Colour counts where nothing covers as well.
+        // Colour counts even if the texel is fully transparent.
         let clear = RgbaImage::new(7, 5);
         let mut coloured = clear.clone();
         coloured.get_pixel_mut(6, 4)[0] = 200;

@@ -1,8 +1,8 @@
-//! What shadows cost, as Table 1 of Yang 2006 has it, with the paper's own figures as ratios beside it:
-//! `chores shadow-table [MODEL [bake options] [+ MODEL [bake options]]…]`.
+//! Costs of shadows in the form of Table 1 of Yang 2006, with the paper's own figures as ratios beside them: `chores
+//! shadow-table [MODEL [bake options] [+ MODEL [bake options]]…]`.
 //!
-//! Bakes and measures the built-in torus, knot and hare, and the models given, with `pelage bench` at its defaults. Milliseconds are
-//! medians; ratios are medians of frame by frame ratios.
+//! Bakes and measures the built-in torus, knot and hare, and the given models, with `pelage bench` at its defaults.
+//! Milliseconds are medians; ratios are medians of frame by frame ratios.
 
 use anyhow::Context as _;
 use pelage_tests::binary::workspace;
@@ -10,8 +10,8 @@ use pelage_tests::chores::Workshop;
 use serde_json::Value;
 use std::path::Path;
 
-/// The paper's Table 1: model, triangles, milliseconds of the layer-wise maps and of depth and shadow-width map, frames a second
-/// without and with shadows.
+/// Table 1 of the paper: model, triangles, milliseconds of the layer-wise maps and of the depth and shadow-width maps,
+/// frames per second without and with shadows.
 const PAPER: [(&str, u32, f64, f64, f64, f64); 5] = [
     ("torus", 567, 80.0, 15.0, 65.3, 38.7),
     ("bunny", 5_000, 100.0, 20.0, 16.7, 10.5),

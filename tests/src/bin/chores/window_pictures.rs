@@ -1,6 +1,7 @@
-//! The pictures of the window in the gallery: `chores window-pictures assets/gallery MODEL [RECIPE]`.
+//! Pictures of the window in the gallery: `chores window-pictures assets/gallery MODEL [RECIPE]`.
 //!
-//! The model is opened in a real window on a screen without glass: once with both panels, once with its traced truth of 16 samples beside.
+//! Opens the model in a real window on a virtual display. Saves it once with both panels, and once beside its
+//! path-traced reference of 16 samples.
 
 use anyhow::{Context as _, bail, ensure};
 use pelage_tests::desktop::Desktop;
@@ -32,7 +33,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     window.pass_over();
     window.key("t");
     let mut last = window.wait_for("truth");
-    // More would be seen by FLIP alone.
+    // More samples make a difference visible only to FLIP.
     while last["samples"].as_u64().is_some_and(|samples| samples < 16) {
         last = window.wait_for("truth");
     }

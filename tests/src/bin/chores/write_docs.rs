@@ -1,4 +1,4 @@
-//! Writes the reference pages that are made from the code: `chores write-docs`.
+//! Writes the reference pages that are generated from the code: `chores write-docs`.
 
 use anyhow::Context as _;
 use pelage_tests::pages::pages;
