@@ -10,7 +10,7 @@
 
 use crate::hexadecimal::{self, hex};
 use crate::io::{digest, read_file, write_atomic};
-use crate::traffic::{TracedInput, Digest, IoTrace};
+use crate::io_trace::{TracedInput, Digest, IoTrace};
 use pelage_import::BakeError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -214,7 +214,7 @@ fn from_hex(text: &str) -> Option<Digest> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
-    use crate::traffic::TracedOutput;
+    use crate::io_trace::TracedOutput;
 
     fn kept(name: &str, bytes: &[u8]) -> CommandResult {
         let file = CachedFile { folder: 0, name: name.into(), shown: name.into(), sha256: hex(&Sha256::digest(bytes)) };

@@ -4,8 +4,8 @@ use crate::picture::Picture;
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::stages::import::{ImportOptions, import, import_strands, input_record};
-use crate::traffic;
-use crate::unfinished::TempFileGuard;
+use crate::io_trace;
+use crate::temp_files::TempFileGuard;
 use pelage_import::BakeError;
 use pelage_import::guides::read::GuideFormat;
 use pelage_import::image_file::{MAX_TEXELS, decode_image};
@@ -77,7 +77,7 @@ fn read_prefix(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<
     // The length is only a hint: files under /proc report 0, and any file may grow meanwhile.
     let mut bytes = Vec::with_capacity(found.len().min(most) as usize);
     std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)).map_err(fail)?;
-    traffic::record_read(path, most, Some(&bytes));
+    io_trace::record_read(path, most, Some(&bytes));
     Ok(bytes)
 }
 
@@ -322,7 +322,7 @@ struct PendingFile {
 impl PendingFile {
     fn commit(self) -> Result<(), BakeError> {
         let Self { file, unfinished, target, named } = self;
-        traffic::record_written(&named, || digest(file.path(), u64::MAX).ok());
+        io_trace::record_written(&named, || digest(file.path(), u64::MAX).ok());
         if same_bytes(file.path(), &target).unwrap_or(false) {
             // Dropping the handle removes the temporary file.
             return Ok(());
@@ -383,7 +383,7 @@ fn write_temporary(
 /// # Errors
 ///
 /// The error of the system if the file cannot be read.
-pub fn digest(path: &Path, most: u64) -> io::Result<traffic::Digest> {
+pub fn digest(path: &Path, most: u64) -> io::Result<io_trace::Digest> {
     let mut hash = Sha256::new();
     io::copy(&mut std::fs::File::open(path)?.take(most), &mut hash)?;
     Ok(hash.finalize().into())

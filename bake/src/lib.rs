@@ -23,10 +23,10 @@ pub mod reslice;
 mod sample;
 pub mod environment_file;
 pub mod stages;
-pub mod steps;
+pub mod progress;
 pub mod strands;
-pub mod traffic;
-pub mod unfinished;
+pub mod io_trace;
+pub mod temp_files;
 pub mod y4m;
 
 pub use pelage_import::{BakeError, guides, mesh};

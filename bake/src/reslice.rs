@@ -14,7 +14,7 @@ use crate::stages::simulate::Strands;
 use crate::stages::hair_groups::GuidedHair;
 use crate::stages::ink::{self, InkFiles, VertexInk};
 use crate::stages::pack::{ModelPart, ModelFins, simplified};
-use crate::steps::StageProgress;
+use crate::progress::StageProgress;
 use crate::strands::tile_hair;
 use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
 use pelage_import::BakeError;

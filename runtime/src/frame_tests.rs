@@ -8,7 +8,7 @@ use crate::passes::PassId;
 use crate::passes::probe::COLOR;
 use crate::renderer::Renderer;
 use glam::{Mat4, Vec3};
-use pelage_needs::{Need, gpu_is_wanted, had};
+use pelage_needs::{Need, gpu_is_wanted, log_available};
 use pelage_stage::{Canvas, CanvasOptions, Gpu};
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub fn gpu(name: &str) -> Option<Gpu> {
         return None;
     }
     let gpu = Gpu::with(wgpu::Features::empty(), Some(wgpu::Limits::default())).unwrap();
-    had(Need::Gpu, name, &gpu.info.name);
+    log_available(Need::Gpu, name, &gpu.info.name);
     Some(gpu)
 }
 

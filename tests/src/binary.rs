@@ -210,7 +210,7 @@ impl Sandbox {
     ///
     /// If the binary cannot be started, or its stderr mentions a panic or an internal error.
     pub fn run(&self, args: &[impl AsRef<OsStr>]) -> Run {
-        finish(self.command(args))
+        run_to_end(self.command(args))
     }
 }
 
@@ -219,7 +219,7 @@ impl Sandbox {
 /// # Panics
 ///
 /// Same as [`Sandbox::run`].
-pub fn finish(mut command: Command) -> Run {
+pub fn run_to_end(mut command: Command) -> Run {
     let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
     let run = Run {
         code: output.status.code(),

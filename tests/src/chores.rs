@@ -1,6 +1,6 @@
 //! Building blocks of the chores, run through the real binary: bake a model, draw it, measure it, and combine pictures.
 
-use crate::binary::{Run, Sandbox, finish};
+use crate::binary::{Run, Sandbox, run_to_end};
 use anyhow::{Context as _, ensure};
 use image::{GenericImage as _, Rgb, RgbImage};
 use serde_json::Value;
@@ -11,7 +11,7 @@ pub const BACKGROUND: Rgb<u8> = Rgb([204, 209, 217]);
 
 /// Temporary folder for packages and pictures.
 #[derive(Debug, Default)]
-pub struct Workshop {
+pub struct ChoreFolder {
     sandbox: Sandbox,
 }
 
@@ -24,7 +24,7 @@ pub struct Baked {
     pub report: Value,
 }
 
-impl Workshop {
+impl ChoreFolder {
     /// Runs the binary; paths in the arguments are relative to the caller's current folder.
     ///
     /// # Errors
@@ -33,7 +33,7 @@ impl Workshop {
     pub fn run(&self, arguments: &[&str]) -> anyhow::Result<Run> {
         let mut command = self.sandbox.command(arguments);
         command.current_dir(std::env::current_dir()?);
-        let run = finish(command);
+        let run = run_to_end(command);
         ensure!(run.code == Some(0), "{}", run.stderr.trim());
         Ok(run)
     }
@@ -69,7 +69,7 @@ impl Workshop {
     }
 }
 
-impl Workshop {
+impl ChoreFolder {
     /// Draws a sequence of pictures; otherwise like [`Self::draw`].
     ///
     /// # Errors

@@ -36,7 +36,7 @@ impl Desktop {
     pub fn open(test: &str) -> Option<Self> {
         for tool in ["Xvfb", "xdotool"] {
             if !pelage_needs::is_installed(tool) {
-                pelage_needs::lacked(
+                pelage_needs::log_missing(
                     Need::Desktop,
                     test,
                     &format!("{tool} is not installed (Debian: apt-get install xvfb xdotool)"),
@@ -45,7 +45,7 @@ impl Desktop {
             }
         }
         let desktop = Self::start();
-        pelage_needs::had(Need::Desktop, test, &format!("Xvfb {}", desktop.display));
+        pelage_needs::log_available(Need::Desktop, test, &format!("Xvfb {}", desktop.display));
         Some(desktop)
     }
 
@@ -75,7 +75,7 @@ impl Desktop {
     /// # Panics
     ///
     /// If the binary cannot be started.
-    pub fn view(&self, folder: &Path, args: &[impl AsRef<OsStr>]) -> View<'_> {
+    pub fn view(&self, folder: &Path, args: &[impl AsRef<OsStr>]) -> ViewerWindow<'_> {
         let events = folder.join("events.jsonl");
         // Removes the events of an earlier window.
         let _ = std::fs::remove_file(&events);
@@ -86,13 +86,13 @@ impl Desktop {
             std::fs::File::create(folder.join("errors.txt")).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let child = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(errors).spawn();
         let child = child.unwrap_or_else(|e| panic!("{command:?}: {e}"));
-        View { desktop: self, child, events, read: 0, errors: folder.join("errors.txt") }
+        ViewerWindow { desktop: self, child, events, read: 0, errors: folder.join("errors.txt") }
     }
 }
 
 /// Open window of `pelage view`, closed when dropped.
 #[derive(Debug)]
-pub struct View<'a> {
+pub struct ViewerWindow<'a> {
     desktop: &'a Desktop,
     child: Child,
     events: PathBuf,
@@ -101,14 +101,14 @@ pub struct View<'a> {
     errors: PathBuf,
 }
 
-impl Drop for View<'_> {
+impl Drop for ViewerWindow<'_> {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-impl View<'_> {
+impl ViewerWindow<'_> {
     /// Waits for the next event with the given name; skips the events before it.
     ///
     /// # Panics
@@ -154,7 +154,7 @@ impl View<'_> {
     }
 
     /// Skips all events so far.
-    pub fn pass_over(&mut self) {
+    pub fn skip_events(&mut self) {
         self.read = std::fs::read_to_string(&self.events).unwrap_or_default().lines().count();
     }
 
@@ -163,7 +163,7 @@ impl View<'_> {
     /// # Panics
     ///
     /// If xdotool fails.
-    pub fn hands(&self, words: &[&str]) -> String {
+    pub fn xdotool(&self, words: &[&str]) -> String {
         let mut command = Command::new("xdotool");
         command.args(words).env("DISPLAY", &self.desktop.display);
         let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
@@ -177,9 +177,9 @@ impl View<'_> {
     ///
     /// If the window is not found.
     pub fn focus(&self) -> String {
-        let found = self.hands(&["search", "--sync", "--onlyvisible", "--name", "pelage$"]);
+        let found = self.xdotool(&["search", "--sync", "--onlyvisible", "--name", "pelage$"]);
         let window = found.lines().next().unwrap_or_else(|| panic!("no window")).to_owned();
-        self.hands(&["windowfocus", "--sync", &window]);
+        self.xdotool(&["windowfocus", "--sync", &window]);
         window
     }
 
@@ -189,7 +189,7 @@ impl View<'_> {
     ///
     /// If xdotool fails.
     pub fn key(&self, key: &str) {
-        self.hands(&["key", key]);
+        self.xdotool(&["key", key]);
     }
 
     /// Drags with a mouse button from one screen position to another, in steps.
@@ -200,13 +200,13 @@ impl View<'_> {
     pub fn drag(&self, button: &str, from: (i32, i32), to: (i32, i32)) {
         let words = |at: (i32, i32)| (at.0.to_string(), at.1.to_string());
         let (x, y) = words(from);
-        self.hands(&["mousemove", &x, &y, "mousedown", button]);
+        self.xdotool(&["mousemove", &x, &y, "mousedown", button]);
         for step in 1..=4 {
             let (x, y) = words((from.0 + (to.0 - from.0) * step / 4, from.1 + (to.1 - from.1) * step / 4));
-            self.hands(&["mousemove", &x, &y]);
+            self.xdotool(&["mousemove", &x, &y]);
             std::thread::sleep(Duration::from_millis(40));
         }
-        self.hands(&["mouseup", button]);
+        self.xdotool(&["mouseup", button]);
     }
 
     /// Presses a key that saves a file, and returns the path of the file.
@@ -215,7 +215,7 @@ impl View<'_> {
     ///
     /// If the file is not saved.
     pub fn save(&mut self, key: &str) -> PathBuf {
-        self.pass_over();
+        self.skip_events();
         self.key(key);
         let saved = self.wait_for_any(&["saved", "not saved"]);
         assert_eq!(saved["event"], "saved", "{saved}");

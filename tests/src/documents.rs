@@ -82,7 +82,7 @@ pub fn named_documents(text: &str) -> Vec<String> {
 }
 
 /// Returns the code spans of a document: text between single backticks, outside of code blocks.
-pub fn quoted(markdown: &str) -> Vec<String> {
+pub fn code_spans(markdown: &str) -> Vec<String> {
     let prose = without_code(markdown);
     // A span may continue on the next line of its paragraph.
     let paragraphs = prose.split("\n\n");
@@ -97,7 +97,7 @@ pub fn named_paths(markdown: &str) -> Vec<String> {
     let top = ["assets/", "bake/", "formats/", "runtime/", "tests/", ".ci/"];
     let plain = |span: &String| !span.contains([' ', '*', '<', '{', '…', '$']);
     let path = |span: String| span.split(['#', ':']).next().unwrap_or_default().to_owned();
-    quoted(markdown).into_iter().filter(|s| top.iter().any(|t| s.starts_with(t)) && plain(s)).map(path).collect()
+    code_spans(markdown).into_iter().filter(|s| top.iter().any(|t| s.starts_with(t)) && plain(s)).map(path).collect()
 }
 
 /// Returns the targets of a document's links and pictures within the repository: a path from the document's folder and
@@ -106,9 +106,9 @@ pub fn links(markdown: &str) -> Vec<(String, String)> {
     let prose = without_code(markdown);
     let targets = prose.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     targets
-        .filter(|target| !target.contains("://"))
+        .filter(|target| !resolve.contains("://"))
         .map(|target| {
-            let (path, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let (path, anchor) = resolve.split_once('#').unwrap_or((resolve, ""));
             (path.to_owned(), anchor.to_owned())
         })
         .collect()
@@ -148,7 +148,7 @@ fn without_code(markdown: &str) -> String {
 }
 
 /// Returns the file or folder that a path in a document refers to, below the workspace folder.
-pub fn target(document: &Document, path: &str) -> PathBuf {
+pub fn resolve(document: &Document, path: &str) -> PathBuf {
     let folder = workspace().join(&document.path);
     folder.parent().unwrap_or(workspace()).join(path)
 }

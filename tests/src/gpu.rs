@@ -1,6 +1,6 @@
 //! Device shared by the GPU tests.
 
-use pelage_needs::{Need, gpu_is_wanted, had};
+use pelage_needs::{Need, gpu_is_wanted, log_available};
 use pelage_runtime::wgpu;
 use pelage_stage::Gpu;
 use std::sync::OnceLock;
@@ -19,6 +19,6 @@ pub fn gpu(test: &str) -> Option<&'static Gpu> {
         Gpu::with(wgpu::Features::TEXTURE_COMPRESSION_BC, Some(wgpu::Limits::default()))
             .unwrap_or_else(|e| panic!("{e}; or set PELAGE_NO_GPU=1 to leave the GPU tests out"))
     });
-    had(Need::Gpu, test, &gpu.info.name);
+    log_available(Need::Gpu, test, &gpu.info.name);
     Some(gpu)
 }

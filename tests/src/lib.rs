@@ -14,7 +14,7 @@ pub mod pictures;
 pub mod plane;
 pub mod schema;
 pub mod silhouette;
-pub mod strokes;
+pub mod specks;
 
 /// Furry sphere of the runtime's examples, and its ground.
 #[path = "../../runtime/examples/support/mod.rs"]

@@ -9,41 +9,41 @@ use pelage_runtime::formats::{
 };
 
 /// Starts a package with the same sections under a new manifest; more sections can be added.
-fn carried<'a>(package: &Package<'a>, manifest: Manifest) -> PackageWriter<'a> {
+fn writer_with_sections<'a>(package: &Package<'a>, manifest: Manifest) -> PackageWriter<'a> {
     let sections = package.sections().iter().enumerate().skip(1);
     sections.fold(PackageWriter::new(manifest), |writer, (i, section)| {
         writer.section(section.tag, package.section_bytes(i).expect("a valid section"))
     })
 }
 
-fn opened(bytes: &[u8]) -> Package<'_> {
+fn open_package(bytes: &[u8]) -> Package<'_> {
     Package::open(bytes, &Limits::default()).expect("a valid package")
 }
 
 /// Returns the same package with a changed manifest.
 pub fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
-    let package = opened(bytes);
+    let package = open_package(bytes);
     let mut manifest = package.manifest().clone();
     change(&mut manifest);
-    carried(&package, manifest).finish().expect("a valid package")
+    writer_with_sections(&package, manifest).finish().expect("a valid package")
 }
 
 /// Returns the package with the given strands of the tile.
 pub fn with_strands(bytes: &[u8], strands: &StrandsData) -> Vec<u8> {
-    let package = opened(bytes);
-    carried(&package, package.manifest().clone()).strands(strands).finish().expect("a valid package")
+    let package = open_package(bytes);
+    writer_with_sections(&package, package.manifest().clone()).strands(strands).finish().expect("a valid package")
 }
 
 /// Returns a package without hair on guides, with hair of the given fibres added.
 pub fn with_fibres(bytes: &[u8], fibre: &FibreParams) -> Vec<u8> {
-    let package = opened(bytes);
+    let package = open_package(bytes);
     let mut manifest = package.manifest().clone();
     let materials = manifest.materials.iter().map(|material| material.name.as_str());
     let made = scatter::tables(fibre, materials, std::iter::empty()).expect("there are few fibres");
     let texture = manifest.textures.len() as u32;
     manifest.textures.push(TextureEntry { name: "fibres".into() });
     let info = made.info(texture);
-    carried(&package, manifest).texture(made.file).fibres(&info).finish().expect("a valid package")
+    writer_with_sections(&package, manifest).texture(made.file).fibres(&info).finish().expect("a valid package")
 }
 
 /// Returns white, fully lit strands of five points each on a straight line.
@@ -76,7 +76,7 @@ pub const ALPHA: u8 = 128;
 
 /// Returns the package with fins of uniform opacity on pairs of its first part's vertices. Ink data is removed.
 pub fn with_fins(bytes: &[u8], edges: &[(u32, u32)]) -> Vec<u8> {
-    let package = opened(bytes);
+    let package = open_package(bytes);
     let mut manifest = package.manifest().clone();
     let first = manifest.textures.len() as u32;
     manifest.fur.fins =

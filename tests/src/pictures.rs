@@ -78,7 +78,7 @@ pub fn draw_passes(
 
 /// Pipeline statistics of draw calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Counted {
+pub struct PipelineStatistics {
     /// Invocations of vertex shaders.
     pub vertices: u64,
     /// Invocations of fragment shaders.
@@ -87,12 +87,12 @@ pub struct Counted {
 
 /// Begins the application's pass, draws, submits everything, and returns the statistics of that pass. The device must
 /// have `PIPELINE_STATISTICS_QUERY`.
-pub fn counted(
+pub fn draw_with_statistics(
     gpu: &Gpu,
     targets: &Canvas,
     mut encoder: wgpu::CommandEncoder,
     draw: impl FnOnce(&mut wgpu::RenderPass<'_>),
-) -> Counted {
+) -> PipelineStatistics {
     let types = wgpu::PipelineStatisticsTypes::VERTEX_SHADER_INVOCATIONS
         | wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS;
     let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -116,12 +116,12 @@ pub fn counted(
     gpu.queue.submit([encoder.finish()]);
     let counts: Vec<u64> =
         gpu.read_buffer(&read).expect("the device answers").chunks_exact(8).map(bytemuck::pod_read_unaligned).collect();
-    Counted { vertices: counts[0], fragments: counts[1] }
+    PipelineStatistics { vertices: counts[0], fragments: counts[1] }
 }
 
 /// Difference of two pictures.
 #[derive(Clone, Copy, Debug)]
-pub struct Difference {
+pub struct PictureDifference {
     /// Mean absolute difference over all channels, 0..=255.
     pub mean: f64,
     /// Share of texels where a channel differs by more than 16.
@@ -129,7 +129,7 @@ pub struct Difference {
 }
 
 /// Compares two pictures of the same size.
-pub fn difference(a: &Picture, b: &Picture) -> Difference {
+pub fn difference(a: &Picture, b: &Picture) -> PictureDifference {
     assert_eq!(a.size, b.size, "pictures of different sizes");
     let mut sum = 0.0;
     let mut off = 0;
@@ -138,7 +138,7 @@ pub fn difference(a: &Picture, b: &Picture) -> Difference {
         sum += d.iter().map(|v| f64::from(*v)).sum::<f64>();
         off += usize::from(d.iter().any(|v| *v > 16));
     }
-    Difference { mean: sum / (4 * a.rgba.len()) as f64, share: off as f64 / a.rgba.len() as f64 }
+    PictureDifference { mean: sum / (4 * a.rgba.len()) as f64, share: off as f64 / a.rgba.len() as f64 }
 }
 
 /// Returns the path of the stored picture with the given name.

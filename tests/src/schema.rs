@@ -17,9 +17,9 @@ static SCHEMAS: LazyLock<Value> = LazyLock::new(|| {
 ///
 /// If it is not JSON or violates the schema.
 #[track_caller]
-pub fn answer(run: &Run, name: &str) -> Value {
+pub fn parse_answer(run: &Run, name: &str) -> Value {
     let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
-    hold(name, &value);
+    assert_valid(name, &value);
     value
 }
 
@@ -29,7 +29,7 @@ pub fn answer(run: &Run, name: &str) -> Value {
 ///
 /// If the schema does not exist, or the value violates it.
 #[track_caller]
-pub fn hold(name: &str, value: &Value) {
+pub fn assert_valid(name: &str, value: &Value) {
     check(&SCHEMAS, &SCHEMAS[name], value).unwrap_or_else(|e| panic!("{name}: {e}"));
 }
 
@@ -39,9 +39,9 @@ pub fn hold(name: &str, value: &Value) {
 ///
 /// Same as [`answer`], and for any exit code other than 0.
 #[track_caller]
-pub fn done(run: &Run, name: &str) -> Value {
+pub fn parse_success(run: &Run, name: &str) -> Value {
     assert_eq!(run.code, Some(0), "{run:?}");
-    answer(run, name)
+    parse_answer(run, name)
 }
 
 /// Finds the first place where `value` violates `schema`, or a keyword that this checker does not know.

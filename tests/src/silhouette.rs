@@ -12,7 +12,7 @@ pub fn half_to_f32(bytes: [u8; 2]) -> f32 {
 
 /// Model to be measured.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub struct SilhouetteModel {
     /// Name for messages.
     pub name: &'static str,
     /// Path of the model.
@@ -24,10 +24,10 @@ pub struct Case {
 }
 
 /// Returns the project's own models, and the bunny if the test data are available to the named test.
-pub fn cases(test: &str) -> Vec<Case> {
+pub fn silhouette_models(test: &str) -> Vec<SilhouetteModel> {
     let own = |name: &'static str, recipe, size| {
         let model = workspace().join(format!("assets/models/{name}.glb"));
-        Case { name, model, recipe: Some(recipe), size }
+        SilhouetteModel { name, model, recipe: Some(recipe), size }
     };
     let mut cases = vec![
         own("hare", "assets/recipes/hare.toml", (834, 424)),
@@ -36,9 +36,9 @@ pub fn cases(test: &str) -> Vec<Case> {
     ];
     if let Some(data) = data(test) {
         let model = data.join("meshes/static/bunny.obj");
-        cases.push(Case { name: "bunny", model, recipe: None, size: (400, 400) });
+        silhouette_models.push(SilhouetteModel { name: "bunny", model, recipe: None, size: (400, 400) });
     }
-    cases
+    silhouette_models
 }
 
 /// Bakes a package of a model with plain texels.

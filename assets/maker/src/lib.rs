@@ -15,7 +15,7 @@ pub mod hare;
 pub mod hare_rig;
 pub mod head;
 pub mod hills;
-pub mod hoofs;
+pub mod hooves;
 pub mod ox;
 pub mod ox_rig;
 pub mod patterns;

@@ -6,7 +6,7 @@ use super::{
     body::on_side,
     gait::{self, Leg, Pose, wave},
     glb::{Clip, Joint, Weights},
-    hoofs::{self, Gait, Pair, WALK, add_legs, leg},
+    hooves::{self, Gait, Pair, WALK, add_legs, leg},
     rig::{self, Bone, bound_to},
     trimesh::TriMesh,
 };
@@ -125,5 +125,5 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
 
     let (tilt, bend) = ([50.0, 52.0], [58.0, -34.0]);
     let walk = Gait { touches: WALK, duty: 0.62, stride: CYCLE_M, front: 0.36, lift: 0.085, tilt, bend };
-    hoofs::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &walk);
+    hooves::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &walk);
 }

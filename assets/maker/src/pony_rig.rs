@@ -6,7 +6,7 @@ use super::{
     body::on_side,
     gait::{self, Leg, Pose, wave},
     glb::{Clip, Joint, Weights},
-    hoofs::{self, GALLOP, Gait, Pair, WALK, add_legs, leg},
+    hooves::{self, GALLOP, Gait, Pair, WALK, add_legs, leg},
     rig::{self, Bone, bound_to},
     trimesh::TriMesh,
 };
@@ -126,7 +126,7 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
 
     let (tilt, bend) = ([48.0, 50.0], [55.0, -30.0]);
     let walk = Gait { touches: WALK, duty: 0.62, stride: CYCLE_M, front: 0.29, lift: 0.07, tilt, bend };
-    hoofs::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &walk);
+    hooves::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &walk);
 }
 
 /// Returns a gallop, looping and in place. One cycle covers [`GALLOP_M`] metres in [`GALLOP_S`] seconds.
@@ -154,5 +154,5 @@ fn bound(phase: f64, pose: &mut Pose<'_>) {
     }
     let (tilt, bend) = ([55.0, 70.0], [80.0, -45.0]);
     let gallop = Gait { touches: GALLOP, duty: 0.26, stride: GALLOP_M, front: 0.33, lift: 0.2, tilt, bend };
-    hoofs::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &gallop);
+    hooves::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &gallop);
 }

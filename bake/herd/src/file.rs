@@ -1,6 +1,6 @@
 //! Contents of a herd file.
 
-use super::found::{ModelFile, NAME};
+use super::model_file::{ModelFile, NAME};
 use super::pattern::{Patterns, base};
 use pelage_import::BakeError;
 use pelage_stage::{StageError, TomlText};

@@ -6,7 +6,7 @@
 
 mod estimate;
 mod file;
-mod found;
+mod model_file;
 mod kind;
 pub mod ninja;
 mod pattern;
@@ -14,14 +14,14 @@ mod plan;
 mod report;
 mod shell;
 pub mod slurm;
-mod words;
+mod arguments;
 
 pub use estimate::{History, CommandCost};
 pub use file::{Chart, HerdFile, ModelRule, RecipeRule, Rules, Sequence, TruthOptions, Variant, View, Words};
-pub use found::{ModelFile, NAME};
+pub use model_file::{ModelFile, NAME};
 pub use kind::Kind;
 pub use pattern::Patterns;
 pub use plan::{Plan, Row, Task, PlanInput, plan};
 pub use report::{CommandOutcome, Report, State};
 pub use shell::{shell_line, shell_word};
-pub use words::ArgumentValidators;
+pub use arguments::ArgumentValidators;

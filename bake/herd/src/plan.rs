@@ -2,9 +2,9 @@
 
 use super::estimate::{History, CommandCost};
 use super::file::{Chart, HerdFile, Sequence, TruthOptions, Variant, View, fitting};
-use super::found::{ModelFile, NAME};
+use super::model_file::{ModelFile, NAME};
 use super::kind::Kind;
-use super::words::{Word, sets};
+use super::arguments::{Word, sets};
 use pelage_import::BakeError;
 use pelage_stage::TomlText;
 use serde::Serialize;

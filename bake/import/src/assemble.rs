@@ -1,7 +1,7 @@
 //! Assembly of the meshes of all nodes into one mesh: in world space if nothing moves, else bound to joints.
 
 use super::clips;
-use super::drawn;
+use super::comb_lines;
 use super::json::JsonNode;
 use super::morphs;
 use super::options::ImportOptions;
@@ -86,7 +86,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     let moving = skinned || !clips.is_empty() || !morphed.targets.is_empty();
 
     let world = tree.world(root);
-    let combs = drawn::drawn(source, &tree, &world, root, &mut joints)?;
+    let combs = comb_lines::drawn(source, &tree, &world, root, &mut joints)?;
     let mut builder = Builder { mesh: Mesh::default(), places: Vec::new(), authored: Vec::new() };
     let mut followed = followed.into_iter();
     for (instance, first_target) in instances.iter().zip(first_targets) {
@@ -154,7 +154,7 @@ fn instances<'a>(
         let (index, mesh_at) = source.root.follow("meshes", &reference)?;
         let skin = at.get("skin").map(|s| joints.skin(source, &s)).transpose()?;
         let weights = at.get("weights");
-        let combs = [at.name(), mesh_at.name()].into_iter().any(drawn::is_comb_name);
+        let combs = [at.name(), mesh_at.name()].into_iter().any(comb_lines::is_comb_name);
         let (key, own) = ((index, skin.is_some(), combs), weights.is_some());
         let names = names([at.name(), mesh_at.name()]);
         let mesh = MeshUse { index, at: mesh_at, weights, skinned: skin.is_some(), combs };
@@ -191,7 +191,7 @@ fn all_meshes<'a>(source: &mut Source<'a, '_>, gathered: &mut MeshTotals) -> Res
     let mut instances = Vec::new();
     for (index, at) in meshes.entries()?.enumerate() {
         let names = names([at.name()]);
-        let mesh = MeshUse { index, combs: drawn::is_comb_name(at.name()), at, weights: None, skinned: false };
+        let mesh = MeshUse { index, combs: comb_lines::is_comb_name(at.name()), at, weights: None, skinned: false };
         let primitives = Rc::new(read_mesh(source, gathered, &mesh)?);
         instances.push(Instance { node: None, skin: None, names, primitives });
     }

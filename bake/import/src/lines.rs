@@ -1,6 +1,6 @@
 //! Lines of a glTF scene as strands.
 
-use super::counts::{check_count, read_per_vertex};
+use super::per_vertex::{check_count, read_per_vertex};
 use super::elements::REAL;
 use super::json::JsonNode;
 use super::primitive::{are_lines, color_reals, indices_of, vectors, within_limits};

@@ -1,6 +1,6 @@
 //! Morph targets (glTF 2.0, section 3.7.2.2): applied at their default weights, with the deltas that each weight adds.
 
-use super::counts::read_per_vertex;
+use super::per_vertex::read_per_vertex;
 use super::json::{JsonNode, shorten};
 use super::source::Source;
 use crate::BakeError;

@@ -1,6 +1,6 @@
 //! Primitives: attributes and topology of one mesh (glTF 2.0, section 3.7.2).
 
-use super::counts::{check_count, read_per_vertex};
+use super::per_vertex::{check_count, read_per_vertex};
 use super::elements::{Component, REAL, WHOLE, grouped};
 use super::json::{JsonNode, shorten};
 use super::material::{Materials, TextureCoords};

@@ -1,6 +1,6 @@
 //! Skin weights of a primitive: reads any number of sets, keeps four joints per vertex.
 
-use super::counts::{check_count, read_per_vertex};
+use super::per_vertex::{check_count, read_per_vertex};
 use super::elements::{WHOLE, grouped};
 use super::json::JsonNode;
 use super::source::Source;

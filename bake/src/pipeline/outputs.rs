@@ -13,7 +13,7 @@ use crate::stages::scatter::FibreTables;
 use crate::stages::surface::Surface;
 use crate::stages::slice::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::Visibility;
-use crate::steps::StageProgress;
+use crate::progress::StageProgress;
 use pelage_formats::{RootsInfo, StrandsData};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Model};

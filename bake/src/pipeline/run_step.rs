@@ -11,7 +11,7 @@ use crate::stages::hair_groups;
 use crate::stages::ink::{self, InkTarget, VertexInk};
 use crate::stages::pack::{self, PackInput, ModelResults};
 use crate::stages::scatter;
-use crate::stages::strands;
+use crate::stages::strand_data;
 use crate::stages::surface::Surface;
 use crate::stages::slice;
 use crate::stages::visibility;
@@ -40,7 +40,7 @@ pub(super) fn visible(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result
     let find = || {
         let dry = visibility::visibility(&hair.strands, params, None)?;
         // Both use one horizon, because they are blended.
-        let wet = |strands| visibility::visibility(strands, params, Some(dry.horizon));
+        let wet = |strands| visibility::visibility(strand_data, params, Some(dry.horizon));
         let wet = hair.wet.as_ref().map(wet).transpose()?;
         Ok::<_, BakeError>(self::StrandVisibility { dry, wet })
     };
@@ -56,10 +56,10 @@ pub(super) fn slice(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(
     let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
     let slice = |strands, visible| {
         let on_layer = &mut || told.steps.step();
-        slice::shell_textures(strands, visible, &recipe.slice, &recipe.pack, with_coat, on_layer)
+        slice::shell_textures(strand_data, visible, &recipe.slice, &recipe.pack, with_coat, on_layer)
     };
     let dry = slice(&hair.strands, visible.map(|v| &v.dry))?;
-    let wet = hair.wet.as_ref().map(|strands| slice(strands, visible.and_then(|v| v.wet.as_ref()))).transpose()?;
+    let wet = hair.wet.as_ref().map(|strands| slice(strand_data, visible.and_then(|v| v.wet.as_ref()))).transpose()?;
     let shells = self::Shells { dry, wet };
     outputs.shells = Some(shells);
     Ok(())
@@ -69,7 +69,7 @@ pub(super) fn single(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<
     let (hair, params) = (required(&outputs.hair, Hair)?, &told.recipe.strands);
     let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
     let visible = [visible.map(|v| &v.dry), visible.and_then(|v| v.wet.as_ref())];
-    outputs.single = Some(params.enabled.then(|| strands::strands(hair, visible, params.points)));
+    outputs.single = Some(params.enabled.then(|| strand_data::strands(hair, visible, params.points)));
     Ok(())
 }
 
@@ -191,7 +191,7 @@ pub(super) fn ink_textures(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> R
     let paint = |skin: &VertexInk| {
         let strokes = laid.furred.contains(&true) && skin.shading.fur > 0.0;
         let strands = strokes.then_some(&hair.strands);
-        ink::textures_with_memo(&recipe.ink, &recipe.pack, told.images, strands, told.steps, painting)
+        ink::textures_with_memo(&recipe.ink, &recipe.pack, told.images, strand_data, told.steps, painting)
     };
     outputs.ink_textures = Some(required(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?);
     Ok(())

@@ -21,7 +21,7 @@ mod reach;
 pub mod scatter;
 pub mod simplify;
 pub mod size;
-pub mod strands;
+pub mod strand_data;
 pub mod surface;
 pub mod slice;
 pub mod visibility;

@@ -1,7 +1,7 @@
 //! Sky background of a picture.
 
 use super::exit::Failure;
-use super::sky::Sky;
+use super::environment::Sky;
 use glam::DVec2;
 use image::RgbaImage;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};

@@ -1,7 +1,7 @@
 //! `pelage bake`: bakes a model into a package.
 
 use super::anatomy::Anatomy;
-use super::errand::Job;
+use super::job::Job;
 use super::exit::{Exit, Failure};
 use super::limits::{TrialFigures, choose};
 use super::output::{Output, human_bytes, require_parent};
@@ -22,8 +22,8 @@ use pelage_bake::stages::metric::TileRecipe;
 use pelage_bake::stages::pack;
 use pelage_bake::stages::surface::Measures;
 use pelage_bake::stages::slice::shell_bytes;
-use pelage_bake::steps::StageProgress;
-use pelage_bake::traffic;
+use pelage_bake::progress::StageProgress;
+use pelage_bake::io_trace;
 use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
 use pelage_import::BakeError;
 use pelage_import::mesh::RestPose;
@@ -139,7 +139,7 @@ impl RecipeArgs {
         let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let beside = folder.join(name);
         let mut given = self.set.iter().filter_map(|assignment| ImageAssignment::of(assignment)).filter(|n| n.name == name);
-        match given.find(|named| named.is_absolute() || !traffic::exists(&beside)) {
+        match given.find(|named| named.is_absolute() || !io_trace::exists(&beside)) {
             Some(named) if named.path.exists() || named.is_absolute() => named.path.to_owned(),
             _ => beside,
         }

@@ -4,7 +4,7 @@ use super::exit::{Exit, Failure};
 use super::look_args::SamplesArgs;
 use super::output::{Output, human_bytes};
 use super::package_file;
-use super::staged::{FurDetail, detail, stage_of};
+use super::stages::{FurDetail, detail, stage_of};
 use super::view::View;
 use super::view_args::{Frames, ViewArgs};
 use pelage_runtime::{Frame, PassId};

@@ -1,6 +1,6 @@
 //! `pelage compare`: measures the difference of two pictures.
 
-use super::errand::Job;
+use super::job::Job;
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use pelage_bake::io;

@@ -4,8 +4,8 @@ use super::bake::StageWatch;
 use super::built_in::{BuiltIn, HARE, TORUS};
 use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
-use super::shoot;
-use super::staged::stage_of;
+use super::picture_series;
+use super::stages::stage_of;
 use super::view::View;
 use pelage_bake::io;
 use pelage_bake::pipeline::{self, Baked, BakeInput};
@@ -54,7 +54,7 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
         for (suffix, view) in views(*moment) {
             let path = args.output.join(format!("{}{suffix}.png", model.name));
             output.progress("drawing");
-            shoot::draw(&mut stage_of(&file, &view, || Ok(gpu.clone()))?, &path)?;
+            picture_series::draw(&mut stage_of(&file, &view, || Ok(gpu.clone()))?, &path)?;
             pictures.push(path.display().to_string());
         }
         if moment.is_some() {
@@ -93,7 +93,7 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
         output.progress(&format!("walking, {} of {count}", number + 1));
         scene.set_time(seconds * number as f32 / count as f32);
         let path = folder.join(format!("{number:04}.png"));
-        shoot::draw(&mut scene, &path)?;
+        picture_series::draw(&mut scene, &path)?;
         pictures.push(path.display().to_string());
     }
     Ok(pictures)

@@ -2,7 +2,7 @@
 
 use super::exit::Failure;
 use super::output::Output;
-use super::staged::{pixels, stage_of};
+use super::stages::{pixels, stage_of};
 use super::truth::{self, ReferenceTracer};
 use super::view::View;
 use pelage_bake::picture::Picture;

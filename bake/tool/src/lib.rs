@@ -16,11 +16,11 @@ mod demo;
 mod doctor;
 mod doctor_trial;
 #[doc(hidden)]
-pub mod errand;
+pub mod job;
 #[doc(hidden)]
 pub mod exit;
 mod export;
-mod fit_sky;
+mod sky;
 mod groom;
 #[cfg(feature = "herd")]
 mod herd;
@@ -53,10 +53,10 @@ mod sequence;
 pub mod share;
 #[doc(hidden)]
 pub mod shell_judge;
-mod shoot;
-mod sky;
+mod picture_series;
+mod environment;
 #[doc(hidden)]
-pub mod staged;
+pub mod stages;
 mod threads;
 #[doc(hidden)]
 pub mod truth;
@@ -68,14 +68,14 @@ pub mod view;
 mod view_args;
 #[cfg(feature = "view")]
 mod window;
-mod work;
+mod progress;
 mod write_recipe;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use exit::{Exit, Failure};
 use output::Output;
-use pelage_bake::unfinished;
+use pelage_bake::temp_files;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 
@@ -105,7 +105,7 @@ pub trait Commands: Subcommand {
     fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure>;
 
     /// Returns the inputs, options and outputs of a subcommand whose outputs depend on nothing else.
-    fn errand(&self) -> Option<errand::Job>;
+    fn errand(&self) -> Option<job::Job>;
 }
 
 /// Command line around a subcommand.
@@ -131,7 +131,7 @@ struct Global {
     #[arg(long, global = true)]
     json: bool,
     #[command(flatten)]
-    errand: errand::JobArgs,
+    errand: job::JobArgs,
 }
 
 /// Subcommands of `pelage`.
@@ -152,7 +152,7 @@ pub enum Command {
     Merge(merge::MergeArgs),
     Export(export::ExportArgs),
     Groom(groom::GroomArgs),
-    Sky(fit_sky::SkyArgs),
+    Sky(sky::SkyArgs),
     Compare(compare::CompareArgs),
     Doctor(doctor::DoctorArgs),
     #[cfg(feature = "herd")]
@@ -179,7 +179,7 @@ impl Commands for Command {
             Self::Merge(args) => merge::run(args, output),
             Self::Export(args) => export::run(args, output),
             Self::Groom(args) => groom::run(args, output),
-            Self::Sky(args) => fit_sky::run(args, output),
+            Self::Sky(args) => sky::run(args, output),
             Self::Compare(args) => compare::run(args, output),
             Self::Doctor(args) => doctor::run(args, output),
             #[cfg(feature = "manual")]
@@ -189,7 +189,7 @@ impl Commands for Command {
         }
     }
 
-    fn errand(&self) -> Option<errand::Job> {
+    fn errand(&self) -> Option<job::Job> {
         match self {
             Self::Bake(args) => args.errand(),
             Self::Render(args) => args.errand(),
@@ -215,7 +215,7 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
             let definition = Cli::<C>::command;
             let invocation = Invocation { cache: cli.global.errand.cache(), refusal: refusal::<C>, definition };
             let run = |output: &mut Output| catch(|| cli.command.run(&invocation, output));
-            let result = errand::run(&cli.global.errand, errand.as_ref(), run, &mut output);
+            let result = job::run(&cli.global.errand, job.as_ref(), run, &mut output);
             finish(result, &mut output)
         }
         Err(error) => usage(&error),
@@ -304,7 +304,7 @@ fn usage(error: &clap::Error) -> Exit {
     if std::env::args_os().any(|arg| arg == "--json") {
         Output::new(true, true).error_object(Exit::Usage, &one_line_message(error));
     }
-    if let Err(unwritten) = errand::record_refusal(&one_line_message(error)) {
+    if let Err(unwritten) = job::record_refusal(&one_line_message(error)) {
         output::to_stderr(&format!("error: {unwritten}\n"));
     }
     Exit::Usage
@@ -315,7 +315,7 @@ fn usage(error: &clap::Error) -> Exit {
 fn install_signal_handler() {
     // If the system refuses, signals end the process as they do without a handler.
     let _ = ctrlc::set_handler(|| {
-        let _nothing_is_finished_any_more = unfinished::remove_all();
+        let _nothing_is_finished_any_more = temp_files::remove_all();
         std::process::exit(130);
     });
 }

@@ -1,6 +1,6 @@
 //! `pelage merge`: combines the parts of a picture that several machines have traced.
 
-use super::errand::Job;
+use super::job::Job;
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use super::reference::{Format, exr, png};

@@ -1,9 +1,9 @@
 //! Results on stdout, progress and notes on stderr.
 
 use super::exit::{Exit, Failure};
-use super::work::{ProgressPrinter, Work};
+use super::progress::{ProgressPrinter, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use pelage_bake::steps::StageProgress;
+use pelage_bake::progress::StageProgress;
 use pelage_import::BakeError;
 use serde::Serialize;
 use std::fmt;

@@ -5,7 +5,7 @@ use super::output::{Output, require_parent};
 use super::unpacked;
 use pelage_bake::io::{read_named_file, write_atomic};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::traffic;
+use pelage_bake::io_trace;
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
 use serde::Serialize;
@@ -51,7 +51,7 @@ pub fn run(args: &PackArgs, output: &mut Output) -> Result<Exit, Failure> {
     let folder = args.folder.display().to_string();
     let bytes = unpacked::pack(&folder, &mut |name| {
         let path = args.folder.join(name);
-        if !traffic::exists(&path) {
+        if !io_trace::exists(&path) {
             return Ok(None);
         }
         read_named_file(&path).map(Some)

@@ -1,7 +1,7 @@
 //! `pelage reference`: traces the reference picture of a package, strand by strand.
 
 use super::backdrop::lay_over_sky;
-use super::errand::Job;
+use super::job::Job;
 use super::exit::{Exit, Failure};
 use super::journal::Key;
 use super::output::{Output, human_bytes, require_parent};

@@ -1,6 +1,6 @@
 //! `pelage render`: draws a package or a scene into a picture, or over time into many.
 
-use super::errand::{ADAPTER, Job};
+use super::job::{ADAPTER, Job};
 use super::exit::{Exit, Failure};
 use super::journal::Key;
 use super::look_args::SamplesArgs;
@@ -8,11 +8,11 @@ use super::output::Output;
 use super::package_file;
 use super::scene::{Scene, is_scene};
 use super::sequence::{DrawnPictures, Sink};
-use super::shoot::{PassRun, PictureSeries};
-use super::staged::{self, FurDetail, crowd};
+use super::picture_series::{PassRun, PictureSeries};
+use super::stages::{self, FurDetail, crowd};
 use super::view::View;
 use super::view_args::{Frames, ViewArgs};
-use pelage_bake::traffic;
+use pelage_bake::io_trace;
 use pelage_formats::MAGIC;
 use pelage_stage::{Cast, Gpu, Look, NamedPackage, StageError};
 use serde::Serialize;
@@ -214,8 +214,8 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     let first = args.view.frames.map_or(0, |range| range.first as usize);
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
     let cast = subject.cast(&view)?;
-    let stage = staged::stage(&cast, &view, Gpu::open)?;
-    traffic::record_machine(ADAPTER, &stage.gpu.description());
+    let stage = stages::stage(&cast, &view, Gpu::open)?;
+    io_trace::record_machine(ADAPTER, &stage.gpu.description());
     let (light, shot) = (stage.params.light, cast.camera);
     let (turn_light, auto_rotate) = (args.turn_light, args.auto_rotate);
     if view.camera.is_none() {

@@ -1,6 +1,6 @@
 //! JSON schemas of the results that `--json` prints.
 
-use super::{bake, bench, compare, demo, doctor, errand, export, fit_sky, groom, herd, inspect, merge, output, pack};
+use super::{bake, bench, compare, demo, doctor, job, export, sky, groom, herd, inspect, merge, output, pack};
 use super::{reference, render, unpack, validate};
 use schemars::{JsonSchema as _, Schema, SchemaGenerator};
 
@@ -22,10 +22,10 @@ pub fn results() -> Vec<ResultSchema> {
         ("inspect", inspect::InspectResult::json_schema),
         ("merge", merge::MergeResult::json_schema),
         ("pack", pack::PackResult::json_schema),
-        ("record", errand::CommandRecord::json_schema),
+        ("record", job::CommandRecord::json_schema),
         ("reference", reference::ReferenceResult::json_schema),
         ("render", render::RenderResult::json_schema),
-        ("sky", fit_sky::SkyResult::json_schema),
+        ("sky", sky::SkyResult::json_schema),
         ("unpack", unpack::UnpackResult::json_schema),
         ("validate", validate::ValidateResult::json_schema),
     ]

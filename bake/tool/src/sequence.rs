@@ -3,12 +3,12 @@
 use super::exit::Failure;
 use super::journal::{Entry, Journal, Key};
 use super::output::{Output, make_folder, require_parent};
-use super::shoot::{Picture, PictureSeries, write_png};
+use super::picture_series::{Picture, PictureSeries, write_png};
 use super::view_args::Frames;
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io::write_atomic_with;
 use pelage_bake::picture;
-use pelage_bake::traffic;
+use pelage_bake::io_trace;
 use pelage_bake::y4m::Y4m;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -179,7 +179,7 @@ fn numbered(
         .collect();
     let skipped = known.iter().flatten().count();
     if skipped > 0 {
-        traffic::mark_incomplete();
+        io_trace::mark_incomplete();
         output.note(&format!(
             "{skipped} of {} pictures are there from a run before; --restart draws them anew",
             names.len()

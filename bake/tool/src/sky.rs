@@ -1,111 +1,149 @@
-//! Environment map named by a look, read and fitted.
+//! `pelage sky`: fits a small set of lights to an environment map.
 
-use super::exit::Failure;
-use glam::{DQuat, DVec3};
+use super::job::Job;
+use super::exit::{Exit, Failure};
+use super::output::{Output, require_parent};
+use pelage_bake::io::write_atomic;
 use pelage_bake::environment_file::EnvironmentFile;
-use pelage_import::BakeError;
-#[cfg(feature = "view")]
-use pelage_stage::LightsRead;
-use pelage_stage::sky::{Environment, FitParams, FitResult, Sun};
-use pelage_stage::{Look, SkyKind};
-use pelage_truth::TrueSky;
-use std::path::Path;
-#[cfg(feature = "view")]
-use std::sync::Arc;
-use std::sync::OnceLock;
+use pelage_stage::Look;
+use pelage_stage::sky::{Environment, FitParams, FitResult, environment_to_toml};
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
 
-/// Reads an environment map as lights.
+/// Fit a small set of lights to an environment map, as `--environment` does, and write them as a file. Applications can
+/// ship, edit, turn and blend such a file
 ///
-/// # Errors
-/// Message with the file, the location in it, and the error.
-#[cfg(feature = "view")]
-pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRead {
-    let of = read(path, lobes, ground).map_err(|error| error.to_string())?;
-    let sky = Sky { of, yaw_deg: 0.0, strength: 1.0, lobes: lobes as usize, fitted: OnceLock::new() };
-    Ok(Arc::new(sky.lights()))
+/// The lights are a constant ambient term, lobes around directions, and a sun if one dominates.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SkyArgs {
+    /// Environment map, equirectangular in linear radiance (.hdr, .exr), or lights to validate and rewrite (.toml)
+    #[arg(value_name = "SKY")]
+    input: PathBuf,
+    /// Lights to write, in TOML
+    #[arg(long, short, value_name = "TOML")]
+    output: PathBuf,
+    /// Maximum number of lobes
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=32))]
+    lobes: u32,
+    /// sRGB colour of a level ground that reflects the light from above; replaces everything below the horizon
+    #[arg(long, value_name = "COLOR", value_parser = parse_ground)]
+    ground: Option<[f32; 3]>,
+    /// Least share of the total light for a sun to become a separate light, 0 to 1; 1 keeps it among the lobes
+    #[arg(long, value_name = "SHARE", default_value_t = FitParams::default().sun, value_parser = parse_share)]
+    sun: f64,
 }
 
-/// Reads an environment map, with a ground if one is given.
-fn read(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> Result<EnvironmentFile, BakeError> {
-    EnvironmentFile::read(path)?.over_ground(ground, lobes as usize)
-}
-
-/// Environment of a look.
-#[derive(Debug)]
-pub struct Sky {
-    of: EnvironmentFile,
-    yaw_deg: f32,
-    strength: f32,
+/// Lights that were written, and their distance from the panorama.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SkyResult {
+    output: String,
+    /// Width and height of the panorama, pixels; null for lights in TOML.
+    size: Option<[u32; 2]>,
     lobes: usize,
-    fitted: OnceLock<Option<FitResult>>,
+    sun: Option<SkySun>,
+    /// Relative difference of all light from the light of the sky without its sun, for the colour that deviates most.
+    energy: f64,
+    /// RMSE of the lights against the sky without its sun, relative to that sky.
+    error: f64,
+    /// Pixels repaired because they held no valid radiance.
+    mended: u32,
+    seconds: f64,
 }
 
-impl PartialEq for Sky {
-    fn eq(&self, other: &Self) -> bool {
-        let numbers = |sky: &Self| (sky.yaw_deg, sky.strength, sky.lobes);
-        self.of == other.of && numbers(self) == numbers(other)
+/// A sun.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct SkySun {
+    towards: [f32; 3],
+    /// Linear colour; 1 gives an irradiance of π.
+    color: [f32; 3],
+    share: f64,
+}
+
+impl SkyArgs {
+    /// Returns the dependencies and outputs of the fit for the cache.
+    pub fn errand(&self) -> Option<Job> {
+        let args = Self { output: Job::name(&self.output), ..self.clone() };
+        Some(Job::new("sky", &args, &[&self.output]))
     }
 }
 
-impl Sky {
-    /// Reads the environment that the look names; `None` if it names none.
-    ///
-    /// # Errors
-    /// Unreadable file, or one that is not an environment.
-    pub fn of(look: &Look) -> Result<Option<Self>, Failure> {
-        let Some(source) = &look.environment.sky else { return Ok(None) };
-        let of = match &source.kind {
-            SkyKind::File(path) => read(Path::new(path), look.environment.lobes, look.environment.ground_color())?,
-            _ => EnvironmentFile::Lights(look.environment.from_colors().unwrap_or_default()),
-        };
-        let (yaw_deg, strength) = (source.yaw_deg, look.environment.strength);
-        let lobes = look.environment.lobes as usize;
-        Ok(Some(Self { of, yaw_deg, strength, lobes, fitted: OnceLock::new() }))
-    }
+fn parse_share(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|share| (0.0..=1.0).contains(share)).ok_or("expected a share of 0 to 1".into())
+}
 
-    /// Returns the fit of lights to a panorama; `None` for lights given directly.
-    pub fn fitted(&self) -> Option<&FitResult> {
-        let fit = || match &self.of {
-            EnvironmentFile::Panorama(panorama) => Some(panorama.fit(FitParams { lobes: self.lobes, ..FitParams::default() })),
-            EnvironmentFile::Lights(_) => None,
-        };
-        self.fitted.get_or_init(fit).as_ref()
-    }
+fn parse_ground(text: &str) -> Result<[f32; 3], String> {
+    let mut look = Look::default();
+    look.set(&format!("environment.ground={text}")).map_err(|error| error.to_string())?;
+    look.environment.ground_color().ok_or_else(|| "expected a colour".into())
+}
 
-    /// Returns the lights without the look's rotation and strength.
-    pub fn lights(&self) -> Environment {
-        match (&self.of, self.fitted()) {
-            (EnvironmentFile::Lights(lights), _) => lights.clone(),
-            (EnvironmentFile::Panorama(_), fitted) => fitted.map(|fitted| fitted.environment.clone()).unwrap_or_default(),
+/// Runs the subcommand.
+pub fn run(args: &SkyArgs, output: &mut Output) -> Result<Exit, Failure> {
+    require_parent(&args.output)?;
+    let sky = EnvironmentFile::read(&args.input)?;
+    output.progress("fitting");
+    let began = Instant::now();
+    let sky = sky.over_ground(args.ground, args.lobes as usize)?;
+    let (fitted, size) = match sky {
+        EnvironmentFile::Panorama(panorama) => {
+            let sun = if args.sun < 1.0 { args.sun } else { f64::INFINITY };
+            (panorama.fit(FitParams { lobes: args.lobes as usize, sun }), Some(panorama.size()))
         }
-    }
-
-    /// Returns the lights with the look's rotation and strength.
-    pub fn environment(&self) -> Environment {
-        self.lights().turned(self.yaw_deg).scaled(self.strength)
-    }
-
-    /// Returns the radiance from a unit direction, linear RGB, with the sky rotated by another `turn_deg`; the sun of
-    /// lights is not visible.
-    pub fn radiance(&self, towards: DVec3, turn_deg: f32) -> DVec3 {
-        let inside = DQuat::from_rotation_y(-f64::from(self.yaw_deg + turn_deg).to_radians()) * towards;
-        let radiance = match &self.of {
-            EnvironmentFile::Panorama(panorama) => panorama.sample(inside),
-            EnvironmentFile::Lights(lights) => lights.radiance(inside),
-        };
-        radiance * f64::from(self.strength)
-    }
-
-    /// Returns the environment for path tracing: a panorama unchanged, with its sun in it; otherwise lights, and their
-    /// sun separately.
-    pub fn for_tracing(&self) -> (TrueSky, Option<Sun>) {
-        match &self.of {
-            EnvironmentFile::Panorama(panorama) => (TrueSky::of_panorama(panorama.clone(), self.yaw_deg, self.strength), None),
-            EnvironmentFile::Lights(_) => {
-                let lights = self.environment();
-                let sun = lights.sun;
-                (TrueSky::of_environment(lights), sun)
-            }
+        EnvironmentFile::Lights(environment) => {
+            let most = args.lobes as usize;
+            let environment = environment.with_fewer(most);
+            (FitResult { environment, sun_share: 0.0, energy: 0.0, error: 0.0, repaired_pixels: 0 }, None)
         }
+    };
+    let seconds = began.elapsed().as_secs_f64();
+    let text = environment_to_toml(&fitted.environment);
+    write_atomic(&args.output, text.as_bytes())?;
+    report(args, &fitted, size, seconds, output)
+}
+
+fn report(
+    args: &SkyArgs,
+    fitted: &FitResult,
+    size: Option<(u32, u32)>,
+    seconds: f64,
+    output: &mut Output,
+) -> Result<Exit, Failure> {
+    let Environment { lobes, sun, .. } = &fitted.environment;
+    if fitted.repaired_pixels > 0 {
+        let name = args.input.display();
+        output.note(&format!(
+            "note: {name}: {} pixels were no light (negative, infinite or no numbers): mended",
+            fitted.repaired_pixels
+        ));
     }
+    let name = args.output.display().to_string();
+    let with_sun = if sun.is_some() {
+        format!(", and a sun with {:.0} % of the light", 100.0 * fitted.sun_share)
+    } else {
+        String::new()
+    };
+    let near = match size {
+        Some(_) => format!(
+            "; {:.1} % off its radiance, {:.2} % off its light in whole",
+            100.0 * fitted.error,
+            100.0 * fitted.energy
+        ),
+        None => String::new(),
+    };
+    let text = format!("{name}: {} lobes{with_sun}{near}", lobes.len());
+    let result = SkyResult {
+        output: name,
+        size: size.map(|(width, height)| [width, height]),
+        lobes: lobes.len(),
+        sun: sun.map(|sun| SkySun { towards: sun.towards, color: sun.color, share: fitted.sun_share }),
+        energy: fitted.energy,
+        error: fitted.error,
+        mended: fitted.repaired_pixels,
+        seconds,
+    };
+    output.result(&text, &result)?;
+    Ok(Exit::Done)
 }

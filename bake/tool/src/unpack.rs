@@ -4,7 +4,7 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use super::package_file;
 use super::unpacked::{self, File};
-use pelage_bake::unfinished::TempFileGuard;
+use pelage_bake::temp_files::TempFileGuard;
 use pelage_import::BakeError;
 use serde::Serialize;
 use serde_json::Value;

@@ -23,7 +23,7 @@ mod part_file;
 mod paths;
 mod picture;
 mod scattering;
-mod sight;
+mod visibility;
 mod sky;
 mod strand_light;
 mod tracer;
@@ -33,7 +33,7 @@ pub use lighting::{TrueLight, TrueLighting};
 pub use part_file::{PartHeader, TracedPart};
 pub use picture::{Part, Portion, Rays, Square, TracedPicture, TrueScene};
 pub use scattering::TrueScattering;
-pub use sight::{SurfaceView, VisiblePoint, SurfaceVisibility};
+pub use visibility::{SurfaceView, VisiblePoint, SurfaceVisibility};
 pub use sky::TrueSky;
 pub use strand_light::VisibleStrand;
 

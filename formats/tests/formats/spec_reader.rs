@@ -2,7 +2,7 @@
 //! package as the Rust reader.
 
 use pelage_formats::*;
-use pelage_needs::{Need, had, lacked};
+use pelage_needs::{Need, log_available, log_missing};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -16,11 +16,11 @@ fn compile(folder: &Path, test: &str) -> Option<PathBuf> {
     match Command::new(&compiler).args(warnings).arg("-o").arg(&program).arg(&source).output() {
         Ok(output) => {
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-            had(Need::Compiler, test, &compiler);
+            log_available(Need::Compiler, test, &compiler);
             Some(program)
         }
         Err(error) => {
-            lacked(Need::Compiler, test, &format!("no C compiler {compiler:?}: {error}; FORMAT.md was not proven"));
+            log_missing(Need::Compiler, test, &format!("no C compiler {compiler:?}: {error}; FORMAT.md was not proven"));
             None
         }
     }

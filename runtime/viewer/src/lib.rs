@@ -12,7 +12,7 @@ mod app;
 mod knobs;
 mod lights;
 mod save;
-mod script;
+mod events;
 mod show;
 mod subject;
 mod truth;

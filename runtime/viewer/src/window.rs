@@ -3,7 +3,7 @@
 use crate::app::App;
 use crate::lights::{Lights, LoadLights};
 use crate::save;
-use crate::script::Events;
+use crate::events::Events;
 use crate::show::Show;
 use crate::ui;
 use crate::worker::{WorkerMessage, Workers};

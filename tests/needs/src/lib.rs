@@ -33,7 +33,7 @@ impl Need {
     pub const ALL: [Self; 6] = [Self::Gpu, Self::Data, Self::Compiler, Self::Desktop, Self::Browser, Self::Ninja];
 
     /// Returns the name used in the log and the register.
-    pub fn word(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Gpu => "gpu",
             Self::Data => "data",
@@ -50,7 +50,7 @@ impl Need {
 /// # Panics
 ///
 /// If the log cannot be written.
-pub fn had(need: Need, test: &str, what: &str) {
+pub fn log_available(need: Need, test: &str, what: &str) {
     note("had", need, test, what);
 }
 
@@ -59,7 +59,7 @@ pub fn had(need: Need, test: &str, what: &str) {
 /// # Panics
 ///
 /// If the log cannot be written, or if `CI` is set, where no test may be skipped.
-pub fn lacked(need: Need, test: &str, why: &str) {
+pub fn log_missing(need: Need, test: &str, why: &str) {
     note("lacked", need, test, why);
     // Writes to the handle, because the harness captures the print macros only.
     let said = writeln!(std::io::stderr(), "SKIPPED: {test} ({why})");
@@ -70,7 +70,7 @@ pub fn lacked(need: Need, test: &str, why: &str) {
 fn note(how: &str, need: Need, test: &str, words: &str) {
     let Some(path) = std::env::var_os("PELAGE_TEST_LOG") else { return };
     // A single write in append mode keeps the lines of concurrent tests whole.
-    let line = format!("{how}\t{}\t{test}\t{}\n", need.word(), words.replace(['\n', '\t'], " "));
+    let line = format!("{how}\t{}\t{test}\t{}\n", need.name(), words.replace(['\n', '\t'], " "));
     let written =
         OpenOptions::new().append(true).create(true).open(&path).and_then(|mut f| f.write_all(line.as_bytes()));
     written.unwrap_or_else(|e| panic!("{}: {e}", Path::new(&path).display()));
@@ -96,10 +96,10 @@ pub fn data(test: &str) -> Option<PathBuf> {
     let path = data_folder();
     let words = path.display().to_string();
     if path.join("meshes").is_dir() && path.join("ktx2").is_dir() {
-        had(Need::Data, test, &words);
+        log_available(Need::Data, test, &words);
         return Some(path);
     }
-    lacked(Need::Data, test, &format!("no test data at {words}"));
+    log_missing(Need::Data, test, &format!("no test data at {words}"));
     None
 }
 
@@ -113,12 +113,12 @@ pub fn is_installed(program: &str) -> bool {
 /// # Panics
 ///
 /// Same as [`had`] and [`lacked`].
-pub fn ninja(test: &str) -> bool {
+pub fn has_ninja(test: &str) -> bool {
     let there = is_installed("ninja");
     if there {
-        had(Need::Ninja, test, "ninja");
+        log_available(Need::Ninja, test, "ninja");
     } else {
-        lacked(Need::Ninja, test, "ninja is not installed (Debian: apt-get install ninja-build)");
+        log_missing(Need::Ninja, test, "ninja is not installed (Debian: apt-get install ninja-build)");
     }
     there
 }
@@ -132,7 +132,7 @@ pub fn ninja(test: &str) -> bool {
 pub fn gpu_is_wanted(test: &str) -> bool {
     let off = std::env::var("PELAGE_NO_GPU").is_ok_and(|v| v == "1");
     if off {
-        lacked(Need::Gpu, test, "PELAGE_NO_GPU=1");
+        log_missing(Need::Gpu, test, "PELAGE_NO_GPU=1");
     }
     !off
 }

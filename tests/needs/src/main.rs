@@ -24,10 +24,10 @@ fn main() -> ExitCode {
     };
     match check(REGISTER, &log) {
         Ok(roll) => {
-            let counts: Vec<_> = roll.had.iter().map(|(need, n)| format!("{n} {}", need.word())).collect();
+            let counts: Vec<_> = roll.had.iter().map(|(need, n)| format!("{n} {}", need.name())).collect();
             println!("registered tests that had what they need: {}", counts.join(", "));
             for ((need, test), why) in &roll.lacked {
-                println!("went without: {} test {test} ({why})", need.word());
+                println!("went without: {} test {test} ({why})", need.name());
             }
             if roll.lacked.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(WENT_WITHOUT) }
         }

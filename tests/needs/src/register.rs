@@ -17,7 +17,7 @@ pub type Entry = (Need, String);
 pub fn entries(register: &str) -> Result<BTreeSet<Entry>, String> {
     let mut all = BTreeSet::new();
     for (number, line) in register.lines().enumerate() {
-        let entry = line.split_once(' ').and_then(|(word, test)| Some((need(word)?, test.trim().to_owned())));
+        let entry = line.split_once(' ').and_then(|(word, test)| Some((need_by_name(word)?, test.trim().to_owned())));
         let entry = entry.filter(|(_, test)| !test.is_empty());
         let entry = entry.ok_or_else(|| format!("line {}: {line:?}, expected a need and a test", number + 1))?;
         if !all.insert(entry) {
@@ -27,13 +27,13 @@ pub fn entries(register: &str) -> Result<BTreeSet<Entry>, String> {
     Ok(all)
 }
 
-fn need(word: &str) -> Option<Need> {
-    Need::ALL.into_iter().find(|n| n.word() == word)
+fn need_by_name(word: &str) -> Option<Need> {
+    Need::ALL.into_iter().find(|n| n.name() == word)
 }
 
 /// Summary of a complete test run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Roll {
+pub struct RunSummary {
     /// Number of tests that had their requirement, per requirement.
     pub had: BTreeMap<Need, usize>,
     /// Registered tests that lacked their requirement, with the reason that each logged.
@@ -46,35 +46,35 @@ pub struct Roll {
 ///
 /// All faults: malformed log lines, registered tests that did not ask for their requirement, and tests that asked but
 /// are not registered.
-pub fn check(register: &str, log: &str) -> Result<Roll, Vec<String>> {
+pub fn check(register: &str, log: &str) -> Result<RunSummary, Vec<String>> {
     let registered = entries(register).map_err(|e| vec![format!("register: {e}")])?;
     let (mut faults, mut had, mut lacked) = (Vec::new(), BTreeSet::new(), BTreeMap::new());
     for (number, line) in log.lines().enumerate() {
         let fields: Vec<&str> = line.split('\t').collect();
         match fields[..] {
-            ["had", word, test, _] if need(word).is_some() => drop(had.insert((word, test))),
-            ["lacked", word, test, why] if need(word).is_some() => drop(lacked.insert((word, test), why)),
+            ["had", word, test, _] if need_by_name(word).is_some() => drop(had.insert((word, test))),
+            ["lacked", word, test, why] if need_by_name(word).is_some() => drop(lacked.insert((word, test), why)),
             _ => faults.push(format!("log, line {}: {line:?} is no line of a test", number + 1)),
         }
     }
     for (word, test) in had.iter().chain(lacked.keys()).collect::<BTreeSet<_>>() {
-        let known = need(word).is_some_and(|n| registered.contains(&(n, (*test).to_owned())));
+        let known = need_by_name(word).is_some_and(|n| registered.contains(&(n, (*test).to_owned())));
         if !known {
             faults.push(format!(
                 "{word} test {test:?} is not registered: tests/needs/register.txt lacks `{word} {test}`"
             ));
         }
     }
-    let mut roll = Roll::default();
+    let mut roll = RunSummary::default();
     for (need, test) in registered {
-        let key = (need.word(), test.as_str());
+        let key = (need.name(), test.as_str());
         // A test that asks several times counts as served only if every request was served.
         if let Some(why) = lacked.get(&key) {
             roll.lacked.insert((need, test.clone()), (*why).to_owned());
         } else if had.contains(&key) {
             *roll.had.entry(need).or_default() += 1;
         } else {
-            faults.push(format!("{} test {test:?} did not run, or ran without asking for what it needs", need.word()));
+            faults.push(format!("{} test {test:?} did not run, or ran without asking for what it needs", need.name()));
         }
     }
     if faults.is_empty() { Ok(roll) } else { Err(faults) }

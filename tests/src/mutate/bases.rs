@@ -275,7 +275,7 @@ impl Bases {
             ("h.toml", HAIR.into()),
         ];
         let guides = hair_files::files()?;
-        guides.iter().try_for_each(|entry| entry.put(folder.path()))?;
+        guides.iter().try_for_each(|entry| entry.write(folder.path()))?;
         for (name, bytes) in files {
             std::fs::write(folder.path().join(name), bytes)?;
         }

@@ -31,7 +31,7 @@ impl Entry {
     /// # Errors
     ///
     /// If the system refuses.
-    pub fn put(&self, folder: &Path) -> std::io::Result<()> {
+    pub fn write(&self, folder: &Path) -> std::io::Result<()> {
         let path = folder.join(self.name());
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent)?;
@@ -50,7 +50,7 @@ impl Entry {
 
 /// Requirement on the output of a command that exits with 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Then {
+pub enum OutputCheck {
     /// No further requirement.
     Nothing,
     /// Package that `pelage validate` accepts.
@@ -67,17 +67,17 @@ pub struct Step {
     /// Output in the case's folder; must exist if and only if the exit code is 0.
     pub makes: Option<&'static str>,
     /// Requirement on the output.
-    pub then: Then,
+    pub then: OutputCheck,
 }
 
 impl Step {
     /// Returns a command that writes nothing.
     pub fn reads(args: &[&str]) -> Self {
-        Self { args: args.iter().map(|a| (*a).to_owned()).collect(), makes: None, then: Then::Nothing }
+        Self { args: args.iter().map(|a| (*a).to_owned()).collect(), makes: None, then: OutputCheck::Nothing }
     }
 
     /// Returns a command that writes `output`.
-    pub fn makes(args: &[&str], output: &'static str, then: Then) -> Self {
+    pub fn makes(args: &[&str], output: &'static str, then: OutputCheck) -> Self {
         Self { makes: Some(output), then, ..Self::reads(args) }
     }
 }
@@ -108,11 +108,11 @@ impl Case {
     /// # Errors
     ///
     /// If the system refuses.
-    pub fn lay(&self, folder: &Path) -> std::io::Result<()> {
+    pub fn write_into(&self, folder: &Path) -> std::io::Result<()> {
         if folder.exists() {
             std::fs::remove_dir_all(folder)?;
         }
         std::fs::create_dir_all(folder)?;
-        self.entries.iter().try_for_each(|entry| entry.put(folder))
+        self.entries.iter().try_for_each(|entry| entry.write(folder))
     }
 }

@@ -133,11 +133,11 @@ const JSON: [&str; 44] = [
 const MARK: &str = "\u{fffd}changed\u{fffd}";
 
 /// Collects the JSON pointers of all values of a document except the root.
-fn places(value: &Value, here: &str, out: &mut Vec<String>) {
+fn pointers(value: &Value, here: &str, out: &mut Vec<String>) {
     let mut add = |key: &str, value: &Value| {
         let key = key.replace('~', "~0").replace('/', "~1");
         let place = format!("{here}/{key}");
-        places(value, &place, out);
+        pointers(value, &place, out);
         out.push(place);
     };
     match value {
@@ -148,7 +148,7 @@ fn places(value: &Value, here: &str, out: &mut Vec<String>) {
 }
 
 /// Returns a number close to `value` or of similar size: typical errors of indices, counts and offsets.
-fn near(value: &Value, random: &mut Random) -> Option<String> {
+fn near_number(value: &Value, random: &mut Random) -> Option<String> {
     let number = value.as_f64()?;
     let whole = |x: f64| if number.fract() == 0.0 && x.fract() == 0.0 { format!("{x:.0}") } else { format!("{x:e}") };
     Some(whole(*random.pick(&[number + 1.0, number - 1.0, number * 2.0, -number, number / 2.0, number * 1e6])))
@@ -158,7 +158,7 @@ fn near(value: &Value, random: &mut Random) -> Option<String> {
 /// consecutive values, so that a run of many cases covers all.
 pub fn json(document: &Value, turn: u64, random: &mut Random) -> (String, String) {
     let mut all = Vec::new();
-    places(document, "", &mut all);
+    pointers(document, "", &mut all);
     if all.is_empty() {
         return ("nothing to change".into(), document.to_string());
     }
@@ -199,7 +199,7 @@ pub fn json(document: &Value, turn: u64, random: &mut Random) -> (String, String
             format!("{}{}", "[".repeat(depth), "]".repeat(depth))
         }
         4 if random.below(4) == 0 => format!("\"{}\"", "long ".repeat(20_000)),
-        4..=6 => near(&old, random).unwrap_or_else(|| (*random.pick(&JSON)).to_owned()),
+        4..=6 => near_number(&old, random).unwrap_or_else(|| (*random.pick(&JSON)).to_owned()),
         _ => (*random.pick(&JSON)).to_owned(),
     };
     let text = text.replacen('@', &format!("{}: ", Value::from(key)), 1);

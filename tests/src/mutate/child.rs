@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 /// Result of a run.
 #[derive(Clone, Debug)]
-pub struct Ended {
+pub struct ProcessResult {
     /// Exit code; `None` if a signal ended the process, including the time limit.
     pub code: Option<i32>,
     /// Whether the run exceeded the time limit and was killed.
@@ -31,7 +31,7 @@ const LOOK: Duration = Duration::from_millis(2);
 /// # Errors
 ///
 /// If the system refuses to start the process, or to create or read those files.
-pub fn run(args: &[String], folder: &Path, notes: &Path, limit: Duration) -> std::io::Result<Ended> {
+pub fn run(args: &[String], folder: &Path, notes: &Path, limit: Duration) -> std::io::Result<ProcessResult> {
     let [out, err] = ["stdout", "stderr"].map(|name| notes.join(name));
     let mut command = Command::new(pelage());
     command.args(args).current_dir(folder).stdin(Stdio::null());
@@ -42,7 +42,7 @@ pub fn run(args: &[String], folder: &Path, notes: &Path, limit: Duration) -> std
     let mut child = command.spawn()?;
     let mut peak = 0;
     let (status, too_long) = loop {
-        peak = peak.max(held(&child));
+        peak = peak.max(peak_memory(&child));
         if let Some(status) = child.try_wait()? {
             break (status, false);
         }
@@ -54,11 +54,11 @@ pub fn run(args: &[String], folder: &Path, notes: &Path, limit: Duration) -> std
     };
     let seconds = begun.elapsed().as_secs_f64();
     let text = |path| Ok::<_, std::io::Error>(String::from_utf8_lossy(&std::fs::read(path)?).into_owned());
-    Ok(Ended { code: status.code(), too_long, stdout: text(&out)?, stderr: text(&err)?, seconds, peak })
+    Ok(ProcessResult { code: status.code(), too_long, stdout: text(&out)?, stderr: text(&err)?, seconds, peak })
 }
 
 /// Returns the peak memory of a process so far, bytes. Linux reports it, other systems do not.
-fn held(child: &Child) -> u64 {
+fn peak_memory(child: &Child) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
     // Until `exec`, the new process is a copy of this one, with all its memory.
     if !status.starts_with("Name:\tpelage\n") {

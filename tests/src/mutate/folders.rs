@@ -1,7 +1,7 @@
 //! Unpacked folders: fields of the manifest, the animation and the mesh, and replaced files.
 
 use super::bases::{Bases, chunks, glb, glb_of_text};
-use super::case::{Case, Entry, Step, Then};
+use super::case::{Case, Entry, Step, OutputCheck};
 use super::change;
 use super::random::Random;
 use serde_json::Value;
@@ -18,20 +18,20 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         5 => document(base, "in/animation.json", turn, random),
         6 => mesh(base, turn, random),
         7 => recipe(base, turn, random),
-        8 => contents(base, random),
+        8 => change_bytes(base, random),
         9 => document(base, "in/hair.json", turn, random),
         10 => document(base, "in/strands.json", turn, random),
         11 => strands(base, random),
-        _ => other(base, random),
+        _ => replacement(base, random),
     };
     // A removed entry is left out of the base.
     let base: Vec<Entry> = base.iter().filter(|entry| entry.name() != file).cloned().collect();
-    let steps = vec![Step::makes(&["pack", "in", "out.pelage"], "out.pelage", Then::Validates)];
+    let steps = vec![Step::makes(&["pack", "in", "out.pelage"], "out.pelage", OutputCheck::Validates)];
     Case::new(format!("{name}: {file}: {how}"), &base, entry.into_iter().collect(), steps)
 }
 
 /// Name of a file, description of the change, and the replacement.
-type Changed = (String, String, Option<Entry>);
+type FileChange = (String, String, Option<Entry>);
 
 fn bytes_of<'a>(base: &'a [Entry], name: &str) -> Option<&'a [u8]> {
     base.iter().find_map(|entry| match entry {
@@ -40,18 +40,18 @@ fn bytes_of<'a>(base: &'a [Entry], name: &str) -> Option<&'a [u8]> {
     })
 }
 
-fn document(base: &[Entry], name: &str, turn: u64, random: &mut Random) -> Changed {
+fn document(base: &[Entry], name: &str, turn: u64, random: &mut Random) -> FileChange {
     let Some(document) = bytes_of(base, name).and_then(|bytes| serde_json::from_slice::<Value>(bytes).ok()) else {
-        return contents(base, random);
+        return change_bytes(base, random);
     };
     let (how, text) = change::json(&document, turn, random);
     (name.into(), how, Some(Entry::file(name, text)))
 }
 
 /// Changes the mesh: its document or its buffer.
-fn mesh(base: &[Entry], turn: u64, random: &mut Random) -> Changed {
+fn mesh(base: &[Entry], turn: u64, random: &mut Random) -> FileChange {
     const NAME: &str = "in/mesh.glb";
-    let Some((document, mut bin)) = bytes_of(base, NAME).and_then(chunks) else { return contents(base, random) };
+    let Some((document, mut bin)) = bytes_of(base, NAME).and_then(chunks) else { return change_bytes(base, random) };
     if random.below(3) == 0 {
         let how = change::bytes(&mut bin, random);
         return (NAME.into(), format!("buffer: {how}"), Some(Entry::File(NAME.into(), glb(&document, &bin))));
@@ -60,7 +60,7 @@ fn mesh(base: &[Entry], turn: u64, random: &mut Random) -> Changed {
     (NAME.into(), how, Some(Entry::File(NAME.into(), glb_of_text(&text, &bin))))
 }
 
-fn recipe(base: &[Entry], turn: u64, random: &mut Random) -> Changed {
+fn recipe(base: &[Entry], turn: u64, random: &mut Random) -> FileChange {
     const NAME: &str = "in/recipe.toml";
     let text = bytes_of(base, NAME).and_then(|bytes| std::str::from_utf8(bytes).ok()).filter(|text| !text.is_empty());
     let (how, text) = change::toml(text.unwrap_or("[hair]\ndensity = 20\n"), turn, random);
@@ -68,7 +68,7 @@ fn recipe(base: &[Entry], turn: u64, random: &mut Random) -> Changed {
 }
 
 /// Changes the bytes of any file.
-fn contents(base: &[Entry], random: &mut Random) -> Changed {
+fn change_bytes(base: &[Entry], random: &mut Random) -> FileChange {
     let name = random.pick(base).name().to_owned();
     let mut bytes = bytes_of(base, &name).unwrap_or_default().to_vec();
     let how = change::bytes(&mut bytes, random);
@@ -76,10 +76,10 @@ fn contents(base: &[Entry], random: &mut Random) -> Changed {
 }
 
 /// Changes the bytes of a strand file, mostly of its header.
-fn strands(base: &[Entry], random: &mut Random) -> Changed {
+fn strands(base: &[Entry], random: &mut Random) -> FileChange {
     let files: Vec<&str> = base.iter().map(Entry::name).filter(|name| name.ends_with(".hair")).collect();
     if files.is_empty() {
-        return contents(base, random);
+        return change_bytes(base, random);
     }
     let name = (*random.pick(&files)).to_owned();
     let mut bytes = bytes_of(base, &name).unwrap_or_default().to_vec();
@@ -95,7 +95,7 @@ fn strands(base: &[Entry], random: &mut Random) -> Changed {
 }
 
 /// Replaces a file by a different entry or removes it.
-fn other(base: &[Entry], random: &mut Random) -> Changed {
+fn replacement(base: &[Entry], random: &mut Random) -> FileChange {
     let name = random.pick(base).name().to_owned();
     let (how, entry) = match random.below(5) {
         0 => ("deleted".to_owned(), None),

@@ -1,7 +1,7 @@
 //! Strand files named by recipes: `.hair`, `.tfx`, text, lines of a glTF.
 
 use super::bases::{Bases, SMALL, chunks, glb, glb_of_text};
-use super::case::{Case, Entry, Step, Then};
+use super::case::{Case, Entry, Step, OutputCheck};
 use super::change;
 use super::hair_files::recipe_of;
 use super::random::Random;
@@ -22,7 +22,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         _ => {
             let mut changed = bytes.clone();
             let how = match HEADS.iter().find(|(name, _)| name == file).filter(|_| random.below(2) == 0) {
-                Some((_, places)) => head(&mut changed, *random.pick(places), random),
+                Some((_, places)) => change_header(&mut changed, *random.pick(places), random),
                 None => change::bytes(&mut changed, random),
             };
             (how, vec![Entry::file(file, changed)])
@@ -31,12 +31,12 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     let named = entries[0].name().to_owned();
     let recipe = Entry::file("r.toml", recipe_of(&named));
     let args = [&["bake", "m.glb", "-o", "out.pelage", "--recipe", "r.toml", "--set", "ink.enabled=false"][..], &SMALL];
-    let steps = vec![Step::makes(&args.concat(), "out.pelage", Then::Validates)];
+    let steps = vec![Step::makes(&args.concat(), "out.pelage", OutputCheck::Validates)];
     Case::new(format!("{named}: {how}"), &[bases.glb(), recipe], entries, steps)
 }
 
 /// Changes a number of a header.
-fn head(bytes: &mut [u8], at: usize, random: &mut Random) -> String {
+fn change_header(bytes: &mut [u8], at: usize, random: &mut Random) -> String {
     let field = &mut bytes[at..at + 4];
     let old = u32::from_le_bytes([field[0], field[1], field[2], field[3]]);
     let new = *random.pick(&[0, 1, 2, old.wrapping_add(1), old.wrapping_sub(1), old | 1 << 31, u32::MAX, 0x7fc0_0000]);

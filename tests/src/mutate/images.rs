@@ -1,7 +1,7 @@
 //! Images: PNG and JPEG files named by models and recipes, KTX2 files in unpacked folders.
 
 use super::bases::{Bases, MAPS};
-use super::case::{Case, Entry, Step, Then};
+use super::case::{Case, Entry, Step, OutputCheck};
 use super::change;
 use super::models::bake;
 use super::random::Random;
@@ -20,7 +20,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
             let (how, entry) = image(bases, random);
             let base = [bases.images(), vec![bases.glb(), Entry::file("r.toml", MAPS)]].concat();
             let args = ["bake", "m.glb", "-o", "out.pelage", "--threads", "1", "--recipe", "r.toml"];
-            let steps = vec![Step::makes(&args, "out.pelage", Then::Validates)];
+            let steps = vec![Step::makes(&args, "out.pelage", OutputCheck::Validates)];
             Case::new(format!("recipe: {how}"), &base, vec![entry], steps)
         }
     }
@@ -83,7 +83,7 @@ fn ktx2(bases: &Bases, random: &mut Random) -> Case {
     let mut bytes = bytes.clone();
     let how = change::bytes(&mut bytes, random);
     let entry = Entry::File(file.clone(), bytes);
-    let steps = vec![Step::makes(&["pack", "in", "out.pelage"], "out.pelage", Then::Validates)];
+    let steps = vec![Step::makes(&["pack", "in", "out.pelage"], "out.pelage", OutputCheck::Validates)];
     Case::new(format!("{name}: {file}: {how}"), base, vec![entry], steps)
 }
 

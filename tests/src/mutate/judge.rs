@@ -1,8 +1,8 @@
 //! Decides whether a case shows a fault of pelage.
 
-use super::case::{Case, Entry, Step, Then};
-use super::child::{Ended, run};
-use super::lay_out;
+use super::case::{Case, Entry, Step, OutputCheck};
+use super::child::{ProcessResult, run};
+use super::assemble;
 use crate::binary::files;
 use pelage_runtime::{Renderer, RendererOptions, RuntimeError};
 use pelage_stage::{Gpu, StageError};
@@ -75,7 +75,7 @@ impl Loader {
             (loaded, self.gpu.wait())
         }));
         match loaded {
-            Err(panic) => Err(format!("panicked: {}", words_of(&*panic))),
+            Err(panic) => Err(format!("panicked: {}", panic_message(&*panic))),
             Ok((_, Err(lost))) => Err(lost.to_string()),
             Ok((Err(RuntimeError::DeviceLimit { .. }) | Ok(()), Ok(()))) => Ok(()),
             Ok((Err(error), Ok(()))) => Err(error.to_string()),
@@ -83,18 +83,18 @@ impl Loader {
     }
 }
 
-fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
+fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|t| (*t).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
 }
 
 /// Folder for cases, emptied before each, and a folder beside it for the output of commands.
 #[derive(Debug)]
-pub struct Bench {
+pub struct CaseRunner {
     folder: tempfile::TempDir,
 }
 
-impl Bench {
+impl CaseRunner {
     /// Creates the folders.
     ///
     /// # Errors
@@ -120,8 +120,8 @@ impl Bench {
     /// # Errors
     ///
     /// If the system refuses.
-    pub fn lay(&self, case: &Case) -> std::io::Result<()> {
-        case.lay(&self.case())
+    pub fn write_case(&self, case: &Case) -> std::io::Result<()> {
+        case.write_into(&self.case())
     }
 
     /// Runs a case and judges it.
@@ -130,7 +130,7 @@ impl Bench {
     ///
     /// If the system refuses files or processes.
     pub fn judge(&self, case: &Case, loader: Option<&Loader>) -> std::io::Result<Outcome> {
-        self.lay(case)?;
+        self.write_case(case)?;
         let mut outcome = Outcome::default();
         let mut drawable = None;
         for step in &case.steps {
@@ -146,7 +146,7 @@ impl Bench {
         if let Some(Entry::File(_, bytes)) =
             case.package.and_then(|name| case.entries.iter().find(|entry| entry.name() == name))
         {
-            let (faults, loads) = within(bytes, drawable, loader);
+            let (faults, loads) = check_in_process(bytes, drawable, loader);
             outcome.faults.extend(faults);
             if let Some(loads) = loads {
                 *outcome.exits.entry(if loads { "loaded" } else { "not loaded" }.to_owned()).or_default() += 1;
@@ -156,7 +156,7 @@ impl Bench {
     }
 
     /// Runs one command, and checks its exit code, its output and the files that it leaves.
-    fn step(&self, case: &Case, step: &Step, outcome: &mut Outcome) -> std::io::Result<Ended> {
+    fn step(&self, case: &Case, step: &Step, outcome: &mut Outcome) -> std::io::Result<ProcessResult> {
         let folder = self.case();
         let before = files(&folder);
         let ended = run(&step.args, &folder, &self.notes(), Duration::from_secs(SECONDS))?;
@@ -204,27 +204,27 @@ impl Bench {
             if !folder.join(output).exists() {
                 outcome.fault(step, format!("exit code 0, but there is no {output}"));
             } else {
-                self.then(case, step, output, outcome)?;
+                self.check_output(case, step, output, outcome)?;
             }
         }
         Ok(ended)
     }
 
     /// Checks the requirement on the output of a command.
-    fn then(&self, case: &Case, step: &Step, output: &'static str, outcome: &mut Outcome) -> std::io::Result<()> {
+    fn check_output(&self, case: &Case, step: &Step, output: &'static str, outcome: &mut Outcome) -> std::io::Result<()> {
         match step.then {
-            Then::Nothing => {}
-            Then::Validates => {
+            OutputCheck::Nothing => {}
+            OutputCheck::Validates => {
                 let found = self.step(case, &Step::reads(&["validate", output]), outcome)?;
                 if found.code != Some(0) {
                     let words = if found.stdout.is_empty() { found.stderr } else { found.stdout };
                     outcome.fault(step, format!("exit code 0, but the package is not sound: {}", words.trim()));
                 }
             }
-            Then::PacksBack => {
+            OutputCheck::PacksBack => {
                 const PACKED: &str = "packed-again.pelage";
                 let packed =
-                    self.step(case, &Step::makes(&["pack", output, PACKED], PACKED, Then::Nothing), outcome)?;
+                    self.step(case, &Step::makes(&["pack", output, PACKED], PACKED, OutputCheck::Nothing), outcome)?;
                 let folder = self.case();
                 let same = || {
                     Some(std::fs::read(folder.join(PACKED)).ok()? == std::fs::read(folder.join(&step.args[1])).ok()?)
@@ -242,7 +242,7 @@ impl Bench {
 }
 
 /// Returns whether `validate --json` found nothing that stops drawing; `None` if it could not judge.
-fn drawable_by(ended: &Ended) -> Option<bool> {
+fn drawable_by(ended: &ProcessResult) -> Option<bool> {
     if !matches!(ended.code, Some(0 | 7)) {
         return None;
     }
@@ -252,11 +252,11 @@ fn drawable_by(ended: &Ended) -> Option<bool> {
 
 /// Checks a package in this process. The formats must not panic on it. The runtime must draw it if and only if
 /// `validate` says so. Returns the faults, and whether the package loads if that was tried.
-fn within(bytes: &[u8], drawable: Option<bool>, loader: Option<&Loader>) -> (Vec<String>, Option<bool>) {
+fn check_in_process(bytes: &[u8], drawable: Option<bool>, loader: Option<&Loader>) -> (Vec<String>, Option<bool>) {
     let (mut faults, mut loads) = (Vec::new(), None);
-    let used = catch_unwind(|| lay_out::open(bytes) && !lay_out::round_trip(bytes));
+    let used = catch_unwind(|| assemble::open(bytes) && !assemble::round_trip(bytes));
     match used {
-        Err(panic) => faults.push(format!("formats: panicked: {}", words_of(&*panic))),
+        Err(panic) => faults.push(format!("formats: panicked: {}", panic_message(&*panic))),
         Ok(true) => faults.push("formats: a valid package is not written again".into()),
         Ok(false) => {}
     }

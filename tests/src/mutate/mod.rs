@@ -23,17 +23,17 @@ mod guides;
 mod hair_files;
 mod images;
 pub mod judge;
-pub mod lay_out;
+pub mod assemble;
 mod models;
 mod packages;
-mod packed;
+mod compressed_models;
 mod random;
-mod texts;
+mod settings_files;
 
 use anyhow::Context as _;
 use bases::Bases;
 use case::Case;
-use judge::{Bench, Loader, Outcome};
+use judge::{CaseRunner, Loader, Outcome};
 use random::Random;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -57,8 +57,8 @@ pub const KINDS: [Kind; 7] = [
     Kind { name: "packages", share: 36, make: packages::case },
     Kind { name: "folders", share: 18, make: folders::case },
     Kind { name: "models", share: 18, make: models::case },
-    Kind { name: "packed", share: 6, make: packed::case },
-    Kind { name: "texts", share: 9, make: texts::case },
+    Kind { name: "packed", share: 6, make: compressed_models::case },
+    Kind { name: "texts", share: 9, make: settings_files::case },
     Kind { name: "images", share: 7, make: images::case },
     Kind { name: "guides", share: 6, make: guides::case },
 ];
@@ -196,7 +196,7 @@ pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow:
     let next = AtomicUsize::new(0);
     let outcomes = Mutex::new(Vec::new());
     let work = || -> anyhow::Result<()> {
-        let bench = Bench::new()?;
+        let bench = CaseRunner::new()?;
         loop {
             let at = next.fetch_add(1, Ordering::Relaxed);
             let Some((kind, index)) = cases.get(at) else { break };
@@ -218,7 +218,7 @@ pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow:
     })?;
     let mut outcomes = outcomes.into_inner().unwrap_or_else(PoisonError::into_inner);
     outcomes.sort_by_key(|(kind, index, ..)| (*kind, *index));
-    let bench = Bench::new()?;
+    let bench = CaseRunner::new()?;
     for (kind, index, what, mut outcome) in outcomes {
         let case = || make(plan.seed, kind, index, &bases);
         if outcome.slow {
@@ -240,7 +240,7 @@ fn make(seed: u64, kind: usize, index: u64, bases: &Bases) -> Case {
 
 /// Writes the files of a case into a folder of its own, with the commands to run there.
 fn keep(case: &Case, outcome: &Outcome, folder: &Path) -> anyhow::Result<()> {
-    case.lay(folder)?;
+    case.write_into(folder)?;
     let mut text = format!("# {}\n", case.what.replace('\n', " "));
     for fault in &outcome.faults {
         let _ = writeln!(text, "# {}", fault.replace('\n', " "));

@@ -1,7 +1,7 @@
 //! Models: both forms of glTF, and OBJ.
 
 use super::bases::{Bases, MTL, OBJ, SMALL, glb, glb_of_text};
-use super::case::{Case, Entry, Step, Then};
+use super::case::{Case, Entry, Step, OutputCheck};
 use super::change;
 use super::random::Random;
 
@@ -10,7 +10,7 @@ use super::random::Random;
 pub fn bake(model: &str, more: &[&str], turn: u64) -> Vec<Step> {
     let ink: &[&str] = if turn.is_multiple_of(2) { &["--set", "ink.enabled=false"] } else { &[] };
     let args = [&["bake", model, "-o", "out.pelage"][..], &SMALL, ink, more].concat();
-    vec![Step::makes(&args, "out.pelage", Then::Validates)]
+    vec![Step::makes(&args, "out.pelage", OutputCheck::Validates)]
 }
 
 /// Makes a case.
@@ -27,7 +27,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         }
         12 => {
             let mut file = glb(&bases.model.0, &bases.model.1);
-            let how = head(&mut file, random);
+            let how = change_header(&mut file, random);
             of_glb(how, file, turn)
         }
         13..=16 => {
@@ -75,7 +75,7 @@ fn obj(bases: &Bases, how: String, entries: Vec<Entry>, turn: u64) -> Case {
 }
 
 /// Changes the file header or a chunk header.
-fn head(file: &mut Vec<u8>, random: &mut Random) -> String {
+fn change_header(file: &mut Vec<u8>, random: &mut Random) -> String {
     let document = u32::from_le_bytes([file[12], file[13], file[14], file[15]]) as usize;
     let at = *random.pick(&[0, 4, 8, 12, 16, 20 + document, 24 + document]);
     let old = u32::from_le_bytes([file[at], file[at + 1], file[at + 2], file[at + 3]]);

@@ -1,9 +1,9 @@
 //! Packages: arbitrary bytes, the table of sections, and the contents of sections, with valid and invalid checksums.
 
 use super::bases::Bases;
-use super::case::{Case, Entry, Step, Then};
+use super::case::{Case, Entry, Step, OutputCheck};
 use super::change;
-use super::lay_out::{lay_out, reseal, sections};
+use super::assemble::{assemble, reseal, sections};
 use super::random::Random;
 use pelage_formats::{Animation, HairGroup, Limits, Manifest, Morphs, Package, Tag};
 use serde::Serialize;
@@ -26,13 +26,13 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         1 | 2 => {
             // Header and table, with valid checksums.
             let mut bytes = base.clone();
-            let how = if random.below(2) == 0 { change::bytes(&mut bytes, random) } else { head(&mut bytes, random) };
+            let how = if random.below(2) == 0 { change::bytes(&mut bytes, random) } else { change_header(&mut bytes, random) };
             reseal(&mut bytes);
             (format!("{how}, checksums right"), bytes)
         }
-        3 => table(base, random),
-        4..=6 => fields(base, turn, random),
-        _ => contents(base, random),
+        3 => change_table(base, random),
+        4..=6 => change_field(base, turn, random),
+        _ => change_bytes(base, random),
     };
     let mut steps = vec![
         Step::reads(&["validate", "a.pelage", "--json"]),
@@ -41,19 +41,19 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         } else {
             Step::reads(&["inspect", "a.pelage", "--json"])
         },
-        Step::makes(&["unpack", "a.pelage", "out"], "out", Then::PacksBack),
+        Step::makes(&["unpack", "a.pelage", "out"], "out", OutputCheck::PacksBack),
     ];
     if turn.is_multiple_of(DRAWN) {
         let style = *random.pick(&["fur", "ink", "bare"]);
         let args = ["render", "a.pelage", "-o", "a.png", "--size", "16x16", "--shadow-map", "16", "--style", style];
-        steps.push(Step::makes(&args, "a.png", Then::Nothing));
+        steps.push(Step::makes(&args, "a.png", OutputCheck::Nothing));
     }
     let entries = vec![Entry::File("a.pelage".into(), bytes)];
     Case { package: Some("a.pelage"), ..Case::new(format!("{name}: {how}"), &[], entries, steps) }
 }
 
 /// Changes a field of the header or of a table entry.
-fn head(bytes: &mut [u8], random: &mut Random) -> String {
+fn change_header(bytes: &mut [u8], random: &mut Random) -> String {
     let count = bytes.get(12).copied().unwrap_or(0);
     let at = 8 + 4 * random.below(6 + 8 * usize::from(count));
     let Some(field) = bytes.get_mut(at..at + 4) else { return "nothing".into() };
@@ -69,7 +69,7 @@ fn head(bytes: &mut [u8], random: &mut Random) -> String {
 }
 
 /// Removes, duplicates, swaps, empties or renames sections, or changes the version.
-fn table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
+fn change_table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     let (mut version, mut list) = sections(base);
     let (a, b) = (random.below(list.len()), random.below(list.len()));
     let tag = |list: &[([u8; 4], Vec<u8>)], at: usize| String::from_utf8_lossy(&list[at].0).into_owned();
@@ -105,35 +105,35 @@ fn table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
             format!("version {version}")
         }
     };
-    (how, lay_out(version, &list))
+    (how, assemble(version, &list))
 }
 
 /// Changes a field of the manifest, the animation, the morph targets or the hair on guides. The value has the right
 /// type but need not make sense.
-fn fields(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>) {
+fn change_field(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>) {
     let (version, mut list) = sections(base);
     let package = Package::open(base, &Limits::default());
     // Manifests of older versions have different fields.
-    let Some(package) = package.ok().filter(|package| package.version() == 3) else { return contents(base, random) };
+    let Some(package) = package.ok().filter(|package| package.version() == 3) else { return change_bytes(base, random) };
     let animation = package.animation().ok().flatten().filter(|_| random.below(4) == 0);
     let morphs = package.morphs().ok().flatten().filter(|_| random.below(8) == 0);
     let groups = package.hair_groups().unwrap_or_default();
     let (tag, changed) = match animation {
-        _ if morphs.is_some() => (Tag::MORPHS, morphs.and_then(|morphs| field::<Morphs>(&morphs, turn, random))),
-        Some(animation) => (Tag::ANIMATION, field::<Animation>(&animation, turn, random)),
+        _ if morphs.is_some() => (Tag::MORPHS, morphs.and_then(|morphs| encode_changed::<Morphs>(&morphs, turn, random))),
+        Some(animation) => (Tag::ANIMATION, encode_changed::<Animation>(&animation, turn, random)),
         None if !groups.is_empty() && random.below(2) == 0 => {
-            (Tag::HAIR, field::<Vec<HairGroup>>(&groups.to_vec(), turn, random))
+            (Tag::HAIR, encode_changed::<Vec<HairGroup>>(&groups.to_vec(), turn, random))
         }
-        None => (Tag::MANIFEST, field::<Manifest>(package.manifest(), turn, random)),
+        None => (Tag::MANIFEST, encode_changed::<Manifest>(package.manifest(), turn, random)),
     };
     let place = list.iter_mut().find(|(found, _)| *found == tag.0);
-    let (Some((how, bytes)), Some(place)) = (changed, place) else { return contents(base, random) };
+    let (Some((how, bytes)), Some(place)) = (changed, place) else { return change_bytes(base, random) };
     place.1 = bytes;
-    (format!("{tag}: {how}"), lay_out(version, &list))
+    (format!("{tag}: {how}"), assemble(version, &list))
 }
 
 /// Changes one field of the value and encodes it as a section.
-fn field<T: Serialize + DeserializeOwned>(value: &T, turn: u64, random: &mut Random) -> Option<(String, Vec<u8>)> {
+fn encode_changed<T: Serialize + DeserializeOwned>(value: &T, turn: u64, random: &mut Random) -> Option<(String, Vec<u8>)> {
     let document = serde_json::to_value(value).ok()?;
     // Fixed width, little-endian: the encoding specified in `FORMAT.md`.
     let config = bincode::config::standard().with_little_endian().with_fixed_int_encoding();
@@ -146,7 +146,7 @@ fn field<T: Serialize + DeserializeOwned>(value: &T, turn: u64, random: &mut Ran
 
 /// Changes the bytes of one section. The package is laid out again for any length, so that the section readers see the
 /// change.
-fn contents(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
+fn change_bytes(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     let (version, mut list) = sections(base);
     // The manifest holds most fields and is chosen in half of the cases.
     let at = if random.below(2) == 0 { 0 } else { random.below(list.len()) };
@@ -155,5 +155,5 @@ fn contents(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
         how.push(change::bytes(&mut list[at].1, random));
     }
     let tag = String::from_utf8_lossy(&list[at].0).into_owned();
-    (format!("section {at}, {tag}: {}", how.join(", ")), lay_out(version, &list))
+    (format!("section {at}, {tag}: {}", how.join(", ")), assemble(version, &list))
 }

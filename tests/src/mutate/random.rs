@@ -9,7 +9,7 @@ pub use numbers::Random;
 impl Random {
     /// Returns the random numbers of one case. They depend only on the three arguments, so that a case can be repeated
     /// alone.
-    pub fn of_case(seed: u64, kind: u64, index: u64) -> Self {
+    pub fn for_case(seed: u64, kind: u64, index: u64) -> Self {
         let mut out = Self(seed);
         out.0 = out.next_u64() ^ kind;
         out.0 = out.next_u64() ^ index;

@@ -28,7 +28,7 @@ fn tree(package: &str, options: &[&str]) -> BTreeSet<String> {
 }
 
 #[track_caller]
-fn assert_floor(package: &str, options: &[&str], knows: &[&str], never: &[&str]) {
+fn assert_dependencies(package: &str, options: &[&str], knows: &[&str], never: &[&str]) {
     let names = tree(package, options);
     for name in knows {
         assert!(names.contains(*name), "{package} {options:?} should know {name}: {names:?}");
@@ -41,48 +41,48 @@ fn assert_floor(package: &str, options: &[&str], knows: &[&str], never: &[&str])
 #[test]
 fn formats_knows_no_gpu_no_thread_pool_and_no_tool() {
     let never = ["wgpu", "naga", "rayon", "clap", "image", "gltf", "tempfile", "pelage-runtime", "pelage-bake"];
-    assert_floor("pelage-formats", &[], &["serde", "bincode", "ktx2", "glam"], &never);
+    assert_dependencies("pelage-formats", &[], &["serde", "bincode", "ktx2", "glam"], &never);
 }
 
 #[test]
 fn glb_knows_json_and_nothing_else() {
     let never = ["wgpu", "naga", "rayon", "clap", "image", "glam", "tempfile", "pelage-formats", "pelage-runtime"];
-    assert_floor("pelage-glb", &[], &["serde_json"], &never);
-    assert_floor("pelage-formats", &[], &[], &["pelage-glb", "serde_json"]);
+    assert_dependencies("pelage-glb", &[], &["serde_json"], &never);
+    assert_dependencies("pelage-formats", &[], &[], &["pelage-glb", "serde_json"]);
 }
 
 #[test]
 fn params_know_text_and_nothing_else() {
     let never = ["wgpu", "naga", "rayon", "clap", "image", "glam", "tempfile", "pelage-formats", "pelage-runtime"];
-    assert_floor("pelage-params", &[], &["strsim", "toml"], &never);
+    assert_dependencies("pelage-params", &[], &["strsim", "toml"], &never);
 }
 
 #[test]
 fn runtime_knows_only_formats_and_the_gpu() {
     let never = ["clap", "rayon", "image", "gltf", "tempfile", "indicatif", "pelage-bake"];
-    assert_floor("pelage-runtime", &[], &["wgpu", "pelage-formats", "glam", "bytemuck"], &never);
+    assert_dependencies("pelage-runtime", &[], &["wgpu", "pelage-formats", "glam", "bytemuck"], &never);
 }
 
 #[test]
 fn the_stage_is_plain_data_and_with_its_feature_draws() {
     let never = ["clap", "rayon", "image", "tempfile", "indicatif", "pelage-bake", "winit"];
     let knows = ["pelage-formats", "glam", "serde", "toml"];
-    assert_floor("pelage-stage", &[], &knows, &[&never[..], &["wgpu", "wgpu-core", "naga", "pelage-runtime"]].concat());
-    assert_floor("pelage-stage", &["--features", "draw"], &["pelage-runtime", "wgpu"], &never);
+    assert_dependencies("pelage-stage", &[], &knows, &[&never[..], &["wgpu", "wgpu-core", "naga", "pelage-runtime"]].concat());
+    assert_dependencies("pelage-stage", &["--features", "draw"], &["pelage-runtime", "wgpu"], &never);
 }
 
 #[test]
 fn the_viewer_knows_windows_and_no_models() {
     let never = ["clap", "rayon", "gltf", "pelage-bake", "pelage-glb"];
-    assert_floor("pelage-viewer", &[], &["winit", "egui", "wgpu", "pelage-stage", "pelage-runtime"], &never);
+    assert_dependencies("pelage-viewer", &[], &["winit", "egui", "wgpu", "pelage-stage", "pelage-runtime"], &never);
     // Without its window feature the tool draws but links no window crate.
-    assert_floor("pelage-tool", &["--no-default-features"], &["wgpu"], &["winit", "egui", "pelage-viewer"]);
+    assert_dependencies("pelage-tool", &["--no-default-features"], &["wgpu"], &["winit", "egui", "pelage-viewer"]);
 }
 
 #[test]
 fn the_page_draws_through_the_stage_and_costs_a_native_build_nothing() {
     let never = ["clap", "rayon", "image", "tempfile", "indicatif", "pelage-bake", "winit"];
-    assert_floor("pelage-web", &[], &["pelage-stage", "wasm-bindgen", "wgpu"], &never);
+    assert_dependencies("pelage-web", &[], &["pelage-stage", "wasm-bindgen", "wgpu"], &never);
     let native = ["tree", "--package", "pelage-web", "--edges", "normal", "--prefix", "none"];
     assert_eq!(cargo(native[0], &native[1..]).lines().count(), 1, "it alone");
 }
@@ -102,25 +102,25 @@ fn the_binder_and_the_module_speak_one_format() {
 #[test]
 fn the_importer_knows_formats_and_codecs() {
     let never = ["wgpu", "clap", "rayon", "pelage-stage", "pelage-bake"];
-    assert_floor("pelage-import", &[], &["pelage-formats", "draco-core", "image"], &never);
+    assert_dependencies("pelage-import", &[], &["pelage-formats", "draco-core", "image"], &never);
 }
 
 #[test]
 fn the_baker_and_the_truth_know_no_gpu() {
     let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit"];
-    assert_floor(
+    assert_dependencies(
         "pelage-bake",
         &[],
         &["pelage-formats", "pelage-import", "rayon"],
         &[&never[..], &["pelage-truth"]].concat(),
     );
-    assert_floor(
+    assert_dependencies(
         "pelage-truth",
         &[],
         &["pelage-bake", "obvhs"],
         &[&never[..], &["pelage-tool", "pelage-lab"]].concat(),
     );
-    assert_floor("pelage-herd", &[], &["fast-glob"], &[&never[..], &["pelage-bake", "pelage-tool"]].concat());
+    assert_dependencies("pelage-herd", &[], &["fast-glob"], &[&never[..], &["pelage-bake", "pelage-tool"]].concat());
 }
 
 #[test]
@@ -137,14 +137,14 @@ fn the_models_know_no_other_floor_but_how_gltf_is_written() {
         "pelage-bake",
         "pelage-tests",
     ];
-    assert_floor("pelage-assets", &[], &["glam", "image", "libm", "pelage-glb"], &never);
+    assert_dependencies("pelage-assets", &[], &["glam", "image", "libm", "pelage-glb"], &never);
 }
 
 #[test]
 fn the_tool_draws_and_has_no_laboratory() {
     // Negative control: the same check of the full tree finds wgpu and the window crates.
-    assert_floor("pelage-tool", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &["pelage-lab"]);
-    assert_floor("pelage-lab", &[], &["pelage-tool", "plotters"], &[]);
+    assert_dependencies("pelage-tool", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &["pelage-lab"]);
+    assert_dependencies("pelage-lab", &[], &["pelage-tool", "plotters"], &[]);
 }
 
 /// Checks that the printed forms are compiled for the laboratory only.

@@ -5,7 +5,7 @@ use pelage_bake::recipe::Recipe;
 use pelage_runtime::PassId;
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::documents::{
-    anchors, cited_formulas, documents, links, long_lines, named_documents, named_paths, numbered_headings, target,
+    anchors, cited_formulas, documents, links, long_lines, named_documents, named_paths, numbered_headings, resolve,
 };
 use pelage_tests::pages::pages;
 
@@ -117,12 +117,12 @@ fn what_documents_point_at_is_there() {
     let mut pointed = 0;
     for document in documents(&["md"]) {
         for path in named_paths(&document.text) {
-            let there = workspace().join(&path).exists() || target(&document, &path).exists();
+            let there = workspace().join(&path).exists() || resolve(&document, &path).exists();
             assert!(there, "{} names `{path}`, which is not there", document.path);
             pointed += 1;
         }
         for (path, anchor) in links(&document.text) {
-            let found = if path.is_empty() { workspace().join(&document.path) } else { target(&document, &path) };
+            let found = if path.is_empty() { workspace().join(&document.path) } else { resolve(&document, &path) };
             assert!(found.exists(), "{} links to {path}, which is not there", document.path);
             if !anchor.is_empty() {
                 let there = anchors(&std::fs::read_to_string(&found).unwrap());

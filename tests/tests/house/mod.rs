@@ -2,10 +2,10 @@
 
 mod dependencies;
 mod documentation;
-mod floors;
-mod gate;
 mod language;
+mod layers;
 mod published;
 mod register;
+mod run_script;
 mod shaders;
 mod sources;

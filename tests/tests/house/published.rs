@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// Returns the crates that may be published, as described by `cargo metadata`.
-fn published() -> Vec<Value> {
+fn publishable_crates() -> Vec<Value> {
     let metadata: Value = serde_json::from_str(&cargo("metadata", &["--no-deps", "--format-version", "1"])).unwrap();
     // `publish = false` appears as an empty list of registries.
     let may = |package: &&Value| package["publish"].is_null();
@@ -18,7 +18,7 @@ fn published() -> Vec<Value> {
 
 #[test]
 fn manifests_say_what_a_registry_shows() {
-    for package in published() {
+    for package in publishable_crates() {
         let name = package["name"].as_str().unwrap();
         let count = |key: &str| package[key].as_array().unwrap().len();
         assert!((1..=5).contains(&count("keywords")) && (1..=5).contains(&count("categories")), "{name}");
@@ -79,7 +79,7 @@ fn the_gate_checks_every_feature_on_and_off() {
             cargo("tree", &words.collect::<Vec<_>>())
         })
         .collect();
-    for package in published() {
+    for package in publishable_crates() {
         let name = package["name"].as_str().unwrap();
         let seen: Vec<Vec<&str>> = trees
             .iter()

@@ -39,7 +39,7 @@ fn sources() -> Vec<(PathBuf, String)> {
 }
 
 /// Returns the requirements and test names that code asks with.
-fn asked(code: &str) -> BTreeSet<Entry> {
+fn requests(code: &str) -> BTreeSet<Entry> {
     let mut found = BTreeSet::new();
     for (word, need) in ASKED {
         for (at, _) in code.match_indices(word) {
@@ -54,7 +54,7 @@ fn asked(code: &str) -> BTreeSet<Entry> {
 }
 
 /// Returns whether code contains the name as a literal or as a whole word.
-fn names(code: &str, name: &str) -> bool {
+fn mentions(code: &str, name: &str) -> bool {
     let in_a_word = |c: char| c.is_alphanumeric() || c == '_';
     code.match_indices(name)
         .any(|(at, _)| !code[..at].ends_with(in_a_word) && !code[at + name.len()..].starts_with(in_a_word))
@@ -66,16 +66,16 @@ fn every_test_that_asks_is_registered_and_every_registered_one_is_there() {
     let sources = sources();
     let mut count = 0;
     for (file, code) in &sources {
-        for (need, test) in asked(code) {
+        for (need, test) in requests(code) {
             count += 1;
-            let entry = format!("{} {test}", need.word());
+            let entry = format!("{} {test}", need.name());
             assert!(registered.contains(&(need, test)), "{}: `{entry}` is not in the register", file.display());
         }
     }
     assert!(count > 100, "{count} tests ask for something");
     for (need, test) in &registered {
-        let there = sources.iter().any(|(_, code)| names(code, test));
-        assert!(there, "no source names {test:?}, which the register has as a {} test", need.word());
+        let there = sources.iter().any(|(_, code)| mentions(code, test));
+        assert!(there, "no source names {test:?}, which the register has as a {} test", need.name());
     }
 }
 
@@ -84,8 +84,8 @@ fn askers_are_found() {
     let code =
         r#"let Some(gpu) = gpu("one") else { return }; gpu(name); to_data("no"); data("two"); shared("three", path)"#;
     let two = [(Need::Data, "two".to_owned()), (Need::Data, "three".to_owned())];
-    assert_eq!(asked(code), two.into_iter().chain([(Need::Gpu, "one".to_owned())]).collect());
-    assert!(names("rows!(shells, ink);", "ink") && !names("drawn_ink inky", "ink"));
+    assert_eq!(requests(code), two.into_iter().chain([(Need::Gpu, "one".to_owned())]).collect());
+    assert!(mentions("rows!(shells, ink);", "ink") && !mentions("drawn_ink inky", "ink"));
 }
 
 /// Returns the modules beside a crate root or a `mod.rs` that it does not declare.

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub type Module = Vec<String>;
 
 /// Module of each file, with the modules of the files that it uses.
-pub type Arrows = BTreeMap<Module, BTreeSet<Module>>;
+pub type Dependencies = BTreeMap<Module, BTreeSet<Module>>;
 
 /// Returns the module path of a file below `src`: `passes/skin/mod.rs` is `passes::skin`.
 fn module_of(file: &Path, source: &Path) -> Module {
@@ -72,7 +72,7 @@ fn code_of(text: &str) -> String {
 
 /// Adds the paths that `a::b`, `a::{b, c::d as e}` or `a::*` refers to, with their local names. Returns the length
 /// read.
-fn unfold(text: &str, mut path: Module, own: &[String], found: &mut BTreeSet<(Module, String)>) -> usize {
+fn expand_path(text: &str, mut path: Module, own: &[String], found: &mut BTreeSet<(Module, String)>) -> usize {
     let skip = |at: usize| at + text[at..].len() - text[at..].trim_start().len();
     let mut at = 0;
     loop {
@@ -91,7 +91,7 @@ fn unfold(text: &str, mut path: Module, own: &[String], found: &mut BTreeSet<(Mo
         if text[at..].starts_with("::{") {
             at = skip(at + 3);
             while !text[at..].starts_with('}') && !text[at..].is_empty() {
-                let length = unfold(&text[at..], path.clone(), own, found);
+                let length = expand_path(&text[at..], path.clone(), own, found);
                 at = skip(at + length);
                 // Unreadable text is skipped.
                 at = if text[at..].starts_with(',') || length == 0 { skip(at + 1) } else { at };
@@ -114,7 +114,7 @@ fn unfold(text: &str, mut path: Module, own: &[String], found: &mut BTreeSet<(Mo
 
 /// Path named in code.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Named {
+pub struct UsedPath {
     /// Path from the crate root.
     pub path: Module,
     /// Local name in the file.
@@ -124,7 +124,7 @@ pub struct Named {
 }
 
 /// Returns the paths that the code of module `own` names. `children`: its child modules that are files.
-pub fn named(code: &str, own: &[String], children: &BTreeSet<String>) -> BTreeSet<Named> {
+pub fn used_paths(code: &str, own: &[String], children: &BTreeSet<String>) -> BTreeSet<UsedPath> {
     // Inline modules of the file.
     let inner = |at: usize| {
         let mut module = own.to_vec();
@@ -156,10 +156,10 @@ pub fn named(code: &str, own: &[String], children: &BTreeSet<String>) -> BTreeSe
             let module = inner(start);
             let path = if children.contains(first) { own.to_vec() } else { Vec::new() };
             let mut paths = BTreeSet::new();
-            unfold(&code[start..], path, &module, &mut paths);
+            expand_path(&code[start..], path, &module, &mut paths);
             let statement = code[line..start].trim_start();
             let handed_on = statement.contains("pub") && before.ends_with("use") && module == own;
-            found.extend(paths.into_iter().map(|(path, called)| Named { path, called, handed_on }));
+            found.extend(paths.into_iter().map(|(path, called)| UsedPath { path, called, handed_on }));
         }
     }
     found
@@ -167,13 +167,13 @@ pub fn named(code: &str, own: &[String], children: &BTreeSet<String>) -> BTreeSe
 
 /// Returns the dependencies between files. A re-export of a file's own child module is not a dependency of that file.
 /// Imports of such a name count as dependencies on the declaring module.
-pub fn arrows(modules: &BTreeMap<Module, String>) -> Arrows {
+pub fn dependencies(modules: &BTreeMap<Module, String>) -> Dependencies {
     let children = |own: &Module| -> BTreeSet<String> {
         let child = |m: &Module| m.len() == own.len() + 1 && m.starts_with(own);
         modules.keys().filter(|m| child(m)).filter_map(|m| m.last().cloned()).collect()
     };
-    let all: BTreeMap<&Module, BTreeSet<Named>> =
-        modules.iter().map(|(own, code)| (own, named(code, own, &children(own)))).collect();
+    let all: BTreeMap<&Module, BTreeSet<UsedPath>> =
+        modules.iter().map(|(own, code)| (own, used_paths(code, own, &children(own)))).collect();
     let mut handed_on: BTreeMap<(Module, String), Module> = BTreeMap::new();
     for (own, names) in &all {
         for name in names.iter().filter(|name| name.handed_on) {
@@ -193,9 +193,9 @@ pub fn arrows(modules: &BTreeMap<Module, String>) -> Arrows {
         }
         None
     };
-    let mut out = Arrows::new();
+    let mut out = Dependencies::new();
     for (own, names) in &all {
-        let counts = |name: &&Named| !(name.handed_on && name.path.starts_with(own));
+        let counts = |name: &&UsedPath| !(name.handed_on && name.path.starts_with(own));
         let targets = names.iter().filter(counts).filter_map(|name| home(&name.path));
         out.insert((*own).clone(), targets.filter(|target| target != *own).collect());
     }
@@ -203,8 +203,8 @@ pub fn arrows(modules: &BTreeMap<Module, String>) -> Arrows {
 }
 
 /// Returns the files of a dependency cycle, if there is one.
-pub fn circle(arrows: &Arrows) -> Option<Vec<Module>> {
-    fn walk(at: &Module, arrows: &Arrows, done: &mut BTreeSet<Module>, way: &mut Vec<Module>) -> Option<Vec<Module>> {
+pub fn find_cycle(arrows: &Dependencies) -> Option<Vec<Module>> {
+    fn walk(at: &Module, arrows: &Dependencies, done: &mut BTreeSet<Module>, way: &mut Vec<Module>) -> Option<Vec<Module>> {
         if let Some(from) = way.iter().position(|seen| seen == at) {
             return Some(way[from..].to_vec());
         }

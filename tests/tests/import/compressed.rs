@@ -32,12 +32,12 @@ fn sheet(side: usize) -> (Vec<[f32; 3]>, Vec<[f32; 4]>, Vec<u32>) {
 }
 
 /// Document of one mesh with compressed views. Buffer 0 holds compressed bytes only; buffer 1 has no data.
-struct Packed {
+struct CompressedDoc {
     doc: Doc,
     plain: usize,
 }
 
-impl Packed {
+impl CompressedDoc {
     fn new() -> Self {
         let mut doc = Doc::new();
         doc.json["extensionsRequired"] = json!(["EXT_meshopt_compression", "KHR_mesh_quantization"]);
@@ -84,7 +84,7 @@ fn packed_vertices<T>(elements: &[T]) -> Vec<u8> {
 }
 
 /// Returns the sheet with everything compressed: quantized positions, filtered normals, triangles of two-byte indices.
-fn packed_sheet(side: usize) -> (Packed, Vec<[u16; 4]>, Vec<u32>) {
+fn packed_sheet(side: usize) -> (CompressedDoc, Vec<[u16; 4]>, Vec<u32>) {
     let (positions, normals, triangles) = sheet(side);
     let n = positions.len();
     let quantized: Vec<[u16; 4]> = positions
@@ -95,7 +95,7 @@ fn packed_sheet(side: usize) -> (Packed, Vec<[u16; 4]>, Vec<u32>) {
         })
         .collect();
     let filtered = meshopt::encode_filter_oct::<i8>(&normals, 8);
-    let mut packed = Packed::new();
+    let mut packed = CompressedDoc::new();
     let view = packed.view(&packed_vertices(&quantized), "ATTRIBUTES", "NONE", n, 8);
     let position = packed.accessor(view, U16, "VEC3", n, true);
     let view = packed.view(&packed_vertices(&filtered), "ATTRIBUTES", "OCTAHEDRAL", n, 4);
@@ -111,7 +111,7 @@ fn packed_sheet(side: usize) -> (Packed, Vec<[u16; 4]>, Vec<u32>) {
 fn quantized_and_packed_is_what_went_in() {
     let (packed, quantized, triangles) = packed_sheet(40);
     let model = import_bytes(&packed.glb()).unwrap();
-    check(&model);
+    assert_sound(&model);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
     for (found, expected) in model.mesh.positions.iter().zip(&quantized) {
         assert_eq!(*found, Vec3::new(expected[0].into(), expected[1].into(), expected[2].into()) / 65_535.0);
@@ -133,14 +133,14 @@ fn quantized_and_packed_is_what_went_in() {
 }
 
 /// Reads a compressed view through one accessor, as the vertex positions of a mesh.
-fn through_positions(
+fn decode_positions(
     bytes: &[u8],
     filter: &str,
     count: usize,
     stride: usize,
     component: u32,
 ) -> Result<Model, BakeError> {
-    let mut packed = Packed::new();
+    let mut packed = CompressedDoc::new();
     let view = packed.view(bytes, "ATTRIBUTES", filter, count, stride);
     let position = packed.accessor(view, component, "VEC3", count, component != F32);
     packed.doc.show(json!({"attributes": {"POSITION": position}}));
@@ -161,7 +161,7 @@ fn vertices_of_every_size_and_kind_of_change() {
                     })
                 })
                 .collect();
-            let model = through_positions(&packed_vertices(&elements), "NONE", count, 20, F32).unwrap();
+            let model = decode_positions(&packed_vertices(&elements), "NONE", count, 20, F32).unwrap();
             let expected: Vec<Vec3> = elements.iter().map(|e| Vec3::from_slice(e)).collect();
             assert_eq!(model.mesh.positions, expected, "{count} elements, spread {spread}");
         }
@@ -173,14 +173,14 @@ fn filters_are_undone_as_their_own_library_does() {
     let (positions, normals, _) = sheet(20);
     let n = positions.len();
     let exponential: Vec<[u32; 3]> = meshopt::encode_filter_exp(&positions, 15, meshopt::EncodeExpMode::Separate);
-    let model = through_positions(&packed_vertices(&exponential), "EXPONENTIAL", n, 12, F32).unwrap();
+    let model = decode_positions(&packed_vertices(&exponential), "EXPONENTIAL", n, 12, F32).unwrap();
     let mut expected = exponential.clone();
     meshopt::decode_filter_exp(&mut expected);
     let expected: Vec<Vec3> = expected.iter().map(|v| Vec3::from(v.map(f32::from_bits))).collect();
     assert_eq!(model.mesh.positions, expected);
 
     let short = meshopt::encode_filter_oct::<i16>(&normals, 12);
-    let model = through_positions(&packed_vertices(&short), "OCTAHEDRAL", n, 8, I16).unwrap();
+    let model = decode_positions(&packed_vertices(&short), "OCTAHEDRAL", n, 8, I16).unwrap();
     for (found, expected) in model.mesh.positions.iter().zip(&normals) {
         // Octahedral encoding with twelve bits.
         assert!((*found - Vec3::from_slice(expected)).length() < 2e-3, "{found} for {expected:?}");
@@ -194,7 +194,7 @@ fn filters_are_undone_as_their_own_library_does() {
     let quaternions = meshopt::encode_filter_quat(&turns, 16);
     let mut expected = quaternions.clone();
     meshopt::decode_filter_quat(&mut expected);
-    let model = through_positions(&packed_vertices(&quaternions), "QUATERNION", n, 8, I16).unwrap();
+    let model = decode_positions(&packed_vertices(&quaternions), "QUATERNION", n, 8, I16).unwrap();
     for (found, expected) in model.mesh.positions.iter().zip(&expected) {
         let expected = Vec3::new(expected[0].into(), expected[1].into(), expected[2].into()) / 32_767.0;
         // The reference decoder uses a reciprocal square root of twelve bits if the processor has one.
@@ -208,7 +208,7 @@ fn index_lists_in_any_order() {
     let backwards: Vec<u32> = triangles.chunks(3).rev().flatten().copied().collect();
     for (mode, stride) in [("INDICES", 4), ("INDICES", 2), ("TRIANGLES", 4)] {
         for list in [&triangles, &backwards] {
-            let mut packed = Packed::new();
+            let mut packed = CompressedDoc::new();
             let n = positions.len();
             let view = packed.view(&packed_vertices(&positions), "ATTRIBUTES", "NONE", n, 12);
             let position = packed.accessor(view, F32, "VEC3", n, false);
@@ -239,7 +239,7 @@ fn index_lists_in_any_order() {
 fn faults_name_the_view() {
     let (good, ..) = packed_sheet(8);
     let with = |change: fn(&mut Value)| {
-        let mut packed = Packed { doc: good.doc.clone(), plain: good.plain };
+        let mut packed = CompressedDoc { doc: good.doc.clone(), plain: good.plain };
         change(&mut packed.doc.json);
         fault(import_bytes(&packed.glb()))
     };
@@ -278,7 +278,7 @@ fn ext(json: &mut Value) -> &mut Value {
 fn a_small_file_cannot_unfold_without_measure() {
     // The first view is decompressed. The second is rejected beforehand, since both would take more than a gibibyte.
     let elements = vec![[0.5_f32; 64]; 64];
-    let mut packed = Packed::new();
+    let mut packed = CompressedDoc::new();
     let bytes = packed_vertices(&elements);
     for count in [64, 1 << 22] {
         let view = packed.view(&bytes, "ATTRIBUTES", "NONE", count, 256);
@@ -289,14 +289,14 @@ fn a_small_file_cannot_unfold_without_measure() {
     assert!(place.starts_with("/bufferViews/1/") && reason.contains("past 1073741824 bytes"), "{place}: {reason}");
 }
 
-fn survives(bytes: &[u8], folder: &Path) -> bool {
+fn imports_without_panic(bytes: &[u8], folder: &Path) -> bool {
     let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> {
         let path = folder.join(uri);
         std::fs::read(&path).map_err(|source| BakeError::Io { path, action: "read", source })
     };
     match import("damaged", bytes, &mut resolve, &ImportOptions::default()) {
         Ok(model) => {
-            check(&model);
+            assert_sound(&model);
             true
         }
         Err(BakeError::Input { .. }) => false,
@@ -305,12 +305,12 @@ fn survives(bytes: &[u8], folder: &Path) -> bool {
 }
 
 /// Flips bits of `glb` from `start` on, one at a time, and counts the rejected and the readable files.
-fn flip(glb: &[u8], start: usize, step: usize, folder: &Path) -> [usize; 2] {
+fn flip_bits(glb: &[u8], start: usize, step: usize, folder: &Path) -> [usize; 2] {
     let mut counts = [0; 2];
     for at in (start..glb.len()).step_by(step) {
         let mut broken = glb.to_vec();
         broken[at] ^= 1 << (at % 8);
-        counts[usize::from(survives(&broken, folder))] += 1;
+        counts[usize::from(imports_without_panic(&broken, folder))] += 1;
     }
     counts
 }
@@ -320,13 +320,13 @@ fn damaged_meshopt() {
     let (packed, ..) = packed_sheet(20);
     let glb = packed.glb();
     let start = glb.len() - packed.doc.bin.len();
-    let [refused, read] = flip(&glb, start, 1, Path::new("."));
+    let [refused, read] = flip_bits(&glb, start, 1, Path::new("."));
     println!("{read} read, {refused} refused");
     assert!(read > 100 && refused > 100, "{read} read, {refused} refused");
     for length in 0..packed.doc.bin.len() {
-        let mut cut = Packed { doc: packed.doc.clone(), plain: packed.plain };
+        let mut cut = CompressedDoc { doc: packed.doc.clone(), plain: packed.plain };
         cut.doc.bin.truncate(length);
-        assert!(!survives(&cut.glb(), Path::new(".")), "cut to {length}");
+        assert!(!imports_without_panic(&cut.glb(), Path::new(".")), "cut to {length}");
     }
 }
 
@@ -335,7 +335,7 @@ fn damaged_draco() {
     let Some(data) = data("damaged_draco") else { return };
     let folder = data.join("meshes/compressed");
     let glb = std::fs::read(folder.join("quaternius_RedPandaAstronaut_draco.glb")).unwrap();
-    let [refused, read] = flip(&glb, 12, 2003, &folder);
+    let [refused, read] = flip_bits(&glb, 12, 2003, &folder);
     println!("{read} read, {refused} refused");
     assert!(read > 10 && refused > 10, "{read} read, {refused} refused");
     let folder = folder.join("BoxDraco");
@@ -346,9 +346,9 @@ fn damaged_draco() {
         let mut broken = bin.clone();
         broken[at] ^= 0x41;
         std::fs::write(sandbox.path().join("0.bin"), &broken).unwrap();
-        survives(text.as_bytes(), sandbox.path());
+        imports_without_panic(text.as_bytes(), sandbox.path());
         std::fs::write(sandbox.path().join("0.bin"), &bin[..at]).unwrap();
-        assert!(!survives(text.as_bytes(), sandbox.path()), "cut to {at}");
+        assert!(!imports_without_panic(text.as_bytes(), sandbox.path()), "cut to {at}");
     }
 }
 
@@ -362,7 +362,7 @@ fn draco_and_plain_agree() {
         pelage_bake::io::Reach::OwnFolder,
     )
     .unwrap();
-    check(&model);
+    assert_sound(&model);
     // Box of edge 1 around the origin, with normals along the axes.
     assert_eq!((model.mesh.positions.len(), model.mesh.triangles.len()), (24, 12));
     for (position, normal) in model.mesh.positions.iter().zip(&model.mesh.normals) {

@@ -14,7 +14,7 @@ use pelage_import::ImportOptions;
 use std::path::Path;
 
 #[derive(Default)]
-struct Seen {
+struct GltfReading {
     positions: Vec<Vec3>,
     uvs: Vec<Vec2>,
     triangles: Vec<[u32; 3]>,
@@ -23,7 +23,7 @@ struct Seen {
 }
 
 /// Collects nodes depth first, in the importer's order of parts.
-fn gather(node: &gltf::Node<'_>, parent: Mat4, blob: &[u8], seen: &mut Seen) {
+fn collect_mesh(node: &gltf::Node<'_>, parent: Mat4, blob: &[u8], seen: &mut GltfReading) {
     let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
     for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
         let reader = primitive.reader(|_| Some(blob));
@@ -44,7 +44,7 @@ fn gather(node: &gltf::Node<'_>, parent: Mat4, blob: &[u8], seen: &mut Seen) {
         seen.weights.extend(reader.read_weights(0).into_iter().flat_map(gltf::mesh::util::ReadWeights::into_f32));
     }
     for child in node.children() {
-        gather(&child, world, blob, seen);
+        collect_mesh(&child, world, blob, seen);
     }
 }
 
@@ -70,9 +70,9 @@ fn both_readers_see_the_same_vertices() {
         let model = read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap();
         let gltf = gltf::Gltf::from_slice_without_validation(&std::fs::read(&path).unwrap()).unwrap();
         let blob = gltf.blob.as_deref().unwrap();
-        let mut seen = Seen::default();
+        let mut seen = GltfReading::default();
         for node in gltf.default_scene().or(gltf.scenes().next()).unwrap().nodes() {
-            gather(&node, Mat4::IDENTITY, blob, &mut seen);
+            collect_mesh(&node, Mat4::IDENTITY, blob, &mut seen);
         }
         let mesh = &model.mesh;
         assert_eq!(mesh.positions.len(), seen.positions.len(), "{name}");
@@ -171,7 +171,7 @@ fn weights_at(node: &gltf::Node<'_>, clip: &gltf::Animation<'_>, time_s: f64, bu
 }
 
 /// Evaluates the vertex positions of a file in double precision.
-fn morphed(
+fn morphed_positions(
     node: &gltf::Node<'_>,
     parent: DMat4,
     weights: &dyn Fn(&gltf::Node<'_>) -> Vec<f64>,
@@ -189,7 +189,7 @@ fn morphed(
         }
         found.extend(positions.iter().map(|p| world.transform_point3(*p)));
     }
-    found.extend(node.children().flat_map(|child| morphed(&child, world, weights, buffers)));
+    found.extend(node.children().flat_map(|child| morphed_positions(&child, world, weights, buffers)));
     found
 }
 
@@ -218,7 +218,7 @@ fn a_package_morphs_as_the_file_says() {
                 let weights = |node: &gltf::Node<'_>| weights_at(node, &clip, f64::from(time_s), &buffers);
                 let roots = gltf.default_scene().unwrap().nodes();
                 let expected: Vec<DVec3> =
-                    roots.flat_map(|node| morphed(&node, DMat4::IDENTITY, &weights, &buffers)).collect();
+                    roots.flat_map(|node| morphed_positions(&node, DMat4::IDENTITY, &weights, &buffers)).collect();
                 let size = expected.iter().fold(0.0_f64, |all, p| all.max(p.length()));
                 let posed: Vec<DVec3> = posed_vertices(&mesh, Some(&morphs), &pose)
                     .inspect(|v| assert!((Vec3::from(v.normal).length() - 1.0).abs() < 1e-4, "{name}: {v:?}"))

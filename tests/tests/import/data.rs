@@ -152,7 +152,7 @@ fn readable_files_have_the_known_figures() {
     let Some(data) = data("readable_files_have_the_known_figures") else { return };
     for (name, triangles, size, images, joints, clips) in READABLE {
         let model = read(&data, name).unwrap_or_else(|e| panic!("{e}"));
-        check(&model);
+        assert_sound(&model);
         assert_eq!(model.mesh.triangles.len(), *triangles, "{name}");
         let found = extent(&model);
         let near = |a: f32, b: f32| (a - b).abs() <= 6e-4 * b.max(1e-3);
@@ -195,7 +195,7 @@ fn every_file_is_read_or_refused_with_a_place() {
     for path in &files {
         match read_model(path, &ImportOptions::default(), Reach::OwnFolder) {
             Ok(model) => {
-                check(&model);
+                assert_sound(&model);
                 read += 1;
             }
             Err(BakeError::Input { place, reason, .. }) => {

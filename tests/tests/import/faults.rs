@@ -6,7 +6,7 @@ use pelage_import::BakeError;
 use serde_json::{Value, json};
 
 /// Returns an indexed triangle with normals and texture coordinates.
-fn plain() -> Doc {
+fn valid_doc() -> Doc {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let normal = doc.floats(&[0., 0., 1., 0., 0., 1., 0., 0., 1.], "VEC3");
@@ -21,7 +21,7 @@ fn plain() -> Doc {
 /// Replaces the value at `pointer` in a valid document and expects the given error.
 #[track_caller]
 fn expect(pointer: &str, value: Value, place: &str, reason: &str) {
-    let mut doc = plain();
+    let mut doc = valid_doc();
     match doc.json.pointer_mut(pointer) {
         Some(slot) => *slot = value,
         None => {
@@ -120,7 +120,7 @@ fn ranges_are_checked_against_the_bytes_there_are() {
         "is 1, expected less than 1, the number of buffers",
     );
     // The keys of a clip have no earlier count to compare with.
-    let mut doc = plain();
+    let mut doc = valid_doc();
     let keys = doc.floats(&[0.], "SCALAR");
     let sampler = json!({"input": keys, "output": 0});
     let channel = json!({"sampler": 0, "target": {"node": 0, "path": "translation"}});
@@ -156,7 +156,7 @@ fn shared_accessors_cannot_unfold_without_bounds() {
     }
     assert!(doc.fault().1.starts_with("takes the model to 17100000 vertices"));
 
-    let mut doc = plain();
+    let mut doc = valid_doc();
     let times: Vec<f32> = (0..400_000).map(|i| i as f32).collect();
     let input = doc.floats(&times, "SCALAR");
     let output = doc.push("accessors", json!({"componentType": F32, "type": "VEC3", "count": 400_000}));
@@ -171,7 +171,7 @@ fn shared_accessors_cannot_unfold_without_bounds() {
 
 #[test]
 fn a_view_past_its_buffer_is_no_fault_while_nothing_reads_there() {
-    let mut doc = plain();
+    let mut doc = valid_doc();
     let last = doc.json["bufferViews"].as_array().unwrap().len() - 1;
     doc.json["bufferViews"][last]["byteLength"] = json!(1_000_000);
     assert_warns(&doc.model(), "reaches to byte");
@@ -179,20 +179,20 @@ fn a_view_past_its_buffer_is_no_fault_while_nothing_reads_there() {
 
 #[test]
 fn indices_and_positions_name_the_element() {
-    let mut doc = plain();
+    let mut doc = valid_doc();
     let at = doc.json["bufferViews"][3]["byteOffset"].as_u64().unwrap() as usize;
     doc.bin[at + 2] = 3;
     let (place, reason) = doc.fault();
     assert_eq!(place, "/meshes/0/primitives/0/indices");
     assert_eq!(reason, "element 1 is 3, expected less than the 3 vertices");
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        let mut doc = plain();
+        let mut doc = valid_doc();
         doc.bin[16..20].copy_from_slice(&bad.to_le_bytes());
         let (place, reason) = doc.fault();
         assert_eq!(place, "/meshes/0/primitives/0/attributes/POSITION");
         assert!(reason.starts_with("element 1 is [") && reason.ends_with("expected finite numbers"), "{reason}");
     }
-    let mut doc = plain();
+    let mut doc = valid_doc();
     doc.json["nodes"][0]["scale"] = json!([1e38, 1e38, 1e38]);
     doc.push("nodes", json!({"children": [0], "scale": [1e38, 1, 1]}));
     assert!(doc.fault().1.contains("once its nodes are applied"));
@@ -200,7 +200,7 @@ fn indices_and_positions_name_the_element() {
 
 #[test]
 fn attributes_have_one_element_per_vertex() {
-    let mut doc = plain();
+    let mut doc = valid_doc();
     doc.json["accessors"][1]["count"] = json!(2);
     let (place, reason) = doc.fault();
     assert_eq!(place, "/meshes/0/primitives/0/attributes/NORMAL");
@@ -210,7 +210,7 @@ fn attributes_have_one_element_per_vertex() {
 #[test]
 fn sparse_data_is_checked_too() {
     let sparse = |edit: &dyn Fn(&mut Value)| {
-        let mut doc = plain();
+        let mut doc = valid_doc();
         let (indices, values) = (doc.view(&[0_u8, 3]), doc.view(&[0.0_f32; 6][..].bytes()));
         let mut sparse = json!({"count": 2, "indices": {"bufferView": indices, "componentType": U8}, "values": {"bufferView": values}});
         edit(&mut sparse);
@@ -230,7 +230,7 @@ fn sparse_data_is_checked_too() {
 
 #[test]
 fn extensions_that_cannot_be_read_are_named_with_a_way_out() {
-    let mut doc = plain();
+    let mut doc = valid_doc();
     doc.json["extensionsRequired"] = json!([
         "KHR_mesh_quantization",
         "KHR_draco_mesh_compression",
@@ -277,7 +277,7 @@ fn syntax_faults_give_the_byte() {
 
 #[test]
 fn glb_chunks_are_checked() {
-    let good = plain().glb();
+    let good = valid_doc().glb();
     let with = |at: usize, bytes: &[u8]| {
         let mut broken = good.clone();
         broken[at..at + bytes.len()].copy_from_slice(bytes);
@@ -298,7 +298,7 @@ fn glb_chunks_are_checked() {
 
 #[test]
 fn buffers_that_are_missing_or_short_are_named() {
-    let mut doc = plain();
+    let mut doc = valid_doc();
     let text = |doc: &Doc, buffer: Value| {
         let mut root = doc.json.clone();
         root["buffers"] = json!([buffer]);
@@ -316,17 +316,17 @@ fn buffers_that_are_missing_or_short_are_named() {
     assert!(text(&doc, json!({"byteLength": 104, "uri": "data:AAAA"})).1.contains("without a comma"));
     // Percent-encoded data: one triangle, all zeros except a single one.
     doc.bin.clear();
-    let encoded: String = plain().bin.iter().map(|b| format!("%{b:02X}")).collect();
+    let encoded: String = valid_doc().bin.iter().map(|b| format!("%{b:02X}")).collect();
     let mut root = doc.json.clone();
     root["buffers"] =
-        json!([{"byteLength": plain().bin.len(), "uri": format!("data:application/octet-stream,{encoded}")}]);
-    check(&import_bytes(&serde_json::to_vec(&root).unwrap()).unwrap());
+        json!([{"byteLength": valid_doc().bin.len(), "uri": format!("data:application/octet-stream,{encoded}")}]);
+    assert_sound(&import_bytes(&serde_json::to_vec(&root).unwrap()).unwrap());
 }
 
 #[test]
 fn images_that_cannot_be_read_are_named() {
     let with = |image: &[u8]| {
-        let mut doc = plain();
+        let mut doc = valid_doc();
         let view = doc.view(image);
         doc.push("images", json!({"name": "coat", "bufferView": view}));
         doc.push("textures", json!({"source": 0}));
@@ -359,7 +359,7 @@ fn images_that_cannot_be_read_are_named() {
 
 #[test]
 fn a_name_from_the_file_cannot_flood_a_message() {
-    let mut doc = plain();
+    let mut doc = valid_doc();
     let long = "x".repeat(10_000);
     doc.json["extensionsRequired"] = json!([format!("{long}\u{1b}[31m")]);
     let text = doc.import().unwrap_err().to_string();

@@ -66,7 +66,7 @@ fn strips_and_fans_face_one_way() {
     let model = doc.model();
     assert_eq!(model.mesh.triangles, [[0, 1, 2], [1, 3, 2], [5, 6, 4], [6, 7, 4]]);
     for i in 0..4 {
-        assert_near(face(&model, i), [0.0, 0.0, 1.0]);
+        assert_near(face_normal(&model, i), [0.0, 0.0, 1.0]);
     }
 }
 
@@ -319,7 +319,7 @@ fn triangles_against_their_normals_are_turned() {
     let normal = doc.floats(&[0., 0., -1., 0., 0., -1., 0., 0., -1.], "VEC3");
     doc.show(json!({"attributes": {"POSITION": position, "NORMAL": normal}}));
     let model = doc.model();
-    assert_near(face(&model, 0), [0.0, 0.0, -1.0]);
+    assert_near(face_normal(&model, 0), [0.0, 0.0, -1.0]);
     assert_warns(&model, "face against their normals");
 }
 
@@ -358,17 +358,17 @@ fn node_transforms_multiply_and_mirrored_nodes_keep_their_outside() {
     for (p, q) in model.mesh.positions.iter().zip([[0., 2., 5.], [0., 4., 5.], [-2., 2., 5.]]) {
         assert_near(*p, q);
     }
-    assert_near(face(&model, 0), [0., 0., 4.]);
+    assert_near(face_normal(&model, 0), [0., 0., 4.]);
     // Mirroring x alone would turn the back of the triangle towards +z.
     doc.json["nodes"][1]["scale"] = json!([-2, 2, 2]);
     let model = doc.model();
-    assert_near(face(&model, 0), [0., 0., 4.]);
+    assert_near(face_normal(&model, 0), [0., 0., 4.]);
     assert_eq!(model.mesh.triangles, [[0, 2, 1]]);
     assert!(model.mesh.normals.iter().all(|n| n.abs_diff_eq(Vec3::Z, 1e-6)));
     // Mirroring z turns the outside to -z, normal and triangle together.
     doc.json["nodes"][1]["scale"] = json!([2, 2, -2]);
     let model = doc.model();
-    assert_near(face(&model, 0), [0., 0., -4.]);
+    assert_near(face_normal(&model, 0), [0., 0., -4.]);
     assert!(model.mesh.normals.iter().all(|n| n.abs_diff_eq(Vec3::NEG_Z, 1e-6)) && model.warnings.is_empty());
 }
 

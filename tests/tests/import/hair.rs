@@ -30,8 +30,8 @@ const POINTS: usize = 24;
 
 /// Returns the RMS distance between all strands and hair grown from their roots with every tenth strand as a guide,
 /// divided by the mean length of all.
-fn off_between_guides(guides: &Guides) -> f64 {
-    let shapes: Vec<Vec<Vec3>> = (0..guides.len()).map(|i| even(guides.strand(i))).collect();
+fn interpolation_error(guides: &Guides) -> f64 {
+    let shapes: Vec<Vec<Vec3>> = (0..guides.len()).map(|i| resampled(guides.strand(i))).collect();
     let followed = GuideInterpolator::new(shapes.iter().step_by(10).cloned().collect());
     let length = |shape: &[Vec3]| shape.windows(2).map(|ends| f64::from(ends[0].distance(ends[1]))).sum::<f64>();
     let mean = shapes.iter().map(|shape| length(shape)).sum::<f64>() / shapes.len() as f64;
@@ -49,7 +49,7 @@ fn off_between_guides(guides: &Guides) -> f64 {
 }
 
 /// Resamples a strand at equal distances.
-fn even(strand: &[Vec3]) -> Vec<Vec3> {
+fn resampled(strand: &[Vec3]) -> Vec<Vec3> {
     let curve = smoothed(strand, 8 * POINTS);
     let mut along = vec![0.0f32];
     along.extend(curve.windows(2).scan(0.0, |sum, ends| {
@@ -77,14 +77,14 @@ fn hair_between_guides_is_near_the_combed_one() {
         let lengths: Vec<usize> = (0..guides.len()).map(|i| guides.strand(i).len()).collect();
         println!("{name}: {} strands, {} left out, {:?} points", guides.len(), guides.left_out, lengths.iter().max());
         assert!(lengths.iter().all(|n| *n <= points), "{name}");
-        let off = off_between_guides(&guides);
+        let off = interpolation_error(&guides);
         println!("{name}: off by {:.2} % of the length", 100.0 * off);
         assert!(off < most, "{name}: {off}");
     }
 }
 
 /// Reads the strands of a glTF that names no files.
-fn lines(bytes: &[u8]) -> Result<Guides, BakeError> {
+fn import_lines(bytes: &[u8]) -> Result<Guides, BakeError> {
     let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
     let (guides, inputs) = import_strands("folder/hair.glb", bytes, &mut resolve)?;
     assert_eq!((inputs[0].role.as_str(), inputs[0].name.as_str()), ("strands", "hair.glb"));
@@ -106,7 +106,7 @@ fn exported_lines_come_back() {
     }
     let mut written = Vec::new();
     StrandFormat::of_extension("glb").unwrap().write(&curves, &mut written).unwrap();
-    let guides = lines(&written).unwrap();
+    let guides = import_lines(&written).unwrap();
     assert_eq!((guides.len(), guides.left_out, &guides.warnings[..]), (50, 0, &[][..]));
     for (i, found) in (0..50).map(|i| (i, guides.strand(i))) {
         let expected: Vec<Vec3> = curves.strand(i).iter().map(|p| p.position_ws).collect();
@@ -117,7 +117,7 @@ fn exported_lines_come_back() {
 }
 
 /// Returns a document with a node for each of `primitives`, which use six given points on the x axis.
-fn drawn(primitives: &[Value]) -> Doc {
+fn line_doc(primitives: &[Value]) -> Doc {
     let mut doc = Doc::new();
     let points: Vec<f32> = (0..6).flat_map(|i| [i as f32, 0.0, 0.0]).collect();
     let position = doc.floats(&points, "VEC3");
@@ -134,13 +134,13 @@ fn drawn(primitives: &[Value]) -> Doc {
 }
 
 /// Returns the x coordinates of the points of each strand.
-fn places(guides: &Guides) -> Vec<Vec<f32>> {
+fn point_xs(guides: &Guides) -> Vec<Vec<f32>> {
     (0..guides.len()).map(|i| guides.strand(i).iter().map(|p| p.x).collect()).collect()
 }
 
 #[test]
 fn lines_of_all_modes_are_strands() {
-    let mut doc = drawn(&[
+    let mut doc = line_doc(&[
         json!({ "mode": 1, "indices": [4, 5, 0, 1, 3, 2, 2, 1] }),
         json!({ "mode": 3 }),
         json!({ "mode": 3, "indices": [2, 0, 4] }),
@@ -149,7 +149,7 @@ fn lines_of_all_modes_are_strands() {
         json!({ "mode": 4 }),
         json!({ "mode": 3, "indices": [3] }),
     ]);
-    let guides = lines(&doc.glb()).unwrap();
+    let guides = import_lines(&doc.glb()).unwrap();
     let expected: [&[f32]; 8] = [
         &[4.0, 5.0],
         // Two of its three lines run downwards.
@@ -161,7 +161,7 @@ fn lines_of_all_modes_are_strands() {
         &[2.0, 3.0],
         &[4.0, 5.0],
     ];
-    assert_eq!((places(&guides), guides.left_out), (expected.map(<[f32]>::to_vec).to_vec(), 1));
+    assert_eq!((point_xs(&guides), guides.left_out), (expected.map(<[f32]>::to_vec).to_vec(), 1));
     assert!(guides.radii.is_empty() && guides.colors.is_empty());
     // Nodes transform the lines.
     let nodes = doc.json["nodes"].as_array_mut().unwrap();
@@ -170,20 +170,20 @@ fn lines_of_all_modes_are_strands() {
     nodes[2]["children"] = json!([1]);
     nodes[2]["translation"] = json!([100, 0, 0]);
     doc.json["scenes"] = json!([{ "nodes": [2] }]);
-    let guides = lines(&doc.gltf()).unwrap();
-    assert_eq!(places(&guides), [[102.0, 100.0, 104.0].to_vec(), (0..6).map(|i| 100.0 - 2.0 * i as f32).collect()]);
+    let guides = import_lines(&doc.gltf()).unwrap();
+    assert_eq!(point_xs(&guides), [[102.0, 100.0, 104.0].to_vec(), (0..6).map(|i| 100.0 - 2.0 * i as f32).collect()]);
     assert_eq!(guides.strand(1)[0].y, 7.0);
     // Separate segments continue a strand if they begin at the last end point.
     let mut doc = Doc::new();
     let ends =
         doc.floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 9.0, 0.0, 0.0, 8.0, 0.0, 0.0], "VEC3");
     doc.show(json!({ "mode": 1, "attributes": { "POSITION": ends } }));
-    assert_eq!(places(&lines(&doc.glb()).unwrap()), [vec![0.0, 1.0, 2.0], vec![9.0, 8.0]]);
+    assert_eq!(point_xs(&import_lines(&doc.glb()).unwrap()), [vec![0.0, 1.0, 2.0], vec![9.0, 8.0]]);
 }
 
 #[test]
 fn what_is_no_strand_is_refused_with_its_place() {
-    let fault = |doc: &Doc, expected: [&str; 2]| match lines(&doc.glb()) {
+    let fault = |doc: &Doc, expected: [&str; 2]| match import_lines(&doc.glb()) {
         Err(BakeError::Input { place, reason, .. }) => {
             assert!(
                 place.contains(expected[0]) && reason.contains(expected[1]),
@@ -192,22 +192,22 @@ fn what_is_no_strand_is_refused_with_its_place() {
         }
         other => panic!("{expected:?}: {other:?}"),
     };
-    fault(&drawn(&[json!({}), json!({ "mode": 0 })]), ["", "the scene shows no line, expected primitives of mode 1"]);
+    fault(&line_doc(&[json!({}), json!({ "mode": 0 })]), ["", "the scene shows no line, expected primitives of mode 1"]);
     fault(
-        &drawn(&[json!({ "mode": 1, "indices": [0, 1, 2] })]),
+        &line_doc(&[json!({ "mode": 1, "indices": [0, 1, 2] })]),
         ["/meshes/0/primitives/0", "3 ends of lines, expected an even number"],
     );
     fault(
-        &drawn(&[json!({ "mode": 3, "indices": [0, 6] })]),
+        &line_doc(&[json!({ "mode": 3, "indices": [0, 6] })]),
         ["/meshes/0/primitives/0/indices", "element 1 is 6, expected less than the 6"],
     );
-    let mut doc = drawn(&[json!({ "mode": 3 })]);
+    let mut doc = line_doc(&[json!({ "mode": 3 })]);
     doc.bin[16..20].copy_from_slice(&f32::NAN.to_le_bytes());
     fault(&doc, ["/attributes/POSITION", "element 1 is"]);
-    let mut doc = drawn(&[json!({ "mode": 3 })]);
+    let mut doc = line_doc(&[json!({ "mode": 3 })]);
     doc.json["accessors"][0]["count"] = 4_000_000_000u32.into();
     fault(&doc, ["/meshes/0/primitives/0", "4000000000 vertices"]);
-    let mut doc = drawn(&[json!({ "mode": 3 })]);
+    let mut doc = line_doc(&[json!({ "mode": 3 })]);
     let radii = doc.accessor(&[1.0f32, 2.0].bytes(), F32, "SCALAR", 2);
     doc.json["meshes"][0]["primitives"][0]["attributes"]["_RADIUS"] = radii.into();
     fault(&doc, ["/_RADIUS", "has 2 elements, expected 6"]);

@@ -59,7 +59,7 @@ fn whole_numbers_turn_and_mirrors_keep_their_outside() {
     })
     .model();
     assert_near(model.mesh.positions[1], [0.0, -1.0, 10.0]);
-    assert!(face(&model, 0).z > 0.0, "it faces where it did");
+    assert!(face_normal(&model, 0).z > 0.0, "it faces where it did");
 }
 
 #[test]

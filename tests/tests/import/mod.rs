@@ -3,7 +3,7 @@
 mod compressed;
 mod crosscheck;
 mod data;
-mod drawn;
+mod comb_lines;
 mod faults;
 mod geometry;
 mod hair;

@@ -23,7 +23,7 @@ impl Random {
 
 /// Returns a small document with all features: joints of two skins, a clip of each kind, a sparse and a quantised
 /// accessor, an image.
-fn rich() -> Doc {
+fn full_doc() -> Doc {
     let mut doc = Doc::new();
     let position = doc.floats(&[0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.], "VEC3");
     let (sparse_at, sparse) = (doc.view(&[1_u8]), doc.view(&[1.0_f32, 0., 0.5][..].bytes()));
@@ -77,7 +77,7 @@ fn rich() -> Doc {
 
 /// Imports damaged bytes and returns whether they were accepted. Panics if and only if the importer panics or returns
 /// an invalid model.
-fn survives(what: &str, bytes: &[u8], folder: &Path) -> bool {
+fn imports_without_panic(what: &str, bytes: &[u8], folder: &Path) -> bool {
     let folder = folder.to_owned();
     let outcome = catch_unwind(|| {
         let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> {
@@ -86,7 +86,7 @@ fn survives(what: &str, bytes: &[u8], folder: &Path) -> bool {
         };
         match import("damaged", bytes, &mut resolve, &ImportOptions::default()) {
             Ok(model) => {
-                check(&model);
+                assert_sound(&model);
                 true
             }
             Err(BakeError::Input { place, reason, .. }) => {
@@ -104,7 +104,7 @@ fn survives(what: &str, bytes: &[u8], folder: &Path) -> bool {
 /// Checks that the model checker itself can fail.
 #[test]
 fn unsound_models_are_seen() {
-    let good = rich().model();
+    let good = full_doc().model();
     let spoil: [fn(&mut pelage_import::mesh::Model); 6] = [
         |m| m.mesh.triangles[0][0] = 99,
         |m| m.mesh.positions[0].x = f32::NAN,
@@ -116,15 +116,15 @@ fn unsound_models_are_seen() {
     for (i, spoil) in spoil.into_iter().enumerate() {
         let mut model = good.clone();
         spoil(&mut model);
-        assert!(catch_unwind(|| check(&model)).is_err(), "fault {i} was not seen");
+        assert!(catch_unwind(|| assert_sound(&model)).is_err(), "fault {i} was not seen");
     }
 }
 
 /// Collects the JSON pointers of all values of a tree.
-fn places(value: &Value, here: String, out: &mut Vec<String>) {
+fn pointers(value: &Value, here: String, out: &mut Vec<String>) {
     match value {
-        Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| places(v, format!("{here}/{i}"), out)),
-        Value::Object(map) => map.iter().for_each(|(k, v)| places(v, format!("{here}/{k}"), out)),
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| pointers(v, format!("{here}/{i}"), out)),
+        Value::Object(map) => map.iter().for_each(|(k, v)| pointers(v, format!("{here}/{k}"), out)),
         _ => {}
     }
     out.push(here);
@@ -140,10 +140,10 @@ fn odd_values() -> Vec<Value> {
 
 #[test]
 fn every_field_of_a_rich_model_can_be_anything() {
-    let doc = rich();
-    check(&doc.import().unwrap());
+    let doc = full_doc();
+    assert_sound(&doc.import().unwrap());
     let mut all = Vec::new();
-    places(&doc.json, String::new(), &mut all);
+    pointers(&doc.json, String::new(), &mut all);
     let here = Path::new(".");
     let (mut tried, mut refused) = (0, 0);
     for pointer in &all {
@@ -152,7 +152,7 @@ fn every_field_of_a_rich_model_can_be_anything() {
             *broken.json.pointer_mut(pointer).unwrap() = value.clone();
             if broken.json.is_object() {
                 tried += 1;
-                refused += usize::from(!survives(&format!("{pointer} = {value}"), &broken.glb(), here));
+                refused += usize::from(!imports_without_panic(&format!("{pointer} = {value}"), &broken.glb(), here));
             }
         }
         if let Some((parent, key)) = pointer.rsplit_once('/') {
@@ -163,7 +163,7 @@ fn every_field_of_a_rich_model_can_be_anything() {
                 _ => {}
             }
             tried += 1;
-            refused += usize::from(!survives(&format!("without {pointer}"), &broken.glb(), here));
+            refused += usize::from(!imports_without_panic(&format!("without {pointer}"), &broken.glb(), here));
         }
     }
     println!("{tried} changed fields, {refused} refused");
@@ -173,9 +173,9 @@ fn every_field_of_a_rich_model_can_be_anything() {
 
 #[test]
 fn pairs_of_fields_can_be_anything() {
-    let doc = rich();
+    let doc = full_doc();
     let mut all = Vec::new();
-    places(&doc.json, String::new(), &mut all);
+    pointers(&doc.json, String::new(), &mut all);
     let values = odd_values();
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     for round in 0..3000 {
@@ -185,7 +185,7 @@ fn pairs_of_fields_can_be_anything() {
                 *slot = values[random.below(values.len())].clone();
             }
         }
-        survives(&format!("round {round}"), &broken.glb(), Path::new("."));
+        imports_without_panic(&format!("round {round}"), &broken.glb(), Path::new("."));
     }
 }
 
@@ -197,10 +197,10 @@ fn flip_and_cut(name: &str, good: &[u8], folder: &Path, rounds: usize) {
             let at = random.below(broken.len());
             broken[at] ^= 1 << random.below(8);
         }
-        survives(&format!("{name}, flips of round {round}"), &broken, folder);
+        imports_without_panic(&format!("{name}, flips of round {round}"), &broken, folder);
         let length = random.below(good.len());
         assert!(
-            !survives(&format!("{name}, cut to {length}"), &good[..length], folder),
+            !imports_without_panic(&format!("{name}, cut to {length}"), &good[..length], folder),
             "{name} cut to {length} was read"
         );
     }
@@ -208,8 +208,8 @@ fn flip_and_cut(name: &str, good: &[u8], folder: &Path, rounds: usize) {
 
 #[test]
 fn flipped_bits_and_cuts_of_built_models() {
-    flip_and_cut("rich.glb", &rich().glb(), Path::new("."), 3000);
-    flip_and_cut("rich.gltf", &rich().gltf(), Path::new("."), 1500);
+    flip_and_cut("rich.glb", &full_doc().glb(), Path::new("."), 3000);
+    flip_and_cut("rich.gltf", &full_doc().gltf(), Path::new("."), 1500);
 }
 
 #[test]
@@ -248,10 +248,10 @@ fn damaged_obj() {
     std::fs::write(folder.path().join("a.png"), png.into_inner()).unwrap();
     std::fs::write(folder.path().join("a.mtl"), "newmtl a\nKd 1 0.5 0\nmap_Kd a.png\nnewmtl b\n").unwrap();
     let good = rich_obj();
-    assert!(survives("rich.obj", good.as_bytes(), folder.path()));
+    assert!(imports_without_panic("rich.obj", good.as_bytes(), folder.path()));
     let (mut read, mut refused) = (0, 0);
     let mut count = |what: &str, bytes: &[u8]| {
-        let fine = survives(what, bytes, folder.path());
+        let fine = imports_without_panic(what, bytes, folder.path());
         *if fine { &mut read } else { &mut refused } += 1;
     };
     // A truncated text is often still valid: every prefix must be read or rejected without a panic.
@@ -323,7 +323,7 @@ fn damaged_material_files() {
         flipped[at] ^= 1 << (at % 8);
         for bytes in [&mtl[..at], &flipped] {
             std::fs::write(folder.path().join("a.mtl"), bytes).unwrap();
-            assert!(survives(&format!("material file, byte {at}"), model.as_bytes(), folder.path()));
+            assert!(imports_without_panic(&format!("material file, byte {at}"), model.as_bytes(), folder.path()));
         }
     }
 }

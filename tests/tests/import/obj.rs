@@ -22,7 +22,7 @@ fn with_files(text: &str, files: &[(&str, &[u8])], options: &ImportOptions) -> R
 
 fn model(text: &str) -> Model {
     let model = with_files(text, &[], &ImportOptions::default()).unwrap();
-    check(&model);
+    assert_sound(&model);
     model
 }
 
@@ -99,7 +99,7 @@ fn normals_are_computed_smooth_and_do_not_hang_on_the_triangulation() {
     assert_warns(&m, "3 normals are missing");
     // If normals oppose the winding, the triangles are flipped, not the normals.
     let m = model(&format!("{SQUARE}vn 0 0 -1\nf 1//1 2//1 3//1\n"));
-    assert!(face(&m, 0).z < 0.0);
+    assert!(face_normal(&m, 0).z < 0.0);
     assert_warns(&m, "face against their normals");
 }
 
@@ -107,7 +107,7 @@ fn normals_are_computed_smooth_and_do_not_hang_on_the_triangulation() {
 fn concave_polygons_keep_their_shape() {
     // Arrow head whose notch is its second corner.
     let m = model("v 2 2 0\nv 0 1 0\nv -2 2 0\nv 0 0 0\nf 1 2 3 4\n");
-    let areas: Vec<f32> = (0..2).map(|i| face(&m, i).z).collect();
+    let areas: Vec<f32> = (0..2).map(|i| face_normal(&m, i).z).collect();
     assert!(areas.iter().all(|z| *z > 0.0) && (areas.iter().sum::<f32>() - 4.0).abs() < 1e-6, "{areas:?}");
     let m = model("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n");
     assert_warns(&m, "line 5: the polygon of 4 corners crosses itself");
@@ -197,13 +197,13 @@ fn the_name_counts_only_where_the_contents_do_not_tell() {
     };
     let text = format!("# made by hand\n\n{SQUARE}f 1 2 3\n");
     for name in ["a.obj", "a.glb", "a.gltf", "a.txt", "a"] {
-        check(&named(name, text.as_bytes()).unwrap());
+        assert_sound(&named(name, text.as_bytes()).unwrap());
     }
     let mut doc = Doc::new();
     let position = doc.triangle();
     doc.show(serde_json::json!({"attributes": {"POSITION": position}}));
     for bytes in [doc.glb(), doc.gltf()] {
-        check(&named("a.obj", &bytes).unwrap());
+        assert_sound(&named("a.obj", &bytes).unwrap());
     }
     // An error at the very beginning: only the file name shows which file is at fault.
     assert_eq!(fault(named("a.OBJ", b"vv 1 2 3\nv 0 0 0\nf 1 1 5")).0, "line 3");
@@ -238,7 +238,7 @@ fn materials_colours_and_images() {
     let png = png();
     let files = [("my%20skins/a.mtl", &mtl[..]), ("my%20skins/maps/coat%201.png", &png)];
     let m = with_files(&text, &files, &ImportOptions::default()).unwrap();
-    check(&m);
+    assert_sound(&m);
     assert_eq!(m.materials[0].base_color, [0.5, 0.25, 0.0, 1.0]);
     assert_eq!(m.materials[0].base_color_image, Some(0));
     assert_eq!((m.images[0].width, m.images[0].height), (4, 2));
@@ -259,7 +259,7 @@ fn whatever_is_wrong_with_materials_is_a_warning() {
     let use_it = format!("{SQUARE}usemtl a\nf 1 2 3\n");
     let read = |library: &str, files: &[(&str, &[u8])]| {
         let m = with_files(&format!("mtllib {library}\n{use_it}"), files, &ImportOptions::default()).unwrap();
-        check(&m);
+        assert_sound(&m);
         m
     };
     let missing = read("b.mtl", &[]);
@@ -353,7 +353,7 @@ fn every_obj_of_the_test_data() {
     let mut seen = 0;
     for (name, triangles, parts, materials) in READABLE {
         let model = read(name).unwrap_or_else(|e| panic!("{name}: {e}"));
-        check(&model);
+        assert_sound(&model);
         let found = (model.mesh.triangles.len(), model.mesh.parts.len(), model.materials.len());
         assert_eq!(found, (*triangles, *parts, *materials), "{name}");
         seen += 1;

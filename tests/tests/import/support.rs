@@ -108,7 +108,7 @@ impl Doc {
     /// Imports the document, checks the properties of every model, and returns the model.
     pub fn model(&self) -> Model {
         let model = self.import().unwrap();
-        check(&model);
+        assert_sound(&model);
         model
     }
 
@@ -138,7 +138,7 @@ pub fn fault(result: Result<Model, BakeError>) -> (String, String) {
 }
 
 /// Checks the properties that every imported model must have.
-pub fn check(model: &Model) {
+pub fn assert_sound(model: &Model) {
     let mesh = &model.mesh;
     let n = mesh.positions.len();
     assert!(n > 0 && !mesh.triangles.is_empty());
@@ -188,7 +188,7 @@ pub fn check(model: &Model) {
 }
 
 /// Returns the normal of a triangle in the posed rest state; its length is twice the area.
-pub fn face(model: &Model, triangle: usize) -> Vec3 {
+pub fn face_normal(model: &Model, triangle: usize) -> Vec3 {
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let [a, b, c] = model.mesh.triangles[triangle].map(|i| rest.positions[i as usize]);
     (b - a).cross(c - a)

@@ -65,7 +65,7 @@ impl<'a> Stage<'a> {
 const AUTO: Detail = Detail::Auto { bias: 1.0 };
 
 /// Returns the sum of opacities, and the mean linear luminance of the covered texels.
-fn figures(picture: &Picture) -> (f64, f64) {
+fn coverage_and_luminance(picture: &Picture) -> (f64, f64) {
     let (mut coverage, mut light) = (0.0, 0.0);
     for [r, g, b, a] in &picture.rgba {
         let [r, g, b] = [r, g, b].map(|v| f64::from(srgb_to_linear(*v)));
@@ -76,15 +76,15 @@ fn figures(picture: &Picture) -> (f64, f64) {
 }
 
 /// Returns the mean absolute difference of opacity over the covered area.
-fn outline(a: &Picture, b: &Picture) -> f64 {
+fn opacity_difference(a: &Picture, b: &Picture) -> f64 {
     let apart = a.rgba.iter().zip(&b.rgba).map(|(p, q)| f64::from(p[3].abs_diff(q[3])) / 255.0).sum::<f64>();
-    apart / figures(a).0
+    apart / coverage_and_luminance(a).0
 }
 
 /// Returns the relative differences of coverage and luminance from all layers, and the difference of the outline.
-fn apart(full: &Picture, other: &Picture) -> [f64; 3] {
-    let ((c0, l0), (c1, l1)) = (figures(full), figures(other));
-    [c1 / c0 - 1.0, l1 / l0 - 1.0, outline(full, other)]
+fn relative_differences(full: &Picture, other: &Picture) -> [f64; 3] {
+    let ((c0, l0), (c1, l1)) = (coverage_and_luminance(full), coverage_and_luminance(other));
+    [c1 / c0 - 1.0, l1 / l0 - 1.0, opacity_difference(full, other)]
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn levels_look_like_all_layers() {
         for distance in [1.0, 2.0, 4.0] {
             let full = stage.draw(distance, Detail::Full);
             let at = |stage: &mut Stage<'_>, level| {
-                let found = apart(&full, &stage.draw(distance, Detail::Level(level)));
+                let found = relative_differences(&full, &stage.draw(distance, Detail::Level(level)));
                 println!("{name} at {distance}, level {level}: {found:.4?}");
                 found
             };
@@ -124,7 +124,7 @@ fn levels_look_like_all_layers() {
 }
 
 /// Returns the largest FLIP between neighbouring frames while the camera moves away in small steps.
-fn popping(stage: &mut Stage<'_>, detail: Detail, steps: impl Iterator<Item = f32>) -> f64 {
+fn largest_flip_step(stage: &mut Stage<'_>, detail: Detail, steps: impl Iterator<Item = f32>) -> f64 {
     let opaque = |picture: Picture| {
         let texels = picture.rgba.iter().flat_map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
         image::RgbaImage::from_raw(SIZE.0, SIZE.1, texels).unwrap()
@@ -168,7 +168,7 @@ fn nothing_jumps_while_the_camera_goes_away() {
         let middles = [level.full_px, middle_px, level.gone_px].map(&mut find);
         let largest = |stage: &mut Stage<'_>, detail| {
             let steps = |at: f32| (-4..=4).map(move |i| at * 1.001f32.powi(i));
-            let found = middles.map(|at| popping(stage, detail, steps(at)));
+            let found = middles.map(|at| largest_flip_step(stage, detail, steps(at)));
             println!("beginning, middle and end: {found:.5?}");
             found.into_iter().fold(0.0, f64::max)
         };

@@ -8,7 +8,7 @@ use pelage_runtime::formats::{
 use pelage_runtime::{Renderer, RendererOptions};
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;
-use pelage_tests::mutate::lay_out::{lay_out, sections};
+use pelage_tests::mutate::assemble::{assemble, sections};
 use pelage_tests::support::ktx2;
 use pelage_tests::support::sphere::{SphereParams, package};
 use serde_json::Value;
@@ -37,7 +37,7 @@ fn damaged(tag: Tag, nth: usize, sealed: bool) -> Vec<u8> {
     let at = (0..list.len()).filter(|i| list[*i].0 == tag.0).nth(nth).unwrap();
     *list[at].1.last_mut().unwrap() ^= 0x80;
     if sealed {
-        return lay_out(version, &list);
+        return assemble(version, &list);
     }
     let section = Package::open(&good, &Limits::default()).unwrap().sections()[at];
     let mut bad = good.clone();
@@ -46,7 +46,7 @@ fn damaged(tag: Tag, nth: usize, sealed: bool) -> Vec<u8> {
 }
 
 /// Returns the sphere with wet hair whose directions have the given format.
-fn wet(format: TextureFormat) -> Vec<u8> {
+fn with_wet_format(format: TextureFormat) -> Vec<u8> {
     let good = sphere();
     let package = Package::open(&good, &Limits::default()).unwrap();
     let mut manifest = package.manifest().clone();
@@ -74,7 +74,7 @@ fn unused_texture() -> Vec<u8> {
         sections.fold(PackageWriter::new(manifest), |w, (i, s)| w.section(s.tag, package.section_bytes(i).unwrap()));
     let (version, mut list) = self::sections(&writer.texture(texture).finish().unwrap());
     list.last_mut().unwrap().1.fill(0);
-    lay_out(version, &list)
+    assemble(version, &list)
 }
 
 #[test]
@@ -90,12 +90,12 @@ fn what_validate_lets_pass_the_runtime_loads() {
         ("version 3", golden("v3.pelage"), 7, true),
         ("ink", golden("v3-ink.pelage"), 0, true),
         ("a sphere", sphere(), 0, true),
-        ("wet as dry", wet(TextureFormat::Rg8Unorm), 0, true),
+        ("wet as dry", with_wet_format(TextureFormat::Rg8Unorm), 0, true),
         ("an unused texture that is none", unused_texture(), 7, true),
         ("a texel more", damaged(Tag::TEXTURE, 0, true), 0, true),
         ("no mesh", nothing.finish().unwrap(), 7, false),
         ("no triangles", without_triangles.finish().unwrap(), 7, false),
-        ("wet unlike dry", wet(TextureFormat::Rgba8Unorm), 7, false),
+        ("wet unlike dry", with_wet_format(TextureFormat::Rgba8Unorm), 7, false),
         ("a damaged shell", damaged(Tag::TEXTURE, 0, false), 7, false),
         ("a damaged base colour", damaged(Tag::TEXTURE, 2, false), 7, false),
         ("a damaged mesh", damaged(Tag::MESH, 0, false), 7, false),

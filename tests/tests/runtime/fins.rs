@@ -10,7 +10,7 @@ use pelage_runtime::{
 use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::{ALPHA, with_fins};
-use pelage_tests::pictures::{counted, draw, draw_passes};
+use pelage_tests::pictures::{draw_with_statistics, draw, draw_passes};
 use pelage_tests::plane::plane;
 use pelage_tests::silhouette::half_to_f32;
 use pelage_tests::support::sphere::{self, SphereParams};
@@ -88,7 +88,7 @@ fn faded_fins_cost_no_fragments() {
         let targets = Canvas::new(&gpu, SIZE, &renderer.options().into());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frame = renderer.prepare(&mut encoder, &params(degrees), [&instance]).unwrap();
-        counted(&gpu, &targets, encoder, |pass| frame.draw_pass(PassId::FINS, pass)).fragments
+        draw_with_statistics(&gpu, &targets, encoder, |pass| frame.draw_pass(PassId::FINS, pass)).fragments
     };
     assert!(count(0.0) > 500, "the query counts");
     for degrees in [60.5, 75.0, 90.0, 100.0] {

@@ -13,7 +13,7 @@ use pelage_runtime::{
 use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::{straight_strands, with_fins, with_manifest, with_strands};
-use pelage_tests::pictures::{Counted, Picture, counted};
+use pelage_tests::pictures::{PipelineStatistics, Picture, draw_with_statistics};
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: (u32, u32) = (96, 96);
@@ -24,26 +24,26 @@ fn sphere() -> SphereParams {
 }
 
 /// Returns a furry sphere that bends, with a bare band and with fins on the rows of its first side.
-fn creature() -> Vec<u8> {
+fn furry_package() -> Vec<u8> {
     let row = |j: u32| (0..QUADS).map(move |i| (j * (QUADS + 1) + i, j * (QUADS + 1) + i + 1));
     let edges: Vec<_> = (0..=QUADS).flat_map(row).collect();
     with_fins(&package(&SphereParams { skeleton: true, bare_band: true, ..sphere() }), &edges)
 }
 
 /// Returns a package with strands.
-fn hairy() -> Vec<u8> {
+fn strand_package() -> Vec<u8> {
     let roots: Vec<_> = (0..16).map(|i| [(i % 4) as f32 / 4.0, (i / 4) as f32 / 4.0]).collect();
-    with_strands(&creature(), &straight_strands(&roots, 0.0, &[[0.1, 0.2, 1.0]; 16], 0.01))
+    with_strands(&furry_package(), &straight_strands(&roots, 0.0, &[[0.1, 0.2, 1.0]; 16], 0.01))
 }
 
 /// Returns a package with the ink style and strokes of fur, which bends too.
-fn inked() -> Vec<u8> {
+fn ink_package() -> Vec<u8> {
     package(&SphereParams { skeleton: true, ink: true, ..sphere() })
 }
 
 /// Returns a package with levels of detail and a far coat: its outermost layer.
-fn detailed() -> Vec<u8> {
-    with_manifest(&creature(), |manifest| {
+fn detail_package() -> Vec<u8> {
+    with_manifest(&furry_package(), |manifest| {
         manifest.fur.layers -= 1;
         manifest.coat = Some(FarLayerInfo { height: 0.5, ambient_height: 0.5, light_straight: 0.5, light_slanted: 0.2 });
         let level = |step, full_px, gone_px, fins, density| DetailLevel { step, full_px, gone_px, fins, density };
@@ -77,7 +77,7 @@ fn lit_from(params: FrameParams, towards_light: Vec3) -> FrameParams {
     params.with(|p| p.light = Light::Directional { towards_light, color: Vec3::ONE })
 }
 
-fn aside(x: f32) -> Mat4 {
+fn shifted_along_x(x: f32) -> Mat4 {
     Mat4::from_translation(Vec3::X * x)
 }
 
@@ -138,7 +138,7 @@ fn read(gpu: &Gpu, targets: &Canvas) -> Picture {
 }
 
 /// Draws a package with a fresh renderer.
-fn alone(gpu: &Gpu, package: &[u8], params: &FrameParams, place: impl Fn(Instance) -> Instance) -> Picture {
+fn draw_fresh(gpu: &Gpu, package: &[u8], params: &FrameParams, place: impl Fn(Instance) -> Instance) -> Picture {
     let mut stage = Stage::new(gpu);
     let model = stage.load(package);
     stage.present(params, [place(Instance::new(0, &model))]);
@@ -155,7 +155,7 @@ fn reason(report: &FrameReport, id: PassId) -> &str {
 
 /// Opens a separate device for the test, so that no other test's poll can consume and delay the completion of a
 /// submission.
-fn own(features: wgpu::Features) -> Gpu {
+fn separate_device(features: wgpu::Features) -> Gpu {
     Gpu::with(features, Some(wgpu::Limits::default())).unwrap()
 }
 
@@ -164,19 +164,19 @@ fn a_frame_in_which_nothing_is_new_makes_nothing() {
     if gpu("a_frame_in_which_nothing_is_new_makes_nothing").is_none() {
         return;
     }
-    let gpu = own(wgpu::Features::empty());
+    let gpu = separate_device(wgpu::Features::empty());
     let front = from(Vec3::new(-0.3, 0.35, 1.0));
     for (name, package, params) in [
-        ("fur", creature(), front.clone()),
-        ("levels of detail", detailed(), front.clone().with_fur(|f| f.detail = Detail::Auto { bias: 0.2 })),
-        ("strands", hairy(), in_strands(front.clone())),
-        ("skin", creature(), front.clone().with(|p| p.style = Style::Bare)),
-        ("ink", inked(), in_ink(front.clone())),
+        ("fur", furry_package(), front.clone()),
+        ("levels of detail", detail_package(), front.clone().with_fur(|f| f.detail = Detail::Auto { bias: 0.2 })),
+        ("strands", strand_package(), in_strands(front.clone())),
+        ("skin", furry_package(), front.clone().with(|p| p.style = Style::Bare)),
+        ("ink", ink_package(), in_ink(front.clone())),
     ] {
         let mut stage = Stage::new(&gpu);
         let model = stage.load(&package);
         let still =
-            [Instance::new(3, &model).at(aside(-0.05)).moving(bend(0.3)), Instance::new(8, &model).at(aside(0.05))];
+            [Instance::new(3, &model).at(shifted_along_x(-0.05)).moving(bend(0.3)), Instance::new(8, &model).at(shifted_along_x(0.05))];
         let reports: Vec<_> = (0..6).map(|_| stage.present(&params, &still)).collect();
         let CreatedObjects { buffers, textures, bind_groups, pipelines, .. } = reports[0].created;
         assert!(buffers > 0 && textures > 0 && bind_groups > 0 && pipelines > 0, "{name}: {:?}", reports[0].created);
@@ -198,7 +198,7 @@ fn a_frame_in_which_nothing_is_new_makes_nothing() {
             let angle = std::f32::consts::TAU * time_s;
             let camera = from(Vec3::new(angle.sin(), 0.3, angle.cos())).camera;
             let params = lit_from(params.clone().with(|p| p.camera = camera), Vec3::new(angle.cos(), 1.0, angle.sin()));
-            let moving = (0..2).map(|k| Instance::new(3 + 5 * k, &model).at(aside(-0.05)).moving(bend(time_s)));
+            let moving = (0..2).map(|k| Instance::new(3 + 5 * k, &model).at(shifted_along_x(-0.05)).moving(bend(time_s)));
             let report = stage.present(&params, moving);
             assert!(ran(&report, PassId::POSE) && report.uploaded_bytes > 0, "{name}, moving frame {number}");
             if number >= 6 {
@@ -215,11 +215,11 @@ fn frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone() {
     let left = lit_from(from(Vec3::new(-0.3, 0.35, 1.0)), Vec3::new(-1.0, 1.0, 0.3));
     let right = lit_from(from(Vec3::new(1.0, 0.2, 0.1)), Vec3::new(0.2, 0.4, 1.0));
     for (name, package, views) in [
-        ("fur", creature(), [left.clone(), right.clone()]),
-        ("strands", hairy(), [left.clone(), right.clone()].map(in_strands)),
-        ("ink", inked(), [left, right].map(in_ink)),
+        ("fur", furry_package(), [left.clone(), right.clone()]),
+        ("strands", strand_package(), [left.clone(), right.clone()].map(in_strands)),
+        ("ink", ink_package(), [left, right].map(in_ink)),
     ] {
-        let expected = views.each_ref().map(|view| alone(gpu, &package, view, |one| one.moving(bend(0.4))));
+        let expected = views.each_ref().map(|view| draw_fresh(gpu, &package, view, |one| one.moving(bend(0.4))));
         assert_ne!(expected[0], expected[1], "{name}: both views show the same");
 
         let mut stage = Stage::new(gpu);
@@ -256,10 +256,10 @@ fn frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone() {
 #[test]
 fn a_dropped_encoder_loses_nothing() {
     let Some(gpu) = gpu("a_dropped_encoder_loses_nothing") else { return };
-    let bytes = creature();
+    let bytes = furry_package();
     let before = from(Vec3::new(-0.3, 0.35, 1.0));
     let after = lit_from(before.clone(), Vec3::new(1.0, 0.5, 0.2));
-    let expected = alone(gpu, &bytes, &after, |one| one.moving(bend(0.5)));
+    let expected = draw_fresh(gpu, &bytes, &after, |one| one.moving(bend(0.5)));
     let passes = [PassId::POSE, PassId::LAYER_SHADOW, PassId::SHADOW_WIDTH];
     // All combinations: first or later frame; dropped as an encoder or as commands that were never submitted; dropped
     // before or after the frame.
@@ -299,17 +299,17 @@ fn who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it() {
     if gpu("who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it").is_none() {
         return;
     }
-    let gpu = own(wgpu::Features::PIPELINE_STATISTICS_QUERY);
+    let gpu = separate_device(wgpu::Features::PIPELINE_STATISTICS_QUERY);
     let mut stage = Stage::new(&gpu);
-    let model = stage.load(&creature());
+    let model = stage.load(&furry_package());
     // Between the light and the visible instance.
     let towards_light = Vec3::new(-1.0, 0.05, 0.5).normalize();
     let between = Mat4::from_translation(0.6 * towards_light);
     let (seen, outside) = (Instance::new(0, &model), Instance::new(1, &model).at(between));
     let params = lit_from(from(Vec3::Z), towards_light);
-    let count = |stage: &mut Stage<'_>, instances: &[&Instance]| -> (FrameReport, Counted) {
+    let count = |stage: &mut Stage<'_>, instances: &[&Instance]| -> (FrameReport, PipelineStatistics) {
         let (encoder, frame) = stage.prepare(&params, instances.iter().copied());
-        (frame.report().clone(), counted(&gpu, &stage.targets, encoder, |pass| frame.draw(pass)))
+        (frame.report().clone(), draw_with_statistics(&gpu, &stage.targets, encoder, |pass| frame.draw(pass)))
     };
     let (report, one) = count(&mut stage, &[&seen]);
     assert!(report.instances[0].in_picture && one.vertices > 1000 && one.fragments > 1000, "{one:?}");
@@ -323,7 +323,7 @@ fn who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it() {
     assert_eq!(shaded.covered(), unshaded.covered());
 
     let (report, none) = count(&mut stage, &[&outside]);
-    assert_eq!(none, Counted { vertices: 0, fragments: 0 });
+    assert_eq!(none, PipelineStatistics { vertices: 0, fragments: 0 });
     for id in [PassId::SKIN, PassId::FINS, PassId::SHELLS] {
         assert!(!ran(&report, id) && reason(&report, id) == "nothing is in the picture", "{id:?}: {report:?}");
     }
@@ -357,7 +357,7 @@ fn what_is_left_out_could_not_be_seen() {
         let plain = FrameParams::new(camera, SIZE.into())
             .with(|p| p.soft_shadow = false)
             .with_fur(|f| f.self_shadow = SelfShadow::Off);
-        for (package, params) in [(creature(), plain.clone()), (inked(), in_ink(plain))] {
+        for (package, params) in [(furry_package(), plain.clone()), (ink_package(), in_ink(plain))] {
             let model = renderer.load_bytes(&package).unwrap();
             let world_from_view = camera.view_from_world.inverse();
             for way in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
@@ -397,11 +397,11 @@ fn owners_keep_what_is_theirs() {
     let Some(gpu) = gpu("owners_keep_what_is_theirs") else { return };
     let mut stage = Stage::new(gpu);
     let params = from(Vec3::new(-0.3, 0.35, 1.0));
-    let (bending, plain) = (creature(), package(&SphereParams { quads: 11, stripes: true, ..sphere() }));
+    let (bending, plain) = (furry_package(), package(&SphereParams { quads: 11, stripes: true, ..sphere() }));
     let (bending_model, plain_model) = (stage.load(&bending), stage.load(&plain));
 
     // A duplicate owner number is an error and changes nothing.
-    let twins = [Instance::new(7, &bending_model), Instance::new(7, &plain_model).at(aside(0.1))];
+    let twins = [Instance::new(7, &bending_model), Instance::new(7, &plain_model).at(shifted_along_x(0.1))];
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let error = stage.renderer.prepare(&mut encoder, &params, &twins).unwrap_err().to_string();
     assert!(error.contains("Instance::owner") && error.contains('7') && error.contains("twice"), "{error}");
@@ -409,7 +409,7 @@ fn owners_keep_what_is_theirs() {
 
     // An instance that changes its model and changes back is drawn as if it had never had another.
     let [bent, still] = [(&bending, bend(0.5)), (&plain, Motion::Rest)]
-        .map(|(package, motion)| alone(gpu, package, &params, |one| one.moving(motion.clone())));
+        .map(|(package, motion)| draw_fresh(gpu, package, &params, |one| one.moving(motion.clone())));
     assert_ne!(bent, still);
     for _ in 0..2 {
         stage.present(&params, [Instance::new(7, &bending_model).moving(bend(0.5))]);
@@ -421,7 +421,7 @@ fn owners_keep_what_is_theirs() {
     }
 
     // Passed as an iterator, as a vector, and by reference: the same picture, whatever the owner numbers.
-    let place = |k: u64| Instance::new(k, &bending_model).at(aside(0.05 * k as f32)).moving(bend(0.2 * k as f32));
+    let place = |k: u64| Instance::new(k, &bending_model).at(shifted_along_x(0.05 * k as f32)).moving(bend(0.2 * k as f32));
     stage.present(&params, (0..3).map(place));
     let three = stage.picture();
     let one_owner = stage.renderer.owners_gpu_bytes() / 3;
@@ -471,7 +471,7 @@ fn a_crowd_is_drawn_as_in_smaller_frames() {
     for (name, params) in [("fur", fur), ("ink", ink)] {
         let pictures = [400, 50].map(|at_once: u64| {
             let mut stage = Stage::new(gpu);
-            let model = stage.load(&inked());
+            let model = stage.load(&ink_package());
             let place = |k: u64| {
                 let [column, row] = [k % 20, k / 20].map(|n| 0.4 * (n as f32 - 9.5));
                 let place = Mat4::from_translation(Vec3::new(column, row, 0.0));
@@ -513,10 +513,10 @@ fn prepared_pipelines_are_all_that_the_first_frame_needs() {
     let front = from(Vec3::new(-0.3, 0.35, 1.0));
     let filled = front.clone().with(|p| p.fill_lights = vec![Light::default()]);
     for (name, package, params) in [
-        ("fur", creature(), front.clone()),
-        ("fur in two lights", creature(), filled),
-        ("skin", creature(), front.clone().with(|p| p.style = Style::Bare)),
-        ("ink", inked(), in_ink(front.clone())),
+        ("fur", furry_package(), front.clone()),
+        ("fur in two lights", furry_package(), filled),
+        ("skin", furry_package(), front.clone().with(|p| p.style = Style::Bare)),
+        ("ink", ink_package(), in_ink(front.clone())),
     ] {
         let mut stage = Stage::new(gpu);
         let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.3));
@@ -536,7 +536,7 @@ fn prepared_pipelines_are_all_that_the_first_frame_needs() {
     // Every level of detail, alone and beside a near instance.
     let auto = front.clone().with_fur(|f| f.detail = Detail::Auto { bias: 1.0 });
     let mut stage = Stage::new(gpu);
-    let model = stage.load(&detailed());
+    let model = stage.load(&detail_package());
     stage.renderer.prepare_pipelines(&model, &auto).unwrap();
     let (mut levels, mut faded) = ([false; 3], 0);
     for step in 0..60 {
@@ -562,7 +562,7 @@ fn a_model_of_other_shading_shares_what_is_on_the_device() {
     let Some(gpu) = gpu("a_model_of_other_shading_shares_what_is_on_the_device") else { return };
     let shiny = Shading { specular: [0.9; 3], ..Shading::default() };
     let mut stage = Stage::new(gpu);
-    let mut creature = Instance::new(0, &stage.load(&creature())).moving(bend(0.3));
+    let mut creature = Instance::new(0, &stage.load(&furry_package())).moving(bend(0.3));
     let plain = from(Vec3::new(-0.3, 0.35, 1.0));
     stage.present(&plain.clone().with(|p| p.shading = Some(shiny)), [&creature]);
     let asked = stage.picture();
@@ -580,7 +580,7 @@ fn a_model_of_other_shading_shares_what_is_on_the_device() {
 fn moments_of_clips_lie_over_each_other_and_faulty_ones_are_refused() {
     let Some(gpu) = gpu("moments_of_clips_lie_over_each_other_and_faulty_ones_are_refused") else { return };
     let mut stage = Stage::new(gpu);
-    let creature = Instance::new(0, &stage.load(&creature()));
+    let creature = Instance::new(0, &stage.load(&furry_package()));
     let params = from(Vec3::new(-0.3, 0.35, 1.0));
     let layer = ClipLayer { clip: Some(0), time_s: 0.3, share: 1.0 };
     let mut drawn = |motion| {
@@ -611,10 +611,10 @@ fn preparing_pipelines_between_frames_disturbs_none() {
     if gpu("preparing_pipelines_between_frames_disturbs_none").is_none() {
         return;
     }
-    let gpu = own(wgpu::Features::empty());
+    let gpu = separate_device(wgpu::Features::empty());
     let params = from(Vec3::new(-0.3, 0.35, 1.0));
     let mut stage = Stage::new(&gpu);
-    let creature = Instance::new(0, &stage.load(&inked())).moving(bend(0.3));
+    let creature = Instance::new(0, &stage.load(&ink_package())).moving(bend(0.3));
     for _ in 0..3 {
         stage.present(&params, [&creature]);
     }
@@ -636,17 +636,17 @@ fn two_views_of_one_submission_make_nothing_either() {
     if gpu("two_views_of_one_submission_make_nothing_either").is_none() {
         return;
     }
-    let gpu = own(wgpu::Features::empty());
+    let gpu = separate_device(wgpu::Features::empty());
     let near = from(Vec3::new(-0.3, 0.35, 1.0));
     let far = |params: FrameParams| params.with(|p| p.camera = Camera::framing(Vec3::ZERO, 3.0, Vec3::X, 0.6, 1.0));
     let auto = near.clone().with_fur(|fur| fur.detail = Detail::Auto { bias: 0.3 });
     let small = |params: FrameParams| params.with(|p| p.viewport = [40, 30]);
     for (name, package, views) in [
-        ("two lights", creature(), [near.clone(), lit_from(near.clone(), Vec3::new(-1.0, 1.0, 0.3))]),
-        ("near and far", detailed(), [auto.clone(), far(auto)]),
-        ("strands near and far", hairy(), [in_strands(near.clone()), in_strands(far(near.clone()))]),
-        ("ink", inked(), [in_ink(near.clone()), in_ink(far(near.clone()))]),
-        ("ink of two sizes", inked(), [in_ink(near.clone()), small(in_ink(near))]),
+        ("two lights", furry_package(), [near.clone(), lit_from(near.clone(), Vec3::new(-1.0, 1.0, 0.3))]),
+        ("near and far", detail_package(), [auto.clone(), far(auto)]),
+        ("strands near and far", strand_package(), [in_strands(near.clone()), in_strands(far(near.clone()))]),
+        ("ink", ink_package(), [in_ink(near.clone()), in_ink(far(near.clone()))]),
+        ("ink of two sizes", ink_package(), [in_ink(near.clone()), small(in_ink(near))]),
     ] {
         for kept in [true, false] {
             let mut stage = Stage::new(&gpu);
@@ -677,11 +677,11 @@ fn a_mark_may_submit_what_is_recorded() {
     let Some(gpu) = gpu("a_mark_may_submit_what_is_recorded") else { return };
     let front = from(Vec3::new(-0.3, 0.35, 1.0));
     for (name, package, params) in [
-        ("fur", creature(), front.clone()),
-        ("strands", hairy(), in_strands(front.clone())),
-        ("ink", inked(), in_ink(front)),
+        ("fur", furry_package(), front.clone()),
+        ("strands", strand_package(), in_strands(front.clone())),
+        ("ink", ink_package(), in_ink(front)),
     ] {
-        let expected = alone(gpu, &package, &params, |one| one.moving(bend(0.4)));
+        let expected = draw_fresh(gpu, &package, &params, |one| one.moving(bend(0.4)));
         let mut stage = Stage::new(gpu);
         let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.4));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -706,12 +706,12 @@ fn a_growing_herd_makes_few_buffers() {
     if gpu("a_growing_herd_makes_few_buffers").is_none() {
         return;
     }
-    let gpu = own(wgpu::Features::empty());
+    let gpu = separate_device(wgpu::Features::empty());
     let mut stage = Stage::new(&gpu);
     let model = stage.load(&package(&SphereParams { quads: 2, ..sphere() }));
     // Outside the picture: only the instance data counts, not the drawing.
     let params = from(Vec3::Z).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off);
-    let far = |k: u64| Instance::new(k, &model).at(aside(50.0 + k as f32));
+    let far = |k: u64| Instance::new(k, &model).at(shifted_along_x(50.0 + k as f32));
     let mut buffers = 0;
     for count in (240..900).step_by(4) {
         buffers += stage.present(&params, (0..count).map(far)).created.buffers;

@@ -23,7 +23,7 @@ fn sphere() -> Vec<u8> {
 }
 
 /// Returns the positions and triangles of a package.
-fn skin(bytes: &[u8]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+fn positions_and_triangles(bytes: &[u8]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let opened = Package::open(bytes, &Limits::default()).unwrap();
     let mesh = opened.mesh().unwrap().unwrap().to_data();
     let triangles = mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
@@ -85,7 +85,7 @@ fn ball() -> Capsule {
 fn hair_at_rest_costs_nothing_and_is_as_it_was_groomed() {
     let Some(gpu) = gpu("hair_at_rest_costs_nothing_and_is_as_it_was_groomed") else { return };
     let bytes = sphere();
-    let count = skin(&bytes).1.len() as u32;
+    let count = positions_and_triangles(&bytes).1.len() as u32;
     let motion = HairMotion { groups: vec![MOTION], freedom: vec![Vec::new()], colliders: Vec::new() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&with_hair(&bytes, group(count, straight), Some(motion))).unwrap();

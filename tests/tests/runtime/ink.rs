@@ -37,7 +37,7 @@ fn with(change: impl FnOnce(&mut InkParams, &mut Study, &mut DebugView)) -> Fram
     params
 }
 
-fn painted(gpu: &Gpu, params: &FrameParams, sphere: &SphereParams) -> Picture {
+fn draw_package(gpu: &Gpu, params: &FrameParams, sphere: &SphereParams) -> Picture {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(&package(sphere)).unwrap());
     draw(gpu, &mut renderer, params, &[&instance])
@@ -52,7 +52,7 @@ fn dark(picture: &Picture) -> Vec<(u32, u32)> {
 #[test]
 fn lines_stand_on_the_outline_as_wide_as_asked() {
     let Some(gpu) = gpu("lines_stand_on_the_outline_as_wide_as_asked") else { return };
-    let features = dark(&painted(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Features), &sphere()));
+    let features = dark(&draw_package(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Features), &sphere()));
     // The camera frames a radius of 0.13, the sphere has a radius of 0.1.
     let middle = 0.5 * SIZE.0 as f32 - 0.5;
     let place = |(x, y): &(u32, u32)| ((*x as f32 - middle).powi(2) + (*y as f32 - middle).powi(2)).sqrt();
@@ -66,7 +66,7 @@ fn lines_stand_on_the_outline_as_wide_as_asked() {
         let shown = with(|ink, _, debug| {
             (debug.ink, ink.width, ink.swell) = (InkDebugView::Lines, LineWidth::Pixels(width), 4.0);
         });
-        dark(&painted(gpu, &shown, &sphere()))
+        dark(&draw_package(gpu, &shown, &sphere()))
     };
     for width in [4.0f32, 8.0, 16.0] {
         let lines = lines(width);
@@ -76,7 +76,7 @@ fn lines_stand_on_the_outline_as_wide_as_asked() {
     }
     let templated = lines(6.0).len();
     let free = with(|ink, study, debug| (debug.ink, study.template, ink.swell) = (InkDebugView::Lines, false, 4.0));
-    assert!(dark(&painted(gpu, &free, &sphere())).len() > 2 * templated, "without template the rim fills");
+    assert!(dark(&draw_package(gpu, &free, &sphere())).len() > 2 * templated, "without template the rim fills");
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn edges_of_lines_are_soft_and_specks_are_left_out() {
     let Some(gpu) = gpu("edges_of_lines_are_soft_and_specks_are_left_out") else { return };
     let between = |printed: bool| {
         let shown = with(|_, study, debug| (debug.ink, study.printed_lines) = (InkDebugView::Lines, printed));
-        let lines = painted(gpu, &shown, &sphere());
+        let lines = draw_package(gpu, &shown, &sphere());
         lines.rgba.iter().filter(|p| (1..255).contains(&p[0])).count()
     };
     assert!(between(false) > 200, "lines have hard edges");
@@ -113,7 +113,7 @@ fn lines_in_metres_are_thinner_with_distance() {
         let mut params = with(|ink, _, debug| (debug.ink, ink.width) = (InkDebugView::Lines, width));
         let projection = Projection::Perspective { fov_y_rad: 0.6, aspect: 1.0, near_m: 0.01, far_m: 10.0 };
         params.camera = Camera::look_at(Vec3::Z * distance, Vec3::ZERO, projection);
-        dark(&painted(gpu, &params, &sphere())).len() as f32
+        dark(&draw_package(gpu, &params, &sphere())).len() as f32
     };
     // At twice the distance the perimeter is half; the width is half only in metres.
     let metres = area(0.45, LineWidth::Metres(0.012)) / area(0.9, LineWidth::Metres(0.012));
@@ -124,7 +124,7 @@ fn lines_in_metres_are_thinner_with_distance() {
 #[test]
 fn the_wash_fades_from_its_centre_and_blank_paper_stays() {
     let Some(gpu) = gpu("the_wash_fades_from_its_centre_and_blank_paper_stays") else { return };
-    let picture = painted(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Wash), &sphere());
+    let picture = draw_package(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Wash), &sphere());
     let mean = |rows: std::ops::Range<u32>| {
         let texel = |y: u32| f64::from(picture.rgba[(y * SIZE.0 + SIZE.0 / 2) as usize][0]);
         rows.clone().map(texel).sum::<f64>() / rows.len() as f64
@@ -144,7 +144,7 @@ fn wash_over_grain(gpu: &Gpu, grey: f32) -> [f32; 2] {
             InkShading { wash_speed: 0.0, wash_range: grey, grain: 0.0, tone: 0.0, fur: 0.0, ..Default::default() };
         ink.shading = Some(even);
     });
-    let picture = painted(gpu, &params, &sphere());
+    let picture = draw_package(gpu, &params, &sphere());
     let inside = (60..100).flat_map(|y| (60..100).map(move |x| (y * SIZE.0 + x) as usize));
     let greys: Vec<f32> = inside.map(|i| f32::from(picture.rgba[i][0]) / 255.0).collect();
     [greys.iter().copied().fold(0.0, f32::max), greys.iter().copied().fold(1.0, f32::min)]
@@ -280,11 +280,11 @@ fn the_printed_sphere_map_knows_no_outline() {
         let params = with(|ink, study, debug| {
             (debug.ink, study.template, study.sphere_map, ink.swell) = (InkDebugView::Lines, false, form, 2.0);
         });
-        dark(&painted(gpu, &params, &sphere())).len()
+        dark(&draw_package(gpu, &params, &sphere())).len()
     };
     let [safe, reflected, printed] =
         [SphereMapForm::Perpendicular, SphereMapForm::Reflection, SphereMapForm::Printed].map(shown);
-    let features = dark(&painted(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Lines), &sphere())).len();
+    let features = dark(&draw_package(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Lines), &sphere())).len();
     assert!(safe > features && reflected > 0, "safe {safe}, reflected {reflected}");
     // All normals map to one point: no rim remains, only the features.
     assert!(printed < safe, "printed {printed}, safe {safe}");
@@ -320,7 +320,7 @@ fn strokes_of_fur_stand_over_the_outline() {
             ink.shading = Some(InkShading { fur, line: 0.0, tone: 0.0, ..Default::default() });
             ink.background = InkBackground::Picture;
         });
-        painted(gpu, &params, &sphere())
+        draw_package(gpu, &params, &sphere())
     };
     let (bald, hairy) = (furry(0.0), furry(1.0));
     assert!(hairy.covered() > bald.covered() + 100, "{} and {} covered", hairy.covered(), bald.covered());

@@ -26,12 +26,12 @@ use std::path::{Path, PathBuf};
 const QUICK: [&str; 4] = ["slice.layers=4", "slice.tile_texels=64", "fins.enabled=false", "hair.density=50"];
 
 /// Returns the path of the project's own model with the given name.
-fn own(name: &str) -> PathBuf {
+fn built_in_model(name: &str) -> PathBuf {
     workspace().join(format!("assets/models/{name}.glb"))
 }
 
 /// Returns a model of the test data for the named test.
-fn shared(test: &str, path: &str) -> Option<PathBuf> {
+fn data_model(test: &str, path: &str) -> Option<PathBuf> {
     data(test).map(|data| data.join("meshes").join(path))
 }
 
@@ -42,7 +42,7 @@ fn chart(model: &Path, rows: &str) -> Vec<Value> {
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
     args.extend(plain.iter().chain(&QUICK).flat_map(|set| ["--set", set]));
     let run = sandbox.run(&args);
-    schema::done(&run, "chart")["rows"].as_array().unwrap().clone()
+    schema::parse_success(&run, "chart")["rows"].as_array().unwrap().clone()
 }
 
 fn number(row: &Value, column: &str) -> f64 {
@@ -53,7 +53,7 @@ fn number(row: &Value, column: &str) -> f64 {
 const BAR: f64 = 0.9;
 
 #[track_caller]
-fn lines_are_those_of_the_mesh(model: &Path) {
+fn assert_lines_match_mesh(model: &Path) {
     let name = model.file_stem().unwrap().to_string_lossy().into_owned();
     let rows = chart(model, "1");
     let (precision, recall) = (number(&rows[0], "precision"), number(&rows[0], "recall"));
@@ -67,7 +67,7 @@ fn lines_of_the_projects_own_models() {
     if gpu("lines_of_the_projects_own_models").is_none() {
         return;
     }
-    ["hare", "knot"].iter().for_each(|name| lines_are_those_of_the_mesh(&own(name)));
+    ["hare", "knot"].iter().for_each(|name| assert_lines_match_mesh(&built_in_model(name)));
 }
 
 #[test]
@@ -76,8 +76,8 @@ fn lines_of_well_known_meshes() {
         return;
     }
     for path in ["static/bunny.obj", "skinned/quaternius_Cow.glb", "skinned/quaternius_Horse.glb"] {
-        let Some(model) = shared("lines_of_well_known_meshes", path) else { return };
-        lines_are_those_of_the_mesh(&model);
+        let Some(model) = data_model("lines_of_well_known_meshes", path) else { return };
+        assert_lines_match_mesh(&model);
     }
 }
 
@@ -90,7 +90,7 @@ fn the_printed_rule_misses_the_lines() {
     }
     let printed = pelage_lab::chart::ink::configurations();
     let index = printed.iter().position(|c| c.series == "as printed").unwrap();
-    let rows = chart(&own("hare"), &(index + 1).to_string());
+    let rows = chart(&built_in_model("hare"), &(index + 1).to_string());
     assert_eq!((&rows[0]["series"], &rows[0]["rule"]), (&"as printed".into(), &"all".into()));
     let recall = number(&rows[0], "recall");
     println!("as printed: recall {recall:.3}");
@@ -98,7 +98,7 @@ fn the_printed_rule_misses_the_lines() {
 }
 
 /// Offscreen renderer of ink.
-struct Brush {
+struct InkRenderer {
     gpu: &'static Gpu,
     renderer: Renderer,
     size: (u32, u32),
@@ -106,7 +106,7 @@ struct Brush {
 
 const FOV_Y_RAD: f32 = 0.5;
 
-impl Brush {
+impl InkRenderer {
     fn new(gpu: &'static Gpu, size: (u32, u32)) -> Self {
         let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
         Self { gpu, renderer, size }
@@ -132,7 +132,7 @@ impl Brush {
 /// Returns the widest stroke of a package from 24 sides, pixels: with the sphere map alone, and with our template.
 ///
 /// * `towards`: centre and radius of the framed sphere and direction of the camera, for an angle in radians
-fn widest(brush: &mut Brush, package: &[u8], towards: impl Fn(f32) -> (Vec3, f32, Vec3)) -> [f64; 2] {
+fn widest(brush: &mut InkRenderer, package: &[u8], towards: impl Fn(f32) -> (Vec3, f32, Vec3)) -> [f64; 2] {
     let instance = Instance::new(0, &brush.renderer.load_bytes(package).unwrap());
     let mut most = [0.0f64; 2];
     for view in 0..24 {
@@ -155,7 +155,7 @@ fn bounds(package: &[u8]) -> (Vec3, f32) {
 
 /// Asserts that no stroke is wider than the template, and that the sphere map alone exceeds it (Fang 2006, Fig. 3).
 #[track_caller]
-fn strokes_stay_strokes(name: &str, [alone, ours]: [f64; 2], template: f64) {
+fn assert_width_limited(name: &str, [alone, ours]: [f64; 2], template: f64) {
     println!("{name}: widest stroke {ours:.1} px, template {template:.1} px, sphere map alone {alone:.1} px");
     assert!(ours <= template, "{name}: {ours} px, template {template} px");
     assert!(alone >= 2.0 * template, "{name}: the sphere map alone makes {alone} px, template {template} px");
@@ -164,24 +164,24 @@ fn strokes_stay_strokes(name: &str, [alone, ours]: [f64; 2], template: f64) {
 #[test]
 fn strokes_are_no_wider_than_the_template() {
     let Some(gpu) = gpu("strokes_are_no_wider_than_the_template") else { return };
-    let mut brush = Brush::new(gpu, (300, 300));
-    let hare = bake_plain(&own("hare"), Some("assets/recipes/hare.toml"), &QUICK);
+    let mut brush = InkRenderer::new(gpu, (300, 300));
+    let hare = bake_plain(&built_in_model("hare"), Some("assets/recipes/hare.toml"), &QUICK);
     let (center, radius) = bounds(&hare);
     let template = template_px(&InkParams::default(), brush.size.1);
     // The ears: the top fifth of the hare.
     let ears = center + vec3(0.0, 0.62 * radius, 0.0);
     let found = widest(&mut brush, &hare, |turn| (ears, 0.3 * radius, vec3(turn.sin(), 0.1, turn.cos())));
-    strokes_stay_strokes("hare's ears", found, template);
-    if let Some(model) = shared("strokes_are_no_wider_than_the_template", "static/bunny.obj") {
+    assert_width_limited("hare's ears", found, template);
+    if let Some(model) = data_model("strokes_are_no_wider_than_the_template", "static/bunny.obj") {
         let bunny = bake_plain(&model, None, &QUICK);
         let (center, radius) = bounds(&bunny);
         let found = widest(&mut brush, &bunny, |turn| (center, radius, vec3(turn.sin(), 0.2, turn.cos())));
-        strokes_stay_strokes("bunny", found, template);
+        assert_width_limited("bunny", found, template);
     }
 }
 
 /// Returns the flicker of a model that walks past, frame by frame, with the given anchoring of wash and lines.
-fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> Flicker {
+fn walk_flicker(brush: &mut InkRenderer, package: &[u8], clip: &str, anchoring: Anchoring) -> Flicker {
     let opened = Package::open(package, &Limits::default()).unwrap();
     let animation = opened.animation().unwrap().unwrap();
     let names: Vec<_> = animation.clips.iter().map(|c| &c.name).collect();
@@ -223,15 +223,15 @@ fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> 
 #[test]
 fn wash_and_lines_move_with_the_model() {
     let Some(gpu) = gpu("wash_and_lines_move_with_the_model") else { return };
-    let mut walkers = vec![("ox", own("ox"), Some("assets/recipes/ox.toml"))];
+    let mut walkers = vec![("ox", built_in_model("ox"), Some("assets/recipes/ox.toml"))];
     walkers.extend(
-        shared("wash_and_lines_move_with_the_model", "skinned/quaternius_Horse.glb")
+        data_model("wash_and_lines_move_with_the_model", "skinned/quaternius_Horse.glb")
             .map(|model| ("horse", model, None)),
     );
-    let mut brush = Brush::new(gpu, (834, 424));
+    let mut brush = InkRenderer::new(gpu, (834, 424));
     for (name, model, recipe) in walkers {
         let package = bake_plain(&model, recipe, &QUICK);
-        let [ours, naive] = [Anchoring::Surface, Anchoring::Screen].map(|a| walk(&mut brush, &package, "Walk", a));
+        let [ours, naive] = [Anchoring::Surface, Anchoring::Screen].map(|a| walk_flicker(&mut brush, &package, "Walk", a));
         let both = |of: fn(&Flicker) -> MeanOf| [&ours, &naive].map(|flicker| of(flicker).mean().unwrap());
         let [all, wash, lines] = [both(|f| f.surface), both(|f| f.wash), both(|f| f.lines)];
         println!("{name}: flicker on the model and on the screen: {all:.4?}, of wash {wash:.4?}, of lines {lines:.4?}");

@@ -14,7 +14,7 @@ use pelage_tests::binary::workspace;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{draw, draw_passes};
 use pelage_tests::silhouette::bake_plain;
-use pelage_tests::strokes::{Specks, adrift, specks};
+use pelage_tests::specks::{Specks, detached_px, specks};
 use std::path::PathBuf;
 
 const SIZE: (u32, u32) = (834, 424);
@@ -22,12 +22,12 @@ const SIZE: (u32, u32) = (834, 424);
 const VIEWS: u32 = 6;
 
 /// Returns the path of the project's own model with the given name.
-fn own(name: &str) -> PathBuf {
+fn built_in_model(name: &str) -> PathBuf {
     workspace().join(format!("assets/models/{name}.glb"))
 }
 
 /// Returns a model of the test data for the named test.
-fn shared(test: &str, path: &str) -> Option<PathBuf> {
+fn data_model(test: &str, path: &str) -> Option<PathBuf> {
     data(test).map(|data| data.join("meshes").join(path))
 }
 
@@ -55,7 +55,7 @@ fn short_lines(gpu: &Gpu, package: &[u8]) -> Specks {
         let params = params.with(|p| p.debug.ink = InkDebugView::Lines);
         let texels = draw_passes(gpu, &mut renderer, &params, &[&instance], &[PassId::INK_COMPOSITE]);
         let pixels = texels.chunks_exact(4).map(|p| p[0] < 188).collect();
-        found = found.joined(specks(&Mask { width: SIZE.0, height: SIZE.1, pixels }, shorter_than_px));
+        found = found.sum(specks(&Mask { width: SIZE.0, height: SIZE.1, pixels }, shorter_than_px));
     }
     found
 }
@@ -63,11 +63,11 @@ fn short_lines(gpu: &Gpu, package: &[u8]) -> Specks {
 #[test]
 fn lines_of_dense_scans_are_no_specks() {
     let Some(gpu) = gpu("lines_of_dense_scans_are_no_specks") else { return };
-    let mut models = vec![("hare", own("hare"), Some("assets/recipes/hare.toml"), 14.0)];
+    let mut models = vec![("hare", built_in_model("hare"), Some("assets/recipes/hare.toml"), 14.0)];
     for (name, path, most) in
         [("bunny", "static/stanford-bunny-full.obj", 16.0), ("armadillo", "static/armadillo.obj", 36.0)]
     {
-        models.extend(shared("lines_of_dense_scans_are_no_specks", path).map(|model| (name, model, None, most)));
+        models.extend(data_model("lines_of_dense_scans_are_no_specks", path).map(|model| (name, model, None, most)));
     }
     let mut wrong = Vec::new();
     for (name, model, recipe, most) in models {
@@ -84,7 +84,7 @@ fn lines_of_dense_scans_are_no_specks() {
 }
 
 /// Returns the pixels of detached fur strokes per thousand pixels of the body.
-fn adrift_per_mille(gpu: &Gpu, package: &[u8]) -> f64 {
+fn detached_per_mille(gpu: &Gpu, package: &[u8]) -> f64 {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
     let shading = Package::open(package, &Limits::default()).unwrap().ink().unwrap().unwrap().info.shading;
@@ -101,7 +101,7 @@ fn adrift_per_mille(gpu: &Gpu, package: &[u8]) -> f64 {
         };
         let (body, all) = (covered(0.0), covered(1.0));
         let fur = Mask { pixels: all.pixels.iter().zip(&body.pixels).map(|(a, b)| *a && !b).collect(), ..all };
-        (hanging, whole) = (hanging + adrift(&fur, &body), whole + body.count());
+        (hanging, whole) = (hanging + detached_px(&fur, &body), whole + body.count());
     }
     1000.0 * hanging as f64 / whole as f64
 }
@@ -110,18 +110,18 @@ fn adrift_per_mille(gpu: &Gpu, package: &[u8]) -> f64 {
 fn strokes_of_fur_hang_on_the_body() {
     let Some(gpu) = gpu("strokes_of_fur_hang_on_the_body") else { return };
     let mut models = vec![
-        ("hare", own("hare"), Some("assets/recipes/hare.toml"), "hair.density=300", 0.05),
-        ("hare with long hair", own("hare"), Some("assets/recipes/hare.toml"), "hair.length_m=0.05", 0.8),
+        ("hare", built_in_model("hare"), Some("assets/recipes/hare.toml"), "hair.density=300", 0.05),
+        ("hare with long hair", built_in_model("hare"), Some("assets/recipes/hare.toml"), "hair.length_m=0.05", 0.8),
     ];
     for (name, path, set, most) in [
         ("fox", "skinned/Fox.glb", "hair.density=300", 0.01),
         ("wolf with long hair", "skinned/quaternius_Wolf.glb", "hair.length_m=0.25", 0.1),
     ] {
-        models.extend(shared("strokes_of_fur_hang_on_the_body", path).map(|model| (name, model, None, set, most)));
+        models.extend(data_model("strokes_of_fur_hang_on_the_body", path).map(|model| (name, model, None, set, most)));
     }
     let mut wrong = Vec::new();
     for (name, model, recipe, set, most) in models {
-        let found = adrift_per_mille(gpu, &bake_plain(&model, recipe, &["slice.layers=4", set]));
+        let found = detached_per_mille(gpu, &bake_plain(&model, recipe, &["slice.layers=4", set]));
         println!("{name}: {found:.3} in a thousand pixels hang in the air");
         if found > most {
             wrong.push(format!("{name}: {found}, at most {most} in a thousand"));

@@ -65,7 +65,7 @@ fn sphere() -> (Vec<u8>, Morphs) {
 }
 
 /// Returns the package with morph targets, or with its vertices moved by the weights `shifts`.
-fn changed(bytes: &[u8], morphs: &Morphs, shifts: Option<&[f32]>) -> Vec<u8> {
+fn with_morphs(bytes: &[u8], morphs: &Morphs, shifts: Option<&[f32]>) -> Vec<u8> {
     let package = Package::open(bytes, &Limits::default()).unwrap();
     let mut mesh = package.mesh().unwrap().unwrap().to_data();
     if let Some(shifts) = shifts {
@@ -94,7 +94,7 @@ fn a_morphed_model_is_drawn_as_one_of_that_shape() {
     let Some(gpu) = gpu("a_morphed_model_is_drawn_as_one_of_that_shape") else { return };
     let (bytes, morphs) = sphere();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
-    let model = renderer.load_bytes(&changed(&bytes, &morphs, None)).unwrap();
+    let model = renderer.load_bytes(&with_morphs(&bytes, &morphs, None)).unwrap();
     assert_eq!((model.morph_index("nose"), model.morph_index("tail")), (Some(1), None));
     let mut picture = |instance: &Instance| draw(gpu, &mut renderer, &front(), &[instance]);
     let rest = picture(&Instance::new(1, &model));
@@ -109,7 +109,7 @@ fn a_morphed_model_is_drawn_as_one_of_that_shape() {
     ];
     for (number, (instance, shifts)) in cases.into_iter().enumerate() {
         let found = picture(&instance);
-        let stored = changed(&bytes, &morphs, Some(&shifts));
+        let stored = with_morphs(&bytes, &morphs, Some(&shifts));
         let mut other = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
         let mut still = Instance::new(2, &other.load_bytes(&stored).unwrap());
         still.motion = instance.motion.clone();
@@ -138,7 +138,7 @@ fn weights_that_fit_no_target_are_refused() {
     let Some(gpu) = gpu("weights_that_fit_no_target_are_refused") else { return };
     let (bytes, morphs) = sphere();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
-    let model = renderer.load_bytes(&changed(&bytes, &morphs, None)).unwrap();
+    let model = renderer.load_bytes(&with_morphs(&bytes, &morphs, None)).unwrap();
     for morph in [(2, 0.5), (0, f32::NAN)] {
         let instance = Instance::new(1, &model).morphing(vec![morph]);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());

@@ -54,12 +54,12 @@ fn a_layer_scatters_what_its_fibres_do() {
     let coat = FibreParams { tilt_deg: 6.0, ..FibreParams::default() };
     let other = OtherFibre { name: "*".into(), eta: Some(1.35), along_deg: Some(15.0), ..OtherFibre::default() };
     let of_material = FibreParams { material: vec![other], ..coat.clone() };
-    scatters(gpu, &coat, &coat.of_coat().fibre());
+    assert_scatters(gpu, &coat, &coat.of_coat().fibre());
     assert_ne!(of_material.of_material("any"), coat.of_coat());
-    scatters(gpu, &of_material, &of_material.of_material("any").fibre());
+    assert_scatters(gpu, &of_material, &of_material.of_material("any").fibre());
 }
 
-fn scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
+fn assert_scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
     let mut renderer = renderer(gpu);
     let model = renderer.load_bytes(&with_fibres(&plane(2, 255), fibre)).unwrap();
     let instance = Instance::new(0, &model);

@@ -26,7 +26,7 @@ fn picture(gpu: &Gpu, sphere: &SphereParams, params: &FrameParams) -> Picture {
 }
 
 /// Returns the largest difference of a channel, 0..=255.
-fn largest(a: &Picture, b: &Picture) -> u8 {
+fn largest_difference(a: &Picture, b: &Picture) -> u8 {
     let channels = a.rgba.as_flattened().iter().zip(b.rgba.as_flattened());
     channels.map(|(x, y)| x.abs_diff(*y)).max().unwrap()
 }
@@ -38,16 +38,16 @@ fn forms_of_the_varyings_draw_the_same() {
     assert!(plain.covered() > 8000, "{} pixels of fur", plain.covered());
     // A neutral texture and a black light require the longer forms.
     let mapped = picture(gpu, &SphereParams { white_texture: true, ..sphere() }, &front());
-    assert!(largest(&plain, &mapped) <= 1, "mapped: {} of 255", largest(&plain, &mapped));
+    assert!(largest_difference(&plain, &mapped) <= 1, "mapped: {} of 255", largest_difference(&plain, &mapped));
     let mut params = front();
     params.fill_lights = vec![Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO }];
     let filled = picture(gpu, &sphere(), &params);
-    assert!(largest(&plain, &filled) <= 1, "filled: {} of 255", largest(&plain, &filled));
+    assert!(largest_difference(&plain, &filled) <= 1, "filled: {} of 255", largest_difference(&plain, &filled));
     // Negative control of the comparison.
     params.fill_lights = vec![Light::Directional { towards_light: Vec3::Y, color: Vec3::splat(0.2) }];
-    assert!(largest(&plain, &picture(gpu, &sphere(), &params)) > 8, "a light that is there shows");
+    assert!(largest_difference(&plain, &picture(gpu, &sphere(), &params)) > 8, "a light that is there shows");
     let striped = picture(gpu, &SphereParams { stripes: true, ..sphere() }, &front());
-    assert!(largest(&plain, &striped) > 8, "stripes show");
+    assert!(largest_difference(&plain, &striped) > 8, "stripes show");
 }
 
 /// Returns the means of the luminance (0..=255) and of its difference to the right-hand neighbour, over pixels opaque
@@ -72,7 +72,7 @@ fn light_at_vertices_is_as_bright_and_more_even() {
         let pixel = picture(gpu, &sphere, &params);
         params.study.lighting = LightingStage::Vertex;
         let vertex = picture(gpu, &sphere, &params);
-        assert!(largest(&pixel, &vertex) > 8, "only {} of 255 apart", largest(&pixel, &vertex));
+        assert!(largest_difference(&pixel, &vertex) > 8, "only {} of 255 apart", largest_difference(&pixel, &vertex));
         let opaque = |i: usize| pixel.rgba[i][3] == 255 && vertex.rgba[i][3] == 255;
         let (bright, sharp) = luminance_and_contrast(&pixel, &opaque);
         let (bright_at_vertices, sharp_at_vertices) = luminance_and_contrast(&vertex, &opaque);
@@ -86,6 +86,6 @@ fn light_at_vertices_is_as_bright_and_more_even() {
         params.study.view_slant = SlantForm::Printed;
         let dark = picture(gpu, &sphere, &params);
         params.study.lighting = LightingStage::Pixel;
-        assert!(largest(&dark, &picture(gpu, &sphere, &params)) <= 1, "without light");
+        assert!(largest_difference(&dark, &picture(gpu, &sphere, &params)) <= 1, "without light");
     }
 }

@@ -50,7 +50,7 @@ fn renderer(gpu: &Gpu, samples: u32) -> Renderer {
 }
 
 /// Returns parallel horizontal strands above the mesh surface, of uniform width in pixels and 0.6 tiles long.
-fn lying(width_px: f32) -> StrandsData {
+fn horizontal_strands(width_px: f32) -> StrandsData {
     let roots: Vec<_> = (0..ROWS).map(|i| [0.37 * i as f32 % 1.0, (i as f32 + 0.5) / ROWS as f32]).collect();
     // Slightly tilted, so that they cover samples of all rows.
     straight_strands(&roots, 0.5, &[[0.6, 0.07, 0.5]; ROWS], 0.5 * width_px / PX_PER_M / TILE_M)
@@ -61,7 +61,7 @@ fn plane(strands: StrandsData, groom: PlaneGroom) -> Vec<u8> {
 }
 
 /// Returns the summed opacity of the strands alone, pixels.
-fn covered(gpu: &Gpu, package: &[u8], params: &FrameParams, samples: u32) -> f32 {
+fn covered_px(gpu: &Gpu, package: &[u8], params: &FrameParams, samples: u32) -> f32 {
     let mut renderer = renderer(gpu, samples);
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
     let texels = draw_passes(gpu, &mut renderer, params, &[&instance], &[PassId::STRANDS, PassId::STRAND_BLEND]);
@@ -82,7 +82,7 @@ fn thin_strands_cover_as_much_as_they_are_wide() {
     for (edges, samples) in [(StrandEdges::Samples, 4), (StrandEdges::Blended, 1), (StrandEdges::Blended, 4)] {
         for width_px in [1.5, 0.5, 0.125] {
             let params = in_strands(above()).with_fur(|fur| fur.strand_edges = edges);
-            let found = covered(gpu, &plane(lying(width_px), PlaneGroom::default()), &params, samples);
+            let found = covered_px(gpu, &plane(horizontal_strands(width_px), PlaneGroom::default()), &params, samples);
             let expected = expected_px(width_px);
             println!("{edges:?}, {samples} samples, {width_px} px: {found:.1} pixels of {expected:.1}");
             assert!((found / expected - 1.0).abs() < 0.03, "{edges:?}, {width_px} px: {found}, expected {expected}");
@@ -124,7 +124,7 @@ fn blended_strands_are_what_many_samples_see() {
 #[test]
 fn bare_places_grow_as_few_strands_as_the_groom_says() {
     let Some(gpu) = gpu("bare_places_grow_as_few_strands_as_the_groom_says") else { return };
-    let grown = |groom| covered(gpu, &plane(lying(1.0), groom), &in_strands(above()), 4) / expected_px(1.0);
+    let grown = |groom| covered_px(gpu, &plane(horizontal_strands(1.0), groom), &in_strands(above()), 4) / expected_px(1.0);
     let vertex = |bareness| grown(PlaneGroom { vertex: [bareness, 0], ..PlaneGroom::default() });
     for bareness in [0u8, 64, 191, 255] {
         let (found, expected) = (vertex(bareness), 1.0 - f32::from(bareness) / 255.0);
@@ -140,7 +140,7 @@ fn bare_places_grow_as_few_strands_as_the_groom_says() {
 #[test]
 fn wet_strands_are_mixed_with_dry_ones() {
     let Some(gpu) = gpu("wet_strands_are_mixed_with_dry_ones") else { return };
-    let dry = lying(1.0);
+    let dry = horizontal_strands(1.0);
     let shorter = |p: &pelage_runtime::formats::StrandPoint| pelage_runtime::formats::StrandPoint {
         aside: p.aside.map(|x| 0.5 * x),
         ..*p
@@ -149,14 +149,14 @@ fn wet_strands_are_mixed_with_dry_ones() {
     let both = StrandsData { points: dry.points.iter().copied().chain(wet).collect(), ..dry.clone() };
     for wetness in [0u8, 85, 255] {
         let groom = PlaneGroom { vertex: [0, wetness], wet_opacity: Some(128), ..PlaneGroom::default() };
-        let found = covered(gpu, &plane(both.clone(), groom), &in_strands(above()), 4) / expected_px(1.0);
+        let found = covered_px(gpu, &plane(both.clone(), groom), &in_strands(above()), 4) / expected_px(1.0);
         let expected = 1.0 - 0.5 * f32::from(wetness) / 255.0;
         assert!((found - expected).abs() < 0.03, "{wetness}: {found}, expected {expected}");
     }
 }
 
 /// Returns the mean light of the strand pixels that are not black.
-fn light(gpu: &Gpu, package: &[u8], params: &FrameParams) -> f64 {
+fn mean_light(gpu: &Gpu, package: &[u8], params: &FrameParams) -> f64 {
     let mut renderer = renderer(gpu, 1);
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
     let texels = draw_passes(gpu, &mut renderer, params, &[&instance], &[PassId::STRANDS]);
@@ -193,7 +193,7 @@ fn strands_take_the_light_of_those_below() {
             p.camera = Camera::look_at(Vec3::new(0.0, -1.0, -0.4), Vec3::ZERO, projection);
         });
         let [shaded, plain] = [SelfShadow::Auto, SelfShadow::Off]
-            .map(|s| light(gpu, &package, &below.clone().with_fur(|f| f.self_shadow = s)));
+            .map(|s| mean_light(gpu, &package, &below.clone().with_fur(|f| f.self_shadow = s)));
         println!("{cover}: {shaded:.4} of {plain:.4}, expected {:.4}", (-cover).exp());
         assert!((shaded / plain - f64::from((-cover).exp())).abs() < 0.06, "{cover}: {shaded} of {plain}");
     }
@@ -204,7 +204,7 @@ fn strands_take_the_light_of_those_below() {
 #[test]
 fn light_at_the_ends_of_strands_is_no_less_than_none() {
     let Some(gpu) = gpu("light_at_the_ends_of_strands_is_no_less_than_none") else { return };
-    let mut strands = lying(0.5);
+    let mut strands = horizontal_strands(0.5);
     // Alternately black and white, point by point.
     let white = |point: usize| if point.is_multiple_of(2) { 0 } else { 255 };
     strands.points.iter_mut().enumerate().for_each(|(number, point)| point.color = [white(number); 3]);
@@ -238,7 +238,7 @@ fn light_at_the_ends_of_strands_is_no_less_than_none() {
 #[test]
 fn strands_follow_the_instance() {
     let Some(gpu) = gpu("strands_follow_the_instance") else { return };
-    let package = plane(lying(2.0), PlaneGroom::default());
+    let package = plane(horizontal_strands(2.0), PlaneGroom::default());
     let mut renderer = renderer(gpu, 4);
     let model = renderer.load_bytes(&package).unwrap();
     // No shadow maps, since they depend on the position.
@@ -281,7 +281,7 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
     let Some(gpu) = gpu("strands_take_the_place_of_layers_where_they_are_wide_enough") else { return };
     let at = |samples, width_px, change: &dyn Fn(&mut pelage_runtime::FurParams)| {
         let mut renderer = renderer(gpu, samples);
-        let instance = Instance::new(0, &renderer.load_bytes(&plane(lying(width_px), PlaneGroom::default())).unwrap());
+        let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(width_px), PlaneGroom::default())).unwrap());
         report(gpu, &mut renderer, &above().with_fur(change), &instance)
     };
     let auto = |_: &mut pelage_runtime::FurParams| ();
@@ -342,7 +342,7 @@ fn prepared_pipelines_are_all_that_strands_need() {
     let Some(gpu) = gpu("prepared_pipelines_are_all_that_strands_need") else { return };
     for (edges, id) in [(StrandEdges::Samples, PassId::STRANDS), (StrandEdges::Blended, PassId::STRAND_BLEND)] {
         let mut renderer = renderer(gpu, 4);
-        let instance = Instance::new(0, &renderer.load_bytes(&plane(lying(2.0), PlaneGroom::default())).unwrap());
+        let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
         let seen = |height_m| {
             let projection = Projection::Orthographic { height_m, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
             let detail = Detail::Auto { bias: 1.0 };
@@ -370,7 +370,7 @@ fn blended_edges_fall_back_to_samples() {
     let limits = wgpu::Limits { max_storage_buffer_binding_size: bytes, ..wgpu::Limits::default() };
     let gpu = Gpu::with(wgpu::Features::empty(), Some(limits)).unwrap();
     let mut renderer = renderer(&gpu, 4);
-    let instance = Instance::new(0, &renderer.load_bytes(&plane(lying(2.0), PlaneGroom::default())).unwrap());
+    let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
     let params = in_strands(above()).with_fur(|fur| fur.strand_edges = StrandEdges::Blended);
     let found = report(&gpu, &mut renderer, &params, &instance);
     assert!(ran(&found, PassId::STRANDS) && !ran(&found, PassId::STRAND_BLEND), "{found:?}");
@@ -390,7 +390,7 @@ fn a_small_device_draws_layers() {
     let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..wgpu::Limits::default() };
     let gpu = Gpu::with(wgpu::Features::empty(), Some(limits)).unwrap();
     let mut renderer = renderer(&gpu, 4);
-    let instance = Instance::new(0, &renderer.load_bytes(&plane(lying(2.0), PlaneGroom::default())).unwrap());
+    let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
     let report = report(&gpu, &mut renderer, &in_strands(above()), &instance);
     assert!(ran(&report, PassId::SHELLS) && !ran(&report, PassId::STRANDS));
     let reason = &report.passes.iter().find(|pass| pass.name == PassId::STRANDS.name()).unwrap().reason;
@@ -401,7 +401,7 @@ fn a_small_device_draws_layers() {
 #[test]
 fn strands_that_come_later_are_posed() {
     let Some(gpu) = gpu("strands_that_come_later_are_posed") else { return };
-    let package = plane(lying(2.0), PlaneGroom::default());
+    let package = plane(horizontal_strands(2.0), PlaneGroom::default());
     let drawn = |first: &[HairGeometry]| {
         let mut renderer = renderer(gpu, 4);
         let instance = Instance::new(0, &renderer.load_bytes(&package).unwrap());

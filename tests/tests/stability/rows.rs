@@ -14,7 +14,7 @@ use pelage_tests::gpu::gpu;
 /// Asserts that a row stays within its bound and that the naive form fails. Inputs on which it does not fail would
 /// prove nothing.
 #[track_caller]
-fn holds<D>(row: &Row<D>, findings: Vec<Finding>) {
+fn assert_holds<D>(row: &Row<D>, findings: Vec<Finding>) {
     assert!(!findings.is_empty(), "{} drives nothing", row.method);
     for f in findings {
         println!("{}: {}: {}: naive {}, ours {} of {}", row.method, f.case, f.measure, f.naive, f.safe, f.bound);

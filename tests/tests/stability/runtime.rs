@@ -20,7 +20,7 @@ use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::plane::plane;
-use pelage_tests::silhouette::{Case, cases, half_to_f32};
+use pelage_tests::silhouette::{SilhouetteModel, silhouette_models, half_to_f32};
 use pelage_tests::support::sphere::{self, Random, SphereParams};
 
 /// Returns unit vectors on a grid over the sphere, axes included, and 100 000 random ones.
@@ -50,12 +50,12 @@ fn kajiya_kay_with_the_hair_along_the_light() {
     for (i, t) in unit_vectors().into_iter().enumerate() {
         // L = T, L = −T, and L a rounding error from T.
         let l = [t, -t, (t * 1.000_000_1).normalize()][i % 3];
-        cases.push([t.extend(EXPONENTS[i % EXPONENTS.len()]).to_array(), l.extend(0.0).to_array()]);
+        silhouette_models.push([t.extend(EXPONENTS[i % EXPONENTS.len()]).to_array(), l.extend(0.0).to_array()]);
     }
 
     let naive = |t: Vec3, l: Vec3, p: f32| (1.0 - t.dot(l) * t.dot(l)).powf(p / 2.0);
     let mut failures = 0;
-    for [t, l] in &cases {
+    for [t, l] in &silhouette_models {
         let (t3, l3, p) = (Vec4::from_array(*t).truncate(), Vec4::from_array(*l).truncate(), t[3]);
         failures += usize::from(naive(t3, l3, p).is_nan());
         let safe = kajiya_kay::sin_power(kajiya_kay::sin_squared(t3, l3), 0.5 * p);
@@ -67,7 +67,7 @@ fn kajiya_kay_with_the_hair_along_the_light() {
 
     if let Some(gpu) = gpu("kajiya_kay_with_the_hair_along_the_light") {
         let safe = "vec4(sin_power(sin_squared(in_0.xyz, in_1.xyz), 0.5 * in_0.w), 0.0, 0.0, 0.0)";
-        for (case, result) in cases.iter().zip(evaluate(gpu, kajiya_kay::WGSL, safe, &cases)) {
+        for (case, result) in silhouette_models.iter().zip(evaluate(gpu, kajiya_kay::WGSL, safe, &silhouette_models)) {
             assert!((0.0..=1.0).contains(&result[0]), "{case:?} on the GPU: {result:?}");
         }
     }
@@ -96,7 +96,7 @@ fn normals_and_tangents_under_odd_joints() {
             let cofactor_without_sign =
                 Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)) * *n;
             inward += usize::from(m.determinant() < -1e-3 && cofactor_without_sign.dot(m * *n) < 0.0);
-            cases.push([m.x_axis, m.y_axis, m.z_axis, *n].map(|c| c.extend(0.0).to_array()));
+            silhouette_models.push([m.x_axis, m.y_axis, m.z_axis, *n].map(|c| c.extend(0.0).to_array()));
         }
     }
     assert!(not_unit > normals.len(), "naive normals failed only {not_unit} times");
@@ -109,7 +109,7 @@ fn normals_and_tangents_under_odd_joints() {
         );
         let library = format!("{}{}", skinning::WGSL, tile_frame::WGSL);
         let expression = format!("vec4(length({normal}), length({tangent}), dot({normal}, {tangent}), 0.0)");
-        for (case, [n, t, dot, _]) in cases.iter().zip(evaluate(gpu, &library, &expression, &cases)) {
+        for (case, [n, t, dot, _]) in silhouette_models.iter().zip(evaluate(gpu, &library, &expression, &silhouette_models)) {
             let right = (n - 1.0).abs() < 1e-5 && (t - 1.0).abs() < 1e-5 && dot.abs() < 1e-4;
             assert!(right, "{case:?} on the GPU: lengths {n} and {t}, dot {dot}");
         }
@@ -135,7 +135,7 @@ fn joints_of_weight_zero_count_for_nothing() {
         let broken = [f32::NAN; 4];
         let column = [1.0, 2.0, 3.0, 1.0];
         let cases = [[weights.to_array(), [0.0; 4], column, broken], [[0.0; 4], [0.0; 4], column, column]];
-        let results = evaluate(gpu, skinning::WGSL, &expression, &cases);
+        let results = evaluate(gpu, skinning::WGSL, &expression, &silhouette_models);
         assert_eq!(results, [column, [0.0, 0.0, 0.0, 1.0]]);
     }
 }
@@ -195,7 +195,7 @@ fn density_does_not_depend_on_the_number_of_layers() {
 }
 
 /// Measures the silhouette of a model from its front left.
-fn silhouette(gpu: &pelage_stage::Gpu, case: &Case) -> SilhouetteMeasures {
+fn silhouette(gpu: &pelage_stage::Gpu, case: &SilhouetteModel) -> SilhouetteMeasures {
     let mut recipe = Recipe::of_coat(Coat::Natural).unwrap();
     if let Some(path) = case.recipe {
         let text = std::fs::read_to_string(workspace().join(path)).unwrap();
@@ -213,7 +213,7 @@ fn silhouette(gpu: &pelage_stage::Gpu, case: &Case) -> SilhouetteMeasures {
 #[test]
 fn the_outline_is_covered_as_by_the_strands() {
     let Some(gpu) = gpu("the_outline_is_covered_as_by_the_strands") else { return };
-    for case in cases("the_outline_is_covered_as_by_the_strands") {
+    for case in silhouette_models("the_outline_is_covered_as_by_the_strands") {
         let found = silhouette(gpu, &case);
         println!("{}: {}", case.name, found.table());
         assert!(

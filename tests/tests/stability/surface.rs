@@ -57,7 +57,7 @@ mod soundness {
 
     use super::*;
 
-    fn warned(surface: &Surface, words: &str) {
+    fn assert_warns(surface: &Surface, words: &str) {
         assert!(surface.warnings.iter().any(|w| w.contains(words)), "{words:?} in {:?}", surface.warnings);
     }
 
@@ -95,8 +95,8 @@ mod soundness {
         m.mesh.parts[0].triangle_count = m.mesh.triangles.len();
         let s = surface(&m, 0.3);
         assert_valid(&s, whole, "torus");
-        warned(&s, "3 triangles without area dropped, 2 duplicate triangles dropped");
-        warned(&s, "component 1 of 1 (mesh 0");
+        assert_warns(&s, "3 triangles without area dropped, 2 duplicate triangles dropped");
+        assert_warns(&s, "component 1 of 1 (mesh 0");
         assert_eq!(s.mesh.parts[0].triangle_count, whole);
         assert!(broken_gradients(&m) >= 2 && lost_half_edges(&m) >= 2);
     }
@@ -119,7 +119,7 @@ mod soundness {
         let m = model(positions, triangles);
         let s = surface(&m, 0.3);
         assert_valid(&s, 6, "book");
-        warned(&s, "1 edges of more than two triangles split");
+        assert_warns(&s, "1 edges of more than two triangles split");
         // The flat pair stays together.
         let patch = |t: usize| s.patch_of_triangle[t];
         assert_eq!(patch(0), patch(2), "{:?}", s.patch_of_triangle);
@@ -136,7 +136,7 @@ mod soundness {
         let turned = m.mesh.triangles.len().div_ceil(7);
         let s = surface(&m, 0.3);
         assert_valid(&s, m.mesh.triangles.len(), "sphere");
-        warned(&s, &format!("{turned} triangles wound against their neighbours turned"));
+        assert_warns(&s, &format!("{turned} triangles wound against their neighbours turned"));
         for t in &s.mesh.triangles {
             let [a, b, c] = t.map(|v| s.mesh.positions[v as usize]);
             let n = (b - a).cross(c - a);
@@ -161,7 +161,7 @@ mod soundness {
         let m = model(positions, (0..n).flat_map(quad).collect());
         let s = surface(&m, 0.3);
         assert_valid(&s, 2 * n as usize, "Möbius strip");
-        warned(&s, "cut where no winding suits both sides");
+        assert_warns(&s, "cut where no winding suits both sides");
     }
 
     #[test]
@@ -179,7 +179,7 @@ mod soundness {
         many.mesh.colors.push([255; 4]);
         let s = surface(&many, 0.3);
         assert_valid(&s, left + 24 * 2 * 11 + 1, "several");
-        warned(&s, "1 vertices belong to no triangle and were removed");
+        assert_warns(&s, "1 vertices belong to no triangle and were removed");
     }
 
     #[test]
@@ -190,8 +190,8 @@ mod soundness {
             m
         };
         let s = surface(&merged(&(0..12).map(piece).collect::<Vec<_>>()), 0.5);
-        warned(&s, "component 3 of 12 (mesh 0");
-        warned(&s, "4 more components");
+        assert_warns(&s, "component 3 of 12 (mesh 0");
+        assert_warns(&s, "4 more components");
         assert_eq!(s.warnings.len(), 9, "{:?}", s.warnings);
     }
 }

@@ -27,7 +27,7 @@ fn recipe(name: &str) -> Recipe {
 
 /// Returns a recipe without ink and with plain texels, for tests of fur only. Ink and the texture encoders take most of
 /// a bake.
-fn fur(name: &str) -> Recipe {
+fn fur_recipe(name: &str) -> Recipe {
     let mut recipe = recipe(name);
     for set in ["ink.enabled=false", "pack.shell_format=rgba8", "pack.direction_format=rg8"] {
         recipe.set(set).unwrap();
@@ -64,7 +64,7 @@ fn the_bytes_depend_on_nothing_but_the_inputs() {
         assert!(one == again, "{name} differs on {threads} threads");
     }
     let [one, other] = [0, 1].map(|more| {
-        let mut recipe = fur("torus");
+        let mut recipe = fur_recipe("torus");
         recipe.hair.seed += more;
         bake("torus", &recipe).unwrap().package
     });
@@ -85,7 +85,7 @@ fn the_resolved_recipe_makes_the_same_package() {
 #[test]
 fn every_texture_format_makes_a_valid_package_of_the_stated_shape() {
     for (shell, direction) in [("bc7", "bc5"), ("rgba8", "rg8"), ("rgba8", "rgba8")] {
-        let mut recipe = fur("torus");
+        let mut recipe = fur_recipe("torus");
         for set in [format!("pack.shell_format={shell}"), format!("pack.direction_format={direction}")] {
             recipe.set(&set).unwrap();
         }
@@ -106,7 +106,7 @@ fn every_texture_format_makes_a_valid_package_of_the_stated_shape() {
 
 #[test]
 fn bare_materials_carry_no_hair() {
-    let bytes = bake("hare", &fur("hare")).unwrap().package;
+    let bytes = bake("hare", &fur_recipe("hare")).unwrap().package;
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let (manifest, mesh) = (package.manifest(), package.mesh().unwrap().unwrap());
     let (vertices, indices): (Vec<_>, Vec<_>) = (mesh.geometry().collect(), mesh.indices().collect());
@@ -127,7 +127,7 @@ fn bare_materials_carry_no_hair() {
 
 #[test]
 fn what_is_found_to_be_bare_is_recorded_and_baked_again() {
-    let mut recipe = fur("hare");
+    let mut recipe = fur_recipe("hare");
     recipe.model.bare = None;
     let found = bake("hare", &recipe).unwrap();
     let line = found.decisions.iter().find(|d| d.line.starts_with("model.bare")).unwrap().line.clone();
@@ -151,7 +151,7 @@ fn what_is_found_to_be_bare_is_recorded_and_baked_again() {
 #[test]
 fn hair_grows_short_towards_bare_parts() {
     let heights = |margin: Option<f32>| {
-        let mut recipe = fur("hare");
+        let mut recipe = fur_recipe("hare");
         recipe.groom.bare_margin_m = margin;
         let bytes = bake("hare", &recipe).unwrap().package;
         let package = Package::open(&bytes, &Limits::default()).unwrap();
@@ -171,7 +171,7 @@ fn hair_grows_short_towards_bare_parts() {
 
 #[test]
 fn hair_can_keep_its_own_colour() {
-    let mut recipe = fur("hare");
+    let mut recipe = fur_recipe("hare");
     // Colours must be on vertices here, not painted into a texture.
     recipe.color.at_root = false;
     let colors = |recipe: &Recipe| {
@@ -193,7 +193,7 @@ fn hair_can_keep_its_own_colour() {
 
 #[test]
 fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
-    let mut recipe = fur("hare");
+    let mut recipe = fur_recipe("hare");
     recipe.model.bare = Some(vec!["Hoof*".into()]);
     let warnings = bake("hare", &recipe).unwrap().warnings;
     let warning = warnings.iter().find(|w| w.contains("Hoof*")).unwrap_or_else(|| panic!("{warnings:?}"));
@@ -202,13 +202,13 @@ fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
 
 #[test]
 fn wet_hair_shines_more_than_the_recipe_says() {
-    let mut wet = fur("torus");
+    let mut wet = fur_recipe("torus");
     wet.set("hair.style=wet").unwrap();
     let shading = |recipe: &Recipe| {
         let package = bake("torus", recipe).unwrap().package;
         Package::open(&package, &Limits::default()).unwrap().manifest().shading
     };
-    let (dry, wet) = (shading(&fur("torus")), shading(&wet));
+    let (dry, wet) = (shading(&fur_recipe("torus")), shading(&wet));
     assert_eq!(wet, dry.wet());
     assert!(wet.specular[0] > dry.specular[0] && wet.specular_exponent > dry.specular_exponent);
 }
@@ -217,7 +217,7 @@ fn wet_hair_shines_more_than_the_recipe_says() {
 #[test]
 fn one_fin_on_every_edge() {
     for name in ["hare", "torus", "knot"] {
-        let bytes = bake(name, &fur(name)).unwrap().package;
+        let bytes = bake(name, &fur_recipe(name)).unwrap().package;
         let package = Package::open(&bytes, &Limits::default()).unwrap();
         let mesh = package.mesh().unwrap().unwrap();
         let geometry: Vec<_> = mesh.geometry().collect();
@@ -268,7 +268,7 @@ fn one_fin_on_every_edge() {
 
 #[test]
 fn fins_can_be_left_out_and_their_depth_given() {
-    let mut without = fur("torus");
+    let mut without = fur_recipe("torus");
     without.set("fins.enabled=false").unwrap();
     let bytes = bake("torus", &without).unwrap().package;
     let package = Package::open(&bytes, &Limits::default()).unwrap();
@@ -280,9 +280,9 @@ fn fins_can_be_left_out_and_their_depth_given() {
         let package = Package::open(&bytes, &Limits::default()).unwrap();
         Recipe::parse("resolved", &package.manifest().recipe).unwrap().fins.depth
     };
-    let chosen = depth_of(&fur("torus")).unwrap();
+    let chosen = depth_of(&fur_recipe("torus")).unwrap();
     assert!((0.01..1.0).contains(&chosen), "{chosen}");
-    let mut given = fur("torus");
+    let mut given = fur_recipe("torus");
     given.set("fins.depth=0.5").unwrap();
     assert_eq!(depth_of(&given), Some(0.5));
 }
@@ -290,7 +290,7 @@ fn fins_can_be_left_out_and_their_depth_given() {
 #[test]
 fn the_groom_says_how_dense_and_which_way_hair_lies() {
     let baked = |set: &str| {
-        let mut recipe = fur("torus");
+        let mut recipe = fur_recipe("torus");
         if !set.is_empty() {
             recipe.set(set).unwrap();
         }
@@ -324,12 +324,12 @@ fn the_groom_says_how_dense_and_which_way_hair_lies() {
 #[test]
 fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
     // Only one of the packages has ink, which takes most of a bake.
-    let mut tufted = fur("torus");
+    let mut tufted = fur_recipe("torus");
     let tuft = HairGroupParams { name: "mop".into(), hairs: Some(40), guides: Some(8), ..HairGroupParams::default() };
     tufted.strands.group.push(tuft);
     tufted.set("shading.model=marschner").unwrap();
     tufted.set("fibre.material=[{ name = \"*\", eta = 1.4 }, { name = \"none such\", eta = 1.3 }]").unwrap();
-    for (name, recipe, first_sets) in [("hare", fur("hare"), 4), ("torus", recipe("torus"), 3), ("torus", tufted, 0)] {
+    for (name, recipe, first_sets) in [("hare", fur_recipe("hare"), 4), ("torus", recipe("torus"), 3), ("torus", tufted, 0)] {
         let first = bake(name, &recipe).unwrap().package;
         let package = Package::open(&first, &Limits::default()).unwrap();
         let mut other = Recipe::parse("resolved", &package.manifest().recipe).unwrap();
@@ -356,7 +356,7 @@ fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
 #[test]
 fn strands_of_a_package_are_those_of_its_tile() {
     for (name, points, tolerance) in [("hare", 9, 0.004), ("hare", 33, 0.0005), ("torus", 9, 0.01)] {
-        let mut recipe = fur(name);
+        let mut recipe = fur_recipe(name);
         recipe.strands.enabled = false;
         assert!(
             Package::open(&bake(name, &recipe).unwrap().package, &Limits::default())
@@ -532,7 +532,7 @@ fn from_here_on_is_a_whole_bake() {
 /// and fins, and with any other change.
 #[test]
 fn sliced_again_is_baked_again() {
-    let first = fur("torus");
+    let first = fur_recipe("torus");
     let bytes = asset("models/torus.glb");
     let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();

@@ -11,7 +11,7 @@ use pelage_params::{Control, Knob};
 use rayon::prelude::*;
 
 /// Returns a recipe with all optional parts of a package, as small as possible.
-fn small() -> Recipe {
+fn small_recipe() -> Recipe {
     let mut recipe = Recipe::parse("torus", std::str::from_utf8(&asset("recipes/torus.toml")).unwrap()).unwrap();
     let small = [
         "fins.enabled=true",
@@ -57,7 +57,7 @@ fn changed(base: &Recipe, knob: &Knob) -> Option<Recipe> {
 #[test]
 fn whichever_key_changes_a_bake_that_goes_on_gives_what_a_whole_one_gives() {
     let model = import_built_in("torus", &Recipe::default());
-    let (base, images) = (small(), MapImages::default());
+    let (base, images) = (small_recipe(), MapImages::default());
     let told = |recipe| BakeInput::new("torus", "torus", recipe, &images);
     let others: Vec<(&str, Recipe)> =
         recipe::keys().filter_map(|knob| Some((knob.name, changed(&base, knob)?))).collect();
@@ -80,7 +80,7 @@ fn whichever_key_changes_a_bake_that_goes_on_gives_what_a_whole_one_gives() {
 #[test]
 fn only_what_a_change_decides_is_made_again() {
     let model = import_built_in("torus", &Recipe::default());
-    let (base, images) = (small(), MapImages::default());
+    let (base, images) = (small_recipe(), MapImages::default());
     let with = |set: &str| {
         let mut recipe = base.clone();
         recipe.set(set).unwrap();

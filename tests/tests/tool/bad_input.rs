@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 /// Runs the binary, and asserts the exit code, words of stderr, and an unchanged list of files.
 #[track_caller]
-fn refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) -> Run {
+fn assert_refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) -> Run {
     let before = sandbox.files();
     let run = sandbox.run(args);
     assert_eq!(run.code, Some(code), "{args:?}: {run:?}");
@@ -38,10 +38,10 @@ fn usage_errors_exit_with_1() {
         (&["inspect", "--fast", "a"], &["--fast"]),
         (&["pack", "a"], &["<PKG>"]),
     ] {
-        refused(&sandbox, args, 1, words);
+        assert_refused(&sandbox, args, 1, words);
     }
-    let run = refused(&sandbox, &["inspect", "--json"], 1, &[]);
-    let object = schema::answer(&run, "error");
+    let run = assert_refused(&sandbox, &["inspect", "--json"], 1, &[]);
+    let object = schema::parse_answer(&run, "error");
     assert_eq!(object["error"]["exit_code"], 1);
 }
 
@@ -82,15 +82,15 @@ fn packages() {
     ];
     println!("{:<18} inspect validate  message", "package");
     for (file, code, validate, words) in table {
-        let run = refused(&sandbox, &["inspect", file], *code, words);
+        let run = assert_refused(&sandbox, &["inspect", file], *code, words);
         println!("{file:<18} {code:<7} {validate:<9} {}", run.stderr.trim());
-        refused(&sandbox, &["unpack", file, "out"], *code, words);
-        let run = refused(&sandbox, &["validate", file], *validate, if *validate == 7 { &[] } else { words });
+        assert_refused(&sandbox, &["unpack", file, "out"], *code, words);
+        let run = assert_refused(&sandbox, &["validate", file], *validate, if *validate == 7 { &[] } else { words });
         if *validate == 7 {
             assert!(words.iter().all(|w| run.stdout.contains(w)) && run.stdout.contains("byte"), "{run:?}");
         }
         let run = sandbox.run(&["inspect", file, "--json"]);
-        let object = schema::answer(&run, "error");
+        let object = schema::parse_answer(&run, "error");
         assert_eq!(object["error"]["exit_code"], *code, "{file}");
     }
 }
@@ -120,12 +120,12 @@ fn outputs_that_cannot_be_written() {
     sandbox.write("a.pelage", sample_package());
     assert_eq!(sandbox.run(&["unpack", "a.pelage", "in"]).code, Some(0));
     let missing = &["nowhere: cannot write into", "create it first"];
-    refused(&sandbox, &["pack", "in", "nowhere/b.pelage"], 2, missing);
-    refused(&sandbox, &["unpack", "a.pelage", "nowhere/out"], 2, missing);
-    refused(&sandbox, &["pack", "in", "in"], 2, &["in: cannot write", "folder"]);
-    refused(&sandbox, &["unpack", "a.pelage", "a.pelage"], 2, &["a.pelage: cannot write into", "expected a folder"]);
-    refused(&sandbox, &["pack", "nowhere", "b.pelage"], 2, &["nowhere: cannot read", "no such folder"]);
-    refused(&sandbox, &["pack", "a.pelage", "b.pelage"], 2, &["a.pelage: cannot read", "it is a file"]);
+    assert_refused(&sandbox, &["pack", "in", "nowhere/b.pelage"], 2, missing);
+    assert_refused(&sandbox, &["unpack", "a.pelage", "nowhere/out"], 2, missing);
+    assert_refused(&sandbox, &["pack", "in", "in"], 2, &["in: cannot write", "folder"]);
+    assert_refused(&sandbox, &["unpack", "a.pelage", "a.pelage"], 2, &["a.pelage: cannot write into", "expected a folder"]);
+    assert_refused(&sandbox, &["pack", "nowhere", "b.pelage"], 2, &["nowhere: cannot read", "no such folder"]);
+    assert_refused(&sandbox, &["pack", "a.pelage", "b.pelage"], 2, &["a.pelage: cannot read", "it is a file"]);
 }
 
 /// Returns an unpacked sample package to be damaged.
@@ -171,7 +171,7 @@ fn unpacked_folders() {
         let mut manifest = serde_json::from_slice(&text).unwrap();
         spoil(&mut manifest);
         sandbox.write("in/manifest.json", manifest.to_string());
-        refused(&sandbox, &["pack", "in", "b.pelage"], 3, words);
+        assert_refused(&sandbox, &["pack", "in", "b.pelage"], 3, words);
     }
 
     let files: &[(&str, &[u8], &[&str])] = &[
@@ -187,14 +187,14 @@ fn unpacked_folders() {
     for (file, bytes, words) in files {
         let sandbox = unpacked();
         sandbox.write(&format!("in/{file}"), bytes);
-        refused(&sandbox, &["pack", "in", "b.pelage"], 3, words);
+        assert_refused(&sandbox, &["pack", "in", "b.pelage"], 3, words);
     }
 
     for file in ["manifest.json", "recipe.toml", "animation.json", "shell_color.ktx2", "mesh.glb", "section_5_XTRA.bin"]
     {
         let sandbox = unpacked();
         std::fs::remove_file(sandbox.path().join("in").join(file)).unwrap();
-        refused(&sandbox, &["pack", "in", "b.pelage"], 3, &[&format!("in/{file}: whole file: missing")]);
+        assert_refused(&sandbox, &["pack", "in", "b.pelage"], 3, &[&format!("in/{file}: whole file: missing")]);
     }
 }
 
@@ -231,6 +231,6 @@ fn edited_meshes() {
         let total = out.len() as u32;
         out[8..12].copy_from_slice(&total.to_le_bytes());
         sandbox.write("in/mesh.glb", out);
-        refused(&sandbox, &["pack", "in", "b.pelage"], 3, &[&["in/mesh.glb"][..], words].concat());
+        assert_refused(&sandbox, &["pack", "in", "b.pelage"], 3, &[&["in/mesh.glb"][..], words].concat());
     }
 }

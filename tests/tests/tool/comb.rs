@@ -4,7 +4,7 @@
 use glam::Vec3;
 use pelage_formats::{AttributeVertex, GeometryVertex, Limits, Package};
 use pelage_tests::binary::{Sandbox, workspace};
-use pelage_tests::schema::done;
+use pelage_tests::schema::parse_success;
 use serde_json::{Value, json};
 
 const BAKE: [&str; 8] =
@@ -57,11 +57,11 @@ fn vertices(sandbox: &Sandbox) -> (Vec<GeometryVertex>, Vec<AttributeVertex>, f3
 
 /// Bakes, and returns the report.
 fn bake(sandbox: &Sandbox, more: &[&str]) -> Value {
-    done(&sandbox.run(&[&BAKE[..], more].concat()), "bake")
+    parse_success(&sandbox.run(&[&BAKE[..], more].concat()), "bake")
 }
 
 /// Returns the mean hair direction, along the surface, of the vertices within a distance of a point.
-fn combed(sandbox: &Sandbox, place: Vec3, within: f32) -> Vec3 {
+fn mean_hair_direction(sandbox: &Sandbox, place: Vec3, within: f32) -> Vec3 {
     let (geometry, ..) = vertices(sandbox);
     let near = geometry.iter().filter(|v| Vec3::from(v.position).distance(place) < within);
     let along_v = |v: &GeometryVertex| {
@@ -84,7 +84,7 @@ fn a_comb_line_turns_the_hair() {
         said["decisions"].as_array().unwrap().iter().map(|d| d["line"].as_str().unwrap().to_owned()).collect()
     };
     assert!(!lines(&plain).iter().any(|line| line.starts_with("surface.comb")), "{plain}");
-    let before = combed(&sandbox, TOP, 0.05);
+    let before = mean_hair_direction(&sandbox, TOP, 0.05);
     assert!(before.dot(Vec3::NEG_Z) > 0.9 && before.x.abs() < 0.2, "from nose to tail: {before}");
 
     let drawn = super::comb::sandbox(add_line);
@@ -92,10 +92,10 @@ fn a_comb_line_turns_the_hair() {
     assert!(lines(&said).contains(&"surface.comb = \"marks\"".to_owned()), "{said}");
     assert!(said["decisions"].to_string().contains("comb_top"), "{said}");
     assert_eq!(said["warnings"].as_array().unwrap().len(), 0, "{said}");
-    let after = combed(&drawn, TOP, 0.05);
+    let after = mean_hair_direction(&drawn, TOP, 0.05);
     // The effect is full within a quarter of the reach, here 21 mm; the vertices are up to 50 mm away.
     assert!(after.dot(Vec3::X) > 0.75, "along the line: {after}");
-    let far = combed(&drawn, FAR, 0.05);
+    let far = mean_hair_direction(&drawn, FAR, 0.05);
     assert!(far.dot(Vec3::NEG_Z) > 0.9, "as far from the line as without: {far}");
 
     // The recipe has priority, and the decision's line has the same effect when set in the recipe.
@@ -104,23 +104,23 @@ fn a_comb_line_turns_the_hair() {
         (lines(&said), std::fs::read(drawn.path().join("m.pelage")).unwrap())
     };
     package(&["--set", "surface.comb=direction"]);
-    let straight = combed(&drawn, TOP, 0.05);
+    let straight = mean_hair_direction(&drawn, TOP, 0.05);
     assert!(straight.dot(Vec3::NEG_Z) > 0.9, "{straight}");
     package(&["--set", "surface.comb_direction=[0,0,1]"]);
-    let turned = combed(&drawn, TOP, 0.05);
+    let turned = mean_hair_direction(&drawn, TOP, 0.05);
     assert!(turned.dot(Vec3::Z) > 0.9, "{turned}");
     let (lines, _) = package(&["--set", "surface.comb=marks"]);
     assert!(!lines.iter().any(|line| line.starts_with("surface.comb")), "{lines:?}");
-    assert!(combed(&drawn, TOP, 0.05).dot(Vec3::X) > 0.75);
+    assert!(mean_hair_direction(&drawn, TOP, 0.05).dot(Vec3::X) > 0.75);
     // The line is added to the recipe's marks.
     let marks = "surface.comb_marks=[{ name = \"back\", at = [0, 0.16, -0.2], direction = [0, 0, 1] }]";
     package(&["--set", marks]);
-    let (top, back) = (combed(&drawn, TOP, 0.05), combed(&drawn, FAR, 0.05));
+    let (top, back) = (mean_hair_direction(&drawn, TOP, 0.05), mean_hair_direction(&drawn, FAR, 0.05));
     assert!(top.dot(Vec3::X) > 0.6 && back.dot(Vec3::Z) > 0.9, "{top} {back}");
 }
 
 /// Returns the share of the length, and the colour, of the vertex nearest to a point.
-fn coat(sandbox: &Sandbox, place: Vec3) -> (f32, [u8; 4]) {
+fn length_and_color(sandbox: &Sandbox, place: Vec3) -> (f32, [u8; 4]) {
     let (geometry, attributes, height) = vertices(sandbox);
     let away = |v: &GeometryVertex| Vec3::from(v.position).distance(place);
     let nearest = geometry.iter().zip(&attributes).min_by(|a, b| away(a.0).total_cmp(&away(b.0))).unwrap();
@@ -140,10 +140,10 @@ fn values_of_marks_hold_at_their_place_and_fade() {
     assert!(warnings.contains("lost") && warnings.contains("m away from the nearest skin"), "{warnings}");
     // The torus has no colour: its fur is brown outside the white part, and the bake reports the choice.
     assert!(said["decisions"].to_string().contains("groom.color"), "{said}");
-    let ((length, white), (elsewhere, brown)) = (coat(&sandbox, TOP), coat(&sandbox, FAR));
+    let ((length, white), (elsewhere, brown)) = (length_and_color(&sandbox, TOP), length_and_color(&sandbox, FAR));
     assert!((length - 0.2).abs() < 0.02 && (elsewhere - 0.8).abs() < 0.01, "{length} {elsewhere}");
     assert!(white[..3] == [255; 3] && brown[2] < 100 && brown[0] > brown[2], "{white:?} {brown:?}");
-    let between = coat(&sandbox, Vec3::new(0.12, 0.16, 0.16)).0;
+    let between = length_and_color(&sandbox, Vec3::new(0.12, 0.16, 0.16)).0;
     assert!((0.25..0.75).contains(&between), "{between}");
 }
 
@@ -166,7 +166,7 @@ fn an_image_through_space_comes_out_where_it_was_painted() {
     assert!(!said["warnings"].to_string().contains("no texture coordinates"), "{said}");
     for (place, expected) in [(TOP, 0.0), (FAR, 1.0), (Vec3::new(0.0, 0.0, 0.2), 0.5), (Vec3::new(0.0, 0.0, -0.2), 0.5)]
     {
-        let (share, _) = coat(&sandbox, place);
+        let (share, _) = length_and_color(&sandbox, place);
         assert!((share - expected).abs() < 0.01, "{place}: {share}");
     }
 }

@@ -10,7 +10,7 @@ use std::io::Cursor;
 #[track_caller]
 fn json_of(run: &Run, code: i32) -> Value {
     assert_eq!(run.code, Some(code), "{run:?}");
-    schema::answer(run, "compare")
+    schema::parse_answer(run, "compare")
 }
 
 fn encoded(image: DynamicImage, format: ImageFormat) -> Vec<u8> {

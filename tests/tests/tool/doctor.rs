@@ -7,7 +7,7 @@ use pelage_tests::schema;
 use serde_json::Value;
 
 fn doctor(sandbox: &Sandbox, args: &[&str]) -> Value {
-    schema::done(&sandbox.run(&[&["doctor", "a.pelage", "--json"], args].concat()), "doctor")
+    schema::parse_success(&sandbox.run(&[&["doctor", "a.pelage", "--json"], args].concat()), "doctor")
 }
 
 fn bake(sandbox: &Sandbox, name: &str, sets: &[&str]) {
@@ -49,7 +49,7 @@ fn predictions_are_what_an_adapter_counts() {
         // The prediction is for a still frame of layers.
         let still = ["bench", "a.pelage", "--json", "--frames", "1", "--hair", "shells", "--hair-motion", "off"];
         let args = [&still, view].concat();
-        let counted = schema::done(&sandbox.run(&args), "bench");
+        let counted = schema::parse_success(&sandbox.run(&args), "bench");
         let bytes = |v: &Value| v["gpu_bytes"].as_f64().unwrap();
         // Uniform blocks are not predicted.
         let ratio = bytes(&found) / bytes(&counted);
@@ -86,7 +86,7 @@ fn fewer_layers_are_foreseen() {
     let size = ["--size", "400x200"];
     let found = doctor(&sandbox, &size);
     let args = [&["bench", "a.pelage", "--json", "--frames", "1"], &size[..]].concat();
-    let counted = schema::done(&sandbox.run(&args), "bench");
+    let counted = schema::parse_success(&sandbox.run(&args), "bench");
     let layers = [&found["on_screen"]["layers_drawn"], &counted["detail"][0]["layers"]].map(|n| n.as_i64().unwrap());
     assert!((layers[0] - layers[1]).abs() <= 1 && (1..15).contains(&layers[0]), "{layers:?}");
 }

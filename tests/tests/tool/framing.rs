@@ -24,7 +24,7 @@ fn rendered(sandbox: &Sandbox, line: &str) -> Value {
     let args: Vec<&str> = ["render", "--json", "hare.pelage", "--size", "160x120"].into_iter().collect();
     let run = sandbox.run(&[args, line.split_whitespace().collect()].concat());
     assert_eq!(run.code, Some(0), "{line}: {run:?}");
-    schema::answer(&run, "render")
+    schema::parse_answer(&run, "render")
 }
 
 fn camera(sandbox: &Sandbox, line: &str) -> String {

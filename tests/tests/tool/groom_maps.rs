@@ -3,7 +3,7 @@
 
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Sandbox, workspace};
-use pelage_tests::schema::done;
+use pelage_tests::schema::parse_success;
 
 /// Returns a folder with the knot; its texture coordinates are renamed, so that it has none.
 fn sandbox() -> Sandbox {
@@ -32,7 +32,7 @@ fn a_spot_painted_on_the_atlas_comes_back_where_it_was_painted() {
     let write =
         ["groom", "m.glb", "--map", "length", "-o", "length.png", "--mesh", "m.obj", "--texels", "512", "--json"];
     let run = sandbox.run(&[&write[..], &["--set", "groom.length=0.5"]].concat());
-    let said = done(&run, "groom");
+    let said = parse_success(&run, "groom");
     assert_eq!((said["coordinates"].as_str(), said["map"].as_str()), (Some("atlas"), Some("length")));
 
     let path = sandbox.path().join("length.png");

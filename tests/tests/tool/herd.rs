@@ -2,8 +2,8 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use pelage_needs::ninja;
-use pelage_tests::binary::{Run, Sandbox, finish, walk, workspace};
+use pelage_needs::has_ninja;
+use pelage_tests::binary::{Run, Sandbox, run_to_end, walk, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 use serde_json::Value;
@@ -74,7 +74,7 @@ fn herd(sandbox: &Sandbox, action: &str, more: &[&str]) -> Run {
 fn run(sandbox: &Sandbox, code: i32, more: &[&str]) -> (Value, u64) {
     let run = herd(sandbox, "run", more);
     assert_eq!(run.code, Some(code), "{run:?}");
-    let said = schema::answer(&run, "herd");
+    let said = schema::parse_answer(&run, "herd");
     let ran = said["ran"].as_u64().unwrap();
     (said, ran)
 }
@@ -101,7 +101,7 @@ fn touch(sandbox: &Sandbox, name: &str) {
 
 #[test]
 fn a_herd_runs_what_changed_and_nothing_else() {
-    if !ninja("a_herd_runs_what_changed_and_nothing_else") {
+    if !has_ninja("a_herd_runs_what_changed_and_nothing_else") {
         return;
     }
     let Some(_) = gpu("a_herd_runs_what_changed_and_nothing_else") else { return };
@@ -125,7 +125,7 @@ fn a_herd_runs_what_changed_and_nothing_else() {
 
     // Nothing changed; then a model with the same bytes; then a recipe that does not affect the torus.
     let due = || {
-        let plan = schema::answer(&herd(&sandbox, "plan", &["--due"]), "herd");
+        let plan = schema::parse_answer(&herd(&sandbox, "plan", &["--due"]), "herd");
         plan["tasks"]
             .as_array()
             .unwrap()
@@ -153,7 +153,7 @@ fn a_herd_runs_what_changed_and_nothing_else() {
         let args = ["herd", "run", "herd/herd.toml", "-o", out, "--jobs", "1", "--cache", cache, "--json"];
         let run = sandbox.run(&args);
         assert_eq!(run.code, Some(0), "{run:?}");
-        let said = schema::answer(&run, "herd")["cached"].as_u64().unwrap() as usize;
+        let said = schema::parse_answer(&run, "herd")["cached"].as_u64().unwrap() as usize;
         let mut records = Vec::new();
         walk(&sandbox.path().join(out).join(".herd/records"), &mut records);
         let read = |path| serde_json::from_slice::<Value>(&std::fs::read(path).unwrap()).unwrap();
@@ -171,7 +171,7 @@ fn a_herd_runs_what_changed_and_nothing_else() {
 
 #[test]
 fn a_herd_goes_on_after_failures_and_says_why() {
-    if !ninja("a_herd_goes_on_after_failures_and_says_why") {
+    if !has_ninja("a_herd_goes_on_after_failures_and_says_why") {
         return;
     }
     let Some(_) = gpu("a_herd_goes_on_after_failures_and_says_why") else { return };
@@ -199,7 +199,7 @@ fn a_herd_goes_on_after_failures_and_says_why() {
 
 #[test]
 fn a_herd_that_was_killed_goes_on_and_has_the_same_bytes() {
-    if !ninja("a_herd_that_was_killed_goes_on_and_has_the_same_bytes") {
+    if !has_ninja("a_herd_that_was_killed_goes_on_and_has_the_same_bytes") {
         return;
     }
     let Some(_) = gpu("a_herd_that_was_killed_goes_on_and_has_the_same_bytes") else { return };
@@ -235,7 +235,7 @@ fn a_herd_that_was_killed_goes_on_and_has_the_same_bytes() {
 
 #[test]
 fn a_command_that_dies_without_a_word_is_told() {
-    if !ninja("a_command_that_dies_without_a_word_is_told") {
+    if !has_ninja("a_command_that_dies_without_a_word_is_told") {
         return;
     }
     let sandbox = sandbox();
@@ -250,9 +250,9 @@ fn a_command_that_dies_without_a_word_is_told() {
         let path = format!("{}/bin:{}", sandbox.path().display(), std::env::var("PATH").unwrap());
         // User settings for terminal output must not break the parser.
         command.env("PATH", path).env("CLICOLOR_FORCE", "1").env("NINJA_STATUS", "%p ");
-        let killed = finish(command);
+        let killed = run_to_end(command);
         assert_eq!(killed.code, Some(2), "{killed:?}");
-        let said = schema::answer(&killed, "herd");
+        let said = schema::parse_answer(&killed, "herd");
         let found = ["failed", "differ", "missing"].map(|key| said["tasks"][key].as_u64().unwrap());
         assert_eq!(found, counts, "{said}");
         let why = said["failures"][0]["message"].as_str().unwrap();
@@ -267,7 +267,7 @@ fn a_command_that_dies_without_a_word_is_told() {
     // Earlier results do not count as current.
     sandbox.write("herd/recipes/knot.toml", "[hair]\nlean = 0.5\n");
     without_room([1, 0, 1]);
-    let plan = schema::answer(&herd(&sandbox, "plan", &["--due"]), "herd");
+    let plan = schema::parse_answer(&herd(&sandbox, "plan", &["--due"]), "herd");
     assert_eq!(plan["tasks"].as_array().unwrap().len(), 2, "{plan}");
     assert_eq!(run(&sandbox, 0, &[]).1, 2);
 }
@@ -277,7 +277,7 @@ fn a_plan_is_a_graph_of_plain_commands() {
     let sandbox = sandbox();
     let plan = herd(&sandbox, "plan", &["--cache", "cache"]);
     assert_eq!(plan.code, Some(0), "{plan:?}");
-    let plan = schema::answer(&plan, "herd");
+    let plan = schema::parse_answer(&plan, "herd");
     let tasks = plan["tasks"].as_array().unwrap();
     assert_eq!(tasks.len(), TASKS);
     let mut made: Vec<&str> = Vec::new();
@@ -306,7 +306,7 @@ fn a_plan_is_a_graph_of_plain_commands() {
     let mut shell = std::process::Command::new("sh");
     let tool = pelage_tests::binary::pelage().display().to_string();
     shell.arg("-c").arg(format!("'{tool}' {bake}")).current_dir(sandbox.path().join("herd"));
-    let run = finish(shell);
+    let run = run_to_end(shell);
     assert_eq!(run.code, Some(0), "{run:?}");
     assert!(sandbox.path().join("herd/out/packages/animals/knot.pelage").is_file());
 }
@@ -383,7 +383,7 @@ fn what_a_herd_file_says_wrong_is_told_before_anything_runs() {
     assert_eq!(run.code, Some(2), "{run:?}");
     // Without Ninja the error says how to install it.
     let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out"]);
-    let run = finish({
+    let run = run_to_end({
         command.env("PATH", sandbox.path());
         command
     });

@@ -35,7 +35,7 @@ fn file_size(sandbox: &Sandbox, name: &str) -> u64 {
 
 /// Returns the fragments of a frame of the baked package, as counted by `pelage doctor`.
 fn fragments(sandbox: &Sandbox) -> f64 {
-    let found = schema::done(&sandbox.run(&["doctor", "torus.pelage", "--size", "120x72", "--json"]), "doctor");
+    let found = schema::parse_success(&sandbox.run(&["doctor", "torus.pelage", "--size", "120x72", "--json"]), "doctor");
     // Passes that do not draw into the picture have none.
     let fragments: f64 = found["passes"].as_array().unwrap().iter().filter_map(|pass| pass["fragments"].as_f64()).sum();
     assert!(fragments > 0.0, "{found}");
@@ -49,10 +49,10 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
     }
     let sandbox = Sandbox::new();
     // Error of the recipe's own settings; a limit a tenth higher leaves room for savings.
-    let trial = schema::done(&bake(&sandbox, &["--max-error", "1", "--json"]), "bake");
+    let trial = schema::parse_success(&bake(&sandbox, &["--max-error", "1", "--json"]), "bake");
     let own = &trial["choice"]["trials"][0];
     let limit = 1.1 * own["error"].as_f64().unwrap();
-    let object = schema::done(&bake(&sandbox, &["--max-error", &limit.to_string(), "--json"]), "bake");
+    let object = schema::parse_success(&bake(&sandbox, &["--max-error", &limit.to_string(), "--json"]), "bake");
     let choice = &object["choice"];
     let chosen = &choice["trials"][choice["chosen"].as_u64().unwrap() as usize];
     assert!(chosen["error"].as_f64().unwrap() <= limit, "{choice}");
@@ -88,7 +88,7 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
         let command = ["reference", "torus.pelage", "-o", "true.png", "--samples", "8"];
         let traced = sandbox.run(&[&command, &words[..], &size].concat());
         assert_eq!(traced.code, Some(0), "{traced:?}");
-        let compared = schema::done(&sandbox.run(&["compare", "drawn.png", "true.png", "--json"]), "compare");
+        let compared = schema::parse_success(&sandbox.run(&["compare", "drawn.png", "true.png", "--json"]), "compare");
         flips.push(compared["flip"]["mean"].as_f64().unwrap());
         let picture = |name: &str| sandbox.path().join(name);
         // The fur of the torus is less than twenty pixels high.
@@ -109,7 +109,7 @@ fn costs_have_limits_too() {
     let sandbox = Sandbox::new();
     let limit = 150_000;
     let bytes = limit.to_string();
-    let object = schema::done(&bake(&sandbox, &["--max-bytes", &bytes, "--max-frame-ms", "10000", "--json"]), "bake");
+    let object = schema::parse_success(&bake(&sandbox, &["--max-bytes", &bytes, "--max-frame-ms", "10000", "--json"]), "bake");
     assert!(file_size(&sandbox, "torus.pelage") <= limit);
     assert_eq!(object["bytes"], file_size(&sandbox, "torus.pelage"));
     let choice = &object["choice"];
@@ -194,7 +194,7 @@ fn the_shells_chart() {
     let sandbox = Sandbox::new().with_lab();
     let sets: Vec<&str> = SMALL.iter().flat_map(|set| ["--set", set]).collect();
     let run = sandbox.run(&[&["chart", "shells", "-o", "out", "--rows", "1,2,9", "--json"], &sets[..]].concat());
-    let object = schema::done(&run, "chart");
+    let object = schema::parse_success(&run, "chart");
     let rows = object["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 3);
     assert_eq!(rows[0]["default"], true);
@@ -209,7 +209,7 @@ fn the_shells_chart() {
     // A package contains everything needed to slice it again.
     assert_eq!(bake(&sandbox, &["-q"]).code, Some(0));
     let run = sandbox.run(&["chart", "shells", "torus.pelage", "-o", "again", "--rows", "1,2", "--json"]);
-    let own = schema::done(&run, "chart");
+    let own = schema::parse_success(&run, "chart");
     assert_eq!(own["rows"][0]["fins.enabled"], "false");
     assert!(own["rows"][0]["flip"].as_f64() > own["rows"][0]["coverage_error"].as_f64(), "{own}");
     // More layers cost more, and the chart is drawn.

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_needs::data;
-use pelage_tests::binary::{Run, Sandbox, finish, walk, workspace};
+use pelage_tests::binary::{Run, Sandbox, run_to_end, walk, workspace};
 use pelage_tests::schema;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ fn bake(sandbox: &Sandbox, model: &str, more: &[&str]) -> Run {
 
 /// Runs the binary, and asserts the exit code, words of stderr, and an unchanged list of files.
 #[track_caller]
-fn refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) {
+fn assert_refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) {
     let before = sandbox.files();
     let run = sandbox.run(args);
     println!("{code}  {}", run.stderr.trim());
@@ -69,7 +69,7 @@ fn the_good_triangle_bakes() {
     let sandbox = Sandbox::new();
     sandbox.write("a.gltf", triangle().to_string());
     sandbox.write("triangle.bin", triangle_bin());
-    let object = schema::done(&bake(&sandbox, "a.gltf", &["--json"]), "bake");
+    let object = schema::parse_success(&bake(&sandbox, "a.gltf", &["--json"]), "bake");
     assert_eq!(object["output"], "out.pelage");
     assert_eq!(object["bytes"], std::fs::metadata(sandbox.path().join("out.pelage")).unwrap().len());
     assert_eq!(sandbox.files(), ["a.gltf", "out.pelage", "triangle.bin"]);
@@ -106,7 +106,7 @@ fn bad_models() {
         spoil(&mut document, &mut bytes);
         sandbox.write("a.gltf", document.to_string());
         sandbox.write("triangle.bin", bytes);
-        refused(&sandbox, &[&["bake", "a.gltf", "-o", "out.pelage"][..], &SMALL].concat(), 3, words);
+        assert_refused(&sandbox, &[&["bake", "a.gltf", "-o", "out.pelage"][..], &SMALL].concat(), 3, words);
     }
 
     let sandbox = Sandbox::new();
@@ -129,12 +129,12 @@ fn bad_models() {
         ("old.glb", 3, &["old.glb: byte 4", "1"]),
         ("cut.glb", 3, &["cut.glb: byte 8"]),
     ] {
-        refused(&sandbox, &["bake", model, "-o", "out.pelage"], code, words);
+        assert_refused(&sandbox, &["bake", model, "-o", "out.pelage"], code, words);
     }
-    refused(&sandbox, &["bake", "good.glb", "-o", "no/out.pelage"], 2, &["no: cannot write into", "create it first"]);
-    refused(&sandbox, &["bake", "good.glb", "-o", "folder.glb"], 2, &["folder.glb: cannot write", "folder"]);
-    refused(&sandbox, &["bake", "good.glb"], 1, &["--output"]);
-    refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--threads", "0"], 1, &["--threads"]);
+    assert_refused(&sandbox, &["bake", "good.glb", "-o", "no/out.pelage"], 2, &["no: cannot write into", "create it first"]);
+    assert_refused(&sandbox, &["bake", "good.glb", "-o", "folder.glb"], 2, &["folder.glb: cannot write", "folder"]);
+    assert_refused(&sandbox, &["bake", "good.glb"], 1, &["--output"]);
+    assert_refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--threads", "0"], 1, &["--threads"]);
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn texture_coordinates_are_asked_for_only_where_they_are_used() {
     sandbox.write("triangle.bin", triangle_bin());
     for set in ["surface.source=model", "surface.comb=tangents"] {
         let args = [&["bake", "a.gltf", "-o", "out.pelage", "--set", set][..], &SMALL].concat();
-        refused(&sandbox, &args, 3, &["a.gltf: mesh 0", "no texture coordinates", "surface."]);
+        assert_refused(&sandbox, &args, 3, &["a.gltf: mesh 0", "no texture coordinates", "surface."]);
     }
     assert_eq!(bake(&sandbox, "a.gltf", &[]).code, Some(0), "patches need none");
 }
@@ -167,18 +167,18 @@ fn bad_recipes() {
         ("[hair]\nlength_m = -1.0\n", &["line 2, hair.length_m", "-1"]),
     ] {
         sandbox.write("r.toml", text);
-        refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--recipe", "r.toml"], 3, words);
+        assert_refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--recipe", "r.toml"], 3, words);
     }
     sandbox.write("r.toml", b"\xff");
-    refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--recipe", "r.toml"], 3, &["r.toml: byte 0", "UTF-8"]);
-    refused(&sandbox, &["bake", "good.glb", "-o", "o.pelage", "--recipe", "no.toml"], 2, &["no.toml: cannot read"]);
-    refused(&sandbox, &["bake", "good.glb", "-o", "o.pelage", "--recipe", "folder.toml"], 2, &["folder.toml"]);
+    assert_refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--recipe", "r.toml"], 3, &["r.toml: byte 0", "UTF-8"]);
+    assert_refused(&sandbox, &["bake", "good.glb", "-o", "o.pelage", "--recipe", "no.toml"], 2, &["no.toml: cannot read"]);
+    assert_refused(&sandbox, &["bake", "good.glb", "-o", "o.pelage", "--recipe", "folder.toml"], 2, &["folder.toml"]);
     for (set, words) in [
         ("slice.layers=0", &["slice.layers", "found 0"][..]),
         ("slice.layer=8", &["slice.layer", "did you mean slice.layers"]),
         ("layers", &["key=value"]),
     ] {
-        refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--set", set], 3, words);
+        assert_refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--set", set], 3, words);
     }
 }
 
@@ -202,7 +202,7 @@ fn pictures() {
         (&["bench", "cut.pelage"], 3, &["cut.pelage", "cut short"]),
         (&["render", "out.pelage", "-o", "a.png", "--clip", "Walk"], 1, &["Walk"]),
     ] {
-        refused(&sandbox, args, code, words);
+        assert_refused(&sandbox, args, code, words);
     }
     // An empty driver list simulates a machine without a driver.
     for args in [&["render", "out.pelage", "-o", "a.png"][..], &["bench", "out.pelage"], &["demo", "-o", "pictures"]] {
@@ -212,7 +212,7 @@ fn pictures() {
             command.env(key, "/nonexistent/icd.json");
         }
         command.env_remove("VK_ADD_DRIVER_FILES");
-        let run = finish(command);
+        let run = run_to_end(command);
         assert_eq!(run.code, Some(4), "{args:?}: {run:?}");
         for word in ["no usable graphics adapter", "mesa-vulkan-drivers"] {
             assert!(run.stderr.contains(word), "{args:?}: {run:?}");
@@ -220,15 +220,15 @@ fn pictures() {
         assert_eq!(sandbox.files(), before, "{args:?} left something behind");
     }
     let run = sandbox.run(&["render", "out.pelage", "-o", "a.png", "--size", "48x32", "--json"]);
-    let object = schema::done(&run, "render");
+    let object = schema::parse_success(&run, "render");
     assert!(object["covered_pixels"].as_u64().is_some_and(|n| n > 50), "{object}");
     let picture = image::open(sandbox.path().join("a.png")).unwrap();
     assert_eq!((picture.width(), picture.height()), (48, 32));
-    schema::done(&sandbox.run(&["bench", "out.pelage", "--size", "48x32", "--frames", "2", "--json"]), "bench");
+    schema::parse_success(&sandbox.run(&["bench", "out.pelage", "--size", "48x32", "--frames", "2", "--json"]), "bench");
 
     let ink = ["--style", "ink", "--size", "48x32", "--json"];
     let run = sandbox.run(&[&["render", "out.pelage", "-o", "ink.png"][..], &ink].concat());
-    let object = schema::done(&run, "render");
+    let object = schema::parse_success(&run, "render");
     assert_eq!(object["covered_pixels"], 48 * 32, "paper is everywhere: {object}");
     let ran = |object: &Value| {
         let passes = object["passes"].as_array().unwrap().clone();
@@ -242,10 +242,10 @@ fn pictures() {
     let run = sandbox.run(&[&["bake", "good.glb", "-o", "stone.pelage"][..], &small].concat());
     assert_eq!(run.code, Some(0), "{run:?}");
     let run = sandbox.run(&[&["render", "stone.pelage", "-o", "stone.png"][..], &ink].concat());
-    assert_eq!(ran(&schema::done(&run, "render")), passes[..6], "{run:?}");
+    assert_eq!(ran(&schema::parse_success(&run, "render")), passes[..6], "{run:?}");
     let bench = |size: &str| {
         let args = ["bench", "out.pelage", "--frames", "2", "--style", "ink", "--size", size, "--json"];
-        schema::done(&sandbox.run(&args), "bench")
+        schema::parse_success(&sandbox.run(&args), "bench")
     };
     let (small, large) = (bench("48x32"), bench("96x64"));
     let names = small["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
@@ -358,7 +358,7 @@ fn an_obj_with_its_materials() {
     sandbox.write("a.obj", text);
     // The contents determine the format, not the name.
     sandbox.write("a.gltf", text);
-    let object = schema::done(&bake(&sandbox, "a.obj", &["--json"]), "bake");
+    let object = schema::parse_success(&bake(&sandbox, "a.obj", &["--json"]), "bake");
     assert_eq!(object["warnings"], json!([]));
     assert_eq!(sandbox.run(&["validate", "out.pelage"]).code, Some(0));
     assert_eq!(sandbox.run(&["unpack", "out.pelage", "in"]).code, Some(0));
@@ -370,5 +370,5 @@ fn an_obj_with_its_materials() {
     assert_eq!(bake(&sandbox, "a.gltf", &[]).code, Some(0));
     sandbox.write("b.obj", text.replace("f 1/1", "f 9/1"));
     std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
-    refused(&sandbox, &["bake", "b.obj", "-o", "out.pelage"], 3, &["b.obj: line 11", "vertex 9, expected 1..=4"]);
+    assert_refused(&sandbox, &["bake", "b.obj", "-o", "out.pelage"], 3, &["b.obj: line 11", "vertex 9, expected 1..=4"]);
 }

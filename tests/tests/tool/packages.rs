@@ -20,7 +20,7 @@ fn inspect_tells_what_is_inside() {
     let sandbox = sandbox();
     let run = sandbox.run(&["inspect", "a.pelage", "--json"]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
-    let object = schema::answer(&run, "inspect");
+    let object = schema::parse_answer(&run, "inspect");
     for (pointer, expected) in [
         ("/version", "3"),
         ("/triangles", "4"),
@@ -57,7 +57,7 @@ fn inspect_tells_what_is_inside() {
 fn validate_lists_each_fault_with_its_place() {
     let sandbox = sandbox();
     let run = sandbox.run(&["validate", "a.pelage", "--json"]);
-    let object = schema::answer(&run, "validate");
+    let object = schema::parse_answer(&run, "validate");
     // The sample's recipe contains an unknown key, the only fault in it that only the tool can detect.
     assert_eq!((run.code, object["valid"].as_bool()), (Some(7), Some(false)), "{run:?}");
     let message = object["faults"][0]["message"].to_string();
@@ -74,7 +74,7 @@ fn validate_lists_each_fault_with_its_place() {
     let sections = Package::open(&sound, &Limits::default()).unwrap().sections().to_vec();
     sandbox.write("sound.pelage", &sound);
     let run = sandbox.run(&["validate", "sound.pelage", "--json"]);
-    assert_eq!((run.code, schema::answer(&run, "validate")["valid"].as_bool()), (Some(0), Some(true)), "{run:?}");
+    assert_eq!((run.code, schema::parse_answer(&run, "validate")["valid"].as_bool()), (Some(0), Some(true)), "{run:?}");
 
     // Two damaged sections are two faults.
     let mut damaged = sound.clone();
@@ -83,7 +83,7 @@ fn validate_lists_each_fault_with_its_place() {
     }
     sandbox.write("damaged.pelage", &damaged);
     let run = sandbox.run(&["validate", "damaged.pelage", "--json"]);
-    let object = schema::answer(&run, "validate");
+    let object = schema::parse_answer(&run, "validate");
     assert_eq!(run.code, Some(7));
     let faults = object["faults"].as_array().unwrap();
     let damaged_offsets: Vec<_> =
@@ -100,10 +100,10 @@ fn assert_round_trip(sandbox: &Sandbox, package: &[u8]) -> Vec<String> {
     sandbox.write("in.pelage", package);
     let run = sandbox.run(&["unpack", "in.pelage", "folder", "--json"]);
     assert_eq!(run.code, Some(0), "{run:?}");
-    schema::answer(&run, "unpack");
+    schema::parse_answer(&run, "unpack");
     let run = sandbox.run(&["pack", "folder", "out.pelage", "--json"]);
     assert_eq!(run.code, Some(0), "{run:?}");
-    schema::answer(&run, "pack");
+    schema::parse_answer(&run, "pack");
     assert!(std::fs::read(sandbox.path().join("out.pelage")).unwrap() == package, "the bytes differ");
     sandbox.files().into_iter().filter_map(|f| f.strip_prefix("folder/").map(str::to_owned)).collect()
 }
@@ -147,9 +147,9 @@ fn ink_package() -> Vec<u8> {
 #[test]
 fn inspect_tells_of_ink() {
     let sandbox = sandbox();
-    assert_eq!(schema::answer(&sandbox.run(&["inspect", "a.pelage", "--json"]), "inspect")["ink"], Value::Null);
+    assert_eq!(schema::parse_answer(&sandbox.run(&["inspect", "a.pelage", "--json"]), "inspect")["ink"], Value::Null);
     sandbox.write("ink.pelage", ink_package());
-    let ink = schema::answer(&sandbox.run(&["inspect", "ink.pelage", "--json"]), "inspect")["ink"].clone();
+    let ink = schema::parse_answer(&sandbox.run(&["inspect", "ink.pelage", "--json"]), "inspect")["ink"].clone();
     let bytes = ink_package();
     let expected = Package::open(&bytes, &Limits::default()).unwrap().ink().unwrap().unwrap().info;
     assert_eq!(ink["stroke_texture"], expected.stroke_texture);
@@ -177,7 +177,7 @@ fn a_fault_in_unpacked_ink_is_placed_in_its_file() {
 fn pack_undoes_unpack_for_generated_packages() {
     let sandbox = Sandbox::new();
     for seed in 0..24 {
-        assert_round_trip(&sandbox, &generated(&mut Random(seed)));
+        assert_round_trip(&sandbox, &random_package(&mut Random(seed)));
     }
 }
 
@@ -192,7 +192,7 @@ fn float(random: &mut Random) -> f32 {
 }
 
 /// Returns a package of random sizes and numbers, with or without each optional part.
-fn generated(random: &mut Random) -> Vec<u8> {
+fn random_package(random: &mut Random) -> Vec<u8> {
     let vertices = random.below(40);
     let triangles = if vertices == 0 { 0 } else { random.below(60) };
     let skinned = vertices > 0 && random.below(2) == 0;

@@ -1,7 +1,7 @@
 //! Output of commands with `--quiet`, in an environment where the graphics driver would complain.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use pelage_tests::binary::{Sandbox, finish, workspace};
+use pelage_tests::binary::{Sandbox, run_to_end, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 
@@ -29,7 +29,7 @@ fn quiet_commands_print_nothing() {
     }
     let run = sandbox.run(&["inspect", "none.pelage", "-q"]);
     assert!(run.code == Some(2) && run.stdout.is_empty() && run.stderr.starts_with("error: "), "{run:?}");
-    assert!(schema::done(&sandbox.run(&["inspect", "a.pelage", "-q", "--json"]), "inspect")["bytes"].is_u64());
+    assert!(schema::parse_success(&sandbox.run(&["inspect", "a.pelage", "-q", "--json"]), "inspect")["bytes"].is_u64());
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn a_variable_that_mesa_misses_is_not_complained_about() {
             Some(value) => command.env("XDG_RUNTIME_DIR", value),
             None => command.env_remove("XDG_RUNTIME_DIR"),
         };
-        let run = finish(command);
+        let run = run_to_end(command);
         assert_eq!((run.code, run.stdout.as_str(), run.stderr.as_str()), (Some(0), "", ""), "{value:?}");
     }
 }

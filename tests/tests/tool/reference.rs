@@ -24,7 +24,7 @@ fn the_picture_is_the_same_with_any_number_of_threads() {
     let sandbox = torus(&[]);
     let trace = |threads: &str, name: &str| {
         let run = sandbox.run(&[&SMALL[..], &["--threads", threads, "-o", name, "--json"]].concat());
-        (schema::done(&run, "reference"), std::fs::read(sandbox.path().join(name)).unwrap())
+        (schema::parse_success(&run, "reference"), std::fs::read(sandbox.path().join(name)).unwrap())
     };
     let (one, bytes) = trace("1", "one.png");
     let (four, same) = trace("4", "four.png");
@@ -66,7 +66,7 @@ fn strands_and_skin_leave_for_other_programs() {
     for extension in ["txt", "pbrt", "glb", "hair", "usda"] {
         let name = format!("strands.{extension}");
         let run = sandbox.run(&["export", "torus.pelage", "--strands", &name, "--mesh", "skin.obj", "--json"]);
-        let object = schema::done(&run, "export");
+        let object = schema::parse_success(&run, "export");
         let bytes = std::fs::read(sandbox.path().join(&name)).unwrap();
         let (strands, segments) = (object["strands"].as_u64().unwrap(), object["segments"].as_u64().unwrap());
         assert!(strands > 100 && segments >= strands, "{object}");
@@ -114,7 +114,7 @@ fn strands_and_skin_leave_for_other_programs() {
     }
     let part = |more: &[&str]| {
         let run = sandbox.run(&[&["export", "torus.pelage", "--strands", "part.txt", "--json"], more].concat());
-        schema::done(&run, "export")["groups"][0]["strands"].as_u64().unwrap()
+        schema::parse_success(&run, "export")["groups"][0]["strands"].as_u64().unwrap()
     };
     assert_eq!(part(&["--group", "coat"]), part(&[]));
     assert_eq!(part(&["--group", "coat", "--every", "3"]), part(&[]).div_ceil(3));

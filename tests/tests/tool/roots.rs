@@ -37,7 +37,7 @@ fn bake(sandbox: &Sandbox, package: &str, more: &[&str]) {
 }
 
 /// Returns the share of red among the pixels of hair, in the middle of a picture from above.
-fn red(sandbox: &Sandbox, picture: &str) -> f64 {
+fn red_share(sandbox: &Sandbox, picture: &str) -> f64 {
     let pixels = image::open(sandbox.path().join(picture)).unwrap().to_rgb8();
     let middle = || pixels.enumerate_pixels().filter(|(x, y, _)| (40..60).contains(x) && (50..100).contains(y));
     let [red, blue] = [(0, 2), (2, 0)].map(|(more, less)| middle().filter(|(.., p)| p[more] > p[less]).count() as f64);
@@ -60,12 +60,12 @@ fn hair_at_a_border_has_its_roots_colour() {
             &sandbox,
             &[&["render", package, "-o", &name, "--hair", hair, "--samples", "1", "--fins", "on"][..], &VIEW].concat(),
         );
-        red(&sandbox, &name)
+        red_share(&sandbox, &name)
     };
     bake(&sandbox, "root", &["color.at_root=true", "fins.enabled=true"]);
     bake(&sandbox, "below", &["color.at_root=false", "fins.enabled=true"]);
     done(&sandbox, &[&["reference", "root", "-o", "true.png", "--samples", "16"][..], &VIEW].concat());
-    let truth = red(&sandbox, "true.png");
+    let truth = red_share(&sandbox, "true.png");
     let [root, below] = ["root", "below"].map(|package| share(package, "shells"));
     println!("red: true {truth:.3}, by the root {root:.3}, by the skin below {below:.3}");
     assert!(truth - below > 0.05 && (truth - root).abs() < 0.3 * (truth - below), "{truth}, {root} and {below}");

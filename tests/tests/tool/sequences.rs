@@ -39,7 +39,7 @@ fn sandbox() -> Sandbox {
 fn rendered(sandbox: &Sandbox, args: &[&str]) -> (Value, Run) {
     let run = sandbox.run(&[&["render", "--json"], args].concat());
     assert_eq!(run.code, Some(0), "{args:?}: {run:?}");
-    (schema::answer(&run, "render"), run)
+    (schema::parse_answer(&run, "render"), run)
 }
 
 /// Draws with the given arguments and returns the bytes of the picture.

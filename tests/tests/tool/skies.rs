@@ -22,7 +22,7 @@ fn skies_are_taken_for_few_lights() {
     for (name, most) in skies {
         let path = data.join("hdr").join(name).with_extension("hdr");
         let run = sandbox.run(&["sky", path.to_str().unwrap(), "-o", "sky.toml", "--json"]);
-        let told = schema::done(&run, "sky");
+        let told = schema::parse_success(&run, "sky");
         let number = |key: &str| told[key].as_f64().unwrap();
         println!("{name}: {told}");
         assert!(number("energy") < 0.01 && number("error") < most, "{name}: {told}");

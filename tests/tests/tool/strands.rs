@@ -27,7 +27,7 @@ fn strands_are_nearer_to_the_true_picture_than_layers() {
         let how = ["--look", "picture.samples=4", "--detail", "full", "--hair", hair, "-o", name];
         done(&[&["render", "hare.pelage"], &size[..], &how].concat());
         let run = sandbox.run(&["compare", name, "true.png", "--json"]);
-        let found = schema::done(&run, "compare");
+        let found = schema::parse_success(&run, "compare");
         found["flip"]["mean"].as_f64().unwrap()
     };
     let [strands, layers] = [draw("strands", "strands.png"), draw("shells", "layers.png")];
@@ -59,7 +59,7 @@ fn hair_on_guides_is_drawn_where_the_true_picture_has_it() {
     };
     done(&["bake", &model, "--recipe", "hare.toml", "-o", "hare.pelage", "-q"]);
     done(&["validate", "hare.pelage"]);
-    let clip = schema::done(&done(&["inspect", "hare.pelage", "--json"]), "inspect")["clips"][0]["name"].clone();
+    let clip = schema::parse_success(&done(&["inspect", "hare.pelage", "--json"]), "inspect")["clips"][0]["name"].clone();
     let moving = ["--clip", clip.as_str().unwrap(), "--time", "0.2"];
     for (name, when) in [("rest", &[][..]), ("clip", &moving)] {
         let size = ["--size", "500x400", "--camera", "0.9,0.6,1.2/0,0.22,0/30"];
@@ -69,7 +69,7 @@ fn hair_on_guides_is_drawn_where_the_true_picture_has_it() {
         let samples = ["--look", "picture.samples=4"];
         done(&[&["render", "hare.pelage", "-o", &drawn_png][..], &size, &samples, when].concat());
         let against = |picture: &str| {
-            let found = schema::done(&sandbox.run(&["compare", picture, &true_png, "--json"]), "compare");
+            let found = schema::parse_success(&sandbox.run(&["compare", picture, &true_png, "--json"]), "compare");
             [&found["coverage"], &found["flip"]["mean"]].map(|n| n.as_f64().unwrap())
         };
         let [coverage, flip] = against(&drawn_png);

@@ -23,12 +23,12 @@ fn bake(sandbox: &Sandbox, package: &str, more: &[&str]) -> Run {
 }
 
 /// Bakes and writes the recipe, bakes with it, and returns it.
-fn written(sandbox: &Sandbox, path: &str, more: &[&str]) -> String {
-    written_and_said(sandbox, path, more).0
+fn bake_with_written(sandbox: &Sandbox, path: &str, more: &[&str]) -> String {
+    bake_with_written_and_run(sandbox, path, more).0
 }
 
 /// Does the same as [`written`], and also returns the run that wrote the recipe.
-fn written_and_said(sandbox: &Sandbox, path: &str, more: &[&str]) -> (String, Run) {
+fn bake_with_written_and_run(sandbox: &Sandbox, path: &str, more: &[&str]) -> (String, Run) {
     let first = bake(sandbox, "first.pelage", &[&["--write-recipe", path], more].concat());
     assert_eq!(first.code, Some(0), "{first:?}");
     assert!(first.stdout.contains(path), "{first:?}");
@@ -46,7 +46,7 @@ const SMALL: [&str; 4] = ["--set", "slice.layers=4", "--set", "slice.tile_texels
 #[test]
 fn the_written_recipe_gives_the_same_package() {
     let sandbox = sandbox();
-    let text = written(&sandbox, "whole.toml", &SMALL);
+    let text = bake_with_written(&sandbox, "whole.toml", &SMALL);
     let recipe = Recipe::parse("whole.toml", &text).unwrap();
     assert!(recipe.hair.length_m.is_some() && recipe.surface.tile_size_m.is_some(), "{text}");
     assert_eq!(recipe.slice.layers, 4);
@@ -59,14 +59,14 @@ fn the_written_recipe_gives_the_same_package() {
         text.contains("\n# chosen by the bake: length of hair, ") && text.contains("\n# chosen by the bake\nfur = ")
     );
     // Overwritten by the next bake: the recipe is an output like the package.
-    let again = written(&sandbox, "whole.toml", &[&SMALL[..], &["--set", "hair.length_m=0.01"]].concat());
+    let again = bake_with_written(&sandbox, "whole.toml", &[&SMALL[..], &["--set", "hair.length_m=0.01"]].concat());
     assert!(!again.contains("length of hair, "), "{again}");
 }
 
 #[test]
 fn a_recipe_with_a_coat_and_images_is_written_whole() {
     let sandbox = sandbox();
-    let text = written(&sandbox, "recipes/whole.toml", &["--recipe", "recipes/mine.toml"]);
+    let text = bake_with_written(&sandbox, "recipes/whole.toml", &["--recipe", "recipes/mine.toml"]);
     let recipe = Recipe::parse("whole.toml", &text).unwrap();
     let wool = Recipe::parse("wool.toml", "[hair]\ncoat = \"wool\"\n").unwrap();
     assert_eq!((recipe.hair.coat, recipe.hair.lean), (Coat::Wool, 0.4));
@@ -81,7 +81,7 @@ fn a_recipe_with_a_coat_and_images_is_written_whole() {
 #[test]
 fn what_options_chose_is_in_the_written_recipe() {
     let sandbox = sandbox();
-    let text = written(&sandbox, "whole.toml", &["--for-size", "120x72"]);
+    let text = bake_with_written(&sandbox, "whole.toml", &["--for-size", "120x72"]);
     assert!(text.contains("\n# chosen by the bake: for --for-size 120x72\nlayers = "), "{text}");
 }
 
@@ -94,10 +94,10 @@ fn what_limits_chose_is_in_the_written_recipe() {
     let small = ["judge.width=60", "judge.height=36", "judge.samples=8", "ink.enabled=false", "slice.layers=64"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     let limits = [&["--max-error", "1", "--json"], &sets[..]].concat();
-    let (text, run) = written_and_said(&sandbox, "whole.toml", &limits);
+    let (text, run) = bake_with_written_and_run(&sandbox, "whole.toml", &limits);
     assert!(text.contains("\n# chosen by the bake: for --max-error 1\nlayers = "), "{text}");
     // The package equals that of a bake without measurements; the measurements are in the report.
-    let object = schema::done(&run, "bake");
+    let object = schema::parse_success(&run, "bake");
     assert!(object["choice"].is_object() && object["recipe"] == "whole.toml", "{object}");
     let inspected = sandbox.run(&["inspect", "first.pelage", "--json"]);
     let inspected: serde_json::Value = serde_json::from_str(&inspected.stdout).unwrap();
@@ -120,7 +120,7 @@ fn a_recipe_that_would_not_find_its_files_is_not_written() {
     refused("whole.toml", &["whole.toml", "another file", "spots.png"]);
     // The same image is accepted.
     sandbox.write("spots.png", sandbox.read("recipes/spots.png"));
-    written(&sandbox, "whole.toml", &["--recipe", "recipes/mine.toml"]);
+    bake_with_written(&sandbox, "whole.toml", &["--recipe", "recipes/mine.toml"]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use pelage_bake::pipeline::STAGES;
 use pelage_tests::binary::{Sandbox, walk, workspace};
-use pelage_tests::desktop::{Desktop, View};
+use pelage_tests::desktop::{Desktop, ViewerWindow};
 use serde_json::Value;
 use std::path::Path;
 use std::time::Duration;
@@ -17,7 +17,7 @@ fn package(sandbox: &Sandbox) {
 
 const SMALL: [&str; 4] = ["slice.layers=6", "slice.tile_texels=32", "hair.density=80", "pack.shell_format=rgba8"];
 
-fn shown<'a>(desktop: &'a Desktop, sandbox: &Sandbox, args: &[&str]) -> View<'a> {
+fn open_window<'a>(desktop: &'a Desktop, sandbox: &Sandbox, args: &[&str]) -> ViewerWindow<'a> {
     let mut view = desktop.view(sandbox.path(), args);
     view.wait_for("first picture");
     view.focus();
@@ -33,10 +33,10 @@ fn a_window_shows_what_render_draws_and_hands_change_it() {
     let Some(desktop) = Desktop::open("a_window_shows_what_render_draws_and_hands_change_it") else { return };
     let sandbox = Sandbox::new();
     package(&sandbox);
-    let mut view = shown(&desktop, &sandbox, &["hare.pelage", "--window", "500x400", "--no-panels"]);
+    let mut view = open_window(&desktop, &sandbox, &["hare.pelage", "--window", "500x400", "--no-panels"]);
 
     // The picture equals that of `render` with the camera reported by the window.
-    view.pass_over();
+    view.skip_events();
     view.key("p");
     let told = view.wait_for("pictured");
     view.wait_for("saved");
@@ -67,19 +67,19 @@ fn a_window_shows_what_render_draws_and_hands_change_it() {
         ("flight", &["keydown", "w", "sleep", "0.4", "keyup", "w"]),
         ("an arrow", &["keydown", "Left", "sleep", "0.4", "keyup", "Left"]),
     ] {
-        view.hands(hands);
+        view.xdotool(hands);
         std::thread::sleep(Duration::from_millis(400));
         let after = pixels(&view.save("p"));
         assert!(after != before, "{what} changed nothing");
         before = after;
     }
-    view.hands(&["keydown", "ctrl"]);
+    view.xdotool(&["keydown", "ctrl"]);
     view.drag("1", (150, 200), (300, 200));
-    view.hands(&["keyup", "ctrl"]);
+    view.xdotool(&["keyup", "ctrl"]);
     std::thread::sleep(Duration::from_millis(400));
     let lit = pixels(&view.save("p"));
     assert!(lit != before, "the light does not turn");
-    view.hands(&["key", "ctrl+z"]);
+    view.xdotool(&["key", "ctrl+z"]);
     assert!(pixels(&view.save("p")) == before, "an undo does not turn it back");
 
     // The whole window, including its panels.
@@ -90,15 +90,15 @@ fn a_window_shows_what_render_draws_and_hands_change_it() {
 
     // As small as possible, and back.
     let id = view.focus();
-    view.hands(&["windowsize", &id, "1", "1"]);
+    view.xdotool(&["windowsize", &id, "1", "1"]);
     std::thread::sleep(Duration::from_millis(300));
     view.assert_alive();
-    view.hands(&["windowsize", "--sync", &id, "420", "300"]);
+    view.xdotool(&["windowsize", "--sync", &id, "420", "300"]);
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(pixels(&view.save("p")).dimensions(), (420, 300));
 
     // The reference picture beside it, up to its first sample.
-    view.pass_over();
+    view.skip_events();
     view.key("t");
     let truth = view.wait_for("truth");
     assert!(truth["flip"].as_f64().is_some_and(|flip| flip > 0.0 && flip < 0.3), "{truth}");
@@ -152,8 +152,8 @@ fn a_recipe_is_baked_again_when_it_is_saved_and_a_broken_one_is_told_of() {
     assert!(pixels(&view.save("p")) == dark, "the mended recipe is another one");
 
     // Saved without changes, the recipe keeps its original text.
-    view.pass_over();
-    view.hands(&["key", "ctrl+s"]);
+    view.skip_events();
+    view.xdotool(&["key", "ctrl+s"]);
     view.wait_for("saved");
     assert_eq!(std::fs::read_to_string(sandbox.path().join("hare.toml")).unwrap(), recipe("[0.3, 0.3, 0.3]"));
 }
@@ -207,7 +207,7 @@ fn without_a_screen_the_command_says_what_is_missing() {
     sandbox.write("a.pelage", b"");
     let mut command = sandbox.command(&["view", "a.pelage"]);
     command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
-    let run = pelage_tests::binary::finish(command);
+    let run = pelage_tests::binary::run_to_end(command);
     assert_eq!(run.code, Some(4), "{run:?}");
     for word in ["no window can be opened", "DISPLAY", "pelage render"] {
         assert!(run.stderr.contains(word), "{word:?} is not in {run:?}");

@@ -16,7 +16,7 @@ use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, fastest, framing,
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::Source;
-use pelage_tool::staged::{pixels, stage_of};
+use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::true_camera;
 use pelage_tool::view::View;
 

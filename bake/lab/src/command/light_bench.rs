@@ -6,7 +6,7 @@ use half::f16;
 use pelage_runtime::{Light, PassId, SelfShadow, ShadowMaps, ShadowParams, Study};
 use pelage_stage::{Gpu, LookDetail, Meter, NamedPackage, Stage, StageError};
 use pelage_tool::exit::Failure;
-use pelage_tool::staged::stage_of;
+use pelage_tool::stages::stage_of;
 use pelage_tool::view::View;
 
 /// Drawings of the maps per light, of which the fastest counts; the result is the median over all lights.

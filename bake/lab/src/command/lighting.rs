@@ -10,7 +10,7 @@ use pelage_runtime::{LightingStage, PassId};
 use pelage_stage::{Gpu, LookLighting, LookSelfShadow, Meter, NamedPackage, Spread};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
-use pelage_tool::staged::stage_of;
+use pelage_tool::stages::stage_of;
 use pelage_tool::view::View;
 
 /// Timed frames per configuration, and frames before them in which pipelines and caches settle. The fastest counts,

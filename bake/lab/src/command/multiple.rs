@@ -12,7 +12,7 @@ use pelage_stage::{Gpu, LookHair, Meter, NamedPackage, Samples, Viewpoint, frami
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::Source;
-use pelage_tool::staged::{pixels, stage_of};
+use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::ReferenceTracer;
 use pelage_tool::view::View;
 use pelage_truth::TrueScattering;

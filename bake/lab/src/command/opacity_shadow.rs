@@ -17,7 +17,7 @@ use pelage_stage::{Gpu, KeyLight, LookHair, Meter, Samples, Spread, Stage, Stage
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::Source;
-use pelage_tool::staged::{pixels, stage_of};
+use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth;
 use pelage_tool::truth::ReferenceTracer;
 use pelage_tool::view::View;

@@ -16,7 +16,7 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::SettingMeasurements;
 use pelage_tool::shell_judge::Source;
-use pelage_tool::staged::{pixels, stage_of};
+use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth;
 use pelage_tool::truth::{ReferenceTracer, true_camera};
 use pelage_tool::view::View;

@@ -3,7 +3,7 @@
 //! The package holds a group's scalp, guides and numbers; the hairs are derived from them when it is loaded
 //! ([`pelage_formats::meaning::hair_groups`]).
 
-mod at_rest;
+mod rest_guides;
 mod body;
 mod ground;
 mod grow;
@@ -12,7 +12,7 @@ mod tuft;
 #[cfg(test)]
 mod tests;
 
-pub use at_rest::{GuidesAtRest, StoredOffsets, RestMesh};
+pub use rest_guides::{GuidesAtRest, StoredOffsets, RestMesh};
 pub use ground::GroomTarget;
 
 use crate::recipe::{HairGroupParams, ScalarMap, StrandParams};

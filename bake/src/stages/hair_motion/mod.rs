@@ -2,7 +2,7 @@
 //! to the mesh.
 
 mod colliders;
-mod given;
+mod recipe_colliders;
 
 pub use colliders::{FittedColliders, fit};
 
@@ -38,7 +38,7 @@ pub fn group_motion(
     let guides: Vec<Vec<Vec3>> =
         (0..hair.groups.len()).flat_map(|number| rest_points(&hair.groups[number], number, &found, mesh, &pose)).collect();
     let fitted = if params.colliders { fit(mesh, &pose, &guides) } else { FittedColliders::default() };
-    let fitted = given::merge(fitted, &params.collider, animation, &pose);
+    let fitted = recipe_colliders::merge(fitted, &params.collider, animation, &pose);
     found.colliders.clone_from(&fitted.colliders);
     Some((found, fitted))
 }

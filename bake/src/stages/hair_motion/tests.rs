@@ -99,7 +99,7 @@ fn capsules_of_the_recipe_take_the_place_of_fitted_ones() {
         ..HairColliderParams::default()
     };
     let found =
-        given::merge(fitted.clone(), &[ball("skull", "head"), ball("lost", "tail")], Some(&animation), &pose);
+        recipe_colliders::merge(fitted.clone(), &[ball("skull", "head"), ball("lost", "tail")], Some(&animation), &pose);
     let skull = BodyCollider { joint: 1, from: [0.0, 1.0, 0.0], to: [0.0, 1.0, 0.0], radius: 0.2 };
     assert_eq!(found.colliders, [skull, of(0)]);
     assert_eq!(found.warnings.len(), 1);
@@ -110,6 +110,6 @@ fn capsules_of_the_recipe_take_the_place_of_fitted_ones() {
     );
     // The maximum number of a package.
     let many = vec![ball("skull", "head"); 70];
-    let found = given::merge(fitted, &many, Some(&animation), &pose);
+    let found = recipe_colliders::merge(fitted, &many, Some(&animation), &pose);
     assert!(found.colliders.len() == HairMotion::MOST_COLLIDERS && found.warnings[0].contains("70"));
 }

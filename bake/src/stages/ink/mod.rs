@@ -32,7 +32,7 @@ use crate::stages::assemble::NamedTexture;
 use crate::stages::groom::MapImages;
 use crate::stages::simulate::Strands;
 use crate::stages::slice::{AlphaMode, TextureEncoder};
-use crate::steps::StageProgress;
+use crate::progress::StageProgress;
 use pelage_formats::{InkShading, InkVertex, TextureFormat};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Model};

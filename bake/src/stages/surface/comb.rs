@@ -1,7 +1,7 @@
 //! Comb directions: wishes per face, before they are smoothed into a field.
 
 use super::marks::{self, CombMark};
-use super::skin::FurredMesh;
+use super::furred_mesh::FurredMesh;
 use crate::recipe::{CombMarkParams, CombSource, SurfaceParams};
 use crate::stages::reach;
 use glam::{DVec3, Vec3};

@@ -9,7 +9,7 @@
 //! * the measures of the parameterization.
 
 mod comb;
-mod emit;
+mod vertex_data;
 mod field;
 mod frames;
 mod grow;
@@ -18,7 +18,7 @@ mod marks;
 mod measure;
 mod params;
 mod repair;
-mod skin;
+mod furred_mesh;
 mod solve;
 mod sparse;
 mod topology;
@@ -32,7 +32,7 @@ pub use params::{PatchParams, Source, SurfaceParams};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Mesh, Model, RestPose};
-use skin::FurredMesh;
+use furred_mesh::FurredMesh;
 use solve::FaceFrame;
 
 /// Mesh with hair-tile coordinates.
@@ -90,7 +90,7 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
         });
     }
     repair::report(&mesh, &repaired.faults, &mut warnings);
-    emit::apply_repair(&mut mesh, model.animation.as_ref(), &repaired);
+    vertex_data::apply_repair(&mut mesh, model.animation.as_ref(), &repaired);
     let furred_triangles = params.furred_triangles(&mesh);
     weld::smooth_normals_over_seams(&mut mesh, &repaired.topology.faces, &furred_triangles);
 
@@ -111,11 +111,11 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
                     lapped.unsolved
                 ));
             }
-            emit::patches(&mut mesh, &mut input_vertex, &skin, &lapped, combed.then_some(&field[..]))
+            vertex_data::patches(&mut mesh, &mut input_vertex, &skin, &lapped, combed.then_some(&field[..]))
         }
         Source::Model => {
             let tile_m = params.tile_size_m;
-            emit::model_uvs(&mut mesh, &mut input_vertex, &rest, &furred_triangles, tile_m, &mut warnings)
+            vertex_data::model_uvs(&mut mesh, &mut input_vertex, &rest, &furred_triangles, tile_m, &mut warnings)
         }
     };
     let rest = RestPose::of(&mesh, model.animation.as_ref());

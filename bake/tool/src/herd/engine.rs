@@ -3,7 +3,7 @@
 use super::finish;
 use super::on_disk::Herd;
 use super::paths::io_error;
-use super::ran::NinjaOutput;
+use super::ninja_output::NinjaOutput;
 use crate::exit::Failure;
 use crate::output::{Output, human_bytes};
 use pelage_herd::ninja::{STATUS, THREADS};

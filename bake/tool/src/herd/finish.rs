@@ -1,11 +1,11 @@
 //! Results of a herd: reads the records, prints a summary and writes the report.
 
-use super::notes;
+use super::saved_state;
 use super::on_disk::{Herd, history_file};
 use super::paths::io_error;
-use super::ran::NinjaOutput;
+use super::ninja_output::NinjaOutput;
 use super::result::{HerdFailure, HerdResult, HerdTasks};
-use crate::errand::CommandRecord;
+use crate::job::CommandRecord;
 use crate::exit::{Exit, Failure};
 use crate::output::{Output, make_folder};
 use image::{DynamicImage, Rgb, RgbImage, imageops};
@@ -52,7 +52,7 @@ fn remove(path: &Path) -> Result<(), Failure> {
 
 /// Returns the records of commands that had failed when the report was written.
 pub fn failed_before(herd: &Herd) -> Vec<String> {
-    notes::read(&herd.path(&failures_file(&herd.internal_folder())))
+    saved_state::read(&herd.path(&failures_file(&herd.internal_folder())))
 }
 
 /// Removes the records of failed commands, so that no engine considers these done.
@@ -61,7 +61,7 @@ pub fn forget_failures(herd: &Herd) -> Result<(), Failure> {
 }
 
 fn outcomes(herd: &Herd, ran: &NinjaOutput) -> Result<Vec<Option<CommandOutcome>>, Failure> {
-    let read = |record: &str| notes::read::<Option<CommandOutcome>>(&herd.path(record));
+    let read = |record: &str| saved_state::read::<Option<CommandOutcome>>(&herd.path(record));
     let of = |task: &Task| {
         let found = read(&task.record);
         match ran.last_words(task).filter(|_| found.is_none()) {
@@ -114,9 +114,9 @@ pub fn finish(herd: &Herd, ran: &NinjaOutput, output: &mut Output) -> Result<Exi
     }
     let names: BTreeSet<&str> = herd.plan.tasks.iter().map(|task| task.name.as_str()).collect();
     history.retain(|name, _| names.contains(name.as_str()));
-    notes::write(&herd.path(&history_file(&own)), &history)?;
+    saved_state::write(&herd.path(&history_file(&own)), &history)?;
     let records: Vec<&str> = failures.iter().map(|(i, ..)| herd.plan.tasks[*i].record.as_str()).collect();
-    notes::write(&herd.path(&failures_file(&own)), &records)?;
+    saved_state::write(&herd.path(&failures_file(&own)), &records)?;
     io::write_atomic(&key_file, plan.as_bytes())?;
     let count = |state| report.count(state);
     let counts = HerdTasks {

@@ -2,14 +2,14 @@
 
 mod args;
 mod engine;
-mod farm;
+mod slurm;
 mod finish;
 mod memory;
 mod models;
-mod notes;
+mod saved_state;
 mod on_disk;
 mod paths;
-mod ran;
+mod ninja_output;
 mod result;
 
 use super::exit::{Exit, Failure};
@@ -38,7 +38,7 @@ pub fn run(args: &HerdArgs, cache: Option<&Path>, refusal: &Refusal<'_>, output:
             output.progress("reading what became of it");
             let herd = read(files)?;
             // The outcome of a detached submission is only in the cluster's logs.
-            let ran = farm::read_logs(&herd).failures_alone();
+            let ran = slurm::read_logs(&herd).failures_alone();
             finish::finish(&herd, &ran, output)
         }
     }
@@ -107,7 +107,7 @@ fn run_all(
     herd.make_folders()?;
     finish::forget_failures(&herd)?;
     let ran = if farm {
-        let Some(ran) = farm::run(&herd, args, output)? else { return Ok(Exit::Done) };
+        let Some(ran) = slurm::run(&herd, args, output)? else { return Ok(Exit::Done) };
         ran
     } else {
         let memory_bytes = args.memory.map_or_else(memory::free_bytes, |mib| mib << 20);

@@ -2,7 +2,7 @@
 
 use super::args::HerdFiles;
 use super::models;
-use super::notes;
+use super::saved_state;
 use super::paths::{absolute, io_error, relative_to, utf8};
 use crate::bake::RecipeArgs;
 use crate::exit::Failure;
@@ -172,5 +172,5 @@ pub fn history_file(own: &str) -> String {
 
 /// Reads the measured cost of earlier runs; empty before the first run.
 fn history(folder: &Path, out: &str) -> History {
-    notes::read(&folder.join(history_file(&Plan::own_folder(out))))
+    saved_state::read(&folder.join(history_file(&Plan::own_folder(out))))
 }

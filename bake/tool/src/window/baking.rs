@@ -4,7 +4,7 @@ use pelage_bake::pipeline::{Baked, STAGES, BakeInput};
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
-use pelage_bake::steps::StageProgress;
+use pelage_bake::progress::StageProgress;
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use pelage_viewer::Progress;

@@ -1,6 +1,6 @@
 //! Progressive reference pictures for the window, and their difference from the drawn one.
 
-use crate::sky::Sky;
+use crate::environment::Sky;
 use crate::truth::{ReferenceTracer as TrueView, encode};
 use crate::view::View;
 use pelage_stage::LookStyle;

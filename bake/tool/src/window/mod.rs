@@ -10,7 +10,7 @@ use super::bake::RecipeArgs;
 use super::exit::{Exit, Failure};
 use super::look_args::{LookArgs, SamplesArgs};
 use super::output::{Output, require_parent};
-use super::sky::lights_of;
+use super::environment::lights_of;
 use pelage_import::BakeError;
 use pelage_stage::{Look, Size};
 use pelage_viewer::{ViewError, ViewOptions};

@@ -1,11 +1,11 @@
 //! State of a window: what is shown, its look, and the user's changes. Draws nothing itself.
 
 mod frame;
-mod go;
-mod hear;
+mod controls;
+mod messages;
 mod open;
 mod save;
 mod state;
-mod turn;
+mod edits;
 
 pub use state::App;

@@ -2,7 +2,7 @@
 
 use crate::knobs::{Edits, Knobs, Search};
 use crate::lights::Lights;
-use crate::script::Events;
+use crate::events::Events;
 use crate::show::Show;
 use crate::truth::ReferencePane;
 use crate::worker::Workers;

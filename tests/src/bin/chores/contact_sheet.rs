@@ -7,7 +7,7 @@
 
 use anyhow::{Context as _, bail, ensure};
 use image::RgbImage;
-use pelage_tests::chores::{Workshop, sheet};
+use pelage_tests::chores::{ChoreFolder, sheet};
 
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let [out, columns, size, models @ ..] = arguments else {
@@ -17,7 +17,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         columns.parse().ok().filter(|n| *n > 0).with_context(|| format!("{columns}: no number of columns"))?;
     let models: Vec<&[String]> = models.split(|a| a == "+").filter(|m| !m.is_empty()).collect();
     ensure!(!models.is_empty(), "no model given");
-    let workshop = Workshop::default();
+    let workshop = ChoreFolder::default();
     let mut pictures = Vec::new();
     for (index, model) in models.iter().enumerate() {
         pictures.push(draw(&workshop, model, size).with_context(|| format!("picture {}: {}", index + 1, model[0]))?);
@@ -25,7 +25,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     sheet(&pictures, columns)?.save(out).with_context(|| format!("cannot write {out}"))
 }
 
-fn draw(workshop: &Workshop, model: &[String], size: &str) -> anyhow::Result<RgbImage> {
+fn draw(workshop: &ChoreFolder, model: &[String], size: &str) -> anyhow::Result<RgbImage> {
     let baked = workshop.bake("model", model)?;
     let figures = ["patches", "flipped_triangles", "angle_distortion", "area_distortion", "comb_misalignment_deg"];
     let figures: Vec<String> = figures.iter().map(|name| format!("{name} {}", baked.report[name])).collect();

@@ -9,7 +9,7 @@
 use anyhow::{Context as _, ensure};
 use image::RgbImage;
 use pelage_stage::Viewpoint;
-use pelage_tests::chores::{Baked, Workshop};
+use pelage_tests::chores::{Baked, ChoreFolder};
 use serde_json::{Value, json};
 
 /// Views: degrees about the vertical axis, degrees above the horizon, and zoom; the eyes fill about half of the
@@ -22,7 +22,7 @@ const AWAY: f32 = 6.0;
 const LEFT: f64 = 0.9;
 
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let workshop = Workshop::default();
+    let workshop = ChoreFolder::default();
     println!("| model | eyes | view | pixels of eyes | covered pixels, % | covered area, % |");
     println!("|---|---|---|---|---|---|");
     for (index, model) in arguments.split(|a| a == "+").filter(|m| !m.is_empty()).enumerate() {
@@ -33,13 +33,13 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn measure(workshop: &Workshop, name: &str, model: &[String]) -> anyhow::Result<Vec<String>> {
+fn measure(workshop: &ChoreFolder, name: &str, model: &[String]) -> anyhow::Result<Vec<String>> {
     let baked = workshop.bake(name, model)?;
-    let (marked, eyes, radius_m) = marked(workshop, &baked, name)?;
+    let (marked, eyes, radius_m) = with_green_eyes(workshop, &baked, name)?;
     let Some(first) = eyes.first() else { return Ok(vec![format!("| {} | none | | | | |", model[0])]) };
     let mut rows = Vec::new();
     for (view, orbit) in VIEWS {
-        let camera = format!("--camera={}", from_afar(workshop, &marked, first, orbit, AWAY * radius_m)?);
+        let camera = format!("--camera={}", distant_camera(workshop, &marked, first, orbit, AWAY * radius_m)?);
         let draw = |style: &str| {
             workshop.draw(&marked, SIZE, &[&camera, "--style", style, "--self-shadow", "off", "--soft-shadow", "off"])
         };
@@ -54,7 +54,7 @@ fn measure(workshop: &Workshop, name: &str, model: &[String]) -> anyhow::Result<
 
 /// Returns a camera at distance `away_m` that looks at the eyes from the direction `orbit`. The field of view shows as
 /// much of them as a camera that frames them.
-fn from_afar(workshop: &Workshop, marked: &Baked, eyes: &str, orbit: &str, away_m: f32) -> anyhow::Result<String> {
+fn distant_camera(workshop: &ChoreFolder, marked: &Baked, eyes: &str, orbit: &str, away_m: f32) -> anyhow::Result<String> {
     let (package, picture) = (&marked.package, marked.package.with_extension("png"));
     let paths = [package, &picture].map(|path| path.display().to_string());
     let look = ["--style", "bare", "--orbit", orbit, "--look-at", eyes, "--size", SIZE, "--json", "--quiet"];
@@ -71,7 +71,7 @@ fn from_afar(workshop: &Workshop, marked: &Baked, eyes: &str, orbit: &str, away_
 
 /// Returns a copy of a package with green eyes and black everything else, the names of the eyes, and the radius of the
 /// model, m.
-fn marked(workshop: &Workshop, baked: &Baked, name: &str) -> anyhow::Result<(Baked, Vec<String>, f32)> {
+fn with_green_eyes(workshop: &ChoreFolder, baked: &Baked, name: &str) -> anyhow::Result<(Baked, Vec<String>, f32)> {
     let folder = baked.package.with_file_name(format!("{name}_unpacked"));
     let package = baked.package.with_file_name(format!("{name}_marked.pelage"));
     let words = [&baked.package, &folder, &package].map(|path| path.display().to_string());

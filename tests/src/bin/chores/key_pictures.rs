@@ -6,7 +6,7 @@
 use anyhow::{Context as _, bail, ensure};
 use pelage_bake::recipe::KEY_PICTURES;
 use pelage_tests::binary::workspace;
-use pelage_tests::chores::{Workshop, sheet};
+use pelage_tests::chores::{ChoreFolder, sheet};
 use std::path::Path;
 
 const WHOLE: &str = "--camera=0.5,0.42,0.66/0,0.235,0.01/28";
@@ -16,7 +16,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let [folder, keys @ ..] = arguments else { bail!("expected the FOLDER of the page, then keys") };
     let unknown = keys.iter().find(|key| KEY_PICTURES.iter().all(|picture| picture.key != key.as_str()));
     ensure!(unknown.is_none(), "no picture is of {unknown:?}");
-    let workshop = Workshop::default();
+    let workshop = ChoreFolder::default();
     let model = workspace().join("assets/models/hare.glb").display().to_string();
     for picture in KEY_PICTURES.iter().filter(|picture| keys.is_empty() || keys.iter().any(|key| key == picture.key)) {
         let mut row = Vec::new();

@@ -9,7 +9,7 @@
 
 use anyhow::{Context as _, bail};
 use pelage_tests::binary::workspace;
-use pelage_tests::chores::{Baked, Workshop, sheet};
+use pelage_tests::chores::{Baked, ChoreFolder, sheet};
 use std::path::{Path, PathBuf};
 
 const OFF: [&str; 8] =
@@ -17,7 +17,7 @@ const OFF: [&str; 8] =
 
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let [folder] = arguments else { bail!("expected a FOLDER for the pictures") };
-    let gallery = Gallery { workshop: Workshop::default(), folder: folder.into() };
+    let gallery = Gallery { workshop: ChoreFolder::default(), folder: folder.into() };
     let asset = |kind: &str, name: &str| workspace().join("assets").join(kind).join(name).display().to_string();
     let model = |name: &str| {
         [asset("models", &format!("{name}.glb")), "--recipe".into(), asset("recipes", &format!("{name}.toml"))]
@@ -72,7 +72,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
 }
 
 struct Gallery {
-    workshop: Workshop,
+    workshop: ChoreFolder,
     folder: PathBuf,
 }
 

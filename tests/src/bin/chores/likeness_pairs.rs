@@ -6,7 +6,7 @@
 
 use anyhow::Context as _;
 use pelage_tests::binary::workspace;
-use pelage_tests::chores::Workshop;
+use pelage_tests::chores::ChoreFolder;
 use pelage_tests::likeness::{FUR_PX, folder, likeness, pairs, settings};
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         _ => anyhow::bail!("expected nothing, or a size and a folder"),
     };
     let data = std::env::var_os("PELAGE_DATA").map_or_else(|| workspace().join("../shared/data"), PathBuf::from);
-    let workshop = Workshop::default();
+    let workshop = ChoreFolder::default();
     for (animal, model, bake) in ANIMALS {
         let model = if model.starts_with("meshes/") { data.join(model) } else { workspace().join(model) };
         let bake: Vec<String> = bake.iter().map(|word| absolute(word)).collect();
@@ -69,7 +69,7 @@ fn absolute(word: &str) -> String {
 
 /// Bakes and draws one setting; with `truth`, also traces the reference picture.
 fn draw(
-    workshop: &Workshop,
+    workshop: &ChoreFolder,
     (model, bake): (&Path, &[String]),
     setting: &str,
     folder: &Path,

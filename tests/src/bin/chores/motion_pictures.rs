@@ -5,7 +5,7 @@
 
 use anyhow::{Context as _, bail};
 use pelage_tests::binary::workspace;
-use pelage_tests::chores::{Workshop, sheet};
+use pelage_tests::chores::{ChoreFolder, sheet};
 
 const COLUMNS: usize = 4;
 const SIZE: &str = "320x250";
@@ -36,7 +36,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
             "--clip Run --fps 7".into(),
         ));
     }
-    let workshop = Workshop::default();
+    let workshop = ChoreFolder::default();
     let mut pictures = Vec::new();
     for (name, model, options) in rows {
         let baked = workshop.bake(name, &model)?;

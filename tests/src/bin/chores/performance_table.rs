@@ -4,17 +4,17 @@
 
 use anyhow::{Context as _, ensure};
 use pelage_tests::binary::workspace;
-use pelage_tests::chores::Workshop;
+use pelage_tests::chores::ChoreFolder;
 use serde_json::Value;
 use std::process::Command;
 
 /// Formatter of a result for a table.
-type Shown = fn(&Value) -> String;
+type Formatter = fn(&Value) -> String;
 
 /// Frame measurements: description, options of `pelage bench` and formatter of the result.
-const FRAMES: [(&str, &[&str], Shown); 8] = [
+const FRAMES: [(&str, &[&str], Formatter); 8] = [
     ("the hare, 834×424, 9 of its 15 layers, all shadows, light still", &[], |found| {
-        format!("{}, of which shells {}, skin {}", frame(found), pass(found, "shells"), pass(found, "skin"))
+        format!("{}, of which shells {}, skin {}", frame(found), pass_time(found, "shells"), pass_time(found, "skin"))
     }),
     ("the same at 1668×848, all 15 layers", &["--size", "1668x848"], frame),
     ("the same with all layers, whatever the size", &["--detail", "full"], frame),
@@ -26,10 +26,10 @@ const FRAMES: [(&str, &[&str], Shown); 8] = [
 ];
 
 /// Bake measurements: description, model below assets/models, options and formatter of the result.
-const BAKES: [(&str, &str, &[&str], Shown); 4] = [
-    ("the hare, ink and all; its package", "hare", &["--recipe", "assets/recipes/hare.toml"], of_bake),
-    ("the same without ink", "hare", &["--recipe", "assets/recipes/hare.toml", "--set", "ink.enabled=false"], of_bake),
-    ("the pony with mane and tail", "pony", &["--recipe", "assets/recipes/pony.toml"], of_bake),
+const BAKES: [(&str, &str, &[&str], Formatter); 4] = [
+    ("the hare, ink and all; its package", "hare", &["--recipe", "assets/recipes/hare.toml"], format_bake),
+    ("the same without ink", "hare", &["--recipe", "assets/recipes/hare.toml", "--set", "ink.enabled=false"], format_bake),
+    ("the pony with mane and tail", "pony", &["--recipe", "assets/recipes/pony.toml"], format_bake),
     (
         "a tile of 512×512×64 with 20 000 strands, plain texels",
         "torus",
@@ -45,7 +45,7 @@ const BAKES: [(&str, &str, &[&str], Shown); 4] = [
             "--set",
             "pack.direction_format=rg8",
         ],
-        of_bake,
+        format_bake,
     ),
 ];
 
@@ -57,25 +57,25 @@ fn frame(found: &Value) -> String {
     milliseconds(&found["frame_ms"]["median"])
 }
 
-fn pass(found: &Value, name: &str) -> String {
+fn pass_time(found: &Value, name: &str) -> String {
     let pass = found["passes"].as_array().into_iter().flatten().find(|pass| pass["name"] == name);
     pass.map_or_else(|| "none".to_owned(), |pass| milliseconds(&pass["median_ms"]))
 }
 
-fn of_bake(found: &Value) -> String {
+fn format_bake(found: &Value) -> String {
     let number = |key: &str| found[key].as_f64().unwrap_or(f64::NAN);
     format!("{:.2} s; {:.2} MiB", number("seconds"), number("bytes") / f64::from(1 << 20))
 }
 
 /// Returns the stdout of a program.
-fn printed(program: &str, arguments: &[&str]) -> anyhow::Result<String> {
+fn stdout_of(program: &str, arguments: &[&str]) -> anyhow::Result<String> {
     let output = Command::new(program).args(arguments).current_dir(workspace()).output()?;
     ensure!(output.status.success(), "{program} {arguments:?} failed");
     Ok(String::from_utf8(output.stdout)?.trim().to_owned())
 }
 
 /// Replaces the lines between the markers of a table.
-fn replaced(page: &str, table: &str, lines: &[String]) -> anyhow::Result<String> {
+fn replace_table(page: &str, table: &str, lines: &[String]) -> anyhow::Result<String> {
     let (begin, end) = (format!("<!-- {table}: begin -->\n"), format!("<!-- {table}: end -->\n"));
     let (before, rest) = page.split_once(&begin).with_context(|| format!("no mark {begin:?}"))?;
     let (_, after) = rest.split_once(&end).with_context(|| format!("no mark {end:?}"))?;
@@ -84,7 +84,7 @@ fn replaced(page: &str, table: &str, lines: &[String]) -> anyhow::Result<String>
 
 pub fn run() -> anyhow::Result<()> {
     std::env::set_current_dir(workspace())?;
-    let workshop = Workshop::default();
+    let workshop = ChoreFolder::default();
     let head = ["| what | measured | command |", "|---|---|---|"].map(str::to_owned);
     let (mut frames, mut bakes) = (head.to_vec(), head.to_vec());
     let run = |arguments: &[&str]| -> anyhow::Result<Value> {
@@ -112,12 +112,12 @@ pub fn run() -> anyhow::Result<()> {
             [&["pelage bench hare.pelage"], options].concat().join(" ")
         ));
     }
-    let when = format!("{}, commit {}", printed("date", &["+%F"])?, printed("git", &["rev-parse", "--short", "HEAD"])?);
+    let when = format!("{}, commit {}", stdout_of("date", &["+%F"])?, stdout_of("git", &["rev-parse", "--short", "HEAD"])?);
     let cores = std::thread::available_parallelism()?;
     frames.extend([String::new(), format!("Measured on {adapter}, {cores} cores, {when}.")]);
     bakes.extend([String::new(), format!("Measured on {cores} cores, {when}.")]);
     let path = workspace().join("runtime/docs/performance.md");
-    let page = replaced(&std::fs::read_to_string(&path)?, "frames", &frames)?;
-    std::fs::write(&path, replaced(&page, "bakes", &bakes)?)?;
+    let page = replace_table(&std::fs::read_to_string(&path)?, "frames", &frames)?;
+    std::fs::write(&path, replace_table(&page, "bakes", &bakes)?)?;
     Ok(())
 }

@@ -687,7 +687,7 @@ impl Pair {
             let before = self.bake(&self.before, "packages", name)?;
             let after = self.bake(&self.after, "packages_after", name);
             let found = after.and_then(|after| first_difference(&before, &after));
-            different.extend(say(format!("package {name}"), found));
+            different.extend(report(format!("package {name}"), found));
         }
         let different_packages = different.len();
         for (name, _, text) in SCENES {
@@ -695,7 +695,7 @@ impl Pair {
         }
         for case in &cases {
             let found = self.difference(case).map(|found| (found.channels > 0).then(|| found.to_string()));
-            different.extend(say(case.name(), found));
+            different.extend(report(case.name(), found));
         }
         println!(
             "\n{} of {} cases and {} of {} packages are the same; {:.0} s",
@@ -720,21 +720,21 @@ impl Pair {
     }
 
     /// Draws a case with both binaries; identical pictures are deleted.
-    fn difference(&self, case: &Case) -> anyhow::Result<Difference> {
+    fn difference(&self, case: &Case) -> anyhow::Result<ByteDifference> {
         let (before, after) = (self.before.draw(case)?, self.after.draw(case)?);
         ensure!(before.len() == after.len(), "{} pictures before, {} after", before.len(), after.len());
-        let mut sum = Difference::default();
+        let mut sum = ByteDifference::default();
         for ((before_path, before), (after_path, after)) in before.iter().zip(&after) {
             ensure!(
                 before.pixels().any(|p| p != before.get_pixel(0, 0)),
                 "nothing is drawn before: all pixels are alike"
             );
-            let found = Difference::between(before, after)?;
+            let found = ByteDifference::between(before, after)?;
             if found.channels == 0 {
                 std::fs::remove_file(before_path)?;
                 std::fs::remove_file(after_path)?;
             }
-            sum = sum.and(found);
+            sum = sum.combine(found);
         }
         Ok(sum)
     }
@@ -753,12 +753,12 @@ impl Pair {
             let arguments: Vec<String> = words.map(String::from).collect();
             let mut reports = Vec::new();
             for _ in 0..rounds {
-                reports.push([costs(&self.before.run(&arguments)?)?, costs(&self.after.run(&arguments)?)?]);
+                reports.push([pass_times(&self.before.run(&arguments)?)?, pass_times(&self.after.run(&arguments)?)?]);
             }
             let subject = [*name, options].join(" ");
             for (pass, _) in &reports[0][0] {
                 // A pass that only one binary has, or one without a time, gets no row.
-                let of = |costs: &Costs| costs.iter().find(|cost| cost.0 == *pass).map(|cost| cost.1);
+                let of = |costs: &PassTimes| costs.iter().find(|cost| cost.0 == *pass).map(|cost| cost.1);
                 let pairs = reports.iter().map(|[before, after]| Some((of(before)?, of(after)?)));
                 let Some(pairs) = pairs.collect::<Option<Vec<_>>>() else { continue };
                 println!(
@@ -783,7 +783,7 @@ impl Pair {
 
 /// Difference of two pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Difference {
+struct ByteDifference {
     /// Number of channels that differ; up to four per pixel.
     channels: usize,
     /// Number of all channels.
@@ -792,7 +792,7 @@ struct Difference {
     greatest: u8,
 }
 
-impl Difference {
+impl ByteDifference {
     fn between(before: &RgbaImage, after: &RgbaImage) -> anyhow::Result<Self> {
         let (a, b) = (before.dimensions(), after.dimensions());
         ensure!(a == b, "{}x{} pixels before, {}x{} after", a.0, a.1, b.0, b.1);
@@ -805,7 +805,7 @@ impl Difference {
     }
 
     /// Combines two differences.
-    fn and(self, other: Self) -> Self {
+    fn combine(self, other: Self) -> Self {
         Self {
             channels: self.channels + other.channels,
             of: self.of + other.of,
@@ -814,7 +814,7 @@ impl Difference {
     }
 }
 
-impl std::fmt::Display for Difference {
+impl std::fmt::Display for ByteDifference {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let share = 100.0 * self.channels as f64 / self.of as f64;
         write!(f, "DIFFERS: {} channels, {share:.3} % of all, by at most {}", self.channels, self.greatest)
@@ -822,7 +822,7 @@ impl std::fmt::Display for Difference {
 }
 
 /// Prints the result of one comparison; returns its name unless all was the same.
-fn say(name: String, found: anyhow::Result<Option<String>>) -> Option<String> {
+fn report(name: String, found: anyhow::Result<Option<String>>) -> Option<String> {
     let words = match found {
         Ok(None) => {
             println!("{name:<32} same");
@@ -847,9 +847,9 @@ fn first_difference(before: &Path, after: &Path) -> anyhow::Result<Option<String
 }
 
 /// Milliseconds of each item that `pelage bench` times, by name.
-type Costs = Vec<(String, f64)>;
+type PassTimes = Vec<(String, f64)>;
 
-fn costs(report: &Value) -> anyhow::Result<Costs> {
+fn pass_times(report: &Value) -> anyhow::Result<PassTimes> {
     let passes = report["passes"].as_array().context("bench names no passes")?;
     let named = passes.iter().filter_map(|p| Some((p["name"].as_str()?.to_owned(), p["median_ms"].as_f64()?)));
     let whole = [
@@ -925,20 +925,20 @@ mod tests {
     #[test]
     fn one_channel_is_seen() {
         let before = RgbaImage::from_fn(7, 5, |x, y| Rgba([x as u8, y as u8, 9, 255]));
-        let same = Difference::between(&before, &before).unwrap();
-        assert_eq!(same, Difference { channels: 0, of: 140, greatest: 0 });
+        let same = ByteDifference::between(&before, &before).unwrap();
+        assert_eq!(same, ByteDifference { channels: 0, of: 140, greatest: 0 });
         let mut after = before.clone();
         after.get_pixel_mut(3, 2)[2] += 1;
-        assert_eq!(Difference::between(&before, &after).unwrap(), Difference { channels: 1, of: 140, greatest: 1 });
-        assert_eq!(Difference::between(&after, &before).unwrap().channels, 1);
+        assert_eq!(ByteDifference::between(&before, &after).unwrap(), ByteDifference { channels: 1, of: 140, greatest: 1 });
+        assert_eq!(ByteDifference::between(&after, &before).unwrap().channels, 1);
         // Colour counts even if the texel is fully transparent.
         let clear = RgbaImage::new(7, 5);
         let mut coloured = clear.clone();
         coloured.get_pixel_mut(6, 4)[0] = 200;
-        let found = Difference::between(&clear, &coloured).unwrap();
-        assert_eq!(found, Difference { channels: 1, of: 140, greatest: 200 });
-        assert_eq!(found.and(same), Difference { channels: 1, of: 280, greatest: 200 });
-        assert!(Difference::between(&clear, &RgbaImage::new(5, 7)).is_err());
+        let found = ByteDifference::between(&clear, &coloured).unwrap();
+        assert_eq!(found, ByteDifference { channels: 1, of: 140, greatest: 200 });
+        assert_eq!(found.combine(same), ByteDifference { channels: 1, of: 280, greatest: 200 });
+        assert!(ByteDifference::between(&clear, &RgbaImage::new(5, 7)).is_err());
     }
 
     #[test]

@@ -6,7 +6,7 @@
 
 use anyhow::Context as _;
 use pelage_tests::binary::workspace;
-use pelage_tests::chores::Workshop;
+use pelage_tests::chores::ChoreFolder;
 use serde_json::Value;
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         vec![asset("models", format!("{name}.glb")), "--recipe".into(), asset("recipes", format!("{name}.toml"))]
     });
     let given = arguments.split(|a| a == "+").filter(|m| !m.is_empty()).map(<[String]>::to_vec);
-    let workshop = Workshop::default();
+    let workshop = ChoreFolder::default();
     println!(
         "| model | triangles | layer-wise maps, ms | shadow width, ms | frame without, ms | frame with, ms | with / without | maps / frame with | shells / yardstick |"
     );
@@ -46,7 +46,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn measure(workshop: &Workshop, name: &str, model: &[String]) -> anyhow::Result<String> {
+fn measure(workshop: &ChoreFolder, name: &str, model: &[String]) -> anyhow::Result<String> {
     let package = workshop.bake(name, model)?.package.display().to_string();
     let report: Value = serde_json::from_str(&workshop.run(&["bench", &package, "--json", "--quiet"])?.stdout)?;
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);

@@ -30,7 +30,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     std::fs::copy(&panels, Path::new(folder).join("window.png"))?;
 
     window.key("n");
-    window.pass_over();
+    window.skip_events();
     window.key("t");
     let mut last = window.wait_for("truth");
     // More samples make a difference visible only to FLIP.

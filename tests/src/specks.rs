@@ -3,7 +3,7 @@
 use pelage_bake::mask::Mask;
 
 /// Returns the 8-connected components of a mask as pixel indices, row by row from the top.
-pub fn parts(mask: &Mask) -> Vec<Vec<usize>> {
+pub fn components(mask: &Mask) -> Vec<Vec<usize>> {
     let (width, height) = (mask.width as usize, mask.height as usize);
     let mut seen = vec![false; mask.pixels.len()];
     let mut parts = Vec::new();
@@ -25,9 +25,9 @@ pub fn parts(mask: &Mask) -> Vec<Vec<usize>> {
             }
         }
         part.sort_unstable();
-        parts.push(part);
+        components.push(part);
     }
-    parts
+    components
 }
 
 /// Ink of a drawing, and its share in specks.
@@ -49,7 +49,7 @@ impl Specks {
 
     /// Adds two counts.
     #[must_use]
-    pub fn joined(self, other: Self) -> Self {
+    pub fn sum(self, other: Self) -> Self {
         Self { ink: self.ink + other.ink, short: self.short + other.short, count: self.count + other.count }
     }
 }
@@ -57,9 +57,9 @@ impl Specks {
 /// Counts the ink in components shorter than `shorter_than_px`, pixels.
 pub fn specks(ink: &Mask, shorter_than_px: f64) -> Specks {
     let width = ink.width as usize;
-    let parts = parts(ink);
+    let parts = components(ink);
     let mut found = Specks { ink: ink.count(), ..Specks::default() };
-    for part in parts {
+    for part in components {
         let extent = |of: fn(usize, usize) -> usize| {
             let places = || part.iter().map(|i| of(*i, width));
             (places().max().unwrap_or(0) - places().min().unwrap_or(0) + 1) as f64
@@ -72,14 +72,14 @@ pub fn specks(ink: &Mask, shorter_than_px: f64) -> Specks {
 }
 
 /// Returns the number of ink pixels in components that touch no pixel of the body.
-pub fn adrift(ink: &Mask, body: &Mask) -> usize {
+pub fn detached_px(ink: &Mask, body: &Mask) -> usize {
     let touches = |part: &Vec<usize>| {
         part.iter().any(|i| {
             let (x, y) = ((i % ink.width as usize) as i64, (i / ink.width as usize) as i64);
             (-1..=1).any(|dy| (-1..=1).any(|dx| body.contains(x + dx, y + dy)))
         })
     };
-    parts(ink).iter().filter(|part| !touches(part)).map(Vec::len).sum()
+    components(ink).iter().filter(|part| !touches(part)).map(Vec::len).sum()
 }
 
 #[cfg(test)]
@@ -94,8 +94,8 @@ mod tests {
     #[test]
     fn parts_hang_together_over_corners() {
         let mask = drawn(&["#..#", ".#..", "...#", "...#"]);
-        assert_eq!(parts(&mask), [vec![0, 5], vec![3], vec![11, 15]]);
-        assert!(parts(&Mask::empty(3, 0)).is_empty());
+        assert_eq!(components(&mask), [vec![0, 5], vec![3], vec![11, 15]]);
+        assert!(components(&Mask::empty(3, 0)).is_empty());
     }
 
     #[test]
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(specks(&mask, 9.0).short, 11);
         assert!((specks(&mask, 3.0).per_mille() - 3000.0 / 11.0).abs() < 1e-9);
         let body = drawn(&["........", "#.......", "........", "........", "........"]);
-        assert_eq!(adrift(&mask, &body), 3);
-        assert_eq!(adrift(&mask, &mask), 0);
+        assert_eq!(detached_px(&mask, &body), 3);
+        assert_eq!(detached_px(&mask, &mask), 0);
     }
 }

@@ -4,7 +4,7 @@
 use super::frames;
 use super::lapped::Lapped;
 use super::repair::Repaired;
-use super::skin::FurredMesh;
+use super::furred_mesh::FurredMesh;
 use super::topology::NONE;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::Animation;

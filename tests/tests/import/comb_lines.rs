@@ -66,7 +66,7 @@ fn empty_nodes_point_along_their_y() {
 
 /// Returns a triangle and a line, both bound to a joint a metre above its bind pose. The joint has a child with the
 /// name of a comb.
-fn bound(joint_of_line: u8) -> Doc {
+fn skinned_line(joint_of_line: u8) -> Doc {
     let mut doc = Doc::new();
     let (position, points) = (doc.triangle(), doc.floats(&[0., 0., 0., 1., 0., 0.], "VEC3"));
     let joints = |doc: &mut Doc, n: usize, joint: u8| {
@@ -91,7 +91,7 @@ fn bound(joint_of_line: u8) -> Doc {
 
 #[test]
 fn lines_follow_their_skin_to_the_rest_pose() {
-    let model = bound(0).model();
+    let model = skinned_line(0).model();
     let names: Vec<&str> = model.combs.iter().map(|comb| comb.name.as_str()).collect();
     assert_eq!(names, ["comb_arm", "comb_tip"], "a joint is no mark, what hangs on it is");
     assert_near(model.combs[0].places[1].0, [1.0, 1.0, 0.0]);
@@ -101,7 +101,7 @@ fn lines_follow_their_skin_to_the_rest_pose() {
 
 #[test]
 fn what_is_wrong_with_a_line_is_said() {
-    let (place, reason) = bound(7).fault();
+    let (place, reason) = skinned_line(7).fault();
     assert!(place == "/meshes/1/primitives/0" && reason.contains("joint 7"), "{place}: {reason}");
     let mut odd = with_triangle();
     line(&mut odd, 1, "comb", json!({}));

@@ -3,10 +3,10 @@
 use super::args::RunArgs;
 use super::engine;
 use super::finish;
-use super::notes;
+use super::saved_state;
 use super::on_disk::Herd;
 use super::paths::io_error;
-use super::ran::NinjaOutput;
+use super::ninja_output::NinjaOutput;
 use super::result::HerdResult;
 use crate::exit::Failure;
 use crate::output::{Output, make_folder};
@@ -30,8 +30,8 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ni
     let files = format!("{}/slurm", herd.internal_folder());
     make_folder(&herd.path(&files))?;
     let shards_file = herd.path(&format!("{files}/shards.json"));
-    let stages = stages(&herd.plan, args.shard_seconds, &notes::read(&shards_file));
-    notes::write(&shards_file, &shards_by_task(&herd.plan, &stages))?;
+    let stages = stages(&herd.plan, args.shard_seconds, &saved_state::read(&shards_file));
+    saved_state::write(&shards_file, &shards_by_task(&herd.plan, &stages))?;
     let open = open_shards(herd, &files, &stages, output)?;
     if open.iter().any(|open| !open.is_empty()) {
         finish::mark_report_outdated(herd)?;
@@ -66,7 +66,7 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ni
         before.clone_from(&jobs);
         ids.extend(jobs);
     }
-    notes::write(&logs_file(herd), &logs)?;
+    saved_state::write(&logs_file(herd), &logs)?;
     if args.detach {
         let tasks: usize = open.iter().flatten().map(|shard| shard.tasks.len()).sum();
         let text = format!("submitted {} jobs, {} shards: {}", ids.len(), shards.len(), ids.join(" "));
@@ -87,7 +87,7 @@ fn logs_file(herd: &Herd) -> PathBuf {
 
 /// Parses Ninja's output from the readable logs of the latest submission.
 pub fn read_logs(herd: &Herd) -> NinjaOutput {
-    let logs: Vec<String> = notes::read(&logs_file(herd));
+    let logs: Vec<String> = saved_state::read(&logs_file(herd));
     let mut ran = NinjaOutput::default();
     for entry in std::fs::read_dir(herd.path(&format!("{}/slurm", herd.internal_folder()))).into_iter().flatten().flatten() {
         let name = entry.file_name();

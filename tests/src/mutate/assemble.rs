@@ -30,7 +30,7 @@ pub fn sections(package: &[u8]) -> (u32, Vec<Section>) {
 }
 
 /// Makes a package of the given sections.
-pub fn lay_out(version: u32, sections: &[Section]) -> Vec<u8> {
+pub fn assemble(version: u32, sections: &[Section]) -> Vec<u8> {
     let mut table = Vec::new();
     let mut data = Vec::new();
     let begin = ENTRY * (1 + sections.len());
@@ -62,6 +62,6 @@ mod tests {
     fn taken_apart_and_laid_out_a_package_is_the_same() {
         let package: &[u8] = include_bytes!("../../../formats/tests/golden/v3.pelage");
         let (version, list) = sections(package);
-        assert!(lay_out(version, &list) == package);
+        assert!(assemble(version, &list) == package);
     }
 }

@@ -1,7 +1,7 @@
 //! Texts written by people: recipes, scenes and looks.
 
 use super::bases::{Bases, LOOK, SCENE};
-use super::case::{Case, Entry, Step, Then};
+use super::case::{Case, Entry, Step, OutputCheck};
 use super::change;
 use super::random::Random;
 
@@ -11,18 +11,18 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         0..=3 => recipe(bases, turn, random),
         4 => {
             let (how, text) = change::toml(SCENE, turn, random);
-            let step = Step::makes(&["render", "s.toml", "-o", "a.png"], "a.png", Then::Nothing);
-            drawn(bases, format!("scene: {how}"), Entry::file("s.toml", text), step)
+            let step = Step::makes(&["render", "s.toml", "-o", "a.png"], "a.png", OutputCheck::Nothing);
+            render_case(bases, format!("scene: {how}"), Entry::file("s.toml", text), step)
         }
         _ => {
             let style = *random.pick(&["fur", "ink"]);
             let (how, text) = change::toml(&LOOK.replace("\"fur\"", &format!("{style:?}")), turn, random);
             let args = ["render", "a.pelage", "-o", "a.png", "--look", "l.toml"];
-            drawn(
+            render_case(
                 bases,
                 format!("look: {how}"),
                 Entry::file("l.toml", text),
-                Step::makes(&args, "a.png", Then::Nothing),
+                Step::makes(&args, "a.png", OutputCheck::Nothing),
             )
         }
     }
@@ -38,11 +38,11 @@ fn recipe(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     }
     let base = [bases.images(), bases.guides.clone(), vec![bases.glb()]].concat();
     let args = ["bake", "m.glb", "-o", "out.pelage", "--threads", "1", "--recipe", "r.toml"];
-    let step = Step::makes(&args, "out.pelage", Then::Validates);
+    let step = Step::makes(&args, "out.pelage", OutputCheck::Validates);
     Case::new(format!("recipe {name}: {how}"), &base, vec![Entry::file("r.toml", text)], vec![step])
 }
 
-fn drawn(bases: &Bases, how: String, text: Entry, step: Step) -> Case {
+fn render_case(bases: &Bases, how: String, text: Entry, step: Step) -> Case {
     let package = bases.packages.iter().find(|(name, _)| *name == "plain").map(|(_, bytes)| bytes.clone());
     let package = Entry::File("a.pelage".into(), package.unwrap_or_default());
     Case::new(how, &[package], vec![text], vec![step])

@@ -1,7 +1,7 @@
 //! Checks dependencies within crates by their sources: no cycles between the files of a crate, and in runtime and bake
 //! a file uses only lower floors.
 
-use super::sources::{Arrows, Module, Named, arrows, circle, modules, named};
+use super::sources::{Dependencies, Module, UsedPath, dependencies, find_cycle, modules, used_paths};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -38,8 +38,8 @@ const BAKE: [&[&str]; 8] = [
 ];
 
 /// Reads the dependencies between the files of a crate.
-fn read(folder: &str) -> Arrows {
-    arrows(&modules(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join("src")))
+fn dependencies_of(folder: &str) -> Dependencies {
+    dependencies(&modules(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join("src")))
 }
 
 /// Returns the folders of the workspace's crates from its manifest.
@@ -51,7 +51,7 @@ fn crates() -> Vec<String> {
 
 /// Returns the uses of rooms that are not on a lower floor, and the number of uses. Crate roots list all rooms and have
 /// no floor.
-fn rooms_that_know_too_much(arrows: &Arrows, floors: &[&[&str]]) -> (Vec<String>, usize) {
+fn upward_dependencies(arrows: &Dependencies, floors: &[&[&str]]) -> (Vec<String>, usize) {
     let floor =
         |module: &Module| floors.iter().position(|rooms| module.first().is_some_and(|r| rooms.contains(&r.as_str())));
     let (mut faults, mut count) = (Vec::new(), 0);
@@ -75,17 +75,17 @@ fn no_files_of_a_crate_know_each_other_in_a_circle() {
     assert!(crates.len() >= 8, "{crates:?}");
     let (mut files, mut count) = (0, 0);
     for folder in crates {
-        let arrows = read(&folder);
+        let arrows = dependencies_of(&folder);
         (files, count) = (files + arrows.len(), count + arrows.values().map(BTreeSet::len).sum::<usize>());
-        assert_eq!(circle(&arrows), None, "{folder}");
+        assert_eq!(find_cycle(&arrows), None, "{folder}");
     }
     assert!(files > 300 && count > 800, "{files} files and {count} arrows were read");
 }
 
 /// Returns the dependencies between the rooms of a crate; a room is a file or a folder of `src`.
-fn rooms(arrows: &Arrows) -> Arrows {
+fn folder_graph(arrows: &Dependencies) -> Dependencies {
     let room = |module: &Module| module[..module.len().min(1)].to_vec();
-    let mut out = Arrows::new();
+    let mut out = Dependencies::new();
     for (file, targets) in arrows.iter().filter(|(file, _)| !file.is_empty() && file[0] != "main") {
         let others = targets.iter().map(room).filter(|target| !target.is_empty() && *target != room(file));
         out.entry(room(file)).or_default().extend(others);
@@ -98,22 +98,22 @@ const CIRCLES: [&str; 2] = ["formats", "bake/lab"];
 
 #[test]
 fn no_rooms_of_a_crate_know_each_other_in_a_circle() {
-    let circles: Vec<_> = crates().into_iter().filter_map(|c| Some((circle(&rooms(&read(&c)))?, c))).collect();
+    let circles: Vec<_> = crates().into_iter().filter_map(|c| Some((find_cycle(&folder_graph(&dependencies_of(&c)))?, c))).collect();
     assert_eq!(circles.iter().map(|(_, folder)| folder).collect::<Vec<_>>(), CIRCLES.each_ref(), "{circles:?}");
     // Two files of one folder and a file beside it: no cycle of files, but a cycle of rooms.
     let module = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Module>();
-    let files = Arrows::from([
+    let files = Dependencies::from([
         (module(&["a", "b"]), BTreeSet::from([module(&["d"])])),
         (module(&["a", "c"]), BTreeSet::new()),
         (module(&["d"]), BTreeSet::from([module(&["a", "c"])])),
     ]);
-    assert!(circle(&files).is_none() && circle(&rooms(&files)).is_some());
+    assert!(find_cycle(&files).is_none() && find_cycle(&folder_graph(&files)).is_some());
 }
 
 #[test]
 fn a_file_knows_only_lower_floors() {
     for (folder, floors, least) in [("runtime", &RUNTIME[..], 100), ("bake", &BAKE[..], 400)] {
-        let (faults, count) = rooms_that_know_too_much(&read(folder), floors);
+        let (faults, count) = upward_dependencies(&dependencies_of(folder), floors);
         assert!(faults.is_empty(), "{folder}: {faults:#?}");
         assert!(count > least, "{folder}: {count} arrows were read");
     }
@@ -124,7 +124,7 @@ fn imports_are_found() {
     let own = ["scene".to_string(), "ink".to_string()];
     let code = "use crate::{a::{B, c}, d};\nuse super::seen::Seen;\nlet x = crate::e::f();\nmycrate::no; use super::{self, g};\n\
                 pub(in crate::nothing) fn part::of();\npub use part::Line as L;\nmod within { use super::h; use super::super::i; }";
-    let found = named(code, &own, &BTreeSet::from(["part".to_string()]));
+    let found = used_paths(code, &own, &BTreeSet::from(["part".to_string()]));
     let paths: Vec<String> = found.iter().map(|n| n.path.join("::")).collect();
     let expected = [
         "a::B",
@@ -140,30 +140,30 @@ fn imports_are_found() {
         "scene::seen::Seen",
     ];
     assert_eq!(paths, expected);
-    let handed_on: Vec<&Named> = found.iter().filter(|n| n.handed_on).collect();
+    let handed_on: Vec<&UsedPath> = found.iter().filter(|n| n.handed_on).collect();
     assert!(handed_on.len() == 1 && handed_on[0].called == "L", "{handed_on:?}");
 }
 
 /// Returns a crate of three files.
-fn small(root: &str, a: &str, b: &str) -> Arrows {
+fn three_file_crate(root: &str, a: &str, b: &str) -> Dependencies {
     let module = |name: &str| if name.is_empty() { Vec::new() } else { vec![name.to_string()] };
-    arrows(&BTreeMap::from([(module(""), root.into()), (module("a"), a.into()), (module("b"), b.into())]))
+    dependencies(&BTreeMap::from([(module(""), root.into()), (module("a"), a.into()), (module("b"), b.into())]))
 }
 
 #[test]
 fn circles_and_high_floors_are_found() {
-    let fine = small("pub mod a;\nmod b;\npub use b::B;", "use crate::B;", "pub struct B;");
-    assert_eq!(circle(&fine), None, "what the root hands on is not the root's");
-    assert_eq!(rooms_that_know_too_much(&fine, &[&["b"], &["a"]]), (Vec::new(), 1));
-    let (faults, _) = rooms_that_know_too_much(&fine, &[&["a"], &["b"]]);
+    let fine = three_file_crate("pub mod a;\nmod b;\npub use b::B;", "use crate::B;", "pub struct B;");
+    assert_eq!(find_cycle(&fine), None, "what the root hands on is not the root's");
+    assert_eq!(upward_dependencies(&fine, &[&["b"], &["a"]]), (Vec::new(), 1));
+    let (faults, _) = upward_dependencies(&fine, &[&["a"], &["b"]]);
     assert_eq!(faults, ["a names b"]);
-    let (faults, _) = rooms_that_know_too_much(&fine, &[&["b"]]);
+    let (faults, _) = upward_dependencies(&fine, &[&["b"]]);
     assert_eq!(faults, ["a names b", "a stands on no floor"]);
     for (root, a, b) in [
         ("", "use crate::b::B;", "use super::a;"),
         ("pub use b::B;", "crate::B::new()", "fn f() { super::a::g() }"),
         ("fn x() { b::y() }", "", "use super::x;"),
     ] {
-        assert!(circle(&small(root, a, b)).is_some_and(|c| c.len() == 2), "{root:?} {a:?} {b:?}");
+        assert!(find_cycle(&three_file_crate(root, a, b)).is_some_and(|c| c.len() == 2), "{root:?} {a:?} {b:?}");
     }
 }

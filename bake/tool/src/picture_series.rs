@@ -4,7 +4,7 @@ use super::backdrop::lay_over_sky;
 use super::exit::Failure;
 use super::journal::Key;
 use super::output::Output;
-use super::staged::{self, FurDetail, detail};
+use super::stages::{self, FurDetail, detail};
 use super::view::View;
 use glam::Quat;
 use image::RgbaImage;
@@ -186,7 +186,7 @@ pub fn write_png(path: &Path, pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
 /// Draws the scene in its current state; returns measurements and pixels, sRGB-encoded with straight alpha.
 fn picture(scene: &mut Stage) -> Result<(Picture, RgbaImage), Failure> {
     let frame = scene.draw()?;
-    let pixels = staged::pixels(scene)?;
+    let pixels = stages::pixels(scene)?;
     let picture = Picture {
         covered_pixels: pixels.pixels().filter(|p| p.0[3] > 0).count() as u64,
         mean_luminance: mean_luminance(&pixels),

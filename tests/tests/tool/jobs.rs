@@ -60,7 +60,7 @@ fn json(sandbox: &Sandbox, name: &str) -> Value {
 #[track_caller]
 fn record(sandbox: &Sandbox, name: &str) -> Value {
     let record = json(sandbox, name);
-    schema::hold("record", &record);
+    schema::assert_valid("record", &record);
     record
 }
 
@@ -139,7 +139,7 @@ fn what_was_made_before_is_taken_from_a_cache() {
         let args = ["-o", &package, "--record", &record_file, "--cache", "cache", "--json"];
         let run = bake(&sandbox, &[&args[..], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
-        let said = schema::answer(&run, "bake");
+        let said = schema::parse_answer(&run, "bake");
         assert_eq!(said["output"], package.as_str(), "what it says has the names of now");
         (record(&sandbox, &record_file)["cached"].as_bool().unwrap(), sandbox.read(&package))
     };
@@ -241,7 +241,7 @@ fn parts_of_a_truth_are_the_whole() {
         trace("whole.png", more);
         let run = merge(&[&all[..], &["-o", "merged.png"]].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
-        let said = schema::answer(&run, "merge");
+        let said = schema::parse_answer(&run, "merge");
         assert_eq!((&said["parts"], &said["primary_rays"]), (&3.into(), &(50 * 40 * 3).into()));
         assert_eq!(sandbox.read("merged.png"), sandbox.read("whole.png"), "{more:?}");
         let exr = merge(&[&all[..], &["-o", "merged.exr"]].concat());
@@ -277,7 +277,7 @@ fn rows_of_a_chart_are_measured_in_shares() {
     let chart = |args: &[&str]| {
         let run = sandbox.run(&[&["chart", "surface", model.to_str().unwrap(), "--json"], args].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
-        schema::answer(&run, "chart")
+        schema::parse_answer(&run, "chart")
     };
     let rows = chart(&["--rows", "1/4", "--part", "-o", "a"])["measured"].as_array().unwrap().len();
     chart(&["--rows", "2/4,3/4,4/4", "--part", "-o", "b"]);

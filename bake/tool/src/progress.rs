@@ -1,6 +1,6 @@
 //! Progress of the current work and its remaining time; printed as occasional lines without a terminal.
 
-use pelage_bake::steps::StageProgress;
+use pelage_bake::progress::StageProgress;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;

@@ -22,7 +22,7 @@ type Case<const N: usize> = [[f32; 4]; N];
 
 /// Checks twin and GPU against the truth for every case. `tolerance` is absolute, per component, as a function of the
 /// truth.
-fn three_ways<const N: usize>(
+fn assert_truth_twin_and_shader_agree<const N: usize>(
     name: &str,
     library: &str,
     expression: &str,
@@ -88,7 +88,7 @@ fn sin_squared() {
         cases.push([(a * scale).extend(0.0).to_array(), b.extend(0.0).to_array()]);
     }
     cases.push([[0.0; 4], [1.0, 0.0, 0.0, 0.0]]);
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "sin_squared",
         kajiya_kay::WGSL,
         "vec4(sin_squared(in_0.xyz, in_1.xyz), 0.0, 0.0, 0.0)",
@@ -108,7 +108,7 @@ fn sin_power() {
             cases.push([[s, h, 0.0, 0.0]]);
         }
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "sin_power",
         kajiya_kay::WGSL,
         "vec4(sin_power(in_0.x, in_0.y), 0.0, 0.0, 0.0)",
@@ -131,7 +131,7 @@ fn slabs() {
             cases.push([[i as f32 / 16.0 * slabs as f32 / 4.0, slab as f32, slabs as f32, 0.0]]);
         }
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "slabs",
         deep_opacity::WGSL,
         "vec4(slab_share(in_0.x, u32(in_0.y)), f32(slab_of(in_0.x, u32(in_0.z))), 0.0, 0.0)",
@@ -157,7 +157,7 @@ fn attenuations() {
             cases.push([[i as f32 / 20.0 - 1.0, range, i as f32 / 40.0, range.min(1.0)]]);
         }
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "attenuations",
         kajiya_kay::WGSL,
         "vec4(back_attenuation(in_0.x, in_0.y), ambient_attenuation(in_0.z, in_0.w), back_slope(in_0.x, 0.3), 0.0)",
@@ -185,7 +185,7 @@ fn resampled_opacity() {
             cases.push([[10f32.powf(-8.0 + i as f32 / 75.0), exponent, 0.0, 0.0]]);
         }
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "resampled_opacity",
         opacity::WGSL,
         "vec4(resampled_opacity(in_0.x, in_0.y), 0.0, 0.0, 0.0)",
@@ -205,7 +205,7 @@ fn baked_layer_shares_are_even() {
             cases.extend((0..drawn).map(|layer| [[layer as f32, baked as f32, drawn as f32, 0.0]]));
         }
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "baked_layer",
         opacity::WGSL,
         "vec4(f32(baked_layer(u32(in_0.x), u32(in_0.y), u32(in_0.z))), 0.0, 0.0, 0.0)",
@@ -238,7 +238,7 @@ fn directions_to_eye_and_light() {
         let target = (unit(&mut random) * 3.0).extend((i % 2) as f32);
         cases.push([target.to_array(), unit(&mut random).extend(0.0).to_array()]);
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "direction_to and half_vector",
         frame::WGSL,
         "vec4(half_vector(direction_to(in_0, in_1.xyz), in_1.xyz), direction_to(in_0, in_1.xyz).x)",
@@ -272,7 +272,7 @@ fn tile_frames() {
             unit(&mut random).extend(0.0).to_array(),
         ]);
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "tile_frame and to_tile",
         tile_frame::WGSL,
         "vec4(to_tile(tile_frame(in_0.xyz, in_1.xyz, in_0.w), in_2.xyz), 0.0)",
@@ -299,7 +299,7 @@ fn directions_decode_as_the_format_says() {
         }
     }
     cases.push([[128.0 / 255.0, 128.0 / 255.0, 128.0 / 255.0, 0.0]]);
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "decode_direction",
         tile_frame::WGSL,
         "vec4(decode_direction(in_0, in_0.w > 0.5), 0.0)",
@@ -338,7 +338,7 @@ fn hair_lies_aside_of_its_root() {
     let mut random = Random(9);
     let mut vector = || unit(&mut random).extend(0.0).to_array();
     let cases: Vec<Case<2>> = (0..200).map(|_| [vector(), vector()]).collect();
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "root_aside",
         tile_frame::WGSL,
         "vec4(root_aside(in_0.xyz, in_1.xyz), 0.0, 0.0)",
@@ -363,7 +363,7 @@ fn leaned_hair() {
         let share = [1.0, 0.5, 0.05, 1.5][i / 4 % 4];
         cases.push([direction.extend(0.0).to_array(), [random.next_f32(), random.next_f32(), share, 0.0]]);
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "lean_offset, lean_slope and hair_direction",
         tile_frame::WGSL,
         "vec4(hair_direction(in_0.xyz, in_1.z, lean_slope(in_1.x, in_1.y)), lean_offset(in_1.x, in_1.y))",
@@ -397,7 +397,7 @@ fn normals_under_a_matrix() {
             cases.push(columns.map(|c| c.extend(0.0).to_array()));
         }
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "transform_normal and handedness_of",
         skinning::WGSL,
         "vec4(transform_normal(mat3x3(in_0.xyz, in_1.xyz, in_2.xyz), in_3.xyz),
@@ -432,7 +432,7 @@ fn blended_positions() {
         let m = |x: Vec3, y: Vec3, z: Vec3| Mat4::from_mat3(Mat3::from_cols(x, y, z));
         (m(v(a), v(b), v(c)), m(v(b), v(c), v(a)))
     };
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "blend",
         skinning::WGSL,
         "blend(
@@ -458,7 +458,7 @@ fn blended_positions() {
 #[test]
 fn what_is_seen_of_fins_and_through_layers() {
     let cases: Vec<Case<1>> = (-200..=200).map(|i| [[i as f32 / 200.0, 0.0, 0.0, 0.0]]).collect();
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "fin_opacity",
         fins::WGSL,
         "vec4(fin_opacity(in_0.x), 0.0, 0.0, 0.0)",
@@ -468,7 +468,7 @@ fn what_is_seen_of_fins_and_through_layers() {
         // Two roundings near 1.
         |_, _| 2e-7,
     );
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "view_path",
         opacity::WGSL,
         "vec4(view_path(in_0.x), 0.0, 0.0, 0.0)",
@@ -485,7 +485,7 @@ fn what_is_seen_of_fins_and_through_layers() {
         let tangent = unit(&mut random) * [1.0, 0.7, 0.1][i % 3];
         looks.push([tangent.extend(0.0).to_array(), eye.extend(0.0).to_array()]);
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "look_path",
         opacity::WGSL,
         "vec4(look_path(in_0.xyz, length(in_0.xyz), in_1.xyz, in_1.z), 0.0, 0.0, 0.0)",
@@ -504,7 +504,7 @@ fn what_is_seen_of_fins_and_through_layers() {
         .iter()
         .flat_map(|[c]| [0.0, 0.1, 0.5, 1.0, 1.5].map(|s| [[opacity::view_path(c[0]), s, 0.0, 0.0]]))
         .collect();
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "shortened_path",
         opacity::WGSL,
         "vec4(shortened_path(in_0.x, in_0.y), 0.0, 0.0, 0.0)",
@@ -530,7 +530,7 @@ fn layer_transmittances() {
         }
     }
     cases.extend((0..2000).map(|_| [[random.next_f32(), 2.0 * random.next_f32() - 1.0, 0.0, 0.0]]));
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "layer_transmittances",
         layer_shadow::WGSL,
         "vec4(layer_transmittance(in_0.x, slanted_path(in_0.y)), slanted_path(in_0.y), 0.0, 0.0)",
@@ -568,7 +568,7 @@ fn soft_shadow_truth(texel: [f64; 4], z: f64, distance: f64, path: f64, centred:
 }
 
 /// Returns whether the result is discontinuous here, so that rounding may give either side.
-fn steep_shadow(texel: [f32; 4], z: f32, distance: f32, path: f32) -> bool {
+fn is_discontinuous(texel: [f32; 4], z: f32, distance: f32, path: f32) -> bool {
     let [w, wz, first, _] = texel;
     let bias = 0.001 * distance * (0.5 + path);
     let behind = (z - first) * 0.5 - bias;
@@ -594,10 +594,10 @@ fn soft_shadows() {
         let [z, distance, path, centred] = c[1].map(f64::from);
         x(soft_shadow_truth(c[0].map(f64::from), z, distance, path, centred > 0.5))
     };
-    let steep = |c: &Case<2>| steep_shadow(c[0], c[1][0], c[1][1], c[1][2]);
+    let steep = |c: &Case<2>| is_discontinuous(c[0], c[1][0], c[1][1], c[1][2]);
     cases.retain(|c| !steep(c));
     assert!(cases.len() > 2500, "{}", cases.len());
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "soft_shadows",
         soft_shadow::WGSL,
         "vec4(soft_shadow(in_0, in_1.x, in_1.y, in_1.z, SoftShadow(0.5, 0.2, 0.004, 0.001), in_1.w > 0.5), 0.0, 0.0, 0.0)",
@@ -629,7 +629,7 @@ fn light_received() {
         let place = [along(), along(), 1.1 * random.next_f32() - 0.05, distance];
         cases.push([texel, place, [2.0 * random.next_f32() - 1.0, f32::from(u8::from(i % 2 == 0)), 0.0, 0.0]]);
     }
-    cases.retain(|c| !steep_shadow(c[0], c[1][2], c[1][3], path(c[2][0]) as f32));
+    cases.retain(|c| !is_discontinuous(c[0], c[1][2], c[1][3], path(c[2][0]) as f32));
     let inside = |c: &Case<3>| {
         let [u, v, z, w] = c[1];
         w > 0.0 && u >= 0.0 && v >= 0.0 && u <= w && v <= w && (0.0..=1.0).contains(&z)
@@ -644,7 +644,7 @@ fn light_received() {
         let past = soft_shadow_truth(c[0].map(f64::from), z, distance, path(c[2][0]), c[2][1] > 0.5);
         x(past * f64::from(c[0][3]))
     };
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "light_received",
         receiver::WGSL,
         "vec4(light_at_place(in_0, in_1, in_2.x, ShadowReceiver(mat4x4<f32>(), SoftShadow(0.5, 0.2, 0.004, 0.001), u32(in_2.y), 0u, 0u, 0u)), 0.0, 0.0, 0.0)",
@@ -660,7 +660,7 @@ fn light_received() {
 fn a_wrong_shader_is_caught() {
     let Some(gpu) = gpu("a_wrong_shader_is_caught") else { return };
     let wrong = std::panic::catch_unwind(|| {
-        three_ways(
+        assert_truth_twin_and_shader_agree(
             "wrong on purpose",
             kajiya_kay::WGSL,
             "vec4(sin_squared(in_0.xyz, in_1.xyz) + 1e-4, 0.0, 0.0, 0.0)",
@@ -688,7 +688,7 @@ fn visibility_of_the_tile() {
         let horizon = [4.0, 8.0, 1000.0][i / 3 % 3];
         cases.push([texel, unit(&mut random).extend(0.0).to_array(), [share, lean, horizon, 0.0]]);
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "visibility_towards and light_in_tile",
         visibility::WGSL,
         "vec4(light_in_tile(in_1.xyz, in_2.x, in_2.y), visibility_towards(in_0, light_in_tile(in_1.xyz, in_2.x, in_2.y), in_2.z))",
@@ -744,7 +744,7 @@ fn angles_about_a_fibre() {
         let drawn_out = sin_h / (0.3 + 0.7 * sin_h.abs());
         [0.5 + 0.5 * drawn_out, 0.5 + 0.5 * half_d, ((cos_d - 0.1) / 0.9).clamp(0.0, 1.0), cos_i]
     };
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "fibre_angles",
         scattering::WGSL,
         "vec4(fibre_angles(in_0.xyz, in_1.xyz, in_2.xyz).along, fibre_angles(in_0.xyz, in_1.xyz, in_2.xyz).around.y, \
@@ -770,7 +770,7 @@ fn angles_about_a_fibre() {
         .filter(|[tip, light, eye]| [light, eye].iter().all(|way| d(tip).dot(d(way)).abs() < 0.99))
         .copied()
         .collect();
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "azimuth of fibre_angles",
         scattering::WGSL,
         "vec4(cos(3.14159265 * fibre_angles(in_0.xyz, in_1.xyz, in_2.xyz).around.x), 0.0, 0.0, 0.0)",
@@ -796,7 +796,7 @@ fn light_that_is_spread_about_a_direction() {
         let mean = [random.next_f32(), 0.0, 0.999, 0.5][i % 4];
         cases.push([way.extend(0.0).to_array(), [mean, 2.0 * random.next_f32() - 1.0, 0.0, 0.0]]);
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "octahedral",
         environment::WGSL,
         "vec4(octahedral(in_0.xyz), 0.0, 0.0)",
@@ -815,7 +815,7 @@ fn light_that_is_spread_about_a_direction() {
         let back = environment::from_octahedral(environment::octahedral(v(way)));
         assert!(back.distance(v(way).normalize()) < 1e-5, "{way:?}: {back}");
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "broad_light",
         environment::WGSL,
         "vec4(mean_square(in_1.x, in_1.y), broad_place(in_1.x), broad_variance(in_1.x), mean_cosine_around(9.0 * in_1.x))",
@@ -856,7 +856,7 @@ fn openness_comes_back_from_two_bytes() {
         let color = [random.next_f32(), [0.0, 1.0][i % 2], 0.5];
         cases.push([[x, y, 0.0, 0.0], [color[0], color[1], color[2], random.next_f32()]]);
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "openness",
         environment::WGSL,
         "vec4(open_to_hair(in_0.xy), left_open(in_1.rgb, in_1.a).g)",
@@ -901,7 +901,7 @@ fn light_in_a_coat_of_fibres() {
             [(sent_on - f64::from(on[3])).max(0.0), (arrives - sent_on).max(0.0), given_back * arrives]
         })
     };
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "diffused",
         scattering::WGSL,
         "vec4(diffused(in_0.xyz, in_1.xyz, in_0.w).sent_on.x, diffused(in_0.xyz, in_1.xyz, in_0.w).from_light.y, \
@@ -917,7 +917,7 @@ fn light_in_a_coat_of_fibres() {
         },
         |_, _| 2e-4,
     );
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "falls_in",
         scattering::WGSL,
         "vec4(falls_in(in_0.xyz, in_0.w), 0.0)",
@@ -932,7 +932,7 @@ fn light_in_a_coat_of_fibres() {
         |[root, ..]| scattering::multiple_scattering_by_height(v(root), root[3]).extend(0.0).to_array(),
         |_, _| 1e-6,
     );
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "fibre_scatters",
         scattering::WGSL,
         &format!("vec4(fibre_scatters(in_0, in_1, {ABSORBED}, {LEFT}), 0.0)"),
@@ -941,7 +941,7 @@ fn light_in_a_coat_of_fibres() {
             let ways = [0, 1, 2].map(|p| f64::from(along[p]) * f64::from(around[p]));
             let [x, y, z] = [0, 1, 2].map(|i| {
                 let sigma = sigma(color, i);
-                let left = left(color, i);
+                let left = remaining_light(color, i);
                 ways[0]
                     + ways[1] * (-sigma * f64::from(around[3])).exp()
                     + ways[2] * left.powi(2)
@@ -958,8 +958,8 @@ fn light_in_a_coat_of_fibres() {
         |_, _| 3e-6,
     );
     let fibre = scattering::Fibre { optics: OPTICS, on: FITTED, back: FITTED.map(|of| of.map(|x| 0.25 * x)) };
-    let sides = format!("fibre_sides({}, in_2.z, {LEFT})", literal(&fibre));
-    three_ways(
+    let sides = format!("fibre_sides({}, in_2.z, {LEFT})", wgsl_literal(&fibre));
+    assert_truth_twin_and_shader_agree(
         "fibre_sides",
         scattering::WGSL,
         &format!("vec4({sides}[0].xy, {sides}[1].yz)"),
@@ -971,7 +971,7 @@ fn light_in_a_coat_of_fibres() {
                     let [first, second, third] = of.map(|of| f64::from(of[p]));
                     first + square * second + square * square * third
                 };
-                (0..4).map(|p| of(p) * left(color, i).powi(p as i32)).sum::<f64>()
+                (0..4).map(|p| of(p) * remaining_light(color, i).powi(p as i32)).sum::<f64>()
             };
             [share(&fibre.on, 0), share(&fibre.on, 1), share(&fibre.back, 1), share(&fibre.back, 2)]
         },
@@ -1008,7 +1008,7 @@ fn light_in_hair_that_hangs() {
             back.extend(random.next_f32()).to_array(),
         ]);
     }
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "hanging_sides",
         scattering::WGSL,
         "vec4(hanging_sides(array(in_1.xyz, in_2.xyz))[0].xy, hanging_sides(array(in_1.xyz, in_2.xyz))[1].yz)",
@@ -1028,7 +1028,7 @@ fn light_in_hair_that_hangs() {
         |_, _| 1e-6,
     );
     let of_i0 = |_: &Case<3>, exact: f64| 0.025 * exact.abs() + 2e-3;
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "along_cone",
         scattering::WGSL,
         "vec4(along_cone(in_0.x, in_0.y, in_0.z), 0.0, 0.0, 0.0)",
@@ -1042,10 +1042,10 @@ fn light_in_hair_that_hangs() {
         on: FITTED,
         back: FITTED.map(|of| of.map(|x| 0.25 * x)),
     };
-    three_ways(
+    assert_truth_twin_and_shader_agree(
         "hanging_cones",
         scattering::WGSL,
-        &format!("vec4(hanging_cones({}, in_1.w, in_2.w, in_0.w, in_0.x, in_0.y), 0.0, 0.0)", literal(&fibre)),
+        &format!("vec4(hanging_cones({}, in_1.w, in_2.w, in_0.w, in_0.x, in_0.y), 0.0, 0.0)", wgsl_literal(&fibre)),
         &cases,
         |[angles, on, back]| {
             let (square, left) = ((1.0 - f64::from(on[3]).max(0.1)).powi(2), f64::from(back[3]));
@@ -1099,7 +1099,7 @@ fn along_cone(sin_i: f64, sin_o: f64, variance: f64) -> f64 {
 }
 
 /// Formats a fibre as WGSL.
-fn literal(fibre: &scattering::Fibre) -> String {
+fn wgsl_literal(fibre: &scattering::Fibre) -> String {
     let vec4 = |[x, y, z, w]: [f32; 4]| format!("vec4({x:?}, {y:?}, {z:?}, {w:?})");
     let [on, back] = [fibre.on, fibre.back].map(|of| of.map(vec4).join(", "));
     format!("Fibre({}, array({on}), array({back}))", vec4(fibre.optics))
@@ -1119,7 +1119,7 @@ fn sigma(color: &[f32; 4], channel: usize) -> f64 {
 
 /// Returns the remaining share of light that crosses the fibre once; the colour's blue is the cosine of the difference
 /// angle.
-fn left(color: &[f32; 4], channel: usize) -> f64 {
+fn remaining_light(color: &[f32; 4], channel: usize) -> f64 {
     let cos = f64::from(color[2]).max(0.1);
     let [per_eta2, _, aside, _] = OPTICS.map(f64::from);
     let cos_t2 = 1.0 - (1.0 - cos * cos) * per_eta2;

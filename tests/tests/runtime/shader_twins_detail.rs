@@ -6,7 +6,7 @@ use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 
 /// Returns the layers that a level draws, by enumeration.
-fn drawn(baked: u32, step: u32) -> Vec<u32> {
+fn drawn_layers(baked: u32, step: u32) -> Vec<u32> {
     (1..baked).rev().step_by(step as usize).collect::<Vec<_>>().into_iter().rev().collect()
 }
 
@@ -16,7 +16,7 @@ fn layers_of_levels_on_the_device_are_those_of_the_twin_and_of_the_definition() 
     let mut truths = Vec::new();
     for baked in [2u32, 3, 5, 16, 17, 64, 256] {
         for step in [1u32, 2, 4, 8] {
-            let list = drawn(baked, step);
+            let list = drawn_layers(baked, step);
             assert_eq!(detail::detail_count(baked, step) as usize, list.len());
             for layer in 1..baked {
                 // The layer itself and those below it, down to the next drawn layer.

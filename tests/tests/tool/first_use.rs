@@ -23,7 +23,7 @@ fn warnings(run: &Run) -> Vec<String> {
 }
 
 #[track_caller]
-fn refuses(sandbox: &Sandbox, run: &Run, words: &[&str]) {
+fn assert_refused(sandbox: &Sandbox, run: &Run, words: &[&str]) {
     assert_eq!(run.code, Some(3), "{run:?}");
     for word in words {
         assert!(run.stderr.contains(word), "no {word:?} in {}", run.stderr);
@@ -36,9 +36,9 @@ fn models_of_impossible_sizes_are_refused_with_the_unit_that_would_do() {
     let sandbox = Sandbox::new();
     let hare = workspace().join(HARE).display().to_string();
     let run = bake(&sandbox, &hare, &["--set", "model.unit_m=100000"]);
-    refuses(&sandbox, &run, &["hare.glb: whole model: it is ", "surface.tile_size_m", "set model.unit_m=1 "]);
+    assert_refused(&sandbox, &run, &["hare.glb: whole model: it is ", "surface.tile_size_m", "set model.unit_m=1 "]);
     let run = bake(&sandbox, &hare, &["--set", "model.unit_m=0.00001"]);
-    refuses(&sandbox, &run, &["hare.glb: whole model: it is ", "set model.unit_m=1 "]);
+    assert_refused(&sandbox, &run, &["hare.glb: whole model: it is ", "set model.unit_m=1 "]);
     // If the recipe sets the lengths, the size is the user's decision; the result validates.
     let lengths = ["--set", "hair.length_m=100", "--set", "surface.tile_size_m=900", "--set", "model.unit_m=100000"];
     let run = bake(&sandbox, &hare, &lengths);
@@ -52,7 +52,7 @@ fn positions_past_all_measure_name_the_model() {
     let sandbox = Sandbox::new();
     sandbox.write("huge.obj", SQUARE.replace("v 1 1 0", "v 1e30 1 0"));
     let run = bake(&sandbox, "huge.obj", &[]);
-    refuses(&sandbox, &run, &["huge.obj: whole model", "1.00e30"]);
+    assert_refused(&sandbox, &run, &["huge.obj: whole model", "1.00e30"]);
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn a_mesh_without_area_is_refused() {
     {
         sandbox.write(name, text);
         let run = bake(&sandbox, name, &[]);
-        refuses(&sandbox, &run, &[name, "whole model: none of its 1 triangles has an area", "at rest"]);
+        assert_refused(&sandbox, &run, &[name, "whole model: none of its 1 triangles has an area", "at rest"]);
     }
     // One triangle with an area is enough.
     sandbox.write("one.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n");
@@ -107,7 +107,7 @@ fn a_key_like_no_other_is_given_no_neighbour() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
     let run = bake(&sandbox, "a.obj", &["--set", "a=b"]);
-    refuses(&sandbox, &run, &["--set: a: unknown key, expected one such as hair.length_m"]);
+    assert_refused(&sandbox, &run, &["--set: a: unknown key, expected one such as hair.length_m"]);
     assert!(!run.stderr.contains("hair.seed"), "{run:?}");
 }
 
@@ -137,7 +137,7 @@ fn images_of_set_are_found_from_here_and_by_absolute_path() {
         std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
     }
     let run = bake(&sandbox, "a.obj", &[&recipe[..], &["color.pattern=nowhere.png"]].concat());
-    refuses(&sandbox, &run, &["color.pattern", "nowhere.png"]);
+    assert_refused(&sandbox, &run, &["color.pattern", "nowhere.png"]);
 }
 
 #[test]
@@ -156,9 +156,9 @@ fn an_edited_recipe_is_no_new_fur() {
     let run = pack(&recipe.replace("density = 700", "density = 5"));
     let words =
         ["folder/recipe.toml: hair.density: is 5, expected 700", "makes no fur", "bake the model with this recipe"];
-    refuses(&sandbox, &run, &words);
-    refuses(&sandbox, &pack("[hair\n"), &["folder/recipe.toml: line 1"]);
-    refuses(&sandbox, &pack("[hair]\ndensty = 3\n"), &["folder/recipe.toml: line 2, hair.densty"]);
+    assert_refused(&sandbox, &run, &words);
+    assert_refused(&sandbox, &pack("[hair\n"), &["folder/recipe.toml: line 1"]);
+    assert_refused(&sandbox, &pack("[hair]\ndensty = 3\n"), &["folder/recipe.toml: line 2, hair.densty"]);
     // A comment changes nothing; the original recipe gives the original bytes.
     let run = pack(&format!("# my fox\n{recipe}"));
     assert_eq!((run.code, sandbox.run(&["validate", "out.pelage"]).code), (Some(0), Some(0)), "{run:?}");
@@ -185,8 +185,8 @@ fn an_edited_manifest_says_no_other_fur_than_the_recipe() {
     let run = pack(&|manifest| manifest["manifest"]["fur"]["strands"] = 19.into());
     let words =
         ["folder/manifest.json: /manifest/fur: recipe.toml: hair.density is 700, expected 19", "take the edit back"];
-    refuses(&sandbox, &run, &words);
-    refuses(&sandbox, &pack(&|manifest| manifest["recipe_disagrees"] = 3.into()), &["/recipe_disagrees", "a list"]);
+    assert_refused(&sandbox, &run, &words);
+    assert_refused(&sandbox, &pack(&|manifest| manifest["recipe_disagrees"] = 3.into()), &["/recipe_disagrees", "a list"]);
     assert_eq!(pack(&|_| ()).code, Some(0));
     assert_eq!(std::fs::read(sandbox.path().join("out.pelage")).unwrap(), whole);
 }
@@ -197,9 +197,9 @@ fn a_value_that_a_stage_refuses_is_placed() {
     sandbox.write("a.obj", SQUARE);
     sandbox.write("r.toml", "[hair]\nlength_m = 1000\n[surface]\ntile_size_m = 0.2\n");
     let run = bake(&sandbox, "a.obj", &["--recipe", "r.toml"]);
-    refuses(&sandbox, &run, &["r.toml: hair.length_m: the hair is 5000 times as long as its tile is wide"]);
+    assert_refused(&sandbox, &run, &["r.toml: hair.length_m: the hair is 5000 times as long as its tile is wide"]);
     let set = ["--set", "hair.length_m=1000", "--set", "surface.tile_size_m=0.2"];
-    refuses(&sandbox, &bake(&sandbox, "a.obj", &set), &["--set: hair.length_m: the hair is 5000 times"]);
+    assert_refused(&sandbox, &bake(&sandbox, "a.obj", &set), &["--set: hair.length_m: the hair is 5000 times"]);
 }
 
 #[cfg(unix)]
@@ -218,7 +218,7 @@ fn pipes_in_folders_and_scenes_are_refused() {
     let run = sandbox.run(&["pack", "folder", "out.pelage"]);
     assert!(run.code == Some(2) && run.stderr.contains("mesh.glb: cannot read: it is a pipe"), "{run:?}");
     let run = bake(&sandbox, "a.obj", &["--set", "color.pattern=pipe"]);
-    refuses(&sandbox, &run, &["color.pattern", "it is a pipe, expected a file"]);
+    assert_refused(&sandbox, &run, &["color.pattern", "it is a pipe, expected a file"]);
     sandbox.write("scene.toml", "[[model]]\npackage = \"pipe\"\n");
     let run = sandbox.run(&["render", "scene.toml", "-o", "out.png"]);
     assert!(run.code == Some(3) && run.stderr.contains("it is a pipe"), "{run:?}");

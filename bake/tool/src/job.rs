@@ -5,7 +5,7 @@ use super::output::{Output, RecordedOutput};
 use pelage_bake::cache::{Cache, CacheHit, CommandResult, CachedFile};
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
-use pelage_bake::traffic::{self, Digest, IoTrace};
+use pelage_bake::io_trace::{self, Digest, IoTrace};
 use pelage_import::BakeError;
 use serde::Serialize;
 use serde_json::Value;
@@ -102,14 +102,14 @@ pub fn run(
             (served, read, files.into_iter().map(|(path, _)| path).collect())
         }
         None => {
-            traffic::start();
+            io_trace::start();
             let result = command(output);
-            let traffic = traffic::take();
+            let traffic = io_trace::take();
             if let (Some(cache), Ok(exit)) = (&cache, &result) {
-                cache.keep(&traffic, *exit, output);
+                cache.keep(&io_trace, *exit, output);
             }
-            let read = traffic.files_read().into_iter().map(Path::to_owned).collect();
-            (result, read, traffic.written.into_iter().map(|written| written.path).collect())
+            let read = io_trace.files_read().into_iter().map(Path::to_owned).collect();
+            (result, read, io_trace.written.into_iter().map(|written| written.path).collect())
         }
     };
     if let (Some(path), Ok(_)) = (&args.depfile, &result) {
@@ -167,18 +167,18 @@ impl<'a> CacheSession<'a> {
     /// Stores the outputs of a command.
     fn keep(&self, traffic: &IoTrace, exit: Exit, output: &Output) {
         let RecordedOutput { result: Some((text, json)), notes } = output.said() else { return };
-        let file = |written: &traffic::TracedOutput| {
+        let file = |written: &io_trace::TracedOutput| {
             let (folder, name) = self.errand.place(&written.path)?;
             Some(CachedFile { folder, name, shown: shown(&written.path), sha256: hex(&written.digest) })
         };
         // Files written outside the output folders could not be restored.
-        let Some(files) = traffic.written.iter().map(file).collect::<Option<Vec<_>>>() else { return };
-        if traffic.in_part {
+        let Some(files) = io_trace.written.iter().map(file).collect::<Option<Vec<_>>>() else { return };
+        if io_trace.in_part {
             return;
         }
         let kept = CommandResult { files, exit: exit as u8, text, json, notes };
-        let paths: Vec<&Path> = traffic.written.iter().map(|written| written.path.as_path()).collect();
-        if let Err(error) = self.cache.store(&self.key, traffic, &kept, &paths) {
+        let paths: Vec<&Path> = io_trace.written.iter().map(|written| written.path.as_path()).collect();
+        if let Err(error) = self.cache.store(&self.key, io_trace, &kept, &paths) {
             output.note(&format!("note: --cache: {error}; what was made is not kept there"));
         }
     }

@@ -1,0 +1,111 @@
+//! Environment map named by a look, read and fitted.
+
+use super::exit::Failure;
+use glam::{DQuat, DVec3};
+use pelage_bake::environment_file::EnvironmentFile;
+use pelage_import::BakeError;
+#[cfg(feature = "view")]
+use pelage_stage::LightsRead;
+use pelage_stage::sky::{Environment, FitParams, FitResult, Sun};
+use pelage_stage::{Look, SkyKind};
+use pelage_truth::TrueSky;
+use std::path::Path;
+#[cfg(feature = "view")]
+use std::sync::Arc;
+use std::sync::OnceLock;
+
+/// Reads an environment map as lights.
+///
+/// # Errors
+/// Message with the file, the location in it, and the error.
+#[cfg(feature = "view")]
+pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRead {
+    let of = read(path, lobes, ground).map_err(|error| error.to_string())?;
+    let sky = Sky { of, yaw_deg: 0.0, strength: 1.0, lobes: lobes as usize, fitted: OnceLock::new() };
+    Ok(Arc::new(sky.lights()))
+}
+
+/// Reads an environment map, with a ground if one is given.
+fn read(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> Result<EnvironmentFile, BakeError> {
+    EnvironmentFile::read(path)?.over_ground(ground, lobes as usize)
+}
+
+/// Environment of a look.
+#[derive(Debug)]
+pub struct Sky {
+    of: EnvironmentFile,
+    yaw_deg: f32,
+    strength: f32,
+    lobes: usize,
+    fitted: OnceLock<Option<FitResult>>,
+}
+
+impl PartialEq for Sky {
+    fn eq(&self, other: &Self) -> bool {
+        let numbers = |sky: &Self| (sky.yaw_deg, sky.strength, sky.lobes);
+        self.of == other.of && numbers(self) == numbers(other)
+    }
+}
+
+impl Sky {
+    /// Reads the environment that the look names; `None` if it names none.
+    ///
+    /// # Errors
+    /// Unreadable file, or one that is not an environment.
+    pub fn of(look: &Look) -> Result<Option<Self>, Failure> {
+        let Some(source) = &look.environment.sky else { return Ok(None) };
+        let of = match &source.kind {
+            SkyKind::File(path) => read(Path::new(path), look.environment.lobes, look.environment.ground_color())?,
+            _ => EnvironmentFile::Lights(look.environment.from_colors().unwrap_or_default()),
+        };
+        let (yaw_deg, strength) = (source.yaw_deg, look.environment.strength);
+        let lobes = look.environment.lobes as usize;
+        Ok(Some(Self { of, yaw_deg, strength, lobes, fitted: OnceLock::new() }))
+    }
+
+    /// Returns the fit of lights to a panorama; `None` for lights given directly.
+    pub fn fitted(&self) -> Option<&FitResult> {
+        let fit = || match &self.of {
+            EnvironmentFile::Panorama(panorama) => Some(panorama.fit(FitParams { lobes: self.lobes, ..FitParams::default() })),
+            EnvironmentFile::Lights(_) => None,
+        };
+        self.fitted.get_or_init(fit).as_ref()
+    }
+
+    /// Returns the lights without the look's rotation and strength.
+    pub fn lights(&self) -> Environment {
+        match (&self.of, self.fitted()) {
+            (EnvironmentFile::Lights(lights), _) => lights.clone(),
+            (EnvironmentFile::Panorama(_), fitted) => fitted.map(|fitted| fitted.environment.clone()).unwrap_or_default(),
+        }
+    }
+
+    /// Returns the lights with the look's rotation and strength.
+    pub fn environment(&self) -> Environment {
+        self.lights().turned(self.yaw_deg).scaled(self.strength)
+    }
+
+    /// Returns the radiance from a unit direction, linear RGB, with the sky rotated by another `turn_deg`; the sun of
+    /// lights is not visible.
+    pub fn radiance(&self, towards: DVec3, turn_deg: f32) -> DVec3 {
+        let inside = DQuat::from_rotation_y(-f64::from(self.yaw_deg + turn_deg).to_radians()) * towards;
+        let radiance = match &self.of {
+            EnvironmentFile::Panorama(panorama) => panorama.sample(inside),
+            EnvironmentFile::Lights(lights) => lights.radiance(inside),
+        };
+        radiance * f64::from(self.strength)
+    }
+
+    /// Returns the environment for path tracing: a panorama unchanged, with its sun in it; otherwise lights, and their
+    /// sun separately.
+    pub fn for_tracing(&self) -> (TrueSky, Option<Sun>) {
+        match &self.of {
+            EnvironmentFile::Panorama(panorama) => (TrueSky::of_panorama(panorama.clone(), self.yaw_deg, self.strength), None),
+            EnvironmentFile::Lights(_) => {
+                let lights = self.environment();
+                let sun = lights.sun;
+                (TrueSky::of_environment(lights), sun)
+            }
+        }
+    }
+}
