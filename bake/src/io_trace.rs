@@ -1,6 +1,6 @@
 //! Trace of the files that this process has read and written, as a build system needs it.
 //!
-//! [`crate::io`] records them once [`note_down`] has been called, so that every reader is covered. Nothing is recorded
+//! [`crate::io`] records them once [`start`] has been called, so that every reader is covered. Nothing is recorded
 //! before.
 
 use sha2::{Digest as _, Sha256};

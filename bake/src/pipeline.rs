@@ -2,7 +2,7 @@
 //!
 //! The output of a step is stored under its name. A step runs if the package still to be made depends on its output and
 //! the output is missing. So a bake starts with the model alone. Slicing a package again starts with the package's
-//! contents ([`crate::reslice`]). After [`Outputs::forget`] the named output and everything derived from it is made
+//! contents ([`crate::reslice`]). After [`Outputs::invalidate`] the named output and everything derived from it is made
 //! again.
 
 mod layout;

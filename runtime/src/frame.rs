@@ -125,7 +125,7 @@ impl Frame {
         record(pass, self.draws.iter().flat_map(|(_, draws)| draws));
     }
 
-    /// Records a single pass, for measuring or for drawing between skin and shells. Passes with [`PassPlace::Before`]
+    /// Records a single pass, for measuring or for drawing between skin and shells. Passes with [`PassStage::Before`]
     /// were recorded by [`crate::Renderer::prepare`] and do nothing here.
     pub fn draw_pass(&self, id: PassId, pass: &mut wgpu::RenderPass<'_>) {
         record(pass, self.draws.iter().filter(|(found, _)| *found == id).flat_map(|(_, draws)| draws));

@@ -13,7 +13,7 @@ pub(crate) type Mark<'a> = dyn FnMut(&mut wgpu::CommandEncoder, PassId) + 'a;
 pub struct Hooks<'a> {
     /// Geometry of the application that casts and receives shadows.
     pub casters: Option<Casters<'a>>,
-    /// Callback after each pass with [`crate::PassPlace::Before`], whether it recorded anything or not; used to time
+    /// Callback after each pass with [`crate::PassStage::Before`], whether it recorded anything or not; used to time
     /// passes. The callback may replace the encoder by another of the same device, and must then submit them in order.
     pub mark: Option<&'a mut Mark<'a>>,
 }

@@ -23,7 +23,7 @@ pub enum Motion {
     /// Several moments blended in order, of the same or different clips: a transition from one motion to the next.
     Blend(
         /// Layers in order; each blends by its share from the result of the layers before it. At most
-        /// [`Motion::MOST_LAYERS`].
+        /// [`Motion::MAX_LAYERS`].
         Vec<ClipLayer>,
     ),
     /// Animation computed by the application.
@@ -77,7 +77,7 @@ impl Motion {
 #[non_exhaustive]
 pub struct Instance {
     /// Identity chosen by the application: constant between frames, and unique among the instances of a frame. Any
-    /// number but [`Instance::NOBODY`].
+    /// number but [`Instance::NO_OWNER`].
     pub owner: u64,
     /// Model that is drawn.
     pub model: Model,
@@ -93,7 +93,7 @@ pub struct Instance {
     /// instead of dragging it along. Increment it when the instance is teleported or a shot begins.
     pub hair_revision: u32,
     /// Colliders for the hair besides the instance's own body, in world space. Their number must stay constant between
-    /// frames, or the hair is reset. At most [`Instance::MOST_COLLIDERS`].
+    /// frames, or the hair is reset. At most [`Instance::MAX_COLLIDERS`].
     pub colliders: Vec<Capsule>,
 }
 

@@ -33,11 +33,11 @@ pub fn assert_valid(name: &str, value: &Value) {
     check(&SCHEMAS, &SCHEMAS[name], value).unwrap_or_else(|e| panic!("{name}: {e}"));
 }
 
-/// Does the same as [`answer`] for a run that succeeded.
+/// Does the same as [`parse_answer`] for a run that succeeded.
 ///
 /// # Panics
 ///
-/// Same as [`answer`], and for any exit code other than 0.
+/// Same as [`parse_answer`], and for any exit code other than 0.
 #[track_caller]
 pub fn parse_success(run: &Run, name: &str) -> Value {
     assert_eq!(run.code, Some(0), "{run:?}");

@@ -13,7 +13,7 @@
 //!   largest four are kept.
 //! * Parts that are mirrored by the scene or the rest pose, or that face against their normals, are flipped.
 //! * Lines of nodes and meshes whose name begins with `comb`, and empty nodes named `comb` or `comb_…`, define the comb
-//!   direction ([`crate::mesh::DrawnComb`]); other lines are left out.
+//!   direction ([`crate::mesh::CombLine`]); other lines are left out.
 //! * Morph targets are applied at their default weights, and the remaining deltas are kept
 //!   ([`crate::mesh::MorphRows`]); then every vertex has joints. In a document without nodes morph targets do not move.
 //!

@@ -43,7 +43,7 @@ fn full_integral(sharpness: f64) -> f64 {
     TAU * i0e(sharpness)
 }
 
-/// Returns the κ for which [`whole`] is `light`; 0 if there is none.
+/// Returns the κ for which [`full_integral`] is `light`; 0 if there is none.
 fn sharpness_of(light: f64) -> f64 {
     if light >= TAU || light.is_nan() {
         return 0.0;

@@ -123,7 +123,7 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
 ///
 /// * `tile_size_m`: width of the tile on the mesh surface
 ///
-/// Strands with the same fibre form one group, named by [`Skin::coat_of`]. The same arguments give the same strands in
+/// Strands with the same fibre form one group, named by [`PosedMesh::fibre_group_name`]. The same arguments give the same strands in
 /// the same order on any number of threads.
 ///
 /// # Errors

@@ -25,7 +25,7 @@ pub struct Output {
     steps: Arc<StageProgress>,
     /// Progress display.
     shown: Option<ProgressDisplay>,
-    /// Result and notes since [`Self::listen`].
+    /// Result and notes since [`Self::start_recording`].
     said: Mutex<Option<RecordedOutput>>,
 }
 
@@ -103,7 +103,7 @@ impl Output {
         *self.lock_recording() = Some(RecordedOutput::default());
     }
 
-    /// Returns the result and notes recorded since [`Self::listen`].
+    /// Returns the result and notes recorded since [`Self::start_recording`].
     pub fn said(&self) -> RecordedOutput {
         self.lock_recording().clone().unwrap_or_default()
     }

@@ -46,7 +46,7 @@ fn check_vertex(number: usize, bytes: [u8; 4]) -> Result<(), String> {
 }
 
 impl<'a> Package<'a> {
-    /// Returns the openness of the hair at each vertex, four bytes each ([`Openness::of_bytes`]); `None` if the package
+    /// Returns the openness of the hair at each vertex, four bytes each ([`Openness::from_bytes`]); `None` if the package
     /// has no such section.
     ///
     /// Fails if the section is damaged, or its vertex count is not that of the mesh.

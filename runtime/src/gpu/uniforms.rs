@@ -111,7 +111,7 @@ pub(crate) struct UniformRing {
     lost: Arc<AtomicBool>,
 }
 
-/// Holds a slot. Dropping it without [`Submitted::done`] means that the recorded commands never ran.
+/// Holds a slot. Dropping it without [`SubmissionGuard::done`] means that the recorded commands never ran.
 struct SubmissionGuard {
     in_use: Option<Arc<()>>,
     lost: Arc<AtomicBool>,

@@ -18,21 +18,21 @@ pub(super) fn effective_samples(fur: &FurParams, samples: u32) -> u32 {
 /// Hair width on screen, in pixels divided by samples, below which fewer and wider hairs are drawn.
 const MIN_WIDTH_PX: f32 = 0.36;
 
-/// Limits as `THINNEST_PX`, in pixels, for guided hair and for fur, both with blended edges. A pixel stores only its
+/// Limits as `MIN_WIDTH_PX`, in pixels, for guided hair and for fur, both with blended edges. A pixel stores only its
 /// nearest eight segments.
 const MIN_BLENDED_WIDTH_PX: [f32; 2] = [0.36, 0.18];
 
 /// Smallest share of hairs that is drawn.
 const MIN_HAIR_SHARE: f32 = 0.02;
 
-/// Limit as `THINNEST_PX` for fur drawn in samples, in pixels divided by the square root of the samples. From this
+/// Limit as `MIN_WIDTH_PX` for fur drawn in samples, in pixels divided by the square root of the samples. From this
 /// width on, fur shimmers less than twice as much as the reference picture.
 const MIN_FUR_WIDTH_PX: f32 = 0.9;
 
 /// Smallest share of fur strands drawn in samples. If fewer would be needed, layers are drawn.
 const MIN_FUR_SHARE: f32 = 0.25;
 
-/// Samples per pixel from which `FEWEST_OF_COAT` applies. With fewer samples, hairs one pixel wide have jagged edges,
+/// Samples per pixel from which `MIN_FUR_SHARE` applies. With fewer samples, hairs one pixel wide have jagged edges,
 /// so all thinner ones are drawn in layers.
 const MIN_SAMPLES_FOR_THINNING: u32 = 4;
 

@@ -166,7 +166,7 @@ pub(crate) fn growth_constants(model: &Model, part: &Part) -> Constants {
     vec![flag("GROOM_VERTICES", model.varies().groom), flag("GROOM_TEXTURE", part.has_groom_texture)]
 }
 
-/// Returns the constants of `grown_by`, and whether wet hair is mixed in.
+/// Returns the constants of `growth_constants`, and whether wet hair is mixed in.
 pub(crate) fn growth_and_wetness_constants(model: &Model, part: &Part) -> Constants {
     let mut constants = growth_constants(model, part);
     constants.push(flag("WET", model.manifest().fur.wet.is_some()));

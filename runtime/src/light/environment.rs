@@ -16,7 +16,7 @@ use std::sync::Arc;
 const MAP_SIZE: u32 = 24;
 /// Number of sampled light directions, 6 degrees apart.
 const DIRECTIONS: usize = 1024;
-/// Half-width of the fade-in above the lowest light direction ([`BELOW`]), as sine of the height: half the spacing of
+/// Half-width of the fade-in above the lowest light direction ([`HORIZON_SINE`]), as sine of the height: half the spacing of
 /// directions.
 const RISE: f32 = 0.05;
 /// Largest value of a half float.
@@ -109,7 +109,7 @@ impl EnvironmentCache {
 }
 
 /// Returns three layers over facing directions: total light from above the horizon and slightly below it; its mean
-/// direction; irradiance divided by π. The last value is `Sky::most`.
+/// direction; irradiance divided by π. The last value is `EnvironmentMap::most`.
 fn build_map(environment: &Environment) -> (Vec<Vec4>, f32) {
     let lights: Vec<(Vec3, Vec3, f32)> = (0..DIRECTIONS)
         .map(|i| {

@@ -66,7 +66,7 @@ pub struct FurParams {
     pub detail: Detail,
     /// Whether fins are drawn, if the package has them (default true).
     pub fins: bool,
-    /// Geometry of hair (default [`Hair::Auto`]).
+    /// Geometry of hair (default [`HairGeometry::Auto`]).
     pub hair: HairGeometry,
     /// Rendering of strand edges (default [`StrandEdges::Samples`]).
     pub strand_edges: StrandEdges,

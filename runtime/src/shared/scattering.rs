@@ -25,12 +25,12 @@ pub struct FibreAngles {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Fibre {
-    /// 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `Means::aside` of the package; longitudinal variance of the reflected
+    /// 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `FibreMeans::aside` of the package; longitudinal variance of the reflected
     /// lobe, in full angles.
     pub optics: [f32; 4],
-    /// `Means::on` of the package.
+    /// `FibreMeans::on` of the package.
     pub on: [[f32; 4]; 3],
-    /// `Means::back` of the package.
+    /// `FibreMeans::back` of the package.
     pub back: [[f32; 4]; 3],
 }
 
@@ -99,7 +99,7 @@ pub fn fibre_transmittance(cos_d: f32, optics: Vec4, absorbed: Vec3) -> Vec3 {
 }
 
 /// Combines the tables' texels along and around a fibre: scattered light per steradian over its irradiance, times the
-/// cosine of the light's angle. `left`: from [`fibre_left`]. TRT crosses the fibre twice, and the remaining orders
+/// cosine of the light's angle. `left`: from [`fibre_transmittance`]. TRT crosses the fibre twice, and the remaining orders
 /// three times.
 pub fn fibre_scatters(along: Vec4, around: Vec4, absorbed: Vec3, left: Vec3) -> Vec3 {
     let ways = along * around;
@@ -172,7 +172,7 @@ const TURNED_BACK: f32 = 0.8;
 /// Share of scattered light that leaves a sheet of hanging hair at its edges.
 const LEAKS: f32 = 0.12;
 
-/// Returns the forward and backward shares of a sheet of hanging fibres for [`diffused`], given those of one fibre. The
+/// Returns the forward and backward shares of a sheet of hanging fibres for [`diffused_light`], given those of one fibre. The
 /// two differ: light turned aside by many fibres goes back in the end, and some of it leaves the sheet at its edges.
 pub fn hanging_sheet_shares(sides: [Vec3; 2]) -> [Vec3; 2] {
     let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
@@ -191,7 +191,7 @@ pub fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
 
 /// Returns [`along_cone`] in hair that hangs side by side: of light that was only scattered forward, and of other
 /// light. Parallel fibres keep light near its cone of incidence, and each scattering widens the cone (after Zinke
-/// 2008). `left`: from [`fibre_left`], for grey; `direct`: share of the light that passes all fibres.
+/// 2008). `left`: from [`fibre_transmittance`], for grey; `direct`: share of the light that passes all fibres.
 pub fn hanging_cones(fibre: &Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> [f32; 2] {
     let [shares_on, shares_back] = fibre_shares(fibre, cos_i);
     let light = Vec4::new(1.0, left, left * left, left * left * left);

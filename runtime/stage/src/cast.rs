@@ -34,7 +34,7 @@ pub struct Actor {
     /// Clip that it fades to, and progress of the fade, 0..=1.
     pub fade_to: Option<(Playback, f32)>,
     /// Displacement per cycle of its clip: when the clip restarts, the model continues from there. In model space, as
-    /// returned by [`carried_by`]; zero keeps it at the same position.
+    /// returned by [`root_displacement`]; zero keeps it at the same position.
     pub cycle_displacement: Vec3,
     /// Morph targets with their own weights, regardless of the clips: index and weight.
     pub morphs: Vec<(usize, f32)>,
@@ -145,12 +145,12 @@ impl Playback {
 
 impl<'a> Cast<'a> {
     /// Creates copies of one package's model, side by side on a grid, all at the same moment of the named clip (`None`:
-    /// at rest). Without `camera`, one is [`framed`] to show all of them at that aspect ratio, width over height.
+    /// at rest). Without `camera`, one is [`frame_actors`] to show all of them at that aspect ratio, width over height.
     /// `package` is `file` opened.
     ///
     /// # Errors
     ///
-    /// [`StageError::Asked`] if the clip or the named part to look at does not exist, [`StageError::Package`] for a
+    /// [`StageError::Request`] if the clip or the named part to look at does not exist, [`StageError::Package`] for a
     /// damaged package.
     pub fn crowd(
         file: &'a NamedPackage<'a>,
@@ -182,7 +182,7 @@ impl<'a> Cast<'a> {
     ///
     /// # Errors
     ///
-    /// [`StageError::Asked`] if a package has no such clip, [`StageError::Package`] for a damaged one.
+    /// [`StageError::Request`] if a package has no such clip, [`StageError::Package`] for a damaged one.
     pub fn fading_to(mut self, name: &str, share: f32) -> Result<Self, StageError> {
         for actor in &mut self.actors {
             let Some((file, package)) = self.packages.get(actor.package) else { continue };
@@ -246,7 +246,7 @@ pub fn find_clip(
 ///
 /// # Errors
 ///
-/// [`StageError::Asked`] if the package has none of that name, [`StageError::Package`] for a damaged one.
+/// [`StageError::Request`] if the package has none of that name, [`StageError::Package`] for a damaged one.
 pub fn find_morph(file: &NamedPackage<'_>, package: &Package<'_>, name: &str) -> Result<usize, StageError> {
     let animation = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default();
     morph_named(&animation, name).map_err(|has| {
@@ -303,7 +303,7 @@ fn crowd_positions(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
 ///
 /// # Errors
 ///
-/// [`StageError::Asked`] if nothing matches the name to look at, listing the names there are; [`StageError::Package`]
+/// [`StageError::Request`] if nothing matches the name to look at, listing the names there are; [`StageError::Package`]
 /// for a damaged package.
 pub fn frame_actors(
     packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],

@@ -88,7 +88,7 @@ impl Gpu {
         adapter.map(|adapter| in_words(&adapter.get_info())).map_err(|error| StageError::NoAdapter(error.to_string()))
     }
 
-    /// Returns a description of this adapter, in the format of [`Self::adapter_in_words`].
+    /// Returns a description of this adapter, in the format of [`Self::describe_adapter`].
     pub fn description(&self) -> String {
         in_words(&self.info)
     }

@@ -3,9 +3,9 @@
 //! Without features it is plain data, independent of GPU, windows and file system:
 //!
 //! * packages with their names ([`NamedPackage`])
-//! * models that stand, move and play clips ([`Cast`], [`Place`], [`Playing`])
+//! * models that stand, move and play clips ([`Cast`], [`Placement`], [`Playback`])
 //! * values over time ([`Track`])
-//! * cameras ([`Viewpoint`], [`Shot`], [`framing`]), and interactive ones ([`Navigator`])
+//! * cameras ([`Viewpoint`], [`CameraTrack`], [`framing`]), and interactive ones ([`Navigator`])
 //! * scene files that describe all of this ([`SceneFile`])
 //! * skies as light ([`sky`])
 //!

@@ -58,7 +58,7 @@ impl Navigator {
         polar(self.view.eye - self.view.target)
     }
 
-    /// Moves to the values that [`Self::around`] would return; elevation and distance are clamped to their ranges.
+    /// Moves to the values that [`Self::spherical`] would return; elevation and distance are clamped to their ranges.
     pub fn set_spherical(&mut self, azimuth_deg: f32, elevation_deg: f32, distance_m: f32) {
         let towards = towards(azimuth_deg, elevation_deg);
         self.view.eye = self.view.target + towards * self.reachable(distance_m);

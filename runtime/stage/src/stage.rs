@@ -64,8 +64,8 @@ impl Stage {
     ///
     /// * [`StageError::Package`] and [`StageError::Input`] for a package that is damaged or cannot be drawn in this
     ///   style
-    /// * [`StageError::Asked`] for a cast without a model, or with a model of a package that it lacks
-    /// * [`StageError::Asked`] and [`StageError::Params`] for settings that exceed the device's limits
+    /// * [`StageError::Request`] for a cast without a model, or with a model of a package that it lacks
+    /// * [`StageError::Request`] and [`StageError::Params`] for settings that exceed the device's limits
     /// * [`StageError::NoAdapter`] without a device
     pub fn new(
         cast: &Cast<'_>,
@@ -113,7 +113,7 @@ impl Stage {
     ///
     /// # Errors
     ///
-    /// [`StageError::Asked`] for a picture that exceeds the device's limits, and for another number of samples per
+    /// [`StageError::Request`] for a picture that exceeds the device's limits, and for another number of samples per
     /// pixel, which needs a new stage.
     pub fn set_look(&mut self, picture: &TargetSettings, params: FrameParams, time_s: f32) -> Result<(), StageError> {
         check_size(&self.gpu, picture.size)?;

@@ -2,7 +2,7 @@
 //! rebakes it when its files change.
 //!
 //! The window knows packages, looks and how to draw them. The application provides a [`Workshop`], which makes packages
-//! from models and recipes and lists the files they came from. It also provides a [`Judge`], which traces reference
+//! from models and recipes and lists the files they came from. It also provides a [`ReferenceSource`], which traces reference
 //! pictures. Both run on their own threads; the window stays responsive and shows the previous content until the new is
 //! ready.
 //!

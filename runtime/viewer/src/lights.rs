@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// below it.
 pub type LoadLights = fn(&Path, u32, Option<[f32; 3]>) -> LightsRead;
 
-/// Arguments of [`LightsOf`] for a file.
+/// Arguments of [`LoadLights`] for a file.
 type LightsKey = (PathBuf, u32, Option<[f32; 3]>);
 
 /// Cache of the last environment map.

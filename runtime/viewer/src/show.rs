@@ -144,7 +144,7 @@ impl Show {
     ///
     /// # Errors
     ///
-    /// Same as [`Stage::recast`].
+    /// Same as [`Stage::set_cast`].
     pub fn play(&mut self, clip: Option<usize>, size: (u32, u32)) -> Result<(), StageError> {
         let Some(subject) = self.subject.clone() else { return Ok(()) };
         let info = clip.and_then(|clip| self.clips.get(clip)).cloned();

@@ -91,7 +91,7 @@ pub fn data_folder() -> PathBuf {
 ///
 /// # Panics
 ///
-/// Same as [`had`] and [`lacked`].
+/// Same as [`log_available`] and [`log_missing`].
 pub fn data(test: &str) -> Option<PathBuf> {
     let path = data_folder();
     let words = path.display().to_string();
@@ -112,7 +112,7 @@ pub fn is_installed(program: &str) -> bool {
 ///
 /// # Panics
 ///
-/// Same as [`had`] and [`lacked`].
+/// Same as [`log_available`] and [`log_missing`].
 pub fn has_ninja(test: &str) -> bool {
     let there = is_installed("ninja");
     if there {
@@ -124,11 +124,11 @@ pub fn has_ninja(test: &str) -> bool {
 }
 
 /// Returns whether the named GPU test should run: always, unless `PELAGE_NO_GPU=1` is set. The caller that opens the
-/// device calls [`had`].
+/// device calls [`log_available`].
 ///
 /// # Panics
 ///
-/// Same as [`lacked`].
+/// Same as [`log_missing`].
 pub fn gpu_is_wanted(test: &str) -> bool {
     let off = std::env::var("PELAGE_NO_GPU").is_ok_and(|v| v == "1");
     if off {

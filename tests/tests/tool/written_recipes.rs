@@ -27,7 +27,7 @@ fn bake_with_written(sandbox: &Sandbox, path: &str, more: &[&str]) -> String {
     bake_with_written_and_run(sandbox, path, more).0
 }
 
-/// Does the same as [`written`], and also returns the run that wrote the recipe.
+/// Does the same as [`bake_with_written`], and also returns the run that wrote the recipe.
 fn bake_with_written_and_run(sandbox: &Sandbox, path: &str, more: &[&str]) -> (String, Run) {
     let first = bake(sandbox, "first.pelage", &[&["--write-recipe", path], more].concat());
     assert_eq!(first.code, Some(0), "{first:?}");

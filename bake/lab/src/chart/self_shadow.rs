@@ -212,7 +212,7 @@ impl Sheet {
 
     /// Bakes the sheet with visibility, and reads from the package what a runtime reads.
     ///
-    /// * `blocks`, `directions`: as in [`Form::Baked`]
+    /// * `blocks`, `directions`: as in [`SelfShadowForm::Baked`]
     /// * `on_stage`: called with the name of each of [`pipeline::STAGES`] as it begins
     ///
     /// # Errors

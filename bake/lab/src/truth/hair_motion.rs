@@ -20,7 +20,7 @@
 //! change, so that nothing drifts. A root whose velocity changes suddenly pulls at the lengths: that impulse is the
 //! same projection.
 //!
-//! [`TrueGuide::followed`] halves the steps until that changes nothing. Sensitivity to rounding remains: a slack string
+//! [`TrueGuide::converged`] halves the steps until that changes nothing. Sensitivity to rounding remains: a slack string
 //! whips, and its motion no longer depends on its start. Such motions have no truth beyond the first seconds, as the
 //! number of steps that halving needs shows.
 //!

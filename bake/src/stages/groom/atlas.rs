@@ -52,7 +52,7 @@ pub(super) enum GutterKind {
     Reach { tiles: f32, most_texels: f32 },
 }
 
-/// Additional gutter of [`Around::Reach`] for filters and mips, texels.
+/// Additional gutter of [`GutterKind::Reach`] for filters and mips, texels.
 const FILTER_GUTTER: u32 = 4;
 
 /// Placement of a chart in the texture.
@@ -88,7 +88,7 @@ impl Atlas {
         Ok(charted.atlas(surface, side, places))
     }
 
-    /// Packs some of the triangles with [`Around::Reach`], so that the texture contains the surface at the hair's
+    /// Packs some of the triangles with [`GutterKind::Reach`], so that the texture contains the surface at the hair's
     /// roots.
     ///
     /// * `patches`: one per triangle, `u32::MAX` for those that are left out

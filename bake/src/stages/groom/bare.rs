@@ -66,7 +66,7 @@ impl BareReason {
 ///
 /// * `rest`: rest pose of the model's mesh
 /// * `bare`: patterns, in which `*` matches any characters and `?` one, ignoring case. With `None`, bare materials are
-///   detected and reported in [`Growth::decision`]; a single material is always furred, and so are all if none would be
+///   detected and reported in [`FurredMaterials::decision`]; a single material is always furred, and so are all if none would be
 ///   left.
 ///
 /// Patterns without a matching material, and models whose materials all look bare, are reported in `warnings`.
@@ -102,7 +102,7 @@ pub fn find_furred_materials(model: &Model, rest: &RestPose, bare: Option<&[Stri
     FurredMaterials { furred: why.iter().map(Option::is_none).collect(), bare: names, decision }
 }
 
-/// Returns for each material whether hair grows on it according to a recipe's list, as in [`growth`].
+/// Returns for each material whether hair grows on it according to a recipe's list, as in [`find_furred_materials`].
 fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<String>) -> Vec<bool> {
     for pattern in bare.iter().filter(|p| !materials.iter().any(|m| is_named(p, m))) {
         let names: Vec<_> = materials.iter().map(Material::full_name).collect();

@@ -410,7 +410,7 @@ impl<'a> Maps<'a> {
     }
 
     /// Returns the direction of a map at vertex `v`, zero for an image that does not cover it; `axes` as in
-    /// [`Over::read`].
+    /// [`ImageCoordinates::read`].
     fn vector(
         &self,
         at: &Vertices<'_>,

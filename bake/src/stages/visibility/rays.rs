@@ -84,7 +84,7 @@ impl StrandTree {
 
     /// Returns whether a distant light in the upward unit direction `way` is visible from `origin` past all strands
     /// except `own`. Copies of `own` in other tiles count as other strands. A ray still inside the hair after
-    /// [`LONGEST`] tiles is blocked.
+    /// [`MAX_TILES`] tiles is blocked.
     pub(super) fn is_lit(&self, origin: Vec3, way: Vec3, own: Option<u32>) -> bool {
         let reach = ((self.top - origin.z) / way.z).max(0.0);
         let aside = reach * way.truncate().length();

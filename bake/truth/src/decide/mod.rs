@@ -1,6 +1,6 @@
 //! Search for bake settings: the layers, tile and fins that a picture needs, and no more.
 //!
-//! The settings of a [`Space`] differ in cost and in error against the true picture. [`decide`] searches for the
+//! The settings of a [`SettingSpace`] differ in cost and in error against the true picture. [`decide`] searches for the
 //! cheapest that is accurate enough, or for the most accurate that is cheap enough, by [`Limits`]. Measuring a setting
 //! means baking, drawing and comparing it, which takes seconds. A coarse model therefore suggests which setting to
 //! measure next, and each measurement corrects the model. The chosen setting was always measured; the model only
@@ -8,7 +8,7 @@
 //!
 //! Of settings with equal frame times the smallest package wins.
 //!
-//! Times are noisy. All candidates for the choice are timed once more, in turns ([`Judge::time_again`]), before the
+//! Times are noisy. All candidates for the choice are timed once more, in turns ([`Judge::retime`]), before the
 //! choice. The choice is on the Pareto front: of the measured settings within the limits none is both more accurate and
 //! faster.
 //!
@@ -34,7 +34,7 @@ pub struct Limits {
     pub max_bytes: Option<u64>,
 }
 
-/// Quantities that can be limited, in the order of [`Measured`].
+/// Quantities that can be limited, in the order of [`SettingFigures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
     /// Error against the true pictures, as the judge measures it.

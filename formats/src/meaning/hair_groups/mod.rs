@@ -147,7 +147,7 @@ impl GrownGroup {
 
 impl Hair {
     /// Returns the hair's points, root first, on a posed mesh. `corners` are those of the root's triangle; `guides`
-    /// comes from [`Planted::posed_guides`] for the same pose.
+    /// comes from [`GrownGroup::posed_guides`] for the same pose.
     pub fn points(&self, corners: [Vec3; 3], guides: &[Vec<Vec3>]) -> impl ExactSizeIterator<Item = Vec3> {
         let root = self.root.position(corners);
         let aside = triangle_frame(corners) * self.tip_offset;

@@ -2,7 +2,7 @@
 //!
 //! A strand of the tile roots wherever a copy of its root lies in a furred triangle ([`Roots`]). A walk over the mesh
 //! gives the positions of its points ([`SurfaceWalk`]). Both use the mesh's tile coordinates. Triangle and weights
-//! ([`Footing`]) give the position in any pose.
+//! ([`WalkPosition`]) give the position in any pose.
 
 mod roots;
 mod walk;

@@ -1,13 +1,13 @@
 //! Lookup tables for broad light: the light that a fibre scatters, over the light's mean cosine, θo, θj and φ.
 //!
-//! The light is a spherical Gaussian, cut off well below its horizon ([`BELOW`]): light from a sky reaches hair from
+//! The light is a spherical Gaussian, cut off well below its horizon ([`HORIZON_SINE`]): light from a sky reaches hair from
 //! above the surface and around its curves, not through the body. A whole Gaussian of that width would shine through
 //! the fibre from below, which is visible in dark fur.
 //!
-//! The light of each path around the fibre is a cosine series in n φ, as in [`super::gaussian_light::BroadlyLit`]. The
+//! The light of each path around the fibre is a cosine series in n φ, as in [`super::gaussian_light::BroadlyLitFibre`]. The
 //! series depends on θd alone and is computed once for all lights; along the fibre a 24-point quadrature is used.
 //! Colour is not part of the tables: a path that crosses the fibre n times keeps the remaining share of n mean
-//! crossings ([`Means::left`]).
+//! crossings ([`FibreMeans::left`]).
 
 use super::azimuthal::legendre;
 use super::gaussian_light::{BroadlyLitFibre, TERMS, window};
@@ -56,7 +56,7 @@ pub const HORIZON_SINE: f64 = 0.45;
 pub const LEAST_MEAN: f64 = 0.5 * (1.0 - HORIZON_SINE);
 
 /// Upper half of a spherical Gaussian, with the rim of the lower half: radiance exp(κ (ω · ω_j − 1)) from the
-/// directions ω with ω · ω_j > −[`BELOW`], none from others.
+/// directions ω with ω · ω_j > −[`HORIZON_SINE`], none from others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutGaussianLight {
     /// ω_j, a unit vector.
@@ -297,7 +297,7 @@ fn mean_cos_d(tip: DVec3, towards: DVec3, mean: f64, eye: DVec3) -> f64 {
     (0.5 * (1.0 + cos_i * cos_o + sin_i * sin_o)).clamp(0.0, 1.0).sqrt()
 }
 
-/// Returns the mean cosine of a [`HalfLight`] of that κ, 0 or more, to its axis.
+/// Returns the mean cosine of a [`CutGaussianLight`] of that κ, 0 or more, to its axis.
 pub fn mean_of_half(sharpness: f64) -> f64 {
     let wide = 1.0 + HORIZON_SINE;
     if sharpness < 1e-3 {
@@ -308,7 +308,7 @@ pub fn mean_of_half(sharpness: f64) -> f64 {
     (1.0 + HORIZON_SINE * cut) / (1.0 - cut) - 1.0 / sharpness
 }
 
-/// Returns the κ of a [`HalfLight`] with mean cosine `mean`, clamped to at least [`LEAST_MEAN`].
+/// Returns the κ of a [`CutGaussianLight`] with mean cosine `mean`, clamped to at least [`LEAST_MEAN`].
 pub fn sharpness_of_half(mean: f64) -> f64 {
     // 1 − r is 1/κ for large κ, and never more than that.
     let mean = mean.clamp(LEAST_MEAN, 1.0 - 1e-6);
@@ -353,7 +353,7 @@ fn cosines_until(sharpness: f64, end: f64) -> [f64; TERMS] {
     terms
 }
 
-/// Returns the mean squared cosine between a direction and a [`HalfLight`] with mean cosine `mean`; `cosine` is that
+/// Returns the mean squared cosine between a direction and a [`CutGaussianLight`] with mean cosine `mean`; `cosine` is that
 /// between the direction and the light's axis.
 pub fn mean_square(mean: f64, cosine: f64) -> f64 {
     // Half of 1 minus the mean squared cosine to the axis, within 0.002; exact at both ends.

@@ -121,7 +121,7 @@ impl Fibre {
     }
 
     /// Returns the longitudinal factor of each path: the share of light from θi that leaves at θo. Multiplied by the
-    /// contributions of [`FibreSection::ways`], it is the scattered light times cos θi.
+    /// contributions of [`FibreSection::contributions`], it is the scattered light times cos θi.
     pub fn along(&self, angles: &Angles) -> [f64; PATHS] {
         from_fn(|p| self.path_along(p as u32, angles))
     }
@@ -221,7 +221,7 @@ impl FibreSection {
         mean_of(self.rest(0.0), self.rest(sigma), sigma)
     }
 
-    /// Returns [`FibreSection::mean_way`] of path `p` at many azimuths.
+    /// Returns [`FibreSection::mean_contribution`] of path `p` at many azimuths.
     pub fn mean_ways(&self, p: u32, phis: &[f64], sigma: f64) -> Vec<PathContribution> {
         let Some(scale) = self.rough else { return phis.iter().map(|phi| self.mean_contribution(p, *phi, sigma)).collect() };
         // Terms that do not depend on the azimuth are computed once.

@@ -5,7 +5,7 @@
 //! - Around the fibre the axes are cos θd and φ / π. The paper uses cos φ, which has almost no texels where glints are.
 //! - Colour is not part of the tables: the light of a path is stored with its length in the fibre, to which absorption
 //!   is applied. One table serves all colours.
-//! - Values that hardly depend on the azimuth, or not at all, need no table: [`Means`].
+//! - Values that hardly depend on the azimuth, or not at all, need no table: [`FibreMeans`].
 
 use super::azimuthal::PathContribution;
 use super::means::{FibreMeans, REFERENCE_SIGMA};
@@ -14,7 +14,7 @@ use super::{Angles, Fibre, PATHS};
 use core::array::from_fn;
 use core::f64::consts::PI;
 
-/// Weight of the linear part of [`drawn_out`]; the middle of the axis is stretched by its reciprocal.
+/// Weight of the linear part of [`stretched`]; the middle of the axis is stretched by its reciprocal.
 const DRAWN_OUT: f64 = 0.3;
 
 /// Tables of a fibre.
@@ -24,7 +24,7 @@ pub struct ScatteringTables {
     pub size: usize,
     /// Index of refraction.
     pub eta: f64,
-    /// Longitudinal factors of the paths, times cos θi. Rows go from tan(θd / 2) = −1 to 1, columns by [`drawn_out`] of
+    /// Longitudinal factors of the paths, times cos θi. Rows go from tan(θd / 2) = −1 to 1, columns by [`stretched`] of
     /// sin θh from −1 to 1. The last component is that of all light reflected inside more than once, times its light
     /// per radian, which is the same at every azimuth.
     pub along: Vec<[f32; PATHS]>,
@@ -40,7 +40,7 @@ pub fn stretched(sin_h: f64) -> f64 {
     sin_h / (DRAWN_OUT + (1.0 - DRAWN_OUT) * sin_h.abs())
 }
 
-/// Inverse of [`drawn_out`].
+/// Inverse of [`stretched`].
 fn drawn_in(place: f64) -> f64 {
     DRAWN_OUT * place / (1.0 - (1.0 - DRAWN_OUT) * place.abs())
 }

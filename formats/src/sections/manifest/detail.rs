@@ -15,7 +15,7 @@ pub struct FarLayerInfo {
     /// (2).
     pub light_straight: f32,
     /// Mean share of the key light that reaches the visible hair if the path through each layer is four times as long,
-    /// 0..=[`CoatInfo::light_straight`].
+    /// 0..=[`FarLayerInfo::light_straight`].
     pub light_slanted: f32,
 }
 

@@ -39,7 +39,7 @@ pub(crate) struct StrandSet {
 /// Kinds of strands: the data from which their points are posed.
 #[derive(Debug)]
 pub(crate) enum StrandSource {
-    /// Fur: the surface position of each point, [`Stand`].
+    /// Fur: the surface position of each point, [`SurfacePoint`].
     Fur {
         /// Points of all dry strands, followed by those of wet hair.
         stands: wgpu::Buffer,

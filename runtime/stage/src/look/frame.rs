@@ -28,7 +28,7 @@ impl Look {
     ///
     /// With an environment map, its sun is the key light, unless the look sets the key light's strength. Without a sun,
     /// the key light is black, and its direction only measures the depth of hair. An environment file must be read
-    /// before ([`Look::take_lights`]).
+    /// before ([`Look::read_environment`]).
     pub fn frame_params(&self) -> FrameParams {
         let size = self.picture.size;
         let style = match self.picture.style {

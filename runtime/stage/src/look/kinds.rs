@@ -318,7 +318,7 @@ pub struct SkySource {
     pub kind: SkyKind,
     /// Rotation in degrees, from +x towards −z, in the direction that models turn.
     pub yaw_deg: f32,
-    /// Lights read from the file ([`crate::Look::take_lights`]); not part of the text.
+    /// Lights read from the file ([`crate::Look::read_environment`]); not part of the text.
     pub lights: Option<Arc<Environment>>,
 }
 

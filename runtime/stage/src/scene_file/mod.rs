@@ -177,7 +177,7 @@ impl SceneFile {
 
 impl LoadedScene {
     /// Returns the cast of the scene. The camera is `camera`, else the one from `framing` if it is set, else the
-    /// scene's camera. Otherwise it frames all models at that aspect ratio, width over height ([`framed`]).
+    /// scene's camera. Otherwise it frames all models at that aspect ratio, width over height ([`frame_actors`]).
     ///
     /// # Errors
     ///

@@ -31,7 +31,7 @@ impl Panorama {
     ///
     /// # Errors
     ///
-    /// [`StageError::Asked`] for a picture without pixels, with too many, or with a number that does not match its
+    /// [`StageError::Request`] for a picture without pixels, with too many, or with a number that does not match its
     /// size.
     pub fn new(width: u32, height: u32, mut pixels: Vec<[f32; 3]>) -> Result<Self, StageError> {
         let count = u64::from(width) * u64::from(height);
