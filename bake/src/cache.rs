@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_made_is_found_while_everything_is_as_it_was() {
+    fn cache_hits_require_unchanged_files() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         std::fs::write(path("model"), "a model and more").unwrap();

@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_are_said_in_units_that_suit_them() {
+    fn lengths_are_printed_in_suitable_units() {
         let said = [0.000_25, 0.0042, 0.031, 0.999, 1.25, 140.0].map(metres_in_words);
         assert_eq!(said, ["250 µm", "4.2 mm", "31 mm", "999 mm", "1.2 m", "140 m"]);
         let decision = Decision::length("length of hair", "hair.length_m", 0.031);

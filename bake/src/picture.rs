@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_picture_is_linear_and_premultiplied() -> Result<(), (String, String)> {
+    fn every_format_decodes_to_linear_premultiplied_pixels() -> Result<(), (String, String)> {
         // 188 encodes half the light, which alpha halves again.
         let eight = RgbaImage::from_pixel(3, 2, Rgba([188, 0, 255, 128]));
         let alpha = 128.0 / 255.0;
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_background_shines_through() {
+    fn background_is_blended_by_alpha() {
         let pixels = vec![[0.0; 4], [0.25, 0.25, 0.25, 0.5], [3.0, 0.0, 1.0, 1.0]];
         let picture = Picture { width: 3, height: 1, pixels };
         // Half of white plus a quarter of its own light is three quarters, encoded as 225.
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_is_refused() {
+    fn invalid_pictures_are_refused() {
         let jpeg = encoded(&DynamicImage::new_rgb8(2, 2), ImageFormat::Jpeg);
         let mut cut = encoded(&DynamicImage::new_rgb8(64, 64), ImageFormat::Png);
         cut.truncate(60);

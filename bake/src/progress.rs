@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_are_counted_from_each_beginning() {
+    fn progress_restarts_with_each_stage() {
         let steps = StageProgress::new();
         assert_eq!(steps.get(), None);
         steps.begin(2);

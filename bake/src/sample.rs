@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texels_lie_at_their_centres_and_borders_wrap_or_stop() {
+    fn texel_centres_and_border_modes_are_respected() {
         let image = Image { width: 2, height: 1, rgba: vec![0, 0, 0, 255, 255, 255, 255, 255] };
         let red = |u: f32, wrap| bilinear(&image, Vec2::new(u, 0.5), wrap, Encoding::Linear).x;
         for (u, repeated, clamped) in

@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_unfinished_is_removed_and_what_is_finished_stays() {
+    fn unfinished_files_are_removed_and_finished_ones_kept() {
         let folder = tempfile::tempdir().expect("a folder");
         let [file, tree, done] = ["file", "tree", "done"].map(|name| folder.path().join(name));
         std::fs::write(&file, "half").expect("written");

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_video_is_a_header_and_planes() {
+    fn video_has_a_header_and_planar_frames() {
         let mut bytes = Vec::new();
         let mut video = Y4m::new(&mut bytes, 3, 1, 24).unwrap();
         video.frame(&[255, 255, 255, 0, 0, 0, 255, 0, 0]).unwrap();
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bars_of_the_standard_come_out() {
+    fn colour_bars_of_the_standard_are_reproduced() {
         // Colour bars of 100 % and 75 % (SMPTE RP 219, table of 8-bit values in BT.709).
         for (rgb, expected) in [
             ([255, 255, 0], [219, 16, 138]),
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_leaves_the_range() {
+    fn ycbcr_stays_in_the_limited_range() {
         for i in 0..=255_u8 {
             for rgb in [[i, 0, 255], [255, i, 0], [0, 255, i], [i, i, i]] {
                 let [y, cb, cr] = ycbcr(rgb);

@@ -88,7 +88,7 @@ mod tests {
     use crate::camera::{Camera, Projection};
 
     #[test]
-    fn what_may_be_seen_is_not_left_out() {
+    fn visible_bounds_are_never_culled() {
         let perspective = Projection::Perspective { fov_y_rad: 1.0, aspect: 2.0, near_m: 0.1, far_m: f32::INFINITY };
         let parallel = Projection::Orthographic { height_m: 2.0, aspect: 2.0, near_m: 0.1, far_m: 10.0 };
         for (projection, reversed) in [(perspective, false), (perspective, true), (parallel, false), (parallel, true)] {

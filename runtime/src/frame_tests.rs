@@ -62,7 +62,7 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
 /// Checks the mentions of the probe outside its folder: one line of the list, and the two words that declare the
 /// module.
 #[test]
-fn a_pass_is_one_folder_and_one_line() {
+fn adding_a_pass_takes_one_folder_and_one_line() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut all = Vec::new();
     files(&source, &mut all);
@@ -88,7 +88,7 @@ fn a_pass_is_one_folder_and_one_line() {
 /// Checks that buffers, textures, bind groups and pipelines are created only where they are counted, or a frame could
 /// not report what it created.
 #[test]
-fn everything_is_made_where_it_is_counted() {
+fn gpu_resources_are_created_only_in_counted_places() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut all = Vec::new();
     files(&source, &mut all);

@@ -102,7 +102,7 @@ fn wgsl_code() -> Vec<(PathBuf, String)> {
 
 /// Checks parentheses between adjacent shift and bitwise operators: browsers require them, naga does not.
 #[test]
-fn shifts_stand_in_parentheses() {
+fn shifts_in_wgsl_are_parenthesised() {
     for (file, code) in wgsl_code() {
         let found = code.lines().find(|line| mixes_shifts(line));
         assert_eq!(found, None, "{}", file.display());
@@ -117,7 +117,7 @@ fn shifts_stand_in_parentheses() {
 
 /// Checks parentheses between "and" and "or", also in statements of several lines.
 #[test]
-fn ands_among_ors_stand_in_parentheses() {
+fn ands_among_ors_in_wgsl_are_parenthesised() {
     for (file, code) in wgsl_code() {
         let found = code.split([';', '{', '}']).find(|statement| mixes_logic(statement));
         assert_eq!(found, None, "{}", file.display());
@@ -190,7 +190,7 @@ macro_rules! fields {
 }
 
 #[test]
-fn uniform_structs_agree() {
+fn uniform_structs_match_wgsl() {
     assert_eq!(
         members(frame::WGSL, "Frame"),
         fields!(
@@ -331,7 +331,7 @@ fn uniform_structs_agree() {
 }
 
 #[test]
-fn storage_structs_agree() {
+fn storage_structs_match_wgsl() {
     for source in [&pose::SHADER.wgsl(), &fins::SHADER.wgsl()] {
         assert_eq!(
             members(source, "GeometryVertex"),
@@ -367,7 +367,7 @@ fn storage_structs_agree() {
 }
 
 #[test]
-fn hair_motion_is_as_rust_has_it() {
+fn hair_motion_struct_matches_wgsl() {
     let (members, size) = members(&hair_motion::SHADER.wgsl(), "HairMotion");
     assert_eq!(size as usize, size_of::<HairMotion>());
     let expected = [
@@ -397,7 +397,7 @@ fn hair_motion_is_as_rust_has_it() {
 }
 
 #[test]
-fn wind_is_as_rust_has_it() {
+fn wind_struct_matches_wgsl() {
     let (members, size) = members(&fur_motion::SHADER.wgsl(), "Wind");
     assert_eq!(size as usize, size_of::<WindBlock>());
     let expected = [
@@ -413,7 +413,7 @@ fn wind_is_as_rust_has_it() {
 }
 
 #[test]
-fn fur_motion_is_as_rust_has_it() {
+fn fur_motion_struct_matches_wgsl() {
     let (members, size) = members(&fur_motion::SHADER.wgsl(), "FurMotion");
     assert_eq!(size as usize, size_of::<FurMotion>());
     let expected = [
@@ -433,7 +433,7 @@ fn fur_motion_is_as_rust_has_it() {
 }
 
 #[test]
-fn morph_deltas_are_words_without_gaps() {
+fn morph_delta_struct_is_tightly_packed() {
     let (members, size) = members(&pose::MORPHED.wgsl(), "MorphDelta");
     assert_eq!(size as usize, size_of::<MorphDelta>());
     let offset = |name: &str| members.iter().find(|m| m.0 == name).map(|m| m.1 as usize);
@@ -472,7 +472,7 @@ fn inputs(source: &str, name: &str) -> BTreeMap<u32, u32> {
 }
 
 #[test]
-fn vertex_inputs_agree() {
+fn vertex_inputs_match_wgsl() {
     let components = |format| match format {
         wgpu::VertexFormat::Float32 => 1,
         wgpu::VertexFormat::Float32x2 | wgpu::VertexFormat::Snorm16x2 => 2,
@@ -493,7 +493,7 @@ fn vertex_inputs_agree() {
 }
 
 #[test]
-fn workgroups_agree() {
+fn workgroup_sizes_match_wgsl() {
     let module = parse("pose", &pose::SHADER.wgsl());
     assert_eq!(module.entry_points[0].workgroup_size, [WORKGROUP, 1, 1]);
     for source in [&strand_pose::SHADER.wgsl(), &strand_shadow::SHADER.wgsl(), &strand_light::SHADER.wgsl()] {

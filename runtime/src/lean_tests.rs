@@ -100,8 +100,8 @@ fn twin(frames: u32, fps: f32) -> Vec<Vec3> {
 }
 
 #[test]
-fn fur_leans_as_its_twin_does() {
-    let Some(gpu) = gpu("fur_leans_as_its_twin_does") else { return };
+fn gpu_fur_motion_matches_the_cpu() {
+    let Some(gpu) = gpu("gpu_fur_motion_matches_the_cpu") else { return };
     for (fps, frames) in [(60.0, 40), (30.0, 20), (144.0, 90)] {
         let end = Mat3::from_mat4(at((frames - 1) as f32 / fps));
         let found = drawn(&gpu, frames, fps, &at, WIND).unwrap();
@@ -120,8 +120,8 @@ fn fur_leans_as_its_twin_does() {
 }
 
 #[test]
-fn fur_that_nothing_moves_is_as_it_was_groomed() {
-    let Some(gpu) = gpu("fur_that_nothing_moves_is_as_it_was_groomed") else { return };
+fn fur_at_rest_keeps_its_groomed_shape() {
+    let Some(gpu) = gpu("fur_at_rest_keeps_its_groomed_shape") else { return };
     let calm = Wind { velocity: Vec3::ZERO, ..WIND };
     let still = |_: f32| Mat4::from_scale_rotation_translation(Vec3::splat(1.2), Quat::from_rotation_x(0.4), Vec3::X);
     let found = drawn(&gpu, 10, 60.0, &still, calm).unwrap();

@@ -94,7 +94,7 @@ fn hair_is_lit_in_one_function() {
 }
 
 #[test]
-fn a_second_way_to_light_is_found() {
+fn second_lighting_function_is_detected() {
     let shader = "
         fn fibre() -> f32 { return 1.0; }
         fn light_hair() -> f32 { return fibre(); }

@@ -171,8 +171,8 @@ impl Scene {
 }
 
 #[test]
-fn hair_swings_as_its_twin_does() {
-    let Some(gpu) = gpu("hair_swings_as_its_twin_does") else { return };
+fn gpu_hair_motion_matches_the_cpu() {
+    let Some(gpu) = gpu("gpu_hair_motion_matches_the_cpu") else { return };
     let body = BodyCollider { joint: 0, from: [0.0; 3], to: [0.0, 0.03, 0.0], radius: 0.06 };
     let scene = Scene::new(vec![body]);
     // Moves, turns and grows, among colliders that come from the side.
@@ -201,8 +201,8 @@ fn hair_swings_as_its_twin_does() {
 
 /// Checks that hair blown aside returns to its groomed shape, and that no step moves it from there.
 #[test]
-fn hair_comes_to_rest_where_it_was_groomed() {
-    let Some(gpu) = gpu("hair_comes_to_rest_where_it_was_groomed") else { return };
+fn hair_comes_to_rest_in_its_groomed_shape() {
+    let Some(gpu) = gpu("hair_comes_to_rest_in_its_groomed_shape") else { return };
     let scene = Scene::new(Vec::new());
     let still = |_: u32| (Mat4::IDENTITY, vec![Capsule::default()]);
     let calm = Wind { velocity: Vec3::ZERO, ..WIND };

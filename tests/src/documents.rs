@@ -158,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn citations_are_found_and_plain_words_are_not() {
+    fn formula_citations_are_found() {
         let text =
             "the formulas of ink, formulas 3.2; (formulas 4.6, 3.2), formulas.md 4.3 and formulas §6.1, 7 of them";
         assert_eq!(cited_formulas(text), ["3.2", "4.6", "3.2", "4.3", "6.1"]);

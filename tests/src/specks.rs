@@ -92,14 +92,14 @@ mod tests {
     }
 
     #[test]
-    fn parts_hang_together_over_corners() {
+    fn connected_parts_include_diagonal_neighbours() {
         let mask = drawn(&["#..#", ".#..", "...#", "...#"]);
         assert_eq!(components(&mask), [vec![0, 5], vec![3], vec![11, 15]]);
         assert!(components(&Mask::empty(3, 0)).is_empty());
     }
 
     #[test]
-    fn specks_are_short_parts_and_adrift_is_what_touches_no_body() {
+    fn specks_are_short_parts_and_adrift_pixels_touch_no_body() {
         let mask = drawn(&["########", "........", "..##....", "........", ".#......"]);
         // The bounding-box diagonals: long line 8.06, dash 2.24, dot 1.41.
         let found = specks(&mask, 2.0);

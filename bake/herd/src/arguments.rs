@@ -181,7 +181,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tables_become_words() {
+    fn tables_become_command_line_words() {
         let table = toml::toml! { "hair.length_m" = 0.02
         slice = { layers = 12 }
         "color.tip" = "#ffffff" };
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn each_word_is_tried_and_then_all_of_them() {
+    fn words_are_tried_singly_and_then_together() {
         let view = View { size: Some("8".into()), orbit: Some("1,2".into()), ..View::default() };
         let file = HerdFile { views: vec![view], ..HerdFile::default() };
         let fault = |refused: &'static [&'static str]| {
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_command_would_refuse_is_told_with_its_line() {
+    fn arguments_a_command_would_refuse_are_reported_with_their_line() {
         let refusal = |words: &[String]| words.contains(&"--size=96".to_owned()).then(|| "no size".to_owned());
         let recipe = |set: &str| set.contains("lenght").then(|| "no key".to_owned());
         let judge = ArgumentValidators { only_drawn: &[], refusal: &refusal, recipe: &recipe };

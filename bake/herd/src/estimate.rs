@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn larger_things_are_guessed_larger() {
+    fn estimates_grow_with_input_size() {
         let of = |kind, model, pixels, samples| CommandCost::estimate(kind, model, pixels, samples);
         assert!(of(Kind::Bake, 50 << 20, 0.0, 0.0).peak_bytes > 4 * of(Kind::Bake, 1 << 20, 0.0, 0.0).peak_bytes);
         assert!(of(Kind::Truth, 0, 1e6, 256.0).seconds > 100.0 * of(Kind::Truth, 0, 1e4, 0.1).seconds);

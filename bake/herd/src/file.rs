@@ -398,7 +398,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_read() {
+    fn herd_file_is_parsed() {
         let text = r##"
             [[model]]
             files = "a/*.glb"
@@ -424,7 +424,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_its_line() {
+    fn herd_file_errors_name_the_line() {
         for (text, message) in [
             ("", "h.toml: whole file: found no models"),
             ("[[model]]\nfile = \"a\"", "h.toml: line 2, model[0].file: unknown field"),
@@ -450,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_nothing_is_told() {
+    fn unused_entries_are_reported() {
         let text = r#"
             [[model]]
             files = ["*.glb", "*.obj"]

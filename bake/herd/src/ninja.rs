@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_memory_is_given_away_than_there_is() {
+    fn pools_never_exceed_available_memory() {
         for (jobs, memory, peaks) in [
             (2, 1000, vec![10, 20]),
             (8, 1000, vec![50, 62, 63, 500]),
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_and_words_are_written_as_ninja_reads_them() {
+    fn paths_and_words_are_escaped_for_ninja() {
         let task = Task {
             name: "bake my fox".into(),
             words: ["bake", "my fox$1:.glb", "-o", "out/my fox.pelage"].map(str::to_owned).into(),

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_fit_as_in_a_shell() {
+    fn patterns_match_as_shell_globs() {
         let list = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
         let fits = |fit: &[&str], path: &str| {
             Patterns::new(&list(fit)).and_then(|fit| fit.excluding(&list(&["**/wip/**"]))).unwrap().fits(path)
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pattern_knows_where_to_look() {
+    fn base_folder_of_a_pattern_is_its_literal_prefix() {
         for (pattern, expected) in [
             ("*.glb", ""),
             ("a/*.glb", "a"),

@@ -381,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn what_failed_is_told_and_what_hangs_on_it_is_missing() {
+    fn failures_are_reported_and_their_dependents_are_missing() {
         let plan = plan();
         let flip = json!({
             "flip": { "mean": 0.25 },

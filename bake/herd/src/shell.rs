@@ -16,7 +16,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_survive_a_shell() {
+    fn words_are_quoted_for_the_shell() {
         for (word, expected) in [
             ("a/b-c.glb", "a/b-c.glb"),
             ("my fox.glb", "'my fox.glb'"),

@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn stages_wait_for_what_they_need() {
+    fn stages_wait_for_their_dependencies() {
         let mut plan = plan();
         plan.tasks.iter_mut().enumerate().for_each(|(i, task)| task.name = i.to_string());
         let stages = stages(&plan, 60.0, &ShardsByTask::new());
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn a_script_asks_for_what_it_needs() {
+    fn script_requests_its_memory_and_time() {
         let script = Script {
             stage: "models",
             folder: "/a b",

@@ -18,7 +18,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_are_those_of_the_textbook() {
+    fn angles_and_rotations_have_known_values() {
         assert!((between(DVec3::X * 3.0, DVec3::new(1e-9, 5.0, 0.0)) - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
         assert_eq!(between(DVec3::ONE, DVec3::ONE * 7.0), 0.0);
         assert!(between(DVec3::ZERO, DVec3::X).is_nan());

@@ -190,7 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_that_comb() {
+    fn comb_lines_and_markers_are_recognised_by_name() {
         for (name, lines, empty) in [
             ("comb_neck", true, true),
             ("Comb", true, true),

@@ -290,7 +290,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strips_and_fans_keep_one_side() {
+    fn strips_and_fans_have_consistent_winding() {
         assert_eq!(triangulate(5, &[0, 1, 2, 3, 4]), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
         assert_eq!(triangulate(6, &[9, 1, 2, 3]), [[1, 2, 9], [2, 3, 9]]);
         assert_eq!(triangulate(4, &[0, 1, 2, 3, 4]), [[0, 1, 2]]);

@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn shear_is_seen_and_its_absence_too() {
+    fn shear_is_detected() {
         let sheared = Mat4::from_cols_array(&[1., 0., 0., 0., 0.5, 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.]);
         assert!(shear(sheared, decompose(sheared)) > 0.4);
         let plain = Mat4::from_rotation_y(0.7) * Mat4::from_scale(Vec3::new(2.0, -3.0, 0.1));
@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn mirroring_is_seen_at_any_scale() {
+    fn mirroring_is_detected_at_any_scale() {
         for size in [1e-14_f32, 1.0, 1e12] {
             assert!(mirrors(&Mat4::from_scale(Vec3::new(-size, size, size))));
             assert!(!mirrors(&Mat4::from_scale(Vec3::new(-size, -size, size))));

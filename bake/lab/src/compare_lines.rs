@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_found_within_reach_and_no_further() {
+    fn lines_match_only_within_the_tolerance() {
         for (apart, expected) in [(0, 1.0), (1, 1.0), (2, 1.0), (3, 0.0)] {
             let found = compare_lines(&upright(10 + apart, 1), &upright(10, 1), NEAR_PX).unwrap();
             assert_eq!((found.precision, found.recall, found.f1()), (Some(expected), Some(expected), expected));
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn too_much_costs_precision_and_too_little_recall() {
+    fn surplus_lines_lower_precision_and_missing_lines_lower_recall() {
         let twice = upright(10, 1).union(&upright(30, 1)).unwrap();
         let found = compare_lines(&twice, &upright(10, 1), NEAR_PX).unwrap();
         assert_eq!((found.precision, found.recall), (Some(0.5), Some(1.0)));
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn kinds_are_told_apart() {
+    fn line_kinds_are_measured_separately() {
         use crate::truth::LineSegment;
         use glam::DVec2;
         let upright_at = |x: f64, kind| LineSegment { from_px: DVec2::new(x, 0.5), to_px: DVec2::new(x, 29.5), kind };
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_no_share() {
+    fn empty_masks_have_no_precision_or_recall() {
         let (none, some) = (Mask::empty(40, 30), upright(3, 1));
         let found = compare_lines(&none, &some, NEAR_PX).unwrap();
         assert_eq!((found.precision, found.recall, found.f1()), (None, Some(0.0), 0.0));

@@ -56,7 +56,7 @@ fn measure(now: (&SurfaceVisibility, &[f32]), next: (&SurfaceVisibility, &[f32])
 }
 
 #[test]
-fn what_stands_still_does_not_flicker() {
+fn static_scene_does_not_flicker() {
     let sight = squares(&[DVec3::ZERO]);
     let grey = picture(DVec3::ZERO, DVec3::ZERO);
     let found = measure((&sight, &grey), (&sight, &grey), &Mask::from_fn(60, 40, |x, _| x < 30));
@@ -72,7 +72,7 @@ fn what_stands_still_does_not_flicker() {
 }
 
 #[test]
-fn a_texture_on_the_surface_does_not_and_one_on_the_screen_does() {
+fn surface_textures_do_not_flicker_and_screen_textures_do() {
     let (here, there) = (DVec3::ZERO, DVec3::new(0.33, 0.27, -0.5));
     let (now, next) = (squares(&[here]), squares(&[there]));
     let lines = Mask::from_fn(60, 40, |x, y| (22..38).contains(&x) && (12..28).contains(&y));
@@ -93,7 +93,7 @@ fn a_texture_on_the_surface_does_not_and_one_on_the_screen_does() {
 }
 
 #[test]
-fn only_what_both_frames_show_counts() {
+fn only_surfaces_visible_in_both_frames_count() {
     // A second square moves in front of the left half of the first.
     let (now, next) = (squares(&[DVec3::ZERO, DVec3::Z * 9.0]), squares(&[DVec3::ZERO, DVec3::new(-1.0, 0.0, 1.0)]));
     let grey = picture(DVec3::ZERO, DVec3::ZERO);
@@ -114,7 +114,7 @@ fn only_what_both_frames_show_counts() {
 }
 
 #[test]
-fn frames_that_do_not_match_are_refused() {
+fn mismatched_frames_are_refused() {
     let (one, two) = (squares(&[DVec3::ZERO]), squares(&[DVec3::ZERO, DVec3::X]));
     let (camera, grey) = (camera(), picture(DVec3::ZERO, DVec3::ZERO));
     let (lines, turned) = (Mask::empty(60, 40), Mask::empty(40, 60));

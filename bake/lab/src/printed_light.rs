@@ -200,7 +200,7 @@ mod tests {
     use pelage_formats::meaning::scattering::gaussian_light::BroadlyLitFibre;
 
     #[test]
-    fn it_is_near_where_light_is_broad_and_glints_do_not_meet() {
+    fn printed_light_is_accurate_for_broad_lights_and_separate_glints() {
         let glint = GlintShape { width: 15_f64.to_radians(), ..GlintShape::default() };
         let fibre = Fibre { around: AzimuthalScattering::Smooth(glint), ..Fibre::default() };
         let (printed, exact) = (PrintedLight::new(&fibre, 0.2), BroadlyLitFibre::new(&fibre));

@@ -88,7 +88,7 @@ fn worst(a: &[f32], b: &[f32]) -> f32 {
 }
 
 #[test]
-fn what_is_written_is_read_back_to_a_byte_at_every_vertex() {
+fn written_maps_read_back_within_one_step_at_every_vertex() {
     for (with_uvs, over) in [(false, "coordinates = \"atlas\"\n"), (true, ""), (true, "coordinates = \"atlas\"\n")] {
         let model = torus(with_uvs);
         let none = MapImages::default();
@@ -106,7 +106,7 @@ fn what_is_written_is_read_back_to_a_byte_at_every_vertex() {
 }
 
 #[test]
-fn constants_have_their_bytes() {
+fn constants_are_written_as_their_bytes() {
     let model = torus(true);
     let none = MapImages::default();
     let text = "[groom]\nlength = 0.6\nlean = 0.2\ndensity = 2\nwetness = 0.4\nbare = 0.8\ncomb = [0, 0.5, -1]\ncolor = \"#336699\"";
@@ -131,7 +131,7 @@ fn constants_have_their_bytes() {
 }
 
 #[test]
-fn a_comb_that_no_map_says_is_the_way_the_hair_lies() {
+fn comb_without_a_map_is_the_hair_direction() {
     let model = torus(false);
     let none = MapImages::default();
     let lies = |text| written(&model, text, &none, Quantity::Comb, 512).unwrap();
@@ -151,7 +151,7 @@ fn a_comb_that_no_map_says_is_the_way_the_hair_lies() {
 }
 
 #[test]
-fn what_is_followed_by_texels_is_written_by_texels() {
+fn image_maps_are_copied_texel_by_texel() {
     let model = torus(true);
     let mut rgba = vec![0; 4 * 64 * 64];
     for (i, texel) in rgba.chunks_exact_mut(4).enumerate() {
@@ -169,7 +169,7 @@ fn what_is_followed_by_texels_is_written_by_texels() {
 }
 
 #[test]
-fn a_model_without_coordinates_is_not_written_over_them() {
+fn writing_over_missing_texture_coordinates_is_refused() {
     let (model, none, recipe) = (torus(false), MapImages::default(), Recipe::default());
     let told = BakeInput::new("torus.glb", "torus", &recipe, &none);
     let error = groom_map(&told, &model, Quantity::Length, Some(GroomCoordinates::Model), 64).unwrap_err().to_string();
@@ -177,7 +177,7 @@ fn a_model_without_coordinates_is_not_written_over_them() {
 }
 
 #[test]
-fn triangles_beyond_the_image_lie_where_it_repeats() {
+fn triangles_outside_the_image_are_wrapped() {
     let mut found = Vec::new();
     repeated([Vec2::new(-0.2, 1.2), Vec2::new(0.2, 1.2), Vec2::new(0.0, 1.6)], |uvs| found.push(uvs[0]));
     let expected = [Vec2::new(0.8, 0.2), Vec2::new(-0.2, 0.2)];

@@ -17,7 +17,7 @@ fn disc(size: u32, x0: f64, y0: f64, radius: f64) -> Mask {
 }
 
 #[test]
-fn distances_are_those_of_looking_at_every_pixel() {
+fn distances_agree_with_an_exhaustive_search() {
     for (seed, (width, height)) in [(1, 1), (7, 1), (1, 9), (13, 8), (31, 22)].into_iter().enumerate() {
         for share in [0.0, 0.01, 0.1, 0.6, 1.0] {
             let mask = random(seed as u64, width, height, share);
@@ -33,7 +33,7 @@ fn distances_are_those_of_looking_at_every_pixel() {
 }
 
 #[test]
-fn the_widest_stroke_is_as_wide_as_it_looks() {
+fn widest_stroke_has_the_drawn_width() {
     for n in 1..=9u32 {
         let upright = Mask::from_fn(40, 30, |x, _| (7..7 + n).contains(&x)).widest_stroke();
         let lying = Mask::from_fn(30, 40, |_, y| (7..7 + n).contains(&y)).widest_stroke();
@@ -53,7 +53,7 @@ fn the_widest_stroke_is_as_wide_as_it_looks() {
 }
 
 #[test]
-fn ink_ends_where_the_picture_ends() {
+fn pixels_outside_the_picture_count_as_unset() {
     assert_eq!(Mask::empty(5, 4).widest_stroke(), Stroke::default());
     assert_eq!(Mask::empty(0, 0).widest_stroke(), Stroke::default());
     assert_eq!(Mask::from_fn(8, 6, |_, _| true).widest_stroke().width_px, 6.0);
@@ -61,7 +61,7 @@ fn ink_ends_where_the_picture_ends() {
 }
 
 #[test]
-fn the_core_of_a_line_runs_in_its_middle() {
+fn core_of_a_line_runs_along_its_middle() {
     for n in [1u32, 3, 5, 7] {
         let core = Mask::from_fn(60, 31, |x, y| (4..56).contains(&x) && y.abs_diff(15) <= n / 2).core();
         for x in 12..48 {
@@ -96,7 +96,7 @@ fn the_core_of_a_line_runs_in_its_middle() {
 }
 
 #[test]
-fn thin_lines_and_dots_stay() {
+fn core_keeps_thin_lines_and_dots() {
     let thin = drawn(&["........", ".#....#.", "..#.....", "...#....", "....###.", "........"]);
     assert_eq!(thin.core(), thin);
     for size in 1..=6u32 {
@@ -108,7 +108,7 @@ fn thin_lines_and_dots_stay() {
 }
 
 #[test]
-fn sets_of_two_sizes_do_not_mix() {
+fn masks_of_different_sizes_cannot_be_united() {
     let (a, b) = (Mask::empty(3, 4), Mask::empty(4, 3));
     let error = a.union(&b).unwrap_err().to_string();
     assert!(error.contains("3x4 and 4x3"), "{error}");
@@ -117,7 +117,7 @@ fn sets_of_two_sizes_do_not_mix() {
 }
 
 #[test]
-fn dark_pixels_are_those_of_no_bright_component() {
+fn dark_pixels_have_all_components_dark() {
     let mut picture = image::RgbaImage::from_pixel(3, 2, image::Rgba([255; 4]));
     picture.put_pixel(1, 0, image::Rgba([20, 20, 20, 255]));
     picture.put_pixel(2, 1, image::Rgba([0, 0, 200, 255]));

@@ -10,7 +10,7 @@ fn of(coat: Coat) -> Recipe {
 }
 
 #[test]
-fn every_coat_has_a_file_that_gives_other_defaults() {
+fn every_coat_has_a_file_with_different_defaults() {
     let animal = Recipe::default();
     assert_eq!(of(Coat::Animal), animal);
     for coat in &Coat::ALL[1..] {
@@ -44,7 +44,7 @@ fn coats_set_keys_that_always_have_a_value() {
 }
 
 #[test]
-fn what_a_recipe_says_counts_before_its_coat() {
+fn recipe_keys_override_the_coat() {
     let animal = Recipe::default();
     let winter = of(Coat::Winter);
     // Keys before and after the coat, and one with exactly the value that the coat replaces.
@@ -58,7 +58,7 @@ fn what_a_recipe_says_counts_before_its_coat() {
 }
 
 #[test]
-fn another_coat_changes_what_the_coat_before_gave() {
+fn changing_the_coat_replaces_the_values_of_the_previous_coat() {
     let mut recipe = Recipe::parse("r.toml", "[hair]\ncoat = \"wool\"\nlean = 0.33\n").unwrap();
     recipe.set("hair.coat=wet").unwrap();
     let wet = of(Coat::Wet);
@@ -72,7 +72,7 @@ fn another_coat_changes_what_the_coat_before_gave() {
 }
 
 #[test]
-fn an_unknown_coat_is_told_which_there_are() {
+fn unknown_coat_errors_list_all_coats() {
     for error in [
         Recipe::parse("r.toml", "[hair]\ncoat = \"wolly\"\n").unwrap_err().to_string(),
         Recipe::default().set("hair.coat=wolly").unwrap_err().to_string(),
@@ -83,7 +83,7 @@ fn an_unknown_coat_is_told_which_there_are() {
 }
 
 #[test]
-fn the_page_has_every_coat_and_the_pictures_that_are_there() {
+fn coats_page_lists_every_coat_and_existing_pictures() {
     let page = coats_page(|path| path == "pictures/coat_wool.png");
     for coat in &Coat::ALL[1..] {
         assert!(page.contains(&format!("\n## `{}`\n", coat.word())) && page.contains(coat.toml()), "{page}");
@@ -95,7 +95,7 @@ fn the_page_has_every_coat_and_the_pictures_that_are_there() {
 }
 
 #[test]
-fn packages_of_before_there_were_coats_keep_theirs() {
+fn recorded_recipes_without_a_coat_keep_the_old_defaults() {
     let recorded = Recipe::parse_recorded("old", "[hair]\nlean = 0.7\n").unwrap();
     let natural = of(Coat::Natural);
     assert_eq!(recorded, Recipe { hair: crate::recipe::HairParams { lean: 0.7, ..natural.hair.clone() }, ..natural });

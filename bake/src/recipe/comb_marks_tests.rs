@@ -9,7 +9,7 @@ fn marks(list: &str) -> Result<Vec<CombMarkParams>, String> {
 }
 
 #[test]
-fn marks_are_read_and_written_as_they_are() {
+fn comb_marks_survive_a_round_trip() {
     let list = "{ name = \"ruff\", at = [0, 1, 0.5], length = 1, density = 2, lean = 0.25, color = \"#ffeedd\", reach_m = 0.2, mirrored = true }, \
                 { name = \"nose\", at = [0, 1, 0.5], direction = [0, 0, -1] }";
     let read = marks(list).unwrap();
@@ -22,7 +22,7 @@ fn marks_are_read_and_written_as_they_are() {
 }
 
 #[test]
-fn what_is_wrong_is_said_with_key_and_reason() {
+fn comb_mark_errors_name_key_and_reason() {
     for (mark, words) in [
         ("{ name = \"a\", direction = [0, 0, 1] }", "found no at"),
         ("{ name = \"a\", at = [0, 0, 1] }", "found neither direction nor length"),
@@ -42,7 +42,7 @@ fn what_is_wrong_is_said_with_key_and_reason() {
 }
 
 #[test]
-fn a_likeness_stands_on_the_other_side() {
+fn mirrored_mark_is_reflected_in_x() {
     let mark = &marks("{ name = \"ear\", at = [0.1, 1, 0.5], direction = [1, 2, 3], length = 0.5, mirrored = true }")
         .unwrap()[0];
     let both: Vec<_> = mark.with_mirror_image().collect();

@@ -115,7 +115,7 @@ mod tests {
     use crate::recipe::Recipe;
 
     #[test]
-    fn groups_and_materials_have_fibres_of_their_own() {
+    fn groups_and_materials_can_override_the_fibre() {
         let text = "[fibre]\ntilt_deg = 4.0\n[[fibre.group]]\nname = \"ta*\"\nalong_deg = 12.0\n[[fibre.material]]\nname = \"M*\"\n\
                     eta = 1.4\n";
         let recipe = Recipe::parse("pony.toml", text).unwrap();

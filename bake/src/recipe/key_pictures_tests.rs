@@ -5,7 +5,7 @@ use super::KEY_PICTURES;
 use crate::recipe::{Recipe, keys};
 
 #[test]
-fn every_picture_is_of_a_key_and_of_values_that_it_takes() {
+fn every_key_picture_uses_a_valid_key_and_values() {
     let order: Vec<String> = keys().map(|knob| knob.name.to_owned()).collect();
     let places: Vec<usize> =
         KEY_PICTURES.iter().map(|picture| order.iter().position(|name| name == picture.key).unwrap()).collect();

@@ -17,7 +17,7 @@ fn an_empty_recipe_is_the_default() {
 
 /// Checks that the former name `guides` of comb marks still works, in old recipes and in those recorded in packages.
 #[test]
-fn comb_marks_were_called_guides() {
+fn deprecated_guides_key_reads_as_comb_marks() {
     let marks = "[{ name = \"nose\", at = [0, 1, 0.5], direction = [0, 0, -1] }]";
     let [old, new] = [("guides", "guides"), ("marks", "comb_marks")].map(|(word, key)| {
         Recipe::parse("r.toml", &format!("[surface]\ncomb = \"{word}\"\n{key} = {marks}\n")).unwrap()
@@ -50,7 +50,7 @@ fn defaults_of_named_tables_are_valid() {
 }
 
 #[test]
-fn mistakes_name_line_key_found_and_expected() {
+fn errors_name_line_key_found_and_expected() {
     for (text, parts) in [
         ("[hair]\ndensty = 3", &["r.toml: line 2, hair.densty:", "hair.density"][..]),
         ("\n[hiar]\ndensity = 3", &["line 2, hiar", "[hair]"]),
@@ -208,7 +208,7 @@ fn maps_are_numbers_vertex_colours_or_images() {
 }
 
 #[test]
-fn views_survive_a_recipe() {
+fn views_survive_a_round_trip() {
     let text = "[judge]\nviews = [\"0,1,-3/0.5,0.25,1e-3/40\", \"1,2,3/0,0,0/30.5\"]\n";
     let recipe = Recipe::parse("a.toml", text).expect("a recipe");
     assert_eq!(recipe.judge.views.len(), 2);
@@ -220,7 +220,7 @@ fn views_survive_a_recipe() {
 }
 
 #[test]
-fn what_is_wrong_with_a_view_is_said() {
+fn view_errors_name_line_and_entry() {
     for (word, message) in [("0,1,3/0,0,0", "fov_deg"), ("0,1/0,0,0/40", "eye"), ("0,0,0/0,0,0/40", "same point")] {
         let text = format!("[judge]\nviews = [\"0,1,3/0,0,0/40\", \"{word}\"]\n");
         let error = Recipe::parse("a.toml", &text).unwrap_err().to_string();
@@ -515,7 +515,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
 
 proptest! {
     #[test]
-    fn toml_round_trip(recipe in recipes()) {
+    fn recipe_survives_a_toml_round_trip(recipe in recipes()) {
         recipe.validate().unwrap();
         let text = recipe.to_toml();
         prop_assert_eq!(&Recipe::parse("r.toml", &text).unwrap(), &recipe, "{}", text);
@@ -523,7 +523,7 @@ proptest! {
     }
 
     #[test]
-    fn any_text_gives_an_answer(text in "\\PC{0,40}", key in "[a-z_.]{0,12}", value in "\\PC{0,12}") {
+    fn recipe_parser_never_panics(text in "\\PC{0,40}", key in "[a-z_.]{0,12}", value in "\\PC{0,12}") {
         let _ = Recipe::parse("r.toml", &text);
         let _ = Recipe::parse("r.toml", &format!("[hair]\n{key} = {value}"));
         let _ = Recipe::default().set(&text);

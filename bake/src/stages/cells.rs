@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_large_triangle_among_small_ones_takes_few_cells() {
+    fn large_triangle_among_small_ones_fills_few_cells() {
         // A thousand triangles of a millimetre, one of a hundred metres, and one with non-finite corners.
         let mut places: Vec<Vec3> = (0..3000).map(|i| Vec3::new(i as f32, (i % 3) as f32, 0.0) * 1e-3).collect();
         places.extend([Vec3::ZERO, Vec3::X * 100.0, Vec3::ONE * 100.0, Vec3::ZERO, Vec3::X, Vec3::splat(f32::NAN)]);

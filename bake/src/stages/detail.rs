@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chain_halves_its_layers_and_ends_with_the_coat() {
+    fn level_chain_halves_its_layers_and_ends_with_the_far_level() {
         let chain = levels(&DetailParams::default(), 16, Some(&coat()));
         let steps: Vec<_> = chain.iter().map(|l| l.step).collect();
         assert_eq!(steps, [1, 2, 4, 0], "{chain:?}");
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn every_setting_gives_a_chain_that_a_package_takes() {
+    fn every_setting_gives_a_valid_level_chain() {
         for layers in [0, 1, 2, 4, 5, 16, 64, 256] {
             for coat in [None, Some(coat())] {
                 for (gap_px, fade, coat_px) in [(1.0, 0.75, 1.5), (0.05, 1.0, 1e4), (64.0, 0.1, 0.0), (0.05, 0.1, 1.5)]

@@ -18,13 +18,13 @@ fn refused(sets: &[&str]) -> String {
 }
 
 #[test]
-fn what_says_nothing_in_true_measure_stays_as_it_is() {
+fn recipes_without_metric_values_are_unchanged() {
     let own = recipe(&["hair.density=900", "hair.root_radius=0.01"]);
     assert_eq!(to_tile_units(&own, &bounds(0.5)).unwrap(), TileRecipe { recipe: own, ..TileRecipe::default() });
 }
 
 #[test]
-fn a_tile_of_a_known_width_has_as_many_strands_as_its_area_asks_for() {
+fn strand_count_of_a_fixed_tile_follows_its_area() {
     let own = recipe(&["hair.density_mm2=2", "underfur.density_mm2=0.5", "surface.tile_size_m=0.05"]);
     let found = to_tile_units(&own, &bounds(0.5)).unwrap();
     assert_eq!((found.recipe.hair.density, found.recipe.underfur.density), (5000, 1250));
@@ -39,7 +39,7 @@ fn a_tile_of_a_known_width_has_as_many_strands_as_its_area_asks_for() {
 }
 
 #[test]
-fn an_open_tile_holds_the_strands_and_no_texel_is_wider_than_a_hair() {
+fn chosen_tile_fits_the_strands_and_resolves_each_hair() {
     let of = |sets: &[&str]| to_tile_units(&recipe(sets), &bounds(0.5)).unwrap();
     // Derived from the model's size: 0.15 m.
     assert_eq!(of(&["hair.density_mm2=0.1"]).recipe.surface.tile_size_m, Some(0.15));
@@ -60,7 +60,7 @@ fn an_open_tile_holds_the_strands_and_no_texel_is_wider_than_a_hair() {
 }
 
 #[test]
-fn patches_and_comb_reach_as_far_in_metres_as_with_the_ordinary_tile() {
+fn patch_and_comb_sizes_in_metres_do_not_depend_on_the_tile() {
     let own = recipe(&["hair.density_mm2=20"]);
     let found = to_tile_units(&own, &bounds(0.5)).unwrap().recipe.surface;
     let [ours, ordinary] = [found.tile_size_m.unwrap(), 0.15];
@@ -70,7 +70,7 @@ fn patches_and_comb_reach_as_far_in_metres_as_with_the_ordinary_tile() {
 }
 
 #[test]
-fn what_no_tile_holds_is_refused_with_what_it_would_hold() {
+fn impossible_metric_values_are_refused_with_possible_ones() {
     let many = refused(&["hair.density_mm2=2000", "surface.tile_size_m=0.2"]);
     for word in ["hair.density_mm2", "found 2000", "80000002 strands", "200 mm wide", "2.500e1 per mm²"] {
         assert!(many.contains(word), "{word}: {many}");
@@ -85,7 +85,7 @@ fn what_no_tile_holds_is_refused_with_what_it_would_hold() {
 }
 
 #[test]
-fn hair_thinner_than_a_texel_is_told_with_what_would_hold_it() {
+fn subtexel_hair_is_reported_with_a_sufficient_tile_size() {
     let of = |sets: &[&str]| to_tile_units(&recipe(sets), &bounds(0.5)).unwrap().warnings;
     let told = of(&["hair.root_radius_m=0.00005", "surface.tile_size_m=0.05"]);
     assert_eq!(told.len(), 1);

@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_and_tangents_turn_with_the_skin() {
+    fn normals_and_tangents_rotate_with_the_morphed_surface() {
         let lift = |p: Vec3| Some(RowDelta { target: 0, position: Vec3::Z * p.x, normal: None });
         let morphs = square(lift);
         let half = std::f32::consts::FRAC_1_SQRT_2;
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn a_seam_has_one_normal_and_far_vertices_none() {
+    fn seam_vertices_share_a_normal_delta_and_distant_ones_have_none() {
         // One vertex position on the split is lifted.
         let lifted = Vec3::new(2.0, 2.0, 0.0);
         let position = |p: Vec3| if p == lifted { Vec3::Z } else { Vec3::ZERO };
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_without_targets_has_none() {
+    fn model_without_targets_has_no_morphs() {
         assert_eq!(mesh_morphs(&MeshData::default(), &[], &Model::default()), None);
     }
 }

@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_hides_half_of_what_is_above_its_foot() {
+    fn wall_hides_half_of_the_sky_at_its_foot() {
         // A point on a floor beside a wall, both practically infinite.
         let (up, aside) = ([0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
         let points = [
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn hair_on_a_ball_sees_past_it_and_nothing_from_within() {
+    fn openness_on_a_ball_matches_the_formula_and_is_zero_inside() {
         let mut points = Vec::new();
         // Fine enough for the facets to be near the ball.
         let (rings, around) = (48, 64);

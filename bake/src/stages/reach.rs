@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mark_counts_in_full_nearby_and_fades_to_nothing() {
+    fn mark_influence_is_full_nearby_and_fades_to_zero() {
         assert_eq!([0.0, 0.25, 1.0, 3.0].map(|way| influence(way, 1.0)), [1.0, 1.0, 0.0, 0.0]);
         let shares: Vec<f32> = (0..=40).map(|k| influence(0.1 * k as f32, 4.0)).collect();
         assert!(shares.windows(2).all(|s| s[1] <= s[0] && s[0] - s[1] < 0.06), "{shares:?}");
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearer_rules_and_what_is_left_is_elsewheres() {
+    fn nearer_marks_dominate_and_the_rest_keeps_the_default() {
         let said = |marks: &[(f32, f32)]| {
             let mut said = MarkBlend::default();
             marks.iter().for_each(|(share, value)| said.add(*share, *value));

@@ -87,7 +87,7 @@ mod tests {
     use pelage_formats::{Limits, TextureView};
 
     #[test]
-    fn what_recipes_may_say_packages_may_hold() {
+    fn every_valid_fibre_recipe_gives_valid_tables() {
         for eta in [1.2, 2.0] {
             for (along_deg, tilt_deg) in [(1.0, -15.0), (45.0, 15.0)] {
                 for around in [0.0, 0.5, 1.0] {
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_keep_what_half_floats_can() {
+    fn half_float_tables_keep_their_accuracy() {
         let other = |name: &str| vec![OtherFibre { name: name.into(), along_deg: Some(15.0), ..OtherFibre::default() }];
         let params = FibreParams { group: other("tail"), material: other("belly"), ..FibreParams::default() };
         let made = tables(&params, ["back", "belly"].into_iter(), ["mane", "tail", "tail tuft"].into_iter()).unwrap();

@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_halve_their_triangles_and_deviate_more_and_more() {
+    fn simplified_levels_halve_triangles_with_growing_deviation() {
         let (mesh, parts) = grid(32, 0.2, |_, _| 128);
         let levels = levels(&mesh, &parts, None, 0.25);
         assert!(levels.len() >= 3, "{} lists", levels.len());
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn colour_counts_as_shape_does() {
+    fn colour_differences_count_as_deviation() {
         let (plain, parts) = grid(32, 0.0, |_, _| 128);
         let (speckled, _) = grid(32, 0.0, |u, v| if (437.0 * u + 911.0 * v).sin() < 0.0 { 255 } else { 0 });
         let first = |mesh| levels(mesh, &parts, None, 0.25).first().map(|level| level.deviation_m).unwrap();

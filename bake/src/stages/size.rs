@@ -155,12 +155,12 @@ mod tests {
     }
 
     #[test]
-    fn an_animal_of_its_size_deserves_no_remark() {
+    fn ordinary_sizes_give_no_warning() {
         assert_eq!(remarks_of(ball(0.5, false)), Vec::<String>::new());
     }
 
     #[test]
-    fn giants_and_mites_are_told_with_the_unit_that_would_suit() {
+    fn implausible_sizes_are_reported_with_a_suitable_unit() {
         let found = remarks_of(ball(70.0, false));
         assert_eq!(
             found,
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_far_away_and_one_inside_out_are_told() {
+    fn distant_and_inverted_models_are_reported() {
         let (_, mut positions, triangles) = ball(1.0, false);
         positions.iter_mut().for_each(|p| p.x += 1e6);
         let rest = RestPose { normals: vec![Vec3::Z; 6], positions: positions.clone() };
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn a_size_that_no_coat_suits_is_refused() {
+    fn sizes_that_no_hair_length_suits_are_refused() {
         let check_of = |radius: f32, recipe: &Recipe| {
             let (bounds, ..) = ball(radius, false);
             let lengths = Lengths::resolve(recipe, &bounds);

@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn points_lie_evenly_along_the_strand() {
+    fn points_are_spaced_evenly_along_the_strand() {
         let made = strands(&grid(1), [None; 2], 5);
         assert_eq!((made.roots.as_slice(), made.points.len()), ([[0.5, 0.5]].as_slice(), 5));
         // Length 0.8, of which 0.3 along the surface: a point every 0.2.
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn any_beginning_is_an_even_sample() {
+    fn every_prefix_is_an_even_sample() {
         let made = strands(&grid(8), [None; 2], 2);
         assert_eq!(made.roots.len(), 64);
         for quarter in [4, 16] {

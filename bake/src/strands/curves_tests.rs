@@ -59,7 +59,7 @@ fn strands_keep_their_groups_when_some_are_left_out() {
 }
 
 #[test]
-fn lists_are_joined_by_the_names_of_their_groups() {
+fn appended_curves_merge_adjacent_groups_of_equal_name() {
     let mut curves = named(&[("coat", 2)]);
     curves.append(&named(&[("coat", 1), ("mane", 2)]));
     curves.append(&Curves::default());

@@ -55,7 +55,7 @@ fn leaning(count: u32) -> TileHair {
 }
 
 #[test]
-fn a_strand_lies_whole_over_a_border_of_patches() {
+fn strands_continue_across_patch_borders() {
     let hair = leaning(40);
     let (whole, report) = grow_on(&sheet(6, 99, DVec2::ZERO), &hair, 1.0).unwrap();
     assert!(report.strands > 100 && report.crossed_patch_border == 0, "{report:?}");
@@ -80,7 +80,7 @@ fn a_strand_lies_whole_over_a_border_of_patches() {
 
 /// Checks that strands beyond the end of the mesh continue straight in the last triangle's plane.
 #[test]
-fn a_strand_reaches_beyond_the_mesh() {
+fn strands_continue_past_the_mesh_border() {
     let (curves, report) = grow_on(&sheet(2, 9, DVec2::ZERO), &leaning(40), 1.0).unwrap();
     assert!(report.crossed_mesh_border > 5, "{report:?}");
     for i in 0..curves.len() {
@@ -91,7 +91,7 @@ fn a_strand_reaches_beyond_the_mesh() {
 }
 
 #[test]
-fn every_root_belongs_to_one_triangle() {
+fn every_root_lies_in_exactly_one_triangle() {
     // Roots on the grid lines, where four triangles meet and where two do.
     let side = 8u32;
     let lattice = |shift: f32| {
@@ -126,7 +126,7 @@ fn every_root_belongs_to_one_triangle() {
 }
 
 #[test]
-fn strands_are_the_coat_and_know_where_they_root() {
+fn planted_strands_are_one_group_with_root_coordinates() {
     let (curves, report) = grow_on(&sheet(6, 3, DVec2::new(5.0, 7.0)), &leaning(40), 1.0).unwrap();
     let groups = curves.groups();
     assert_eq!((groups.len(), groups[0].name.as_str(), u64::from(groups[0].strands.end)), (1, TILE_GROUP, report.strands));
@@ -138,7 +138,7 @@ fn strands_are_the_coat_and_know_where_they_root() {
 
 /// Checks that fur of a material with another fibre is a group of its own, with the same strands.
 #[test]
-fn coats_of_other_fibres_are_other_groups() {
+fn materials_with_other_fibres_form_their_own_groups() {
     let hair = leaning(40);
     let mut skin = sheet(6, 99, DVec2::ZERO);
     let (alike, all) = grow_on(&skin, &hair, 1.0).unwrap();
@@ -158,7 +158,7 @@ fn coats_of_other_fibres_are_other_groups() {
 }
 
 #[test]
-fn groom_and_length_thin_the_strands_out() {
+fn bareness_thins_strands_and_length_shortens_them() {
     let hair = leaning(400);
     let grow = |change: &dyn Fn(&mut PosedVertex)| {
         let mut skin = sheet(6, 99, DVec2::ZERO);
@@ -203,7 +203,7 @@ fn wet_places_have_wet_strands() {
 }
 
 #[test]
-fn what_is_left_out_lies_near_the_line() {
+fn simplified_strands_stay_near_the_full_ones() {
     let mut hair = leaning(60);
     hair.strands.radii.iter_mut().for_each(|radius| *radius = 0.2);
     let (curves, _) = grow_on(&sheet(4, 99, DVec2::ZERO), &hair, 1.0).unwrap();
@@ -225,7 +225,7 @@ fn what_is_left_out_lies_near_the_line() {
 }
 
 #[test]
-fn a_recipe_that_does_not_fit_is_refused() {
+fn recorded_recipe_that_contradicts_the_manifest_is_refused() {
     let recipe = "[hair]\ndensity = 50\nlength_m = 0.02\n[surface]\ntile_size_m = 0.1\n";
     let hair = TileHair::grow(
         &Recipe::parse_recorded("r", recipe).unwrap(),

@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn the_adapter_message_says_what_to_install() {
+    fn missing_adapter_message_names_the_driver_packages() {
         let message = Failure::NoAdapter("none found".into()).to_string();
         assert!(message.contains("mesa-vulkan-drivers") && message.contains("none found"));
     }

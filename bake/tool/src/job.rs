@@ -344,7 +344,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn a_rule_names_what_was_read() {
+    fn depfile_rule_names_the_inputs() {
         let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
         let text = make_rule(&paths(&["out/a b.pelage"]), &paths(&["fox.glb", "skins/$1#.png"]));
         let expected = "out/a\\ b.pelage: \\\n  fox.glb \\\n  skins/$$1\\#.png\n\nfox.glb:\n\nskins/$$1\\#.png:\n";
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn a_key_leaves_out_where_things_go() {
+    fn cache_key_ignores_output_paths() {
         let errand = |folder: &str, n: u8| Job::new("bake", &n, &[&PathBuf::from(folder).join("a.pelage")]);
         let key = |errand: &Job, tool: u8| errand.key(&[tool; 32]);
         let (here, there, other) = (errand("here", 1), errand("there", 1), errand("here", 2));
@@ -364,14 +364,14 @@ mod tests {
     }
 
     #[test]
-    fn a_result_is_told_with_the_names_of_now() {
+    fn cached_results_are_printed_with_current_paths() {
         let mut value = json!({ "output": "a/x.png", "all": ["a/x.png", "a/x.png2"], "n": 1 });
         rename(&mut value, "a/x.png", "b/x.png");
         assert_eq!(value, json!({ "output": "b/x.png", "all": ["b/x.png", "a/x.png2"], "n": 1 }));
     }
 
     #[test]
-    fn a_record_is_asked_for_in_whatever_is_typed() {
+    fn record_option_is_found_in_invalid_command_lines() {
         let asked = |line: &str| record_asked(line.split(' ').map(OsString::from));
         for line in ["pelage bake --record r.json --odd", "pelage --record=r.json", "pelage x y --record r.json"] {
             assert_eq!(asked(line).as_deref(), Some(Path::new("r.json")), "{line}");
@@ -389,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn a_process_knows_its_memory() {
+    fn peak_memory_of_the_process_is_known() {
         assert!(!cfg!(target_os = "linux") || peak_bytes().is_some_and(|bytes| bytes > 1 << 20));
     }
 }

@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn flags_go_before_looks_wherever_they_stand() {
+    fn flags_override_looks_in_any_order() {
         assert_eq!(parse("").unwrap(), Look::default());
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("l.toml");
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_read_and_what_is_wrong_is_said() {
+    fn look_options_are_parsed_and_errors_reported() {
         let look =
             parse("--size 64X32 --style bare --light -1,2,3.5 --fins off --detail auto --fill-light -2,0,0/0.25")
                 .unwrap();

@@ -256,7 +256,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_are_readable() {
+    fn byte_counts_are_human_readable() {
         assert_eq!(human_bytes(0), "0 B");
         assert_eq!(human_bytes(1023), "1023 B");
         assert_eq!(human_bytes(1536), "1.5 KiB");
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn the_progress_is_understood() {
+    fn progress_templates_are_valid() {
         assert!([DOING, STEPS].iter().all(|template| ProgressStyle::with_template(template).is_ok()));
     }
 

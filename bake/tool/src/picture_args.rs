@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tile_repeats_after_pixels_enough_and_has_texels_for_no_more() {
+    fn tile_texels_follow_from_the_period_in_pixels() {
         assert_eq!(texels_of_period(0.5), 256, "96 px at two texels a pixel");
         assert_eq!(texels_of_period(4.0), 64, "a hair is wide");
         assert_eq!((texels_of_period(0.01), texels_of_period(0.0)), (512, 512), "nobody sees it repeat");

@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_line_says_how_far_it_is_and_what_is_left() {
+    fn progress_line_shows_position_and_remaining_time() {
         let steps = Arc::new(StageProgress::new());
         let mut work = Work::new(steps.clone());
         work.begin("slice");
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_of_an_earlier_run_took_no_time_of_this_one() {
+    fn resumed_steps_do_not_count_towards_the_estimate() {
         let mut work = Work::new(Arc::new(StageProgress::new()));
         work.count(10, 20, "row 11");
         let after = |work: &Work, seconds: u64| work.left(work.begun + Duration::from_secs(seconds));

@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_of_pictures_has_their_numbers() {
+    fn frame_ranges_keep_their_numbers() {
         let sink = |o: &str, frames: &str| Sink::new(Path::new(o), frames.parse().ok(), None);
         let Ok(Sink::Numbered { first, names, journal }) = sink("a/%02d.png", "7..9/24") else { panic!("numbered") };
         assert_eq!((first, names), (7, vec!["a/07.png".into(), "a/08.png".into()]));
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn videos_are_known_by_their_name() {
+    fn videos_are_recognised_by_extension() {
         let sink = |o: &str| Sink::new(Path::new(o), None, None).ok();
         assert_eq!(sink("-"), Some(Sink::Stdout));
         assert_eq!(sink("a.Y4M"), Some(Sink::Video("a.Y4M".into())));

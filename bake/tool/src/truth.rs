@@ -227,7 +227,7 @@ mod tests {
     use pelage_bake::strands::{CurvePoint, PosedMaterial};
 
     #[test]
-    fn pixels_become_what_a_canvas_holds() {
+    fn traced_pixels_are_encoded_as_a_canvas() {
         let pixels = vec![[0.0; 4], [0.5, 0.25, 0.0, 0.5], [2.0, 0.5, 0.0, 1.0], [0.1, 0.1, 0.1, 1.0]];
         let picture = TracedPicture { width: 2, height: 2, pixels, ..TracedPicture::default() };
         let straight = encode(&picture, None);
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bare_material_has_no_say_in_which_fibre_a_coat_is() {
+    fn bare_materials_do_not_affect_the_fibre_of_the_fur() {
         let optics = |eta| FibreOptics { eta, along: 0.2, tilt: 0.0, around: 0.3 };
         let info = FibreInfo { fibres: vec![optics(1.5), optics(1.6), optics(1.7)], ..FibreInfo::default() };
         let material =

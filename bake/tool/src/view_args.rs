@@ -149,14 +149,14 @@ mod tests {
     }
 
     #[test]
-    fn defaults_are_those_of_the_manual() {
+    fn view_defaults_match_the_library() {
         let view = parse("").unwrap();
         assert_eq!(View::new(&view, Look::default()).unwrap(), View::default());
         assert_eq!(view.frames, None);
     }
 
     #[test]
-    fn every_option_is_read() {
+    fn every_view_option_is_parsed() {
         let args = parse(
             "--camera -1,2,3.5/0,0,-1/45 --time 0.25 --clip Walk --blend A|Run:0.3 --morph a:b:-0.5 \
              --morph smile:2 --crowd 100 --frames 3 --layers 8",
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn view_option_errors_are_reported() {
         for (line, message) in [
             ("--camera 0,0,0/0,0,0/40", "same point"),
             ("--camera 0,0,1/0,0,0", "ex,ey,ez/tx,ty,tz/fov_deg"),

@@ -8,7 +8,7 @@ fn chosen<'a>(asked: &'a Recipe, recipe: &'a Recipe) -> RecipeChoices<'a> {
 }
 
 #[test]
-fn what_was_chosen_is_said_above_its_line_and_counts() {
+fn chosen_values_are_written_with_a_comment_above() {
     let asked = Recipe::parse("r.toml", "[hair]\ncoat = \"wool\"\nlean = 0.25\n").unwrap();
     let mut fitted = asked.clone();
     fitted.slice.layers = 11;
@@ -25,7 +25,7 @@ fn what_was_chosen_is_said_above_its_line_and_counts() {
 }
 
 #[test]
-fn a_decision_that_no_recipe_can_say_is_a_fault_of_the_code() {
+fn decisions_with_unknown_keys_are_internal_errors() {
     let recipe = Recipe::default();
     let broken = Decision { what: "length", chosen: "3".into(), line: "hair.lenth_m = 3".into() };
     let error = chosen(&recipe, &recipe).text(&recipe.to_toml(), &[broken]).unwrap_err();
@@ -33,7 +33,7 @@ fn a_decision_that_no_recipe_can_say_is_a_fault_of_the_code() {
 }
 
 #[test]
-fn it_takes_the_place_of_no_file_of_the_bake() {
+fn written_recipe_never_overwrites_files_of_the_bake() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     std::fs::write(at("r.toml"), "").unwrap();
@@ -47,7 +47,7 @@ fn it_takes_the_place_of_no_file_of_the_bake() {
 }
 
 #[test]
-fn the_options_that_choose_are_said_as_they_are_typed() {
+fn choosing_options_are_printed_as_typed() {
     let limits = Limits { max_error: Some(0.05), max_bytes: Some(90_000), ..Limits::default() };
     assert_eq!(options(&limits, &PictureArgs::default()), "--max-error 0.05 --max-bytes 90000");
     assert_eq!(

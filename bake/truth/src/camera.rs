@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rays_and_places_undo_each_other() {
+    fn projecting_a_ray_point_gives_its_pixel() {
         for lens in [Lens::Perspective { fov_y_rad: 0.7 }, Lens::Orthographic { height_m: 3.0 }] {
             let (eye_ws, target_ws) = (Vec3::new(2.0, 1.0, 4.0), Vec3::new(0.3, -0.2, 0.1));
             let camera = TrueCamera { eye_ws, target_ws, up_ws: Vec3::Y, lens };

@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_enter_where_the_hull_begins() {
+    fn rays_enter_capsules_at_the_hull() {
         let capsules = [
             (Vec3::ZERO, 0.1, Vec3::new(1.0, 0.3, -0.2), 0.1),
             (Vec3::ZERO, 0.2, Vec3::new(0.5, 0.3, 0.2), 0.02),
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn thin_hair_far_away_is_still_there() {
+    fn thin_distant_hair_is_hit() {
         let hair = Capsule { from: Vec3::ZERO, from_radius: 1e-5, to: Vec3::new(0.0, 0.3, 0.0), to_radius: 1e-5 };
         for x in [0.0, 0.9e-5] {
             let t = hair.intersect(DVec3::new(x, 0.1, 1e4), DVec3::NEG_Z);

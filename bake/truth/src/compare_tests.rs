@@ -37,7 +37,7 @@ fn black_against_white_is_one() {
 
 /// Checks, as a negative control, that each kind of error raises the figures that it concerns.
 #[test]
-fn what_differs_is_found() {
+fn differences_raise_the_error() {
     let a = strokes(96, 64, 0);
     let figures = |b: &RgbaImage| compare(&a, b, GREY).unwrap().0;
     let moved = figures(&strokes(96, 64, 1));
@@ -64,7 +64,7 @@ fn what_differs_is_found() {
 }
 
 #[test]
-fn the_background_is_seen_only_where_pictures_are_transparent() {
+fn background_affects_only_transparent_pixels() {
     let a = strokes(64, 48, 0);
     let mut outline = a.clone();
     outline.pixels_mut().for_each(|p| p.0[3] = if p.0[3] > 0 { p.0[3] } else { 40 });
@@ -80,7 +80,7 @@ fn the_background_is_seen_only_where_pictures_are_transparent() {
 }
 
 #[test]
-fn figures_are_those_of_the_library() {
+fn flip_figures_match_the_library() {
     let (c, map) = compare(&strokes(120, 80, 0), &strokes(120, 80, 2), GREY).unwrap();
     let mut pool = FlipPool::from_image(&FlipImageFloat::with_data(map.width, map.height, &map.values));
     // The library sums in f32.
@@ -90,7 +90,7 @@ fn figures_are_those_of_the_library() {
 }
 
 #[test]
-fn coarser_pixels_are_seen_better() {
+fn coarser_pixels_raise_the_flip_error() {
     let (a, b) = (Picture::from(&strokes(96, 64, 0)), Picture::from(&strokes(96, 64, 3)));
     let at = |pixels_per_degree| {
         let params = CompareParams { pixels_per_degree, ..CompareParams::default() };

@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_cell_has_its_sample() {
+    fn stratified_samples_fill_every_cell() {
         for (samples, side) in [(0, 1u32), (1, 1), (2, 2), (16, 4), (17, 5), (256, 16)] {
             let points: Vec<DVec2> = stratified(7, samples).collect();
             assert_eq!(points.len() as u32, side * side);

@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_pictures_have_no_error() {
+    fn identical_pictures_have_zero_likeness_error() {
         assert_eq!(against_fur(fur), Likeness::SAME);
         let nothing = disc(|_, _| (0.0, 0.0));
         assert_eq!(Likeness::of(&nothing, &nothing, 8.0).unwrap(), Likeness::SAME);
@@ -209,7 +209,7 @@ mod tests {
 
     /// Checks what each component measures, and that it has the documented weight.
     #[test]
-    fn every_part_sees_its_own_loss() {
+    fn each_likeness_term_responds_to_its_own_loss() {
         let bald = against_fur(|i, r| (fur(i, r).0, if r < 18.0 { 1.0 } else { 0.0 }));
         assert!(bald.outline > 0.15 && (bald.contrast - 1.0).abs() < 0.05, "{bald:?}");
         let flat = against_fur(|i, r| (0.3, hairs(i, r)));

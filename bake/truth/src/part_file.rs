@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_make_the_whole() {
+    fn part_files_add_up_to_the_whole() {
         let mut whole = TracedPart::decode(&part(1).encode()).unwrap();
         assert_eq!(whole, part(1));
         whole.add(&TracedPart::decode(&part(0).encode()).unwrap()).unwrap();
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_damaged_is_refused_where_it_is() {
+    fn damaged_part_files_are_refused_with_the_position() {
         let bytes = part(0).encode();
         for (cut, word) in [(0, "byte 0"), (20, "line 2"), (bytes.len() - 1, "byte 132")] {
             let (place, reason) = TracedPart::decode(&bytes[..cut]).unwrap_err();

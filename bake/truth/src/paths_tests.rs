@@ -45,7 +45,7 @@ fn mean(curves: Curves, ambient: f32, lighting: &TrueLighting, size: u32, spp: u
 
 /// Checks that non-absorbing hair under a uniform sky cannot be distinguished from it.
 #[test]
-fn a_white_tangle_vanishes_in_an_even_sky() {
+fn white_hair_vanishes_in_a_uniform_sky() {
     // The sky has the key light's colour, and the key light is hidden: unlimited bounces, no loss of light.
     let found = mean(tangle(Vec3::ONE, 300), 1.0, &lighting(1.0, 1_000), 48, 64);
     let alone = mean(tangle(Vec3::ONE, 300), 0.0, &lighting(1.0, 1_000), 48, 64);
@@ -55,7 +55,7 @@ fn a_white_tangle_vanishes_in_an_even_sky() {
 
 /// Checks that more bounces only add light, and add much of it to light-coloured hair.
 #[test]
-fn light_hair_is_lit_by_other_hair() {
+fn light_hair_gains_from_multiple_scattering() {
     let sum = |bounces| mean(tangle(Vec3::new(0.9, 0.5, 0.05), 1_500), 0.0, &lighting(1.0, bounces), 32, 32);
     let [one, four, many] = [1, 4, 64].map(sum);
     assert!(four.cmpge(one).all() && many.cmpge(four).all(), "{one} {four} {many}");
@@ -66,7 +66,7 @@ fn light_hair_is_lit_by_other_hair() {
 /// Checks that one fibre, integrated over its width, sends to a distant eye the light of the fibre's own formula, with
 /// sides, tip and root where they belong.
 #[test]
-fn a_fibre_over_its_width_is_the_fibre_from_afar() {
+fn near_field_averages_to_the_far_field() {
     let fibre = Fibre { tilt: 0.1, ..Fibre::default() };
     let color = Vec3::new(0.6, 0.3, 0.1);
     let scattering = TrueScattering::new(fibre, 1).unwrap();
@@ -97,7 +97,7 @@ fn a_fibre_over_its_width_is_the_fibre_from_afar() {
 /// Checks that non-absorbing hair vanishes in a uniform sky, whether the sky is sampled or only hit. A bright window
 /// must have the same effect as an equal lobe.
 #[test]
-fn skies_light_a_tangle_from_where_they_are_bright() {
+fn skies_light_hair_from_their_bright_directions() {
     let under = |sky: TrueSky, color: Vec3, spp: u32| {
         let lighting = TrueLighting { sky: Some(sky), ..lighting(0.0, 1_000) };
         mean(tangle(color, 300), 0.0, &lighting, 32, spp)

@@ -45,7 +45,7 @@ fn covered(picture: &TracedPicture) -> f64 {
 }
 
 #[test]
-fn a_strand_covers_its_outline() {
+fn strand_coverage_equals_its_projected_area() {
     for (from, to, radius) in [
         (Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.01f32),
         (Vec3::new(-0.6, -0.3, 0.5), Vec3::new(0.5, 0.4, -0.5), 0.003),
@@ -65,7 +65,7 @@ fn a_strand_covers_its_outline() {
 
 /// Checks that random opaque strands transmit exp(−τ), where τ is the sum of their projected areas over the whole area.
 #[test]
-fn a_block_of_random_strands_lets_the_exponential_through() {
+fn random_strands_transmit_exponentially() {
     for tau in [0.3, 1.0, 2.0] {
         let (radius, length) = (0.004f32, 0.2f32);
         let mut curves = Curves::default();
@@ -91,7 +91,7 @@ fn a_block_of_random_strands_lets_the_exponential_through() {
 
 /// Checks equation (3) against a calculation by hand, in simple cases.
 #[test]
-fn a_strand_is_lit_as_the_equation_says() {
+fn strand_lighting_matches_the_shading_equation() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-3.0, 0.0, 0.0), Vec3::new(3.0, 0.0, 0.0), 2.0);
     let k = Shading::default();
@@ -216,7 +216,7 @@ fn skin_is_bare_or_an_undercoat() {
 }
 
 #[test]
-fn skin_throws_shadows_on_hair() {
+fn skin_casts_shadows_on_hair() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-0.5, 0.0, -1.0), Vec3::new(0.5, 0.0, -1.0), 0.5);
     // The surface hides the strand from the light; seen from below.
@@ -262,7 +262,7 @@ fn noise_falls_with_the_square_root_of_the_samples() {
 }
 
 #[test]
-fn scale_and_place_do_not_matter() {
+fn traced_picture_does_not_depend_on_scale_and_position() {
     let picture = |scale: f32, shift: Vec3| {
         let mut curves = Curves::default();
         strand(
@@ -289,7 +289,7 @@ fn scale_and_place_do_not_matter() {
 }
 
 #[test]
-fn the_same_picture_on_any_number_of_threads() {
+fn traced_picture_does_not_depend_on_thread_count() {
     let mut curves = Curves::default();
     for i in 0..50 {
         let x = i as f32 / 25.0 - 1.0;
@@ -316,7 +316,7 @@ fn an_empty_scene_is_empty() {
 }
 
 #[test]
-fn samples_in_parts_are_the_whole_and_a_trace_can_be_broken_off() {
+fn sample_portions_add_up_and_a_trace_can_be_cancelled() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
     let scene = scene(curves);
@@ -339,7 +339,7 @@ fn samples_in_parts_are_the_whole_and_a_trace_can_be_broken_off() {
 }
 
 #[test]
-fn parts_of_a_picture_have_its_pixels() {
+fn row_portions_have_the_pixels_of_the_whole() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
     let scene = scene(curves);

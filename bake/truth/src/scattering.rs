@@ -83,7 +83,7 @@ mod tests {
     use pelage_formats::meaning::scattering::azimuthal::GlintShape;
 
     #[test]
-    fn strands_are_the_fibre_of_their_run() {
+    fn strands_have_the_fibre_of_their_run() {
         let of = |eta| Fibre { eta, ..Fibre::default() };
         let mixed = TrueScattering::new(of(1.5), 3).unwrap().with_run("coat", 2, of(1.6)).unwrap();
         let mixed = mixed.with_run("tail", 5, of(1.7)).unwrap();

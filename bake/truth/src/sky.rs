@@ -136,7 +136,7 @@ mod tests {
     /// Checks that the mean of light over probability is all of the light, with little noise, and that samples match
     /// their stated probability.
     #[test]
-    fn directions_are_drawn_where_light_is() {
+    fn directions_are_sampled_in_proportion_to_radiance() {
         let panorama = Panorama::from_fn((96, 48), |way| {
             let window = if way.dot(DVec3::new(0.6, 0.0, 0.8)) > 0.95 { 40.0 } else { 0.0 };
             DVec3::new(0.1 + 0.2 * way.y.max(0.0), 0.2, 0.3) + DVec3::splat(window)

@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn views_are_aligned_and_the_container_adds_up() {
+    fn views_are_aligned_and_chunk_lengths_are_consistent() {
         let mut buffer = Buffer::default();
         let colors = buffer.push(&[1, 2, 3], Some(ViewTarget::Vertices), Component::UnsignedByte, "VEC3", 1, json!({}));
         let view = buffer.view(&[4, 0, 5, 0, 6, 0], Some(ViewTarget::Indices));
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_without_bytes_has_no_second_chunk_and_none_is_too_long() {
+    fn empty_buffer_has_no_bin_chunk_and_oversized_files_are_refused() {
         let file = container(&json!({}), &[]).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(file[20..], *b"{}  ");
         let error = write_head(&json!({}), u32::MAX as usize, &mut io::sink()).err();
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_are_columns() {
+    fn bounds_are_per_column() {
         assert_eq!(bounds(&[1.0, 5.0, -2.0, 7.5], 2), json!({ "min": [-2.0, 5.0], "max": [1.0, 7.5] }));
     }
 }

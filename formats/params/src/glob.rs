@@ -29,7 +29,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn globs_match_as_shells_do() {
+    fn globs_match_as_in_a_shell() {
         for (pattern, name, expected) in [
             ("Eye", "eye", true),
             ("Eye", "Eyes", false),

@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_unlike_everything_has_no_neighbour() {
+    fn dissimilar_names_have_no_suggestion() {
         let names = ["hair.seed", "hair.length_m", "hair.density"];
         let near = |name| nearest(name, names.into_iter());
         assert_eq!(near("a"), None);

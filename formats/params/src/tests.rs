@@ -89,7 +89,7 @@ fn every_key_of_every_table_is_checked() {
 }
 
 #[test]
-fn the_later_of_two_that_exclude_each_other_counts() {
+fn later_of_two_exclusive_keys_wins() {
     let lamp = after(&["light.direction=0,0,1", "light.position_m=1,2,3"]);
     assert_eq!(lamp.light.position_m, Some([1.0, 2.0, 3.0]));
     let sun = after(&["light.position_m=1,2,3", "light.direction=[0, 0, 1]"]);
@@ -101,7 +101,7 @@ fn the_later_of_two_that_exclude_each_other_counts() {
 }
 
 #[test]
-fn a_list_left_out_is_not_an_empty_one() {
+fn unset_list_differs_from_an_empty_one() {
     let open = after(&[]);
     assert_eq!(open.light.hidden_from, None);
     assert!(!to_toml(&open).contains("hidden_from") && to_documented_toml(&open).contains("# hidden_from =\n"));
@@ -119,7 +119,7 @@ fn a_list_left_out_is_not_an_empty_one() {
 }
 
 #[test]
-fn what_is_left_out_has_a_word() {
+fn optional_keys_have_a_word_for_unset() {
     let mut look = after(&["picture.layers=8"]);
     assert_eq!(look.picture.layers, Some(8));
     assert!(to_toml(&look).contains("layers = 8\n"));
@@ -131,7 +131,7 @@ fn what_is_left_out_has_a_word() {
 }
 
 #[test]
-fn words_are_what_people_type() {
+fn command_line_values_are_parsed_leniently() {
     let look = after(&[
         "light.strength=.5",
         "light.seed=007",
@@ -162,7 +162,7 @@ fn words_are_what_people_type() {
 }
 
 #[test]
-fn what_was_called_otherwise_is_still_read_and_written_anew() {
+fn deprecated_names_are_read_and_written_as_current_ones() {
     let mut look = Look::default();
     read(&mut look, "[picture]\nvisible = false\ndrawn = \"thin\"\n").unwrap();
     assert_eq!((look.picture.enabled, look.picture.drawn), (false, Drawn::Sparse));
@@ -176,7 +176,7 @@ fn what_was_called_otherwise_is_still_read_and_written_anew() {
 }
 
 #[test]
-fn tables_that_were_read_before_are_taken_alike() {
+fn parsed_tables_are_read_as_text_is() {
     let read_before = |text: &str| {
         let mut look = Look::default();
         read_table(&mut look, &text.parse::<toml::Table>().unwrap()).map(|()| look)
@@ -212,7 +212,7 @@ fn controls_follow_from_type_and_range() {
 }
 
 #[test]
-fn the_page_says_all_and_no_line_is_too_long() {
+fn reference_page_is_complete_and_fits_120_columns() {
     let page = reference_page::<Look>("Looks", &["What a look says."], |key| {
         (key == "light.position_m").then(|| "![drawn](drawn.png)".to_owned())
     });
@@ -234,7 +234,7 @@ fn the_page_says_all_and_no_line_is_too_long() {
 }
 
 #[test]
-fn notes_stand_right_above_the_line_of_their_key() {
+fn notes_are_written_directly_above_their_key() {
     let look = Look::default();
     let note = |knob: &Knob| {
         if knob.key() == "enabled" { vec!["one\ntwo".to_owned(), "three".to_owned()] } else { Vec::new() }
@@ -247,7 +247,7 @@ fn notes_stand_right_above_the_line_of_their_key() {
 
 proptest! {
     #[test]
-    fn what_is_written_reads_back(layers in prop::option::of(2u32..=256), strength in 0.001f32..=10.0, enabled: bool, names: Vec<String>) {
+    fn parameters_survive_a_toml_round_trip(layers in prop::option::of(2u32..=256), strength in 0.001f32..=10.0, enabled: bool, names: Vec<String>) {
         let mut look = Look::default();
         look.picture.layers = layers;
         look.picture.enabled = enabled;
@@ -261,7 +261,7 @@ proptest! {
     }
 
     #[test]
-    fn any_text_gives_an_answer(text in "\\PC{0,40}", key in "[a-z_.]{0,12}", value in "\\PC{0,12}") {
+    fn parameter_parser_never_panics(text in "\\PC{0,40}", key in "[a-z_.]{0,12}", value in "\\PC{0,12}") {
         let _ = read(&mut Look::default(), &text);
         let _ = read(&mut Look::default(), &format!("[light]\n{key} = {value}"));
         let _ = set(&mut Look::default(), &text);

@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn round_trip_is_within_a_step() {
+    fn encoded_directions_decode_within_one_step() {
         for format in [TextureFormat::Rg8Unorm, TextureFormat::Rgba8Unorm] {
             for i in 0..2000 {
                 let (z, a) = (1.0 - (i as f32 + 0.5) / 1000.0, i as f32 * 2.399_963);

@@ -21,7 +21,7 @@ fn all_light(environment: &Environment) -> DVec3 {
 }
 
 #[test]
-fn what_it_is_in_whole_is_the_sum_over_directions() {
+fn total_light_is_the_integral_over_directions() {
     let lobes = vec![lobe([0.3, 1.0, -0.5], 8.0, [9.0, 4.0, 1.0]), lobe([-1.0, 0.0, 0.0], 70.0, [0.1, 0.2, 0.4])];
     let sky = Environment { even: [0.5, 0.25, 0.125], lobes, sun: None };
     let off = (all_light(&sky) / sky.total() - 1.0).abs().max_element();
@@ -32,7 +32,7 @@ fn what_it_is_in_whole_is_the_sum_over_directions() {
 }
 
 #[test]
-fn a_ground_meets_what_comes_from_above() {
+fn ground_receives_light_from_the_upper_hemisphere() {
     let sun = Sun { towards: [0.6, 0.8, 0.0], color: [1.0, 2.0, 0.0] };
     let lobes = vec![lobe([0.3, 1.0, -0.5], 20.0, [9.0, 4.0, 1.0]), lobe([0.0, -1.0, 0.0], 20.0, [9.0, 9.0, 9.0])];
     let sky = Environment { even: [0.5, 0.25, 0.125], lobes, sun: Some(sun) };
@@ -44,7 +44,7 @@ fn a_ground_meets_what_comes_from_above() {
 }
 
 #[test]
-fn a_gradient_goes_from_below_to_above() {
+fn gradient_environment_varies_from_bottom_to_top() {
     let sky = Environment::gradient([1.0, 0.2, 0.5], [0.25, 0.4, 0.5]);
     assert_eq!((sky.lobes.len(), sky.fault()), (2, None));
     let [below, side, above] = [DVec3::NEG_Y, DVec3::X, DVec3::Y].map(|way| sky.radiance(way));
@@ -55,7 +55,7 @@ fn a_gradient_goes_from_below_to_above() {
 }
 
 #[test]
-fn a_quarter_turn_brings_x_to_where_z_was_not() {
+fn quarter_turn_rotates_lobes_and_sun_about_y() {
     let sky = Environment {
         lobes: vec![lobe([1.0, 0.5, 0.0], 20.0, [1.0; 3])],
         sun: Some(Sun { towards: [0.0, 0.0, 1.0], color: [1.0; 3] }),
@@ -70,7 +70,7 @@ fn a_quarter_turn_brings_x_to_where_z_was_not() {
 }
 
 #[test]
-fn sharpness_and_mean_cosine_undo_each_other() {
+fn sharpness_and_mean_cosine_are_inverse_functions() {
     for k in [0.0, 1e-4, 0.02, 0.5, 3.0, 40.0, 900.0] {
         let found = sharpness_of(mean_cosine(k));
         assert!((found - k).abs() < 1e-4 * (1.0 + k), "{k}: {found}");
@@ -80,7 +80,7 @@ fn sharpness_and_mean_cosine_undo_each_other() {
 
 /// The blend at one half is the mean of both in every direction, and the ends are the two environments.
 #[test]
-fn between_two_skies_every_direction_is_between() {
+fn blended_skies_interpolate_every_direction() {
     let many = |seed: f32| Environment {
         even: [seed; 3],
         lobes: (0..24)
@@ -109,7 +109,7 @@ fn between_two_skies_every_direction_is_between() {
 }
 
 #[test]
-fn a_sun_wanders_and_keeps_its_light() {
+fn blended_sun_moves_and_keeps_its_light() {
     let with = |towards: [f32; 3], color| Environment { sun: Some(Sun { towards, color }), ..Environment::default() };
     let (noon, dusk) = (with([0.0, 1.0, 0.0], [4.0; 3]), with([1.0, 0.0, 0.0], [2.0, 1.0, 0.0]));
     let between = noon.blended(&dusk, 0.5).sun.unwrap();
@@ -120,7 +120,7 @@ fn a_sun_wanders_and_keeps_its_light() {
 }
 
 #[test]
-fn what_is_wrong_is_said_with_its_place() {
+fn environment_errors_name_the_field() {
     let with = |bad: LightLobe| Environment {
         lobes: vec![lobe([0.0, 1.0, 0.0], 9.0, [1.0; 3]), bad],
         ..Environment::default()

@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fins_show_where_they_are_seen_face_on() {
+    fn fins_are_opaque_only_when_seen_face_on() {
         for (degrees, expected) in [(0.0f32, 1.0), (60.0, 0.0), (75.0, 0.0), (120.0, 0.0), (180.0, 1.0)] {
             assert!((fin_opacity(degrees.to_radians().cos()) - expected).abs() < 1e-6, "{degrees}°");
         }
@@ -44,7 +44,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_stand_on_each_other() {
+    fn fin_rows_are_contiguous_in_height() {
         for leans in [false, true] {
             let rows = fin_rows(leans);
             let heights: Vec<[f32; 2]> = (0..rows).map(|row| row_heights(row, rows)).collect();

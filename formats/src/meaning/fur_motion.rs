@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_push_swings_out_as_a_damped_oscillator_does() {
+    fn pushed_fur_follows_a_damped_oscillator() {
         let (length, push) = (0.04f32, 1.0f32);
         let turns = (stiffness(length) / length).sqrt();
         let damped = turns * (1.0 - DAMPING * DAMPING).sqrt();
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn wind_holds_hair_over_and_calm_lets_it_go() {
+    fn wind_bends_fur_and_calm_lets_it_return() {
         let wind = Wind { velocity: Vec3::X * 5.0, ..CALM };
         let blown = *run(0.03, 60.0, 3.0, |_| Vec3::ZERO, &wind).last().unwrap();
         let expected = 5.0 * DRAG_PER_S / stiffness(0.03) * 0.03;
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_any_length_tell_the_same() {
+    fn fur_motion_does_not_depend_on_frame_rate() {
         // The shortest hair swings faster than 30 frames a second can show: the error is a quarter of a millimetre.
         for (length, bound) in [(0.005, 0.05), (0.01, 0.03), (0.02, 0.01), (0.1, 0.01)] {
             let ends = [30.0, 60.0, 144.0, 960.0].map(|fps| *run(length, fps, 5.0, stride, &CALM).last().unwrap());
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_breaks_it() {
+    fn fur_motion_stays_finite() {
         for fps in [2.0, 7.0, 1e6] {
             let jump = |t: f32| if t > 0.5 { Vec3::X * 100.0 } else { Vec3::ZERO };
             run(SHORTEST_M, fps, 1e3f32.min(1000.0 / fps), jump, &CALM);
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn hair_leans_within_its_height_and_keeps_its_frame() {
+    fn leaning_hair_stays_within_its_height() {
         let normal = Vec3::new(0.2, 0.9, -0.3).normalize();
         assert!(lean(normal * 0.01, normal, 0.02, 1.0).is_none(), "along the normal is no lean");
         let (small, towards) = lean(Vec3::X * 0.001, normal, 0.02, 1.0).unwrap();

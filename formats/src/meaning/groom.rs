@@ -25,7 +25,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_come_back_and_textures_join_in() {
+    fn groom_bytes_survive_a_round_trip_and_combine_with_texels() {
         assert_eq!(groom_of_vertex([0; 4]), Vec2::X, "a vertex of version 1: all hair, none of it wet");
         assert_eq!(groom_of_vertex(groom_bytes(1.0, 1.0)), Vec2::Y);
         assert_eq!(groom_bytes(-1.0, 7.0), [0, 255, 0, 0]);

@@ -51,7 +51,7 @@ mod tests {
     use glam::DVec3;
 
     #[test]
-    fn hair_rises_along_the_normal_and_bends_with_the_square_of_the_height() {
+    fn hair_offset_is_linear_along_the_normal_and_quadratic_sideways() {
         for share in [0.0f32, 0.25, 0.5, 1.0] {
             let found = hair_offset(Vec3::Y, Vec3::Z, 0.5, share, 0.02);
             assert!(found.distance(Vec3::new(0.0, 0.02 * share, 0.01 * share * share)) < 1e-8, "{share}: {found}");

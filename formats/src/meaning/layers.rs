@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_find_their_level() {
+    fn projected_size_selects_the_level() {
         let level = |step, full_px, gone_px| DetailLevel { step, full_px, gone_px, fins: 1.0, density: 1.0 };
         let levels = [level(1, 16.0, 12.0), level(2, 8.0, 8.0), level(4, 2.0, 1.0), level(0, 0.0, 0.0)];
         let at = |px| detail_position(&levels, px);
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_are_as_simple_as_pixels_allow() {
+    fn simplest_list_within_the_pixel_tolerance_is_selected() {
         let deviations = [0.5, 2.0];
         assert_eq!([2.0, 1.0, 0.26, 0.25, 0.0].map(|px_per_m| simplest_list(&deviations, px_per_m)), [0, 1, 1, 2, 2]);
         // With the eye inside the bounds, and for a package without lists.
@@ -113,13 +113,13 @@ mod tests {
     }
 
     #[test]
-    fn layers_lie_evenly_from_skin_to_tips() {
+    fn layer_heights_are_evenly_spaced() {
         assert_eq!([0, 5, 10].map(|layer| layer_height(layer, 11)), [0.0, 0.5, 1.0]);
         assert_eq!(layer_height(1, 2), 1.0);
     }
 
     #[test]
-    fn every_layer_is_stood_for_once() {
+    fn every_layer_is_represented_once() {
         for baked in [2u32, 3, 9, 16, 64] {
             for step in [1u32, 2, 4, 8] {
                 let drawn: Vec<u32> =
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_passes_into_the_next_one_layer_at_a_time() {
+    fn levels_transition_one_layer_at_a_time() {
         for baked in [2u32, 3, 9, 16, 17, 64, 256] {
             for step in [1u32, 2, 4, 8] {
                 let (all, pairs) = (detail_count(baked, step), detail_pairs(baked, step));

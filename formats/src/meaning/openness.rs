@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_say_what_they_were_made_of() {
+    fn openness_survives_encoding_to_bytes() {
         for (share, aside) in [(0.0, [0.0, 0.0]), (1.0, [0.6, -0.8]), (0.3, [-0.25, 0.9]), (0.7, [1.0, 0.0])] {
             let bytes = Openness { share, tangential: aside }.to_bytes();
             let back = Openness::from_bytes(bytes);

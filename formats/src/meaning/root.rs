@@ -32,7 +32,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hair_lies_aside_by_its_height_and_its_direction() {
+    fn root_offset_depends_on_height_and_direction() {
         let aside = RootOffset { mean: [0.01, 0.2], along: 0.5 };
         assert_eq!(aside.offset(Vec3::Z), Vec2::new(0.01, 0.2));
         assert!(aside.offset(Vec3::new(0.6, -0.4, 0.69)).distance(Vec2::new(0.31, 0.0)) < 1e-6);

@@ -116,7 +116,7 @@ mod tests {
     use glam::Quat;
 
     #[test]
-    fn weights_share_out_and_zero_weights_count_for_nothing() {
+    fn joint_weights_blend_and_zero_weights_are_ignored() {
         let (moved, broken) = (Mat4::from_translation(Vec3::X), Mat4::from_cols_array(&[f32::NAN; 16]));
         assert_eq!(blend(moved, broken, broken, broken, Vec4::X), moved);
         assert_eq!(blend(moved, moved, moved, moved, Vec4::ZERO), Mat4::IDENTITY);
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vertex_moves_with_all_that_it_carries() {
+    fn posed_vertex_transforms_all_its_attributes() {
         let vertex = GeometryVertex {
             position: [1.0, 2.0, 3.0],
             normal: [0.0, 1.0, 0.0],

@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_byte_survives_and_ends_clamp() {
+    fn srgb_bytes_survive_a_round_trip_and_out_of_range_values_clamp() {
         for byte in 0..=255 {
             assert_eq!(linear_to_srgb(srgb_to_linear(byte)), byte);
         }

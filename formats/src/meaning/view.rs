@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cameras_stand_upright_and_straight_looks_have_minus_z_up() {
+    fn cameras_are_upright_and_vertical_views_use_minus_z_as_up() {
         for (eye, up) in [
             (Vec3::new(3.0, 1.0, 2.0), Vec3::Y),
             (Vec3::new(0.04, 1.0, 0.0), Vec3::Y),

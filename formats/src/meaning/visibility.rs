@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texels_say_what_was_encoded() {
+    fn visibility_texels_decode_to_the_encoded_values() {
         let c = Vec4::new(0.2, 0.5, -0.25, 0.75);
         let texel = Vec4::from(encode_visibility(c).map(|b| f32::from(b) / 255.0));
         for towards in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.48, 0.6, 0.64)] {
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn light_along_a_hair_is_along_it_in_the_tile() {
+    fn light_parallel_to_a_hair_stays_parallel_in_the_tile() {
         for (direction, share, slope) in
             [(Vec3::new(0.6, 0.0, 0.8), 0.25, 0.0), (Vec3::new(0.0, 0.6, 0.8), 1.0, 0.7), (Vec3::Z, 0.5, 1.2)]
         {

@@ -52,7 +52,7 @@ fn a_mesh_is_checked_once_for_each_opened_package() {
 }
 
 #[test]
-fn a_fault_is_kept_as_well() {
+fn section_errors_are_cached() {
     let mut bytes = WITH_INK.to_vec();
     let mesh = *open(&bytes).sections().iter().find(|s| s.tag == Tag::MESH).unwrap();
     // Five vertices exceed the limit.
@@ -71,7 +71,7 @@ fn a_fault_is_kept_as_well() {
 }
 
 #[test]
-fn what_is_kept_is_shared() {
+fn decoded_sections_are_shared() {
     let package = open(WITH_FINS);
     let (first, second) = (package.animation().unwrap().unwrap(), package.animation().unwrap().unwrap());
     assert!(std::sync::Arc::ptr_eq(&first, &second), "decoded once");
@@ -101,7 +101,7 @@ fn packages_are_shared_and_covariant() {
 
 /// The table of tags in `FORMAT.md` has exactly the rows of the list.
 #[test]
-fn the_specification_has_the_list() {
+fn specification_lists_all_sections() {
     let text = include_str!("../../FORMAT.md");
     let (_, section) = text.split_once("\n## Sections\n").unwrap();
     let rows: Vec<&str> = section.lines().skip_while(|l| !l.starts_with('|')).take_while(|l| !l.is_empty()).collect();
@@ -118,7 +118,7 @@ fn the_specification_has_the_list() {
 }
 
 #[test]
-fn the_list_is_sound() {
+fn section_list_is_consistent() {
     for (i, kind) in SECTIONS.iter().enumerate() {
         assert!((1..=FORMAT_VERSION).contains(&kind.since), "{}", kind.tag);
         assert!(SECTIONS[..i].iter().all(|other| other.tag != kind.tag), "{} twice", kind.tag);
@@ -134,7 +134,7 @@ fn refused(writer: PackageWriter<'_>) -> String {
 
 /// The probe is opened, validated and written with only its line in the list.
 #[test]
-fn a_section_is_its_file_and_its_line() {
+fn adding_a_section_takes_one_file_and_one_line() {
     let bytes = PackageWriter::new(Manifest::default()).probe(&[7, 8, 9]).finish().unwrap();
     let package = open(&bytes);
     let before = probe::CHECKED.get();
@@ -177,7 +177,7 @@ fn code(text: &str) -> impl Iterator<Item = &str> {
 /// Only the probe's own file, the list and these tests name the probe. The code that opens, validates and writes
 /// packages names no section but the manifest, with which every package begins.
 #[test]
-fn no_other_file_knows_a_section_by_name() {
+fn no_other_file_names_a_section() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let own = ["sections/probe.rs", "sections/tests.rs"].map(|file| source.join(file));
     let mut named = Vec::new();

@@ -112,7 +112,7 @@ fn mesh_contents_are_checked() {
 
 /// Fields that have a meaning since version 2 are faults in a package of version 1.
 #[test]
-fn version_1_keeps_its_reserved_bytes() {
+fn version_1_checks_its_reserved_bytes() {
     let good = sample_package_v1();
     assert_eq!(Package::validate(&good, &LIMITS()), []);
     let mesh = section(&good, Tag::MESH).offset;
@@ -170,7 +170,7 @@ fn version_1_keeps_its_reserved_bytes() {
 }
 
 #[test]
-fn fins_are_checked() {
+fn fin_contents_are_checked() {
     let good = sample_package();
     let first = 32;
     let nan = f32::NAN.to_le_bytes();
@@ -313,7 +313,7 @@ fn cut_padding_before_an_empty_section_is_an_error() {
 
 /// Opening reads only header, table and manifest. A damaged texture is detected when it is used, and others still work.
 #[test]
-fn damage_is_found_at_first_use() {
+fn damaged_sections_are_reported_at_first_use() {
     let mut bytes = sample_package();
     let sections = Package::open(&bytes, &LIMITS()).unwrap().sections().to_vec();
     for s in sections.iter().skip(1) {

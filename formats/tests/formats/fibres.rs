@@ -29,7 +29,7 @@ fn packed(info: &FibreInfo, texture: Vec<u8>) -> Result<Vec<u8>, FormatError> {
 }
 
 #[test]
-fn fibres_come_back() {
+fn fibres_survive_a_round_trip() {
     let bytes = packed(&sample(), tables(8, 4)).unwrap();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert_eq!(*package.fibres().unwrap().unwrap(), sample());
@@ -46,7 +46,7 @@ fn fibres_come_back() {
 }
 
 #[test]
-fn what_does_not_fit_is_told() {
+fn invalid_fibres_are_refused_with_the_reason() {
     type Change = fn(&mut FibreInfo);
     let cases: [(Change, &str); 12] = [
         (|f| f.fibres.clear(), "0 fibres, expected 1 to 64"),
@@ -104,7 +104,7 @@ fn groups_name_their_fibres() {
 
 /// Texels of a lookup table cannot be used as an image.
 #[test]
-fn half_floats_are_nothing_but_tables() {
+fn half_float_textures_are_accepted_only_as_fibre_tables() {
     let mut manifest = furless_manifest();
     manifest.textures = vec![TextureEntry { name: "fibres".into() }];
     manifest.materials[0].base_color_texture = Some(0);

@@ -22,7 +22,7 @@ fn golden(version: u32) -> (Vec<u8>, Vec<u8>) {
 }
 
 #[test]
-fn todays_writer_makes_the_golden_bytes() {
+fn writer_reproduces_the_golden_packages() {
     for version in 1..=FORMAT_VERSION {
         let (golden, written) = golden(version);
         assert!(golden.len() <= 16 << 10, "the golden package has {} bytes", golden.len());
@@ -37,7 +37,7 @@ fn todays_writer_makes_the_golden_bytes() {
 }
 
 #[test]
-fn golden_packages_say_what_they_always_said() {
+fn golden_packages_read_as_expected() {
     for version in 1..=FORMAT_VERSION {
         let (bytes, _) = golden(version);
         assert_eq!(Package::validate(&bytes, &Limits::default()), []);
@@ -69,7 +69,7 @@ fn golden_packages_say_what_they_always_said() {
 
 /// Fields missing from version 1 read as: no extra lean, no groom, no wet hair, no fins.
 #[test]
-fn version_1_reads_as_todays() {
+fn version_1_package_reads_with_defaults() {
     let (bytes, _) = golden(1);
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert_eq!(package.manifest(), &common::sample_manifest_v1());
@@ -98,7 +98,7 @@ fn version_2_has_lean_groom_wet_hair_and_fins() {
 }
 
 #[test]
-fn version_3_has_levels_of_detail_a_coat_and_a_choice() {
+fn version_3_has_levels_of_detail_far_fur_and_a_choice() {
     let (bytes, _) = golden(3);
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let manifest = package.manifest();
@@ -114,7 +114,7 @@ fn version_3_has_levels_of_detail_a_coat_and_a_choice() {
 
 /// Bytes that a reader in another language depends on, in full. If this fails, `FORMAT.md` is wrong too.
 #[test]
-fn header_and_table_lie_where_the_specification_says() {
+fn header_and_table_have_their_specified_offsets() {
     let (bytes, _) = golden(3);
     let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     let u64_at = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());

@@ -36,7 +36,7 @@ fn group() -> HairGroup {
 }
 
 #[test]
-fn groups_come_back() {
+fn hair_groups_survive_a_round_trip() {
     let groups = [group(), HairGroup { name: "tail".into(), hairs: 0, ..group() }];
     let bytes = package(&groups).unwrap();
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
@@ -52,7 +52,7 @@ fn groups_come_back() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn invalid_hair_groups_are_refused_with_the_reason() {
     type Change = fn(&mut HairGroup);
     let cases: [(Change, &str); 14] = [
         (|g| g.points = 1, "points is 1, expected 2 to 65"),

@@ -23,7 +23,7 @@ fn sample() -> HairMotion {
 }
 
 #[test]
-fn motion_comes_back() {
+fn hair_motion_survives_a_round_trip() {
     let bytes = packed(&[group(), group()], &sample()).unwrap();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert_eq!(*package.hair_motion().unwrap().unwrap(), sample());
@@ -31,7 +31,7 @@ fn motion_comes_back() {
 }
 
 #[test]
-fn what_does_not_fit_is_told() {
+fn invalid_hair_motion_is_refused_with_the_reason() {
     type Change = fn(&mut HairMotion);
     let cases: [(Change, &str); 11] = [
         (|m| m.groups.truncate(1), "1 groups, expected the 2 of the section HAIR"),

@@ -53,7 +53,7 @@ fn package(ink: &InkData, texture: impl Fn(usize) -> Vec<u8>) -> Result<Vec<u8>,
 }
 
 #[test]
-fn the_golden_package_reads_as_it_always_did() {
+fn golden_ink_package_reads_as_expected() {
     let written = package(&ink(), texture).unwrap();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/v3-ink.pelage");
     if std::env::var("PELAGE_WRITE_GOLDEN").is_ok_and(|v| v == "1") {
@@ -89,7 +89,7 @@ fn packages_without_ink_have_none() {
 }
 
 #[test]
-fn contents_are_checked() {
+fn ink_contents_are_checked() {
     let with = |change: &dyn Fn(&mut InkData)| {
         let mut data = ink();
         change(&mut data);
@@ -120,7 +120,7 @@ fn contents_are_checked() {
 }
 
 #[test]
-fn every_cut_and_every_changed_byte_of_the_section_is_found() {
+fn every_truncation_and_changed_byte_of_ink_is_detected() {
     let bytes = package(&ink(), texture).unwrap();
     let opened = Package::open(&bytes, &Limits::default()).unwrap();
     let index = opened.sections().iter().position(|s| s.tag == Tag::INK).unwrap();

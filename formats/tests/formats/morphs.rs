@@ -9,7 +9,7 @@ fn delta(target: u32, position: [f32; 3], normal: [f32; 3]) -> MorphDelta {
 }
 
 #[test]
-fn targets_come_back_and_the_animation_knows_them() {
+fn morph_targets_survive_a_round_trip_and_join_the_animation() {
     let bytes = packed(&sample()).unwrap();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert_eq!(*package.morphs().unwrap().unwrap(), sample());
@@ -24,7 +24,7 @@ fn targets_come_back_and_the_animation_knows_them() {
 }
 
 #[test]
-fn what_does_not_fit_is_told() {
+fn invalid_morphs_are_refused_with_the_reason() {
     type Change = fn(&mut Morphs);
     let cases: [(Change, &str); 12] = [
         (|m| m.motion.targets.clear(), "0 targets, expected 1 to 4096"),
@@ -84,7 +84,7 @@ fn weights_follow_their_curves() {
 }
 
 #[test]
-fn vertices_go_with_their_targets_before_their_joints() {
+fn morph_targets_apply_before_joints() {
     let bytes = packed(&sample()).unwrap();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let (mesh, morphs) = (package.mesh().unwrap().unwrap(), package.morphs().unwrap().unwrap());

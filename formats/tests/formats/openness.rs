@@ -23,7 +23,7 @@ fn package(add: impl FnOnce(PackageWriter<'_>) -> PackageWriter<'_>) -> Result<V
 }
 
 #[test]
-fn it_comes_back_byte_for_byte() {
+fn openness_survives_a_round_trip() {
     let bytes = package(|writer| writer.openness(&vertices())).unwrap();
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
     let opened = Package::open(&bytes, &Limits::default()).unwrap();
@@ -34,7 +34,7 @@ fn it_comes_back_byte_for_byte() {
 }
 
 #[test]
-fn contents_are_checked() {
+fn openness_contents_are_checked() {
     let count = vertices().len();
     let reason = |bytes: Vec<u8>| package(|writer| writer.section(Tag::OPENNESS, bytes)).unwrap_err().to_string();
     let missing = reason(vec![0; 4 * count - 4]);
@@ -50,7 +50,7 @@ fn contents_are_checked() {
 }
 
 #[test]
-fn every_changed_byte_of_the_section_is_found() {
+fn every_changed_byte_of_openness_is_detected() {
     let bytes = package(|writer| writer.openness(&vertices())).unwrap();
     let opened = Package::open(&bytes, &Limits::default()).unwrap();
     let section = opened.sections().iter().find(|s| s.tag == Tag::OPENNESS).unwrap();

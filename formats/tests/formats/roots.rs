@@ -22,7 +22,7 @@ fn package(info: &RootsInfo, change: impl FnOnce(&mut Manifest)) -> Result<Vec<u
 }
 
 #[test]
-fn it_comes_back_byte_for_byte() {
+fn roots_survive_a_round_trip() {
     let bytes = package(&info(), |_| ()).unwrap();
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
     let opened = Package::open(&bytes, &Limits::default()).unwrap();
@@ -37,13 +37,13 @@ fn it_comes_back_byte_for_byte() {
 }
 
 #[test]
-fn packages_without_it_have_none() {
+fn packages_without_roots_have_none() {
     let bytes = sample_package();
     assert_eq!(Package::open(&bytes, &Limits::default()).unwrap().roots().unwrap(), None);
 }
 
 #[test]
-fn contents_are_checked() {
+fn roots_contents_are_checked() {
     let changed = |change: fn(&mut RootsInfo)| {
         let mut info = info();
         change(&mut info);
@@ -61,7 +61,7 @@ fn contents_are_checked() {
 }
 
 #[test]
-fn every_changed_byte_of_the_section_is_found() {
+fn every_changed_byte_of_roots_is_detected() {
     let bytes = package(&info(), |_| ()).unwrap();
     let opened = Package::open(&bytes, &Limits::default()).unwrap();
     let section = opened.sections().iter().find(|s| s.tag == Tag::ROOTS).unwrap();

@@ -203,7 +203,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn packages_come_back_as_they_were_written(parts in any::<bool>().prop_flat_map(package)) {
+    fn packages_survive_a_round_trip(parts in any::<bool>().prop_flat_map(package)) {
         let bytes = write(&parts);
         prop_assert_eq!(&bytes, &write(&parts), "the same package twice");
         let package = Package::open(&bytes, &Limits::default()).unwrap();
@@ -248,7 +248,7 @@ proptest! {
 
 /// Vertex, index and texture data are returned as slices of the input.
 #[test]
-fn nothing_is_copied() {
+fn reading_copies_no_section() {
     let bytes = common::sample_package();
     let range = bytes.as_ptr_range();
     let inside = |slice: &[u8]| {

@@ -31,7 +31,7 @@ fn translation_x(animation: &Animation, time_s: f32) -> f32 {
 }
 
 #[test]
-fn step_and_linear_and_times_outside_the_keys() {
+fn step_and_linear_channels_hold_outside_their_keys() {
     let keys = (&[1.0, 2.0, 4.0][..], &[10.0, 0.0, 0.0, 20.0, 0.0, 0.0, -20.0, 0.0, 0.0][..]);
     let step = one_channel(Property::Translation, Interpolation::Step, keys.0, keys.1);
     let linear = one_channel(Property::Translation, Interpolation::Linear, keys.0, keys.1);
@@ -76,7 +76,7 @@ fn cubic_keys_reproduce_a_cubic() {
 
 /// Linear rotation follows the shorter arc at constant speed, even if the second key is stored as −q.
 #[test]
-fn linear_rotation_is_spherical() {
+fn linear_rotation_keys_are_interpolated_spherically() {
     for sign in [1.0, -1.0] {
         let values = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, sign * FRAC_1_SQRT_2, sign * FRAC_1_SQRT_2];
         let animation = one_channel(Property::Rotation, Interpolation::Linear, &[0.0, 2.0], &values);
@@ -91,7 +91,7 @@ fn linear_rotation_is_spherical() {
 }
 
 #[test]
-fn rotations_without_direction_are_no_rotation() {
+fn zero_quaternions_are_the_identity() {
     let zero = [0.0; 4];
     for (first, second) in [(zero, zero), (zero, [0.0, 0.0, 1.0, 0.0]), ([0.0, 0.0, 1.0, 0.0], zero)] {
         for interpolation in [Interpolation::Step, Interpolation::Linear] {
@@ -171,7 +171,7 @@ fn nothing_panics_or_gives_nan() {
 /// Halfway between two poses a node has moved half the distance and turned half the angle, and an arm attached to it
 /// keeps its length.
 #[test]
-fn between_moments_nodes_turn_about_their_parents() {
+fn blended_clips_rotate_nodes_about_their_parents() {
     let quarter = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
     let turn = Channel {
         node: 0,

@@ -30,7 +30,7 @@ fn lists() -> Vec<SimplifiedLevel> {
 }
 
 #[test]
-fn lists_come_back_byte_for_byte_in_their_place() {
+fn simplified_levels_survive_a_round_trip() {
     let bytes = package(&lists()).unwrap();
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
     let package = Package::open(&bytes, &Limits::default()).unwrap();
@@ -48,13 +48,13 @@ fn lists_come_back_byte_for_byte_in_their_place() {
 }
 
 #[test]
-fn packages_without_them_have_none() {
+fn packages_without_simplified_levels_have_none() {
     let bytes = common::sample_package();
     assert!(Package::open(&bytes, &Limits::default()).unwrap().simplified().unwrap().is_none());
 }
 
 #[test]
-fn contents_are_checked() {
+fn simplified_contents_are_checked() {
     type Change = fn(&mut Vec<SimplifiedLevel>);
     let cases: [(Change, &str); 9] = [
         (|l| l.clear(), "0 lists, expected 1..=64"),
@@ -86,7 +86,7 @@ fn contents_are_checked() {
 }
 
 #[test]
-fn every_cut_and_every_changed_byte_of_the_section_is_found() {
+fn every_truncation_and_changed_byte_of_simplified_is_detected() {
     let bytes = package(&lists()).unwrap();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let section = package.sections().iter().find(|s| s.tag == Tag::SIMPLIFIED).unwrap();

@@ -38,7 +38,7 @@ fn strands() -> StrandsData {
 }
 
 #[test]
-fn strands_come_back_as_near_as_they_are_stored() {
+fn strands_survive_a_round_trip_within_their_precision() {
     let made = strands();
     let bytes = package(&made).unwrap();
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
@@ -72,13 +72,13 @@ fn strands_come_back_as_near_as_they_are_stored() {
 }
 
 #[test]
-fn packages_without_them_have_none() {
+fn packages_without_strands_have_none() {
     let bytes = sample_package();
     assert!(Package::open(&bytes, &Limits::default()).unwrap().strands().unwrap().is_none());
 }
 
 #[test]
-fn contents_are_checked() {
+fn strand_contents_are_checked() {
     type Change = fn(&mut StrandsData);
     let cases: [(Change, &str); 8] = [
         (|s| s.roots.clear(), "for 0 strands of 3, expected one set or two"),
@@ -112,7 +112,7 @@ fn contents_are_checked() {
 }
 
 #[test]
-fn every_changed_byte_of_the_section_is_found() {
+fn every_changed_byte_of_strands_is_detected() {
     let bytes = package(&strands()).unwrap();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let section = package.sections().iter().find(|s| s.tag == Tag::STRANDS).unwrap();
@@ -124,7 +124,7 @@ fn every_changed_byte_of_the_section_is_found() {
 }
 
 #[test]
-fn whole_numbers_come_back() {
+fn stored_strand_integers_survive_a_round_trip() {
     let bytes = package(&strands()).unwrap();
     let stored = Package::open(&bytes, &Limits::default()).unwrap().strands().unwrap().unwrap().stored();
     let mut changed = stored.clone();

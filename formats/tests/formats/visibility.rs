@@ -31,7 +31,7 @@ fn sound() -> Vec<u8> {
 }
 
 #[test]
-fn it_comes_back_byte_for_byte_in_its_place() {
+fn visibility_survives_a_round_trip() {
     let bytes = sound();
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
     let package = Package::open(&bytes, &Limits::default()).unwrap();
@@ -45,14 +45,14 @@ fn it_comes_back_byte_for_byte_in_its_place() {
 }
 
 #[test]
-fn packages_without_it_have_none() {
+fn packages_without_visibility_have_none() {
     let bytes = common::sample_package();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert!(package.visibility().unwrap().is_none() && package.visibility_textures().unwrap().is_none());
 }
 
 #[test]
-fn contents_are_checked() {
+fn visibility_contents_are_checked() {
     let good = || ktx2_file(TEXELS, 4, 4, 2, 3, 7);
     for (info, change, seen, expected) in [
         (VisibilityInfo { horizon: 0.0, ..INFO }, None, good(), "horizon is 0, expected a finite number above 0"),
@@ -75,7 +75,7 @@ fn contents_are_checked() {
 }
 
 #[test]
-fn every_cut_and_every_changed_byte_of_the_section_is_found() {
+fn every_truncation_and_changed_byte_of_visibility_is_detected() {
     let bytes = sound();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let section = package.sections().iter().find(|s| s.tag == Tag::VISIBILITY).unwrap();

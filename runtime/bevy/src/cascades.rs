@@ -190,7 +190,7 @@ mod tests {
     use bevy_math::Vec4;
 
     #[test]
-    fn what_stands_before_the_first_plane_is_squeezed_and_nothing_else_is_left() {
+    fn objects_before_the_near_plane_are_squeezed_into_range() {
         // As Bevy makes them: depth 1 at z = 0, depth 0 ten metres behind.
         let clip_from_view = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z * 0.1, Vec4::new(0.0, 0.0, 1.0, 1.0));
         let squeezed = squeezed(clip_from_view, 4.0);

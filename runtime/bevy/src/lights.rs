@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn the_strongest_sun_of_the_layers_is_the_key() {
+    fn strongest_directional_light_of_the_layers_is_the_key_light() {
         let params = lit(&[sun(1000.0, false, 0), sun(2000.0 * PI, true, 0), sun(1e6, true, 3)]);
         let near = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-4, "{a} is not {b}");
         near(params.light.color(), Vec3::new(2.0, 1.0, 0.5));
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_sun_the_key_is_dark_and_most_suns_are_as_many_as_fit() {
+    fn without_suns_the_key_light_is_black_and_excess_suns_are_dropped() {
         assert_eq!(lit(&[]).light.color(), Vec3::ZERO);
         assert!(!lit(&[]).soft_shadow);
         assert_eq!(lit(&vec![sun(1.0, false, 0); 40]).fill_lights.len(), MAX_FILL_LIGHTS);

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn clips_loop_hold_pause_and_survive_nonsense() {
+    fn clips_loop_hold_and_pause_at_any_speed() {
         let clip = |time_s, speed| PelageClip { time_s, speed, ..PelageClip::new("Walk") };
         assert!((moment_after(&clip(0.9, 1.0), 0.2, 1.0) - 0.1).abs() < 1e-6, "it begins anew");
         assert!((moment_after(&clip(0.1, -1.0), 0.2, 1.0) - 0.9).abs() < 1e-6, "backwards, too");

@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sphere_around_two_holds_both_and_is_no_larger() {
+    fn enclosing_sphere_of_two_is_minimal() {
         let both = around(sphere(0.0, 0.0, 1.0), sphere(4.0, 0.0, 2.0));
         assert!((both.center.x - 2.5).abs() < 1e-6 && (both.radius - 3.5).abs() < 1e-6, "{both:?}");
         assert_eq!(around(sphere(0.0, 0.0, 3.0), sphere(1.0, 0.0, 1.0)), sphere(0.0, 0.0, 3.0), "one inside the other");
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_stands_towards_the_light_shades() {
+    fn only_spheres_towards_the_light_cast_shadows() {
         let lit = sphere(0.0, 0.0, 1.0);
         assert_eq!(above(lit, Vec3::Y, sphere(0.5, 5.0, 0.5)), Some(5.5));
         assert_eq!(above(lit, Vec3::Y, sphere(2.0, 5.0, 0.5)), None, "beside the way of the light");

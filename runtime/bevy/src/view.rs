@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ink_in_a_part_of_the_target_falls_on_the_same_pixels() {
+    fn ink_in_a_viewport_covers_the_same_pixels() {
         let projection = Projection::Perspective { fov_y_rad: 0.7, aspect: 1.5, near_m: 0.1, far_m: f32::INFINITY };
         let projection = Projection::Custom(projection.clip_from_view(true));
         let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, projection);
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scaled_camera_keeps_its_place_and_loses_its_scale() {
+    fn scaled_camera_keeps_its_pose_without_its_scale() {
         let scaled =
             Mat4::from_scale_rotation_translation(Vec3::splat(3.0), bevy_math::Quat::from_rotation_y(0.5), Vec3::X);
         let plain = Mat4::from_rotation_translation(bevy_math::Quat::from_rotation_y(0.5), Vec3::X);

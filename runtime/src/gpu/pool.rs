@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sets_are_used_again_when_nobody_holds_them() {
+    fn buffer_sets_are_reused_once_released() {
         let mut shelf = Pool::default();
         let held = shelf.put(1);
         drop(shelf.put(2));

@@ -31,7 +31,7 @@ fn params() -> FrameParams {
 
 /// Checks that each level draws its layers, and that the layers of a level together are as opaque as all baked layers.
 #[test]
-fn levels_keep_the_number_of_layers_that_are_stood_for() {
+fn layer_exponents_sum_to_the_baked_layers() {
     for baked in [2u32, 3, 4, 5, 16, 17, 64] {
         for step in [1u32, 2, 4, 8] {
             let drawn: Vec<_> = (0..detail_count(baked, step)).map(|i| detail_layer(i, baked, step, 0.0)).collect();
@@ -51,7 +51,7 @@ fn levels_keep_the_number_of_layers_that_are_stood_for() {
 }
 
 #[test]
-fn an_instance_draws_what_its_level_says() {
+fn drawing_parameters_follow_the_level() {
     let (manifest, params) = (manifest(), params());
     let at = |level, fade| InstanceDrawing::at_level(&manifest, &params, level, fade);
     let full = at(0, 0.0);
@@ -78,7 +78,7 @@ fn an_instance_draws_what_its_level_says() {
 }
 
 #[test]
-fn the_light_in_the_coat_meets_what_was_baked() {
+fn light_in_far_fur_interpolates_the_baked_values() {
     let manifest = manifest();
     let coat = manifest.coat.as_ref().unwrap();
     let [base, slope] = far_layer_light_coefficients(coat);
@@ -89,7 +89,7 @@ fn the_light_in_the_coat_meets_what_was_baked() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn invalid_detail_parameters_are_refused() {
     for detail in
         [Detail::Auto { bias: 0.0 }, Detail::Auto { bias: f32::NAN }, Detail::Level(-1.0), Detail::Level(f32::INFINITY)]
     {
@@ -101,7 +101,7 @@ fn what_makes_no_sense_is_refused() {
 
 /// Checks that strands appear before layers disappear, and that the far fur layer replaces both.
 #[test]
-fn strands_come_in_before_layers_go() {
+fn strands_fade_in_before_layers_fade_out() {
     let (manifest, params) = (manifest(), params());
     let layers = InstanceDrawing::at_level(&manifest, &params, 1, 0.25);
     assert_eq!(layers.with_strands(0.0), layers);

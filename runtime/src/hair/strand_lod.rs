@@ -122,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fewer_hairs_of_a_coat_are_as_wide_as_samples_find_them() {
+    fn hair_share_falls_with_the_width_in_samples() {
         let fur = FurParams::default();
         let widths = [1.0, 0.9, 0.45, 0.225, 0.1];
         assert_eq!(widths.map(|px| drawn_share(&fur, false, px, 1)), [1.0; 5]);
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn strands_begin_where_samples_find_them() {
+    fn strands_appear_at_the_width_that_samples_resolve() {
         let of = |edges, px, samples| {
             let fur = FurParams::default().with(|fur| fur.strand_edges = edges);
             (1e4 * strand_transition(&fur, px, samples)).round() / 1e4

@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn texels_are_wider_than_strands_and_fit_into_a_buffer() {
+    fn opacity_map_texels_exceed_strand_width_and_fit_the_buffer() {
         let hull = Hull(vec![(Vec3::ZERO, 0.5)]);
         let view = LightView::new(&Light::default(), &hull, hull.sphere().unwrap());
         let key = |params: &FrameParams, width_m| {

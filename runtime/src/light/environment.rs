@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn as_much_of_an_even_sky_is_above_any_skin() {
+    fn uniform_sky_lights_every_normal_equally() {
         let (layers, most) = build_map(&Environment::constant([1.0, 0.5, 0.25]));
         for normal in [Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::new(1.0, 1.0, -1.0)] {
             let whole = at(&layers, 0, normal);

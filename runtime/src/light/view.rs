@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hull_is_inside_the_maps_and_fills_them() {
+    fn light_maps_contain_the_hull_and_fit_it_tightly() {
         let center = Vec3::new(1.0, 2.0, -3.0);
         let spheres = Hull(vec![(center, 0.4)]);
         let stick = Hull(vec![(center - 0.7 * Vec3::Y, 0.05), (center + 0.7 * Vec3::Y, 0.05)]);

@@ -45,7 +45,7 @@ macro_rules! forms {
 
         #[cfg(all(test, feature = "study"))]
         #[test]
-        fn the_default_study_is_what_builds_without_it_draw() {
+        fn default_study_equals_builds_without_the_feature() {
             let projection = crate::Projection::Perspective { fov_y_rad: 1.0, aspect: 1.0, near_m: 0.1, far_m: 100.0 };
             let camera = crate::Camera::look_at(glam::Vec3::Z, glam::Vec3::ZERO, projection);
             let params = FrameParams::new(camera, [8, 8]);

@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn one_clip_is_that_clip_and_nothing_is_rest() {
+    fn single_clip_plays_and_no_clip_rests() {
         let mut animator = Animator::new();
         assert_eq!(animator.motion(), Motion::Rest);
         animator.play(Some(WALK), 0.0);
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_takes_its_time_and_both_clips_go_on() {
+    fn cross_fade_lasts_its_time_while_both_clips_play() {
         let mut animator = Animator::new();
         animator.play(Some(WALK), 0.0);
         animator.play(Some(RUN), 0.4);
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_third_clip_begins_where_the_change_to_the_second_was() {
+    fn third_clip_fades_in_from_the_unfinished_cross_fade() {
         let mut animator = Animator::new();
         animator.play(Some(WALK), 0.0);
         animator.play(Some(RUN), 0.4);
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn no_time_and_impatience_do_no_harm() {
+    fn invalid_and_hasty_cross_fades_stay_finite() {
         let mut animator = Animator::new();
         for seconds in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             animator.play(Some(WALK), seconds);

@@ -394,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn models_look_along_their_heading_or_their_way() {
+    fn models_face_their_heading_or_their_path() {
         let nose = |place: &Placement, t| place.transform(t).transform_vector3(Vec3::Z);
         let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-5, "{a} is not {b}");
         assert_eq!(Placement::fixed(Vec3::ZERO).transform(3.0), Mat4::IDENTITY);

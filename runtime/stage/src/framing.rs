@@ -196,7 +196,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_point_is_in_the_picture_and_fills_it() {
+    fn framed_points_fill_the_picture() {
         let points: Vec<Vec3> = (0..500)
             .map(|i| {
                 let t = i as f32;
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_that_goes_around_keeps_every_point_and_turns_about_its_target() {
+    fn orbiting_camera_keeps_all_points_in_view() {
         let points: Vec<Vec3> = (0..200)
             .map(|i| Vec3::new(3.0 + (i as f32).sin(), (i as f32 * 0.7).cos(), 2.0 * (i as f32 * 1.9).sin()))
             .collect();
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn a_zoom_brings_the_nearest_side_nearer_and_never_behind_the_eye() {
+    fn zoom_moves_closer_and_never_past_the_nearest_point() {
         let points = [Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, 0.5, 0.0)];
         let view = |zoom| {
             let orbit = Some(Orbit { azimuth_deg: 0.0, elevation_deg: 0.0, zoom });
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn outermost_points_frame_as_all_do() {
+    fn outermost_points_give_the_same_framing_as_all_points() {
         let points: Vec<Vec3> =
             (0..500).map(|i| Vec3::new((i as f32).sin(), (i as f32 * 0.7).cos(), (i as f32 * 1.9).sin())).collect();
         let framing = Framing::default();
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_and_a_point_are_framed_too() {
+    fn empty_and_single_points_are_framed() {
         for points in [&[][..], &[Vec3::ONE]] {
             let Viewpoint { eye, target, .. } = frame(points, 0.0, 1.0, TOWARDS_CAMERA);
             assert!(eye.is_finite() && target.is_finite() && eye != target);

@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_orbit_moves_the_front_with_the_hand() {
+    fn small_orbit_moves_the_front_with_the_pointer() {
         let mut navigator = Navigator::new(VIEW);
         let front = VIEW.target + (VIEW.eye - VIEW.target).normalize() * 0.3;
         navigator.orbit(Vec2::new(0.01, 0.01));
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_grabbed_stays_below_the_hand() {
+    fn panned_point_stays_under_the_pointer() {
         let mut navigator = Navigator::new(VIEW);
         let before = seen(&navigator, VIEW.target);
         navigator.pan(Vec2::new(0.2, -0.1));
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn no_movement_breaks_the_camera() {
+    fn extreme_movements_keep_the_camera_finite() {
         let mut navigator = Navigator::new(VIEW);
         for factor in [1e30, 1e-30, 0.0, -1.0, f32::NAN, f32::INFINITY] {
             (0..20).for_each(|_| navigator.zoom(factor, Vec2::new(0.4, -0.4)));
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_head_keeps_its_place_and_what_it_sees_moves_with_the_hand() {
+    fn turning_keeps_the_position_and_moves_the_view_with_the_pointer() {
         let mut navigator = Navigator::new(VIEW);
         let before = seen(&navigator, VIEW.target);
         navigator.turn(Vec2::new(0.05, 0.02));
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_say_where_it_is() {
+    fn orbit_angles_describe_the_camera_position() {
         let mut navigator = Navigator::new(VIEW);
         navigator.set_spherical(90.0, 0.0, 3.0);
         let away = navigator.view().eye - navigator.view().target;

@@ -428,7 +428,7 @@ mod tests {
     use pelage_formats::{Manifest, PackageWriter};
 
     #[test]
-    fn a_cast_without_its_models_is_refused_before_a_device_is_opened() {
+    fn invalid_cast_is_refused_before_opening_a_device() {
         let bytes = PackageWriter::new(Manifest::default()).finish().unwrap();
         let file = NamedPackage::new("a.pelage", bytes);
         let framing = crate::Framing::default();

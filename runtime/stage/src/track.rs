@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn it_passes_through_its_keys_and_holds_beyond_them() {
+    fn track_passes_through_its_keys_and_holds_beyond_them() {
         let keys = [(-1.0, 3.0), (0.5, 7.0), (0.75, -2.0), (4.0, 5.5)];
         let track = track(&keys);
         assert!(keys.iter().all(|(t, x)| track.at(*t) == *x));
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn unevenly_spaced_keys_of_a_parabola_give_it_back() {
+    fn unevenly_spaced_keys_reproduce_a_parabola() {
         let parabola = |t: f32| 1.0 - 2.0 * t + 0.75 * t * t;
         let track = track(&[-1.0, 0.0, 0.5, 2.0, 3.0].map(|t| (t, parabola(t))));
         // Except in the outermost segments, whose outer speed lacks a third key.
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn a_walker_looks_where_it_goes() {
+    fn track_direction_follows_the_path() {
         let l = walk(&[(0.0, [0.0, 0.0, 0.0]), (1.0, [0.0, 0.0, 2.0]), (2.0, [0.0, 0.5, 2.0]), (3.0, [4.0, 0.0, 2.0])]);
         let near = |t: f32, expected: Vec3| {
             let found = l.direction(t).unwrap();

@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drag_is_one_step_and_steps_go_both_ways() {
+    fn drag_is_one_undo_step_and_can_be_redone() {
         let mut edits = Edits::default();
         edits.set("a.b", "1".into(), true);
         edits.set("a.b", "2".into(), true);

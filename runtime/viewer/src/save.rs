@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_is_written_over_or_left_behind() {
+    fn saving_overwrites_nothing_and_leaves_no_temporary_files() {
         let folder = tempfile::tempdir().unwrap();
         let first = free(folder.path(), "fox", "png").unwrap();
         assert_eq!(first, folder.path().join("fox-0001.png"));

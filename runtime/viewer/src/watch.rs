@@ -84,7 +84,7 @@ mod tests {
     use std::sync::mpsc::channel;
 
     #[test]
-    fn a_file_saved_under_its_name_is_a_change_and_its_neighbour_is_none() {
+    fn watch_reports_saves_of_the_file_and_ignores_its_neighbours() {
         let folder = tempfile::tempdir().unwrap();
         let (file, neighbour) = (folder.path().join("a.toml"), folder.path().join("b.toml"));
         std::fs::write(&file, "1").unwrap();

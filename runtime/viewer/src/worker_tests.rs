@@ -102,7 +102,7 @@ impl Bench {
 }
 
 #[test]
-fn of_many_changes_the_last_is_made() {
+fn only_the_last_of_many_changes_is_made() {
     let bench = bench();
     bench.workers.open(bench.file.clone());
     assert_eq!(bench.begun(), [""; 0]);
@@ -118,7 +118,7 @@ fn of_many_changes_the_last_is_made() {
 }
 
 #[test]
-fn a_changed_file_is_made_anew_with_the_same_edits_until_they_are_saved() {
+fn changed_file_is_rebuilt_with_the_unsaved_edits() {
     let bench = bench();
     (0..5).for_each(|_| bench.go_on.send(()).unwrap());
     bench.workers.open(bench.file.clone());
@@ -134,7 +134,7 @@ fn a_changed_file_is_made_anew_with_the_same_edits_until_they_are_saved() {
 }
 
 #[test]
-fn a_fault_of_the_program_is_told_and_outlived() {
+fn worker_survives_and_reports_a_panic() {
     let bench = bench();
     (0..2).for_each(|_| bench.go_on.send(()).unwrap());
     bench.workers.open(bench.file.clone());
@@ -146,7 +146,7 @@ fn a_fault_of_the_program_is_told_and_outlived() {
 }
 
 #[test]
-fn a_truth_is_broken_off_when_another_is_asked_for() {
+fn new_reference_request_cancels_the_previous_one() {
     let bench = bench();
     let asked = |time_s| ReferenceRequest {
         file: Arc::new(NamedPackage::new("a", Vec::new())),

@@ -17,7 +17,7 @@ before(async () => {
 });
 after(() => opened?.close());
 
-inBrowser("a_canvas_shows_what_render_draws", browser("a_canvas_shows_what_render_draws"), async () => {
+inBrowser("canvas_matches_render", browser("canvas_matches_render"), async () => {
   const { page, faults, close } = await bare(opened, { size: SIZE });
   const fur = await picture(page, "canvas_fur");
   assertSame(fur, rendered("render_fur", SIZE));
@@ -51,7 +51,7 @@ inBrowser("a_canvas_shows_what_render_draws", browser("a_canvas_shows_what_rende
   await close();
 });
 
-inBrowser("a_page_takes_the_sky_that_render_takes", browser("a_page_takes_the_sky_that_render_takes"), async () => {
+inBrowser("page_accepts_the_environment_files_of_render", browser("page_accepts_the_environment_files_of_render"), async () => {
   const { page, faults, close } = await bare(opened, { size: SIZE });
   const keyed = await picture(page, "sky_none");
   const sky = `even = [0.1, 0.12, 0.15]
@@ -84,7 +84,7 @@ radiance = [0.4, 0.8, 1.6]
   await close();
 });
 
-inBrowser("what_is_wrong_is_said_and_changes_nothing", browser("what_is_wrong_is_said_and_changes_nothing"), async () => {
+inBrowser("invalid_settings_are_reported_and_change_nothing", browser("invalid_settings_are_reported_and_change_nothing"), async () => {
   const { page, faults, close } = await bare(opened, { size: [64, 48] });
   const before = await picture(page, "before_faults");
   const said = await page.evaluate(async () => {
@@ -127,7 +127,7 @@ inBrowser("what_is_wrong_is_said_and_changes_nothing", browser("what_is_wrong_is
   await close();
 });
 
-inBrowser("three_hundred_frames_need_no_more_memory_than_ten", browser("three_hundred_frames_need_no_more_memory_than_ten"), async () => {
+inBrowser("memory_does_not_grow_over_300_frames", browser("memory_does_not_grow_over_300_frames"), async () => {
   // Whatever a device makes is counted.
   const count = () => {
     window.made = {};
@@ -167,7 +167,7 @@ inBrowser("three_hundred_frames_need_no_more_memory_than_ten", browser("three_hu
   await close();
 });
 
-inBrowser("packages_that_come_and_go_leave_nothing", browser("packages_that_come_and_go_leave_nothing"), async () => {
+inBrowser("replaced_packages_are_freed", browser("replaced_packages_are_freed"), async () => {
   const { page, faults, close } = await bare(opened, { size: [48, 36] });
   const load = (times) =>
     page.evaluate(async (times) => {
@@ -210,7 +210,7 @@ function mask(blocks) {
   };
 }
 
-inBrowser("blocks_are_decoded_where_the_device_has_none", browser("blocks_are_decoded_where_the_device_has_none"), async () => {
+inBrowser("blocks_are_decoded_without_device_support", browser("blocks_are_decoded_without_device_support"), async () => {
   const drawn = [];
   for (const blocks of [true, false]) {
     const before = `(${mask})(${blocks})`;
@@ -226,7 +226,7 @@ inBrowser("blocks_are_decoded_where_the_device_has_none", browser("blocks_are_de
   assertSame(decoded.file, rendered("render_blocks", SIZE));
 });
 
-inBrowser("a_lost_device_is_replaced_and_all_is_as_before", browser("a_lost_device_is_replaced_and_all_is_as_before"), async () => {
+inBrowser("lost_device_is_replaced_without_changes", browser("lost_device_is_replaced_without_changes"), async () => {
   const keep = () => {
     const request = GPUAdapter.prototype.requestDevice;
     window.devices = [];

@@ -16,7 +16,7 @@ const MOST_BYTES = 500_000;
 // The profile `page` is built quickly, for tests; `./run test --all` builds the one that people load.
 const quick = process.env.PELAGE_PAGE === "page" && "only ./run test --all builds the page as people load it";
 
-test("what a page loads is small", { skip: quick }, () => {
+test("page downloads are small", { skip: quick }, () => {
   const files = readdirSync(NPM).filter((file) => /\.(js|wasm)$/.test(file));
   assert.ok(files.includes("index.js") && files.includes("pelage_web_bg.wasm"), files.join());
   const sizes = files.map((file) => gzipSync(readFileSync(`${NPM}/${file}`), { level: 9 }).length);
@@ -25,13 +25,13 @@ test("what a page loads is small", { skip: quick }, () => {
   assert.ok(sum <= MOST_BYTES, `${sum} bytes, expected ${MOST_BYTES} at most`);
 });
 
-test("npm packs all that the package is made of", () => {
+test("npm package is complete", () => {
   const [packed] = JSON.parse(execFileSync("npm", ["pack", "--dry-run", "--json", "--offline"], { cwd: NPM, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
   const { files } = JSON.parse(readFileSync(`${NPM}/package.json`, "utf8"));
   assert.deepEqual(packed.files.map(({ path }) => path).sort(), [...files, "package.json"].sort());
 });
 
-test("the types name what the class has, and nothing else", () => {
+test("type declarations match the class", () => {
   const members = (text, line) => new Set([...text.matchAll(line)].map(([, name]) => name));
   const between = (file, from) => readFileSync(`${NPM}/${file}`, "utf8").split(from)[1].split("\n}")[0];
   for (const [file, name, least] of [["index.js", "Pelage", 25], ["pass.js", "PelagePass", 7]]) {
@@ -44,12 +44,12 @@ test("the types name what the class has, and nothing else", () => {
   }
 });
 
-test("the version is that of the crates", () => {
+test("npm version equals the crate version", () => {
   const { version } = JSON.parse(readFileSync(`${ROOT}/runtime/web/npm/package.json`, "utf8"));
   assert.ok(readFileSync(`${ROOT}/Cargo.toml`, "utf8").includes(`\nversion = "${version}"\n`), version);
 });
 
-test("the server gives what lies in its folder, with its type, and nothing else", async (t) => {
+test("server serves only files of its folder with their types", async (t) => {
   const server = await serve(`${ROOT}/runtime/web/page`);
   t.after(() => server.close());
   assert.equal(server.address().address, "127.0.0.1");

@@ -81,7 +81,7 @@ inBrowser("knobs_of_the_page_change_the_picture", browser("knobs_of_the_page_cha
   await close();
 });
 
-inBrowser("hands_move_the_camera", browser("hands_move_the_camera"), async () => {
+inBrowser("pointer_input_moves_the_camera", browser("pointer_input_moves_the_camera"), async () => {
   const { page, faults, close } = await loaded();
   const camera = () => page.evaluate(() => ({ ...pelage.orbit, ...pelage.camera }));
   const box = await page.locator("canvas").boundingBox();
@@ -138,7 +138,7 @@ inBrowser("hands_move_the_camera", browser("hands_move_the_camera"), async () =>
   await close();
 });
 
-inBrowser("a_dropped_package_that_is_broken_is_named_and_the_page_lives", browser("a_dropped_package_that_is_broken_is_named_and_the_page_lives"), async () => {
+inBrowser("broken_dropped_packages_are_named_and_the_page_continues", browser("broken_dropped_packages_are_named_and_the_page_continues"), async () => {
   const { page, faults, close } = await loaded();
   const whole = readFileSync(hare());
   const flipped = Buffer.from(whole);
@@ -166,8 +166,8 @@ inBrowser("a_dropped_package_that_is_broken_is_named_and_the_page_lives", browse
   await close();
 });
 
-const folder = data("no_file_that_is_no_package_stops_the_page");
-inBrowser("no_file_that_is_no_package_stops_the_page", browser("no_file_that_is_no_package_stops_the_page") && folder, async () => {
+const folder = data("page_survives_files_other_than_packages");
+inBrowser("page_survives_files_other_than_packages", browser("page_survives_files_other_than_packages") && folder, async () => {
   const { page, faults, close } = await loaded();
   const paths = readdirSync(folder, { recursive: true }).map((name) => join(folder, name)).filter((path) => statSync(path).isFile());
   assert.ok(paths.length > 500, `${paths.length} files`);
@@ -193,7 +193,7 @@ inBrowser("no_file_that_is_no_package_stops_the_page", browser("no_file_that_is_
   await close();
 });
 
-inBrowser("a_browser_without_webgpu_is_told_so", browser("a_browser_without_webgpu_is_told_so"), async () => {
+inBrowser("missing_webgpu_is_reported", browser("missing_webgpu_is_reported"), async () => {
   for (const [before, title, words] of [
     [() => Object.defineProperty(navigator, "gpu", { value: undefined }), "This needs WebGPU", /no WebGPU.*Chrome/],
     [() => (GPU.prototype.requestAdapter = async () => null), "No graphics adapter that can draw this", /adapter/],

@@ -9,8 +9,8 @@ import { hare, open, OUT, page, SITE } from "./stage.mjs";
 const EXAMPLE = `${ROOT}/runtime/web/examples/three`;
 const LONG_MS = 120_000;
 
-const needed = browser("fur_and_meshes_of_three_hide_each_other");
-test("fur_and_meshes_of_three_hide_each_other", { timeout: LONG_MS, skip: !needed }, async () => {
+const needed = browser("fur_and_three_js_meshes_occlude_each_other");
+test("fur_and_three_js_meshes_occlude_each_other", { timeout: LONG_MS, skip: !needed }, async () => {
   assert.ok(existsSync(`${EXAMPLE}/node_modules/three`), "three.js is not there: npm ci in runtime/web/examples/three");
   const opened = await open();
   // A clock that stands still.

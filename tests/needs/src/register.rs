@@ -109,13 +109,13 @@ mod tests {
     }
 
     #[test]
-    fn a_name_with_the_wrong_need_is_not_the_test() {
+    fn test_with_the_wrong_need_fails() {
         let faults = check("gpu draws", "had\tdata\tdraws\t/data\n").unwrap_err();
         assert_eq!(faults.len(), 2, "{faults:?}");
     }
 
     #[test]
-    fn tests_that_nobody_registered_fail() {
+    fn unregistered_tests_fail() {
         for log in ["had\tgpu\tnew\tadapter\n", "lacked\tgpu\tnew\toff\n"] {
             let faults = check(LIST, &format!("{LOG}{log}")).unwrap_err();
             assert!(faults.len() == 1 && faults[0].contains("`gpu new`"), "{faults:?}");
@@ -123,14 +123,14 @@ mod tests {
     }
 
     #[test]
-    fn tests_that_went_without_are_told_with_their_reason() {
+    fn skipped_tests_are_listed_with_their_reason() {
         let roll = check(LIST, &format!("{LOG}lacked\tgpu\tdraws\tswitched off\n")).unwrap();
         assert_eq!(roll.lacked, BTreeMap::from([((Need::Gpu, "draws".to_owned()), "switched off".to_owned())]));
         assert_eq!(roll.had[&Need::Gpu], 1);
     }
 
     #[test]
-    fn lines_that_are_no_log_fail() {
+    fn malformed_log_lines_fail() {
         for line in ["ran\tgpu\tdraws\tadapter", "had\tluck\tdraws\tadapter", "had gpu draws", "had\tgpu\tdraws"] {
             assert!(check(LIST, &format!("{LOG}{line}\n")).is_err(), "{line:?}");
         }

@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn taken_apart_and_laid_out_a_package_is_the_same() {
+    fn package_sections_survive_a_round_trip() {
         let package: &[u8] = include_bytes!("../../../formats/tests/golden/v3.pelage");
         let (version, list) = sections(package);
         assert!(assemble(version, &list) == package);

@@ -385,7 +385,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn a_changed_document_differs_and_every_place_has_its_turn() {
+    fn every_json_mutation_differs_and_reaches_every_value() {
         let document = json!({ "a": [1, { "b/c": "d" }], "e": null });
         let mut seen = std::collections::BTreeSet::new();
         for turn in 0..400 {
@@ -399,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn a_changed_text_or_file_mostly_differs() {
+    fn text_and_byte_mutations_mostly_differ() {
         let text = "[a]\nb = 1\nc = [1, 2]\n";
         let differs = |i: u64| toml(text, i, &mut Random::of_case(3, 4, i)).1 != text;
         assert!((0..100).filter(|i| differs(*i)).count() > 80);

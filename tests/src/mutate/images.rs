@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sealed_png_is_read_with_the_size_that_it_says() {
+    fn sealed_png_is_read_with_its_stated_size() {
         let mut out = std::io::Cursor::new(Vec::new());
         image::RgbaImage::new(2, 2).write_to(&mut out, image::ImageFormat::Png).unwrap_or_else(|e| panic!("{e}"));
         let good = out.into_inner();

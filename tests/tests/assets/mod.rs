@@ -121,7 +121,7 @@ fn volume(p: &Primitive) -> f64 {
 }
 
 #[test]
-fn committed_models_are_what_the_code_makes() {
+fn committed_models_match_their_generators() {
     for (name, model) in [
         ("hare", hare()),
         ("ox", ox()),
@@ -146,7 +146,7 @@ fn committed_models_are_what_the_code_makes() {
 }
 
 #[test]
-fn committed_patterns_are_what_the_code_makes_and_repeat() {
+fn committed_patterns_match_their_generators_and_tile() {
     for (name, made) in patterns::all() {
         let path = folder("patterns").join(format!("{name}.png"));
         let committed = image::open(&path).unwrap().into_rgb8();
@@ -163,7 +163,7 @@ fn committed_patterns_are_what_the_code_makes_and_repeat() {
 }
 
 #[test]
-fn sizes_are_as_promised() {
+fn model_sizes_are_as_documented() {
     let [coat, eyes, nose] = hare().primitives.as_slice() else { panic!("the hare has three primitives") };
     assert!((4_700..=5_300).contains(&coat.triangles.len()), "{}", coat.triangles.len());
     assert!(eyes.triangles.len() + nose.triangles.len() < 1_200);
@@ -192,7 +192,7 @@ fn the_ox_is_as_large_as_a_water_buffalo() {
 }
 
 #[test]
-fn the_crane_stands_on_its_legs_with_its_head_high() {
+fn crane_stands_on_its_legs_with_its_head_up() {
     let skin = whole_skin(crane());
     assert!((3_000..=6_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
     assert!(crane().to_glb().unwrap().len() <= 500_000);
@@ -211,7 +211,7 @@ fn area(p: &Primitive) -> f64 {
 }
 
 #[test]
-fn the_pony_is_built_like_one_and_its_long_hair_has_a_place_to_grow() {
+fn pony_has_correct_proportions_and_hair_regions() {
     let skin = whole_skin(pony());
     assert!((9_000..=14_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
     assert!(pony().to_glb().unwrap().len() <= 600_000);
@@ -240,7 +240,7 @@ fn the_pony_is_built_like_one_and_its_long_hair_has_a_place_to_grow() {
 }
 
 #[test]
-fn the_head_is_as_large_as_life_and_its_scalp_is_even() {
+fn head_is_life_size_with_an_even_scalp() {
     let skin = whole_skin(head());
     assert!((14_000..=20_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
     assert!(head().to_glb().unwrap().len() <= 600_000);
@@ -262,7 +262,7 @@ fn the_head_is_as_large_as_life_and_its_scalp_is_even() {
 }
 
 #[test]
-fn pony_and_head_are_the_same_on_both_sides() {
+fn pony_and_head_are_symmetric() {
     for model in [pony(), head()] {
         let skin = whole_skin(model);
         let places: BTreeSet<PositionKey> = skin.positions.iter().map(|p| key(*p)).collect();
@@ -272,7 +272,7 @@ fn pony_and_head_are_the_same_on_both_sides() {
 }
 
 #[test]
-fn hills_stand_behind_each_other_and_the_path_is_flat() {
+fn hills_are_ordered_in_depth_and_the_path_is_flat() {
     assert!(hills().primitives.iter().map(|p| p.triangles.len()).sum::<usize>() <= 12_000);
     assert!(hills().to_glb().unwrap().len() <= 500_000);
     let ridges = ["near", "middle", "far"].map(|name| part(hills(), name));
@@ -317,7 +317,7 @@ fn surfaces_are_closed_and_face_outwards() {
 }
 
 #[test]
-fn normals_are_unit_and_on_the_triangles_side() {
+fn model_normals_are_unit_length_and_agree_with_their_triangles() {
     for model in [hare(), ox(), crane(), hills(), pony(), head(), &shapes::torus(), &shapes::knot()] {
         for p in &model.primitives {
             assert!(p.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-6), "{}", p.name);
@@ -377,7 +377,7 @@ fn charts_are_right_handed_even_and_in_scale() {
 }
 
 #[test]
-fn tubes_close_after_whole_tiles() {
+fn tube_seams_are_whole_tiles_apart() {
     for model in [shapes::torus(), shapes::knot()] {
         let p = &model.primitives[0];
         let mut seen: BTreeMap<PositionKey, [f64; 2]> = BTreeMap::new();
@@ -411,7 +411,7 @@ fn animals() -> Vec<(&'static Model, &'static str, Vec<Foot>, [f64; 2])> {
 }
 
 #[test]
-fn skin_weights_sum_to_one_and_clips_loop() {
+fn joint_weights_sum_to_one_and_clips_loop() {
     for (model, ..) in animals() {
         let joints = model.skeleton.as_ref().unwrap();
         assert!((10..=40).contains(&joints.len()), "{}: {} joints", model.name, joints.len());
@@ -453,7 +453,7 @@ fn foot_path(model: &Model, gait: &str, (joint, tip): Foot, seconds: f64, steps:
 }
 
 #[test]
-fn feet_on_the_ground_go_with_it() {
+fn feet_on_the_ground_move_at_its_speed() {
     for (model, gait, feet, [metres, seconds]) in animals() {
         let high = model.primitives[0].positions.iter().map(|p| p.y).fold(0.0, f64::max);
         for foot in feet {

@@ -39,32 +39,32 @@ fn assert_dependencies(package: &str, options: &[&str], knows: &[&str], never: &
 }
 
 #[test]
-fn formats_knows_no_gpu_no_thread_pool_and_no_tool() {
+fn formats_depends_on_no_gpu_thread_pool_or_tool() {
     let never = ["wgpu", "naga", "rayon", "clap", "image", "gltf", "tempfile", "pelage-runtime", "pelage-bake"];
     assert_dependencies("pelage-formats", &[], &["serde", "bincode", "ktx2", "glam"], &never);
 }
 
 #[test]
-fn glb_knows_json_and_nothing_else() {
+fn glb_depends_only_on_json() {
     let never = ["wgpu", "naga", "rayon", "clap", "image", "glam", "tempfile", "pelage-formats", "pelage-runtime"];
     assert_dependencies("pelage-glb", &[], &["serde_json"], &never);
     assert_dependencies("pelage-formats", &[], &[], &["pelage-glb", "serde_json"]);
 }
 
 #[test]
-fn params_know_text_and_nothing_else() {
+fn params_depends_only_on_text_crates() {
     let never = ["wgpu", "naga", "rayon", "clap", "image", "glam", "tempfile", "pelage-formats", "pelage-runtime"];
     assert_dependencies("pelage-params", &[], &["strsim", "toml"], &never);
 }
 
 #[test]
-fn runtime_knows_only_formats_and_the_gpu() {
+fn runtime_depends_only_on_formats_and_the_gpu() {
     let never = ["clap", "rayon", "image", "gltf", "tempfile", "indicatif", "pelage-bake"];
     assert_dependencies("pelage-runtime", &[], &["wgpu", "pelage-formats", "glam", "bytemuck"], &never);
 }
 
 #[test]
-fn the_stage_is_plain_data_and_with_its_feature_draws() {
+fn stage_depends_on_the_gpu_only_with_its_draw_feature() {
     let never = ["clap", "rayon", "image", "tempfile", "indicatif", "pelage-bake", "winit"];
     let knows = ["pelage-formats", "glam", "serde", "toml"];
     assert_dependencies("pelage-stage", &[], &knows, &[&never[..], &["wgpu", "wgpu-core", "naga", "pelage-runtime"]].concat());
@@ -72,7 +72,7 @@ fn the_stage_is_plain_data_and_with_its_feature_draws() {
 }
 
 #[test]
-fn the_viewer_knows_windows_and_no_models() {
+fn viewer_depends_on_windowing_and_not_on_importers() {
     let never = ["clap", "rayon", "gltf", "pelage-bake", "pelage-glb"];
     assert_dependencies("pelage-viewer", &[], &["winit", "egui", "wgpu", "pelage-stage", "pelage-runtime"], &never);
     // Without its window feature the tool draws but links no window crate.
@@ -80,7 +80,7 @@ fn the_viewer_knows_windows_and_no_models() {
 }
 
 #[test]
-fn the_page_draws_through_the_stage_and_costs_a_native_build_nothing() {
+fn web_depends_on_the_stage_and_adds_nothing_to_native_builds() {
     let never = ["clap", "rayon", "image", "tempfile", "indicatif", "pelage-bake", "winit"];
     assert_dependencies("pelage-web", &[], &["pelage-stage", "wasm-bindgen", "wgpu"], &never);
     let native = ["tree", "--package", "pelage-web", "--edges", "normal", "--prefix", "none"];
@@ -88,7 +88,7 @@ fn the_page_draws_through_the_stage_and_costs_a_native_build_nothing() {
 }
 
 #[test]
-fn the_binder_and_the_module_speak_one_format() {
+fn binder_and_module_use_the_same_wasm_bindgen() {
     let version = |manifest: &str, name: &str| {
         let text = std::fs::read_to_string(workspace().join(manifest)).unwrap();
         let line = text.lines().find(|line| line.starts_with(&format!("{name} = "))).map(str::to_owned);
@@ -100,13 +100,13 @@ fn the_binder_and_the_module_speak_one_format() {
 }
 
 #[test]
-fn the_importer_knows_formats_and_codecs() {
+fn importer_depends_only_on_formats_and_codecs() {
     let never = ["wgpu", "clap", "rayon", "pelage-stage", "pelage-bake"];
     assert_dependencies("pelage-import", &[], &["pelage-formats", "draco-core", "image"], &never);
 }
 
 #[test]
-fn the_baker_and_the_truth_know_no_gpu() {
+fn baker_and_reference_depend_on_no_gpu() {
     let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit"];
     assert_dependencies(
         "pelage-bake",
@@ -124,7 +124,7 @@ fn the_baker_and_the_truth_know_no_gpu() {
 }
 
 #[test]
-fn the_models_know_no_other_floor_but_how_gltf_is_written() {
+fn asset_models_depend_only_on_the_gltf_writer() {
     let never = [
         "wgpu",
         "rayon",
@@ -141,7 +141,7 @@ fn the_models_know_no_other_floor_but_how_gltf_is_written() {
 }
 
 #[test]
-fn the_tool_draws_and_has_no_laboratory() {
+fn tool_depends_on_the_runtime_and_not_on_the_lab() {
     // Negative control: the same check of the full tree finds wgpu and the window crates.
     assert_dependencies("pelage-tool", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &["pelage-lab"]);
     assert_dependencies("pelage-lab", &[], &["pelage-tool", "plotters"], &[]);
@@ -149,7 +149,7 @@ fn the_tool_draws_and_has_no_laboratory() {
 
 /// Checks that the printed forms are compiled for the laboratory only.
 #[test]
-fn nothing_that_ships_has_the_study() {
+fn shipped_packages_lack_the_study_feature() {
     for (package, expected) in
         [("pelage-tool", false), ("pelage-viewer", false), ("pelage-web", false), ("pelage-lab", true)]
     {

@@ -10,7 +10,7 @@ use pelage_tests::documents::{
 use pelage_tests::pages::pages;
 
 #[test]
-fn the_reference_pages_are_what_the_code_says() {
+fn reference_pages_are_up_to_date() {
     let pages = pages();
     assert!(pages.iter().all(|(_, page)| page.lines().count() > 100), "a page is nearly empty");
     for (path, page) in pages {
@@ -54,7 +54,7 @@ fn the_architecture_lists_every_pass() {
 
 /// Checks that every section of the formula sheet cited by code or documents exists.
 #[test]
-fn every_cited_formula_stands_in_the_sheet() {
+fn every_cited_formula_exists() {
     const SHEET: &str = "formats/docs/formulas.md";
     let sheet = std::fs::read_to_string(workspace().join(SHEET)).unwrap();
     let sections = numbered_headings(&sheet);
@@ -94,7 +94,7 @@ fn every_named_document_is_in_the_repository() {
 
 /// Checks that each page of decisions is in the index, and that each decision has the required parts.
 #[test]
-fn every_decision_says_why_and_what_would_change_it() {
+fn every_decision_states_reason_and_revision_criterion() {
     let index = std::fs::read_to_string(workspace().join("formats/docs/decisions.md")).unwrap();
     let listed: Vec<String> = links(&index).into_iter().map(|(path, _)| path).collect();
     let mut decisions = 0;
@@ -113,7 +113,7 @@ fn every_decision_says_why_and_what_would_change_it() {
 
 /// Checks that files and folders named by documents exist, and that links resolve.
 #[test]
-fn what_documents_point_at_is_there() {
+fn paths_and_links_in_documents_exist() {
     let mut pointed = 0;
     for document in documents(&["md"]) {
         for path in named_paths(&document.text) {
@@ -136,7 +136,7 @@ fn what_documents_point_at_is_there() {
 
 /// Checks line widths, since documents are read in narrow windows, and the length of the two that are read first.
 #[test]
-fn documents_keep_their_size() {
+fn documents_stay_within_size_limits() {
     let read_first = ["README.md", "ARCHITECTURE.md"];
     let mut seen = 0;
     for document in documents(&["md"]) {
@@ -158,7 +158,7 @@ fn documents_keep_their_size() {
 
 /// Checks that the input shown on the pages for artists and scripts is valid: recipes, single keys, options.
 #[test]
-fn what_documents_tell_to_type_is_understood() {
+fn commands_in_documents_are_valid() {
     let sandbox = Sandbox::new().with_lab();
     let mut options = String::new();
     for command in [

@@ -70,7 +70,7 @@ fn upward_dependencies(arrows: &Dependencies, floors: &[&[&str]]) -> (Vec<String
 }
 
 #[test]
-fn no_files_of_a_crate_know_each_other_in_a_circle() {
+fn files_have_no_import_cycles() {
     let crates = crates();
     assert!(crates.len() >= 8, "{crates:?}");
     let (mut files, mut count) = (0, 0);
@@ -97,7 +97,7 @@ fn folder_graph(arrows: &Dependencies) -> Dependencies {
 const CIRCLES: [&str; 2] = ["formats", "bake/lab"];
 
 #[test]
-fn no_rooms_of_a_crate_know_each_other_in_a_circle() {
+fn folders_have_no_import_cycles() {
     let circles: Vec<_> = crates().into_iter().filter_map(|c| Some((find_cycle(&folder_graph(&dependencies_of(&c)))?, c))).collect();
     assert_eq!(circles.iter().map(|(_, folder)| folder).collect::<Vec<_>>(), CIRCLES.each_ref(), "{circles:?}");
     // Two files of one folder and a file beside it: no cycle of files, but a cycle of rooms.
@@ -111,7 +111,7 @@ fn no_rooms_of_a_crate_know_each_other_in_a_circle() {
 }
 
 #[test]
-fn a_file_knows_only_lower_floors() {
+fn files_import_only_from_lower_layers() {
     for (folder, floors, least) in [("runtime", &RUNTIME[..], 100), ("bake", &BAKE[..], 400)] {
         let (faults, count) = upward_dependencies(&dependencies_of(folder), floors);
         assert!(faults.is_empty(), "{folder}: {faults:#?}");
@@ -151,7 +151,7 @@ fn three_file_crate(root: &str, a: &str, b: &str) -> Dependencies {
 }
 
 #[test]
-fn circles_and_high_floors_are_found() {
+fn import_cycles_and_upward_imports_are_found() {
     let fine = three_file_crate("pub mod a;\nmod b;\npub use b::B;", "use crate::B;", "pub struct B;");
     assert_eq!(find_cycle(&fine), None, "what the root hands on is not the root's");
     assert_eq!(upward_dependencies(&fine, &[&["b"], &["a"]]), (Vec::new(), 1));

@@ -17,7 +17,7 @@ fn publishable_crates() -> Vec<Value> {
 }
 
 #[test]
-fn manifests_say_what_a_registry_shows() {
+fn published_manifests_have_registry_metadata() {
     for package in publishable_crates() {
         let name = package["name"].as_str().unwrap();
         let count = |key: &str| package[key].as_array().unwrap().len();
@@ -40,7 +40,7 @@ fn manifests_say_what_a_registry_shows() {
 /// Checks the copies in `bake/tool/built_in` of everything that the demo shows; a published package must contain all
 /// its sources.
 #[test]
-fn what_comes_with_the_binary_is_what_stands_in_assets() {
+fn built_in_files_equal_those_in_assets() {
     let read = |path: &Path| std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut names = pelage_tests::binary::files(&workspace().join("bake/tool/built_in"));
     names.retain(|name| name != "README.md");

@@ -61,7 +61,7 @@ fn mentions(code: &str, name: &str) -> bool {
 }
 
 #[test]
-fn every_test_that_asks_is_registered_and_every_registered_one_is_there() {
+fn tests_with_needs_and_the_register_agree() {
     let registered = entries(REGISTER).unwrap_or_else(|e| panic!("tests/needs/register.txt: {e}"));
     let sources = sources();
     let mut count = 0;
@@ -80,7 +80,7 @@ fn every_test_that_asks_is_registered_and_every_registered_one_is_there() {
 }
 
 #[test]
-fn askers_are_found() {
+fn requests_for_needs_are_found() {
     let code =
         r#"let Some(gpu) = gpu("one") else { return }; gpu(name); to_data("no"); data("two"); shared("three", path)"#;
     let two = [(Need::Data, "two".to_owned()), (Need::Data, "three".to_owned())];
@@ -128,7 +128,7 @@ fn every_file_of_tests_is_part_of_its_binary() {
 }
 
 #[test]
-fn files_that_no_binary_names_are_found() {
+fn orphaned_test_files_are_found() {
     let files = ["common", "frames", "lost"].map(str::to_owned);
     assert_eq!(orphans("//! Doc.\n\n#[path = \"x\"]\npub mod common;\nmod frames;\n", &files), ["lost"]);
 }

@@ -20,7 +20,7 @@ fn not_checked(ci: Option<&str>, exceptions: Option<&str>) -> (bool, String) {
 }
 
 #[test]
-fn what_goes_unchecked_fails_in_ci_unless_it_is_named() {
+fn skipped_checks_fail_in_ci_unless_excepted() {
     for (ci, exceptions, goes_on) in [
         (None, None, true),
         (Some("false"), None, true),
@@ -38,7 +38,7 @@ fn what_goes_unchecked_fails_in_ci_unless_it_is_named() {
 }
 
 #[test]
-fn the_gate_leaves_nothing_out_by_itself() {
+fn run_script_skips_checks_only_through_not_checked() {
     let text = std::fs::read_to_string(workspace().join("run")).unwrap_or_else(|e| panic!("run: {e}"));
     assert!(text.contains("tests/not_checked.sh ") && !text.contains("NOT CHECKED"), "run must ask not_checked.sh");
 }

@@ -24,7 +24,7 @@ fn line(doc: &mut Doc, mode: u64, mesh_name: &str, mut node: Value) {
 }
 
 #[test]
-fn lines_named_comb_are_read_in_the_world_and_others_left_out() {
+fn comb_lines_are_read_in_world_space() {
     let mut doc = with_triangle();
     let moved = json!({"name": "Comb_neck", "translation": [0, 0, 5], "scale": [2, 2, 2],
         "rotation": [0, 0, std::f32::consts::FRAC_1_SQRT_2, std::f32::consts::FRAC_1_SQRT_2]});
@@ -47,7 +47,7 @@ fn lines_named_comb_are_read_in_the_world_and_others_left_out() {
 }
 
 #[test]
-fn empty_nodes_point_along_their_y() {
+fn comb_markers_point_along_their_y_axis() {
     let mut doc = with_triangle();
     let parent = doc
         .push("nodes", json!({"name": "parent", "translation": [0, 3, 0], "scale": [2, 2, 2], "children": [2, 3, 4]}));
@@ -90,7 +90,7 @@ fn skinned_line(joint_of_line: u8) -> Doc {
 }
 
 #[test]
-fn lines_follow_their_skin_to_the_rest_pose() {
+fn skinned_comb_lines_are_moved_to_the_rest_pose() {
     let model = skinned_line(0).model();
     let names: Vec<&str> = model.combs.iter().map(|comb| comb.name.as_str()).collect();
     assert_eq!(names, ["comb_arm", "comb_tip"], "a joint is no mark, what hangs on it is");
@@ -100,7 +100,7 @@ fn lines_follow_their_skin_to_the_rest_pose() {
 }
 
 #[test]
-fn what_is_wrong_with_a_line_is_said() {
+fn comb_line_errors_are_reported() {
     let (place, reason) = skinned_line(7).fault();
     assert!(place == "/meshes/1/primitives/0" && reason.contains("joint 7"), "{place}: {reason}");
     let mut odd = with_triangle();
@@ -122,7 +122,7 @@ fn what_is_wrong_with_a_line_is_said() {
 }
 
 #[test]
-fn a_file_without_nodes_has_its_lines_as_they_are() {
+fn comb_lines_without_nodes_are_read_untransformed() {
     let mut doc = Doc::new();
     let (position, points) = (doc.triangle(), doc.floats(&[0., 0., 0., 1., 0., 0.], "VEC3"));
     doc.push("meshes", json!({"name": "body", "primitives": [{"attributes": {"POSITION": position}}]}));

@@ -108,7 +108,7 @@ fn packed_sheet(side: usize) -> (CompressedDoc, Vec<[u16; 4]>, Vec<u32>) {
 }
 
 #[test]
-fn quantized_and_packed_is_what_went_in() {
+fn quantized_meshopt_model_decodes_to_its_input() {
     let (packed, quantized, triangles) = packed_sheet(40);
     let model = import_bytes(&packed.glb()).unwrap();
     assert_sound(&model);
@@ -148,7 +148,7 @@ fn decode_positions(
 }
 
 #[test]
-fn vertices_of_every_size_and_kind_of_change() {
+fn meshopt_vertices_of_all_counts_and_spreads_decode() {
     // Counts around the sizes of groups and blocks; deltas of zero, two, four and eight bits.
     for count in [3, 15, 16, 17, 240, 255, 256, 257, 700] {
         for spread in [0_u32, 1, 5, 100, 1 << 20] {
@@ -169,7 +169,7 @@ fn vertices_of_every_size_and_kind_of_change() {
 }
 
 #[test]
-fn filters_are_undone_as_their_own_library_does() {
+fn meshopt_filters_decode_as_in_the_library() {
     let (positions, normals, _) = sheet(20);
     let n = positions.len();
     let exponential: Vec<[u32; 3]> = meshopt::encode_filter_exp(&positions, 15, meshopt::EncodeExpMode::Separate);
@@ -203,7 +203,7 @@ fn filters_are_undone_as_their_own_library_does() {
 }
 
 #[test]
-fn index_lists_in_any_order() {
+fn meshopt_index_lists_decode_in_any_order() {
     let (positions, _, triangles) = sheet(30);
     let backwards: Vec<u32> = triangles.chunks(3).rev().flatten().copied().collect();
     for (mode, stride) in [("INDICES", 4), ("INDICES", 2), ("TRIANGLES", 4)] {
@@ -236,7 +236,7 @@ fn index_lists_in_any_order() {
 }
 
 #[test]
-fn faults_name_the_view() {
+fn meshopt_errors_name_the_buffer_view() {
     let (good, ..) = packed_sheet(8);
     let with = |change: fn(&mut Value)| {
         let mut packed = CompressedDoc { doc: good.doc.clone(), plain: good.plain };
@@ -275,7 +275,7 @@ fn ext(json: &mut Value) -> &mut Value {
 }
 
 #[test]
-fn a_small_file_cannot_unfold_without_measure() {
+fn small_compressed_file_cannot_expand_without_bound() {
     // The first view is decompressed. The second is rejected beforehand, since both would take more than a gibibyte.
     let elements = vec![[0.5_f32; 64]; 64];
     let mut packed = CompressedDoc::new();
@@ -316,7 +316,7 @@ fn flip_bits(glb: &[u8], start: usize, step: usize, folder: &Path) -> [usize; 2]
 }
 
 #[test]
-fn damaged_meshopt() {
+fn damaged_meshopt_data_never_panics() {
     let (packed, ..) = packed_sheet(20);
     let glb = packed.glb();
     let start = glb.len() - packed.doc.bin.len();
@@ -331,8 +331,8 @@ fn damaged_meshopt() {
 }
 
 #[test]
-fn damaged_draco() {
-    let Some(data) = data("damaged_draco") else { return };
+fn damaged_draco_data_never_panics() {
+    let Some(data) = data("damaged_draco_data_never_panics") else { return };
     let folder = data.join("meshes/compressed");
     let glb = std::fs::read(folder.join("quaternius_RedPandaAstronaut_draco.glb")).unwrap();
     let [refused, read] = flip_bits(&glb, 12, 2003, &folder);

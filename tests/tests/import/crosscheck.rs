@@ -63,8 +63,8 @@ const FILES: [&str; 11] = [
 ];
 
 #[test]
-fn both_readers_see_the_same_vertices() {
-    let Some(data) = data("both_readers_see_the_same_vertices") else { return };
+fn importer_and_gltf_crate_read_the_same_vertices() {
+    let Some(data) = data("importer_and_gltf_crate_read_the_same_vertices") else { return };
     for name in FILES {
         let path = data.join("meshes").join(name);
         let model = read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap();
@@ -96,8 +96,8 @@ fn both_readers_see_the_same_vertices() {
 }
 
 #[test]
-fn both_readers_see_the_same_keys() {
-    let Some(data) = data("both_readers_see_the_same_keys") else { return };
+fn importer_and_gltf_crate_read_the_same_animation_keys() {
+    let Some(data) = data("importer_and_gltf_crate_read_the_same_animation_keys") else { return };
     let mut compared = 0;
     for name in FILES.iter().filter(|n| n.starts_with("skinned")) {
         let path = data.join("meshes").join(name);
@@ -196,8 +196,8 @@ fn morphed_positions(
 /// Checks that a package poses morph targets as the file does in double precision. Every vertex of one must be a vertex
 /// of the other. Normals are not compared, because the fur has its own, closed over hard edges.
 #[test]
-fn a_package_morphs_as_the_file_says() {
-    let Some(data) = data("a_package_morphs_as_the_file_says") else { return };
+fn morphed_package_matches_its_gltf_file() {
+    let Some(data) = data("morphed_package_matches_its_gltf_file") else { return };
     let mut worst: f64 = 0.0;
     for name in MORPHED {
         let path = data.join("meshes").join(name);

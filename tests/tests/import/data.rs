@@ -174,8 +174,8 @@ fn broken_files_fail_where_they_are_broken() {
 }
 
 #[test]
-fn every_file_is_read_or_refused_with_a_place() {
-    let Some(data) = data("every_file_is_read_or_refused_with_a_place") else { return };
+fn every_gltf_test_file_is_read_or_refused_with_a_position() {
+    let Some(data) = data("every_gltf_test_file_is_read_or_refused_with_a_position") else { return };
     let mut files = Vec::new();
     for folder in [
         "static",

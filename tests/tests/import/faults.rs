@@ -33,7 +33,7 @@ fn expect(pointer: &str, value: Value, place: &str, reason: &str) {
 }
 
 #[test]
-fn references_and_types_are_checked_where_they_stand() {
+fn invalid_references_and_types_are_reported_at_their_field() {
     expect("/nodes/0/mesh", json!(7), "/nodes/0/mesh", "is 7, expected less than 1, the number of meshes");
     expect("/nodes/0/mesh", json!(-1), "/nodes/0/mesh", "is -1, expected a whole number >= 0");
     expect(
@@ -137,7 +137,7 @@ fn ranges_are_checked_against_the_bytes_there_are() {
 
 /// Checks that small files that would expand beyond the limits of a package are rejected before memory is allocated.
 #[test]
-fn shared_accessors_cannot_unfold_without_bounds() {
+fn shared_accessors_cannot_expand_without_bound() {
     let million = json!({"componentType": F32, "type": "VEC3", "count": 1_000_000});
     let mut doc = Doc::new();
     let position = doc.push("accessors", million);
@@ -170,7 +170,7 @@ fn shared_accessors_cannot_unfold_without_bounds() {
 }
 
 #[test]
-fn a_view_past_its_buffer_is_no_fault_while_nothing_reads_there() {
+fn unused_view_past_its_buffer_is_only_a_warning() {
     let mut doc = valid_doc();
     let last = doc.json["bufferViews"].as_array().unwrap().len() - 1;
     doc.json["bufferViews"][last]["byteLength"] = json!(1_000_000);
@@ -178,7 +178,7 @@ fn a_view_past_its_buffer_is_no_fault_while_nothing_reads_there() {
 }
 
 #[test]
-fn indices_and_positions_name_the_element() {
+fn invalid_indices_and_positions_name_the_element() {
     let mut doc = valid_doc();
     let at = doc.json["bufferViews"][3]["byteOffset"].as_u64().unwrap() as usize;
     doc.bin[at + 2] = 3;
@@ -208,7 +208,7 @@ fn attributes_have_one_element_per_vertex() {
 }
 
 #[test]
-fn sparse_data_is_checked_too() {
+fn sparse_accessors_are_checked() {
     let sparse = |edit: &dyn Fn(&mut Value)| {
         let mut doc = valid_doc();
         let (indices, values) = (doc.view(&[0_u8, 3]), doc.view(&[0.0_f32; 6][..].bytes()));
@@ -229,7 +229,7 @@ fn sparse_data_is_checked_too() {
 }
 
 #[test]
-fn extensions_that_cannot_be_read_are_named_with_a_way_out() {
+fn unsupported_extensions_are_named_with_a_workaround() {
     let mut doc = valid_doc();
     doc.json["extensionsRequired"] = json!([
         "KHR_mesh_quantization",
@@ -324,7 +324,7 @@ fn buffers_that_are_missing_or_short_are_named() {
 }
 
 #[test]
-fn images_that_cannot_be_read_are_named() {
+fn unreadable_images_are_named() {
     let with = |image: &[u8]| {
         let mut doc = valid_doc();
         let view = doc.view(image);
@@ -358,7 +358,7 @@ fn images_that_cannot_be_read_are_named() {
 }
 
 #[test]
-fn a_name_from_the_file_cannot_flood_a_message() {
+fn long_names_are_shortened_and_escaped_in_messages() {
     let mut doc = valid_doc();
     let long = "x".repeat(10_000);
     doc.json["extensionsRequired"] = json!([format!("{long}\u{1b}[31m")]);

@@ -11,7 +11,7 @@ fn square(doc: &mut Doc) -> usize {
 }
 
 #[test]
-fn glb_and_gltf_give_the_same_model_whatever_the_name() {
+fn glb_and_gltf_give_the_same_model_under_any_name() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     doc.show(json!({"attributes": {"POSITION": position}}));
@@ -28,7 +28,7 @@ fn glb_and_gltf_give_the_same_model_whatever_the_name() {
 }
 
 #[test]
-fn every_index_type_and_no_index() {
+fn all_index_types_and_unindexed_triangles_are_read() {
     let corners = [0_u8, 1, 2, 0, 2, 3];
     for component in [U8, U16, U32] {
         let mut doc = Doc::new();
@@ -71,7 +71,7 @@ fn strips_and_fans_face_one_way() {
 }
 
 #[test]
-fn points_and_lines_are_left_out_with_a_word() {
+fn points_and_lines_are_left_out_with_a_warning() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let node = doc.show(json!({"attributes": {"POSITION": position}, "mode": 0}));
@@ -88,7 +88,7 @@ fn points_and_lines_are_left_out_with_a_word() {
 }
 
 #[test]
-fn sparse_accessors_replace_elements_with_and_without_a_view() {
+fn sparse_accessors_work_with_and_without_a_base() {
     for based in [true, false] {
         let mut doc = Doc::new();
         let indices = doc.view(&[0_u8, 2]);
@@ -129,7 +129,7 @@ fn interleaved_vertices_are_read_by_stride() {
 }
 
 #[test]
-fn quantised_attributes_normalised_or_not() {
+fn quantised_attributes_are_read_with_and_without_normalisation() {
     let mut doc = Doc::new();
     doc.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     // Normalised i8: -128 clamps to -1, 127 is 1. Plain i16: the number itself. Normalised u8: 255 is 1. Plain u16.
@@ -173,7 +173,7 @@ fn textured(doc: &mut Doc, info: serde_json::Value) -> usize {
 }
 
 #[test]
-fn texture_transform_turns_and_picks_its_set() {
+fn texture_transform_rotates_and_selects_its_coordinate_set() {
     // Example of the extension's specification: quarter turn, half size, shifted down; the lower left quarter of the
     // image.
     let mut doc = Doc::new();
@@ -195,7 +195,7 @@ fn texture_transform_turns_and_picks_its_set() {
 }
 
 #[test]
-fn a_texture_can_ask_for_the_second_set_and_a_missing_one_falls_back() {
+fn second_texture_coordinate_set_is_used_with_fallback() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let (first, second) = (doc.floats(&[0.25; 6], "VEC2"), doc.floats(&[0.75; 6], "VEC2"));
@@ -210,7 +210,7 @@ fn a_texture_can_ask_for_the_second_set_and_a_missing_one_falls_back() {
 }
 
 #[test]
-fn materials_keep_what_fur_needs() {
+fn material_properties_needed_by_fur_are_kept() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let texture = textured(&mut doc, json!({}));
@@ -237,7 +237,7 @@ fn materials_keep_what_fur_needs() {
 }
 
 #[test]
-fn gloss_is_known_where_a_number_says_it() {
+fn roughness_and_metallic_are_known_only_without_a_texture() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     for pbr in [
@@ -257,7 +257,7 @@ fn gloss_is_known_where_a_number_says_it() {
 }
 
 #[test]
-fn parts_know_the_names_of_their_node_and_mesh() {
+fn parts_have_the_names_of_their_node_and_mesh() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let primitive = || json!([{"attributes": {"POSITION": position}}]);
@@ -324,7 +324,7 @@ fn triangles_against_their_normals_are_turned() {
 }
 
 #[test]
-fn vertex_colors_in_every_format() {
+fn vertex_colours_are_read_in_every_format() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let rgb = doc.floats(&[0., 0.5, 1., 2., -1., 0.2, f32::NAN, 0., 0.], "VEC3");
@@ -343,7 +343,7 @@ fn vertex_colors_in_every_format() {
 }
 
 #[test]
-fn node_transforms_multiply_and_mirrored_nodes_keep_their_outside() {
+fn node_transforms_compose_and_mirroring_keeps_the_outside() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let normal = doc.floats(&[0., 0., 1., 0., 0., 1., 0., 0., 1.], "VEC3");
@@ -373,7 +373,7 @@ fn node_transforms_multiply_and_mirrored_nodes_keep_their_outside() {
 }
 
 #[test]
-fn sheared_matrices_are_exact_where_nothing_moves() {
+fn sheared_matrices_are_exact_for_static_models() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let node = doc.show(json!({"attributes": {"POSITION": position}}));
@@ -384,7 +384,7 @@ fn sheared_matrices_are_exact_where_nothing_moves() {
 }
 
 #[test]
-fn the_scene_decides_what_is_shown() {
+fn default_scene_selects_the_nodes() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     for _ in 0..3 {
@@ -408,7 +408,7 @@ fn the_scene_decides_what_is_shown() {
 }
 
 #[test]
-fn a_unit_scales_what_stands_still() {
+fn unit_scales_static_models() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let node = doc.show(json!({"attributes": {"POSITION": position}}));

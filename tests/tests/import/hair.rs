@@ -67,8 +67,8 @@ fn resampled(strand: &[Vec3]) -> Vec<Vec3> {
 }
 
 #[test]
-fn hair_between_guides_is_near_the_combed_one() {
-    let Some(data) = data("hair_between_guides_is_near_the_combed_one") else { return };
+fn interpolated_hair_is_near_the_combed_hair() {
+    let Some(data) = data("interpolated_hair_is_near_the_combed_hair") else { return };
     for (name, strands, points, most) in FILES {
         let bytes = std::fs::read(data.join("hair").join(name)).unwrap();
         let extension = name.rsplit('.').next().unwrap();
@@ -92,7 +92,7 @@ fn import_lines(bytes: &[u8]) -> Result<Guides, BakeError> {
 }
 
 #[test]
-fn exported_lines_come_back() {
+fn exported_strands_are_imported_unchanged() {
     let mut curves = Curves::default();
     for strand in 0..50u32 {
         curves.begin_group(if strand < 20 { "coat" } else { "mane" });
@@ -182,7 +182,7 @@ fn lines_of_all_modes_are_strands() {
 }
 
 #[test]
-fn what_is_no_strand_is_refused_with_its_place() {
+fn invalid_strand_files_are_refused_with_the_position() {
     let fault = |doc: &Doc, expected: [&str; 2]| match import_lines(&doc.glb()) {
         Err(BakeError::Input { place, reason, .. }) => {
             assert!(

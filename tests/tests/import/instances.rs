@@ -23,7 +23,7 @@ fn two_places(doc: &mut Doc) -> Value {
 }
 
 #[test]
-fn a_mesh_stands_where_its_instances_are_and_not_where_its_node_is() {
+fn mesh_is_placed_at_its_instances_and_not_at_its_node() {
     let mut doc = doc(|doc| {
         let half = std::f32::consts::FRAC_1_SQRT_2;
         json!({
@@ -50,7 +50,7 @@ fn a_mesh_stands_where_its_instances_are_and_not_where_its_node_is() {
 }
 
 #[test]
-fn whole_numbers_turn_and_mirrors_keep_their_outside() {
+fn integer_rotations_are_read_and_mirroring_keeps_the_outside() {
     let model = doc(|doc| {
         // A quarter turn about z in normalised bytes; mirrored in x.
         let rotation = doc.accessor(&[0_i8, 0, 90, 90][..].bytes(), I8, "VEC4", 1);
@@ -87,7 +87,7 @@ fn instances_move_with_their_node() {
 }
 
 #[test]
-fn what_is_wrong_with_instances_is_said() {
+fn instance_errors_name_the_field() {
     type Attributes = fn(&mut Doc) -> Value;
     let table: [(Attributes, &str, &str); 6] = [
         (|_| json!({}), "attributes", "has none of TRANSLATION, ROTATION and SCALE"),
@@ -119,7 +119,7 @@ fn what_is_wrong_with_instances_is_said() {
 }
 
 #[test]
-fn none_at_all_shows_nothing_and_a_skinned_mesh_is_shown_once() {
+fn zero_instances_show_nothing_and_skinned_meshes_appear_once() {
     let nothing = doc(
         |doc| json!({"TRANSLATION": doc.push("accessors", json!({"componentType": F32, "type": "VEC3", "count": 0}))}),
     );

@@ -41,7 +41,7 @@ fn buffers_are_found_beside_the_model_by_decoded_name() {
 }
 
 #[test]
-fn uris_that_leave_the_model_are_refused() {
+fn uris_outside_the_model_folder_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("m.gltf");
     for (uri, reason) in [
@@ -65,7 +65,7 @@ fn uris_that_leave_the_model_are_refused() {
 }
 
 #[test]
-fn what_cannot_be_read_is_named() {
+fn unreadable_files_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let text = read_file(folder.path()).unwrap_err().to_string();
     assert!(text.contains("cannot read: it is a folder, expected a file"), "{text}");
@@ -75,7 +75,7 @@ fn what_cannot_be_read_is_named() {
 }
 
 #[test]
-fn writing_replaces_whole_files_and_leaves_nothing_behind() {
+fn atomic_writes_replace_files_and_leave_no_temporary_ones() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.pelage");
     write_atomic(&path, b"first").unwrap();
@@ -93,7 +93,7 @@ fn writing_replaces_whole_files_and_leaves_nothing_behind() {
 
 #[cfg(unix)]
 #[test]
-fn of_several_files_none_appears_before_all_are_whole() {
+fn several_files_are_written_all_or_none() {
     let folder = tempfile::tempdir().unwrap();
     let [one, two, sub] = ["one", "two", "sub"].map(|name| folder.path().join(name));
     std::fs::create_dir(&sub).unwrap();
@@ -110,7 +110,7 @@ fn of_several_files_none_appears_before_all_are_whole() {
 }
 
 #[test]
-fn written_files_have_ordinary_permissions_and_links_stay_links() {
+fn atomic_writes_keep_permissions_and_symbolic_links() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = tempfile::tempdir().unwrap();
     let (path, plain) = (folder.path().join("a"), folder.path().join("b"));
@@ -129,7 +129,7 @@ fn written_files_have_ordinary_permissions_and_links_stay_links() {
 }
 
 #[test]
-fn a_model_reads_nothing_outside_its_folder_unless_told() {
+fn files_outside_the_model_folder_need_permission() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir_all(folder.path().join("fox/bin")).unwrap();
     let bin = external("x").1;
@@ -165,7 +165,7 @@ fn a_model_reads_nothing_outside_its_folder_unless_told() {
 
 #[cfg(unix)]
 #[test]
-fn only_regular_files_are_read_and_no_more_of_them_than_is_declared() {
+fn only_regular_files_are_read_and_only_to_their_declared_length() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("m.gltf");
     let pipe = folder.path().join("pipe");

@@ -62,7 +62,7 @@ fn inverse_bind_matrices_undo_the_bind_pose() {
 }
 
 #[test]
-fn a_unit_scales_what_moves_through_an_extra_root() {
+fn unit_scales_animated_models_through_an_extra_root() {
     let doc = skinned(&ALTERNATE, &[1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.]);
     let model = import("m", &doc.glb(), &mut |_, _| unreachable!(), &ImportOptions { unit_m: 0.5 }).unwrap();
     assert_sound(&model);
@@ -72,7 +72,7 @@ fn a_unit_scales_what_moves_through_an_extra_root() {
 }
 
 #[test]
-fn odd_weights_are_mended() {
+fn invalid_joint_weights_are_repaired() {
     let doc = skinned(&ALTERNATE, &[2., 0., 0., 0., 0., 0., 0., 0., -1., 0.5, f32::NAN, 0.]);
     let model = doc.model();
     let skin = &model.mesh.skin;
@@ -85,7 +85,7 @@ fn odd_weights_are_mended() {
 }
 
 #[test]
-fn of_eight_influences_the_four_largest_stay() {
+fn four_largest_of_eight_influences_are_kept() {
     let mut doc = skinned(&[0; 12], &[0.3, 0.05, 0.1, 0.05, 0., 0., 0., 1., 1., 0., 0., 0.]);
     let extra: Vec<u8> = [[1_u8; 4]; 3].concat();
     let joints = doc.accessor(&extra, U8, "VEC4", 3);
@@ -102,7 +102,7 @@ fn of_eight_influences_the_four_largest_stay() {
 }
 
 #[test]
-fn joints_past_the_skin_are_refused_where_they_count() {
+fn out_of_range_joints_with_weight_are_refused() {
     let mut joints = ALTERNATE;
     joints[6] = 9;
     let weights = [1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.];
@@ -114,7 +114,7 @@ fn joints_past_the_skin_are_refused_where_they_count() {
 }
 
 #[test]
-fn a_skeleton_that_mirrors_turns_the_triangles() {
+fn mirroring_skeleton_flips_the_triangles() {
     let mut doc = skinned(&[0; 12], &[1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.]);
     doc.json["nodes"][0]["scale"] = json!([-1, 1, 1]);
     let model = doc.model();
@@ -148,7 +148,7 @@ fn rigid() -> Doc {
 }
 
 #[test]
-fn a_moving_ancestor_binds_everything_and_a_bystander_nothing() {
+fn only_moving_ancestors_bind_a_mesh() {
     let mut doc = rigid();
     let camera = doc.push("nodes", json!({"name": "camera"}));
     clip(&mut doc, camera, "translation", "LINEAR", &[0., 1.], &[0.; 6]);
@@ -170,7 +170,7 @@ fn a_moving_ancestor_binds_everything_and_a_bystander_nothing() {
 }
 
 #[test]
-fn mirrored_rigid_parts_that_move_are_turned() {
+fn mirrored_moving_rigid_parts_are_flipped() {
     let mut doc = rigid();
     doc.json["nodes"][1]["scale"] = json!([1, -1, 1]);
     clip(&mut doc, 1, "translation", "STEP", &[0.], &[0., 0., 2.]);
@@ -201,7 +201,7 @@ fn every_interpolation_keeps_its_keys() {
 }
 
 #[test]
-fn quantised_rotations_are_fractions_of_one() {
+fn quantised_rotations_are_normalised() {
     let mut doc = rigid();
     let input = doc.floats(&[0.], "SCALAR");
     let output = doc.accessor(&[0_i16, 0, 32_767, 0][..].bytes(), I16, "VEC4", 1);
@@ -220,7 +220,7 @@ fn quantised_rotations_are_fractions_of_one() {
 }
 
 #[test]
-fn odd_channels_are_left_out_or_mended() {
+fn invalid_channels_are_left_out_or_repaired() {
     let mut doc = rigid();
     let (input, output) = (
         doc.floats(&[0., 0., 2., 1.], "SCALAR"),
@@ -283,7 +283,7 @@ fn one_mesh_on_two_nodes_appears_twice() {
 }
 
 #[test]
-fn shear_is_left_out_of_what_moves_with_a_word() {
+fn shear_of_animated_nodes_is_dropped_with_a_warning() {
     let mut doc = rigid();
     doc.json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     clip(&mut doc, 1, "translation", "LINEAR", &[-1., 1.], &[0., 0., 1., 0., 0., 3.]);
@@ -295,7 +295,7 @@ fn shear_is_left_out_of_what_moves_with_a_word() {
 }
 
 #[test]
-fn a_clip_may_move_what_a_matrix_places() {
+fn clips_animate_nodes_placed_by_a_matrix() {
     let mut doc = rigid();
     doc.json["nodes"][1] = json!({"name": "turntable", "children": [0],
         "matrix": [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 5, 0, 0, 1]});

@@ -33,7 +33,7 @@ fn refused(text: &str) -> (String, String) {
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 #[test]
-fn a_square_with_everything() {
+fn square_with_all_attributes_is_read() {
     let m = model(&format!(
         "{SQUARE}vt 0 0\nvt 1 0\nvt 1 0.75\nvt 0 1\nvn 0 0 1\no box\ng side\nusemtl skin\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"
     ));
@@ -59,7 +59,7 @@ fn indices_count_from_either_end() {
 }
 
 #[test]
-fn parts_gather_what_belongs_together() {
+fn faces_are_grouped_by_object_group_and_material() {
     let m = model(&format!(
         "{SQUARE}usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\nusemtl a\nf 1 2 4\ng tail\nf 2 3 4\no other\ng tail\nf 1 2 3\n"
     ));
@@ -75,7 +75,7 @@ fn parts_gather_what_belongs_together() {
 }
 
 #[test]
-fn normals_are_computed_smooth_and_do_not_hang_on_the_triangulation() {
+fn computed_normals_do_not_depend_on_the_triangulation() {
     // A cube of quads: three faces meet at each corner, with four, five or six triangles.
     let cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
         f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n";
@@ -114,14 +114,14 @@ fn concave_polygons_keep_their_shape() {
 }
 
 #[test]
-fn vertex_colours_are_srgb_and_may_be_partial() {
+fn vertex_colours_are_srgb_and_default_to_white() {
     let m = model("v 0 0 0\nv 1 0 0 1 0.5 0\nv 1 1 0 1 1 0.5 0\nf 1 2 3\n");
     // IEC 61966-2-1: 0.5 is 21.4 % of the light.
     assert_eq!(m.mesh.colors, [[255; 4], [255, 55, 0, 255], [255, 55, 0, 255]]);
 }
 
 #[test]
-fn texture_coordinates_count_only_where_all_corners_have_them() {
+fn texture_coordinates_need_all_corners_of_a_part() {
     let m = model(&format!("{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1 3 4\n"));
     assert!(!m.mesh.parts[0].has_uvs);
     assert_warns(&m, "3 of 6 corners have no texture coordinates");
@@ -135,7 +135,7 @@ fn texture_coordinates_count_only_where_all_corners_have_them() {
 }
 
 #[test]
-fn units_scale_everything() {
+fn unit_scales_obj_models() {
     let m = with_files(&format!("{SQUARE}f 1 2 3\n"), &[], &ImportOptions { unit_m: 0.01 }).unwrap();
     assert_eq!(m.mesh.positions[2], Vec3::new(0.01, 0.01, 0.0));
     let far = with_files("v 0 0 0\nv 1e38 0 0\nv 0 1 0\nf 1 2 3\n", &[], &ImportOptions { unit_m: 1e6 });
@@ -144,7 +144,7 @@ fn units_scale_everything() {
 }
 
 #[test]
-fn what_is_no_surface_is_counted() {
+fn statements_other_than_surfaces_are_counted() {
     let m = model(&format!("{SQUARE}p 1 2\nl 1 2\nl 2 3\nf 1 2\nf 1\nf 1 2 3\ncurv 0 1 1 2\nzz\nzz\ns off\nlod 3\n"));
     for text in [
         "1 `p` statements",
@@ -159,7 +159,7 @@ fn what_is_no_surface_is_counted() {
 }
 
 #[test]
-fn faults_name_the_line() {
+fn obj_errors_name_the_line() {
     for (text, line, words) in [
         ("v 0 0\nf 1 1 1", 1, "`v` has 2 numbers, expected 3 to 7"),
         ("v 0 0 0 0 0\nf 1 1 1", 1, "`v` has 5 numbers, expected 3"),
@@ -190,7 +190,7 @@ fn faults_name_the_line() {
 }
 
 #[test]
-fn the_name_counts_only_where_the_contents_do_not_tell() {
+fn extension_decides_only_for_ambiguous_contents() {
     let named = |name: &str, bytes: &[u8]| {
         let mut none = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
         import(name, bytes, &mut none, &ImportOptions::default())
@@ -213,7 +213,7 @@ fn the_name_counts_only_where_the_contents_do_not_tell() {
 }
 
 #[test]
-fn text_in_sixteen_bits() {
+fn utf_16_text_is_read() {
     let text = format!("{SQUARE}usemtl Fell\u{e4}\nf 1 2 3\n");
     let plain = model(&text);
     for encode in [u16::to_be_bytes as fn(u16) -> [u8; 2], u16::to_le_bytes] {
@@ -232,7 +232,7 @@ fn png() -> Vec<u8> {
 }
 
 #[test]
-fn materials_colours_and_images() {
+fn material_colours_and_images_are_read() {
     let text = format!("mtllib my skins/a.mtl\n{SQUARE}usemtl coat\nf 1 2 3\nusemtl grey\nf 1 3 4\n");
     let mtl = b"newmtl coat\nKd 0.5 0.25 0\nmap_Kd -s 1 1 1 maps\\coat 1.png\nnewmtl grey\nKd 0.5\nnewmtl unused\nmap_Kd no.png\n";
     let png = png();
@@ -255,7 +255,7 @@ fn materials_colours_and_images() {
 }
 
 #[test]
-fn whatever_is_wrong_with_materials_is_a_warning() {
+fn material_errors_are_only_warnings() {
     let use_it = format!("{SQUARE}usemtl a\nf 1 2 3\n");
     let read = |library: &str, files: &[(&str, &[u8])]| {
         let m = with_files(&format!("mtllib {library}\n{use_it}"), files, &ImportOptions::default()).unwrap();
@@ -347,8 +347,8 @@ const REFUSED: &[(&str, &str, &str)] = &[
 ];
 
 #[test]
-fn every_obj_of_the_test_data() {
-    let Some(data) = data("every_obj_of_the_test_data") else { return };
+fn every_obj_of_the_test_data_is_read_as_expected() {
+    let Some(data) = data("every_obj_of_the_test_data_is_read_as_expected") else { return };
     let read = |name: &str| read_model(&data.join("meshes").join(name), &ImportOptions::default(), Reach::OwnFolder);
     let mut seen = 0;
     for (name, triangles, parts, materials) in READABLE {

@@ -135,8 +135,8 @@ fn largest_flip_step(stage: &mut Stage<'_>, detail: Detail, steps: impl Iterator
 }
 
 #[test]
-fn nothing_jumps_while_the_camera_goes_away() {
-    let Some(gpu) = gpu("nothing_jumps_while_the_camera_goes_away") else { return };
+fn level_changes_do_not_pop_while_the_camera_recedes() {
+    let Some(gpu) = gpu("level_changes_do_not_pop_while_the_camera_recedes") else { return };
     let bytes = baked("hare");
     let mut stage = Stage::new(gpu, &bytes);
     let levels = stage.instance.model.manifest().detail.clone();
@@ -185,8 +185,8 @@ fn nothing_jumps_while_the_camera_goes_away() {
 }
 
 #[test]
-fn a_small_hare_has_fewer_layers_and_fewer_passes_than_a_large_one() {
-    let Some(gpu) = gpu("a_small_hare_has_fewer_layers_and_fewer_passes_than_a_large_one") else { return };
+fn small_animals_use_fewer_layers_and_passes() {
+    let Some(gpu) = gpu("small_animals_use_fewer_layers_and_passes") else { return };
     let mut stage = Stage::new(gpu, &baked("hare"));
     let mut at = |distance| {
         let params = stage.params(distance, AUTO);
@@ -234,8 +234,8 @@ fn near_and_far_copies_share_a_frame() {
 }
 
 #[test]
-fn all_layers_are_drawn_as_without_levels() {
-    let Some(gpu) = gpu("all_layers_are_drawn_as_without_levels") else { return };
+fn full_detail_equals_a_package_without_levels() {
+    let Some(gpu) = gpu("full_detail_equals_a_package_without_levels") else { return };
     let bytes = baked("hare");
     let plain = with_manifest(&bytes, |m| m.detail.clear());
     let [mut with, mut without] = [&bytes, &plain].map(|package| Stage::new(gpu, package));

@@ -78,8 +78,8 @@ fn unused_texture() -> Vec<u8> {
 }
 
 #[test]
-fn what_validate_lets_pass_the_runtime_loads() {
-    let Some(gpu) = gpu("what_validate_lets_pass_the_runtime_loads") else { return };
+fn validated_packages_load_in_the_runtime() {
+    let Some(gpu) = gpu("validated_packages_load_in_the_runtime") else { return };
     let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let nothing = PackageWriter::new(Manifest::default());
     let without_triangles = PackageWriter::new(Manifest::default()).mesh(&MeshData::default());

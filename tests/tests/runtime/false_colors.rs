@@ -24,8 +24,8 @@ fn share(picture: &Picture, of: usize) -> f64 {
 }
 
 #[test]
-fn each_geometry_has_its_color_and_layers_add_up() {
-    let Some(gpu) = gpu("each_geometry_has_its_color_and_layers_add_up") else { return };
+fn debug_view_colours_geometry_kinds_and_sums_overdraw() {
+    let Some(gpu) = gpu("debug_view_colours_geometry_kinds_and_sums_overdraw") else { return };
     let roots: Vec<_> = (0..8).map(|i| [0.37 * i as f32 % 1.0, (i as f32 + 0.5) / 8.0]).collect();
     let strands = straight_strands(&roots, 0.5, &[[0.6, 0.07, 0.5]; 8], 0.08);
     let groom = PlaneGroom { strands: Some((strands, 8.0)), ..PlaneGroom::default() };

@@ -105,8 +105,8 @@ fn report(gpu: &Gpu, bytes: &[u8], params: &FrameParams) -> FrameReport {
 }
 
 #[test]
-fn the_report_says_whether_fins_ran_and_why_not() {
-    let Some(gpu) = gpu("the_report_says_whether_fins_ran_and_why_not") else { return };
+fn report_states_whether_and_why_fins_ran() {
+    let Some(gpu) = gpu("report_states_whether_and_why_fins_ran") else { return };
     let (bald, finned) = (plane(4, 0), plane_with_a_fin());
     let plain = params(0.0);
     let of = |bytes: &[u8], params: &FrameParams| {
@@ -127,8 +127,8 @@ fn the_report_says_whether_fins_ran_and_why_not() {
 
 /// Checks that fins are purely additive: everything around them is drawn as without them.
 #[test]
-fn without_fins_nothing_changes() {
-    let Some(gpu) = gpu("without_fins_nothing_changes") else { return };
+fn package_without_fins_draws_unchanged() {
+    let Some(gpu) = gpu("package_without_fins_draws_unchanged") else { return };
     let bald = sphere::package(&SphereParams { quads: 8, texels: 16, strands: 60, ..SphereParams::default() });
     let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0), SIZE.into());
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();

@@ -160,8 +160,8 @@ fn separate_device(features: wgpu::Features) -> Gpu {
 }
 
 #[test]
-fn a_frame_in_which_nothing_is_new_makes_nothing() {
-    if gpu("a_frame_in_which_nothing_is_new_makes_nothing").is_none() {
+fn steady_frames_create_no_gpu_resources() {
+    if gpu("steady_frames_create_no_gpu_resources").is_none() {
         return;
     }
     let gpu = separate_device(wgpu::Features::empty());
@@ -209,8 +209,8 @@ fn a_frame_in_which_nothing_is_new_makes_nothing() {
 }
 
 #[test]
-fn frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone() {
-    let Some(gpu) = gpu("frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone") else { return };
+fn frames_sharing_an_encoder_and_kept_frames_draw_as_alone() {
+    let Some(gpu) = gpu("frames_sharing_an_encoder_and_kept_frames_draw_as_alone") else { return };
     // Two cameras and, if there is lighting, two lights whose maps differ.
     let left = lit_from(from(Vec3::new(-0.3, 0.35, 1.0)), Vec3::new(-1.0, 1.0, 0.3));
     let right = lit_from(from(Vec3::new(1.0, 0.2, 0.1)), Vec3::new(0.2, 0.4, 1.0));
@@ -254,8 +254,8 @@ fn frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone() {
 }
 
 #[test]
-fn a_dropped_encoder_loses_nothing() {
-    let Some(gpu) = gpu("a_dropped_encoder_loses_nothing") else { return };
+fn dropped_encoder_is_followed_by_a_correct_frame() {
+    let Some(gpu) = gpu("dropped_encoder_is_followed_by_a_correct_frame") else { return };
     let bytes = furry_package();
     let before = from(Vec3::new(-0.3, 0.35, 1.0));
     let after = lit_from(before.clone(), Vec3::new(1.0, 0.5, 0.2));
@@ -295,8 +295,8 @@ fn a_dropped_encoder_loses_nothing() {
 }
 
 #[test]
-fn who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it() {
-    if gpu("who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it").is_none() {
+fn culled_instances_still_cast_shadows() {
+    if gpu("culled_instances_still_cast_shadows").is_none() {
         return;
     }
     let gpu = separate_device(wgpu::Features::PIPELINE_STATISTICS_QUERY);
@@ -338,8 +338,8 @@ fn who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it() {
 
 /// Checks that culling is not too early: an instance that leaves the picture must be invisible before it is culled.
 #[test]
-fn what_is_left_out_could_not_be_seen() {
-    let Some(gpu) = gpu("what_is_left_out_could_not_be_seen") else { return };
+fn only_invisible_instances_are_culled() {
+    let Some(gpu) = gpu("only_invisible_instances_are_culled") else { return };
     let target = Vec3::new(0.02, -0.01, 0.0);
     let aslant = Vec3::new(-0.2, 0.3, 1.0);
     let perspective = Projection::Perspective { fov_y_rad: 0.7, aspect: 1.0, near_m: 0.1, far_m: 2.0 };
@@ -393,8 +393,8 @@ fn what_is_left_out_could_not_be_seen() {
 }
 
 #[test]
-fn owners_keep_what_is_theirs() {
-    let Some(gpu) = gpu("owners_keep_what_is_theirs") else { return };
+fn owner_buffers_are_kept_and_released_with_their_instances() {
+    let Some(gpu) = gpu("owner_buffers_are_kept_and_released_with_their_instances") else { return };
     let mut stage = Stage::new(gpu);
     let params = from(Vec3::new(-0.3, 0.35, 1.0));
     let (bending, plain) = (furry_package(), package(&SphereParams { quads: 11, stripes: true, ..sphere() }));
@@ -454,8 +454,8 @@ fn owners_keep_what_is_theirs() {
 /// Checks that a crowd larger than a buffer of the renderer is drawn correctly: one frame must equal eight frames of an
 /// eighth each.
 #[test]
-fn a_crowd_is_drawn_as_in_smaller_frames() {
-    let Some(gpu) = gpu("a_crowd_is_drawn_as_in_smaller_frames") else { return };
+fn crowd_equals_the_same_instances_in_smaller_frames() {
+    let Some(gpu) = gpu("crowd_equals_the_same_instances_in_smaller_frames") else { return };
     let size = (400, 400);
     let parallel = Projection::Orthographic { height_m: 8.0, aspect: 1.0, near_m: 0.0, far_m: 10.0 };
     let camera = Camera::look_at(Vec3::Z * 5.0, Vec3::ZERO, parallel);
@@ -497,7 +497,7 @@ fn a_crowd_is_drawn_as_in_smaller_frames() {
 }
 
 #[test]
-fn what_an_application_holds_may_go_to_another_thread() {
+fn public_types_are_send_and_sync() {
     fn may<T: Send + Sync>() {}
     fn may_be_kept_twice<T: Clone + Send + Sync>() {}
     may::<Renderer>();
@@ -508,8 +508,8 @@ fn what_an_application_holds_may_go_to_another_thread() {
 }
 
 #[test]
-fn prepared_pipelines_are_all_that_the_first_frame_needs() {
-    let Some(gpu) = gpu("prepared_pipelines_are_all_that_the_first_frame_needs") else { return };
+fn first_frame_needs_only_prepared_pipelines() {
+    let Some(gpu) = gpu("first_frame_needs_only_prepared_pipelines") else { return };
     let front = from(Vec3::new(-0.3, 0.35, 1.0));
     let filled = front.clone().with(|p| p.fill_lights = vec![Light::default()]);
     for (name, package, params) in [
@@ -558,8 +558,8 @@ fn prepared_pipelines_are_all_that_the_first_frame_needs() {
 }
 
 #[test]
-fn a_model_of_other_shading_shares_what_is_on_the_device() {
-    let Some(gpu) = gpu("a_model_of_other_shading_shares_what_is_on_the_device") else { return };
+fn models_with_other_shading_share_gpu_resources() {
+    let Some(gpu) = gpu("models_with_other_shading_share_gpu_resources") else { return };
     let shiny = Shading { specular: [0.9; 3], ..Shading::default() };
     let mut stage = Stage::new(gpu);
     let mut creature = Instance::new(0, &stage.load(&furry_package())).moving(bend(0.3));
@@ -577,8 +577,8 @@ fn a_model_of_other_shading_shares_what_is_on_the_device() {
 }
 
 #[test]
-fn moments_of_clips_lie_over_each_other_and_faulty_ones_are_refused() {
-    let Some(gpu) = gpu("moments_of_clips_lie_over_each_other_and_faulty_ones_are_refused") else { return };
+fn clip_layers_are_blended_and_invalid_ones_refused() {
+    let Some(gpu) = gpu("clip_layers_are_blended_and_invalid_ones_refused") else { return };
     let mut stage = Stage::new(gpu);
     let creature = Instance::new(0, &stage.load(&furry_package()));
     let params = from(Vec3::new(-0.3, 0.35, 1.0));
@@ -607,8 +607,8 @@ fn moments_of_clips_lie_over_each_other_and_faulty_ones_are_refused() {
 }
 
 #[test]
-fn preparing_pipelines_between_frames_disturbs_none() {
-    if gpu("preparing_pipelines_between_frames_disturbs_none").is_none() {
+fn preparing_pipelines_does_not_affect_recorded_frames() {
+    if gpu("preparing_pipelines_does_not_affect_recorded_frames").is_none() {
         return;
     }
     let gpu = separate_device(wgpu::Features::empty());
@@ -632,8 +632,8 @@ fn preparing_pipelines_between_frames_disturbs_none() {
 /// Checks that two cameras in one submission (two eyes or two windows) create nothing once the buffers are large
 /// enough, as with one camera.
 #[test]
-fn two_views_of_one_submission_make_nothing_either() {
-    if gpu("two_views_of_one_submission_make_nothing_either").is_none() {
+fn two_views_in_one_submission_create_no_gpu_resources() {
+    if gpu("two_views_in_one_submission_create_no_gpu_resources").is_none() {
         return;
     }
     let gpu = separate_device(wgpu::Features::empty());
@@ -673,8 +673,8 @@ fn two_views_of_one_submission_make_nothing_either() {
 
 /// Checks that an application that times passes may submit the recorded commands after each of them.
 #[test]
-fn a_mark_may_submit_what_is_recorded() {
-    let Some(gpu) = gpu("a_mark_may_submit_what_is_recorded") else { return };
+fn pass_callback_may_submit_the_encoder() {
+    let Some(gpu) = gpu("pass_callback_may_submit_the_encoder") else { return };
     let front = from(Vec3::new(-0.3, 0.35, 1.0));
     for (name, package, params) in [
         ("fur", furry_package(), front.clone()),
@@ -702,8 +702,8 @@ fn a_mark_may_submit_what_is_recorded() {
 
 /// Checks that a herd that grows frame by frame needs new buffers occasionally, not in every frame.
 #[test]
-fn a_growing_herd_makes_few_buffers() {
-    if gpu("a_growing_herd_makes_few_buffers").is_none() {
+fn growing_instance_counts_create_few_buffers() {
+    if gpu("growing_instance_counts_create_few_buffers").is_none() {
         return;
     }
     let gpu = separate_device(wgpu::Features::empty());
@@ -720,8 +720,8 @@ fn a_growing_herd_makes_few_buffers() {
 }
 
 #[test]
-fn bounds_of_casters_are_a_sphere() {
-    let Some(gpu) = gpu("bounds_of_casters_are_a_sphere") else { return };
+fn invalid_caster_bounds_are_refused() {
+    let Some(gpu) = gpu("invalid_caster_bounds_are_refused") else { return };
     let mut stage = Stage::new(gpu);
     for (center, radius) in [(Vec3::NAN, 1.0), (Vec3::ZERO, -1.0), (Vec3::ZERO, f32::INFINITY)] {
         let mut draw = |_: &mut wgpu::RenderPass<'_>, _: &LightView, _: CasterPass| ();

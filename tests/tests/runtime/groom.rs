@@ -63,8 +63,8 @@ fn bare_vertices_show_the_skin() {
 }
 
 #[test]
-fn bare_texels_show_the_skin_and_their_neighbours_the_fur() {
-    let Some(gpu) = gpu("bare_texels_show_the_skin_and_their_neighbours_the_fur") else { return };
+fn bare_texels_show_the_skin_and_others_the_fur() {
+    let Some(gpu) = gpu("bare_texels_show_the_skin_and_others_the_fur") else { return };
     // Two texels each, so that the sampler mixes nothing between their centres, where the picture is sampled.
     let texels = vec![[0, 0], [0, 0], [255, 0], [255, 0]];
     let left_bare = PlaneGroom { texture: Some((4, texels)), ..PlaneGroom::default() };
@@ -81,8 +81,8 @@ fn bare_texels_show_the_skin_and_their_neighbours_the_fur() {
 }
 
 #[test]
-fn wetness_goes_from_dry_hair_to_wet_hair() {
-    let Some(gpu) = gpu("wetness_goes_from_dry_hair_to_wet_hair") else { return };
+fn wetness_interpolates_between_dry_and_wet_hair() {
+    let Some(gpu) = gpu("wetness_interpolates_between_dry_and_wet_hair") else { return };
     let shading = Shading { specular: [0.4; 3], ..Shading::default() };
     let wet_opacity = 20;
     let (dry, wet) = (OPACITY, Some(wet_opacity));

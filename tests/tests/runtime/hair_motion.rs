@@ -82,8 +82,8 @@ fn ball() -> Capsule {
 }
 
 #[test]
-fn hair_at_rest_costs_nothing_and_is_as_it_was_groomed() {
-    let Some(gpu) = gpu("hair_at_rest_costs_nothing_and_is_as_it_was_groomed") else { return };
+fn hair_at_rest_skips_simulation_and_keeps_its_groom() {
+    let Some(gpu) = gpu("hair_at_rest_skips_simulation_and_keeps_its_groom") else { return };
     let bytes = sphere();
     let count = positions_and_triangles(&bytes).1.len() as u32;
     let motion = HairMotion { groups: vec![MOTION], freedom: vec![Vec::new()], colliders: Vec::new() };
@@ -131,8 +131,8 @@ fn hair_at_rest_costs_nothing_and_is_as_it_was_groomed() {
 }
 
 #[test]
-fn what_hair_cannot_live_with_is_refused() {
-    let Some(gpu) = gpu("what_hair_cannot_live_with_is_refused") else { return };
+fn invalid_hair_motion_parameters_are_refused() {
+    let Some(gpu) = gpu("invalid_hair_motion_parameters_are_refused") else { return };
     let bytes = sphere();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&bytes).unwrap();

@@ -50,8 +50,8 @@ fn dark(picture: &Picture) -> Vec<(u32, u32)> {
 }
 
 #[test]
-fn lines_stand_on_the_outline_as_wide_as_asked() {
-    let Some(gpu) = gpu("lines_stand_on_the_outline_as_wide_as_asked") else { return };
+fn outline_strokes_have_the_requested_width() {
+    let Some(gpu) = gpu("outline_strokes_have_the_requested_width") else { return };
     let features = dark(&draw_package(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Features), &sphere()));
     // The camera frames a radius of 0.13, the sphere has a radius of 0.1.
     let middle = 0.5 * SIZE.0 as f32 - 0.5;
@@ -151,8 +151,8 @@ fn wash_over_grain(gpu: &Gpu, grey: f32) -> [f32; 2] {
 }
 
 #[test]
-fn fibres_of_the_paper_are_no_scratches_in_a_dark_wash() {
-    let Some(gpu) = gpu("fibres_of_the_paper_are_no_scratches_in_a_dark_wash") else { return };
+fn paper_grain_fades_out_in_dark_wash() {
+    let Some(gpu) = gpu("paper_grain_fades_out_in_dark_wash") else { return };
     let [light, dark] = wash_over_grain(gpu, 0.5);
     assert!(light > dark + 0.04, "a wash of grey 0.5 shows nothing of the grain: {dark}..{light}");
     let [light, dark] = wash_over_grain(gpu, 0.08);
@@ -163,8 +163,8 @@ fn fibres_of_the_paper_are_no_scratches_in_a_dark_wash() {
 }
 
 #[test]
-fn the_style_says_what_it_needs() {
-    let Some(gpu) = gpu("the_style_says_what_it_needs") else { return };
+fn ink_style_reports_missing_requirements() {
+    let Some(gpu) = gpu("ink_style_reports_missing_requirements") else { return };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let load = |ink| {
         let bytes = package(&SphereParams { ink, ..sphere() });
@@ -201,8 +201,8 @@ fn the_style_says_what_it_needs() {
 }
 
 #[test]
-fn what_the_application_drew_stays_around_and_before_the_painting() {
-    let Some(gpu) = gpu("what_the_application_drew_stays_around_and_before_the_painting") else { return };
+fn ink_keeps_application_pixels_around_and_in_front() {
+    let Some(gpu) = gpu("ink_keeps_application_pixels_around_and_in_front") else { return };
     for (reversed_depth, sample_count) in [(false, 1), (true, 4)] {
         let options = RendererOptions { reversed_depth, sample_count, ..RendererOptions::default() };
         let targets = Canvas::new(gpu, SIZE, &(&options).into());
@@ -244,8 +244,8 @@ fn nearer_instances_hide_lines_of_those_behind() {
 }
 
 #[test]
-fn what_varies_moves_with_the_surface_and_not_with_the_picture() {
-    let Some(gpu) = gpu("what_varies_moves_with_the_surface_and_not_with_the_picture") else { return };
+fn stroke_variation_is_anchored_to_the_surface() {
+    let Some(gpu) = gpu("stroke_variation_is_anchored_to_the_surface") else { return };
     let sphere = SphereParams { skeleton: true, ..sphere() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let mut instance = Instance::new(0, &renderer.load_bytes(&package(&sphere)).unwrap());
@@ -274,8 +274,8 @@ fn what_varies_moves_with_the_surface_and_not_with_the_picture() {
 }
 
 #[test]
-fn the_printed_sphere_map_knows_no_outline() {
-    let Some(gpu) = gpu("the_printed_sphere_map_knows_no_outline") else { return };
+fn printed_sphere_map_misses_the_outline() {
+    let Some(gpu) = gpu("printed_sphere_map_misses_the_outline") else { return };
     let shown = |form| {
         let params = with(|ink, study, debug| {
             (debug.ink, study.template, study.sphere_map, ink.swell) = (InkDebugView::Lines, false, form, 2.0);
@@ -291,8 +291,8 @@ fn the_printed_sphere_map_knows_no_outline() {
 }
 
 #[test]
-fn two_ink_frames_in_one_submission_do_not_disturb_each_other() {
-    let Some(gpu) = gpu("two_ink_frames_in_one_submission_do_not_disturb_each_other") else { return };
+fn ink_frames_in_one_submission_are_independent() {
+    let Some(gpu) = gpu("ink_frames_in_one_submission_are_independent") else { return };
     let options = RendererOptions::default();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(&package(&sphere())).unwrap());
@@ -313,8 +313,8 @@ fn two_ink_frames_in_one_submission_do_not_disturb_each_other() {
 }
 
 #[test]
-fn strokes_of_fur_stand_over_the_outline() {
-    let Some(gpu) = gpu("strokes_of_fur_stand_over_the_outline") else { return };
+fn fur_strokes_extend_beyond_the_outline() {
+    let Some(gpu) = gpu("fur_strokes_extend_beyond_the_outline") else { return };
     let furry = |fur: f32| {
         let params = with(|ink, _, _| {
             ink.shading = Some(InkShading { fur, line: 0.0, tone: 0.0, ..Default::default() });

@@ -63,20 +63,20 @@ fn assert_lines_match_mesh(model: &Path) {
 }
 
 #[test]
-fn lines_of_the_projects_own_models() {
-    if gpu("lines_of_the_projects_own_models").is_none() {
+fn ink_lines_of_asset_models_match_the_mesh() {
+    if gpu("ink_lines_of_asset_models_match_the_mesh").is_none() {
         return;
     }
     ["hare", "knot"].iter().for_each(|name| assert_lines_match_mesh(&built_in_model(name)));
 }
 
 #[test]
-fn lines_of_well_known_meshes() {
-    if gpu("lines_of_well_known_meshes").is_none() {
+fn ink_lines_of_known_meshes_match_the_mesh() {
+    if gpu("ink_lines_of_known_meshes_match_the_mesh").is_none() {
         return;
     }
     for path in ["static/bunny.obj", "skinned/quaternius_Cow.glb", "skinned/quaternius_Horse.glb"] {
-        let Some(model) = data_model("lines_of_well_known_meshes", path) else { return };
+        let Some(model) = data_model("ink_lines_of_known_meshes_match_the_mesh", path) else { return };
         assert_lines_match_mesh(&model);
     }
 }
@@ -84,8 +84,8 @@ fn lines_of_well_known_meshes() {
 /// Checks that the printed rule finds hardly any line: along a straight edge, the four neighbours of a pixel never all
 /// differ.
 #[test]
-fn the_printed_rule_misses_the_lines() {
-    if gpu("the_printed_rule_misses_the_lines").is_none() {
+fn printed_line_rule_misses_most_lines() {
+    if gpu("printed_line_rule_misses_most_lines").is_none() {
         return;
     }
     let printed = pelage_lab::chart::ink::configurations();

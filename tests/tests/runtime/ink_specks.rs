@@ -61,13 +61,13 @@ fn short_lines(gpu: &Gpu, package: &[u8]) -> Specks {
 }
 
 #[test]
-fn lines_of_dense_scans_are_no_specks() {
-    let Some(gpu) = gpu("lines_of_dense_scans_are_no_specks") else { return };
+fn ink_lines_of_dense_scans_have_few_specks() {
+    let Some(gpu) = gpu("ink_lines_of_dense_scans_have_few_specks") else { return };
     let mut models = vec![("hare", built_in_model("hare"), Some("assets/recipes/hare.toml"), 14.0)];
     for (name, path, most) in
         [("bunny", "static/stanford-bunny-full.obj", 16.0), ("armadillo", "static/armadillo.obj", 36.0)]
     {
-        models.extend(data_model("lines_of_dense_scans_are_no_specks", path).map(|model| (name, model, None, most)));
+        models.extend(data_model("ink_lines_of_dense_scans_have_few_specks", path).map(|model| (name, model, None, most)));
     }
     let mut wrong = Vec::new();
     for (name, model, recipe, most) in models {
@@ -107,8 +107,8 @@ fn detached_per_mille(gpu: &Gpu, package: &[u8]) -> f64 {
 }
 
 #[test]
-fn strokes_of_fur_hang_on_the_body() {
-    let Some(gpu) = gpu("strokes_of_fur_hang_on_the_body") else { return };
+fn fur_strokes_are_connected_to_the_body() {
+    let Some(gpu) = gpu("fur_strokes_are_connected_to_the_body") else { return };
     let mut models = vec![
         ("hare", built_in_model("hare"), Some("assets/recipes/hare.toml"), "hair.density=300", 0.05),
         ("hare with long hair", built_in_model("hare"), Some("assets/recipes/hare.toml"), "hair.length_m=0.05", 0.8),
@@ -117,7 +117,7 @@ fn strokes_of_fur_hang_on_the_body() {
         ("fox", "skinned/Fox.glb", "hair.density=300", 0.01),
         ("wolf with long hair", "skinned/quaternius_Wolf.glb", "hair.length_m=0.25", 0.1),
     ] {
-        models.extend(data_model("strokes_of_fur_hang_on_the_body", path).map(|model| (name, model, None, set, most)));
+        models.extend(data_model("fur_strokes_are_connected_to_the_body", path).map(|model| (name, model, None, set, most)));
     }
     let mut wrong = Vec::new();
     for (name, model, recipe, set, most) in models {

@@ -53,8 +53,8 @@ fn wall(gpu: &Gpu, options: &RendererOptions) -> wgpu::RenderPipeline {
 }
 
 #[test]
-fn the_applications_objects_hide_fur_and_fur_hides_them() {
-    let Some(gpu) = gpu("the_applications_objects_hide_fur_and_fur_hides_them") else { return };
+fn fur_and_application_objects_occlude_each_other() {
+    let Some(gpu) = gpu("fur_and_application_objects_occlude_each_other") else { return };
     let options = RendererOptions::default();
     let targets = Canvas::new(gpu, (SIZE, SIZE), &(&options).into());
     let wall = wall(gpu, &options);
@@ -92,8 +92,8 @@ fn the_applications_objects_hide_fur_and_fur_hides_them() {
 }
 
 #[test]
-fn two_frames_in_one_submission_do_not_disturb_each_other() {
-    let Some(gpu) = gpu("two_frames_in_one_submission_do_not_disturb_each_other") else { return };
+fn frames_in_one_submission_are_independent() {
+    let Some(gpu) = gpu("frames_in_one_submission_are_independent") else { return };
     let options = RendererOptions::default();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let sphere =

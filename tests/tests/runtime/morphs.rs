@@ -90,8 +90,8 @@ fn front() -> FrameParams {
 }
 
 #[test]
-fn a_morphed_model_is_drawn_as_one_of_that_shape() {
-    let Some(gpu) = gpu("a_morphed_model_is_drawn_as_one_of_that_shape") else { return };
+fn morphed_model_equals_a_model_of_that_shape() {
+    let Some(gpu) = gpu("morphed_model_equals_a_model_of_that_shape") else { return };
     let (bytes, morphs) = sphere();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&with_morphs(&bytes, &morphs, None)).unwrap();
@@ -134,8 +134,8 @@ fn a_morphed_model_is_drawn_as_one_of_that_shape() {
 }
 
 #[test]
-fn weights_that_fit_no_target_are_refused() {
-    let Some(gpu) = gpu("weights_that_fit_no_target_are_refused") else { return };
+fn invalid_morph_weights_are_refused() {
+    let Some(gpu) = gpu("invalid_morph_weights_are_refused") else { return };
     let (bytes, morphs) = sphere();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&with_morphs(&bytes, &morphs, None)).unwrap();

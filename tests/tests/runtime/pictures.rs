@@ -49,14 +49,14 @@ fn default_picture(gpu: &Gpu) -> Picture {
 }
 
 #[test]
-fn furry_sphere_looks_as_stored() {
-    let Some(gpu) = gpu("furry_sphere_looks_as_stored") else { return };
+fn furry_sphere_matches_its_golden_picture() {
+    let Some(gpu) = gpu("furry_sphere_matches_its_golden_picture") else { return };
     compare_golden("furry_sphere", &default_picture(gpu)).unwrap();
 }
 
 #[test]
-fn stored_picture_rejects_what_is_wrong() {
-    let Some(gpu) = gpu("stored_picture_rejects_what_is_wrong") else { return };
+fn golden_comparison_rejects_wrong_pictures() {
+    let Some(gpu) = gpu("golden_comparison_rejects_wrong_pictures") else { return };
     if std::env::var("PELAGE_WRITE_GOLDEN").is_ok_and(|v| v == "1") {
         // The negative controls would be written as the golden picture.
         return;
@@ -113,8 +113,8 @@ fn reversed_depth_draws_the_same_picture() {
 }
 
 #[test]
-fn four_samples_draw_the_same_picture_with_smoother_edges() {
-    let Some(gpu) = gpu("four_samples_draw_the_same_picture_with_smoother_edges") else { return };
+fn four_samples_only_smooth_the_edges() {
+    let Some(gpu) = gpu("four_samples_only_smooth_the_edges") else { return };
     let options = RendererOptions { sample_count: 4, ..RendererOptions::default() };
     let found = difference(&default_picture(gpu), &sphere_picture(gpu, &options, &front(), &small()));
     assert!(found.mean > 0.0 && found.mean < 2.5, "{found:?}");
@@ -132,8 +132,8 @@ fn both_direction_formats_draw_the_same_fur() {
 /// Checks that a block-compressed package is decoded on devices that cannot sample it. It must look like one with plain
 /// texels, and take as much memory.
 #[test]
-fn blocks_are_decoded_where_they_cannot_be_sampled() {
-    let Some(_) = gpu("blocks_are_decoded_where_they_cannot_be_sampled") else { return };
+fn block_textures_are_decoded_where_unsupported() {
+    let Some(_) = gpu("block_textures_are_decoded_where_unsupported") else { return };
     let gpu = &Gpu::with(wgpu::Features::empty(), Some(wgpu::Limits::default())).unwrap();
     let drawn = |formats: &[&str]| {
         let small = ["slice.layers=6", "slice.tile_texels=32", "ink.enabled=false"];
@@ -156,8 +156,8 @@ fn blocks_are_decoded_where_they_cannot_be_sampled() {
 }
 
 #[test]
-fn instances_have_their_own_place_and_pose() {
-    let Some(gpu) = gpu("instances_have_their_own_place_and_pose") else { return };
+fn instances_have_their_own_position_and_pose() {
+    let Some(gpu) = gpu("instances_have_their_own_position_and_pose") else { return };
     let sphere = SphereParams { skeleton: true, stripes: true, ..small() };
     let mut renderer = renderer(gpu, &RendererOptions::default());
     let left = instance(&renderer, 0, &sphere).at(Mat4::from_translation(Vec3::new(-0.15, 0.0, 0.0)));
@@ -196,8 +196,8 @@ fn instances_have_their_own_place_and_pose() {
 }
 
 #[test]
-fn a_moved_copy_is_a_moved_picture_also_when_mirrored() {
-    let Some(gpu) = gpu("a_moved_copy_is_a_moved_picture_also_when_mirrored") else { return };
+fn moved_and_mirrored_instances_draw_moved_and_mirrored_pictures() {
+    let Some(gpu) = gpu("moved_and_mirrored_instances_draw_moved_and_mirrored_pictures") else { return };
     let mut renderer = renderer(gpu, &RendererOptions::default());
     let mut copy = instance(&renderer, 0, &SphereParams { stripes: true, ..small() });
     let look = |x: f32| Camera::framing(Vec3::ZERO, 0.13, Vec3::new(x, 0.2, 1.0), 0.6, 1.0);
@@ -246,8 +246,8 @@ fn bare_parts_have_no_fur() {
 }
 
 #[test]
-fn light_and_its_switches() {
-    let Some(gpu) = gpu("light_and_its_switches") else { return };
+fn light_parameters_change_the_picture_as_expected() {
+    let Some(gpu) = gpu("light_parameters_change_the_picture_as_expected") else { return };
     let options = RendererOptions::default();
     let picture = |change: &dyn Fn(&mut FrameParams)| {
         let mut params = front();
@@ -281,8 +281,8 @@ fn light_and_its_switches() {
 }
 
 #[test]
-fn fewer_and_more_layers_keep_the_look() {
-    let Some(gpu) = gpu("fewer_and_more_layers_keep_the_look") else { return };
+fn layer_count_does_not_change_the_appearance() {
+    let Some(gpu) = gpu("layer_count_does_not_change_the_appearance") else { return };
     let options = RendererOptions::default();
     // Shadow maps with few layers are coarser than the hair itself.
     for (self_shadow, allowed) in [(false, 0.04), (true, 0.08)] {
@@ -304,8 +304,8 @@ fn fewer_and_more_layers_keep_the_look() {
 }
 
 #[test]
-fn errors_name_what_is_wrong() {
-    let Some(gpu) = gpu("errors_name_what_is_wrong") else { return };
+fn parameter_errors_name_the_field() {
+    let Some(gpu) = gpu("parameter_errors_name_the_field") else { return };
     let mut renderer = renderer(gpu, &RendererOptions::default());
     let mut copy = instance(&renderer, 0, &small());
     let mut error = |change: &dyn Fn(&mut FrameParams), copy: &Instance| {
@@ -343,8 +343,8 @@ fn errors_name_what_is_wrong() {
 }
 
 #[test]
-fn the_report_names_what_ran_and_why_not() {
-    let Some(gpu) = gpu("the_report_names_what_ran_and_why_not") else { return };
+fn report_names_the_passes_and_why_they_were_skipped() {
+    let Some(gpu) = gpu("report_names_the_passes_and_why_they_were_skipped") else { return };
     let mut renderer = renderer(gpu, &RendererOptions::default());
     let plain = instance(&renderer, 0, &small());
     let skinned = instance(&renderer, 1, &SphereParams { skeleton: true, ..small() });

@@ -49,8 +49,8 @@ fn pixels(
 /// Checks an opaque layer of upright grey fibres from many directions, in light that no other hair absorbs. Both the
 /// default fibre and the fibre of a material are tested.
 #[test]
-fn a_layer_scatters_what_its_fibres_do() {
-    let Some(gpu) = gpu("a_layer_scatters_what_its_fibres_do") else { return };
+fn layer_scattering_matches_its_fibres() {
+    let Some(gpu) = gpu("layer_scattering_matches_its_fibres") else { return };
     let coat = FibreParams { tilt_deg: 6.0, ..FibreParams::default() };
     let other = OtherFibre { name: "*".into(), eta: Some(1.35), along_deg: Some(15.0), ..OtherFibre::default() };
     let of_material = FibreParams { material: vec![other], ..coat.clone() };
@@ -92,8 +92,8 @@ fn assert_scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
 /// Checks the same for light spread around a direction above the mesh surface, as wide as skies are. The reference is
 /// the integral over all directions.
 #[test]
-fn a_layer_scatters_what_its_fibres_do_of_broad_light() {
-    let Some(gpu) = gpu("a_layer_scatters_what_its_fibres_do_of_broad_light") else { return };
+fn layer_scattering_of_broad_light_matches_its_fibres() {
+    let Some(gpu) = gpu("layer_scattering_of_broad_light_matches_its_fibres") else { return };
     let mut renderer = renderer(gpu);
     let coat = FibreParams { tilt_deg: 6.0, ..FibreParams::default() };
     let model = renderer.load_bytes(&with_fibres(&plane(2, 255), &coat)).unwrap();
@@ -137,8 +137,8 @@ fn hare(renderer: &Renderer, eumelanin: &str) -> Instance {
 /// Checks that white hair under a uniform environment has the radiance of the environment, in layers and in strands. A
 /// full turn of the environment must change nothing.
 #[test]
-fn a_white_coat_is_as_bright_as_an_even_sky() {
-    let Some(gpu) = gpu("a_white_coat_is_as_bright_as_an_even_sky") else { return };
+fn white_fur_is_as_bright_as_a_uniform_sky() {
+    let Some(gpu) = gpu("white_fur_is_as_bright_as_a_uniform_sky") else { return };
     let mut renderer = renderer(gpu);
     let passes: Vec<PassId> = PassId::all().collect();
     let hare = hare(&renderer, "0");
@@ -221,8 +221,8 @@ fn a_turning_sky_does_not_flicker() {
 }
 
 #[test]
-fn what_is_wrong_with_an_environment_is_said() {
-    let Some(gpu) = gpu("what_is_wrong_with_an_environment_is_said") else { return };
+fn invalid_environments_are_refused_with_the_field() {
+    let Some(gpu) = gpu("invalid_environments_are_refused_with_the_field") else { return };
     let mut renderer = renderer(gpu);
     let model = renderer.load_bytes(&with_fibres(&plane(2, 255), &FibreParams::default())).unwrap();
     let instance = Instance::new(0, &model);
@@ -237,8 +237,8 @@ fn what_is_wrong_with_an_environment_is_said() {
 /// Checks the interpolation between corners with very different normals, where the interpolated vectors are short. That
 /// must not count as light from behind, which would be far too bright.
 #[test]
-fn sharp_edges_are_no_light_from_behind() {
-    let Some(gpu) = gpu("sharp_edges_are_no_light_from_behind") else { return };
+fn sharp_edges_do_not_leak_light_from_behind() {
+    let Some(gpu) = gpu("sharp_edges_do_not_leak_light_from_behind") else { return };
     let mut renderer = renderer(gpu);
     let mut brightest = |outwards: f32| {
         let groom = PlaneGroom { outwards, ..PlaneGroom::default() };
@@ -271,8 +271,8 @@ fn sharp_edges_are_no_light_from_behind() {
 /// Checks multiple scattering on the hare in white and in black. It must dominate the light of white hair but not of
 /// black hair, and layers and strands must agree. All pixels must be finite and non-negative for light from any side.
 #[test]
-fn light_goes_from_hair_to_hair() {
-    let Some(gpu) = gpu("light_goes_from_hair_to_hair") else { return };
+fn multiple_scattering_brightens_light_hair() {
+    let Some(gpu) = gpu("multiple_scattering_brightens_light_hair") else { return };
     let model = workspace().join("assets/models/hare.glb");
     let mut renderer = renderer(gpu);
     let passes: Vec<PassId> = PassId::all().collect();
@@ -310,8 +310,8 @@ fn light_goes_from_hair_to_hair() {
 /// shadows to the other side, and multiple scattering leaves the sheet of hair. Path tracing gives 0.185 (side) and
 /// 0.083 (behind) of the frontal light. Without these effects the values would be 0.27 and 0.22.
 #[test]
-fn hair_around_a_body_is_dark_behind_it() {
-    let Some(gpu) = gpu("hair_around_a_body_is_dark_behind_it") else { return };
+fn hair_around_a_body_is_dark_when_lit_from_behind() {
+    let Some(gpu) = gpu("hair_around_a_body_is_dark_when_lit_from_behind") else { return };
     let model = workspace().join("assets/models/head.glb");
     let mut renderer = renderer(gpu);
     let passes: Vec<PassId> = PassId::all().collect();

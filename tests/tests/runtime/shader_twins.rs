@@ -231,7 +231,7 @@ fn baked_layer_shares_are_even() {
 }
 
 #[test]
-fn directions_to_eye_and_light() {
+fn directions_to_eye_and_light_match_the_shader() {
     let mut random = Random(3);
     let mut cases: Vec<Case<2>> = Vec::new();
     for i in 0..1000 {
@@ -260,7 +260,7 @@ fn directions_to_eye_and_light() {
 }
 
 #[test]
-fn tile_frames() {
+fn tile_frames_match_the_shader() {
     let mut random = Random(4);
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..1000 {
@@ -289,7 +289,7 @@ fn tile_frames() {
 }
 
 #[test]
-fn directions_decode_as_the_format_says() {
+fn direction_decoding_matches_the_specification() {
     let mut cases: Vec<Case<1>> = Vec::new();
     for i in 0..=17 {
         for j in 0..=17 {
@@ -318,7 +318,7 @@ fn directions_decode_as_the_format_says() {
 
 /// Checks that the shader's decoding, which omits the format's clamps, agrees with it wherever they have no effect.
 #[test]
-fn directions_decode_as_in_formats() {
+fn direction_decoding_matches_the_formats_crate() {
     use pelage_runtime::formats::{TextureFormat, decode_direction, encode_direction};
     let mut random = Random(8);
     for _ in 0..10_000 {
@@ -334,7 +334,7 @@ fn directions_decode_as_in_formats() {
 }
 
 #[test]
-fn hair_lies_aside_of_its_root() {
+fn root_offsets_match_the_shader() {
     let mut random = Random(9);
     let mut vector = || unit(&mut random).extend(0.0).to_array();
     let cases: Vec<Case<2>> = (0..200).map(|_| [vector(), vector()]).collect();
@@ -354,7 +354,7 @@ fn hair_lies_aside_of_its_root() {
 }
 
 #[test]
-fn leaned_hair() {
+fn leaned_hair_matches_the_shader() {
     let mut random = Random(8);
     let mut cases: Vec<Case<2>> = Vec::new();
     for i in 0..2000 {
@@ -387,7 +387,7 @@ fn leaned_hair() {
 }
 
 #[test]
-fn normals_under_a_matrix() {
+fn transformed_normals_match_the_shader() {
     let mut random = Random(5);
     let mut cases: Vec<Case<4>> = Vec::new();
     while cases.len() < 1000 {
@@ -418,7 +418,7 @@ fn normals_under_a_matrix() {
 }
 
 #[test]
-fn blended_positions() {
+fn blended_positions_match_the_shader() {
     let mut random = Random(6);
     let mut cases: Vec<Case<4>> = Vec::new();
     for i in 0..1000 {
@@ -456,7 +456,7 @@ fn blended_positions() {
 }
 
 #[test]
-fn what_is_seen_of_fins_and_through_layers() {
+fn fin_opacity_and_layer_paths_match_the_shader() {
     let cases: Vec<Case<1>> = (-200..=200).map(|i| [[i as f32 / 200.0, 0.0, 0.0, 0.0]]).collect();
     assert_truth_twin_and_shader_agree(
         "fin_opacity",
@@ -679,7 +679,7 @@ fn a_wrong_shader_is_caught() {
 }
 
 #[test]
-fn visibility_of_the_tile() {
+fn tile_visibility_matches_the_shader() {
     let mut random = Random(10);
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..2000 {
@@ -713,7 +713,7 @@ fn visibility_of_the_tile() {
 
 /// Checks all kinds of unit vectors, including vectors along the fibre and pairs that are opposite or equal.
 #[test]
-fn angles_about_a_fibre() {
+fn fibre_angles_match_the_shader() {
     let mut random = Random(11);
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..4000 {
@@ -788,7 +788,7 @@ fn angles_about_a_fibre() {
 }
 
 #[test]
-fn light_that_is_spread_about_a_direction() {
+fn broad_light_matches_the_shader() {
     let mut random = Random(31);
     let mut cases: Vec<Case<2>> = Vec::new();
     for i in 0..3000 {
@@ -840,7 +840,7 @@ fn light_that_is_spread_about_a_direction() {
 }
 
 #[test]
-fn openness_comes_back_from_two_bytes() {
+fn openness_decoding_matches_the_shader() {
     let mut random = Random(31);
     let mut cases: Vec<Case<2>> = vec![[[0.0; 4], [0.5, 0.5, 0.5, 0.0]]];
     for i in 0..2000 {
@@ -881,7 +881,7 @@ fn openness_comes_back_from_two_bytes() {
 }
 
 #[test]
-fn light_in_a_coat_of_fibres() {
+fn multiple_scattering_in_fur_matches_the_shader() {
     let mut random = Random(12);
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..3000 {
@@ -986,7 +986,7 @@ fn light_in_a_coat_of_fibres() {
 }
 
 #[test]
-fn light_in_hair_that_hangs() {
+fn scattering_in_hanging_hair_matches_the_shader() {
     let mut random = Random(31);
     // Sines of the angles of light and view, variance, share of direct light; light scattered forward and back;
     // remaining light, and cosine.
@@ -1079,7 +1079,7 @@ fn light_in_hair_that_hangs() {
 
 /// Checks fibres with extreme values, all of which packages may contain.
 #[test]
-fn fibres_without_light_are_no_trouble_to_hair_that_hangs() {
+fn scattering_in_hanging_hair_is_finite_for_extreme_fibres() {
     for (on, back) in [(0.0, 0.0), (1e-30, 0.0), (0.0, 1.0), (1.0, 1.0), (-10.0, 10.0), (10.0, 10.0), (-10.0, -10.0)] {
         let of = |x: f32| [[x, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]];
         for width in [0.0, 1e-8, 0.07, 4.0] {

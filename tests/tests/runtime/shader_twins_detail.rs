@@ -11,7 +11,7 @@ fn drawn_layers(baked: u32, step: u32) -> Vec<u32> {
 }
 
 #[test]
-fn layers_of_levels_on_the_device_are_those_of_the_twin_and_of_the_definition() {
+fn level_layers_on_the_gpu_match_the_cpu_and_the_definition() {
     let mut cases = Vec::new();
     let mut truths = Vec::new();
     for baked in [2u32, 3, 5, 16, 17, 64, 256] {
@@ -43,7 +43,7 @@ fn layers_of_levels_on_the_device_are_those_of_the_twin_and_of_the_definition() 
 
 /// Checks the transition between two levels.
 #[test]
-fn layers_between_levels_on_the_device_are_those_of_the_twin() {
+fn layers_between_levels_on_the_gpu_match_the_cpu() {
     let mut cases: Vec<[[f32; 4]; 1]> = Vec::new();
     for baked in [2u32, 5, 16, 17, 64] {
         for step in [1u32, 2, 4] {
@@ -72,7 +72,7 @@ fn layers_between_levels_on_the_device_are_those_of_the_twin() {
 }
 
 #[test]
-fn exponents_heights_and_light_on_the_device_are_those_of_the_twin() {
+fn exponents_heights_and_light_on_the_gpu_match_the_cpu() {
     let cases: Vec<[[f32; 4]; 1]> =
         (0..200).map(|i| [[(1 + i % 15) as f32, (i % 7) as f32 / 7.0, 1.0 + (i % 5) as f32, 0.1 * i as f32]]).collect();
     let Some(gpu) = gpu("exponents_heights_and_light") else { return };
@@ -94,7 +94,7 @@ fn exponents_heights_and_light_on_the_device_are_those_of_the_twin() {
 }
 
 #[test]
-fn light_within_a_layer_is_that_of_the_stack_it_stands_for() {
+fn light_within_a_layer_matches_the_stack_it_represents() {
     for alpha in [0.01, 0.2, 0.77, 0.99f32] {
         for layers in [1, 2, 4, 7] {
             let (mut seen, mut lit, mut behind, mut light) = (0.0, 0.0, 1.0, 1.0);

@@ -23,7 +23,7 @@ fn homogeneous(v: Vec3, w: f32) -> [f32; 4] {
 }
 
 #[test]
-fn the_outline_is_the_rim_of_the_sphere_map_and_the_device_agrees() {
+fn sphere_map_rim_is_the_outline_on_cpu_and_gpu() {
     let cases: Vec<[[f32; 4]; 1]> = normals().iter().map(|n| [homogeneous(*n, 1.0)]).collect();
     for n in normals() {
         let uv = ink::ink_sphere_uv(n, 1.0);
@@ -55,7 +55,7 @@ fn the_outline_is_the_rim_of_the_sphere_map_and_the_device_agrees() {
 /// correct along the axis only; beside it, the outline moves inside the rim, to cos(a/2)/2, where a is the angle to the
 /// axis.
 #[test]
-fn the_printed_sphere_map_is_one_place_and_the_reflected_one_shrinks_off_the_axis() {
+fn printed_sphere_map_collapses_and_reflected_one_shrinks_off_axis() {
     let eye = DVec3::new(0.3, 0.2, 1.0).normalize().as_vec3();
     let places: Vec<Vec2> =
         normals().iter().map(|n| ink::ink_sphere_uv_printed(*n, eye)).filter(|p| p.is_finite()).collect();
@@ -93,7 +93,7 @@ fn the_printed_sphere_map_is_one_place_and_the_reflected_one_shrinks_off_the_axi
 }
 
 #[test]
-fn features_tones_wash_and_strokes_on_the_device_are_those_of_the_twin() {
+fn ink_formulas_on_the_gpu_match_the_cpu() {
     // The ramp ends at the two thresholds of the paper.
     assert_eq!([0.81, 0.8, 0.65, -1.0].map(|v| ink::ink_feature_strength(v, 0.8, 0.65)), [0.0, 0.0, 1.0, 1.0]);
     assert!((ink::ink_feature_strength(0.725, 0.8, 0.65) - 0.5).abs() < 1e-5);

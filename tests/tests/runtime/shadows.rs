@@ -83,8 +83,8 @@ fn transmittances(gpu: &Gpu, maps: &ShadowMaps, point: Vec3) -> Vec<f32> {
 }
 
 #[test]
-fn maps_hold_the_product_of_the_layers_above() {
-    let Some(gpu) = gpu("maps_hold_the_product_of_the_layers_above") else { return };
+fn layer_shadow_maps_hold_the_product_of_the_layers_above() {
+    let Some(gpu) = gpu("layer_shadow_maps_hold_the_product_of_the_layers_above") else { return };
     let mut renderer = renderer(gpu);
     let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let alpha = f32::from(OPACITY) / 255.0;
@@ -128,8 +128,8 @@ fn density_scales_the_optical_depth() {
 
 /// Checks that fewer or more map layers than drawn layers transmit the same light to the mesh surface.
 #[test]
-fn map_layers_keep_the_density() {
-    let Some(gpu) = gpu("map_layers_keep_the_density") else { return };
+fn shadow_map_layer_count_keeps_the_density() {
+    let Some(gpu) = gpu("shadow_map_layer_count_keeps_the_density") else { return };
     let mut renderer = renderer(gpu);
     let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let expected = (1.0 - f32::from(OPACITY) / 255.0).powi(LAYERS as i32 - 1);
@@ -149,8 +149,8 @@ fn map_layers_keep_the_density() {
 }
 
 #[test]
-fn every_map_texel_is_a_share_of_light_from_any_side() {
-    let Some(gpu) = gpu("every_map_texel_is_a_share_of_light_from_any_side") else { return };
+fn shadow_map_texels_stay_within_0_and_1() {
+    let Some(gpu) = gpu("shadow_map_texels_stay_within_0_and_1") else { return };
     let mut renderer = renderer(gpu);
     let params = SphereParams { quads: 8, texels: 16, strands: 200, ..SphereParams::default() };
     let ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
@@ -178,8 +178,8 @@ fn every_map_texel_is_a_share_of_light_from_any_side() {
 }
 
 #[test]
-fn hair_in_the_shadow_of_hair_is_darker_and_the_switches_work() {
-    let Some(gpu) = gpu("hair_in_the_shadow_of_hair_is_darker_and_the_switches_work") else { return };
+fn self_shadow_darkens_hair_and_can_be_disabled() {
+    let Some(gpu) = gpu("self_shadow_darkens_hair_and_can_be_disabled") else { return };
     let mut renderer = renderer(gpu);
     let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let mut green = |change: &dyn Fn(&mut FrameParams)| {
@@ -213,8 +213,8 @@ fn hair_in_the_shadow_of_hair_is_darker_and_the_switches_work() {
 }
 
 #[test]
-fn maps_are_drawn_anew_only_when_something_changes() {
-    let Some(gpu) = gpu("maps_are_drawn_anew_only_when_something_changes") else { return };
+fn shadow_maps_are_redrawn_only_on_changes() {
+    let Some(gpu) = gpu("shadow_maps_are_redrawn_only_on_changes") else { return };
     let mut renderer = renderer(gpu);
     let params = SphereParams { quads: 4, texels: 16, strands: 40, skeleton: true, ..SphereParams::default() };
     let mut ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
@@ -273,8 +273,8 @@ fn ball_over_plane(renderer: &Renderer) -> [Instance; 2] {
 }
 
 #[test]
-fn things_throw_soft_shadows_on_fur() {
-    let Some(gpu) = gpu("things_throw_soft_shadows_on_fur") else { return };
+fn objects_cast_soft_shadows_on_fur() {
+    let Some(gpu) = gpu("objects_cast_soft_shadows_on_fur") else { return };
     let mut renderer = renderer(gpu);
     let [plane, ball] = ball_over_plane(&renderer);
     // A row of pixels through the middle of the shadow, seen from below the ball.
@@ -410,8 +410,8 @@ impl Square {
 }
 
 #[test]
-fn the_applications_geometry_shades_the_fur_and_is_shaded() {
-    let Some(gpu) = gpu("the_applications_geometry_shades_the_fur_and_is_shaded") else { return };
+fn application_geometry_and_fur_cast_shadows_on_each_other() {
+    let Some(gpu) = gpu("application_geometry_and_fur_cast_shadows_on_each_other") else { return };
     let mut renderer = renderer(gpu);
     let square = Square::new(gpu);
     let plane = furry_plane(&renderer, 4, 0);
@@ -464,8 +464,8 @@ fn the_applications_geometry_shades_the_fur_and_is_shaded() {
 
 /// Checks that the hair's transmittance also reaches the application's ground: the fourth channel of the width map.
 #[test]
-fn fur_shades_the_applications_ground() {
-    let Some(gpu) = gpu("fur_shades_the_applications_ground") else { return };
+fn fur_casts_shadows_on_the_ground_of_the_application() {
+    let Some(gpu) = gpu("fur_casts_shadows_on_the_ground_of_the_application") else { return };
     let mut renderer = renderer(gpu);
     let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let frame = prepare(gpu, &mut renderer, &above(), &[&plane]);
@@ -480,8 +480,8 @@ fn fur_shades_the_applications_ground() {
 }
 
 #[test]
-fn a_fill_light_is_a_key_light_without_shadows() {
-    let Some(gpu) = gpu("a_fill_light_is_a_key_light_without_shadows") else { return };
+fn fill_light_equals_a_key_light_without_shadows() {
+    let Some(gpu) = gpu("fill_light_equals_a_key_light_without_shadows") else { return };
     let mut renderer = renderer(gpu);
     let params = SphereParams { quads: 8, texels: 16, strands: 200, bare_band: true, ..SphereParams::default() };
     let ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
@@ -513,8 +513,8 @@ fn a_fill_light_is_a_key_light_without_shadows() {
 }
 
 #[test]
-fn what_is_out_of_range_is_named() {
-    let Some(gpu) = gpu("what_is_out_of_range_is_named") else { return };
+fn out_of_range_shadow_parameters_are_named() {
+    let Some(gpu) = gpu("out_of_range_shadow_parameters_are_named") else { return };
     let mut renderer = renderer(gpu);
     let plane = furry_plane(&renderer, 2, 0);
     let mut error = |change: &dyn Fn(&mut FrameParams)| -> RuntimeError {

@@ -124,8 +124,8 @@ fn sun(towards_light: Vec3) -> Light {
 }
 
 #[test]
-fn fur_throws_a_soft_shadow_with_a_fringe_on_the_applications_ground() {
-    let Some(gpu) = gpu("fur_throws_a_soft_shadow_with_a_fringe_on_the_applications_ground") else { return };
+fn fur_shadow_on_the_ground_is_soft_with_a_hair_fringe() {
+    let Some(gpu) = gpu("fur_shadow_on_the_ground_is_soft_with_a_hair_fringe") else { return };
     let mut stage = Stage::new(gpu);
     let casters = Scene::new(&gpu.device, &stage.options, &[slab()]);
     let lamp = Vec3::new(0.0, 0.7, 0.0);
@@ -204,8 +204,8 @@ fn shadows_that_are_off_leave_the_ground_lit() {
 
 /// Checks that the ground beyond a map is lit, and that the last texel of the map is not repeated.
 #[test]
-fn beyond_the_maps_the_ground_is_lit() {
-    let Some(gpu) = gpu("beyond_the_maps_the_ground_is_lit") else { return };
+fn ground_outside_the_shadow_maps_is_lit() {
+    let Some(gpu) = gpu("ground_outside_the_shadow_maps_is_lit") else { return };
     let mut stage = Stage::new(gpu);
     let wall = Cuboid { low: Vec3::new(0.02, 0.05, -0.05), high: Vec3::new(0.39, 0.1, 0.05), color: Vec3::ONE };
     let casters = Scene::new(&gpu.device, &stage.options, &[slab(), wall]);
@@ -220,8 +220,8 @@ fn beyond_the_maps_the_ground_is_lit() {
 
 /// Checks that the shader's `light_received` agrees with its twin on the map read back.
 #[test]
-fn the_shader_reads_the_maps_as_its_twin_does() {
-    let Some(gpu) = gpu("the_shader_reads_the_maps_as_its_twin_does") else { return };
+fn receiver_shader_matches_its_rust_twin() {
+    let Some(gpu) = gpu("receiver_shader_matches_its_rust_twin") else { return };
     let mut stage = Stage::new(gpu);
     let casters = Scene::new(&gpu.device, &stage.options, &[slab()]);
     for (revision, light) in
@@ -263,8 +263,8 @@ fn the_shader_reads_the_maps_as_its_twin_does() {
 /// Checks that hair behind an object, as seen from the light, does not darken it, although the shadow of the hair is
 /// blurred.
 #[test]
-fn hair_behind_a_thing_leaves_it_lit() {
-    let Some(gpu) = gpu("hair_behind_a_thing_leaves_it_lit") else { return };
+fn hair_behind_an_object_leaves_it_lit() {
+    let Some(gpu) = gpu("hair_behind_an_object_leaves_it_lit") else { return };
     let mut stage = Stage::new(gpu);
     let top = CENTER.y + SKIN + FUR + 0.05;
     let plate =

@@ -32,8 +32,8 @@ fn largest_difference(a: &Picture, b: &Picture) -> u8 {
 }
 
 #[test]
-fn forms_of_the_varyings_draw_the_same() {
-    let Some(gpu) = gpu("forms_of_the_varyings_draw_the_same") else { return };
+fn shell_shader_variants_draw_the_same() {
+    let Some(gpu) = gpu("shell_shader_variants_draw_the_same") else { return };
     let plain = picture(gpu, &sphere(), &front());
     assert!(plain.covered() > 8000, "{} pixels of fur", plain.covered());
     // A neutral texture and a black light require the longer forms.
@@ -64,8 +64,8 @@ fn luminance_and_contrast(picture: &Picture, opaque: &dyn Fn(usize) -> bool) -> 
 }
 
 #[test]
-fn light_at_vertices_is_as_bright_and_more_even() {
-    let Some(gpu) = gpu("light_at_vertices_is_as_bright_and_more_even") else { return };
+fn vertex_lighting_is_as_bright_and_smoother() {
+    let Some(gpu) = gpu("vertex_lighting_is_as_bright_and_smoother") else { return };
     for planar_directions in [true, false] {
         let sphere = SphereParams { planar_directions, quads: 20, ..sphere() };
         let mut params = front();

@@ -77,8 +77,8 @@ fn expected_px(width_px: f32) -> f32 {
 /// Checks that a ribbon an eighth of a pixel wide covers an eighth of a ribbon one pixel wide. Drawn at least one pixel
 /// wide, as lines are, it would cover eight times as much.
 #[test]
-fn thin_strands_cover_as_much_as_they_are_wide() {
-    let Some(gpu) = gpu("thin_strands_cover_as_much_as_they_are_wide") else { return };
+fn strand_coverage_equals_strand_width() {
+    let Some(gpu) = gpu("strand_coverage_equals_strand_width") else { return };
     for (edges, samples) in [(StrandEdges::Samples, 4), (StrandEdges::Blended, 1), (StrandEdges::Blended, 4)] {
         for width_px in [1.5, 0.5, 0.125] {
             let params = in_strands(above()).with_fur(|fur| fur.strand_edges = edges);
@@ -93,8 +93,8 @@ fn thin_strands_cover_as_much_as_they_are_wide() {
 /// Checks blended edges against ribbons with many samples. The picture must not depend on the order of threads, and
 /// both depth directions must agree.
 #[test]
-fn blended_strands_are_what_many_samples_see() {
-    let Some(gpu) = gpu("blended_strands_are_what_many_samples_see") else { return };
+fn blended_strands_approach_many_samples() {
+    let Some(gpu) = gpu("blended_strands_approach_many_samples") else { return };
     let model = workspace().join("assets/models/hare.glb");
     let bytes = bake_plain(&model, Some("assets/recipes/hare.toml"), &["strands.enabled=true"]);
     let drawn = |edges, samples: u32, reversed_depth, side: u32| {
@@ -122,8 +122,8 @@ fn blended_strands_are_what_many_samples_see() {
 }
 
 #[test]
-fn bare_places_grow_as_few_strands_as_the_groom_says() {
-    let Some(gpu) = gpu("bare_places_grow_as_few_strands_as_the_groom_says") else { return };
+fn bareness_thins_drawn_strands() {
+    let Some(gpu) = gpu("bareness_thins_drawn_strands") else { return };
     let grown = |groom| covered_px(gpu, &plane(horizontal_strands(1.0), groom), &in_strands(above()), 4) / expected_px(1.0);
     let vertex = |bareness| grown(PlaneGroom { vertex: [bareness, 0], ..PlaneGroom::default() });
     for bareness in [0u8, 64, 191, 255] {
@@ -172,8 +172,8 @@ fn mean_light(gpu: &Gpu, package: &[u8], params: &FrameParams) -> f64 {
 /// Checks the shadow on a wide strand below many thin ones, seen from below. The transmittance is exp(-c), where the
 /// thin strands cover a share c of each texel of the map.
 #[test]
-fn strands_take_the_light_of_those_below() {
-    let Some(gpu) = gpu("strands_take_the_light_of_those_below") else { return };
+fn strands_shadow_the_strands_below() {
+    let Some(gpu) = gpu("strands_shadow_the_strands_below") else { return };
     // Several per texel of the map.
     const ABOVE: usize = 128;
     for cover in [0.25f32, 1.0] {
@@ -202,8 +202,8 @@ fn strands_take_the_light_of_those_below() {
 /// Checks that light at the edges and ends of a ribbon stays within the range of its points, in a float target.
 /// Extrapolated to the centre of a pixel that the ribbon misses, it would be negative.
 #[test]
-fn light_at_the_ends_of_strands_is_no_less_than_none() {
-    let Some(gpu) = gpu("light_at_the_ends_of_strands_is_no_less_than_none") else { return };
+fn light_at_strand_ends_is_never_negative() {
+    let Some(gpu) = gpu("light_at_strand_ends_is_never_negative") else { return };
     let mut strands = horizontal_strands(0.5);
     // Alternately black and white, point by point.
     let white = |point: usize| if point.is_multiple_of(2) { 0 } else { 255 };
@@ -277,8 +277,8 @@ fn ran(report: &FrameReport, id: PassId) -> bool {
 }
 
 #[test]
-fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
-    let Some(gpu) = gpu("strands_take_the_place_of_layers_where_they_are_wide_enough") else { return };
+fn wide_enough_strands_replace_layers() {
+    let Some(gpu) = gpu("wide_enough_strands_replace_layers") else { return };
     let at = |samples, width_px, change: &dyn Fn(&mut pelage_runtime::FurParams)| {
         let mut renderer = renderer(gpu, samples);
         let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(width_px), PlaneGroom::default())).unwrap());
@@ -314,8 +314,8 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
 
 /// Checks that a mane with soft edges is drawn over fur in layers.
 #[test]
-fn blended_hair_lies_over_layers() {
-    let Some(gpu) = gpu("blended_hair_lies_over_layers") else { return };
+fn blended_hair_draws_over_layers() {
+    let Some(gpu) = gpu("blended_hair_draws_over_layers") else { return };
     let model = workspace().join("assets/models/pony.glb");
     let bytes = bake_plain(&model, Some("assets/recipes/pony.toml"), &[]);
     let drawn = |edges, samples: u32, side: u32| {
@@ -338,8 +338,8 @@ fn blended_hair_lies_over_layers() {
 
 /// Checks that no pipeline is compiled when an animal comes near, for any number of points per strand.
 #[test]
-fn prepared_pipelines_are_all_that_strands_need() {
-    let Some(gpu) = gpu("prepared_pipelines_are_all_that_strands_need") else { return };
+fn strands_need_only_prepared_pipelines() {
+    let Some(gpu) = gpu("strands_need_only_prepared_pipelines") else { return };
     for (edges, id) in [(StrandEdges::Samples, PassId::STRANDS), (StrandEdges::Blended, PassId::STRAND_BLEND)] {
         let mut renderer = renderer(gpu, 4);
         let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
@@ -383,8 +383,8 @@ fn blended_edges_fall_back_to_samples() {
 
 /// Checks that a device with too few storage buffers draws layers and reports it.
 #[test]
-fn a_small_device_draws_layers() {
-    if gpu("a_small_device_draws_layers").is_none() {
+fn devices_with_few_storage_buffers_draw_layers() {
+    if gpu("devices_with_few_storage_buffers_draw_layers").is_none() {
         return;
     }
     let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..wgpu::Limits::default() };
@@ -399,8 +399,8 @@ fn a_small_device_draws_layers() {
 
 /// Checks that an animal drawn in layers first gets the same strands as one drawn in strands at once.
 #[test]
-fn strands_that_come_later_are_posed() {
-    let Some(gpu) = gpu("strands_that_come_later_are_posed") else { return };
+fn strands_enabled_later_are_posed() {
+    let Some(gpu) = gpu("strands_enabled_later_are_posed") else { return };
     let package = plane(horizontal_strands(2.0), PlaneGroom::default());
     let drawn = |first: &[HairGeometry]| {
         let mut renderer = renderer(gpu, 4);
@@ -417,8 +417,8 @@ fn strands_that_come_later_are_posed() {
 
 /// Checks the hare's transition from layers to strands: frames change no more than in either form.
 #[test]
-fn nothing_jumps_between_layers_and_strands() {
-    let Some(gpu) = gpu("nothing_jumps_between_layers_and_strands") else { return };
+fn transition_from_layers_to_strands_does_not_pop() {
+    let Some(gpu) = gpu("transition_from_layers_to_strands_does_not_pop") else { return };
     let model = workspace().join("assets/models/hare.glb");
     let bytes = bake_plain(&model, Some("assets/recipes/hare.toml"), &["strands.enabled=true"]);
     let mut renderer = renderer(gpu, 4);

@@ -60,8 +60,8 @@ fn no_triangle_of_any_mesh_is_flipped() {
 const PROMISED: [f64; 3] = [0.03, 0.04, 10.0];
 
 #[test]
-fn figures_on_well_known_meshes() {
-    let Some(data) = data("figures_on_well_known_meshes") else { return };
+fn distortion_of_known_meshes_is_within_bounds() {
+    let Some(data) = data("distortion_of_known_meshes_is_within_bounds") else { return };
     let mut models: Vec<PathBuf> = ["bunny", "spot", "armadillo", "cat-low-resolution", "penguin", "goathead"]
         .iter()
         .map(|name| data.join("meshes/static").join(format!("{name}.obj")))

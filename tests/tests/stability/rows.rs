@@ -89,7 +89,7 @@ drawn_rows!(shells, ink, strand_width, strand_light);
 
 /// Checks that the checker of rows can itself fail.
 #[test]
-fn a_row_that_breaks_its_bound_is_seen() {
+fn broken_bounds_are_detected() {
     let spoil: [fn(&mut stability::Finding); 3] =
         [|f| f.safe = 2.0 * f.bound + 1.0, |f| f.safe = f64::NAN, |f| f.naive = f.fails_above];
     for (i, spoil) in spoil.into_iter().enumerate() {
@@ -101,7 +101,7 @@ fn a_row_that_breaks_its_bound_is_seen() {
 }
 
 #[test]
-fn a_cancelled_mean_is_stored_as_upright_or_as_nothing() {
+fn cancelled_mean_direction_is_stored_as_isotropic() {
     use pelage_bake::stages::slice::direction::encode_mean;
     let noise = Vec3::new(3e-8, -6e-8, 0.0);
     assert_eq!(encode_mean(noise, TextureFormat::Rg8Unorm)[..2], [128, 128]);
@@ -113,7 +113,7 @@ fn a_cancelled_mean_is_stored_as_upright_or_as_nothing() {
 
 /// Checks that mip levels keep the mean colour seen from above over black: premultiplied colours, layer over layer.
 #[test]
-fn mip_levels_keep_the_mean_colour_too() {
+fn mip_levels_keep_the_mean_colour() {
     let set = slice(&grow(&HairParams { density: 250, ..natural_hair().unwrap() }, 0.4).unwrap(), 16, 64).unwrap();
     let seen = |level: usize| {
         let column = |texel: usize| {
@@ -134,7 +134,7 @@ fn mip_levels_keep_the_mean_colour_too() {
 }
 
 #[test]
-fn strands_under_extreme_forces_are_sound_and_no_higher_than_they_should_be() {
+fn strands_under_extreme_forces_are_valid_and_within_their_height() {
     for extreme in hair_simulation::Extreme::all() {
         let strands = grow(&extreme.hair, extreme.height).unwrap();
         strands.validate().unwrap();

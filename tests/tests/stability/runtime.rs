@@ -45,7 +45,7 @@ fn unit_vectors() -> Vec<Vec3> {
 const EXPONENTS: [f32; 9] = [0.0, 0.5, 1.0, 2.0, 3.0, 30.0, 101.0, 1000.0, 10_000.0];
 
 #[test]
-fn kajiya_kay_with_the_hair_along_the_light() {
+fn kajiya_kay_is_stable_with_hair_parallel_to_the_light() {
     let mut cases = Vec::new();
     for (i, t) in unit_vectors().into_iter().enumerate() {
         // L = T, L = −T, and L a rounding error from T.
@@ -65,7 +65,7 @@ fn kajiya_kay_with_the_hair_along_the_light() {
     assert!(failures > 1000, "the naive form failed only {failures} times: this test no longer reaches the cliff");
     println!("Kajiya–Kay: naive NaN in {failures} of {} cases, safe in none", cases.len());
 
-    if let Some(gpu) = gpu("kajiya_kay_with_the_hair_along_the_light") {
+    if let Some(gpu) = gpu("kajiya_kay_is_stable_with_hair_parallel_to_the_light") {
         let safe = "vec4(sin_power(sin_squared(in_0.xyz, in_1.xyz), 0.5 * in_0.w), 0.0, 0.0, 0.0)";
         for (case, result) in silhouette_models.iter().zip(evaluate(gpu, kajiya_kay::WGSL, safe, &silhouette_models)) {
             assert!((0.0..=1.0).contains(&result[0]), "{case:?} on the GPU: {result:?}");
@@ -74,7 +74,7 @@ fn kajiya_kay_with_the_hair_along_the_light() {
 }
 
 #[test]
-fn normals_and_tangents_under_odd_joints() {
+fn normals_and_tangents_are_valid_under_degenerate_joints() {
     let normals: Vec<Vec3> = unit_vectors().into_iter().step_by(101).collect();
     let mut cases = Vec::new();
     let (mut not_unit, mut inward) = (0, 0);
@@ -102,7 +102,7 @@ fn normals_and_tangents_under_odd_joints() {
     assert!(not_unit > normals.len(), "naive normals failed only {not_unit} times");
     assert!(inward > normals.len(), "unsigned cofactors pointed inward only {inward} times");
 
-    if let Some(gpu) = gpu("normals_and_tangents_under_odd_joints") {
+    if let Some(gpu) = gpu("normals_and_tangents_are_valid_under_degenerate_joints") {
         let normal = "transform_normal(mat3x3(in_0.xyz, in_1.xyz, in_2.xyz), in_3.xyz)";
         let tangent = format!(
             "orthonormal_tangent(mat3x3(in_0.xyz, in_1.xyz, in_2.xyz) * any_perpendicular(in_3.xyz), {normal})"
@@ -141,7 +141,7 @@ fn joints_of_weight_zero_count_for_nothing() {
 }
 
 #[test]
-fn weights_that_do_not_sum_to_one_are_refused() {
+fn unnormalised_joint_weights_are_refused() {
     // By design such packages do not open, so the pose pass needs no rule for them.
     let bytes = sphere::package(&SphereParams { quads: 2, texels: 8, skeleton: true, ..SphereParams::default() });
     let package = Package::open(&bytes, &Limits::default()).unwrap();
@@ -211,9 +211,9 @@ fn silhouette(gpu: &pelage_stage::Gpu, case: &SilhouetteModel) -> SilhouetteMeas
 /// Checks the coverage at the outline. Seen along the surface, layer sheets cover less than the hair that they
 /// represent; slabs and fins cover as much as the strands.
 #[test]
-fn the_outline_is_covered_as_by_the_strands() {
-    let Some(gpu) = gpu("the_outline_is_covered_as_by_the_strands") else { return };
-    for case in silhouette_models("the_outline_is_covered_as_by_the_strands") {
+fn outline_coverage_matches_the_strands() {
+    let Some(gpu) = gpu("outline_coverage_matches_the_strands") else { return };
+    for case in silhouette_models("outline_coverage_matches_the_strands") {
         let found = silhouette(gpu, &case);
         println!("{}: {}", case.name, found.table());
         assert!(

@@ -79,7 +79,7 @@ mod soundness {
     }
 
     #[test]
-    fn triangles_without_area_and_twice_are_dropped_and_counted() {
+    fn degenerate_and_duplicate_triangles_are_dropped_and_counted() {
         let mut m = torus();
         let whole = m.mesh.triangles.len();
         m.mesh.triangles.extend([[0, 0, 1], [5, 6, 5]]);
@@ -128,7 +128,7 @@ mod soundness {
     }
 
     #[test]
-    fn windings_are_made_to_agree_and_normals_with_them() {
+    fn inconsistent_windings_and_normals_are_corrected() {
         let mut m = sphere(12, 24);
         for t in m.mesh.triangles.iter_mut().step_by(7) {
             t.swap(1, 2);
@@ -165,7 +165,7 @@ mod soundness {
     }
 
     #[test]
-    fn one_triangle_several_components_and_holes() {
+    fn single_triangles_components_and_holes_are_handled() {
         let one = model(vec![Vec3::ZERO, Vec3::X, Vec3::Z], vec![[0, 2, 1]]);
         assert_valid(&surface(&one, 0.3), 1, "triangle");
         let mut holes = torus();
@@ -183,7 +183,7 @@ mod soundness {
     }
 
     #[test]
-    fn what_is_repaired_is_said_per_component_and_not_without_end() {
+    fn repairs_are_reported_per_component_up_to_a_limit() {
         let piece = |k: usize| {
             let mut m = moved(sphere(6, 8), vec3(3.0 * k as f32, 0.0, 0.0));
             m.mesh.triangles.push(m.mesh.triangles[0]);
@@ -203,7 +203,7 @@ mod solver {
     use pelage_lab::stability::solver::{LEAST, slivers};
 
     #[test]
-    fn slivers_neither_flip_nor_spoil_their_neighbours() {
+    fn slivers_neither_flip_nor_distort_their_neighbours() {
         for least in LEAST {
             let m = slivers(least);
             let s = surface(&m, 0.5);
@@ -257,7 +257,7 @@ mod modes {
     }
 
     #[test]
-    fn comb_marks_rule_near_their_places() {
+    fn comb_marks_decide_near_their_positions() {
         let mark = |name: &str, at: Vec3, direction: Vec3| CombMark {
             name: name.into(),
             places: vec![(at, direction)],
@@ -340,7 +340,7 @@ mod modes {
     }
 
     #[test]
-    fn the_result_is_the_same_on_any_number_of_threads() {
+    fn surface_does_not_depend_on_thread_count() {
         let m = torus();
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -352,7 +352,7 @@ mod modes {
     }
 
     #[test]
-    fn a_turned_model_with_a_turned_comb_is_laid_alike() {
+    fn rotated_model_and_comb_give_the_same_parameterisation() {
         let m = torus();
         let turn = Mat4::from_quat(Quat::from_rotation_x(0.7) * Quat::from_rotation_z(-0.4));
         let mut turned = m.clone();
@@ -366,7 +366,7 @@ mod modes {
     }
 
     #[test]
-    fn the_tile_has_its_size() {
+    fn tile_has_its_size_on_the_torus() {
         // Area of the tile against area of the mesh surface: the mean scale must be that of the recipe.
         let s = surface(&torus(), 0.3);
         let area = |p: [DVec3; 3]| (p[1] - p[0]).cross(p[2] - p[0]).length();

@@ -56,7 +56,7 @@ fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 }
 
 #[test]
-fn the_bytes_depend_on_nothing_but_the_inputs() {
+fn package_bytes_depend_only_on_the_inputs() {
     for (name, threads) in [("hare", 5), ("torus", 2)] {
         let recipe = recipe(name);
         let one = on_threads(1, || bake(name, &recipe).unwrap().package);
@@ -83,7 +83,7 @@ fn the_resolved_recipe_makes_the_same_package() {
 }
 
 #[test]
-fn every_texture_format_makes_a_valid_package_of_the_stated_shape() {
+fn every_texture_format_gives_a_valid_package() {
     for (shell, direction) in [("bc7", "bc5"), ("rgba8", "rg8"), ("rgba8", "rgba8")] {
         let mut recipe = fur_recipe("torus");
         for set in [format!("pack.shell_format={shell}"), format!("pack.direction_format={direction}")] {
@@ -126,7 +126,7 @@ fn bare_materials_carry_no_hair() {
 }
 
 #[test]
-fn what_is_found_to_be_bare_is_recorded_and_baked_again() {
+fn detected_bare_materials_are_recorded_and_reproduced() {
     let mut recipe = fur_recipe("hare");
     recipe.model.bare = None;
     let found = bake("hare", &recipe).unwrap();
@@ -170,7 +170,7 @@ fn hair_grows_short_towards_bare_parts() {
 }
 
 #[test]
-fn hair_can_keep_its_own_colour() {
+fn at_root_off_keeps_the_base_colours() {
     let mut recipe = fur_recipe("hare");
     // Colours must be on vertices here, not painted into a texture.
     recipe.color.at_root = false;
@@ -192,7 +192,7 @@ fn hair_can_keep_its_own_colour() {
 }
 
 #[test]
-fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
+fn unmatched_patterns_warn_with_the_available_names() {
     let mut recipe = fur_recipe("hare");
     recipe.model.bare = Some(vec!["Hoof*".into()]);
     let warnings = bake("hare", &recipe).unwrap().warnings;
@@ -201,7 +201,7 @@ fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
 }
 
 #[test]
-fn wet_hair_shines_more_than_the_recipe_says() {
+fn wet_style_raises_the_specular_terms() {
     let mut wet = fur_recipe("torus");
     wet.set("hair.style=wet").unwrap();
     let shading = |recipe: &Recipe| {
@@ -215,7 +215,7 @@ fn wet_hair_shines_more_than_the_recipe_says() {
 
 /// Checks that every edge of the furred surface, joined by position, has exactly one fin, and no other edge has one.
 #[test]
-fn one_fin_on_every_edge() {
+fn every_edge_has_one_fin() {
     for name in ["hare", "torus", "knot"] {
         let bytes = bake(name, &fur_recipe(name)).unwrap().package;
         let package = Package::open(&bytes, &Limits::default()).unwrap();
@@ -288,7 +288,7 @@ fn fins_can_be_left_out_and_their_depth_given() {
 }
 
 #[test]
-fn the_groom_says_how_dense_and_which_way_hair_lies() {
+fn groom_sets_density_and_direction_of_hair() {
     let baked = |set: &str| {
         let mut recipe = fur_recipe("torus");
         if !set.is_empty() {
@@ -322,7 +322,7 @@ fn the_groom_says_how_dense_and_which_way_hair_lies() {
 }
 
 #[test]
-fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
+fn resliced_package_equals_a_full_bake() {
     // Only one of the packages has ink, which takes most of a bake.
     let mut tufted = fur_recipe("torus");
     let tuft = HairGroupParams { name: "mop".into(), hairs: Some(40), guides: Some(8), ..HairGroupParams::default() };
@@ -354,7 +354,7 @@ fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
 }
 
 #[test]
-fn strands_of_a_package_are_those_of_its_tile() {
+fn package_strands_match_their_tile() {
     for (name, points, tolerance) in [("hare", 9, 0.004), ("hare", 33, 0.0005), ("torus", 9, 0.01)] {
         let mut recipe = fur_recipe(name);
         recipe.strands.enabled = false;
@@ -402,7 +402,7 @@ fn strands_of_a_package_are_those_of_its_tile() {
 }
 
 #[test]
-fn ink_is_in_the_package_unless_it_is_left_out() {
+fn package_has_ink_unless_disabled() {
     let mut recipe = recipe("hare");
     let bytes = bake("hare", &recipe).unwrap().package;
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
@@ -450,7 +450,7 @@ fn run<'a>(told: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, 
 /// Checks that every step runs with exactly the inputs that it declares, and fails if one is missing. Repeated, it must
 /// give the same output.
 #[test]
-fn a_step_reads_what_it_says() {
+fn bake_steps_need_exactly_their_declared_inputs() {
     let mut recipe = recipe("ox");
     // Small textures suffice, since only the dependencies between steps are tested.
     for set in [
@@ -507,7 +507,7 @@ fn a_step_reads_what_it_says() {
 /// Checks that a changed recipe gives the result of a whole bake if the pipeline resumes at the first step that reads
 /// the change.
 #[test]
-fn from_here_on_is_a_whole_bake() {
+fn continued_bake_equals_a_whole_bake() {
     let first = recipe("torus");
     let mut other = first.clone();
     other.slice.layers = 6;
@@ -531,7 +531,7 @@ fn from_here_on_is_a_whole_bake() {
 /// Checks that a model baked once and sliced again gives the bytes of whole bakes: with other layers, tiles, filters
 /// and fins, and with any other change.
 #[test]
-fn sliced_again_is_baked_again() {
+fn slicer_reproduces_full_bakes() {
     let first = fur_recipe("torus");
     let bytes = asset("models/torus.glb");
     let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();

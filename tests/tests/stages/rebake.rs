@@ -55,7 +55,7 @@ fn changed(base: &Recipe, knob: &Knob) -> Option<Recipe> {
 }
 
 #[test]
-fn whichever_key_changes_a_bake_that_goes_on_gives_what_a_whole_one_gives() {
+fn incremental_bake_equals_a_full_bake_for_every_key() {
     let model = import_built_in("torus", &Recipe::default());
     let (base, images) = (small_recipe(), MapImages::default());
     let told = |recipe| BakeInput::new("torus", "torus", recipe, &images);
@@ -78,7 +78,7 @@ fn whichever_key_changes_a_bake_that_goes_on_gives_what_a_whole_one_gives() {
 }
 
 #[test]
-fn only_what_a_change_decides_is_made_again() {
+fn changes_rerun_only_the_affected_stages() {
     let model = import_built_in("torus", &Recipe::default());
     let (base, images) = (small_recipe(), MapImages::default());
     let with = |set: &str| {

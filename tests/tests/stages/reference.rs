@@ -15,7 +15,7 @@ fn asset(path: &str) -> Vec<u8> {
 }
 
 #[test]
-fn a_hare_has_as_many_roots_as_its_tiles() {
+fn planted_root_count_matches_the_tiles() {
     let mut recipe = Recipe::parse("hare", std::str::from_utf8(&asset("recipes/hare.toml")).unwrap()).unwrap();
     recipe.slice.layers = 4;
     recipe.fins.enabled = false;

@@ -46,7 +46,7 @@ fn square(uv: impl Fn(f32, f32) -> Vec2) -> Model {
 }
 
 #[test]
-fn corners_are_joined_and_the_tile_has_its_size() {
+fn corners_are_welded_and_the_tile_has_its_size() {
     let s = surface(&square(|x, y| vec2(x, y) * 3.0));
     assert_eq!(s.mesh.positions.len(), 4, "six corners of four places");
     let (a, b) = (s.mesh.triangles[0][0] as usize, s.mesh.triangles[0][1] as usize);
@@ -61,7 +61,7 @@ fn corners_are_joined_and_the_tile_has_its_size() {
 }
 
 #[test]
-fn gltf_unwraps_run_downward_and_still_give_upright_frames() {
+fn gltf_texture_coordinates_give_upright_frames() {
     // v points down, as in a painted texture: mirrored when seen from outside.
     let s = surface(&square(|x, y| vec2(x, 1.0 - y)));
     assert_eq!(s.measures.flipped_triangles, 0);
@@ -73,7 +73,7 @@ fn gltf_unwraps_run_downward_and_still_give_upright_frames() {
 }
 
 #[test]
-fn a_mirrored_half_gets_frames_of_its_own() {
+fn mirrored_halves_get_their_own_frames() {
     // Both halves of a strip share the texture, as on most animals: u = |x|.
     let corner = |x: f32, y: f32| (vec3(x, y, 0.0), vec2(x.abs(), y));
     let mut corners =

@@ -46,7 +46,7 @@ fn usage_errors_exit_with_1() {
 }
 
 #[test]
-fn packages() {
+fn bad_packages_are_refused() {
     let sandbox = Sandbox::new();
     let good = sample_package();
     let sections = Package::open(&good, &Limits::default()).unwrap().sections().to_vec();
@@ -96,7 +96,7 @@ fn packages() {
 }
 
 #[test]
-fn any_flipped_bit_and_any_cut_is_bad_input() {
+fn flipped_bits_and_truncations_are_bad_input() {
     let sandbox = Sandbox::new();
     let good = sample_package();
     let mut random = Random(7);
@@ -115,7 +115,7 @@ fn any_flipped_bit_and_any_cut_is_bad_input() {
 }
 
 #[test]
-fn outputs_that_cannot_be_written() {
+fn unwritable_outputs_are_reported() {
     let sandbox = Sandbox::new();
     sandbox.write("a.pelage", sample_package());
     assert_eq!(sandbox.run(&["unpack", "a.pelage", "in"]).code, Some(0));
@@ -137,7 +137,7 @@ fn unpacked() -> Sandbox {
 }
 
 #[test]
-fn unpacked_folders() {
+fn bad_unpacked_folders_are_refused() {
     // Each case damages one file and gives the words required in the message.
     type Spoil = fn(&mut Value);
     let manifests: &[(Spoil, &[&str])] = &[
@@ -199,7 +199,7 @@ fn unpacked_folders() {
 }
 
 #[test]
-fn edited_meshes() {
+fn badly_edited_meshes_are_refused() {
     type Spoil = fn(&mut Value);
     let cases: &[(Spoil, &[&str])] = &[
         (

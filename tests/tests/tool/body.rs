@@ -43,7 +43,7 @@ fn lines(said: &Value) -> Vec<&str> {
 }
 
 #[test]
-fn a_body_with_limbs_shortens_their_hair_and_says_so() {
+fn hair_on_limbs_is_shortened_and_reported() {
     let (said, even) = bake("hare.glb", "");
     assert!(lines(&said).iter().all(|line| !line.starts_with("groom.by_body")), "{said}");
     let (said, shares) = bake("hare.glb", "[groom]\nby_body = 1\n");
@@ -58,7 +58,7 @@ fn a_body_with_limbs_shortens_their_hair_and_says_so() {
 }
 
 #[test]
-fn tables_for_joints_that_have_no_effect_are_warned_of() {
+fn joint_tables_without_effect_give_a_warning() {
     let (said, _) = bake("torus.glb", "[[groom.joint]]\nname = \"head*\"\nlength = 0.5\n");
     assert!(said["warnings"].to_string().contains("groom.joint: the model has no skeleton"), "{said}");
 }

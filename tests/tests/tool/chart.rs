@@ -71,7 +71,7 @@ fn words(command: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_surface_chart() {
+fn surface_chart_is_reproducible() {
     let sandbox = Sandbox::new().with_lab();
     torus(&sandbox);
     let set = "surface.comb_smoothing=0.25";
@@ -131,7 +131,7 @@ fn the_surface_chart() {
 }
 
 #[test]
-fn a_chart_that_was_killed_goes_on() {
+fn killed_chart_resumes() {
     let sandbox = Sandbox::new().with_lab();
     torus(&sandbox);
     let args = ["chart", "surface", "my torus.obj", "-o", "out", "--json"];
@@ -179,7 +179,7 @@ fn a_chart_that_was_killed_goes_on() {
 }
 
 #[test]
-fn the_textures_chart() {
+fn textures_chart_is_reproducible() {
     let sandbox = Sandbox::new().with_lab();
     let small = ["slice.tile_texels=32", "slice.layers=6", "hair.density=100"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
@@ -223,8 +223,8 @@ fn assert_reproduced(sandbox: &Sandbox, row: &Value, errors: &[&str]) {
 }
 
 #[test]
-fn the_detail_chart() {
-    if gpu("the_detail_chart").is_none() {
+fn detail_chart_is_reproducible() {
+    if gpu("detail_chart_is_reproducible").is_none() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
@@ -269,8 +269,8 @@ fn the_detail_chart() {
 }
 
 #[test]
-fn the_strands_chart() {
-    if gpu("the_strands_chart").is_none() {
+fn strands_chart_is_reproducible() {
+    if gpu("strands_chart_is_reproducible").is_none() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
@@ -310,8 +310,8 @@ fn the_strands_chart() {
 }
 
 #[test]
-fn the_opacity_shadow_chart() {
-    if gpu("the_opacity_shadow_chart").is_none() {
+fn opacity_shadow_chart_is_reproducible() {
+    if gpu("opacity_shadow_chart_is_reproducible").is_none() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
@@ -341,8 +341,8 @@ fn the_opacity_shadow_chart() {
 }
 
 #[test]
-fn the_self_shadow_chart() {
-    if gpu("the_self_shadow_chart").is_none() {
+fn self_shadow_chart_is_written() {
+    if gpu("self_shadow_chart_is_written").is_none() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
@@ -391,8 +391,8 @@ fn the_self_shadow_chart() {
 }
 
 #[test]
-fn the_lighting_chart() {
-    if gpu("the_lighting_chart").is_none() {
+fn lighting_chart_is_reproducible() {
+    if gpu("lighting_chart_is_reproducible").is_none() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
@@ -417,8 +417,8 @@ fn the_lighting_chart() {
 }
 
 #[test]
-fn the_soft_shadow_chart() {
-    if gpu("the_soft_shadow_chart").is_none() {
+fn soft_shadow_chart_is_reproducible() {
+    if gpu("soft_shadow_chart_is_reproducible").is_none() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
@@ -437,7 +437,7 @@ fn the_soft_shadow_chart() {
 }
 
 #[test]
-fn the_verlet_chart() {
+fn verlet_chart_is_written() {
     let sandbox = Sandbox::new().with_lab();
     // Guides of 7 points: the runtime's default, more steps, a single sweep, the printed form, and the mesh surface
     // sampled once per frame.
@@ -466,7 +466,7 @@ fn the_verlet_chart() {
 /// Checks the environment chart. Rows of the painted sky: the default with a broad light, coarser tables, few samples,
 /// constant light. Rows of single lights: the integral and the printed form.
 #[test]
-fn the_environment_chart() {
+fn environment_chart_is_written() {
     let sandbox = Sandbox::new().with_lab();
     let rows = charted(&sandbox, "environment", "3,5,16,19,45,47", &[]);
     let error = |i: usize| rows[i]["error_percent"].as_f64().unwrap();
@@ -480,8 +480,8 @@ fn the_environment_chart() {
 
 /// Checks the chart of skies fitted by few lights: more lights give a smaller error.
 #[test]
-fn the_environment_fit_chart() {
-    let Some(data) = data("the_environment_fit_chart") else { return };
+fn environment_fit_chart_is_written() {
+    let Some(data) = data("environment_fit_chart_is_written") else { return };
     let sandbox = Sandbox::new().with_lab();
     std::fs::copy(data.join("hdr/venice_sunset_256x128.hdr"), sandbox.path().join("my sky.hdr")).unwrap();
     let rows = charted(&sandbox, "environment-fit", "1,3,7", &["--sky", "my sky.hdr"]);
@@ -510,8 +510,8 @@ fn the_environment_fit_chart() {
 }
 
 #[test]
-fn the_stability_table() {
-    if gpu("the_stability_table").is_none() {
+fn stability_table_is_written() {
+    if gpu("stability_table_is_written").is_none() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
@@ -532,7 +532,7 @@ fn the_stability_table() {
 }
 
 #[test]
-fn what_cannot_be_charted() {
+fn invalid_chart_requests_are_refused() {
     let sandbox = Sandbox::new().with_lab();
     torus(&sandbox);
     sandbox.write("a.pelage", b"PELAGE\0\0");

@@ -128,7 +128,7 @@ fn length_and_color(sandbox: &Sandbox, place: Vec3) -> (f32, [u8; 4]) {
 }
 
 #[test]
-fn values_of_marks_hold_at_their_place_and_fade() {
+fn mark_values_hold_at_their_position_and_fade() {
     let sandbox = sandbox(|_, _| {});
     let recipe = "[color]\nat_root = false\n[groom]\nlength = 0.8\n[surface]\ncomb_marks = [\n\
         { name = \"top\", at = [0, 0.16, 0.2], length = 0.2, reach_m = 0.2 },\n\
@@ -148,7 +148,7 @@ fn values_of_marks_hold_at_their_place_and_fade() {
 }
 
 #[test]
-fn an_image_through_space_comes_out_where_it_was_painted() {
+fn projected_image_applies_at_the_painted_position() {
     let sandbox = sandbox(|_, _| {});
     // Seen from +x, where −z is right: black on the left, white on the right, grey in the lower half.
     let shade = |x: u32, y: u32| {
@@ -172,7 +172,7 @@ fn an_image_through_space_comes_out_where_it_was_painted() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_key_and_reason() {
+fn invalid_comb_settings_are_refused_with_key_and_reason() {
     let sandbox = sandbox(|_, _| {});
     for (set, words) in [
         ("groom.coordinates=w", "box"),

@@ -39,7 +39,7 @@ fn pictures() -> Sandbox {
 }
 
 #[test]
-fn equal_pictures_and_different_ones() {
+fn equal_and_different_pictures_are_compared() {
     let sandbox = pictures();
     // The same picture in 8 and in 16 bits as PNG, and linear and premultiplied as EXR.
     let linear = pelage_bake::picture::Picture::from(&disc(0));
@@ -68,7 +68,7 @@ fn equal_pictures_and_different_ones() {
 }
 
 #[test]
-fn each_limit_is_a_limit() {
+fn each_compare_limit_sets_the_exit_code() {
     let sandbox = pictures();
     // Thinner, not darker: where the colour is black, only coverage differs.
     let faint = RgbaImage::from_fn(48, 32, |x, y| {
@@ -92,7 +92,7 @@ fn each_limit_is_a_limit() {
 }
 
 #[test]
-fn what_cannot_be_compared() {
+fn invalid_comparisons_are_refused() {
     let sandbox = pictures();
     let before = sandbox.files();
     for (args, code, words) in [

@@ -28,7 +28,7 @@ fn lines(decisions: &[Value]) -> Vec<&str> {
 }
 
 #[test]
-fn what_a_recipe_leaves_open_is_said_with_the_line_that_says_the_same() {
+fn decisions_are_printed_with_the_equivalent_recipe_line() {
     let open = decisions("torus.glb", &[]);
     let length = lines(&open).into_iter().find(|line| line.starts_with("hair.length_m = ")).unwrap().to_owned();
     assert!(lines(&open).iter().any(|line| line.starts_with("surface.tile_size_m = ")), "{open:?}");
@@ -39,7 +39,7 @@ fn what_a_recipe_leaves_open_is_said_with_the_line_that_says_the_same() {
 }
 
 #[test]
-fn the_models_own_colours_stay() {
+fn model_colours_are_kept_by_default() {
     let root = |decisions: &[Value]| {
         let decision = decisions.iter().find(|decision| decision["what"] == "colour at the root").unwrap().clone();
         (decision["chosen"].as_str().unwrap().to_owned(), decision["line"].as_str().unwrap().to_owned())
@@ -55,7 +55,7 @@ fn the_models_own_colours_stay() {
 }
 
 #[test]
-fn bare_parts_are_found_and_a_list_in_the_recipe_goes_first() {
+fn bare_parts_are_detected_unless_the_recipe_lists_them() {
     let found = decisions("ox.glb", &[]);
     let bare = found.iter().find(|d| d["line"].as_str().unwrap().starts_with("model.bare")).unwrap();
     assert_eq!(bare["line"], "model.bare = [\"horn\", \"hoof\", \"eye\"]");
@@ -65,8 +65,8 @@ fn bare_parts_are_found_and_a_list_in_the_recipe_goes_first() {
 }
 
 #[test]
-fn bare_parts_of_known_animals() {
-    let Some(data) = data("bare_parts_of_known_animals") else { return };
+fn bare_parts_of_known_animals_are_detected() {
+    let Some(data) = data("bare_parts_of_known_animals_are_detected") else { return };
     // The bare parts of each, and no others: the nose of the dog and the claws of the reptile are parts of "Black".
     for (animal, bare) in [
         ("quaternius_Wolf", "[\"Eyes_Black\", \"Nose\"]"),
@@ -85,7 +85,7 @@ fn bare_parts_of_known_animals() {
 }
 
 #[test]
-fn a_margin_of_bare_parts_is_chosen_where_there_are_any() {
+fn bare_margin_is_chosen_only_with_bare_parts() {
     let margin = |decisions: &[Value]| {
         let found = lines(decisions).into_iter().find_map(|line| line.strip_prefix("groom.bare_margin_m = "));
         found.map(|metres| metres.parse::<f32>().unwrap())
@@ -98,7 +98,7 @@ fn a_margin_of_bare_parts_is_chosen_where_there_are_any() {
 }
 
 #[test]
-fn hair_in_true_measure_becomes_a_tile() {
+fn metric_hair_values_determine_the_tile() {
     let said = ["--set", "hair.density_mm2=3", "--set", "hair.root_radius_m=0.0002"];
     let found = decisions("hare.glb", &said);
     let number = |key: &str| -> f64 {
@@ -117,7 +117,7 @@ fn hair_in_true_measure_becomes_a_tile() {
 }
 
 #[test]
-fn a_bake_for_a_distance_has_what_is_seen_from_there() {
+fn for_distance_fits_layers_to_the_viewing_distance() {
     let sandbox = Sandbox::new();
     sandbox.write("m.glb", std::fs::read(workspace().join("assets/models/hare.glb")).unwrap());
     let slices = |more: &[&str]| {

@@ -19,8 +19,8 @@ fn bake(sandbox: &Sandbox, name: &str, sets: &[&str]) {
 }
 
 #[test]
-fn predictions_are_what_an_adapter_counts() {
-    let Some(gpu) = gpu("predictions_are_what_an_adapter_counts") else { return };
+fn doctor_predictions_match_adapter_counts() {
+    let Some(gpu) = gpu("doctor_predictions_match_adapter_counts") else { return };
     let software = gpu.info.device_type == pelage_runtime::wgpu::DeviceType::Cpu;
     let sandbox = Sandbox::new();
     // Formats that a software adapter stores unchanged.
@@ -77,8 +77,8 @@ fn predictions_are_what_an_adapter_counts() {
 /// Checks the predicted number of layers. The renderer takes the distance of the nearest hair from the model's bounds,
 /// `doctor` from its vertices.
 #[test]
-fn fewer_layers_are_foreseen() {
-    if gpu("fewer_layers_are_foreseen").is_none() {
+fn doctor_predicts_reduced_layers() {
+    if gpu("doctor_predicts_reduced_layers").is_none() {
         return;
     }
     let sandbox = Sandbox::new();
@@ -92,7 +92,7 @@ fn fewer_layers_are_foreseen() {
 }
 
 #[test]
-fn advice_is_given_where_it_helps() {
+fn doctor_gives_applicable_advice() {
     let sandbox = Sandbox::new();
     bake(&sandbox, "hare", &["slice.tile_texels=64"]);
     let run = sandbox.run(&["doctor", "a.pelage"]);
@@ -123,8 +123,8 @@ fn advice_is_given_where_it_helps() {
 /// Checks that advice is tried if there is an adapter. A hare 64 pixels high shows four layers, all less than half a
 /// pixel apart. Baking fewer than sixteen layers would still be visible, but half the texels are harmless.
 #[test]
-fn advice_that_harms_is_left_out() {
-    if gpu("advice_that_harms_is_left_out").is_none() {
+fn doctor_omits_advice_that_raises_the_error() {
+    if gpu("doctor_omits_advice_that_raises_the_error").is_none() {
         return;
     }
     let sandbox = Sandbox::new();
@@ -144,7 +144,7 @@ fn advice_that_harms_is_left_out() {
 }
 
 #[test]
-fn what_cannot_be_diagnosed() {
+fn invalid_doctor_requests_are_refused() {
     let sandbox = Sandbox::new();
     sandbox.write("b.pelage", "no package");
     for (args, code, words) in [

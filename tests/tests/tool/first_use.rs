@@ -32,7 +32,7 @@ fn assert_refused(sandbox: &Sandbox, run: &Run, words: &[&str]) {
 }
 
 #[test]
-fn models_of_impossible_sizes_are_refused_with_the_unit_that_would_do() {
+fn implausible_sizes_are_refused_with_a_suggested_unit() {
     let sandbox = Sandbox::new();
     let hare = workspace().join(HARE).display().to_string();
     let run = bake(&sandbox, &hare, &["--set", "model.unit_m=100000"]);
@@ -48,7 +48,7 @@ fn models_of_impossible_sizes_are_refused_with_the_unit_that_would_do() {
 }
 
 #[test]
-fn positions_past_all_measure_name_the_model() {
+fn extreme_positions_are_refused_with_the_model_name() {
     let sandbox = Sandbox::new();
     sandbox.write("huge.obj", SQUARE.replace("v 1 1 0", "v 1e30 1 0"));
     let run = bake(&sandbox, "huge.obj", &[]);
@@ -71,7 +71,7 @@ fn a_mesh_without_area_is_refused() {
 }
 
 #[test]
-fn what_is_odd_about_a_model_is_told() {
+fn model_oddities_are_reported() {
     let sandbox = Sandbox::new();
     let cube = |offset: f64, inwards: bool| {
         let mut text = String::new();
@@ -103,7 +103,7 @@ fn what_is_odd_about_a_model_is_told() {
 }
 
 #[test]
-fn a_key_like_no_other_is_given_no_neighbour() {
+fn dissimilar_keys_get_no_suggestion() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
     let run = bake(&sandbox, "a.obj", &["--set", "a=b"]);
@@ -112,7 +112,7 @@ fn a_key_like_no_other_is_given_no_neighbour() {
 }
 
 #[test]
-fn images_of_set_are_found_from_here_and_by_absolute_path() {
+fn images_given_by_set_are_relative_to_the_working_folder() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
     sandbox.write("recipes/r.toml", "[hair]\ndensity = 50\n");
@@ -141,7 +141,7 @@ fn images_of_set_are_found_from_here_and_by_absolute_path() {
 }
 
 #[test]
-fn an_edited_recipe_is_no_new_fur() {
+fn packing_an_edited_recipe_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
     assert_eq!(bake(&sandbox, "a.obj", &["--set", "hair.coat=natural"]).code, Some(0));
@@ -167,7 +167,7 @@ fn an_edited_recipe_is_no_new_fur() {
 }
 
 #[test]
-fn an_edited_manifest_says_no_other_fur_than_the_recipe() {
+fn packing_a_manifest_that_contradicts_the_recipe_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
     assert_eq!(bake(&sandbox, "a.obj", &["--set", "hair.coat=natural"]).code, Some(0));
@@ -192,7 +192,7 @@ fn an_edited_manifest_says_no_other_fur_than_the_recipe() {
 }
 
 #[test]
-fn a_value_that_a_stage_refuses_is_placed() {
+fn values_refused_by_a_stage_name_their_source() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
     sandbox.write("r.toml", "[hair]\nlength_m = 1000\n[surface]\ntile_size_m = 0.2\n");
@@ -204,7 +204,7 @@ fn a_value_that_a_stage_refuses_is_placed() {
 
 #[cfg(unix)]
 #[test]
-fn pipes_in_folders_and_scenes_are_refused() {
+fn pipes_as_package_or_scene_files_are_refused() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
     assert_eq!(bake(&sandbox, "a.obj", &[]).code, Some(0));
@@ -226,7 +226,7 @@ fn pipes_in_folders_and_scenes_are_refused() {
 
 #[cfg(unix)]
 #[test]
-fn a_process_told_to_stop_leaves_nothing_half_written() {
+fn interrupted_process_leaves_no_partial_files() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
     // The text of 100 tiles of strands takes long enough to be interrupted half-written.
@@ -252,7 +252,7 @@ fn a_process_told_to_stop_leaves_nothing_half_written() {
 /// Checks that long work announces its size and, if stderr is not a terminal, prints occasional lines with progress and
 /// remaining time.
 #[test]
-fn long_work_is_told_before_and_while_it_runs() {
+fn long_work_is_announced_and_shows_progress() {
     let sandbox = Sandbox::new();
     let hare = workspace().join(HARE).display().to_string();
     let large = ["--set", "slice.layers=256", "--set", "slice.tile_texels=2048"];
@@ -277,7 +277,7 @@ fn long_work_is_told_before_and_while_it_runs() {
 }
 
 #[test]
-fn an_export_is_thinned_as_it_was_asked() {
+fn export_is_thinned_as_requested() {
     let sandbox = Sandbox::new();
     let hare = workspace().join(HARE).display().to_string();
     assert_eq!(bake(&sandbox, &hare, &["--set", "hair.density=100"]).code, Some(0));

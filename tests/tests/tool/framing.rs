@@ -49,8 +49,8 @@ fn is_whole(picture: &image::RgbaImage) -> bool {
 }
 
 #[test]
-fn the_camera_that_render_says_draws_the_same_picture() {
-    let Some(_) = gpu("the_camera_that_render_says_draws_the_same_picture") else { return };
+fn printed_camera_reproduces_the_picture() {
+    let Some(_) = gpu("printed_camera_reproduces_the_picture") else { return };
     let sandbox = sandbox();
     for line in ["--crowd 12 --clip Walk --time 0.2", "--orbit=-35,20,1.7", "--look-at head --orbit 20,5"] {
         let camera = camera(&sandbox, line);
@@ -63,8 +63,8 @@ fn the_camera_that_render_says_draws_the_same_picture() {
 }
 
 #[test]
-fn fur_ink_and_bare_are_seen_from_one_place() {
-    let Some(_) = gpu("fur_ink_and_bare_are_seen_from_one_place") else { return };
+fn all_styles_use_the_same_camera() {
+    let Some(_) = gpu("all_styles_use_the_same_camera") else { return };
     let sandbox = sandbox();
     let fur = camera(&sandbox, "");
     assert_eq!(camera(&sandbox, "--style bare"), fur);
@@ -88,8 +88,8 @@ fn crowds_clips_and_turntables_stay_in_the_picture() {
 }
 
 #[test]
-fn orbits_go_around_and_nearer() {
-    let Some(_) = gpu("orbits_go_around_and_nearer") else { return };
+fn orbit_option_rotates_and_zooms() {
+    let Some(_) = gpu("orbit_option_rotates_and_zooms") else { return };
     let sandbox = sandbox();
     let way = |line: &str| {
         let n = numbers(&camera(&sandbox, line));
@@ -108,7 +108,7 @@ fn orbits_go_around_and_nearer() {
 }
 
 #[test]
-fn what_is_asked_wrongly_of_the_camera_is_said() {
+fn camera_option_errors_are_reported() {
     let sandbox = sandbox();
     let run = |line: &str| {
         let args: Vec<&str> = line.split_whitespace().collect();
@@ -153,8 +153,8 @@ fn sphere() -> String {
 }
 
 #[test]
-fn a_white_sphere_without_fur_shows_its_form() {
-    let Some(_) = gpu("a_white_sphere_without_fur_shows_its_form") else { return };
+fn white_sphere_without_fur_is_shaded() {
+    let Some(_) = gpu("white_sphere_without_fur_is_shaded") else { return };
     let sandbox = Sandbox::new();
     std::fs::write(sandbox.path().join("sphere.obj"), sphere()).unwrap();
     let bake: Vec<&str> = "bake sphere.obj -o hare.pelage".split(' ').collect();

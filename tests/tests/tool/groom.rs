@@ -60,7 +60,7 @@ fn images_beside_the_recipe_go_into_the_package() {
 }
 
 #[test]
-fn an_image_that_cannot_be_read_is_named_with_recipe_and_key() {
+fn unreadable_groom_images_are_named_with_recipe_and_key() {
     let sandbox = sandbox();
     sandbox.write("recipes/broken.png", b"\x89PNG\r\n\x1a\n and no more");
     for (recipe, words) in [
@@ -84,7 +84,7 @@ fn an_image_that_cannot_be_read_is_named_with_recipe_and_key() {
 }
 
 #[test]
-fn a_model_without_texture_coordinates_wears_a_pattern() {
+fn patterns_work_without_texture_coordinates() {
     let sandbox = Sandbox::new();
     let glb = std::fs::read(workspace().join("assets/models/knot.glb")).unwrap();
     // Renderers ignore the renamed attribute; the length of the JSON is unchanged.

@@ -27,7 +27,7 @@ fn distance(a: &[f32], b: &[f32]) -> f32 {
 }
 
 #[test]
-fn a_spot_painted_on_the_atlas_comes_back_where_it_was_painted() {
+fn spot_painted_on_the_atlas_applies_at_its_position() {
     let sandbox = sandbox();
     let write =
         ["groom", "m.glb", "--map", "length", "-o", "length.png", "--mesh", "m.obj", "--texels", "512", "--json"];
@@ -93,7 +93,7 @@ fn a_spot_painted_on_the_atlas_comes_back_where_it_was_painted() {
 }
 
 #[test]
-fn a_mesh_wears_its_map_and_is_a_model_itself() {
+fn exported_groom_mesh_is_a_valid_model_with_its_map() {
     let sandbox = sandbox();
     let write = ["groom", "m.glb", "--map", "comb", "-o", "comb.png", "--mesh", "worn.glb", "--texels", "128"];
     let run = sandbox.run(&write);
@@ -107,7 +107,7 @@ fn a_mesh_wears_its_map_and_is_a_model_itself() {
 }
 
 #[test]
-fn what_cannot_be_written_is_said() {
+fn groom_map_errors_are_reported() {
     let sandbox = sandbox();
     let run = |args: &[&str]| {
         let run = sandbox.run(&[&["groom", "m.glb"], args].concat());

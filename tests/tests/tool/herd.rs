@@ -100,11 +100,11 @@ fn touch(sandbox: &Sandbox, name: &str) {
 }
 
 #[test]
-fn a_herd_runs_what_changed_and_nothing_else() {
-    if !has_ninja("a_herd_runs_what_changed_and_nothing_else") {
+fn herd_runs_only_changed_tasks() {
+    if !has_ninja("herd_runs_only_changed_tasks") {
         return;
     }
-    let Some(_) = gpu("a_herd_runs_what_changed_and_nothing_else") else { return };
+    let Some(_) = gpu("herd_runs_only_changed_tasks") else { return };
     let sandbox = sandbox();
     let (said, ran) = run(&sandbox, 0, &[]);
     assert_eq!((ran as usize, &said["models"], &said["tasks"]["done"]), (TASKS, &3.into(), &TASKS.into()), "{said}");
@@ -170,11 +170,11 @@ fn a_herd_runs_what_changed_and_nothing_else() {
 }
 
 #[test]
-fn a_herd_goes_on_after_failures_and_says_why() {
-    if !has_ninja("a_herd_goes_on_after_failures_and_says_why") {
+fn herd_continues_after_failures_and_reports_them() {
+    if !has_ninja("herd_continues_after_failures_and_reports_them") {
         return;
     }
-    let Some(_) = gpu("a_herd_goes_on_after_failures_and_says_why") else { return };
+    let Some(_) = gpu("herd_continues_after_failures_and_reports_them") else { return };
     let sandbox = sandbox();
     sandbox.write("herd/animals/broken <one>.glb", "no model");
     sandbox.write("herd/herd.toml", HERD.replace("max_flip = 0.9", "max_flip = 1e-6"));
@@ -198,11 +198,11 @@ fn a_herd_goes_on_after_failures_and_says_why() {
 }
 
 #[test]
-fn a_herd_that_was_killed_goes_on_and_has_the_same_bytes() {
-    if !has_ninja("a_herd_that_was_killed_goes_on_and_has_the_same_bytes") {
+fn killed_herd_resumes_with_identical_results() {
+    if !has_ninja("killed_herd_resumes_with_identical_results") {
         return;
     }
-    let Some(_) = gpu("a_herd_that_was_killed_goes_on_and_has_the_same_bytes") else { return };
+    let Some(_) = gpu("killed_herd_resumes_with_identical_results") else { return };
     let whole = sandbox();
     run(&whole, 0, &[]);
     let expected = results(&whole, "herd/out");
@@ -234,8 +234,8 @@ fn a_herd_that_was_killed_goes_on_and_has_the_same_bytes() {
 }
 
 #[test]
-fn a_command_that_dies_without_a_word_is_told() {
-    if !has_ninja("a_command_that_dies_without_a_word_is_told") {
+fn silently_killed_commands_are_reported() {
+    if !has_ninja("silently_killed_commands_are_reported") {
         return;
     }
     let sandbox = sandbox();
@@ -273,7 +273,7 @@ fn a_command_that_dies_without_a_word_is_told() {
 }
 
 #[test]
-fn a_plan_is_a_graph_of_plain_commands() {
+fn herd_plan_is_a_graph_of_plain_commands() {
     let sandbox = sandbox();
     let plan = herd(&sandbox, "plan", &["--cache", "cache"]);
     assert_eq!(plan.code, Some(0), "{plan:?}");
@@ -312,7 +312,7 @@ fn a_plan_is_a_graph_of_plain_commands() {
 }
 
 #[test]
-fn what_a_herd_file_says_wrong_is_told_before_anything_runs() {
+fn herd_file_errors_are_reported_before_anything_runs() {
     let sandbox = sandbox().with_lab();
     for (text, code, word) in [
         ("[[model]]\nfiles = \"none/*.glb\"", 3, "herd/herd.toml: line 2, model[0].files: \"none\" is no folder"),

@@ -69,7 +69,7 @@ fn time(sandbox: &Sandbox, name: &str) -> SystemTime {
 }
 
 #[test]
-fn a_depfile_names_everything_that_was_read() {
+fn depfile_names_every_file_read() {
     let sandbox = sandbox();
     let run = bake(&sandbox, &["-o", "out/m.pelage", "--depfile", "out/m.d"]);
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -89,7 +89,7 @@ fn a_depfile_names_everything_that_was_read() {
 }
 
 #[test]
-fn what_does_not_change_keeps_its_time() {
+fn unchanged_outputs_keep_their_modification_time() {
     let sandbox = sandbox();
     assert_eq!(bake(&sandbox, &["-o", "out/m.pelage"]).code, Some(0));
     let long_ago = SystemTime::now() - Duration::from_secs(3600);
@@ -104,7 +104,7 @@ fn what_does_not_change_keeps_its_time() {
 }
 
 #[test]
-fn a_record_says_what_became_of_a_command() {
+fn record_states_the_outcome_of_a_command() {
     let sandbox = sandbox();
     assert_eq!(bake(&sandbox, &["-o", "out/m.pelage", "--record", "out/m.json"]).code, Some(0));
     let whole = record(&sandbox, "out/m.json");
@@ -132,7 +132,7 @@ fn a_record_says_what_became_of_a_command() {
 }
 
 #[test]
-fn what_was_made_before_is_taken_from_a_cache() {
+fn cached_results_are_reused() {
     let sandbox = sandbox();
     let bake = |out: &str, more: &[&str]| {
         let (package, record_file) = (format!("{out}/m.pelage"), format!("{out}/m.json"));
@@ -173,7 +173,7 @@ fn what_was_made_before_is_taken_from_a_cache() {
 }
 
 #[test]
-fn a_cache_that_cannot_be_written_is_no_error() {
+fn unwritable_cache_is_only_a_note() {
     let sandbox = sandbox();
     sandbox.write("cache", "a file");
     let run = bake(&sandbox, &["-o", "out/m.pelage", "--cache", "cache"]);
@@ -182,8 +182,8 @@ fn a_cache_that_cannot_be_written_is_no_error() {
 }
 
 #[test]
-fn pictures_and_comparisons_are_kept_as_well() {
-    let Some(_) = gpu("pictures_and_comparisons_are_kept_as_well") else { return };
+fn pictures_and_comparisons_are_cached() {
+    let Some(_) = gpu("pictures_and_comparisons_are_cached") else { return };
     let sandbox = sandbox();
     assert_eq!(bake(&sandbox, &["-o", "m.pelage"]).code, Some(0));
     sandbox.write("look.toml", "[light]\nstrength = 1.5\n");
@@ -224,7 +224,7 @@ fn pictures_and_comparisons_are_kept_as_well() {
 }
 
 #[test]
-fn parts_of_a_truth_are_the_whole() {
+fn reference_parts_add_up_to_the_whole() {
     let sandbox = sandbox();
     assert_eq!(bake(&sandbox, &["-o", "m.pelage"]).code, Some(0));
     let view = ["--size", "50x40", "--samples", "3"];
@@ -271,7 +271,7 @@ fn parts_of_a_truth_are_the_whole() {
 }
 
 #[test]
-fn rows_of_a_chart_are_measured_in_shares() {
+fn chart_rows_can_be_split_between_runs() {
     let sandbox = sandbox().with_lab();
     let model = workspace().join("assets/models/torus.glb");
     let chart = |args: &[&str]| {

@@ -8,7 +8,7 @@ use pelage_tests::likeness::{FUR_PX, folder, likeness, pairs};
 /// Checks that every pair is ranked as by a person, by a margin above the noise of the reference picture. Mean FLIP
 /// alone must fail.
 #[test]
-fn pairs_are_ranked_as_a_person_does() {
+fn likeness_ranks_pairs_as_people_do() {
     let (mut flip_fails, mut wrong) = (0, Vec::new());
     let all = pairs();
     for pair in &all {
@@ -29,8 +29,8 @@ fn pairs_are_ranked_as_a_person_does() {
 /// Checks a freshly drawn pair: long hair in four coarse layers, which mean FLIP accepted, and the usual layers with
 /// fins.
 #[test]
-fn a_ghost_of_an_outline_loses_to_hair() {
-    if gpu("a_ghost_of_an_outline_loses_to_hair").is_none() {
+fn ghost_outlines_score_worse_than_hair() {
+    if gpu("ghost_outlines_score_worse_than_hair").is_none() {
         return;
     }
     let sandbox = Sandbox::new();

@@ -43,8 +43,8 @@ fn fragments(sandbox: &Sandbox) -> f64 {
 }
 
 #[test]
-fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
-    if gpu("a_limit_of_the_error_is_kept_when_measured_from_fresh").is_none() {
+fn error_limit_holds_in_a_fresh_measurement() {
+    if gpu("error_limit_holds_in_a_fresh_measurement").is_none() {
         return;
     }
     let sandbox = Sandbox::new();
@@ -102,8 +102,8 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
 }
 
 #[test]
-fn costs_have_limits_too() {
-    if gpu("costs_have_limits_too").is_none() {
+fn cost_limits_are_met() {
+    if gpu("cost_limits_are_met").is_none() {
         return;
     }
     let sandbox = Sandbox::new();
@@ -158,8 +158,8 @@ fn costs_have_limits_too() {
 }
 
 #[test]
-fn limits_that_nothing_meets_leave_no_package_and_name_the_nearest() {
-    if gpu("limits_that_nothing_meets_leave_no_package_and_name_the_nearest").is_none() {
+fn unreachable_limits_write_no_package_and_name_the_nearest() {
+    if gpu("unreachable_limits_write_no_package_and_name_the_nearest").is_none() {
         return;
     }
     let sandbox = Sandbox::new();
@@ -172,7 +172,7 @@ fn limits_that_nothing_meets_leave_no_package_and_name_the_nearest() {
 }
 
 #[test]
-fn limits_that_mean_nothing_are_usage() {
+fn invalid_limits_are_usage_errors() {
     let sandbox = Sandbox::new();
     for more in [
         &["--max-error", "0"][..],
@@ -187,8 +187,8 @@ fn limits_that_mean_nothing_are_usage() {
 }
 
 #[test]
-fn the_shells_chart() {
-    if gpu("the_shells_chart").is_none() {
+fn shells_chart_is_written() {
+    if gpu("shells_chart_is_written").is_none() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();

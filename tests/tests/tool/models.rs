@@ -64,7 +64,7 @@ fn glb(version: u32, length: u32) -> Vec<u8> {
 }
 
 #[test]
-fn the_good_triangle_bakes() {
+fn valid_triangle_bakes() {
     // Valid input, from which each bad one below differs in a single item.
     let sandbox = Sandbox::new();
     sandbox.write("a.gltf", triangle().to_string());
@@ -77,7 +77,7 @@ fn the_good_triangle_bakes() {
 }
 
 #[test]
-fn bad_models() {
+fn bad_models_are_refused() {
     type Spoil = fn(&mut Value, &mut Vec<u8>);
     let cases: &[(Spoil, &[&str])] = &[
         (|_, b| b[0..4].copy_from_slice(&f32::NAN.to_le_bytes()), &["a.gltf", "NaN"]),
@@ -152,7 +152,7 @@ fn texture_coordinates_are_asked_for_only_where_they_are_used() {
 }
 
 #[test]
-fn bad_recipes() {
+fn bad_recipes_are_refused() {
     let sandbox = Sandbox::new();
     sandbox.write("good.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
     std::fs::create_dir(sandbox.path().join("folder.toml")).unwrap();
@@ -183,7 +183,7 @@ fn bad_recipes() {
 }
 
 #[test]
-fn pictures() {
+fn bad_render_and_bench_requests_are_refused() {
     let sandbox = Sandbox::new();
     sandbox.write("good.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
     assert_eq!(bake(&sandbox, "good.glb", &["--set", "ink.enabled=false"]).code, Some(0));
@@ -282,8 +282,8 @@ fn bake_all(models: &[PathBuf], more: &[&str]) -> BTreeMap<PathBuf, Run> {
 }
 
 #[test]
-fn the_corpus_of_hard_files() {
-    let Some(data) = data("the_corpus_of_hard_files") else { return };
+fn hard_gltf_files_never_crash_the_tool() {
+    let Some(data) = data("hard_gltf_files_never_crash_the_tool") else { return };
     let mut models = Vec::new();
     for folder in ["hard-gltf", "gltf-validator", "gltf-asset-generator"] {
         walk(&data.join("meshes").join(folder), &mut models);
@@ -321,8 +321,8 @@ const REFUSED_OBJ: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn every_obj_file() {
-    let Some(data) = data("every_obj_file") else { return };
+fn every_obj_file_bakes_or_is_refused() {
+    let Some(data) = data("every_obj_file_bakes_or_is_refused") else { return };
     let mut models = Vec::new();
     for folder in ["static", "hard-obj"] {
         walk(&data.join("meshes").join(folder), &mut models);
@@ -345,7 +345,7 @@ fn every_obj_file() {
 }
 
 #[test]
-fn an_obj_with_its_materials() {
+fn obj_with_materials_bakes() {
     let sandbox = Sandbox::new();
     sandbox.write("a.png", {
         let mut png = std::io::Cursor::new(Vec::new());

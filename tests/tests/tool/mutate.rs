@@ -8,7 +8,7 @@ use pelage_tests::mutate::{KINDS, Plan, run};
 const CASES: [u64; KINDS.len()] = [40, 28, 12, 8, 8, 8, 8];
 
 #[test]
-fn a_slice_of_the_mutation_run_shows_no_fault() {
+fn short_mutation_run_finds_no_fault() {
     let cases = CASES.iter().enumerate().flat_map(|(kind, count)| (0..*count).map(move |i| (kind, i))).collect();
     let report = run(&Plan { seed: 7, cases, jobs: 2 }, None, None).unwrap();
     let text = report.text(7);

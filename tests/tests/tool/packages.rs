@@ -16,7 +16,7 @@ fn sandbox() -> Sandbox {
 }
 
 #[test]
-fn inspect_tells_what_is_inside() {
+fn inspect_prints_package_contents() {
     let sandbox = sandbox();
     let run = sandbox.run(&["inspect", "a.pelage", "--json"]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
@@ -54,7 +54,7 @@ fn inspect_tells_what_is_inside() {
 }
 
 #[test]
-fn validate_lists_each_fault_with_its_place() {
+fn validate_lists_each_fault_with_its_position() {
     let sandbox = sandbox();
     let run = sandbox.run(&["validate", "a.pelage", "--json"]);
     let object = schema::parse_answer(&run, "validate");
@@ -109,7 +109,7 @@ fn assert_round_trip(sandbox: &Sandbox, package: &[u8]) -> Vec<String> {
 }
 
 #[test]
-fn pack_undoes_unpack() {
+fn pack_reverses_unpack() {
     let sandbox = Sandbox::new();
     let files = assert_round_trip(&sandbox, &sample_package());
     let expected = [
@@ -145,7 +145,7 @@ fn ink_package() -> Vec<u8> {
 }
 
 #[test]
-fn inspect_tells_of_ink() {
+fn inspect_prints_ink() {
     let sandbox = sandbox();
     assert_eq!(schema::parse_answer(&sandbox.run(&["inspect", "a.pelage", "--json"]), "inspect")["ink"], Value::Null);
     sandbox.write("ink.pelage", ink_package());
@@ -160,7 +160,7 @@ fn inspect_tells_of_ink() {
 }
 
 #[test]
-fn a_fault_in_unpacked_ink_is_placed_in_its_file() {
+fn errors_in_unpacked_ink_name_the_file() {
     let sandbox = Sandbox::new();
     sandbox.write("ink.pelage", ink_package());
     assert_eq!(sandbox.run(&["unpack", "ink.pelage", "folder"]).code, Some(0));
@@ -174,7 +174,7 @@ fn a_fault_in_unpacked_ink_is_placed_in_its_file() {
 }
 
 #[test]
-fn pack_undoes_unpack_for_generated_packages() {
+fn pack_reverses_unpack_for_generated_packages() {
     let sandbox = Sandbox::new();
     for seed in 0..24 {
         assert_round_trip(&sandbox, &random_package(&mut Random(seed)));
@@ -323,7 +323,7 @@ fn a_full_disk_is_an_error() {
 }
 
 #[test]
-fn help_and_version_are_no_errors() {
+fn help_and_version_succeed() {
     let sandbox = Sandbox::new();
     for args in [&["--help"][..], &["--version"], &["help"], &["inspect", "--help"]] {
         let run = sandbox.run(args);

@@ -33,7 +33,7 @@ fn quiet_commands_print_nothing() {
 }
 
 #[test]
-fn samples_have_one_name_in_every_command() {
+fn samples_option_has_one_name_in_every_command() {
     let sandbox = sandbox();
     let traced = |name: &str, samples: &str| {
         let run = sandbox.run(&["reference", "a.pelage", "-o", name, "--size", "8x8", samples, "3", "-q"]);
@@ -50,8 +50,8 @@ fn samples_have_one_name_in_every_command() {
 }
 
 #[test]
-fn a_variable_that_mesa_misses_is_not_complained_about() {
-    if gpu("a_variable_that_mesa_misses_is_not_complained_about").is_none() {
+fn missing_mesa_environment_variables_cause_no_warning() {
+    if gpu("missing_mesa_environment_variables_cause_no_warning").is_none() {
         return;
     }
     let sandbox = sandbox();

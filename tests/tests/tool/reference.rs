@@ -20,7 +20,7 @@ fn torus(settings: &[&str]) -> Sandbox {
 const SMALL: [&str; 6] = ["reference", "torus.pelage", "--size", "96x64", "--samples", "8"];
 
 #[test]
-fn the_picture_is_the_same_with_any_number_of_threads() {
+fn reference_picture_does_not_depend_on_thread_count() {
     let sandbox = torus(&[]);
     let trace = |threads: &str, name: &str| {
         let run = sandbox.run(&[&SMALL[..], &["--threads", threads, "-o", name, "--json"]].concat());
@@ -41,7 +41,7 @@ fn the_picture_is_the_same_with_any_number_of_threads() {
 }
 
 #[test]
-fn what_the_light_does_shows() {
+fn light_options_change_the_reference_picture() {
     let sandbox = torus(&[]);
     let mean = |more: &[&str]| {
         let run = sandbox.run(&[&SMALL[..], &["-o", "a.exr"], more].concat());
@@ -61,7 +61,7 @@ fn what_the_light_does_shows() {
 }
 
 #[test]
-fn strands_and_skin_leave_for_other_programs() {
+fn strands_and_mesh_are_exported() {
     let sandbox = torus(&["hair.density=60"]);
     for extension in ["txt", "pbrt", "glb", "hair", "usda"] {
         let name = format!("strands.{extension}");
@@ -123,7 +123,7 @@ fn strands_and_skin_leave_for_other_programs() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn reference_option_errors_are_reported() {
     let sandbox = torus(&[]);
     for (more, word) in [
         (&["-o", "a.jpg"][..], ".png or .exr"),

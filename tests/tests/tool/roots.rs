@@ -75,7 +75,7 @@ fn hair_at_a_border_has_its_roots_colour() {
 }
 
 #[test]
-fn hair_of_one_colour_takes_nothing() {
+fn uniform_colours_need_no_root_texture() {
     let sandbox = Sandbox::new();
     write_plane(&sandbox);
     sandbox.write("plane.mtl", "newmtl behind\nKd 0.8 0.1 0.1\nnewmtl front\nKd 0.8 0.1 0.1\n");

@@ -50,8 +50,8 @@ fn picture(sandbox: &Sandbox, args: &[&str]) -> Vec<u8> {
 }
 
 #[test]
-fn a_blend_goes_from_one_clip_to_another() {
-    let Some(_) = gpu("a_blend_goes_from_one_clip_to_another") else { return };
+fn blend_option_interpolates_between_clips() {
+    let Some(_) = gpu("blend_option_interpolates_between_clips") else { return };
     let sandbox = sandbox();
     let seen = ["hare.pelage", "--size", "120x90", "--camera", "0.5,0.6,1.5/0,0.2,0/25", "--time", "0.3"];
     let drawn = |more: &[&str]| picture(&sandbox, &[&seen[..], more].concat());
@@ -78,8 +78,8 @@ fn a_blend_goes_from_one_clip_to_another() {
 }
 
 #[test]
-fn a_scene_of_one_model_is_the_picture_of_its_package() {
-    let Some(_) = gpu("a_scene_of_one_model_is_the_picture_of_its_package") else { return };
+fn single_model_scene_equals_rendering_its_package() {
+    let Some(_) = gpu("single_model_scene_equals_rendering_its_package") else { return };
     let sandbox = sandbox();
     let model = "[[model]]\npackage = \"../hare.pelage\"\n";
     let clip = format!("{model}clip = \"EarBreath\"\n");
@@ -182,8 +182,8 @@ fn models_and_camera_follow_their_paths() {
 }
 
 #[test]
-fn packages_are_loaded_once_and_stand_together() {
-    let Some(_) = gpu("packages_are_loaded_once_and_stand_together") else { return };
+fn scene_packages_are_loaded_once_and_drawn_together() {
+    let Some(_) = gpu("scene_packages_are_loaded_once_and_drawn_together") else { return };
     let sandbox = sandbox();
     sandbox.write(
         "a.toml",
@@ -399,8 +399,8 @@ fn hair_swings_in_sequences() {
 }
 
 #[test]
-fn a_sequence_that_was_interrupted_goes_on() {
-    let Some(_) = gpu("a_sequence_that_was_interrupted_goes_on") else { return };
+fn interrupted_sequence_resumes() {
+    let Some(_) = gpu("interrupted_sequence_resumes") else { return };
     let sandbox = sandbox();
     sandbox.write(
         "a.toml",

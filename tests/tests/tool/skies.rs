@@ -9,8 +9,8 @@ use pelage_tests::schema;
 /// Checks real skies of 1k × 512: the fit keeps the total light, is fast, and reads back from its file as reported.
 /// Errors of broken files name the file and the fault.
 #[test]
-fn skies_are_taken_for_few_lights() {
-    let Some(data) = data("skies_are_taken_for_few_lights") else { return };
+fn skies_are_fitted_by_few_lights() {
+    let Some(data) = data("skies_are_fitted_by_few_lights") else { return };
     let sandbox = Sandbox::new();
     // Name, and greatest allowed error of the lobes' radiance; lobes cannot represent sources smaller than 8 degrees.
     let skies = [
@@ -51,7 +51,7 @@ fn skies_are_taken_for_few_lights() {
 }
 
 #[test]
-fn a_picture_names_its_sky_by_words_and_by_files() {
+fn environment_is_given_by_words_or_files() {
     let sandbox = Sandbox::new();
     sandbox.write("torus.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
     let sets = ["slice.layers=4", "shading.model=marschner", "hair.density=100", "ink.enabled=false"];
@@ -94,7 +94,7 @@ fn a_picture_names_its_sky_by_words_and_by_files() {
 /// Checks that the sky is visible behind a traced picture, and that a ground colours the lower half and its light from
 /// below.
 #[test]
-fn a_sky_is_seen_behind_and_over_a_ground() {
+fn sky_is_visible_behind_the_model_and_above_a_ground() {
     let sandbox = Sandbox::new();
     sandbox.write("torus.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
     assert_eq!(sandbox.run(&["bake", "torus.glb", "-o", "t.pelage", "--set", "slice.layers=4"]).code, Some(0));

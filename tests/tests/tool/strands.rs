@@ -8,8 +8,8 @@ use pelage_tests::mutate::bases::chunks;
 use pelage_tests::schema;
 
 #[test]
-fn strands_are_nearer_to_the_true_picture_than_layers() {
-    if gpu("strands_are_nearer_to_the_true_picture_than_layers").is_none() {
+fn strands_are_nearer_to_the_reference_than_layers() {
+    if gpu("strands_are_nearer_to_the_reference_than_layers").is_none() {
         return;
     }
     let sandbox = Sandbox::new();
@@ -41,8 +41,8 @@ fn strands_are_nearer_to_the_true_picture_than_layers() {
 /// Checks hair on guides: hair hanging from the hare, thin enough that each hair matters, at rest and in the middle of
 /// a jump.
 #[test]
-fn hair_on_guides_is_drawn_where_the_true_picture_has_it() {
-    if gpu("hair_on_guides_is_drawn_where_the_true_picture_has_it").is_none() {
+fn guided_hair_is_drawn_as_in_the_reference() {
+    if gpu("guided_hair_is_drawn_as_in_the_reference").is_none() {
         return;
     }
     let sandbox = Sandbox::new();
@@ -96,7 +96,7 @@ fn hair_on_guides_is_drawn_where_the_true_picture_has_it() {
 
 /// Checks that lines written by `export`, in one file and in two, are read back as the same guides.
 #[test]
-fn exported_lines_are_guides_again() {
+fn exported_strands_are_read_as_guides() {
     let sandbox = Sandbox::new();
     let model = workspace().join("assets/models/torus.glb").to_str().unwrap().to_owned();
     let group = |keys: &str| {

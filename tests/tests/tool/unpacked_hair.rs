@@ -153,7 +153,7 @@ fn at_rest(bytes: &[u8], group: usize) -> Vec<Vec<Vec3>> {
 }
 
 #[test]
-fn strands_and_guides_are_files_of_their_own() {
+fn strands_and_guides_are_unpacked_to_separate_files() {
     let bytes = package(&strands(), &groups());
     let sandbox = unpacked(&bytes);
     let files = sandbox.files();
@@ -182,7 +182,7 @@ fn strands_and_guides_are_files_of_their_own() {
 }
 
 #[test]
-fn any_numbers_of_the_sections_survive() {
+fn arbitrary_hair_sections_survive_a_round_trip() {
     for seed in 0..8 {
         let random = &mut Random(seed);
         let mut made = strands();
@@ -221,7 +221,7 @@ fn any_numbers_of_the_sections_survive() {
 }
 
 #[test]
-fn an_edited_tile_arrives() {
+fn edited_tile_strands_are_packed() {
     let (made, bytes) = (strands(), package(&strands(), &groups()));
     let sandbox = unpacked(&bytes);
     let mut hair = Hair::read(&sandbox, "strands.hair");
@@ -269,7 +269,7 @@ fn an_edited_tile_arrives() {
 }
 
 #[test]
-fn edited_guides_arrive() {
+fn edited_guides_are_packed() {
     let bytes = package(&strands(), &groups());
     let sandbox = unpacked(&bytes);
     let before = at_rest(&bytes, 0);
@@ -310,7 +310,7 @@ fn edited_guides_arrive() {
 }
 
 #[test]
-fn what_does_not_fit_is_said_with_its_place() {
+fn invalid_unpacked_hair_is_refused_with_the_position() {
     let bytes = package(&strands(), &groups());
     type Change = fn(&Sandbox);
     type Edit<'a> = &'a dyn Fn(&mut Value);

@@ -64,7 +64,7 @@ fn the_written_recipe_gives_the_same_package() {
 }
 
 #[test]
-fn a_recipe_with_a_coat_and_images_is_written_whole() {
+fn recipe_with_a_coat_and_images_is_written_completely() {
     let sandbox = sandbox();
     let text = bake_with_written(&sandbox, "recipes/whole.toml", &["--recipe", "recipes/mine.toml"]);
     let recipe = Recipe::parse("whole.toml", &text).unwrap();
@@ -79,15 +79,15 @@ fn a_recipe_with_a_coat_and_images_is_written_whole() {
 }
 
 #[test]
-fn what_options_chose_is_in_the_written_recipe() {
+fn written_recipe_contains_values_chosen_by_options() {
     let sandbox = sandbox();
     let text = bake_with_written(&sandbox, "whole.toml", &["--for-size", "120x72"]);
     assert!(text.contains("\n# chosen by the bake: for --for-size 120x72\nlayers = "), "{text}");
 }
 
 #[test]
-fn what_limits_chose_is_in_the_written_recipe() {
-    if gpu("what_limits_chose_is_in_the_written_recipe").is_none() {
+fn written_recipe_contains_values_chosen_by_limits() {
+    if gpu("written_recipe_contains_values_chosen_by_limits").is_none() {
         return;
     }
     let sandbox = sandbox();
@@ -105,7 +105,7 @@ fn what_limits_chose_is_in_the_written_recipe() {
 }
 
 #[test]
-fn a_recipe_that_would_not_find_its_files_is_not_written() {
+fn recipe_that_would_lose_its_files_is_not_written() {
     let sandbox = sandbox();
     let refused = |path: &str, words: &[&str]| {
         let before = sandbox.files();
@@ -124,7 +124,7 @@ fn a_recipe_that_would_not_find_its_files_is_not_written() {
 }
 
 #[test]
-fn a_recipe_takes_the_place_of_nothing_that_was_read() {
+fn written_recipe_never_overwrites_an_input() {
     let sandbox = sandbox();
     let before = (sandbox.files(), sandbox.read("recipes/mine.toml"));
     for path in ["recipes/../recipes/mine.toml", "p.pelage", "torus.glb"] {
@@ -136,7 +136,7 @@ fn a_recipe_takes_the_place_of_nothing_that_was_read() {
 }
 
 #[test]
-fn neither_package_nor_recipe_is_there_without_the_other() {
+fn package_and_recipe_are_written_together_or_not_at_all() {
     let sandbox = sandbox();
     let before = sandbox.files();
     for (path, place) in [("none/r.toml", "none: "), ("recipes", "recipes: ")] {

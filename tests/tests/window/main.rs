@@ -29,8 +29,8 @@ fn pixels(path: &Path) -> image::RgbaImage {
 }
 
 #[test]
-fn a_window_shows_what_render_draws_and_hands_change_it() {
-    let Some(desktop) = Desktop::open("a_window_shows_what_render_draws_and_hands_change_it") else { return };
+fn window_matches_render_and_responds_to_input() {
+    let Some(desktop) = Desktop::open("window_matches_render_and_responds_to_input") else { return };
     let sandbox = Sandbox::new();
     package(&sandbox);
     let mut view = open_window(&desktop, &sandbox, &["hare.pelage", "--window", "500x400", "--no-panels"]);
@@ -106,8 +106,8 @@ fn a_window_shows_what_render_draws_and_hands_change_it() {
 }
 
 #[test]
-fn a_recipe_is_baked_again_when_it_is_saved_and_a_broken_one_is_told_of() {
-    let Some(desktop) = Desktop::open("a_recipe_is_baked_again_when_it_is_saved_and_a_broken_one_is_told_of") else {
+fn saved_recipe_is_rebaked_and_a_broken_one_is_reported() {
+    let Some(desktop) = Desktop::open("saved_recipe_is_rebaked_and_a_broken_one_is_reported") else {
         return;
     };
     let sandbox = Sandbox::new();
@@ -159,8 +159,8 @@ fn a_recipe_is_baked_again_when_it_is_saved_and_a_broken_one_is_told_of() {
 }
 
 #[test]
-fn a_window_outlives_what_is_no_package() {
-    let Some(desktop) = Desktop::open("a_window_outlives_what_is_no_package") else { return };
+fn window_survives_files_other_than_packages() {
+    let Some(desktop) = Desktop::open("window_survives_files_other_than_packages") else { return };
     let sandbox = Sandbox::new();
     package(&sandbox);
     let whole = std::fs::read(sandbox.path().join("hare.pelage")).unwrap();
@@ -174,7 +174,7 @@ fn a_window_outlives_what_is_no_package() {
     sandbox.write("e-broken.glb", b"glTF\x02\0\0\0\xff\xff\xff\xff");
     let mut bad = 5;
     // Also every file of the test data that is not a model, under names that a window opens.
-    if let Some(data) = pelage_needs::data("a_window_outlives_what_is_no_package") {
+    if let Some(data) = pelage_needs::data("window_survives_files_other_than_packages") {
         let mut files = Vec::new();
         walk(&data, &mut files);
         files.retain(|file| !file.extension().is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|model| e == *model)));
@@ -202,7 +202,7 @@ fn a_window_outlives_what_is_no_package() {
 }
 
 #[test]
-fn without_a_screen_the_command_says_what_is_missing() {
+fn view_without_a_display_reports_what_is_missing() {
     let sandbox = Sandbox::new();
     sandbox.write("a.pelage", b"");
     let mut command = sandbox.command(&["view", "a.pelage"]);

@@ -226,7 +226,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn textures_have_options_before_the_name() {
+    fn texture_options_precede_the_name() {
         for (text, expected) in [
             ("map_Kd a.png", Some("a.png")),
             ("map_Kd  two  words.png ", Some("two  words.png")),

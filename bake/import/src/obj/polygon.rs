@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fan_of_an_arrow_head_is_wrong() {
+    fn area_check_rejects_a_fan_of_a_concave_polygon() {
         // Result of the test above if concave polygons were cut as fans.
         let points = [(2., 2.), (0., 1.), (-2., 2.), (0., 0.)];
         let wrong = std::panic::catch_unwind(|| areas(&points, &fan(4, true)));
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn polygons_that_have_no_inside_end_all_the_same() {
+    fn triangulation_of_self_intersecting_polygons_terminates() {
         let pentagram: Vec<(f32, f32)> = (0..5)
             .map(|i| {
                 let angle = i as f32 * 2.0 * std::f32::consts::TAU / 5.0;

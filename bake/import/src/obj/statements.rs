@@ -212,7 +212,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_end_in_every_way_and_join() {
+    fn all_line_endings_and_continuations_are_read() {
         let text = "# a\r\nv 1 2 \\\r\n 3\r\rf 1 #x\n\n  usemtl a#b c \ng \\";
         let found: Vec<_> = Statements::new(text).map(|s| (s.line, s.text.into_owned())).collect();
         let expected = [(2, "v 1 2   3"), (5, "f 1"), (7, "usemtl a#b c"), (8, "g")];
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn many_joined_lines_take_time_in_proportion() {
+    fn continued_lines_take_linear_time() {
         // Joined one by one by copying, this would take 10¹¹ steps.
         let text = "f 1 2 3 \\\n".repeat(300_000);
         assert_eq!(Statements::new(&text).next().map(|s| s.words().count()), Some(1_199_999));

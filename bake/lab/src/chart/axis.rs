@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_short() {
+    fn axis_labels_are_short() {
         for (value, text) in [
             (0.0, "0"),
             (0.0005, "0.0005"),

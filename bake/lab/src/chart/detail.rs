@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ladder_ends_at_the_last_level() {
+    fn level_rows_end_at_the_last_level() {
         let count = |sets: &str| {
             let mut recipe = Recipe::default();
             sets.split(' ').for_each(|set| recipe.set(set).expect("a valid change"));
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn each_row_has_a_cell_for_each_column_and_one_panel() {
+    fn each_row_has_all_columns_and_belongs_to_one_panel() {
         let measured = SettingMeasurements { flip: 0.5, fragments: Some(9), frame_ms: 1.0, ..SettingMeasurements::default() };
         let base = Recipe::default();
         let row = |c: &DetailConfiguration| {

@@ -575,7 +575,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_single_light_is_as_near_as_it_is_said_to_be() {
+    fn single_light_errors_are_in_their_expected_ranges() {
         let exact = measure_single(SingleLighting::Exact, 40.0);
         let printed = measure_single(SingleLighting::Printed, 10.0);
         assert!(exact.error < 0.01 && exact.mean.abs() < 0.01, "{exact:?}");
@@ -583,7 +583,7 @@ mod tests {
     }
 
     #[test]
-    fn one_light_for_a_sky_is_nearer_than_constant_light() {
+    fn one_light_approximates_a_sky_better_than_a_constant() {
         let sky = &painted().expect("skies")[0];
         let truth = EnvironmentTruth::new(sky);
         let of = |form| measure_map(form, sky, &truth);

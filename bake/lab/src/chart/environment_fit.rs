@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn more_lobes_come_nearer() {
+    fn more_lobes_reduce_the_error() {
         for sky in painted().expect("skies") {
             let truth = true_irradiance(&sky.panorama);
             let of = |lobes| {

@@ -99,7 +99,7 @@ mod tests {
     /// An upright strand, and a horizontal one twice as thick that crosses the tile's border: points are on the
     /// strands, in proportion to the hair.
     #[test]
-    fn texels_come_as_often_as_they_hold_hair() {
+    fn texels_are_sampled_in_proportion_to_their_hair() {
         let strands = Strands {
             points: vec![vec3(0.3, 0.6, 0.0), vec3(0.3, 0.6, 0.5), vec3(0.9, 0.1, 0.3), vec3(1.4, 0.1, 0.3)],
             radii: vec![0.01, 0.01, 0.02, 0.02],

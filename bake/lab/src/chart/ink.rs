@@ -231,7 +231,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_configuration_is_listed_once() {
+    fn ink_configurations_are_listed_once() {
         let all = configurations();
         assert!(all[0].default && all.iter().filter(|c| c.default).count() == 1);
         for (i, c) in all.iter().enumerate() {
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_has_a_cell_for_each_column() {
+    fn ink_rows_have_all_columns() {
         let look = InkSettings { size: (64, 32), ..InkSettings::default() }.with(|ink, _| ink.width = LineWidth::Pixels(8.0));
         let mut measured = InkMeasures { views: vec![LineMeasures::default(); 2], ..InkMeasures::default() };
         let found = |measured: &InkMeasures, name| {

@@ -73,7 +73,7 @@ mod tests {
     const FRAME: [i32; 4] = [0, 0, 200, 100];
 
     #[test]
-    fn labels_keep_off_marks_and_each_other() {
+    fn labels_overlap_neither_marks_nor_labels() {
         // Close together on a line: not all labels fit.
         let marks: Vec<_> = (0..30).map(|i| ((20 + 5 * i, 50), 5, "256²")).collect();
         let placed = place_labels(&marks, &[], FRAME, 11);

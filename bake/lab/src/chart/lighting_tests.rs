@@ -40,7 +40,7 @@ fn every_strand_crosses_the_layers_below_its_tip() {
 }
 
 #[test]
-fn pixels_know_more_of_a_hair_than_vertices() {
+fn direction_error_is_lower_per_pixel_than_per_vertex() {
     for format in ["rg8", "rgba8", "bc5"] {
         let (pixel, vertex) = (measured(format, 0.5, LightingStage::Pixel), measured(format, 0.5, LightingStage::Vertex));
         assert!(pixel.direction_error_deg < 0.8 * vertex.direction_error_deg, "{format}: {pixel:?}, {vertex:?}");
@@ -52,7 +52,7 @@ fn pixels_know_more_of_a_hair_than_vertices() {
 }
 
 #[test]
-fn blocks_are_read_as_another_decoder_reads_them() {
+fn bc5_decoding_agrees_with_another_decoder() {
     let mut state = 1u32;
     let data: Vec<u8> = std::iter::repeat_with(|| {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

@@ -189,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_front_is_what_nothing_beats() {
+    fn pareto_front_holds_the_undominated_points() {
         let points = [(1., 9.), (2., 5.), (2., 6.), (3., 5.), (4., 1.), (5., 1.), (1., 9.)].map(Some);
         assert_eq!(front(&points), [true, true, false, false, true, false, true]);
         assert_eq!(front(&[None, Some((1., 1.))]), [false, true]);
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_that_part_the_rows_share_a_column() {
+    fn panels_with_disjoint_rows_share_a_front_column() {
         let row = |size: &str, cost: f64, error: f64| Row {
             series: String::new(),
             label: String::new(),
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn csv_quotes_and_rounds() {
+    fn csv_cells_are_quoted_and_rounded() {
         let panel = Panel { cost: "s", cost_label: "s", error: "e", error_label: "e", only: None };
         let cells = vec![Cell::Number(1.0 / 3.0), Cell::Number(f64::NAN), Cell::Empty];
         let row = Row { series: "a, b".into(), label: String::new(), cells, default: true, command: "x \"y\"".into() };

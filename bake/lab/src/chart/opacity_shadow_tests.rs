@@ -16,7 +16,7 @@ fn view() -> LightView {
 
 /// Two adjacent texels of two slabs each, 0.1 deep.
 #[test]
-fn a_map_is_read_as_it_was_drawn() {
+fn opacity_map_lookups_return_the_drawn_values() {
     let step = (1.0 / OPACITY_STEP) as u32;
     let near = |depth: f32| (1.0 - depth).to_bits();
     let texels = vec![near(0.25), near(0.5), 0, 0, step, 2 * step, step, 0, 0, 0, 0, 0];
@@ -38,7 +38,7 @@ fn a_map_is_read_as_it_was_drawn() {
 }
 
 #[test]
-fn planes_as_printed_lose_what_is_behind_the_last() {
+fn printed_planes_ignore_hair_behind_the_last_plane() {
     let shadows = ShadowParams::default().with(|s| s.slabs = PLANES);
     let hair = [(0.1, 1.0), (0.97, 1.0)];
     let light = |form, depth| {
@@ -58,7 +58,7 @@ fn planes_as_printed_lose_what_is_behind_the_last() {
 /// Thinner slabs make smaller steps. Planes over all of a deep ball make large ones; as printed, light reappears at its
 /// far end.
 #[test]
-fn a_ball_tells_forms_apart() {
+fn map_forms_differ_on_a_ball() {
     let ball = Ball { depth_m: 1.0, fur_m: 0.02 };
     let of = |form, slabs| ball.measure(form, &ShadowParams::default().with(|s| s.slabs = slabs));
     let deep = [4, 8, 16].map(|slabs| of(OpacityForm::Deep, slabs));
@@ -72,7 +72,7 @@ fn a_ball_tells_forms_apart() {
 }
 
 #[test]
-fn every_form_has_every_size_and_each_row_its_cells() {
+fn every_form_is_measured_at_every_size() {
     let all = configurations();
     assert_eq!(all.len(), 1 + 5 * 3 + 1);
     assert_eq!(all.iter().filter(|c| c.default).count(), 1);

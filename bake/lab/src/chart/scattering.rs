@@ -413,7 +413,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn forms_are_as_far_off_as_they_are_said_to_be() {
+    fn scattering_errors_are_small_and_ordered_as_expected() {
         let truths: Vec<ScatteringTruth> = FIBRES.iter().map(|optics| ScatteringTruth::new(optics, 4_000)).collect();
         let of = |form| measure(form, &truths);
         let (small, large) = (of(ScatteringForm::Tables(64)), of(ScatteringForm::Tables(128)));

@@ -16,7 +16,7 @@ fn sheet() -> Sheet {
 }
 
 #[test]
-fn the_middle_tile_lies_in_the_middle_and_its_frame_is_the_shaders() {
+fn middle_tile_is_centred_and_has_the_frame_of_the_shader() {
     let sheet = sheet();
     let middle = sheet.corner + 0.5 * (sheet.along[0] + sheet.along[1]);
     assert!(middle.length() < 1e-6, "{middle}");
@@ -49,7 +49,7 @@ fn the_middle_tile_lies_in_the_middle_and_its_frame_is_the_shaders() {
 
 /// Maps that hold the truth return it after all steps of the lookup; altered maps do not.
 #[test]
-fn maps_without_error_have_none() {
+fn exact_shadow_maps_have_zero_error() {
     let sheet = sheet();
     let slant = Slant { angle: 0, light_ts: DVec3::Z };
     // Straight down, a map aligned with the tile's texels is the product of the layers above.
@@ -115,7 +115,7 @@ fn on_hair(measured: &SelfShadowErrors) -> (f64, f64) {
 /// Baked visibility is nearer to the light on the hair than maps can be, and not by chance: with a wrong texel, layer
 /// or light direction it is farther off. Maps are as good here as possible: they are the volume itself.
 #[test]
-fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
+fn baked_visibility_matches_strands_better_than_exact_maps() {
     let sheet = sheet();
     let truths = lit(&sheet);
     let hair: u32 = truths[0].1.hair.iter().map(|(_, _, times)| times).sum();
@@ -150,7 +150,7 @@ fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
 
 /// Blocks differ little from uncompressed texels, but they do, and are a quarter as large.
 #[test]
-fn blocks_say_nearly_what_plain_texels_say() {
+fn block_compression_keeps_visibility() {
     let sheet = sheet();
     let truths = lit(&sheet);
     let plain = baked(&sheet, None, 24);
@@ -175,7 +175,7 @@ fn blocks_say_nearly_what_plain_texels_say() {
 }
 
 #[test]
-fn configurations_differ_and_rows_are_full() {
+fn self_shadow_configurations_differ_and_rows_have_all_columns() {
     let mut recipe = natural();
     let all = configurations(&recipe);
     assert_eq!(all[0].form, SelfShadowForm::Baked { blocks: Some(BcQuality::Basic), directions: 24 });
@@ -201,7 +201,7 @@ fn configurations_differ_and_rows_are_full() {
 }
 
 #[test]
-fn what_is_taken_is_spread_and_not_in_columns() {
+fn sampling_stride_is_odd_and_gives_the_wanted_count() {
     for (count, wanted) in [(0, 10), (10, 10), (11, 10), (65536, 6000), (1 << 20, 1 << 18)] {
         let step = stride(count, wanted);
         let taken = (0..count).step_by(step).count();

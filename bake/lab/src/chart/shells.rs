@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_configuration_is_listed_once() {
+    fn shell_configurations_are_listed_once() {
         let base = Recipe::default();
         let all = configurations(&base).expect("a valid base");
         assert!(all[0].default && all[0].recipe == base);
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_has_a_cell_for_each_column() {
+    fn shell_rows_have_all_columns() {
         let cells = cells(&Recipe::default(), &SettingMeasurements::default(), "timestamp-query");
         assert_eq!(cells.len(), COLUMNS.len());
         assert_eq!(cells[COLUMNS.iter().position(|c| *c == "fragments").expect("a column")], Cell::Empty);

@@ -22,7 +22,7 @@ fn points_are_spread_by_area() {
 }
 
 #[test]
-fn distances_grow_from_the_edge_and_end_with_the_passes() {
+fn iterated_distances_end_after_the_given_passes() {
     let (size, passes) = (32, 6);
     let inside = |x: usize, y: usize| x >= 10 && (4..28).contains(&y);
     let occluded: Vec<bool> = (0..size * size).map(|i| inside(i % size, i / size)).collect();
@@ -37,7 +37,7 @@ fn distances_grow_from_the_edge_and_end_with_the_passes() {
 }
 
 #[test]
-fn what_no_one_sees_is_left_out() {
+fn points_inside_the_model_are_left_out() {
     let mut model = sphere(24, 48);
     let outside = SampledSurface::new(&model).unwrap_or_else(|e| panic!("{e}")).points.len();
     assert_eq!(outside as u32, POINTS);
@@ -53,7 +53,7 @@ fn what_no_one_sees_is_left_out() {
 }
 
 #[test]
-fn the_papers_map_is_half_at_a_straight_edge() {
+fn width_map_of_the_paper_is_half_at_a_straight_edge() {
     // An edge between two blocks, and a size that is not a multiple of the block.
     let (size, shrink) = (30, 4);
     let occluded: Vec<bool> = (0..size * size).map(|i| i % size >= 16).collect();
@@ -67,7 +67,7 @@ fn the_papers_map_is_half_at_a_straight_edge() {
 
 /// A shape that casts no shadow on itself is fully lit; a ring has umbra, penumbra and light.
 #[test]
-fn the_truth_of_a_ball_and_of_a_ring() {
+fn reference_shadows_of_a_ball_and_a_ring_are_correct() {
     let light = vec3(0.2, 0.9, 0.1).normalize();
     let ball = SampledSurface::new(&sphere(24, 48)).unwrap_or_else(|e| panic!("{e}"));
     let truth = ball.truth(light, 0.1);
@@ -92,7 +92,7 @@ fn the_truth_of_a_ball_and_of_a_ring() {
 }
 
 #[test]
-fn configurations_differ_and_rows_are_full() {
+fn soft_shadow_configurations_differ_and_rows_have_all_columns() {
     let all = configurations();
     assert_eq!((all[0].method, all[0].shadows), (Method::Centred, ShadowParams::default()));
     for (i, a) in all.iter().enumerate() {

@@ -278,7 +278,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_way_is_drawn_in_every_size() {
+    fn every_method_is_drawn_at_every_size() {
         let series = |pieces, coat| DrawMethod::all(pieces, coat).into_iter().map(|way| way.series).collect::<Vec<_>>();
         let strands = ["strands of 8 pieces", "strands of 4 pieces", "strands of 2 pieces"];
         let layers = ["auto", "layers, as the size asks for", "layers, all"];
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_chosen_is_held_against_the_cheapest_that_is_as_true() {
+    fn chosen_row_is_compared_with_the_cheapest_equally_accurate_row() {
         let way =
             |frame_ms, flip| StrandsMeasures { measured: SettingMeasurements { frame_ms, flip, ..SettingMeasurements::default() }, ..StrandsMeasures::default() };
         // The cheapest is less accurate, the next nearly as accurate, and the last more accurate and more expensive.

@@ -241,7 +241,7 @@ mod tests {
     use crate::chart::Cell;
 
     #[test]
-    fn every_row_with_figures_is_a_mark() {
+    fn every_row_with_finite_figures_has_a_mark() {
         let row = |x: f64, default| Row {
             series: "<a & b>".into(),
             label: format!("at {x}"),

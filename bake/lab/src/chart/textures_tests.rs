@@ -17,7 +17,7 @@ fn measured() -> Vec<(TexturesConfiguration, Vec<Cell>)> {
 /// Checks physics and the order of the formats' losses; a decoder that read its own input instead of the file would
 /// break the former.
 #[test]
-fn formats_lose_what_they_must_and_no_more() {
+fn format_errors_are_within_their_expected_ranges() {
     let rows = measured();
     let cell = |row: &[Cell], name: &str| row[COLUMNS.iter().position(|c| *c == name).unwrap()].number();
     let find = |series: &str, label: &str| {

@@ -7,7 +7,7 @@ fn off(guide: &Guide, form: &MotionForm) -> MotionDeviation {
 }
 
 #[test]
-fn rows_are_told_apart_and_one_of_each_length_is_ours() {
+fn rows_differ_and_each_length_has_one_default() {
     let all = configurations();
     for points in POINTS {
         let of: Vec<_> = all.iter().filter(|c| c.points == points).collect();
@@ -26,7 +26,7 @@ fn rows_are_told_apart_and_one_of_each_length_is_ours() {
 
 /// A scene without motion would rate all forms good, and one in which hair whips would rate none good.
 #[test]
-fn scenes_move_hair_and_frames_of_a_sixtieth_know_them() {
+fn scenes_move_hair_and_are_resolved_at_60_frames_per_second() {
     for points in POINTS {
         let guide = Guide::new(points);
         for scene in Scene::ALL {
@@ -51,7 +51,7 @@ fn scenes_move_hair_and_frames_of_a_sixtieth_know_them() {
 
 /// With short enough steps all forms but the printed one converge to the truth: they have the same equations.
 #[test]
-fn forms_come_to_the_truth() {
+fn solvers_converge_to_the_reference() {
     let guide = Guide::new(7);
     let ours = |steps_per_s: f32| MotionForm::Ours(Solver { steps_per_s, ..Solver::default() });
     let sweeps = |steps_per_s: u32| MotionForm::Sweeps { steps_per_s, sweeps: 64 };

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_have_every_row_once() {
+    fn shares_partition_the_rows() {
         let of = |text: &str| text.parse::<Rows>().expect("rows");
         for number in 1..=20 {
             let shares = ["1/3", "2/3", "3/3"].map(|text| of(text).has(number));

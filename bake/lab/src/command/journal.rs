@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_outlive_a_run_that_was_killed() {
+    fn rows_survive_a_killed_run() {
         let folder = tempfile::tempdir().unwrap();
         let open = |key: &str, restart| Rows::open(folder.path(), "t", key, restart).unwrap();
         let path = folder.path().join("t.rows.jsonl");
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_another_model_do_not_count() {
+    fn rows_of_another_model_are_ignored() {
         let folder = tempfile::tempdir().unwrap();
         let open = |key: &str, restart| Rows::open(folder.path(), "t", key, restart).unwrap();
         open("a", false).add(1, &cells(1.0)).unwrap();

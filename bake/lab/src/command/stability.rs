@@ -195,7 +195,7 @@ mod tests {
     use super::{Finding, Row, Table};
 
     #[test]
-    fn every_finding_is_a_line_that_says_whether_it_holds() {
+    fn each_finding_is_printed_with_its_verdict() {
         let row = Row { method: "method", cliff: "a cliff", naive: "falls", safe: "stops", drive: () };
         let finding = |case: &str, safe| Finding {
             case: case.into(),

@@ -17,7 +17,7 @@ fn cut_disc(x: f64) -> f64 {
 }
 
 #[test]
-fn the_penumbra_of_a_half_plane() {
+fn penumbra_of_a_half_plane_matches_the_formula() {
     let (height, penumbra) = (0.5, 0.3);
     let scene = floor_and_half_plane(height);
     let width = penumbra * f64::from(height);
@@ -51,7 +51,7 @@ fn the_penumbra_of_a_half_plane() {
 }
 
 #[test]
-fn a_point_light_below_the_plane_is_seen() {
+fn point_light_below_the_occluder_is_visible() {
     let scene = floor_and_half_plane(0.5);
     let share = |height: f64| {
         let light = DiscLight::Point { position_ws: DVec3::new(-1.0, height, 0.0), penumbra: 0.1 };
@@ -106,7 +106,7 @@ fn the_disc_is_covered_evenly() {
 }
 
 #[test]
-fn odd_meshes_and_lights() {
+fn degenerate_meshes_and_lights_are_handled() {
     let light = DiscLight::Directional { towards_light_ws: DVec3::Y, penumbra: 0.1 };
     for (positions, triangles) in [
         (vec![], vec![]),

@@ -35,7 +35,7 @@ const TIMES: [f64; 4] = [0.3, 0.9, 2.0, 3.3];
 
 /// Small enough angles that the sine of the angle is the angle: x = A e^(−ct/2) (cos wt + c/2w sin wt).
 #[test]
-fn one_point_swings_as_a_damped_pendulum_does() {
+fn one_point_swings_as_a_damped_pendulum() {
     let (points, ballast) = (hanging(2, 0.3), [DVec3::ZERO; 2]);
     let aside = 1e-5;
     let from = vec![DVec3::ZERO, DVec3::new(aside, -(0.09 - aside * aside).sqrt(), 0.0)];
@@ -61,7 +61,7 @@ fn one_point_swings_as_a_damped_pendulum_does() {
 
 /// Two points below each other: modes 1 : 1 ± √2 with squared frequencies (2 ∓ √2) g/l.
 #[test]
-fn two_points_swing_in_their_modes() {
+fn double_pendulum_swings_in_its_normal_modes() {
     let (points, ballast) = (hanging(3, 0.4), [DVec3::ZERO; 3]);
     let (guide, root_of_2) = (bare(&points, &ballast), 2.0f64.sqrt());
     for (ratio, square) in [(1.0 + root_of_2, 2.0 - root_of_2), (1.0 - root_of_2, 2.0 + root_of_2)] {
@@ -85,7 +85,7 @@ fn two_points_swing_in_their_modes() {
 
 /// Each point is pushed by c u and pulled by g: the string hangs straight along their sum.
 #[test]
-fn a_steady_wind_leans_a_string_as_far_as_it_should() {
+fn steady_wind_tilts_a_string_by_the_expected_angle() {
     let (points, ballast) = (hanging(9, 0.3), [DVec3::ZERO; 9]);
     let wind: &(dyn Fn(f64, DVec3) -> DVec3 + Sync) = &|_, _| DVec3::new(3.0, 0.0, 1.0);
     let guide = TrueGuide { drag_per_s: 4.0, air: wind, ..bare(&points, &ballast) };
@@ -98,7 +98,7 @@ fn a_steady_wind_leans_a_string_as_far_as_it_should() {
 
 /// Released sideways without any loss, the string whips, and keeps its energy.
 #[test]
-fn energy_and_lengths_stay() {
+fn energy_and_lengths_are_conserved() {
     let (points, ballast) = (hanging(6, 0.3), [DVec3::ZERO; 6]);
     let guide = bare(&points, &ballast);
     let from: Vec<DVec3> = (0..6).map(|k| DVec3::new(0.06 * f64::from(k), 0.0, 0.0)).collect();
@@ -120,7 +120,7 @@ fn sway(time_s: f64) -> (DVec3, DMat3) {
 }
 
 #[test]
-fn steps_of_half_the_length_are_sixteen_times_as_near() {
+fn halving_the_step_reduces_the_error_sixteenfold() {
     let points: Vec<DVec3> = (0..7).map(|k| DVec3::new(0.03 * f64::from(k), -0.04 * f64::from(k), 0.0)).collect();
     let ballast = [DVec3::new(0.0, 3.0, 0.0); 7];
     let guide = TrueGuide { drag_per_s: 2.0, shape_hz: 0.5, bend_hz: 1.2, ..bare(&points, &ballast) };
@@ -142,7 +142,7 @@ fn steps_of_half_the_length_are_sixteen_times_as_near() {
 
 /// Only the surface moves, and it turns as a whole: hair on a stiff spring turns with it.
 #[test]
-fn stiff_hair_goes_with_the_skin() {
+fn stiff_hair_moves_rigidly_with_its_root() {
     let points = hanging(5, 0.2);
     let ballast = [DVec3::ZERO; 5];
     let guide = TrueGuide { shape_hz: 40.0, gravity: DVec3::ZERO, ..bare(&points, &ballast) };

@@ -35,7 +35,7 @@ fn mean(field: &StrandField, z: f64, light: DVec3) -> f64 {
 /// surface they cover four diameters of the width. The slant across the hairs foreshortens the gaps; a slant along them
 /// does not.
 #[test]
-fn a_wall_of_parallel_hairs_covers_its_diameters() {
+fn parallel_hairs_cover_the_sum_of_their_diameters() {
     let line = |i: u8| {
         let u = 0.25 * f32::from(i) + 0.1;
         [vec3(u, -0.1, 0.25), vec3(u, 0.95, 0.25)]
@@ -66,7 +66,7 @@ fn a_wall_of_parallel_hairs_covers_its_diameters() {
 
 /// A single upright hair casts a shadow as long as it is high, of its own width, that continues through the next tiles.
 #[test]
-fn an_upright_hair_throws_a_shadow_of_its_length() {
+fn upright_hair_casts_a_shadow_of_its_length() {
     let (radius, height) = (0.01, 0.5);
     let hair = field(&[[vec3(0.2, 0.7, 0.0), vec3(0.2, 0.7, height)]], radius);
     for (angle, azimuth) in [(30.0f64, 0.0), (60.0, 40.0), (75.0, 250.0)] {
@@ -91,7 +91,7 @@ fn an_upright_hair_throws_a_shadow_of_its_length() {
 /// A strand that leans from one tile into the next, across the light's direction: it does not block its own light, but
 /// its copies do, wherever the tile's borders are. A second strand hides light in any case.
 #[test]
-fn a_strand_hides_no_light_from_itself_but_its_copies_do() {
+fn strand_is_shadowed_by_its_copies_and_not_by_itself() {
     let (radius, root) = (0.02f32, vec3(0.9, 0.5, 0.0));
     let tip = root + vec3(0.5, 0.0, 0.25);
     for shift in [Vec3::ZERO, vec3(-3.0, 7.0, 0.0), vec3(0.4, 0.3, 0.0)] {
@@ -114,7 +114,7 @@ fn a_strand_hides_no_light_from_itself_but_its_copies_do() {
 }
 
 #[test]
-fn without_hair_all_light_comes_through() {
+fn tile_without_hair_transmits_all_light() {
     for strands in [Strands { height: 0.5, ..Strands::default() }, strands(&[[Vec3::ZERO, Vec3::Z]], 0.0, 1.0)] {
         let field = StrandField::new(&strands).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(field.transmittance(0.3, 0.3, 0.0, 0.1, towards(85.0, 3.0), 16), 1.0);
@@ -126,7 +126,7 @@ fn without_hair_all_light_comes_through() {
 }
 
 #[test]
-fn it_repeats_and_light_from_below_or_from_nowhere_is_none() {
+fn transmittance_is_periodic_and_zero_from_below() {
     let hair = pelage_bake::recipe::HairParams { density: 60, lean: 0.7, ..natural().hair };
     let field = grow(&hair, 0.4).and_then(|s| StrandField::new(&s)).unwrap_or_else(|e| panic!("{e}"));
     let mut shares = Vec::new();
@@ -150,7 +150,7 @@ fn it_repeats_and_light_from_below_or_from_nowhere_is_none() {
 
 /// Hairs many texels wide, for which layers and rays should agree, up to the changes by the volume's blur and density.
 #[test]
-fn layers_of_wide_hairs_agree_with_their_rays() {
+fn layers_of_wide_hairs_agree_with_ray_casting() {
     let hair = pelage_bake::recipe::HairParams {
         density: 12,
         root_radius: 0.05,

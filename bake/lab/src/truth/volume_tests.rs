@@ -22,7 +22,7 @@ fn close(a: f64, b: f64, tolerance: f64) {
 }
 
 #[test]
-fn a_uniform_block_follows_beer_and_lambert() {
+fn uniform_block_follows_the_beer_lambert_law() {
     let (layers, height, alpha) = (15, 0.4, 0.08f64);
     let block = volume(8, layers, height, |_, _, _| alpha);
     let tau = -(1.0 - alpha).ln();
@@ -43,7 +43,7 @@ fn a_uniform_block_follows_beer_and_lambert() {
 }
 
 #[test]
-fn straight_down_it_is_the_product_of_the_layers() {
+fn vertical_transmittance_is_the_product_of_the_layers() {
     let volume = rough();
     for (i, t) in volume.layer_transmittances(0, DVec3::Z).into_iter().enumerate() {
         let product: f64 = (1..8).map(|k| 1.0 - ((i % 16 * 7 + i / 16 * 13 + k * 29) % 17) as f64 / 20.0).product();
@@ -52,7 +52,7 @@ fn straight_down_it_is_the_product_of_the_layers() {
 }
 
 #[test]
-fn a_single_layer_is_a_tent_of_its_optical_depth() {
+fn single_layer_has_a_tent_shaped_optical_depth() {
     let (layers, height, alpha) = (9, 0.3, 0.7f64);
     let single = volume(8, layers, height, |k, _, _| if k == 4 { alpha } else { 0.0 });
     let (spacing, tau) = (height / layers as f64, -(1.0 - alpha).ln());
@@ -68,7 +68,7 @@ fn a_single_layer_is_a_tent_of_its_optical_depth() {
 /// An upright sheet across u: a ray along v within it meets only the sheet, one along u crosses all of it once per
 /// tile.
 #[test]
-fn an_upright_sheet_is_met_by_its_thickness() {
+fn upright_sheet_absorbs_by_its_thickness() {
     let (texels, layers, height, alpha) = (16, 8, 0.5, 0.4f64);
     let sheet = volume(texels, layers, height, |_, x, _| if x == 5 { alpha } else { 0.0 });
     let extinction = -(1.0 - alpha).ln() / (height / layers as f64);
@@ -127,7 +127,7 @@ fn steps_converge_to_the_integral() {
 }
 
 #[test]
-fn it_repeats_and_stays_within_its_range() {
+fn transmittance_is_periodic_and_within_its_range() {
     let volume = rough();
     for i in 0..200 {
         let f = f64::from(i);
@@ -151,7 +151,7 @@ fn it_repeats_and_stays_within_its_range() {
 }
 
 #[test]
-fn opaque_texels_are_capped_and_wrong_lists_refused() {
+fn opaque_texels_are_capped_and_malformed_volumes_refused() {
     let opaque = volume(2, 1, 0.1, |_, _, _| 1.0);
     close(opaque.transmittance(0.5, 0.5, 0.0, DVec3::Z), 0.03, 1e-12);
     for (texels, height, opacities) in [

@@ -82,7 +82,7 @@ fn triangle(row: usize, column: usize) -> usize {
 }
 
 #[test]
-fn walks_lead_on_over_materials_and_stand_still_where_no_hair_grows() {
+fn walks_cross_materials_and_stop_at_bare_skin() {
     let surface = strip(&[0, 0, 1, 2]);
     let colors = colors(&surface, &[RED, BLUE, GREEN]);
     let rooting = rooting(&[true, true, false]);
@@ -105,7 +105,7 @@ fn walks_lead_on_over_materials_and_stand_still_where_no_hair_grows() {
 }
 
 #[test]
-fn a_texel_past_a_border_shows_the_skin_there() {
+fn texel_past_a_border_shows_the_adjacent_surface() {
     let surface = strip(&[0, 1]);
     let colors = colors(&surface, &[RED, BLUE]);
     let rooting = rooting(&[true, true]);
@@ -173,7 +173,7 @@ impl Painted {
 }
 
 #[test]
-fn hair_has_the_colour_of_its_root_whatever_it_hangs_over() {
+fn hair_has_the_colour_of_its_root() {
     let painted = paint(&[0, 0, 1, 1, 2], &[RED, BLUE, GREEN], &[true, true, false]);
     assert_eq!(painted.info.uv_per_tile[0], 0.0, "no hair of another colour reaches it");
     let surface = &painted.surface;
@@ -199,7 +199,7 @@ fn hair_has_the_colour_of_its_root_whatever_it_hangs_over() {
 }
 
 #[test]
-fn bare_skin_colours_no_hair_and_keeps_its_own_colour() {
+fn bare_skin_keeps_its_colour_and_colours_no_hair() {
     // Hair of material 1 hangs over 2; bare material 0 is nearby.
     let painted = paint(&[0, 1, 2], &[GREEN, RED, BLUE], &[false, true, true]);
     assert_eq!(painted.colors.materials[0], MaterialColor { factor: GREEN.to_array(), image: None });
@@ -212,7 +212,7 @@ fn bare_skin_colours_no_hair_and_keeps_its_own_colour() {
 }
 
 #[test]
-fn the_same_on_any_number_of_threads() {
+fn root_colours_do_not_depend_on_thread_count() {
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let painted = pool.install(|| paint(&[0, 1, 0, 1], &[RED, BLUE], &[true; 2]));

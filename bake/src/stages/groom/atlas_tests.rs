@@ -7,7 +7,7 @@ fn boxes(sizes: &[[f32; 2]]) -> Vec<(Vec2, Vec2)> {
 }
 
 #[test]
-fn boxes_lie_apart_and_inside_and_fill_the_texture() {
+fn packed_boxes_are_disjoint_inside_and_dense() {
     let many: Vec<_> =
         (0..150).map(|i| [0.2 + (i * 37 % 100) as f32 / 60.0, 0.1 + (i * 61 % 100) as f32 / 90.0]).collect();
     for (sizes, side) in [(&many[..], 1024), (&many[..7], 256), (&[[5.0, 0.01]], 64), (&[[0.0, 0.0]; 30], 128)] {
@@ -41,7 +41,7 @@ fn gutters_shrink_before_a_texture_is_too_small() {
 }
 
 #[test]
-fn roots_find_room_around_charts_that_are_not_turned() {
+fn charts_with_room_for_roots_are_not_rotated() {
     let sizes = [[0.5, 2.0], [2.0, 0.5], [1.0, 1.0]];
     let around = GutterKind::Reach { tiles: 0.25, most_texels: 48.0 };
     for (side, enough) in [(512, true), (64, false)] {

@@ -60,7 +60,7 @@ fn decided(model: &Model) -> (String, String) {
 }
 
 #[test]
-fn names_decide_and_the_line_repeats_them() {
+fn bare_materials_are_found_by_name_and_recorded() {
     let wolf = animal(&[("Main", 1.0), ("Main_Light", 0.5), ("Eyes_Black", 0.1), ("Nose", 0.1)]);
     let expected = "2 of 4 materials furred, 2 bare: Eyes_Black (by name), Nose (by name)";
     assert_eq!(decided(&wolf), (expected.into(), "model.bare = [\"Eyes_Black\", \"Nose\"]".into()));
@@ -70,7 +70,7 @@ fn names_decide_and_the_line_repeats_them() {
 }
 
 #[test]
-fn a_recipe_is_obeyed_and_what_it_misses_is_told() {
+fn recipe_list_is_used_and_missed_bare_parts_are_reported() {
     let wolf = animal(&[("Main", 1.0), ("Eyes", 0.1)]);
     let (rest, mut warnings) = (RestPose::of(&wolf.mesh, None), Vec::new());
     let bare = ["main*".to_owned(), "Hoof".to_owned()];
@@ -82,7 +82,7 @@ fn a_recipe_is_obeyed_and_what_it_misses_is_told() {
 }
 
 #[test]
-fn the_animals_own_name_is_no_name_of_a_part() {
+fn name_of_the_animal_is_not_a_part_name() {
     // A single material is the animal.
     assert_eq!(decided(&animal(&[("Horn", 1.0)])), ("the only material furred".into(), "model.bare = []".into()));
     // A word that all names share.
@@ -96,7 +96,7 @@ fn the_animals_own_name_is_no_name_of_a_part() {
 }
 
 #[test]
-fn something_is_furred_always() {
+fn at_least_one_material_is_furred() {
     let masks = animal(&[("Eyes", 0.5), ("Teeth", 0.5), ("Claw", 0.5), ("Nail", 0.5)]);
     let (growth, warnings) = found(&masks);
     assert_eq!((growth.furred, growth.bare.len()), (vec![true; 4], 0));
@@ -104,7 +104,7 @@ fn something_is_furred_always() {
 }
 
 #[test]
-fn nodes_and_meshes_speak_for_materials_that_do_not() {
+fn node_and_mesh_names_decide_for_neutral_material_names() {
     let mut model = animal(&[("Main", 1.0), ("Black", 0.2)]);
     model.mesh.parts[0].names = vec!["Wolf".into()];
     model.mesh.parts[1].names = vec!["Claws.001".into(), "Cone".into()];
@@ -119,7 +119,7 @@ fn nodes_and_meshes_speak_for_materials_that_do_not() {
 }
 
 #[test]
-fn small_and_glossy_is_bare() {
+fn small_glossy_materials_are_bare() {
     let mut model = animal(&[("Main", 1.0), ("Black", 0.1)]);
     let of = |model: &Model| found(model).0.furred[1];
     assert!(of(&model));
@@ -174,7 +174,7 @@ fn small_round_pairs_above_the_middle_are_eyes() {
 }
 
 #[test]
-fn what_a_list_of_names_cannot_tell_apart_stays_furred() {
+fn materials_with_ambiguous_names_stay_furred() {
     // Two materials with the same name, one of which covers too much.
     let twins = animal(&[("Body", 1.0), ("Nose", 0.1), ("nose", 0.7), ("Eye", 0.1)]);
     let (growth, _) = found(&twins);

@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_near_in_the_tile_but_not_on_the_skin_is_parted() {
+    fn charts_split_where_tile_neighbours_are_far_apart_on_the_surface() {
         // The ends are a hundredth of a turn apart in the tile; on the surface the strip climbs a spiral.
         let (mesh, uvs) = strip(60, 0.995);
         assert_eq!(in_plane(&mesh, &vec![0; mesh.triangles.len()], &uvs).iter().max(), Some(&0));
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_patch_that_lies_on_itself_is_parted() {
+    fn self_overlapping_patches_are_split() {
         for (turns, expected) in [(0.4, 1), (0.95, 1), (1.5, 2), (2.5, 3)] {
             let (mesh, uvs) = strip(60, turns);
             let charts = in_plane(&mesh, &vec![0; mesh.triangles.len()], &uvs);
@@ -246,14 +246,14 @@ mod tests {
     }
 
     #[test]
-    fn patches_stay_apart_and_bare_triangles_outside() {
+    fn patches_have_separate_charts_and_bare_triangles_none() {
         let (mesh, uvs) = strip(4, 0.4);
         let charts = in_plane(&mesh, &[0, 0, 1, 1, u32::MAX, 1, 1, 1], &uvs);
         assert_eq!(charts, [0, 0, 1, 1, u32::MAX, 2, 2, 2]);
     }
 
     #[test]
-    fn what_is_no_triangle_is_a_chart_alone() {
+    fn degenerate_triangles_are_charts_of_their_own() {
         let (mesh, mut uvs) = strip(2, 0.3);
         uvs[0] = Vec2::NAN;
         let charts = in_plane(&mesh, &[0; 4], &uvs);

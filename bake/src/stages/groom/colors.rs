@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn hair_is_lightened_and_bare_skin_is_not() {
+    fn only_hair_is_lightened() {
         let color = |c| MaterialColor { factor: [c, c, c, 0.5], image: None };
         let mut colors = Colors { materials: vec![color(0.8), color(0.8)], ..Colors::default() };
         colors.lighten(&[true, false], 1.5);
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_colours_the_hair() {
+    fn hair_counts_as_coloured_by_factor_image_marks_or_pattern() {
         assert!(!colored(|_| {}, ""));
         assert!(colored(|m| m.materials[0].base_color[1] = 0.5, ""));
         assert!(!colored(|m| m.materials[1].base_color[1] = 0.5, ""), "it is bare");

@@ -97,7 +97,7 @@ fn the_tip_of_a_tail_stays_with_its_material() {
 }
 
 #[test]
-fn what_is_large_or_pale_or_has_no_eyes_behind_it_is_no_nose() {
+fn large_pale_or_eyeless_tips_are_not_noses() {
     let untouched = ["Black", "Brown", "Eyes"];
     assert_eq!(names(animal(|height| height > 0.9)), untouched, "a mask of 5 %");
     let mut pale = animal(|height| height > 0.985);
@@ -116,7 +116,7 @@ fn what_is_large_or_pale_or_has_no_eyes_behind_it_is_no_nose() {
 }
 
 #[test]
-fn a_node_that_names_an_eye_has_one_whatever_its_material_is_called() {
+fn eye_nodes_are_split_off_whatever_their_material_name() {
     let mut model = animal(|_| false);
     model.materials[2].name = "Main".into();
     let mut parts = model.mesh.parts.iter_mut();

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn on_a_sheet_they_are_straight_in_every_direction() {
+    fn geodesic_distances_on_a_sheet_are_straight_lines() {
         let skin = sheet(20);
         let middle = (0..skin.len() as u32).find(|p| skin.positions[*p as usize].length() < 1e-4).unwrap_or_default();
         let found = ways(&skin, &[(middle, 0.0)], 0.8);
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_triangle_without_area_does_no_harm() {
+    fn degenerate_triangles_keep_distances_finite() {
         let mut skin = sheet(4);
         let [a, b, _] = skin.faces[0];
         skin.faces.extend([[a, a, b], [a, a, a]]);

@@ -44,7 +44,7 @@ fn lengths(tables: &str) -> [f32; 4] {
 }
 
 #[test]
-fn a_table_holds_for_what_hangs_on_its_joint_and_nearer_ones_win() {
+fn joint_tables_apply_to_descendants_and_nearer_tables_win() {
     let head = "[[groom.joint]]\nname = \"head*\"\nlength = 0.25\n";
     assert_eq!(lengths(head), [1.0, 0.25, 0.25, 0.25]);
     // The order of the tables does not matter for joints at different levels, but does for the same joint.
@@ -61,7 +61,7 @@ fn a_table_holds_for_what_hangs_on_its_joint_and_nearer_ones_win() {
 }
 
 #[test]
-fn values_fade_as_the_weights_do() {
+fn joint_values_are_blended_by_skin_weights() {
     let (values, _) = values("[[groom.joint]]\nname = \"Head\"\nlength = 0.5\nwetness = 1\n");
     let mix = |a, b, elsewhere| values.mix(Some(&follows(a, b)), |t| t.length, elsewhere);
     assert_eq!(mix((0, 0.75), (1, 0.25), 1.0), 0.875);

@@ -64,7 +64,7 @@ fn evaluate(recipe: &str, furred: [bool; 2]) -> Evaluated {
 }
 
 #[test]
-fn nothing_said_is_nothing_done() {
+fn empty_groom_changes_nothing() {
     let found = evaluate("", [true, true]);
     assert_eq!(found.lay, LayoutMaps::default());
     let zero = vec![0.0; 4];
@@ -104,7 +104,7 @@ fn tables_for_materials_win_and_shared_vertices_take_the_mean() {
 }
 
 #[test]
-fn the_body_speaks_where_maps_are_silent() {
+fn body_groom_applies_where_no_map_is_set() {
     let body = BodyGroom {
         length: vec![0.5, 1.0, 0.25, 0.75],
         lean: vec![0.5; 4],
@@ -175,7 +175,7 @@ fn tables_for_joints_win_over_maps_and_body() {
 }
 
 #[test]
-fn combs_are_vectors_at_rest_or_flow_on_the_image() {
+fn combs_are_rest_pose_vectors_or_image_flow() {
     let comb = |comb: &str| evaluate(&format!("[groom]\ncomb = {comb}"), [true, true]).lay.comb.unwrap();
     assert_eq!(comb("[0, -2, 0]"), [Vec3::new(0.0, -2.0, 0.0); 4]);
     assert!(comb("\"vertex\"").iter().all(|v| (*v - Vec3::new(v.x, -0.6, -0.2)).length() < 1e-6));
@@ -190,7 +190,7 @@ fn combs_are_vectors_at_rest_or_flow_on_the_image() {
 }
 
 #[test]
-fn images_of_bareness_and_wetness_become_one_texture_for_each_pair() {
+fn bareness_and_wetness_images_share_one_texture_per_pair() {
     let text = "[groom]\nbare = \"a.png\"\n[[groom.material]]\nname = \"Nose\"\nwetness = \"a.png#g\"";
     let found = evaluate(text, [true, true]);
     assert_eq!(found.textures.of_material, [Some(0), Some(1)]);
@@ -203,7 +203,7 @@ fn images_of_bareness_and_wetness_become_one_texture_for_each_pair() {
 }
 
 #[test]
-fn without_texture_coordinates_images_do_nothing_and_say_so() {
+fn images_without_texture_coordinates_are_ignored_with_a_warning() {
     let groom = Recipe::parse("r.toml", "[groom]\nlength = \"a.png\"\ncomb = \"flow.png#uv\"").unwrap().groom;
     let (mut mesh, materials, rest) = square();
     mesh.parts.iter_mut().for_each(|p| p.has_uvs = false);
@@ -216,7 +216,7 @@ fn without_texture_coordinates_images_do_nothing_and_say_so() {
 }
 
 #[test]
-fn an_image_that_was_not_read_is_an_error() {
+fn missing_map_image_is_an_error() {
     let groom = GroomParams {
         length: ScalarMap::Image { path: "b.png".into(), channel: Channel::Red },
         ..GroomParams::default()
@@ -228,7 +228,7 @@ fn an_image_that_was_not_read_is_an_error() {
 }
 
 #[test]
-fn water_is_dry_wet_or_mixed() {
+fn wetness_maps_classify_as_dry_wet_or_mixed() {
     let water = |text: &str, furred| evaluate(text, furred).water;
     assert_eq!(water("[groom]\nwetness = 1", [true, true]), FurWetness::Wet);
     assert_eq!(water("[groom]\nwetness = 0.5", [true, true]), FurWetness::Mixed);
@@ -245,7 +245,7 @@ fn water_is_dry_wet_or_mixed() {
 }
 
 #[test]
-fn images_through_space_need_no_coordinates() {
+fn projected_images_need_no_texture_coordinates() {
     let (mut mesh, materials, rest) = square();
     mesh.parts.iter_mut().for_each(|part| part.has_uvs = false);
     let bounds = crate::stages::groom::bounds(&rest);

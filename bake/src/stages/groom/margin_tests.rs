@@ -40,7 +40,7 @@ fn faded(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
 const JOINED: [Vec3; 3] = [Vec3::ZERO, Vec3::new(0.0, 0.0, 0.01), Vec3::new(-0.1, 0.0, 0.0)];
 
 #[test]
-fn length_grows_from_nothing_to_all_over_the_margin() {
+fn length_grows_smoothly_over_the_margin() {
     for (x, length) in faded(&[JOINED], 0.2) {
         let t = (x / 0.2).min(1.0);
         let expected = t * t * (3.0 - 2.0 * t);
@@ -53,7 +53,7 @@ fn length_grows_from_nothing_to_all_over_the_margin() {
 }
 
 #[test]
-fn an_eye_need_not_be_joined_to_its_lids() {
+fn margin_applies_to_disconnected_bare_parts() {
     // A gap of 2 cm, with the bare part slightly higher.
     let apart = JOINED.map(|p| p + Vec3::new(-0.02, 0.005, 0.0));
     let at_rim = faded(&[apart], 0.2)[0];
@@ -61,7 +61,7 @@ fn an_eye_need_not_be_joined_to_its_lids() {
 }
 
 #[test]
-fn what_lies_below_the_skin_shortens_nothing() {
+fn bare_parts_below_the_surface_do_not_shorten_hair() {
     // Teeth 1.5 cm behind a cheek.
     let teeth = [Vec3::new(0.4, -0.015, 0.0), Vec3::new(0.4, -0.015, 0.01), Vec3::new(0.41, -0.015, 0.0)];
     let near = |all: Vec<(f32, f32)>| all.into_iter().filter(|(x, _)| (*x - 0.4).abs() < 0.012).collect::<Vec<_>>();
@@ -71,7 +71,7 @@ fn what_lies_below_the_skin_shortens_nothing() {
 }
 
 #[test]
-fn the_way_goes_along_the_skin_where_it_is_not_seen_straight() {
+fn margin_distance_is_geodesic_where_the_line_is_blocked() {
     // If all bare parts are below the surface, only the seam is a start, and paths lead along edges from there.
     let (mesh, mut rest) = strip(&[JOINED]);
     rest.normals.fill(Vec3::X);
@@ -85,7 +85,7 @@ fn the_way_goes_along_the_skin_where_it_is_not_seen_straight() {
 }
 
 #[test]
-fn a_chosen_margin_keeps_hair_flatter_than_its_way_to_the_bare_part() {
+fn chosen_margin_keeps_hair_clear_of_bare_parts() {
     let (mesh, rest) = strip(&[JOINED]);
     let full = vec![1.0; mesh.positions.len()];
     let chosen_m = |length: &[f32], length_m: f32, radius_m: f32| {

@@ -50,7 +50,7 @@ fn round(angle: f32) -> Vec3 {
 }
 
 #[test]
-fn a_value_holds_at_its_mark_and_fades_to_what_is_elsewhere() {
+fn mark_value_holds_at_its_position_and_fades_outwards() {
     let model = ball();
     let (values, warnings) = spread(&model, "{ name = \"a\", at = [0, 0, 1.02], length = 0.25, reach_m = 1 }", &[]);
     assert_eq!((warnings, values.lean.len(), values.has_color()), (Vec::new(), 0, false));
@@ -72,7 +72,7 @@ fn a_value_holds_at_its_mark_and_fades_to_what_is_elsewhere() {
 }
 
 #[test]
-fn marks_share_the_skin_between_them() {
+fn overlapping_marks_are_blended() {
     let model = ball();
     let list = "{ name = \"a\", at = [0, 0, 1], length = 1, density = 4, reach_m = 1.2 }, { name = \"b\", at = [1, 0, 0], length = 0, reach_m = 1.2 }";
     let (values, _) = spread(&model, list, &[]);
@@ -84,7 +84,7 @@ fn marks_share_the_skin_between_them() {
 }
 
 #[test]
-fn what_reaches_less_than_an_edge_is_not_lost() {
+fn marks_smaller_than_an_edge_affect_the_nearest_vertex() {
     let model = ball();
     let (values, _) = spread(&model, "{ name = \"a\", at = [0.03, 0.02, 1], lean = 1, reach_m = 1e-4 }", &[]);
     let full = values.lean.iter().filter(|(share, _)| *share > 0.99).count();
@@ -93,7 +93,7 @@ fn what_reaches_less_than_an_edge_is_not_lost() {
 }
 
 #[test]
-fn a_mirrored_mark_stands_on_both_sides() {
+fn mirrored_mark_applies_on_both_sides() {
     let model = ball();
     let (values, _) =
         spread(&model, "{ name = \"a\", at = [1, 0, 0], length = 0, reach_m = 0.5, mirrored = true }", &[]);
@@ -103,7 +103,7 @@ fn a_mirrored_mark_stands_on_both_sides() {
 }
 
 #[test]
-fn what_is_far_from_the_skin_is_told_of_with_how_far() {
+fn marks_far_from_the_surface_are_reported_with_their_distance() {
     let line = |x: f32| CombLine { name: "comb_x".into(), places: vec![(Vec3::X * x, Vec3::Y); 40] };
     let (values, warnings) = spread(
         &ball(),
@@ -127,7 +127,7 @@ fn colored(change: impl FnOnce(&mut Model), marks: &str) -> (Model, Colors) {
 }
 
 #[test]
-fn a_colour_takes_the_place_of_the_models() {
+fn mark_colour_replaces_the_model_colour() {
     let (model, colors) = colored(|_| {}, "{ name = \"a\", at = [0, 0, 1], color = \"#ffffff\", reach_m = 1 }");
     let color = |place: Vec3| {
         let vertex = colors.vertices[at(&model, place)].map(|byte| f32::from(byte) / 255.0);
@@ -141,7 +141,7 @@ fn a_colour_takes_the_place_of_the_models() {
 }
 
 #[test]
-fn a_texture_is_multiplied() {
+fn mark_colour_multiplies_the_texture() {
     let image = pelage_import::mesh::Image { width: 1, height: 1, rgba: vec![128; 4] };
     let change = |model: &mut Model| {
         model.images.push(image);

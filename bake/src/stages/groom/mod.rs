@@ -96,7 +96,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn bounds_hold_every_point() {
+    fn bounds_contain_every_point() {
         let positions = vec![Vec3::new(1., 2., 3.), Vec3::new(-1., 0., 5.), Vec3::new(0., 1., 4.)];
         let b = bounds(&RestPose { normals: vec![Vec3::Z; 3], positions: positions.clone() });
         assert_eq!((b.min, b.max), ([-1., 0., 3.], [1., 2., 5.]));

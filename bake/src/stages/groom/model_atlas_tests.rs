@@ -58,7 +58,7 @@ fn share(place: Vec3) -> f32 {
 }
 
 #[test]
-fn charts_lie_inside_and_upon_nothing() {
+fn charts_lie_inside_the_texture_and_do_not_overlap() {
     let model = torus();
     let atlas = ModelAtlas::new("torus", &model).unwrap();
     assert_eq!(atlas.mesh.triangles.len(), model.mesh.triangles.len());
@@ -99,7 +99,7 @@ fn every_vertex_has_its_coordinates_and_seams_have_several() {
 }
 
 #[test]
-fn what_is_painted_comes_back_where_it_was_painted() {
+fn painted_maps_apply_at_the_painted_position() {
     let model = torus();
     let atlas = ModelAtlas::new("torus", &model).unwrap();
     let file = MapImages { images: [("l.png".to_owned(), painted(&atlas, 512, share))].into(), ..MapImages::default() };
@@ -158,7 +158,7 @@ fn a_flow_image_points_along_the_atlas() {
 }
 
 #[test]
-fn it_depends_on_the_mesh_alone() {
+fn atlas_depends_only_on_the_mesh() {
     let model = torus();
     let atlas = ModelAtlas::new("torus", &model).unwrap();
     let other = Model { warnings: vec!["something".into()], nodes: Vec::new(), ..model.clone() };
@@ -170,7 +170,7 @@ fn it_depends_on_the_mesh_alone() {
 }
 
 #[test]
-fn a_model_without_area_has_none() {
+fn model_without_area_has_no_atlas() {
     let mut model = torus();
     model.mesh.positions.fill(Vec3::ZERO);
     assert!(ModelAtlas::new("torus", &model).unwrap_err().to_string().contains("torus"));

@@ -6,7 +6,7 @@ fn said(name: &str) -> NameMeaning {
 }
 
 #[test]
-fn names_fall_into_words_however_they_are_written() {
+fn material_names_are_split_into_words() {
     for name in ["LeftEye.001", "left_eye", "LEFT-EYE2", "left eye", "Left.Eye", "ＬｅｆｔＥｙｅ"] {
         assert_eq!(words(name), ["left", "eye"], "{name}");
     }
@@ -19,7 +19,7 @@ fn names_fall_into_words_however_they_are_written() {
 }
 
 #[test]
-fn parts_without_hair_are_known_in_eight_languages() {
+fn bare_part_names_are_known_in_eight_languages() {
     for name in [
         "Eyes_Black",
         "M_Fox_Eye",
@@ -150,7 +150,7 @@ fn parts_without_hair_are_known_in_eight_languages() {
 }
 
 #[test]
-fn fur_and_what_lies_around_a_bare_part_stay_furred() {
+fn names_of_fur_and_surroundings_of_bare_parts_are_furred() {
     for name in [
         "Eye_Brow",
         "Eyebrows",
@@ -174,7 +174,7 @@ fn fur_and_what_lies_around_a_bare_part_stay_furred() {
 }
 
 #[test]
-fn a_nose_may_cover_less_than_a_coat_of_cloth() {
+fn largest_share_of_a_nose_is_below_that_of_clothing() {
     let most = |name| match said(name) {
         NameMeaning::Bare { most } => most,
         other => panic!("{name}: {other:?}"),
@@ -185,7 +185,7 @@ fn a_nose_may_cover_less_than_a_coat_of_cloth() {
 }
 
 #[test]
-fn tables_hold_words_as_names_are_folded_and_none_twice() {
+fn word_tables_are_folded_and_free_of_duplicates() {
     let bare = BARE.iter().flat_map(|kind| kind.words).copied();
     let all: Vec<&str> = bare.chain(MOUTH.words.iter().chain(FURRED).copied()).collect();
     for (i, word) in all.iter().enumerate() {

@@ -122,7 +122,7 @@ fn errors(painted: &Painted, pattern: &Pattern<'_>, level: u32) -> (f32, f32) {
 }
 
 #[test]
-fn every_point_of_the_skin_shows_the_pattern_at_its_place() {
+fn every_surface_point_shows_the_pattern_at_its_position() {
     let model = torus();
     let images = images(waves());
     for projection in PatternProjection::ALL.iter().copied() {
@@ -159,7 +159,7 @@ fn without_gutters_the_charts_bleed() {
 }
 
 #[test]
-fn the_models_own_colours_and_groom_textures_move_into_the_texture() {
+fn base_colours_and_groom_maps_are_baked_into_the_pattern_texture() {
     let mut model = torus();
     // Texture coordinates from the position: red to the right of the origin, bare to the left.
     model.mesh.uvs = model.mesh.positions.iter().map(|p| Vec2::new((p.x / 0.42 + 1.0) / 2.0, 0.5)).collect();
@@ -208,7 +208,7 @@ fn the_models_own_colours_and_groom_textures_move_into_the_texture() {
 }
 
 #[test]
-fn patterns_lie_as_they_are_seen() {
+fn patterns_are_oriented_as_seen() {
     // Left half black, right half white; the upper row is darker than the lower.
     let image = Image {
         width: 2,

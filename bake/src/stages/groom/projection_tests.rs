@@ -7,7 +7,7 @@ fn image(width: u32, height: u32) -> Image {
 }
 
 #[test]
-fn an_image_left_alone_spans_the_model_once() {
+fn image_spans_the_model_once_by_default() {
     let wide = image(4, 2);
     assert_eq!(spanning_m(&wide, PatternProjection::Z, &BOUNDS), 0.84);
     assert_eq!(spanning_m(&wide, PatternProjection::Y, &BOUNDS), 1.68, "0.84 high, twice as wide");
@@ -15,7 +15,7 @@ fn an_image_left_alone_spans_the_model_once() {
 }
 
 #[test]
-fn right_and_up_are_those_of_the_image() {
+fn projection_keeps_right_and_up_of_the_image() {
     for along in PatternProjection::ALL.iter().copied() {
         let projection = Projection::new(along, Wrap::Clamp, &image(4, 2), &BOUNDS, Some(2.0));
         let at = |p: Vec3| projection.read(p, Vec3::X, |at| at.uv);

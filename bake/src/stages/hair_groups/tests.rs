@@ -73,7 +73,7 @@ fn hairs(group: &HairGroup) -> Vec<Vec<Vec3>> {
 }
 
 #[test]
-fn hair_falls_over_the_body_and_not_through_it() {
+fn hair_does_not_penetrate_the_body() {
     for style in ["straight", "curly", "messy", "wet", "lying"] {
         let group =
             one(&format!("length_m = 0.25\nhairs = 500\nguides = 200\nstyle = \"{style}\"\nstray = 0\nclump = 0"))
@@ -111,7 +111,7 @@ fn a_mask_thins_the_scalp() {
 }
 
 #[test]
-fn a_map_says_how_freely_guides_move() {
+fn freedom_map_sets_guide_mobility() {
     let group = |freedom: &str| format!("[[strands.group]]\nname = \"hair\"\nmaterial = \"Scalp\"\n{freedom}\n");
     let tuft = "[[strands.tuft]]\nname = \"brow\"\nat = [0, 0.1, 0]\n";
     let recipe = [&group("freedom = \"vertex#g\""), &group(""), &group("freedom = 0.5"), tuft].concat();
@@ -133,7 +133,7 @@ fn a_map_says_how_freely_guides_move() {
 }
 
 #[test]
-fn guides_of_a_file_are_put_on_the_scalp() {
+fn imported_guides_are_attached_to_the_scalp() {
     let strand = |x: f32, lift: f32| {
         let root = Vec3::new(x, (0.01 - x * x).sqrt(), 0.0) * (1.0 + lift);
         [root, root + Vec3::Y * 0.05, root + Vec3::new(0.02, 0.08, 0.0)]
@@ -180,7 +180,7 @@ fn guides_of_a_file_are_put_on_the_scalp() {
 }
 
 #[test]
-fn tufts_stand_where_the_skin_is_nearest() {
+fn tufts_are_placed_at_the_nearest_surface_point() {
     let recipe = "[[strands.tuft]]\nname = \"whiskers\"\nat = [0.05, 0.0, 0.2]\nmirrored = true\nhairs = 8\nlength_m = 0.06\nspread_m = 0.01";
     let (groups, _) = made(recipe, &MapImages::default()).unwrap();
     assert_eq!((groups[0].hairs, groups[0].guide_roots.len(), groups[0].hair_count()), (0, 16, 16));
@@ -195,7 +195,7 @@ fn tufts_stand_where_the_skin_is_nearest() {
 }
 
 #[test]
-fn tufts_stand_at_joints_and_on_materials() {
+fn tufts_are_placed_at_joints_and_on_materials() {
     let tuft = |keys: &str| {
         let recipe = format!("[[strands.tuft]]\nname = \"tuft\"\nhairs = 8\nspread_m = 0.01\n{keys}");
         let (groups, warnings) = made(&recipe, &MapImages::default()).unwrap();
@@ -215,7 +215,7 @@ fn tufts_stand_at_joints_and_on_materials() {
 }
 
 #[test]
-fn what_cannot_grow_is_an_error_that_says_why() {
+fn invalid_hair_groups_are_errors_with_reasons() {
     let fails = |recipe: &str, expected: &[&str]| {
         let error = made(recipe, &MapImages::default()).unwrap_err().to_string();
         assert!(expected.iter().all(|e| error.contains(e)), "{error}, expected {expected:?}");

@@ -71,7 +71,7 @@ fn tufts_are_stiff_and_groups_move() {
 }
 
 #[test]
-fn capsules_of_the_recipe_take_the_place_of_fitted_ones() {
+fn recipe_capsules_replace_fitted_ones() {
     use crate::recipe::HairColliderParams;
     let node = |name: &str| Node {
         name: name.into(),

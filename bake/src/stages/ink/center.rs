@@ -102,13 +102,13 @@ mod tests {
     }
 
     #[test]
-    fn of_a_sphere_the_top_is_dark() {
+    fn wash_centre_of_a_sphere_is_at_the_top() {
         let center = pick(&sphere(), 2.0, &InkShading::default()).unwrap_or_default();
         assert!(center.y > 1.7, "{center}");
     }
 
     #[test]
-    fn a_wash_that_drowns_is_avoided() {
+    fn wash_centre_minimises_the_black_surface() {
         // Two bodies facing each other: seen from a point on one, the hollow side of the other becomes black.
         let spot = |y: f32, ny: f32| SurfaceSample { place: Vec3::new(0.0, y, 0.0), normal: ny * Vec3::Y, weight: 1.0 };
         let spots = [spot(1.0, 1.0), spot(0.4, -1.0), spot(-0.4, 1.0), spot(-1.0, -1.0)];

@@ -100,7 +100,7 @@ mod tests {
     use glam::Vec2;
 
     #[test]
-    fn no_ink_is_lost_and_it_gathers_at_the_border() {
+    fn diffusion_conserves_ink_and_darkens_the_border() {
         let n = 64;
         let flat = |value: f32| Plane::from_fn(n, |_| value);
         let disc = Plane::from_fn(n, |uv| f32::from(u8::from(uv.distance(Vec2::splat(0.5)) < 0.3)));

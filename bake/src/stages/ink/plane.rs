@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn ranks_are_uniform_in_every_mip_and_means_stay() {
+    fn ranks_are_uniform_in_every_mip_level() {
         let plane = ramp(16);
         let channels = [Channel::Value, Channel::Threshold, Channel::Value, Channel::Value];
         let levels = levels([plane.clone(), plane.clone(), plane.clone(), plane.clone()], channels);
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_values_become_no_ramp() {
+    fn equal_values_are_ranked_without_a_gradient() {
         let ranks = Plane::from_fn(32, |_| 0.3).equalised();
         let half =
             |rows: std::ops::Range<usize>| ranks.values[32 * rows.start..32 * rows.end].iter().sum::<f32>() / 512.0;
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn balanced_values_have_their_mean_in_the_middle() {
+    fn balanced_planes_have_mean_one_half() {
         let lopsided = ramp(32).map(|v| v.powi(6));
         for deviation in [0.05, 0.2, 0.45] {
             let plane = lopsided.balanced(deviation);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_blur_goes_round_the_borders_and_keeps_the_sum() {
+    fn blur_wraps_at_the_borders_and_keeps_the_sum() {
         let mut plane = Plane { side: 16, values: vec![0.0; 256] };
         plane.values[0] = 1.0;
         let blurred = plane.blurred(1.5);

@@ -25,7 +25,7 @@ fn seam(plane: &Plane, columns: bool) -> f32 {
 }
 
 #[test]
-fn a_painting_becomes_a_tile_without_its_silk() {
+fn scanned_painting_becomes_an_even_seamless_tile() {
     let plane = wash_tile("p.png", &painting(180, 140)).unwrap();
     assert_eq!(plane.side, 140);
     assert!(seam(&plane, true) < 1.35 && seam(&plane, false) < 1.35, "{} {}", seam(&plane, true), seam(&plane, false));
@@ -41,7 +41,7 @@ fn a_painting_becomes_a_tile_without_its_silk() {
 }
 
 #[test]
-fn tiling_keeps_every_grey() {
+fn tiling_permutes_grey_values() {
     let grey = grey(&painting(90, 90), 90, 90);
     let plane = square(&grey);
     let tiled = tile(&plane, [true, true]);
@@ -55,7 +55,7 @@ fn tiling_keeps_every_grey() {
 }
 
 #[test]
-fn a_stroke_goes_round_and_keeps_its_edges() {
+fn scanned_stroke_wraps_and_keeps_its_edges() {
     // Dark in the middle rows, pale at the lower edge, paper above and below.
     let texel = |i: u32| {
         let (x, y) = (i % 120, i / 120);
@@ -77,7 +77,7 @@ fn a_stroke_goes_round_and_keeps_its_edges() {
 }
 
 #[test]
-fn a_large_scan_costs_no_more_than_the_largest_texture() {
+fn large_scans_are_reduced_to_the_largest_texture_size() {
     // A JPEG of a few kilobytes may declare such a width.
     let wide = painting(16_384, 48);
     let band = stroke_band("s.png", &wide).unwrap();
@@ -89,7 +89,7 @@ fn a_large_scan_costs_no_more_than_the_largest_texture() {
 }
 
 #[test]
-fn the_ground_of_a_large_scan_is_that_of_a_small_one() {
+fn background_of_large_and_small_scans_agrees() {
     // The same texels, and each of them enlarged three times: one is used as it is, the other is downsampled.
     let small = painting(200, 200);
     let texel = |i: usize| small.rgba[4 * ((i / 1800) * 200 + i % 600 / 3)..][..4].to_vec();
@@ -102,7 +102,7 @@ fn the_ground_of_a_large_scan_is_that_of_a_small_one() {
 }
 
 #[test]
-fn means_of_texels_are_the_texels_where_none_are_put_together() {
+fn mean_texels_at_full_size_are_the_texels() {
     let value = |x: usize, y: usize| (x + 10 * y) as f32;
     assert_eq!(mean_texels((3, 2), (3, 2), value), [0.0, 1.0, 2.0, 10.0, 11.0, 12.0]);
     assert_eq!(mean_texels((4, 2), (2, 1), value), [5.5, 7.5]);
@@ -110,7 +110,7 @@ fn means_of_texels_are_the_texels_where_none_are_put_together() {
 }
 
 #[test]
-fn bad_images_are_named_with_what_was_found() {
+fn scan_errors_name_the_image_and_its_size() {
     let small = painting(120, 30);
     let text = wash_tile("maps/p.png", &small).unwrap_err().to_string();
     assert!(["maps/p.png", "ink.wash_image", "120 x 30", "48 x 48"].iter().all(|part| text.contains(part)), "{text}");
@@ -126,7 +126,7 @@ fn bad_images_are_named_with_what_was_found() {
 }
 
 #[test]
-fn ranks_of_a_normal_distribution() {
+fn normal_of_rank_has_known_values() {
     for (rank, value) in [(0.5, 0.0), (0.841_345, 1.0), (0.158_655, -1.0), (0.977_25, 2.0), (0.001_35, -3.0)] {
         assert!((normal_of_rank(rank) - value).abs() < 2e-3, "{rank}: {}", normal_of_rank(rank));
     }

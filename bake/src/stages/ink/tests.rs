@@ -122,7 +122,7 @@ fn upright_and_hardly_any_hair_still_gives_strokes() {
 }
 
 #[test]
-fn the_same_seed_paints_the_same_on_any_number_of_threads() {
+fn ink_textures_depend_on_the_seed_and_not_on_thread_count() {
     let paint = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let params = InkParams { seed, ..small() };
@@ -144,7 +144,7 @@ fn reread<T>(ktx2: &[u8], look: impl FnOnce(TextureView<'_>) -> T) -> T {
 }
 
 #[test]
-fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
+fn encoded_ink_textures_are_linear_complete_and_accurate() {
     let (params, strands) = (small(), strands());
     for shell_format in [ShellFormat::Bc7, ShellFormat::Rgba8] {
         let pack = PackParams { shell_format, ..PackParams::default() };
@@ -181,7 +181,7 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
 }
 
 #[test]
-fn fur_is_painted_where_something_speaks_of_it() {
+fn ink_fur_is_enabled_by_fur_keys_animation_or_bare_materials() {
     let (stone, animal) = (Model::default(), Model { animation: Some(Animation::default()), ..Model::default() });
     let with = |set: &[&str]| {
         let mut recipe = Recipe::default();

@@ -63,7 +63,7 @@ fn evaluate(params: &InkParams, radius: f32, images: &MapImages) -> (InkVertices
 }
 
 #[test]
-fn the_wash_of_a_sphere_is_as_derived() {
+fn wash_of_a_sphere_matches_the_formula() {
     // Wash products on a sphere of radius ρ at an arc β from the centre: ρ (1 − cos β) as printed, sin(β/2) by the
     // angle alone.
     for radius in [0.01f32, 1.0, 250.0] {
@@ -85,7 +85,7 @@ fn the_wash_of_a_sphere_is_as_derived() {
 }
 
 #[test]
-fn what_is_far_out_is_cut_off_and_nothing_is_not_a_number() {
+fn distant_wash_centres_are_clamped_and_never_give_nan() {
     let params = InkParams { center: Some([0.0, 1e6, 0.0]), ..InkParams::default() };
     let (found, _) = evaluate(&params, 1.0, &MapImages::default());
     assert!(found.vertices.iter().all(|v| v.wash.iter().all(|w| *w > i16::MIN)));
@@ -96,7 +96,7 @@ fn what_is_far_out_is_cut_off_and_nothing_is_not_a_number() {
 }
 
 #[test]
-fn a_silent_recipe_starts_above_and_says_where() {
+fn default_wash_centre_is_above_and_is_recorded() {
     let (found, warnings) = evaluate(&InkParams::default(), 3.0, &MapImages::default());
     assert!(found.center.y > 2.0 && warnings.is_empty(), "{} {warnings:?}", found.center);
     let again = InkParams { center: Some(found.center.into()), ..InkParams::default() };

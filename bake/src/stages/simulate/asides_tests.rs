@@ -36,7 +36,7 @@ fn worst(strands: &Strands, asides: &LateralOffsets, bend: impl Fn(usize) -> f32
 }
 
 #[test]
-fn hair_that_points_farther_aside_has_come_farther() {
+fn hair_direction_predicts_the_root_offset() {
     // Neighbours bend differently.
     let bend = |i: usize| 0.05 + 0.01 * (i * 7 % 11) as f32;
     let strands = bent(bend);
@@ -50,7 +50,7 @@ fn hair_that_points_farther_aside_has_come_farther() {
 }
 
 #[test]
-fn hair_that_bends_all_alike_lies_as_far_aside_as_it_does() {
+fn equal_bends_give_exact_root_offsets() {
     let strands = bent(|_| 0.1);
     let asides = LateralOffsets::from_strands(&strands);
     let [found, _] = worst(&strands, &asides, |_| 0.1);
@@ -58,6 +58,6 @@ fn hair_that_bends_all_alike_lies_as_far_aside_as_it_does() {
 }
 
 #[test]
-fn no_hair_lies_nowhere() {
+fn root_offsets_without_hair_are_the_default() {
     assert_eq!(LateralOffsets::from_strands(&Strands { height: 1.0, ..Strands::default() }), LateralOffsets::default());
 }

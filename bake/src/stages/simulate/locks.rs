@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_grid_finds_the_nearest_center_over_the_tiles_border() {
+    fn grid_finds_the_nearest_lock_across_tile_borders() {
         for count in [1, 2, 3, 5, 8, 40, 121, 300] {
             let locks = Locks::new(7, Some(count), 5000, 0.4);
             for i in 0..400 {
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn locks_suit_the_hair_where_none_are_asked_for() {
+    fn default_lock_count_suits_density_and_height() {
         let count = |density, height| Locks::new(1, None, density, height).count;
         assert_eq!(count(1000, 0.4), 25);
         assert_eq!(count(1000, 0.01), 1000 / LEAST_STRANDS);

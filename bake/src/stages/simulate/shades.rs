@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_band_has_its_colour_at_its_place_and_none_elsewhere() {
+    fn band_colours_only_its_own_range() {
         let color = ColorParams {
             band: Some(SrgbColor::hex(0xff_ff_ff)),
             band_at: 0.7,
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn underfur_has_the_colours_of_guard_hair_where_it_has_none() {
+    fn underfur_colours_default_to_guard_hair() {
         let guard = Shades::new(&ColorParams::default(), 1.0);
         assert_eq!(guard.with_underfur_colors(None, None, 1.0), Shades { band: None, ..guard });
         let white = guard.with_underfur_colors(None, Some(SrgbColor::hex(0xff_ff_ff)), 0.5);

@@ -10,7 +10,7 @@ fn grow(change: impl FnOnce(&mut HairParams)) -> Strands {
 }
 
 #[test]
-fn same_on_one_and_four_threads() {
+fn simulated_hair_does_not_depend_on_thread_count() {
     for style in Style::ALL {
         let on = |threads| {
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| grow(|p| p.style = *style))
@@ -20,7 +20,7 @@ fn same_on_one_and_four_threads() {
 }
 
 #[test]
-fn seeds_differ_and_styles_differ() {
+fn seeds_and_styles_change_the_hair() {
     let base = grow(|_| {});
     assert_ne!(base.points, grow(|p| p.seed = 2).points);
     for style in &Style::ALL[1..] {
@@ -134,7 +134,7 @@ fn wet_hair_is_darker_and_lower_and_lying_hair_is_flat() {
 }
 
 #[test]
-fn out_of_range_is_an_error() {
+fn out_of_range_parameters_are_errors() {
     let simulate = |p: &HairParams, h: f32| simulate(p, &ColorParams::default(), &VolumeParams { height: h });
     for height in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(simulate(&natural().hair, height).unwrap_err().to_string().contains("hair.length_m"));
@@ -162,7 +162,7 @@ fn guard_and_underfur(change: impl FnOnce(&mut HairParams, &mut UnderfurParams))
 }
 
 #[test]
-fn underfur_grows_below_guard_hair_that_stays_as_it_is() {
+fn underfur_is_shorter_and_leaves_guard_hair_unchanged() {
     let both = guard_and_underfur(|_, _| {});
     both.validate().unwrap();
     assert_eq!(both.len(), 800);
@@ -180,7 +180,7 @@ fn underfur_grows_below_guard_hair_that_stays_as_it_is() {
 }
 
 #[test]
-fn underfur_has_a_style_of_its_own_but_not_its_own_water() {
+fn underfur_has_its_own_style_but_shares_wetness() {
     let straight = guard_and_underfur(|_, _| {});
     let curly = guard_and_underfur(|_, underfur| underfur.style = Some(Style::Curly));
     assert_ne!(straight.points, curly.points);

@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cancelled_and_broken_means_are_isotropic() {
+    fn zero_and_nan_mean_directions_are_isotropic() {
         for mean in [Vec3::ZERO, Vec3::splat(1e-6), Vec3::NAN, Vec3::new(0.0, f32::NAN, 1.0)] {
             assert_eq!(resolve(mean), (Vec3::Z, 0.0));
             assert_eq!(encode_mean(mean, TextureFormat::Rg8Unorm)[..2], [128, 128]);

@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn base_color_is_scaled_down_and_rounded_up_to_blocks() {
+    fn base_colour_is_downscaled_and_padded_to_blocks() {
         let image = Image { width: 30, height: 22, rgba: [200, 100, 50, 255].repeat(30 * 22) };
         let params = PackParams { base_color_max: 16, ..PackParams::default() };
         reread(encode_base_color(&image, &params).unwrap(), |view| {

@@ -73,7 +73,7 @@ fn every_format_reads_back_layer_by_layer() {
 }
 
 #[test]
-fn same_files_on_any_number_of_threads() {
+fn shell_textures_do_not_depend_on_thread_count() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| shell_textures(&strands(), None, &SLICE, &PackParams::default(), true, &mut || ()).unwrap())

@@ -51,7 +51,7 @@ fn column(level: &(u32, u32, Vec<u8>)) -> f32 {
 }
 
 #[test]
-fn an_edge_takes_the_slab_that_runs_along_it() {
+fn edges_select_the_slab_parallel_to_them() {
     for (direction, expected) in [
         (Vec2::new(1.0, 0.1), (0, false)),
         (Vec2::new(-3.0, 0.1), (0, true)),
@@ -72,7 +72,7 @@ fn an_edge_takes_the_slab_that_runs_along_it() {
 }
 
 #[test]
-fn a_hair_stands_where_its_root_is() {
+fn hair_in_a_slab_is_drawn_at_its_root() {
     // Upright, at u = 0.3, v = 0.1.
     let strands = hair(Vec3::new(0.3, 0.1, 0.0), Vec3::new(0.3, 0.1, 0.5));
     // Along (1, 1) its offset across is 0.1 − 0.3, so the copy in the tile above is used: (0.3 + 1.1) / 2. Along (−1,
@@ -84,7 +84,7 @@ fn a_hair_stands_where_its_root_is() {
 }
 
 #[test]
-fn the_tile_wraps() {
+fn slabs_wrap_at_tile_borders() {
     let strands = coat();
     let mut moved = strands.clone();
     // Shifted by whole tiles: the same hair.
@@ -99,7 +99,7 @@ fn the_tile_wraps() {
 }
 
 #[test]
-fn lean_shows_in_the_slab_that_runs_along_it() {
+fn lean_is_visible_in_the_parallel_slab() {
     // Leaning towards +v.
     let strands = hair(Vec3::new(0.5, 0.2, 0.0), Vec3::new(0.5, 0.5, 0.5));
     let rows = |index: usize| {
@@ -146,7 +146,7 @@ fn mips_keep_the_covered_share() {
 
 /// Checks that the covered share does not depend on the resolution, as the opacity of a mean density would.
 #[test]
-fn coarse_texels_cover_what_fine_ones_do() {
+fn coverage_does_not_depend_on_resolution() {
     let strands = coat();
     let share = |texels: u32| {
         let params = slice(texels);
@@ -169,7 +169,7 @@ fn a_deeper_slab_has_more_hair() {
 }
 
 #[test]
-fn opacity_thins_to_nothing_at_the_tips() {
+fn slab_opacity_falls_to_zero_at_the_tips() {
     // Hair as high as the volume everywhere.
     let strands = simulate(
         &HairParams { length_variation: 0.0, lean: 0.0, frizz: 0.0, ..natural().hair },
@@ -185,7 +185,7 @@ fn opacity_thins_to_nothing_at_the_tips() {
 }
 
 #[test]
-fn the_same_on_any_number_of_threads() {
+fn fin_textures_do_not_depend_on_thread_count() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| fin_textures(&coat(), 0.05, &slice(64), &PackParams::default()).unwrap())

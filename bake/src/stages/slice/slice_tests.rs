@@ -31,7 +31,7 @@ fn params(layers: u32, tile_texels: u32) -> SliceParams {
 }
 
 #[test]
-fn same_bytes_on_any_number_of_threads() {
+fn sliced_layers_do_not_depend_on_thread_count() {
     let hair = HairParams { density: 400, lean: 0.8, ..natural().hair };
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -43,7 +43,7 @@ fn same_bytes_on_any_number_of_threads() {
 }
 
 #[test]
-fn layers_have_every_level_and_the_skin_is_opaque() {
+fn layers_have_all_mip_levels_and_an_opaque_skin_layer() {
     let set = layers(&strands(&HairParams { density: 60, ..natural().hair }), &params(5, 32)).unwrap();
     assert_eq!(set.layers.len(), 5);
     for (k, layer) in set.layers.iter().enumerate() {
@@ -72,7 +72,7 @@ fn hair_wraps_at_the_borders() {
 }
 
 #[test]
-fn slanted_hair_is_connected() {
+fn slanted_hair_is_drawn_without_gaps() {
     // A strand that crosses half the tile in one slab of 4 layers is a streak without gaps between its texels.
     let set = layers(&one(Vec3::new(0.1, 0.5, 0.2), Vec3::new(0.7, 0.5, 0.25), 0.01, 0.6), &params(4, 64)).unwrap();
     let level = &set.layers[1].color[0];
@@ -83,7 +83,7 @@ fn slanted_hair_is_connected() {
 }
 
 #[test]
-fn a_strand_blocks_as_much_as_it_covers_at_any_resolution_and_place() {
+fn blocked_light_equals_strand_width_at_any_resolution() {
     // Within one layer, straight across the tile, from far thinner than a fine texel to much wider.
     for radius in [0.001, 0.004, 0.02] {
         for texels in [16, 32, 64, 128, 512] {
@@ -132,7 +132,7 @@ fn directions_follow_the_strand() {
 }
 
 #[test]
-fn no_hair_at_all_is_isotropic_and_clear() {
+fn layers_without_hair_are_isotropic_and_transparent() {
     let bare = Strands { offsets: vec![0], height: 0.1, ..Strands::default() };
     for layer in layers(&bare, &params(4, 16)).unwrap().layers {
         assert!(layer.direction.iter().all(|l| l.chunks_exact(4).all(|t| t == [128, 128, 128, 255])));

@@ -143,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_recipe_leaves_open_follows_from_what_there_is() {
+    fn unset_comb_source_follows_from_model_and_marks() {
         let line = CombLine { name: "comb_a".into(), places: vec![(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::X)] };
         let mark = |direction| CombMarkParams { at: Some([0.0; 3]), direction, ..CombMarkParams::default() };
         let (open, drawn) = (SurfaceParams::default(), [line]);
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn places_lie_evenly_on_their_line() {
+    fn line_samples_are_evenly_spaced() {
         let corner = [(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::X), (Vec3::X + Vec3::Y, Vec3::Y)];
         let found = sample_line(&corner, 0.5);
         let places: Vec<Vec3> = found.iter().map(|(at, _)| *at).collect();

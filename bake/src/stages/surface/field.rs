@@ -223,7 +223,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_border_point_of_many_triangles_is_walked_once() {
+    fn border_vertex_of_many_triangles_takes_linear_time() {
         // A polygon cut as a fan: all triangles meet in one point on the border. With one walk per triangle, this test
         // would take minutes.
         let count = 200_000;

@@ -401,7 +401,7 @@ mod tests {
     }
 
     #[test]
-    fn a_system_that_cannot_be_trusted_parts_the_patch_and_is_counted() {
+    fn ill_conditioned_systems_split_the_patch_and_are_counted() {
         let sound = laid(&strip(0.5));
         assert_eq!((sound.patches, sound.unsolved), (1, 0));
         // The gradients of an edge of 1e-170 overflow when squared: factorisation fails or gives NaN, which must not

@@ -25,7 +25,7 @@ fn mark(places: &[(Vec3, Vec3)], reach_m: Option<f32>) -> CombMark {
 }
 
 #[test]
-fn a_mark_with_a_reach_fades_to_what_holds_elsewhere() {
+fn mark_with_a_reach_fades_to_the_default_direction() {
     let skin = strip(40);
     let marks = [mark(&[(Vec3::new(2.0, 0.05, 0.01), Vec3::Y)], Some(0.8))];
     let mut warnings = Vec::new();
@@ -42,7 +42,7 @@ fn a_mark_with_a_reach_fades_to_what_holds_elsewhere() {
 }
 
 #[test]
-fn along_a_line_the_nearest_of_its_directions_holds() {
+fn nearest_direction_of_a_line_applies() {
     let skin = strip(40);
     let line = [(Vec3::new(1.0, 0.0, 0.0), Vec3::Y), (Vec3::new(3.0, 0.0, 0.0), Vec3::NEG_Y)];
     let wishes = spread(&skin, &[mark(&line, Some(0.4))], Vec3::X, &mut Vec::new());
@@ -50,7 +50,7 @@ fn along_a_line_the_nearest_of_its_directions_holds() {
 }
 
 #[test]
-fn a_mark_without_a_reach_gives_way_to_one_with() {
+fn marks_with_a_reach_override_marks_without() {
     let skin = strip(40);
     let marks = [
         mark(&[(Vec3::new(0.5, 0.0, 0.0), Vec3::Y)], None),
@@ -62,7 +62,7 @@ fn a_mark_without_a_reach_gives_way_to_one_with() {
 }
 
 #[test]
-fn the_nearest_face_is_that_of_a_look_at_all() {
+fn nearest_face_agrees_with_an_exhaustive_search() {
     let skin = strip(40);
     let faces = Faces::new(&skin);
     for k in 0..200 {
@@ -74,7 +74,7 @@ fn the_nearest_face_is_that_of_a_look_at_all() {
 }
 
 #[test]
-fn a_mark_along_the_normal_is_told_of() {
+fn mark_along_the_normal_is_reported() {
     let mut warnings = Vec::new();
     let up = mark(&[(Vec3::new(2.0, 0.05, 0.0), Vec3::Z)], Some(0.5));
     spread(&strip(40), &[up], Vec3::X, &mut warnings);

@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn an_isometry_is_perfect_at_any_scale() {
+    fn isometry_has_no_distortion_at_any_scale() {
         let m = joined([dvec2(0., 0.), dvec2(3., 0.), dvec2(3., 3.), dvec2(0., 3.)]);
         assert!(m.angle_distortion.abs() < 1e-9 && m.area_distortion.abs() < 1e-9, "{m:?}");
         assert!((m.stretch_l2 - 1.0).abs() < 1e-9 && m.patches == 1 && m.flipped_triangles == 0, "{m:?}");
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_two_to_one_stretch_measures_as_such() {
+    fn two_to_one_stretch_has_the_expected_measures() {
         // σ = (√2, 1/√2) after equalising areas: (2 + 1/2)/2 − 1 = 0.25, (2 + 0.5)/2 = 1.25.
         let m = joined([dvec2(0., 0.), dvec2(2., 0.), dvec2(2., 1.), dvec2(0., 1.)]);
         assert!((m.angle_distortion - 0.25).abs() < 1e-6, "{m:?}");

@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_linear_is_found_again_whatever_the_turn() {
+    fn one_sided_visibility_is_fitted_at_any_rotation() {
         let fit = Fit::new(24, 1000.0);
         assert!(fit.directions.iter().all(|d| (d.length() - 1.0).abs() < 1e-6 && d.z > 0.04));
         assert!((fit.coefficients((0.0, 1.0), |_| true) - Vec4::X).length() < 1e-3);
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn the_horizon_follows_how_light_sinks() {
+    fn horizon_follows_the_falloff_towards_grazing_light() {
         let seen = |t: fn(f64) -> f64| spiral(48).iter().map(|d| (d.z as f32, t(d.z))).collect::<Vec<_>>();
         assert_eq!(horizon(&seen(|z| 0.6 * (1.0 - libm::exp(-8.0 * z)))), 8.0);
         // Hair so thin that light passes from all sides.

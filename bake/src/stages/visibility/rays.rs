@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pole_hides_what_is_behind_it_in_each_tile() {
+    fn pole_casts_shadows_in_every_tile() {
         let rays = StrandTree::new(&pole());
         let towards = |x: f32, z: f32| Vec3::new(x, 0.0, z).normalize();
         let lit = |x: f32, y: f32, way: Vec3, own| rays.is_lit(Vec3::new(x, y, 0.1), way, own);

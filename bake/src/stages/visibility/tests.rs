@@ -45,7 +45,7 @@ fn against_rays(strands: &Strands, found: &Visibility, [least_z, most_z]: [f32; 
 }
 
 #[test]
-fn the_texture_says_what_single_rays_find() {
+fn visibility_texture_agrees_with_single_rays() {
     for density in [150, 400, 700, 1000] {
         let strands = grown(density);
         let found = visibility(&strands, &VisibilityParams::default(), None).unwrap();
@@ -64,7 +64,7 @@ fn the_texture_says_what_single_rays_find() {
 }
 
 #[test]
-fn tips_see_the_light_and_roots_do_not() {
+fn tips_are_lit_and_roots_are_shadowed() {
     let strands = grown(700);
     let found = visibility(&strands, &VisibilityParams::default(), None).unwrap();
     let mean = |low: f32, high: f32| {
@@ -82,7 +82,7 @@ fn tips_see_the_light_and_roots_do_not() {
 }
 
 #[test]
-fn without_strands_everything_is_lit_and_threads_change_nothing() {
+fn tile_without_strands_is_lit_on_any_number_of_threads() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| visibility(&grown(60), &VisibilityParams::default(), None).unwrap())

@@ -31,7 +31,7 @@ fn written(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Vec<u8> {
 }
 
 #[test]
-fn text_reads_back_to_the_same_bits() {
+fn text_export_reads_back_bit_for_bit() {
     let curves = curves();
     let text = String::from_utf8(written(|out| write_text(&curves, out))).unwrap();
     let strands: Vec<Vec<[f32; 4]>> = text
@@ -51,7 +51,7 @@ fn text_reads_back_to_the_same_bits() {
 }
 
 #[test]
-fn hair_reads_back_by_its_header() {
+fn hair_export_matches_its_header() {
     let curves = curves();
     let bytes = written(|out| write_hair(&curves, out));
     let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
@@ -77,7 +77,7 @@ fn hair_reads_back_by_its_header() {
 }
 
 #[test]
-fn pbrt_pieces_are_the_lines_of_the_strands() {
+fn pbrt_has_one_curve_per_strand_segment() {
     let curves = curves();
     let text = String::from_utf8(written(|out| write_pbrt(&curves, out))).unwrap();
     let shapes: Vec<&str> = text.lines().filter(|l| l.starts_with("Shape \"curve\"")).collect();
@@ -98,13 +98,13 @@ fn pbrt_pieces_are_the_lines_of_the_strands() {
 }
 
 #[test]
-fn text_is_points_alone_whatever_the_groups() {
+fn text_export_ignores_groups() {
     let text = |curves: &Curves| written(|out| write_text(curves, out));
     assert_eq!(text(&of_groups(["coat", "mane", "tail"])), text(&curves()));
 }
 
 #[test]
-fn hair_names_the_groups_that_its_header_has_room_for() {
+fn hair_header_lists_as_many_groups_as_fit() {
     let info = |names: [&str; 3]| {
         let bytes = written(|out| write_hair(&of_groups(names), out));
         assert_eq!(bytes[127], 0, "readers in C find the end");
@@ -208,7 +208,7 @@ fn usda_has_a_prim_for_each_group() {
 }
 
 #[test]
-fn names_in_usda_are_identifiers_that_no_other_group_has() {
+fn usda_names_are_unique_identifiers() {
     let names = |names| {
         let text = String::from_utf8(written(|out| write_usda(&of_groups(names), out))).unwrap();
         let prims = text.split("    def BasisCurves \"").skip(1).map(|prim| prim.split('"').next().unwrap().to_owned());

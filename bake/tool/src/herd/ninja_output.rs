@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_failed_is_heard() {
+    fn failures_are_parsed_from_ninja_output() {
         let mut ran = NinjaOutput::default();
         let lines = [
             "[1/3] bake a",
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn what_ninja_says_is_understood() {
+    fn ninja_status_lines_are_parsed() {
         assert_eq!(status("[3/10] bake a] b"), Some((3, 10, "bake a] b")));
         assert!(["FAILED: a", "[x/2] a", "ninja: no work to do.", ""].iter().all(|line| status(line).is_none()));
     }

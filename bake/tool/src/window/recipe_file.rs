@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_somebody_wrote_stays() {
+    fn edits_keep_comments_and_order() {
         let text =
             "# My fox.\n[hair] # all of it\ncoat = \"winter\"\nlean = 0.4 # not too much\n\n[fins]\nenabled = false\n";
         let edits = ["hair.lean=0.25", "color.root=\"#804020\"", "hair.seed=7"].map(String::from);
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_and_nothing_is_written() {
+    fn invalid_edits_are_reported_and_not_written() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("fox.toml");
         std::fs::write(&path, "[hair]\nlean = 0.4\n").unwrap();

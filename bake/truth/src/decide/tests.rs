@@ -102,7 +102,7 @@ fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
 }
 
 #[test]
-fn an_impossible_wish_ends_with_the_nearest() {
+fn unreachable_limits_end_with_the_nearest_setting() {
     let space = SettingSpace::around(&finned());
     for animal in ANIMALS {
         let limits =
@@ -119,7 +119,7 @@ fn an_impossible_wish_ends_with_the_nearest() {
 }
 
 #[test]
-fn both_sides_of_the_choice_are_measured() {
+fn neighbours_of_the_choice_are_measured() {
     let space = SettingSpace::around(&finned());
     let decision = found(&space, &Limits { max_error: Some(0.06), ..Limits::default() }, ANIMALS[0]);
     let figures = |i: Option<usize>| i.map(|i| decision.trials[i].measured).expect("a neighbour");
@@ -132,7 +132,7 @@ fn both_sides_of_the_choice_are_measured() {
 }
 
 #[test]
-fn a_limit_that_nothing_reaches_does_not_bind() {
+fn loose_limits_do_not_bind() {
     let space = SettingSpace::around(&finned());
     let limits = Limits { max_error: Some(1.0), max_bytes: Some(1 << 40), ..Limits::default() };
     let decision = found(&space, &limits, ANIMALS[0]);
@@ -151,7 +151,7 @@ fn the_binding_limit_is_the_one_that_the_next_setting_breaks() {
 }
 
 #[test]
-fn a_setting_is_what_its_words_say() {
+fn setting_words_reproduce_the_setting() {
     let mut recipe = Recipe::default();
     let setting = Setting { layers: 24, tile_texels: 128, fins: false };
     for word in setting.set_arguments() {
@@ -176,7 +176,7 @@ fn limits_are_positive_numbers() {
 }
 
 #[test]
-fn what_takes_as_long_is_told_apart_by_its_size() {
+fn equal_times_are_decided_by_size() {
     // Judge for which texels affect neither error nor time.
     struct TexelBlindJudge;
     impl Judge for TexelBlindJudge {
@@ -249,7 +249,7 @@ impl Judge for NoisyJudge {
 /// Checks with noisy times that the choice is on the front of the measured settings, with its neighbours on either
 /// side. All three must have been timed in turns.
 #[test]
-fn the_choice_is_on_the_front_however_noisy_the_times() {
+fn choice_is_pareto_optimal_despite_noisy_times() {
     let space = SettingSpace::around(&finned());
     let (mut met, mut sides) = (0, [0; 2]);
     for seed in 0..24 {
@@ -292,7 +292,7 @@ fn the_choice_is_on_the_front_however_noisy_the_times() {
 
 /// Checks that few layers are chosen where fewer layers have a smaller error.
 #[test]
-fn more_layers_are_not_taken_for_better() {
+fn more_layers_are_not_assumed_better() {
     let space = SettingSpace::around(&finned());
     let animal = Animal { floor: 0.03, layered: 0.01, texel: 0.0, power: 1.0, outline: 0.0, layer_ms: 3.0, noise: 0.0 };
     let mut judge = NoisyJudge { animal, seed: 1, blur: (8, 1e-3), again: 0 };

@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_hidden_or_turned_away_is_not_drawn() {
+    fn hidden_and_back_facing_triangles_are_not_counted() {
         let mut raster = Raster::new(32, 32);
         square(&mut raster, 0.5, 1.0, 1.0, DrawMode::Opaque);
         assert_eq!(square(&mut raster, 1.0, 1.0, 2.0, DrawMode::Layer).pixels, 16 * 32, "half lies behind");

@@ -63,7 +63,7 @@ fn changes(found: &Prognosis) -> Vec<&str> {
 }
 
 #[test]
-fn each_advice_is_earned() {
+fn advice_is_given_only_when_it_applies() {
     let (near, pixels) = (6.0, 600);
     let plain = prognosis(0, &[], pixels, near, 1);
     assert_eq!(plain.advice, [], "all is well, {:?}", plain.on_screen);
@@ -103,7 +103,7 @@ fn each_advice_is_earned() {
 
 /// Checks that all advice saves something, largest savings first, after advice that improves the look.
 #[test]
-fn advice_is_in_the_order_of_what_it_saves() {
+fn advice_is_ordered_by_savings() {
     let found = prognosis(512, &["slice.layers=64", "slice.tile_texels=256", "pack.shell_format=rgba8"], 300, 20.0, 3);
     let saved: Vec<Saved> = found.advice.iter().filter_map(|a| a.saved).collect();
     assert!(saved.len() == found.advice.len() && saved.len() >= 4, "{:?}", found.advice);
@@ -147,7 +147,7 @@ fn close_ups_need_more_layers_or_more_distance() {
 /// Checks the up direction for a view almost straight down, where two definitions would differ: the prediction would
 /// show another picture than the runtime.
 #[test]
-fn cameras_are_the_runtimes_own() {
+fn doctor_cameras_match_the_runtime() {
     use pelage_runtime::{Camera, Projection};
     let target = Vec3::new(0.1, 0.2, -0.3);
     for towards in [
@@ -171,7 +171,7 @@ fn cameras_are_the_runtimes_own() {
 }
 
 #[test]
-fn work_grows_as_it_must() {
+fn predicted_work_scales_with_size_and_layers() {
     let of = |p: &Prognosis, name: &str| {
         let pass = p.passes.iter().find(|pass| pass.name == name).unwrap();
         (pass.fragments.unwrap_or_default() as f64, pass.vertices)
@@ -201,7 +201,7 @@ fn work_grows_as_it_must() {
 }
 
 #[test]
-fn what_is_behind_the_eye_is_not_drawn() {
+fn objects_behind_the_camera_are_not_counted() {
     let baked = package(0, &[]);
     let package = Package::open(&baked, &Limits::default()).unwrap();
     let fault = |source| BakeError::Package { file: "torus".into(), source };

@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn hair_lies_between_its_guides() {
+    fn hair_is_interpolated_between_guides() {
         // Guides on a grid with smoothly varying direction: hair anywhere between them has the direction for its
         // position.
         let way = |x: f32, z: f32| Vec3::new(0.05 * x, 1.0, 0.05 * z);
@@ -137,7 +137,7 @@ mod tests {
     /// Hair falls to the left on the left of a parting, and to the right on its right. Hair interpolated across it
     /// would stand up.
     #[test]
-    fn hair_parts_where_guides_do() {
+    fn hair_parts_where_guides_part() {
         let fall = |x: f32| Vec3::new(if x < 0.0 { -1.0 } else { 1.0 }, -0.5, 0.0);
         let grid = (-3..3).flat_map(|i| (0..6).map(move |j| (i as f32 + 0.5, j as f32)));
         let guides = GuideInterpolator::new(grid.map(|(x, z)| straight(x, z, fall(x))).collect());
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn few_guides_are_enough() {
+    fn interpolation_works_with_few_guides() {
         assert_eq!(GuideInterpolator::new(Vec::new()).follow(Vec3::ZERO), None);
         let one = GuideInterpolator::new(vec![straight(0.0, 0.0, Vec3::Y)]);
         for root in [Vec3::ZERO, Vec3::X * 5.0] {

@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_nearest_are_those_that_a_look_at_all_finds() {
+    fn nearest_points_agree_with_an_exhaustive_search() {
         // A wavy sheet of points, with queries on it, beside it and far from it.
         let points: Vec<Vec3> = (0..900)
             .map(|i| {
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn few_points_and_none() {
+    fn missing_neighbours_are_infinitely_far() {
         assert_eq!(PointGrid::new(Vec::new()).nearest::<2>(Vec3::ONE), [(f32::INFINITY, 0); 2]);
         let one = PointGrid::new(vec![Vec3::X; 2]).nearest::<3>(Vec3::ZERO);
         assert_eq!((one[0], one[1], one[2].0), ((1.0, 0), (1.0, 1), f32::INFINITY));

@@ -93,7 +93,7 @@ mod tests {
 
     /// A curve through seven points of a semicircle is far closer to it than their chords are.
     #[test]
-    fn points_of_an_arc_make_an_arc() {
+    fn smoothed_arc_stays_an_arc() {
         let at = |angle: f32| Vec3::new(angle.cos(), angle.sin(), 0.0);
         let points: Vec<Vec3> = (0..7).map(|i| at(std::f32::consts::PI * i as f32 / 6.0)).collect();
         let off = |points: &[Vec3]| {
@@ -116,7 +116,7 @@ mod tests {
 
     /// There are more points where the curve bends: a hook has most of them in its bend.
     #[test]
-    fn points_gather_where_a_guide_bends() {
+    fn points_are_denser_at_bends() {
         let points = [(0.0, 0.0), (3.0, 0.0), (6.0, 0.0), (6.5, 0.3), (6.5, 1.0), (6.0, 1.3)];
         let points = points.map(|(x, y)| Vec3::new(x, y, 0.0));
         let curve = smoothed(&points, 20);

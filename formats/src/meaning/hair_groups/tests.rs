@@ -33,7 +33,7 @@ fn group(hairs: u32) -> HairGroup {
 }
 
 #[test]
-fn hairs_stand_on_the_scalp_as_dense_as_it_says() {
+fn hairs_follow_the_density_of_the_scalp() {
     let planted = GrownGroup::new(&group(4000), &POSITIONS, &TRIANGLES, u32::MAX);
     assert_eq!(planted.hairs.len(), 4000);
     let posed = planted.posed_guides(corners);
@@ -71,7 +71,7 @@ fn hair_moves_with_its_triangle() {
 }
 
 #[test]
-fn locks_gather_and_strays_stray() {
+fn locks_clump_and_stray_hairs_deviate() {
     let spread = |group: &HairGroup| {
         let planted = GrownGroup::new(group, &POSITIONS, &TRIANGLES, u32::MAX);
         let posed = planted.posed_guides(corners);
@@ -89,7 +89,7 @@ fn locks_gather_and_strays_stray() {
 }
 
 #[test]
-fn lengths_and_colours_vary_as_far_as_they_may() {
+fn length_and_colour_variation_stay_within_their_ranges() {
     let group = HairGroup {
         length_variation: 0.4,
         color_variation: 0.5,
@@ -110,7 +110,7 @@ fn lengths_and_colours_vary_as_far_as_they_may() {
 
 /// A group whose guides are the hairs has no other hairs.
 #[test]
-fn guides_can_be_the_hairs() {
+fn groups_without_hairs_use_their_guides_as_hairs() {
     let planted = GrownGroup::new(&group(0), &POSITIONS, &TRIANGLES, u32::MAX);
     assert_eq!(planted.hairs.len(), 8);
     let posed = planted.posed_guides(corners);

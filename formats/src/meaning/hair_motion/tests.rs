@@ -94,7 +94,7 @@ fn nothing(_: f32) -> Vec<Capsule> {
 }
 
 #[test]
-fn what_nothing_moves_stands_as_it_was_groomed() {
+fn hair_at_rest_keeps_its_groomed_shape() {
     for guide in [Guide::hanging(7), Guide::hanging(64), Guide::curled()] {
         let groomed = still(0.0).groomed(&guide.points);
         let found = guide.run(60.0, 10.0, still, nothing, |_, _| ());
@@ -110,7 +110,7 @@ fn what_nothing_moves_stands_as_it_was_groomed() {
 }
 
 #[test]
-fn strings_keep_their_lengths_at_a_gallop() {
+fn strings_keep_their_length_under_strong_motion() {
     for points in [7, 16, 36, 64] {
         let guide = Guide { springs: Springs { shape_hz: 0.0, bend_hz: 0.3, ..SPRINGS }, ..Guide::hanging(points) };
         let mut worst = 0.0f32;
@@ -152,7 +152,7 @@ fn sweeps_leave_long_strings_stretched() {
 }
 
 #[test]
-fn a_pendulum_swings_as_long_as_it_should() {
+fn pendulum_has_the_expected_period() {
     let mut guide = Guide::hanging(2);
     guide.springs = Springs { drag_per_s: 0.0, shape_hz: 0.0, bend_hz: 0.0, friction: 0.0 };
     // Displaced in the first frame.
@@ -174,7 +174,7 @@ fn a_pendulum_swings_as_long_as_it_should() {
 
 /// Frame rates of 30, 60 and 144 fps give the same result after five seconds.
 #[test]
-fn frames_of_any_length_come_to_the_same() {
+fn hair_motion_does_not_depend_on_frame_rate() {
     for guide in [Guide::hanging(16), Guide::curled()] {
         let sway = |time_s: f32| {
             let turns = TAU * 0.7 * time_s;
@@ -190,7 +190,7 @@ fn frames_of_any_length_come_to_the_same() {
 }
 
 #[test]
-fn nothing_explodes() {
+fn hair_motion_stays_finite() {
     let swallowing =
         |_: f32| vec![Capsule { from: Vec3::new(1.0, 2.0, 3.0), to: Vec3::new(1.0, 2.0, 3.0), radius_m: 0.5 }];
     let jump = |time_s: f32| RootFrame { root: Vec3::X * if time_s > 0.5 { 100.0 } else { 0.0 }, frame: Mat3::IDENTITY };
@@ -240,7 +240,7 @@ fn nothing_explodes() {
 }
 
 #[test]
-fn nothing_goes_into_what_is_in_the_way() {
+fn hair_stays_outside_colliders() {
     let guide = Guide::hanging(16);
     // A sphere and a capsule that pass through the hanging hair.
     let colliders = |time_s: f32| {
@@ -269,7 +269,7 @@ fn nothing_goes_into_what_is_in_the_way() {
 }
 
 #[test]
-fn wind_takes_hair_along_and_dies_down() {
+fn wind_moves_hair_and_its_effect_decays() {
     let guide = Guide::hanging(16);
     let groomed = GroomedGuide { points: &guide.points, ballast: &guide.ballast, free: &guide.free };
     let mut pearls = still(0.0).groomed(&guide.points);

@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_walk_leads_straight_over_borders_and_ends() {
+    fn surface_walk_stays_straight_across_borders_and_past_the_mesh() {
         for apart in [0.0, 5.0] {
             let ground = square(apart);
             let walk = SurfaceWalk::new(&ground);
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_root_stands_in_one_triangle_and_in_every_tile() {
+    fn root_lies_in_one_triangle_per_tile() {
         // On the edge between both triangles, and inside one of them; the indices identify the roots, and the tile's
         // position does not matter.
         let roots = Roots::new([(DVec2::new(0.5, 0.5), 7), (DVec2::new(3.25, -0.75), 9)]);

@@ -34,7 +34,7 @@ fn off(
 }
 
 #[test]
-fn a_picture_holds_all_texels() {
+fn table_image_holds_all_texels() {
     let size = BroadSize { means: 2, to: 3, from: 4, phi: 5 };
     let tables = BroadTables::new(&Fibre::default(), size);
     let (picture, [width, height]) = (tables.picture(), BroadTables::edges(size));
@@ -52,7 +52,7 @@ fn fibres() -> [Fibre; 2] {
 
 /// For a narrow light, the cutoff makes no difference.
 #[test]
-fn tables_are_what_they_were_made_of() {
+fn broad_tables_approximate_the_exact_scattering() {
     let tables = fibres().map(|fibre| BroadTables::new(&fibre, BroadSize::default()));
     let lit = fibres().map(|fibre| BroadlyLitFibre::new(&fibre));
     for (width, most) in [(8.0, 0.08), (12.0, 0.04), (20.0, 0.015), (25.0, 0.015)] {
@@ -97,7 +97,7 @@ fn nothing_shines_from_far_below_a_light() {
 
 /// Means and mean squares of cosines agree with a sum over directions of the light.
 #[test]
-fn means_of_squares_are_those_of_the_light() {
+fn mean_square_half_angles_match_the_light() {
     for sharpness in [0.0, 0.3, 1.0, 3.0, 10.0, 50.0] {
         let lit =
             || everywhere(20_000).filter(|way| way.y > -HORIZON_SINE).map(|way| (way, (sharpness * (way.y - 1.0)).exp()));

@@ -33,7 +33,7 @@ fn three_paths_carry_nearly_all_light() {
 }
 
 #[test]
-fn fresnel_in_space_is_that_of_both_indices_with_one_angle() {
+fn oblique_fresnel_equals_the_formula_with_two_indices() {
     for eta in ETAS {
         for (degrees, gamma) in [(0.0, 0.3), (40.0, 0.9), (75.0, 0.56), (84.0, 1.5)] {
             let section = Section::new(eta, cos_deg(degrees));
@@ -48,7 +48,7 @@ fn fresnel_in_space_is_that_of_both_indices_with_one_angle() {
 }
 
 #[test]
-fn what_goes_around_is_what_comes_in() {
+fn azimuthal_scattering_conserves_energy() {
     for eta in ETAS {
         for degrees in [0.0, 30.0, 45.0, 50.0, 55.0, 60.0, 75.0] {
             let section = Section::new(eta, cos_deg(degrees));
@@ -69,7 +69,7 @@ fn what_goes_around_is_what_comes_in() {
 }
 
 #[test]
-fn roots_are_where_light_comes_out() {
+fn exiting_light_matches_the_analytic_roots() {
     for eta in ETAS {
         for degrees in [0.0, 40.0, 52.0, 60.0, 80.0] {
             let section = Section::new(eta, cos_deg(degrees));
@@ -104,7 +104,7 @@ fn roots_are_where_light_comes_out() {
 }
 
 #[test]
-fn printed_glints_gain_or_lose_light() {
+fn printed_glints_do_not_conserve_light() {
     let glint = GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() };
     let off = |degrees: f64| {
         let section = Section::new(1.55, cos_deg(degrees));
@@ -117,7 +117,7 @@ fn printed_glints_gain_or_lose_light() {
 }
 
 #[test]
-fn lobes_along_a_fibre_keep_energy() {
+fn longitudinal_lobes_conserve_energy() {
     for width in [2.0_f64, 5.0, 10.0, 20.0] {
         let spread = Spread { shift: -0.1, width: width.to_radians() };
         for theta in [0.0_f64, 30.0, 60.0, 85.0] {
@@ -155,7 +155,7 @@ fn directions(count: u32) -> impl Iterator<Item = [DVec3; 3]> {
 }
 
 #[test]
-fn light_may_be_turned_about() {
+fn scattering_is_reciprocal() {
     let fibre = Fibre { around: AzimuthalScattering::Smooth(GlintShape::default()), keeps: LobeShape::Reciprocity, ..Fibre::default() };
     for [tip, light, eye] in directions(300) {
         let (there, back) = (Angles::between(tip, light, eye), Angles::between(tip, eye, light));
@@ -165,7 +165,7 @@ fn light_may_be_turned_about() {
 }
 
 #[test]
-fn no_directions_break_it() {
+fn scattering_is_finite_for_all_directions() {
     let fibres =
         [AzimuthalScattering::Rough(0.05), AzimuthalScattering::Rough(0.6), AzimuthalScattering::Smooth(GlintShape::default())].into_iter().flat_map(|around| {
             [LobeShape::Energy, LobeShape::Reciprocity].map(|keeps| Fibre { around, keeps, ..Fibre::default() })
@@ -192,7 +192,7 @@ fn no_directions_break_it() {
 }
 
 #[test]
-fn a_mean_way_absorbs_as_all_ways_do() {
+fn mean_path_absorbs_as_the_sum_of_all_paths() {
     let section = Fibre::default().section(0.8);
     for p in 0..3 {
         for phi in [0.0, 0.5, 2.0, PI] {
@@ -218,7 +218,7 @@ fn off(fibre: &Fibre, sigma: [f64; 3], found: impl Fn(&Angles) -> [f64; 3]) -> f
 }
 
 #[test]
-fn tables_are_near_the_equations() {
+fn scattering_tables_approximate_the_equations() {
     for around in [AzimuthalScattering::Rough(0.12), AzimuthalScattering::Smooth(GlintShape::default())] {
         for keeps in [LobeShape::Energy, LobeShape::Reciprocity] {
             let fibre = Fibre { around, keeps, ..Fibre::default() };
@@ -235,7 +235,7 @@ fn tables_are_near_the_equations() {
 
 /// Continuing and returning light add up to the light that the fibre does not absorb; for white fibres, to all of it.
 #[test]
-fn light_goes_on_and_comes_back() {
+fn table_means_split_light_into_forward_and_backward() {
     let fibre = Fibre::default();
     let tables = ScatteringTables::new(&fibre, 64);
     for cos in [0.15, 0.4, 0.7, 1.0] {
@@ -268,7 +268,7 @@ fn light_goes_on_and_comes_back() {
 }
 
 #[test]
-fn colours_and_what_makes_them() {
+fn colours_convert_to_absorption_and_pigments() {
     for roughness in [0.0, 0.1, 0.3, 0.5, 0.9, 1.0] {
         let scale = colour::scale_of(roughness);
         assert!((colour::roughness(scale) - roughness).abs() < 1e-9);
@@ -327,7 +327,7 @@ fn a_white_fibre_vanishes_in_even_light() {
 }
 
 #[test]
-fn from_nearby_and_from_afar_are_one_fibre() {
+fn near_field_average_equals_the_far_field() {
     let fibre = Fibre::default();
     let AzimuthalScattering::Rough(scale) = fibre.around else { return };
     let sigma = [0.1, 0.5, 2.0];
@@ -352,7 +352,7 @@ fn from_nearby_and_from_afar_are_one_fibre() {
 }
 
 #[test]
-fn what_is_drawn_comes_as_often_as_it_says() {
+fn sampled_directions_follow_their_density() {
     let fibre = Fibre::default();
     let to = (0.5, 0.75_f64.sqrt());
     let hit = FibreHit::new(&fibre, 0.12, [0.3, 0.5, 1.0], 0.4, to);
@@ -409,7 +409,7 @@ fn by_grid(fibre: &Fibre, sigma: f64, tip: DVec3, light: &GaussianLight, eye: DV
 }
 
 #[test]
-fn lights_that_are_gaussians_scatter_as_all_their_directions_do() {
+fn gaussian_lights_scatter_as_the_integral_over_their_directions() {
     let rough = Fibre { tilt: 0.1, ..Fibre::default() };
     let smooth = Fibre { around: AzimuthalScattering::Smooth(GlintShape { width: 0.2, ..GlintShape::default() }), ..Fibre::default() };
     let marschner = Fibre { keeps: LobeShape::Reciprocity, ..rough };

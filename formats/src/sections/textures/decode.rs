@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn half_floats_are_read_as_they_are_written() {
+    fn half_floats_are_decoded_exactly() {
         let of = |bits: u16| half_to_f32(bits.to_le_bytes());
         let (least, most) = (1.0 / 16_777_216.0, 65504.0);
         assert_eq!(

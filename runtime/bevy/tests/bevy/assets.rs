@@ -70,8 +70,8 @@ fn damaged_packages_are_errors_and_the_app_lives_on() {
 }
 
 #[test]
-fn a_file_that_changes_is_drawn_anew() {
-    let Some(mut stand) = gpu("a_file_that_changes_is_drawn_anew") else { return };
+fn changed_files_are_reloaded() {
+    let Some(mut stand) = gpu("changed_files_are_reloaded") else { return };
     let file = folder("changed").join("ball.pelage");
     fs::write(&file, ball()).unwrap();
     let (handle, _) = load(&mut stand, &file);
@@ -114,8 +114,8 @@ fn walk(folder: &Path, files: &mut Vec<PathBuf>) {
 }
 
 #[test]
-fn what_is_no_package_is_refused_by_name() {
-    let Some(data) = pelage_needs::data("what_is_no_package_is_refused_by_name") else { return };
+fn files_other_than_packages_are_refused_by_name() {
+    let Some(data) = pelage_needs::data("files_other_than_packages_are_refused_by_name") else { return };
     let mut files = Vec::new();
     walk(&data, &mut files);
     assert!(files.len() > 100, "{} files", files.len());

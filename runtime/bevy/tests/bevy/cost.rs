@@ -76,7 +76,7 @@ fn alone(gpu: &Gpu) -> impl FnMut(f32, bool) {
 
 #[test]
 #[ignore = "measures: cargo test --profile example --test bevy -- --ignored --nocapture beside"]
-fn what_a_frame_costs_beside_the_runtime_alone() {
+fn frame_cost_is_measured_against_the_runtime_alone() {
     let mut stand = Stand::new();
     let world = stand.render_world();
     let device = world.resource::<RenderDevice>().wgpu_device().clone();

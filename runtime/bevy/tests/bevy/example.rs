@@ -10,8 +10,8 @@ use bevy_render::view::Msaa;
 use bevy_transform::components::Transform;
 
 #[test]
-fn the_scene_of_the_example_is_set_up_and_walks() {
-    let Some(mut stand) = gpu("the_scene_of_the_example_is_set_up_and_walks") else { return };
+fn example_scene_is_set_up_and_its_animals_walk() {
+    let Some(mut stand) = gpu("example_scene_is_set_up_and_its_animals_walk") else { return };
     let models = vec![stand.model("ball", &ball()), stand.model("ball", &ball())];
     stand.app.insert_resource(Animals(models));
     scene::add(&mut stand.app);

@@ -26,8 +26,8 @@ fn camera(stand: &mut Stand) -> TestCamera {
 }
 
 #[test]
-fn an_animal_throws_its_shadow_on_a_ground_of_bevys() {
-    let Some(mut stand) = gpu("an_animal_throws_its_shadow_on_a_ground_of_bevys") else { return };
+fn animal_casts_its_shadow_on_a_bevy_ground() {
+    let Some(mut stand) = gpu("animal_casts_its_shadow_on_a_bevy_ground") else { return };
     let model = stand.model("ball", &ball());
     let camera = camera(&mut stand);
     stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
@@ -53,8 +53,8 @@ fn an_animal_throws_its_shadow_on_a_ground_of_bevys() {
 }
 
 #[test]
-fn a_cube_of_bevys_throws_its_shadow_on_fur() {
-    let Some(mut stand) = gpu("a_cube_of_bevys_throws_its_shadow_on_fur") else { return };
+fn bevy_cube_casts_its_shadow_on_fur() {
+    let Some(mut stand) = gpu("bevy_cube_casts_its_shadow_on_fur") else { return };
     let model = stand.model("ball", &ball());
     let camera = camera(&mut stand);
     stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
@@ -71,8 +71,8 @@ fn a_cube_of_bevys_throws_its_shadow_on_fur() {
 }
 
 #[test]
-fn exposure_suns_and_ambient_light_are_bevys() {
-    let Some(mut stand) = gpu("exposure_suns_and_ambient_light_are_bevys") else { return };
+fn exposure_suns_and_ambient_light_come_from_bevy() {
+    let Some(mut stand) = gpu("exposure_suns_and_ambient_light_come_from_bevy") else { return };
     let model = stand.model("ball", &ball());
     let camera = camera(&mut stand);
     let sun = stand.sun(Vec3::Y, false);
@@ -105,8 +105,8 @@ fn halves(picture: &Picture) -> [u64; 2] {
 }
 
 #[test]
-fn a_sky_lights_from_where_it_shines_and_may_turn() {
-    let Some(mut stand) = gpu("a_sky_lights_from_where_it_shines_and_may_turn") else { return };
+fn environment_map_lights_from_its_direction_and_rotates() {
+    let Some(mut stand) = gpu("environment_map_lights_from_its_direction_and_rotates") else { return };
     let model = stand.model("ball", &ball());
     let camera = camera(&mut stand);
     stand.world().spawn(Pelage::fur(model));
@@ -157,8 +157,8 @@ fn fur_leans_as_time_passes_and_comes_to_rest() {
 }
 
 #[test]
-fn clips_move_it_and_faults_are_told_once() {
-    let Some(mut stand) = gpu("clips_move_it_and_faults_are_told_once") else { return };
+fn clips_move_the_animal_and_faults_are_reported_once() {
+    let Some(mut stand) = gpu("clips_move_the_animal_and_faults_are_reported_once") else { return };
     let model = stand.model("ball", &ball());
     let camera = camera(&mut stand);
     stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);

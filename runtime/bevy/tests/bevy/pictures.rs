@@ -56,8 +56,8 @@ fn stands_before_and_behind(stand: &mut Stand, pelage: &Pelage) {
 }
 
 #[test]
-fn an_animal_stands_before_and_behind_a_cube() {
-    let Some(mut stand) = gpu("an_animal_stands_before_and_behind_a_cube") else { return };
+fn animal_and_cube_occlude_each_other() {
+    let Some(mut stand) = gpu("animal_and_cube_occlude_each_other") else { return };
     let model = stand.model("ball", &ball());
     stand.sun(SUN, false);
     stands_before_and_behind(&mut stand, &Pelage::fur(model.clone()));
@@ -90,8 +90,8 @@ fn drawn_by_the_runtime(pelage: &Pelage) -> Picture {
 }
 
 #[test]
-fn a_frame_is_as_the_runtime_alone_draws_it() {
-    let Some(mut stand) = gpu("a_frame_is_as_the_runtime_alone_draws_it") else { return };
+fn bevy_frame_equals_that_of_the_runtime_alone() {
+    let Some(mut stand) = gpu("bevy_frame_equals_that_of_the_runtime_alone") else { return };
     let model = stand.model("ball", &ball());
     // The ball's shadow on itself is drawn by the runtime: a sun with shadow maps turns on `soft_shadow`.
     stand.sun(SUN, true);
@@ -132,8 +132,8 @@ fn in_part_of(stand: &mut Stand, whole: &TestCamera, part: (UVec2, UVec2)) -> Te
 }
 
 #[test]
-fn several_cameras_show_it_each_in_its_part() {
-    let Some(mut stand) = gpu("several_cameras_show_it_each_in_its_part") else { return };
+fn several_cameras_draw_the_animal_in_their_viewports() {
+    let Some(mut stand) = gpu("several_cameras_draw_the_animal_in_their_viewports") else { return };
     let model = stand.model("ball", &ball());
     stand.sun(SUN, false);
     for pelage in [Pelage::fur(model.clone()), on_even_paper(model)] {
@@ -160,8 +160,8 @@ fn several_cameras_show_it_each_in_its_part() {
 }
 
 #[test]
-fn what_is_despawned_is_freed() {
-    let Some(mut stand) = gpu("what_is_despawned_is_freed") else { return };
+fn despawned_animals_are_freed() {
+    let Some(mut stand) = gpu("despawned_animals_are_freed") else { return };
     let model = stand.model("ball", &ball());
     let camera = stand.camera(SIZE, Msaa::Off, front());
     stand.sun(SUN, true);

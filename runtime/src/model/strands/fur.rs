@@ -239,14 +239,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn too_many_strands_thin_out_to_half() {
+    fn excess_strands_are_thinned_to_at_least_half() {
         let most = 300;
         assert_eq!([0.0, 300.0, 400.0, 600.0].map(|n| placed_share(n, most)), [1.0, 1.0, 0.75, 0.5].map(Some));
         assert_eq!([placed_share(601.0, most), placed_share(5.0, 0)], [None; 2]);
     }
 
     #[test]
-    fn workgroups_know_their_least_chance() {
+    fn workgroups_store_their_least_chance() {
         let strand = |chance| Strand { hash_unit, ..Strand::default() };
         let mut strands: Vec<Strand> = (0..100u16).map(|i| strand(f32::from(i) / 100.0)).collect();
         strands.resize(128, strand(1.0));

@@ -33,7 +33,7 @@ fn every_short_form_sets_a_knob_of_its_own() {
 }
 
 #[test]
-fn flags_read_the_words_that_they_always_read() {
+fn flags_keep_accepting_their_words() {
     let mut look = Look::default();
     for (flag, word) in [
         ("size", "64X32"),
@@ -102,7 +102,7 @@ fn flags_read_the_words_that_they_always_read() {
 }
 
 #[test]
-fn what_is_written_reads_back() {
+fn looks_survive_a_round_trip() {
     let looks = [
         Look::default(),
         set(&["light.direction=1,2,3", "picture.background=transparent", "ink.width=7px", "fur.detail=auto"]),
@@ -126,7 +126,7 @@ fn what_is_written_reads_back() {
 }
 
 #[test]
-fn mistakes_name_line_key_found_and_expected() {
+fn look_errors_name_line_key_found_and_expected() {
     for (text, message) in [
         ("[shadow]\npenumbr = 1", "line 2, shadow.penumbr: unknown key; did you mean shadow.penumbra?"),
         (
@@ -152,7 +152,7 @@ fn mistakes_name_line_key_found_and_expected() {
 /// Checks printed forms by their flags, their keys, and the keys of earlier files; another build says where to find
 /// them.
 #[test]
-fn printed_forms_are_in_the_laboratory() {
+fn printed_forms_require_the_lab_build() {
     let mut look = Look::default();
     let results = [
         short("slant").apply(&mut look, "printed"),
@@ -189,14 +189,14 @@ fn printed_forms_are_in_the_laboratory() {
 }
 
 #[test]
-fn numbers_can_be_sliders() {
+fn many_knobs_are_numbers_with_a_range() {
     let sliders = knobs::<Look>().filter(|knob| matches!((knob.control)(), Control::Number { .. })).count();
     assert!(sliders >= 15, "{sliders}");
 }
 
 #[cfg(feature = "draw")]
 #[test]
-fn the_default_look_is_the_runtimes() {
+fn default_look_equals_the_runtime_defaults() {
     use pelage_runtime::{DebugView, FurParams, InkParams, LineWidth, ShadowParams};
     let look = Look::default();
     assert_eq!(look.ink_params(), InkParams::default());

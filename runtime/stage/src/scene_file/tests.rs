@@ -14,7 +14,7 @@ fn scene(before: &str, model: &str) -> String {
 }
 
 #[test]
-fn what_is_wrong_is_said_with_line_and_key() {
+fn scene_errors_name_line_and_key() {
     let path = |keys: &str| format!("path = [\n{keys}\n]");
     let (camera, go) = ("[camera]\n", "{ time_s = 0, position = [0, 0, 0] },\n");
     for (text, words) in [
@@ -86,7 +86,7 @@ fn what_is_wrong_is_said_with_line_and_key() {
 }
 
 #[test]
-fn places_and_cameras_are_those_of_the_file() {
+fn positions_and_cameras_match_the_file() {
     let text = scene(
         "[camera]\npath = [\n{ time_s = 0, eye = [0, 1, 5], target = [0, 0, 0] },\n{ time_s = 2, eye = [4, 1, 5], target = [4, 0, 0], fov_deg = 40 }]",
         "path = [{ time_s = 1, position = [0, 0, 0] }, { time_s = 3, position = [2, 0, 0] }]\nscale = 2",
@@ -136,7 +136,7 @@ fn sliding() -> Vec<u8> {
 }
 
 #[test]
-fn a_clip_carries_its_model_on() {
+fn root_motion_moves_the_model() {
     let load = |model: &str| {
         let source = |path: &str| Ok(NamedPackage::new(path, sliding()));
         SceneFile::parse("a.toml", scene("", model).into()).unwrap().load(&source)
@@ -157,7 +157,7 @@ fn a_clip_carries_its_model_on() {
 }
 
 #[test]
-fn a_scene_is_changed_between_reading_and_loading() {
+fn scene_can_be_edited_between_parsing_and_loading() {
     let mut file = SceneFile::parse("a.toml", scene("[sequence]\nframes = 3", "").into()).unwrap();
     assert_eq!((file.frames(), file.fps()), (Some(3), None));
     file.scene.models[0].position = Some(Point(Vec3::new(0.0, 0.0, 7.0)));
@@ -195,7 +195,7 @@ fn after(words: &[&str]) -> Look {
 }
 
 #[test]
-fn a_scene_has_a_look() {
+fn scene_file_sets_the_look() {
     assert_eq!(look("").unwrap(), Look::of_picture());
     let view = "[view]\nsize = \"64x32\"\nself_shadow = false\npenumbra = \"0.5\"\nsamples = 4\nfill_light = [\"0,1,0\", \"1,0,0/0.5\"]\n";
     let words = [
@@ -217,7 +217,7 @@ fn a_scene_has_a_look() {
 }
 
 #[test]
-fn what_is_wrong_with_a_look_is_said_with_line_and_key() {
+fn errors_in_a_scene_look_name_line_and_key() {
     for (text, words) in [
         ("[view]\nsize = \"9x\"", &["a.toml: line 2, view.size", "\"9x\"", "WIDTHxHEIGHT"][..]),
         ("[view]\nstyle = \"fluffy\"", &["line 2, view.style", "\"fluffy\"", "\"fur\", \"ink\", \"bare\""]),

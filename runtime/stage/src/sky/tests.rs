@@ -11,7 +11,7 @@ fn lobe(towards: [f32; 3], width_deg: f32, radiance: [f32; 3]) -> LightLobe {
 }
 
 #[test]
-fn directions_and_pixels_are_those_of_other_programs() {
+fn panorama_orientation_matches_other_programs() {
     let sky = painted((8, 4), |_| DVec3::ONE);
     assert!(sky.towards(0, 0).y > 0.9 && sky.towards(0, 3).y < -0.9, "rows go downwards");
     // The centre is +x; +z is to the right of it.
@@ -27,7 +27,7 @@ fn directions_and_pixels_are_those_of_other_programs() {
 }
 
 #[test]
-fn means_keep_the_light_whatever_the_sizes() {
+fn downscaling_a_panorama_keeps_its_total_light() {
     let sky = painted((37, 19), |way| DVec3::new(1.0 + way.x, 2.0 + way.y, 1.0 + way.z * way.x));
     for size in [(64, 32), (16, 8), (5, 3), (1, 1)] {
         let less = sky.reduced(size);
@@ -37,7 +37,7 @@ fn means_keep_the_light_whatever_the_sizes() {
 }
 
 #[test]
-fn what_is_no_light_is_mended() {
+fn invalid_panorama_pixels_are_repaired() {
     let mut pixels = vec![[1.0, 2.0, 0.5]; 8];
     (pixels[1], pixels[3], pixels[6]) = ([f32::NAN, 1.0, 1.0], [f32::INFINITY; 3], [-1.0, 0.0, 1.0]);
     let sky = Panorama::new(4, 2, pixels).unwrap();
@@ -51,7 +51,7 @@ fn what_is_no_light_is_mended() {
 
 /// Checks that fitting a sky made of lobes and uniform light returns them.
 #[test]
-fn what_lobes_made_is_found_again() {
+fn lobe_environments_are_recovered_by_the_fit() {
     let lobes = vec![lobe([0.0, 1.0, 0.0], 30.0, [1.0, 2.0, 4.0]), lobe([1.0, 0.2, -0.4], 12.0, [8.0, 4.0, 1.0])];
     let made = Environment { even: [0.2, 0.3, 0.1], sun: None, lobes };
     let found = painted((128, 64), |way| made.radiance(way)).fit(FitParams { lobes: 8, sun: 2.0 });
@@ -64,7 +64,7 @@ fn what_lobes_made_is_found_again() {
 }
 
 #[test]
-fn a_sun_that_dominates_is_a_light_of_its_own() {
+fn dominant_sun_becomes_a_separate_light() {
     let towards = DVec3::new(0.5, 0.6, -0.3).normalize();
     let sky = |bright: f64| {
         painted((256, 128), |way| {
@@ -86,7 +86,7 @@ fn a_sun_that_dominates_is_a_light_of_its_own() {
 }
 
 #[test]
-fn between_pixels_a_panorama_is_even_and_goes_around() {
+fn panorama_lookups_interpolate_and_wrap() {
     let sky = painted((64, 32), |way| DVec3::new(2.0 + way.x, 2.0 + way.y, 2.0 + way.z));
     for way in [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::new(-0.9, 0.3, 0.01), DVec3::new(0.2, -0.9, -0.3), DVec3::Y] {
         let way = way.normalize();
@@ -100,7 +100,7 @@ fn between_pixels_a_panorama_is_even_and_goes_around() {
 /// Checks that a ground reflects its share of the light that falls on it, from everywhere below, and that the rest of
 /// the picture is unchanged.
 #[test]
-fn a_ground_sends_back_its_share() {
+fn ground_reflects_its_albedo() {
     let sky = painted((256, 128), |way| if way.y > 0.0 { DVec3::new(1.0, 2.0, 4.0) } else { DVec3::splat(50.0) });
     let over = sky.over_ground([0.5, 0.25, 0.0], DVec3::new(0.0, 2.0, 0.0));
     assert_eq!(over.sample(DVec3::Y), sky.sample(DVec3::Y));
@@ -111,7 +111,7 @@ fn a_ground_sends_back_its_share() {
 }
 
 #[test]
-fn skies_of_nothing_and_of_one_pixel_have_lights_that_are_sound() {
+fn black_and_single_pixel_skies_fit_valid_lights() {
     let black = painted((64, 32), |_| DVec3::ZERO).fit(FitParams::default());
     assert_eq!(black.environment, Environment::default());
     assert_eq!((black.error, black.energy, black.sun_share), (0.0, 0.0, 0.0));
@@ -123,7 +123,7 @@ fn skies_of_nothing_and_of_one_pixel_have_lights_that_are_sound() {
 }
 
 #[test]
-fn toml_holds_all_of_it() {
+fn environment_survives_a_toml_round_trip() {
     let sky = Environment {
         even: [0.25, 0.5, 0.125],
         sun: Some(Sun { towards: [0.1, 0.9, -0.3], color: [3.5, 3.0, 2.5] }),

@@ -209,7 +209,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_read_as_they_are_written() {
+    fn knob_values_are_parsed_and_formatted_consistently() {
         assert_eq!(numbers("[1.0, -2.5, 3]"), Some(vec![1.0, -2.5, 3.0]));
         assert_eq!(numbers("auto"), None);
         assert_eq!(color("\"#0a14ff\""), Some([10, 20, 255]));

@@ -66,7 +66,7 @@ mod tests {
     use super::{blank_comments, set_left};
 
     #[test]
-    fn whole_lines_of_comment_are_blank_and_all_else_keeps_its_place() {
+    fn comment_lines_are_blanked_in_place() {
         let mut data = "// first\nfn a() {\n    // why: γ\n//! d\n    b(); // c\n//\n}\n// last".as_bytes().to_vec();
         let before = data.clone();
         blank_comments(&mut data);
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn bodies_are_set_left_and_all_else_keeps_its_place() {
+    fn indentation_is_removed_without_changing_the_length() {
         let text = "fn a() {\n    b();\n            \n    if c {\n        d();\n    }\n}\n    e {\n  f\n}";
         let mut data = text.as_bytes().to_vec();
         data.insert(0, b'\n');
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_are_no_text_stay() {
+    fn non_utf8_bytes_are_unchanged() {
         let before = b"\n// a\0b\n// \xff\n".to_vec();
         let mut data = before.clone();
         blank_comments(&mut data);

@@ -923,7 +923,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     #[test]
-    fn one_channel_is_seen() {
+    fn single_channel_difference_is_detected() {
         let before = RgbaImage::from_fn(7, 5, |x, y| Rgba([x as u8, y as u8, 9, 255]));
         let same = ByteDifference::between(&before, &before).unwrap();
         assert_eq!(same, ByteDifference { channels: 0, of: 140, greatest: 0 });
@@ -942,7 +942,7 @@ mod tests {
     }
 
     #[test]
-    fn one_byte_of_a_file_is_seen() {
+    fn single_byte_difference_is_detected() {
         let folder = tempfile::tempdir().unwrap();
         let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
         for (before, after, words) in [
@@ -958,7 +958,7 @@ mod tests {
     }
 
     #[test]
-    fn the_list_is_whole() {
+    fn case_list_is_complete() {
         let names: Vec<_> = Case::all().map(|case| case.name()).collect();
         assert!(names.len() >= 44);
         assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "two cases of one name");
@@ -970,7 +970,7 @@ mod tests {
     }
 
     #[test]
-    fn medians() {
+    fn medians_are_correct() {
         assert_eq!(median([3.0, 1.0, 2.0].into_iter()), 2.0);
         assert_eq!(median([4.0, 1.0, 2.0, 3.0].into_iter()), 2.5);
     }

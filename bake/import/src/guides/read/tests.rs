@@ -41,7 +41,7 @@ fn refused(format: GuideFormat, bytes: &[u8], expected: &str) {
 }
 
 #[test]
-fn hair_files_come_back() {
+fn hair_files_are_read() {
     let guides = GuideFormat::Hair.read("a.hair", &hair()).unwrap();
     assert_eq!((guides.len(), guides.strand(0).len(), guides.strand(1).len()), (2, 3, 2));
     assert_eq!(guides.strand(1), [Vec3::new(9.0, 10.0, 11.0), Vec3::new(12.0, 13.0, 14.0)]);
@@ -50,7 +50,7 @@ fn hair_files_come_back() {
 }
 
 #[test]
-fn tressfx_files_come_back() {
+fn tressfx_files_are_read() {
     for version in [3.0, 4.0] {
         let guides = GuideFormat::Tfx.read("a.tfx", &tfx(version)).unwrap();
         assert_eq!((guides.len(), guides.strand(1)[0]), (2, Vec3::new(3.0, 1.0, -1.0)), "version {version}");
@@ -65,7 +65,7 @@ fn strands_without_length_are_left_out() {
 }
 
 #[test]
-fn damaged_files_fail_where_they_are_damaged() {
+fn errors_of_damaged_guide_files_name_the_position() {
     use GuideFormat::{Hair, Text, Tfx};
     let with = |mut bytes: Vec<u8>, at: usize, value: &[u8]| {
         bytes[at..at + value.len()].copy_from_slice(value);

@@ -113,7 +113,7 @@ fn a_cube_shows_its_outline_and_three_creases() {
 }
 
 #[test]
-fn an_angle_that_is_none_is_refused() {
+fn invalid_crease_angles_are_refused() {
     let lines = TrueLines::new(PosedMesh::default()).unwrap();
     for crease_deg in [-1.0, 181.0, f64::NAN] {
         let params = LineParams { crease_deg, ..LineParams::default() };
@@ -124,7 +124,7 @@ fn an_angle_that_is_none_is_refused() {
 }
 
 #[test]
-fn what_lies_behind_is_not_seen() {
+fn hidden_lines_are_removed() {
     let (small, large) = (DVec3::splat(0.5), DVec3::new(1.5, 1.5, 0.1));
     // A small cube in front of a plate: its outline is a contour. Behind the plate it is hidden.
     let before = both(cuboid(DVec3::Z, small), cuboid(DVec3::ZERO, large));
@@ -137,7 +137,7 @@ fn what_lies_behind_is_not_seen() {
 }
 
 #[test]
-fn a_sphere_has_a_circle_for_an_outline_by_its_edges_and_by_its_normals() {
+fn sphere_outline_is_a_circle_from_edges_and_from_normals() {
     let ball = sphere(32);
     let eye = Vec3::new(1.0, 2.0, 4.5);
     let round = std::f64::consts::TAU;
@@ -172,7 +172,7 @@ fn a_sphere_has_a_circle_for_an_outline_by_its_edges_and_by_its_normals() {
 }
 
 #[test]
-fn the_end_of_a_sheet_is_a_border() {
+fn open_edges_are_border_lines() {
     let square = (
         vec![
             DVec3::new(-1.0, -1.0, 0.0),
@@ -201,7 +201,7 @@ fn the_end_of_a_sheet_is_a_border() {
 }
 
 #[test]
-fn a_perspective_sees_the_near_larger_and_nothing_behind_the_eye() {
+fn perspective_enlarges_near_lines_and_clips_behind_the_camera() {
     let cube = cuboid(DVec3::ZERO, DVec3::ONE);
     let lines = TrueLines::new(skin(&cube.0, &cube.1, false)).unwrap();
     let look = |eye: Vec3, target: Vec3| {

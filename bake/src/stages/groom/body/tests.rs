@@ -90,7 +90,7 @@ fn regions_of(nodes: &[(&str, Option<u32>)]) -> Vec<Region> {
 }
 
 #[test]
-fn names_are_parted_into_words() {
+fn bone_names_are_split_into_words() {
     for (name, expected) in [
         ("mixamorig:LeftUpLeg", "mixamorig left up leg"),
         ("IKFrontLeg.L", "ik front leg l"),
@@ -174,7 +174,7 @@ fn names_of_many_rigs_and_languages_are_understood() {
 }
 
 #[test]
-fn what_has_no_name_is_what_it_hangs_on() {
+fn unnamed_bones_inherit_the_region_of_their_parent() {
     use Region::*;
     let found = regions_of(&[
         ("Armature", None),
@@ -195,7 +195,7 @@ fn what_has_no_name_is_what_it_hangs_on() {
 }
 
 #[test]
-fn a_spine_that_is_numbered_through_has_neck_and_head() {
+fn numbered_spine_ends_in_neck_and_head() {
     use Region::*;
     let names: Vec<String> = (0..7).map(|i| format!("DEF-spine.00{i}")).collect();
     let mut nodes: Vec<(&str, Option<u32>)> =
@@ -208,7 +208,7 @@ fn a_spine_that_is_numbered_through_has_neck_and_head() {
 }
 
 #[test]
-fn thickness_is_the_way_through_the_body() {
+fn thickness_is_the_distance_through_the_body() {
     let mesh = barrel_with_rod();
     let rest = RestPose { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     let skin = WeldedMesh::new(&mesh, &rest, Vec3::ZERO, 2.0);
@@ -231,7 +231,7 @@ fn thickness_is_the_way_through_the_body() {
 }
 
 #[test]
-fn places_are_welded_and_ways_go_along_the_skin() {
+fn vertices_are_welded_and_distances_are_geodesic() {
     let mesh = barrel_with_rod();
     // The same mesh with separate vertices for every triangle.
     let torn = Mesh {
@@ -257,7 +257,7 @@ fn places_are_welded_and_ways_go_along_the_skin() {
 }
 
 #[test]
-fn values_spread_within_their_bounds_and_keep_their_sum() {
+fn smoothing_stays_within_bounds_and_keeps_the_sum() {
     let mesh = turned(&(0..=60).map(|i| (i as f32 / 60.0, 0.1)).collect::<Vec<_>>());
     let rest = RestPose { positions: mesh.positions.clone(), normals: Vec::new() };
     let skin = WeldedMesh::new(&mesh, &rest, Vec3::ZERO, 1.0);
@@ -307,7 +307,7 @@ fn thin_parts_have_short_dense_hair_that_lies_flat() {
 }
 
 #[test]
-fn what_is_alike_everywhere_is_left_alone() {
+fn uniform_bodies_get_no_groom() {
     assert_eq!(groom(&ball(), None, 1.0), None);
     assert_eq!(groom(&turned(&(0..=40).map(|i| (0.05 * i as f32, 0.2)).collect::<Vec<_>>()), None, 1.0), None);
     let mut bare = barrel_with_rod();
@@ -341,7 +341,7 @@ fn names_win_over_thickness() {
 }
 
 #[test]
-fn muzzles_are_parted_from_heads_that_look_forward() {
+fn muzzles_are_split_from_forward_facing_heads() {
     let mut mesh = turned(&(0..=20).map(|i| (0.1 * i as f32, 0.3)).collect::<Vec<_>>());
     let follows = |joint| SkinVertex { joints: [joint, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] };
     mesh.skin = mesh.positions.iter().map(|p| follows(u16::from(p.z > 1.0))).collect();
@@ -388,7 +388,7 @@ fn hair_is_short_beside_small_bare_parts_only() {
 }
 
 #[test]
-fn the_same_body_gives_the_same_bits_on_any_number_of_threads() {
+fn body_groom_does_not_depend_on_thread_count() {
     let mesh = barrel_with_rod();
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
