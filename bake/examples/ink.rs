@@ -6,10 +6,10 @@
 
 use image::GrayImage;
 use pelage_bake::io::read_map_images;
-use pelage_bake::recipe::{Coat, FilePath, Recipe};
-use pelage_bake::stages::simulate::{VolumeParams, simulate_recipe};
-use pelage_bake::stages::ink::{self, Plane};
 use pelage_bake::progress::StageProgress;
+use pelage_bake::recipe::{Coat, FilePath, Recipe};
+use pelage_bake::stages::ink::{self, Plane};
+use pelage_bake::stages::simulate::{VolumeParams, simulate_recipe};
 use std::time::Instant;
 
 /// Width of one channel on the sheet, pixels.

@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release --example slices -- OUT.png [RECIPE.toml] [key=value]… [height=0.4]` where `height` is the hair
 //! length in tile widths.
-#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
+#![allow(clippy::disallowed_methods, reason = "packages made by tests are never kept")]
 
 use glam::{Vec2, Vec3};
 use pelage_bake::recipe::{Coat, Recipe};

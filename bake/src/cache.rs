@@ -10,7 +10,7 @@
 
 use crate::hexadecimal::{self, hex};
 use crate::io::{digest, read_file, write_atomic};
-use crate::io_trace::{TracedInput, Digest, IoTrace};
+use crate::io_trace::{Digest, IoTrace, TracedInput};
 use pelage_import::BakeError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -138,7 +138,13 @@ impl Cache {
     /// # Errors
     ///
     /// [`BakeError::Io`]. Entries written before the error are harmless.
-    pub fn store(&self, key: &Digest, traffic: &IoTrace, kept: &CommandResult, files: &[&Path]) -> Result<(), BakeError> {
+    pub fn store(
+        &self,
+        key: &Digest,
+        traffic: &IoTrace,
+        kept: &CommandResult,
+        files: &[&Path],
+    ) -> Result<(), BakeError> {
         for (file, path) in kept.files.iter().zip(files) {
             let Some(digest) = from_hex(&file.sha256) else { continue };
             let place = self.entry_path("files", &digest);

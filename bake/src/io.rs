@@ -1,10 +1,10 @@
 //! File access; no other module of the library touches files.
 
+use crate::io_trace;
 use crate::picture::Picture;
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::stages::import::{ImportOptions, import, import_strands, input_record};
-use crate::io_trace;
 use crate::temp_files::TempFileGuard;
 use pelage_import::BakeError;
 use pelage_import::guides::read::GuideFormat;
@@ -41,7 +41,7 @@ pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
     String::from_utf8(read_file(path)?).map_err(|error| BakeError::Input {
         file: path.display().to_string(),
         place: format!("byte {}", error.utf8_error().valid_up_to()),
-        reason: format!("is no UTF-8, expected {what}"),
+        reason: format!("is not UTF-8, expected {what}"),
     })
 }
 
@@ -57,7 +57,7 @@ pub fn read_named_file(path: &Path) -> Result<Vec<u8>, BakeError> {
 fn read_whole(path: &Path, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
     let bytes = read_prefix(path, MAX_FILE_BYTES + 1, may_be)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
-        let text = format!("it is larger than the {MAX_FILE_BYTES} bytes that are read of a file");
+        let text = format!("it is larger than {MAX_FILE_BYTES} bytes, the limit for one file");
         return Err(io_error(path, "read", io::Error::new(io::ErrorKind::FileTooLarge, text)));
     }
     Ok(bytes)
@@ -152,8 +152,8 @@ fn resolver<'a>(
         let relative = relative_path(uri).map_err(fail)?;
         if reach == Reach::OwnFolder && !stays_inside(folder, &relative) {
             return Err(fail(
-                "it leads out of the model's folder; expected a file in that folder or below it: move it there, or, if you trust the model, \
-                 give --allow-outside"
+                "it leads out of the model's folder; expected a file in that folder or below it: move it there or, if \
+                 you trust the model, pass --allow-outside"
                     .to_owned(),
             ));
         }
@@ -256,12 +256,12 @@ fn relative_path(uri: &str) -> Result<PathBuf, String> {
     }
     let decoded = percent_encoding::percent_decode_str(uri)
         .decode_utf8()
-        .map_err(|_| "its percent-encoding is no UTF-8".to_owned())?;
+        .map_err(|_| "its percent-encoding is not UTF-8".to_owned())?;
     if decoded.is_empty() {
         return Err("it is empty; expected a relative path".to_owned());
     }
     if decoded.contains('\0') {
-        return Err("it holds a zero byte; expected a relative path".to_owned());
+        return Err("it contains a NUL byte; expected a relative path".to_owned());
     }
     // Both kinds of slash, so that a model is rejected on every system alike.
     if decoded.starts_with(['/', '\\']) || Path::new(&*decoded).is_absolute() {

@@ -4,28 +4,28 @@
 //! module. [`strands`] turns the layers of a package into single strands on the baked mesh. No stage touches a file, a
 //! clock or a global. The same inputs give the same bytes with any number of threads.
 
-#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "packages made by tests are never kept"))]
 
 pub mod cache;
 pub mod decision;
+pub mod environment_file;
 pub mod groom_map;
 pub mod hexadecimal;
 pub mod io;
+pub mod io_trace;
 pub mod mask;
+pub mod memo;
 pub mod noise;
 pub mod picture;
 pub mod pipeline;
+pub mod progress;
 pub mod rebake;
 pub mod recipe;
 pub mod recipe_mismatch;
-pub mod memo;
 pub mod reslice;
 mod sample;
-pub mod environment_file;
 pub mod stages;
-pub mod progress;
 pub mod strands;
-pub mod io_trace;
 pub mod temp_files;
 pub mod y4m;
 

@@ -6,11 +6,11 @@
 //! again.
 
 mod layout;
-mod run_step;
 mod outputs;
+mod run_step;
 
 pub use layout::{Layout, lay};
-pub use outputs::{Groomed, CachedStages, Output, Outputs, PackageBytes, Shells, BakeInput, StrandVisibility};
+pub use outputs::{BakeInput, CachedStages, Groomed, Output, Outputs, PackageBytes, Shells, StrandVisibility};
 
 use crate::decision::Decision;
 use crate::recipe::Recipe;
@@ -70,7 +70,13 @@ const ALL_TABLES: &[&str] = &{
 pub const STEPS: &[Step] = &[
     Step { stage: "surface", makes: Layout, reads: &[Model], tables: LAYING, run: run_step::surface },
     Step { stage: "simulate", makes: Hair, reads: &[Layout], tables: &[], run: run_step::simulate },
-    Step { stage: "visibility", makes: StrandVisibility, reads: &[Hair], tables: &["visibility"], run: run_step::visible },
+    Step {
+        stage: "visibility",
+        makes: StrandVisibility,
+        reads: &[Hair],
+        tables: &["visibility"],
+        run: run_step::visible,
+    },
     Step {
         stage: "slice",
         makes: Shells,
@@ -78,9 +84,21 @@ pub const STEPS: &[Step] = &[
         tables: &["slice", "pack", "detail"],
         run: run_step::slice,
     },
-    Step { stage: "slice", makes: Single, reads: &[Hair, StrandVisibility], tables: &["strands"], run: run_step::single },
+    Step {
+        stage: "slice",
+        makes: Single,
+        reads: &[Hair, StrandVisibility],
+        tables: &["strands"],
+        run: run_step::single,
+    },
     Step { stage: "groom", makes: Groomed, reads: &[Model, Layout, Hair], tables: &[], run: run_step::groom },
-    Step { stage: "groom", makes: Guided, reads: &[Model, Layout, Groomed], tables: &["strands"], run: run_step::guided },
+    Step {
+        stage: "groom",
+        makes: Guided,
+        reads: &[Model, Layout, Groomed],
+        tables: &["strands"],
+        run: run_step::guided,
+    },
     Step { stage: "fins", makes: Fins, reads: &[Layout, Hair, Groomed], tables: &[], run: run_step::fins },
     Step {
         stage: "fins",

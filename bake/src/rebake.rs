@@ -1,6 +1,6 @@
 //! Repeated bakes of one model while its recipe changes.
 
-use crate::pipeline::{Baked, CachedStages, Output, Outputs, BakeInput, baked, run};
+use crate::pipeline::{BakeInput, Baked, CachedStages, Output, Outputs, baked, run};
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use pelage_import::BakeError;
@@ -29,7 +29,9 @@ impl<'a> Rebake<'a> {
     /// The errors of [`crate::pipeline::bake`].
     pub fn bake(&mut self, told: &BakeInput<'a>, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
         match self.before {
-            Some((recipe, images)) if std::ptr::eq(images, told.images) => self.outputs.invalidate_changes(recipe, told.recipe),
+            Some((recipe, images)) if std::ptr::eq(images, told.images) => {
+                self.outputs.invalidate_changes(recipe, told.recipe)
+            }
             Some(_) => {
                 self.outputs.invalidate(Output::Laid);
                 self.outputs.kept = CachedStages::default();

@@ -101,14 +101,15 @@ pub fn reference_page() -> String {
 }
 
 const INTRODUCTION: [&str; 4] = [
-    "A recipe is a TOML file that says how a model becomes fur: `pelage bake fox.glb --recipe fox.toml -o fox.pelage`. It has a table for each \
-     stage of the bake and a key for each parameter. What it leaves out keeps its default, so that an empty recipe is the coat of an animal; \
-     `hair.coat` begins with another kind ([coats](coats.md)). \
-     `--set hair.length_m=0.02` sets one key on the command line, after the recipe. A table or key that does not exist is an error, which names \
-     the line and the nearest key that does.",
-    "Lengths end in `_m` and are metres, angles end in `_deg`, widths on screen in `_px`. Where a default is \"left out\", the bake chooses the \
-     value from the model. `pelage unpack` writes down the recipe that a package was baked with.",
-    "The pictures show the hare of `assets/models`, which has no recipe, with three values of one key.",
+    "A recipe is a TOML file that describes how a model becomes furry: `pelage bake fox.glb --recipe fox.toml -o \
+     fox.pelage`. It has a table for each stage of the bake and a key for each parameter. Keys that are left out keep \
+     their defaults, so an empty recipe gives the coat `animal`; `hair.coat` selects another one ([coats](coats.md)). \
+     `--set hair.length_m=0.02` sets one key on the command line and overrides the recipe. A table or key that does \
+     not exist is an error, which names the line and the nearest key that does.",
+    "Lengths end in `_m` and are metres, angles end in `_deg`, widths on screen in `_px`. Where a default is \"left \
+     out\", the bake chooses the value from the model. `pelage unpack` writes out the recipe that a package was baked \
+     with.",
+    "The pictures show the hare from `assets/models`, baked without a recipe, with three values of one key.",
     "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin chores write-docs`.",
 ];
 
@@ -189,7 +190,11 @@ impl Recipe {
 
     /// Applies a change. If it changes the coat, keys with the previous coat's value get the new one's, unless the
     /// change sets them.
-    fn change_with_coat(&mut self, file: &str, change: impl Fn(&mut Self) -> Result<(), ParamError>) -> Result<(), BakeError> {
+    fn change_with_coat(
+        &mut self,
+        file: &str,
+        change: impl Fn(&mut Self) -> Result<(), ParamError>,
+    ) -> Result<(), BakeError> {
         let before = self.hair.coat;
         change(self).map_err(|fault| input(file, fault))?;
         let coat = self.hair.coat;

@@ -6,15 +6,15 @@
 //!
 //! A [`Slicer`] has the model, and keeps the outputs of a bake.
 
-use crate::pipeline::{Output, Outputs, BakeInput, run};
+use crate::pipeline::{BakeInput, Output, Outputs, run};
+use crate::progress::StageProgress;
 use crate::recipe::Recipe;
 use crate::stages::assemble::{Content, copied_sections, copied_texture};
 use crate::stages::groom::MapImages;
-use crate::stages::simulate::Strands;
 use crate::stages::hair_groups::GuidedHair;
 use crate::stages::ink::{self, InkFiles, VertexInk};
-use crate::stages::pack::{ModelPart, ModelFins, simplified};
-use crate::progress::StageProgress;
+use crate::stages::pack::{ModelFins, ModelPart, simplified};
+use crate::stages::simulate::Strands;
 use crate::strands::tile_hair;
 use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
 use pelage_import::BakeError;

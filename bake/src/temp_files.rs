@@ -12,7 +12,7 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Guard that registers a temporary file until it is dropped.
 #[derive(Debug)]
-#[must_use = "the name is forgotten where this is dropped"]
+#[must_use = "dropping it removes the name from the list"]
 pub struct TempFileGuard(PathBuf);
 
 fn list() -> MutexGuard<'static, Vec<PathBuf>> {

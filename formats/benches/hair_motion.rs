@@ -5,7 +5,8 @@
 
 use glam::{Mat3, Vec3};
 use pelage_formats::meaning::hair_motion::{
-    Capsule, Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Springs, Wind, advance_frame, gravity_compensation, steps,
+    Capsule, Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Springs, Wind, advance_frame, gravity_compensation,
+    steps,
 };
 use std::time::Instant;
 

@@ -130,7 +130,7 @@ pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<(u32, Vec<Sect
         tag.copy_from_slice(&bytes[at..at + 4]);
         if Tag(tag) == Tag::HEAD {
             let (what, found) = ("section tag \"head\"", u32::from_le_bytes(tag).into());
-            let expected = "a tag other than the one that stands for the header".into();
+            let expected = "a tag other than the one reserved for the header".into();
             return Err(FormatError::Field { what, offset: at as u64, found, expected });
         }
         let section = Section {

@@ -85,7 +85,7 @@ fn in_words(error: &DecodeError) -> String {
         DecodeError::OtherString(reason) => reason.clone(),
         DecodeError::Other(reason) => (*reason).into(),
         // Bincode's own messages would pull the text of all its errors into the WebAssembly download.
-        _ => "bytes that are no value of this kind".into(),
+        _ => "bytes that are not a value of this type".into(),
     }
 }
 

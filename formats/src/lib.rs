@@ -28,7 +28,7 @@
 //!
 //! This crate uses no GPU, no threads and no file system.
 
-#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "packages made by tests are never kept"))]
 
 // Vertex data is returned as stored in the file, which is little-endian.
 #[cfg(target_endian = "big")]
@@ -40,11 +40,11 @@ mod encoding;
 mod error;
 mod limits;
 pub mod meaning;
+mod open_validate;
 mod package;
 mod sampling;
 mod sections;
 mod tag;
-mod open_validate;
 mod writer;
 
 pub use container::{FORMAT_VERSION, MAGIC, Section};
@@ -66,7 +66,7 @@ pub use sections::manifest::data::{
     Bounds, FinInfo, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, ShellTextures,
     TextureEntry,
 };
-pub use sections::manifest::detail::{FarLayerInfo, DetailLevel};
+pub use sections::manifest::detail::{DetailLevel, FarLayerInfo};
 pub use sections::mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
 pub use sections::morphs::{MorphDelta, Morphs};
 pub use sections::roots::{ROOT_HEIGHTS, RootsInfo};

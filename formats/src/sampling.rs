@@ -109,7 +109,7 @@ impl LocalTransform {
         self.translation = self.translation.lerp(other.translation, share);
         self.scale = self.scale.lerp(other.scale, share);
         // glam's slerp takes the shorter arc.
-        #[expect(clippy::disallowed_methods, reason = "a pose is drawn, no package keeps it")]
+        #[expect(clippy::disallowed_methods, reason = "poses are only drawn, never stored in a package")]
         let turned = normalize_or_identity(self.rotation).slerp(normalize_or_identity(other.rotation), share);
         self.rotation = turned;
     }
@@ -177,7 +177,7 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
         Interpolation::Linear if rotation => {
             let (a, b) = (Quat::from_vec4(key(before)), Quat::from_vec4(key(next)));
             // glam's slerp takes the shorter arc, as glTF requires.
-            #[expect(clippy::disallowed_methods, reason = "a pose is drawn, no package keeps it")]
+            #[expect(clippy::disallowed_methods, reason = "poses are only drawn, never stored in a package")]
             let turned = normalize_or_identity(a).slerp(normalize_or_identity(b), t);
             turned.into()
         }

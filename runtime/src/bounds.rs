@@ -103,7 +103,7 @@ mod tests {
             }
             // Corners outside different sides: what is between them may cross the picture.
             assert!(Hull(vec![(Vec3::X * -20.0, 0.0), (Vec3::X * 20.0, 0.0)]).may_be_visible(clip_from_world));
-            assert!(Hull::default().may_be_visible(clip_from_world), "nothing known is nothing left out");
+            assert!(Hull::default().may_be_visible(clip_from_world), "a hull without known points must not be culled");
             assert!(seen(Vec3::NAN, 0.0));
         }
     }

@@ -21,7 +21,7 @@ pub enum RuntimeError {
     },
     /// A resource is larger than the device's limits allow.
     #[error(
-        "{what} is {found}, above the device's {limit} of {allowed}: request a higher limit when the device is made"
+        "{what} is {found}, above the device's {limit} of {allowed}: request a higher limit when creating the device"
     )]
     DeviceLimit {
         /// Resource that is too large.

@@ -8,7 +8,7 @@ use crate::light::{Casters, ShadowMaps};
 use crate::params::FrameParams;
 use crate::passes::*;
 use crate::report::{FrameReport, PassReport};
-use crate::scene::{self, RendererState, NearestSegments, VisibleInstance};
+use crate::scene::{self, NearestSegments, RendererState, VisibleInstance};
 use crate::shared::receiver::ShadowReceiver;
 use std::sync::Arc;
 

@@ -152,7 +152,7 @@ impl Instance {
         if self.owner != Self::NO_OWNER {
             return Ok(());
         }
-        let expected = "any other number: this one is nobody's".into();
+        let expected = "any other number: this one means no owner".into();
         Err(RuntimeError::Params { field: "Instance::owner", found: self.owner.to_string(), expected })
     }
 

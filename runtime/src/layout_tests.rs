@@ -2,8 +2,9 @@
 
 use crate::frame::PASSES;
 use crate::gpu::WORKGROUP;
+use crate::guide_motion::WindBlock;
 use crate::ink::{InkFrame, InkModel};
-use crate::model::{SurfacePoint, Strand, StrandConstants};
+use crate::model::{Strand, StrandConstants, SurfacePoint};
 use crate::passes::fur_motion::FurMotion;
 use crate::passes::hair_motion::HairMotion;
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
@@ -15,7 +16,6 @@ use crate::scene::{NEAREST, NearestHairBlock, TILE};
 use crate::shared::deep_opacity::{self, DeepOpacity};
 use crate::shared::{frame, receiver, scattering, soft_shadow};
 use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform, SCAN_WORKGROUP};
-use crate::guide_motion::WindBlock;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
 use pelage_formats::meaning::{FIN_CORNERS, LEANING_ROWS};

@@ -7,7 +7,9 @@ use crate::params::{FrameParams, HairMotionParams, RendererOptions, SelfShadow, 
 use crate::renderer::Renderer;
 use crate::swing_tests::read;
 use glam::{Mat3, Mat4, Quat, Vec3};
-use pelage_formats::meaning::fur_motion::{Frame, Tip, advance, initial_tip, freedom, lean, leaning_direction, tip_offset};
+use pelage_formats::meaning::fur_motion::{
+    Frame, Tip, advance, freedom, initial_tip, lean, leaning_direction, tip_offset,
+};
 use pelage_formats::{AttributeVertex, FurInfo, GeometryVertex, Manifest, Material, MeshData, PackageWriter, Part};
 use pelage_stage::Gpu;
 

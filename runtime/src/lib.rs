@@ -41,12 +41,13 @@ mod camera;
 mod debug;
 mod error;
 mod frame;
+mod fur_motion;
 mod gpu;
+mod guide_motion;
 mod hair;
 mod hooks;
 mod ink;
 mod instance;
-mod fur_motion;
 mod light;
 mod model;
 mod motion;
@@ -58,7 +59,6 @@ mod scene;
 pub mod shared;
 mod study;
 mod surface;
-mod guide_motion;
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "tests")]
@@ -87,9 +87,9 @@ pub use model::Model;
 #[cfg(feature = "study")]
 pub use params::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use params::{
-    DebugView, Detail, FrameParams, FurParams, FurDebugView, HairGeometry, HairMotionParams, InkBackground, InkParams, InkDebugView,
-    LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering, SelfShadow, ShadowParams, StrandEdges, Style, StyleKind,
-    Wind,
+    DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams, InkBackground,
+    InkDebugView, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering, SelfShadow, ShadowParams,
+    StrandEdges, Style, StyleKind, Wind,
 };
 pub use passes::{PassId, PassStage};
 pub use renderer::Renderer;

@@ -1,12 +1,12 @@
 //! State that the renderer keeps per owner between frames.
 
 use crate::bounds::Hull;
-use crate::gpu::Gpu;
-use crate::instance::{Instance, Motion};
 use crate::fur_motion::{self, FurState, FurUpdate};
+use crate::gpu::Gpu;
+use crate::guide_motion::{GuideMotion, GuideMotionState, swing};
+use crate::instance::{Instance, Motion};
 use crate::model::{Guided, Model, StrandSet};
 use crate::params::{FrameParams, HairMotionParams, StyleKind};
-use crate::guide_motion::{GuideMotionState, GuideMotion, swing};
 use glam::Mat4;
 use pelage_formats::Pose;
 use pelage_formats::meaning::fur_motion;
@@ -133,7 +133,13 @@ impl OwnerStates {
         instances.iter().map(|instance| self.pose_instance(gpu, params, clip_from_view, instance)).collect()
     }
 
-    fn pose_instance(&mut self, gpu: &Gpu, params: &FrameParams, clip_from_view: Mat4, instance: &Instance) -> PosedInstance {
+    fn pose_instance(
+        &mut self,
+        gpu: &Gpu,
+        params: &FrameParams,
+        clip_from_view: Mat4,
+        instance: &Instance,
+    ) -> PosedInstance {
         let model = &instance.model;
         let frame = self.frame;
         if self.owners.get(&instance.owner).is_some_and(|state| !state.model.shares_resources(model)) {
@@ -255,7 +261,8 @@ impl OwnerStates {
         state.last_frame = self.frame;
         let swing = moved.swing.as_ref();
         let has_lived = swing.is_some_and(|swing| state.life == Some(swing.update));
-        let is_fresh = !has_lived && swing.is_none_or(|swing| swing.previous_update.is_none() || state.life != swing.previous_update);
+        let is_fresh = !has_lived
+            && swing.is_none_or(|swing| swing.previous_update.is_none() || state.life != swing.previous_update);
         state.life = swing.map(|swing| swing.update);
         let wanted = share.max(strands.shadow_share());
         let stale = state.revision != moved.revision || state.share < wanted;

@@ -3,7 +3,7 @@
 use crate::camera::Camera;
 use crate::error::RuntimeError;
 use crate::frame::{self, Frame};
-use crate::gpu::{Cache, Gpu, UniformRing, Pool};
+use crate::gpu::{Cache, Gpu, Pool, UniformRing};
 use crate::hooks::Hooks;
 use crate::instance::Instance;
 use crate::light::EnvironmentCache;

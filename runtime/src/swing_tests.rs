@@ -8,11 +8,12 @@ use crate::renderer::Renderer;
 use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::meaning::hair_groups::{smoothed, triangle_frame};
 use pelage_formats::meaning::hair_motion::{
-    Capsule, Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Springs, Wind, advance_frame, gravity_compensation, steps,
+    Capsule, Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Springs, Wind, advance_frame, gravity_compensation,
+    steps,
 };
 use pelage_formats::{
     AttributeVertex, BodyCollider, GeometryVertex, GroupMotion, HairGroup, HairMotion, Manifest, Material, MeshData,
-    TrianglePoint, PackageWriter, Part,
+    PackageWriter, Part, TrianglePoint,
 };
 use pelage_stage::Gpu;
 

@@ -121,7 +121,10 @@ pub fn mesh(
 ) -> anyhow::Result<TriMesh> {
     let mut mesh = TriMesh::from_field(field, low, high, cell);
     if let Err((a, _)) = mesh.neighbours() {
-        bail!("the surface pinches at {}; it needs cubes smaller than {cell} m", mesh.positions[a as usize]);
+        bail!(
+            "the surface is not manifold at {}; it needs grid cells smaller than {cell} m",
+            mesh.positions[a as usize]
+        );
     }
     if keep == Keep::Largest {
         mesh.keep_largest_component();

@@ -195,7 +195,7 @@ impl Model {
             root["skins"] = json!([{"inverseBindMatrices": inverse, "skeleton": 1, "joints": joint_nodes}]);
             root["nodes"][0]["skin"] = 0.into();
             root["scenes"][0]["nodes"] = json!([0, 1]);
-            let nodes = root["nodes"].as_array_mut().context("nodes is an array")?;
+            let nodes = root["nodes"].as_array_mut().context("nodes: expected an array")?;
             for (j, joint) in joints.iter().enumerate() {
                 let translation = joint.translation.to_array().map(|x| x as f32);
                 let mut node = json!({"name": joint.name, "translation": translation});
@@ -219,7 +219,7 @@ impl Model {
 
     fn write_primitive(&self, buffer: &mut Buffer, p: &Primitive) -> anyhow::Result<Value> {
         let n = p.len();
-        ensure!(n <= 65535, "primitive {:?} has {n} vertices; 16-bit indices reach 65535", p.name);
+        ensure!(n <= 65535, "primitive {:?} has {n} vertices, expected at most 65535 (16-bit indices)", p.name);
         let vertex = Some(ViewTarget::Vertices);
         let uvs: Vec<f64> = p.uvs.iter().flatten().copied().collect();
         let mut attributes = json!({

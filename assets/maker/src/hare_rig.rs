@@ -190,8 +190,10 @@ fn hop(phase: f64, pose: &mut Pose<'_>) {
     for (leg, touch) in FORELEGS.into_iter().zip([0.6, 0.55]) {
         let step = Step { touch, duty: 0.27, front: 0.1, stride: HOP_M, lift: 0.035 };
         let mut foot = step.foot(phase);
-        foot.pitch_deg =
-            cycle(&[(0.0, -6.0), (0.06, 0.0), (0.2, 8.0), (0.32, 60.0), (0.6, 70.0), (0.85, 10.0)], step.phase_since_touch(phase));
+        foot.pitch_deg = cycle(
+            &[(0.0, -6.0), (0.06, 0.0), (0.2, 8.0), (0.32, 60.0), (0.6, 70.0), (0.85, 10.0)],
+            step.phase_since_touch(phase),
+        );
         pose.solve_leg(&leg, foot);
     }
 }

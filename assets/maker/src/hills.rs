@@ -221,8 +221,12 @@ fn ground() -> Vec<Primitive> {
         triangles: regions.mesh.triangles.clone(),
         ..Atlas::default()
     };
-    let skin =
-        SurfaceFunctions { field: &field, comb: &|_| DVec3::NEG_Z, color: &|_, _, _| DVec4::ONE, metres_per_uv: METRES_PER_UV };
+    let skin = SurfaceFunctions {
+        field: &field,
+        comb: &|_| DVec3::NEG_Z,
+        color: &|_, _, _| DVec4::ONE,
+        metres_per_uv: METRES_PER_UV,
+    };
     let weights = vec![bound_to(0); regions.mesh.positions.len()];
     skin.charted(&regions, &atlas, &["ground", "path"], &weights)
 }

@@ -36,7 +36,7 @@ fn main() -> anyhow::Result<()> {
     ];
     let wanted = |name: &str| only.as_deref().is_none_or(|o| o == name);
     if let Some(name) = only.as_deref().filter(|o| makers.iter().all(|m| m.0 != *o)) {
-        bail!("no model {name:?}; there are {:?}", makers.map(|m| m.0));
+        bail!("no model {name:?}, expected one of {:?}", makers.map(|m| m.0));
     }
     for (name, make) in makers.into_iter().filter(|m| wanted(m.0)) {
         let model = make()?;

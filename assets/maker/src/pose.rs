@@ -57,7 +57,7 @@ fn sample(channel: &Channel, time_s: f64) -> DVec4 {
     let share = if gap > 0.0 { ((time_s - channel.times[a]) / gap).clamp(0.0, 1.0) } else { 0.0 };
     match channel.interpolation {
         Interpolation::Linear if width == 4 => {
-            #[expect(clippy::disallowed_methods, reason = "poses are looked at, no model holds them")]
+            #[expect(clippy::disallowed_methods, reason = "poses are for previews only; no model stores them")]
             let turned = DQuat::from_vec4(vector(a)).slerp(DQuat::from_vec4(vector(b)), share);
             turned.into()
         }

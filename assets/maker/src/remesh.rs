@@ -191,7 +191,8 @@ impl<'a> Remesher<'a> {
                 let limit = (wanted[v as usize] + target) * 0.5 * 4.0 / 3.0;
                 v != a && v != b && (self.position(v) - middle).length() > limit
             };
-            if ring_a.union(&ring_b).any(too_long) || self.would_rotate(a, b, middle) || self.would_rotate(b, a, middle) {
+            if ring_a.union(&ring_b).any(too_long) || self.would_rotate(a, b, middle) || self.would_rotate(b, a, middle)
+            {
                 continue;
             }
             // Without this check, thin parts such as ears erode at their rims.

@@ -224,7 +224,12 @@ impl HerdFile {
     /// * `source`: source of the herd file, for messages
     /// * `models`: models that were found
     /// * `is_file`: returns whether a file exists, relative to the herd file's folder
-    pub fn unused_entries(&self, source: TomlText<'_>, models: &[ModelFile], is_file: &dyn Fn(&str) -> bool) -> Vec<String> {
+    pub fn unused_entries(
+        &self,
+        source: TomlText<'_>,
+        models: &[ModelFile],
+        is_file: &dyn Fn(&str) -> bool,
+    ) -> Vec<String> {
         let rules = &self.rules;
         let fits = |patterns: &Patterns| models.iter().any(|model| patterns.fits(&model.path));
         let all = [
@@ -238,13 +243,14 @@ impl HerdFile {
         let mut idle: Vec<Fault> = Vec::new();
         for (table, key, rules) in all {
             let of_table = rules.into_iter().enumerate().filter(|(_, rule)| rule.is_some_and(|rule| !fits(rule)));
-            idle.extend(of_table.map(|(i, _)| (format!("{table}[{i}].{key}"), "it fits no model".to_owned())));
+            idle.extend(of_table.map(|(i, _)| (format!("{table}[{i}].{key}"), "matches no model".to_owned())));
         }
         for (key, file, patterns) in self.recipe_files().filter(|(_, file, _)| file.contains(NAME)) {
-            let mut named = models.iter().filter(|model| patterns.fits(&model.path)).map(|model| model.expand_name(file));
+            let mut named =
+                models.iter().filter(|model| patterns.fits(&model.path)).map(|model| model.expand_name(file));
             let Some(first) = named.next() else { continue };
             if !is_file(&first) && !named.any(|file| is_file(&file)) {
-                idle.push((key, format!("no model has such a recipe; that of the first would be {first:?}")));
+                idle.push((key, format!("no model has such a recipe file; for the first model it would be {first:?}")));
             }
         }
         idle.into_iter().map(|(key, reason)| Self::fault(source, &key, reason).to_string()).collect()
@@ -269,9 +275,12 @@ impl HerdFile {
             names.into_iter().enumerate().find_map(|(i, name)| {
                 let place = format!("{key}[{i}].name");
                 if name.is_empty() || name.starts_with('.') || name.contains(['/', '\\', ':', '%']) {
-                    return Some((place, format!("found {name:?}, expected a name that a file can have")));
+                    return Some((
+                        place,
+                        format!("found {name:?}, expected a file name without a leading . and without / \\ : %"),
+                    ));
                 }
-                (!known.insert(name)).then(|| (place, format!("{name:?} is there already, expected another name")))
+                (!known.insert(name)).then(|| (place, format!("found {name:?} twice, expected unique names")))
             })
         };
         names("variant", self.variants.iter().map(|v| v.name.as_str()).collect())
@@ -472,9 +481,9 @@ mod tests {
         let models = ["fox.glb", "hare.obj"].map(|path| ModelFile { path: path.into(), bytes: 1 });
         let idle = file.unused_entries(TomlText::new("h.toml", text), &models, &|file| file == "hare.toml");
         let expected = [
-            "h.toml: line 5, model[1].files: it fits no model",
-            "h.toml: line 12, recipe[2].models: it fits no model",
-            "h.toml: line 10, recipe[1].file: no model has such a recipe; that of the first would be \"r/fox.toml\"",
+            "h.toml: line 5, model[1].files: matches no model",
+            "h.toml: line 12, recipe[2].models: matches no model",
+            "h.toml: line 10, recipe[1].file: no model has such a recipe file; for the first model it would be \"r/fox.toml\"",
         ];
         assert_eq!(idle, expected);
     }

@@ -4,24 +4,24 @@
 //! inputs, outputs and expected memory. [`ninja`] and [`slurm`] write the plan for those engines, and
 //! [`report`](Report) summarises the results on one page.
 
+mod arguments;
 mod estimate;
 mod file;
-mod model_file;
 mod kind;
+mod model_file;
 pub mod ninja;
 mod pattern;
 mod plan;
 mod report;
 mod shell;
 pub mod slurm;
-mod arguments;
 
-pub use estimate::{History, CommandCost};
+pub use arguments::ArgumentValidators;
+pub use estimate::{CommandCost, History};
 pub use file::{Chart, HerdFile, ModelRule, RecipeRule, Rules, Sequence, TruthOptions, Variant, View, Words};
-pub use model_file::{ModelFile, NAME};
 pub use kind::Kind;
+pub use model_file::{ModelFile, NAME};
 pub use pattern::Patterns;
-pub use plan::{Plan, Row, Task, PlanInput, plan};
+pub use plan::{Plan, PlanInput, Row, Task, plan};
 pub use report::{CommandOutcome, Report, State};
 pub use shell::{shell_line, shell_word};
-pub use arguments::ArgumentValidators;

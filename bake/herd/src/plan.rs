@@ -1,10 +1,10 @@
 //! Commands of a herd with their inputs and outputs.
 
-use super::estimate::{History, CommandCost};
-use super::file::{Chart, HerdFile, Sequence, TruthOptions, Variant, View, fitting};
-use super::model_file::{ModelFile, NAME};
-use super::kind::Kind;
 use super::arguments::{Word, sets};
+use super::estimate::{CommandCost, History};
+use super::file::{Chart, HerdFile, Sequence, TruthOptions, Variant, View, fitting};
+use super::kind::Kind;
+use super::model_file::{ModelFile, NAME};
 use pelage_import::BakeError;
 use pelage_stage::TomlText;
 use serde::Serialize;
@@ -138,7 +138,7 @@ pub(super) fn join(folder: &str, name: &str) -> String {
 /// [`BakeError::Input`] in the herd file: no model matches, or two outputs have the same name.
 pub fn plan(told: &PlanInput<'_>) -> Result<Plan, BakeError> {
     if told.models.is_empty() {
-        return Err(fault(told, "model", "no file fits these patterns, expected at least one model".into()));
+        return Err(fault(told, "model", "no file matches these patterns, expected at least one model".into()));
     }
     let names = names(told.models);
     let mut plan = Plan { out: told.out.to_owned(), ..Plan::default() };
@@ -150,7 +150,8 @@ pub fn plan(told: &PlanInput<'_>) -> Result<Plan, BakeError> {
         for variant in variants {
             let called = variant.map_or_else(|| name.clone(), |variant| format!("{name}.{}", variant.name));
             if let Some(other) = packages.insert(called.clone(), model.path.clone()) {
-                let reason = format!("{} and {other} would both be {called:?}, expected other names", model.path);
+                let reason =
+                    format!("{} and {other} would both be named {called:?}, expected unique names", model.path);
                 return Err(fault(told, "model", reason));
             }
             Planner { told, plan: &mut plan, model, called: &called }.model(name, variant);
@@ -163,12 +164,12 @@ pub fn plan(told: &PlanInput<'_>) -> Result<Plan, BakeError> {
     let (mut makers, mut names) = (BTreeMap::new(), BTreeSet::new());
     for task in &plan.tasks {
         if !names.insert(task.name.as_str()) {
-            let reason = format!("two commands would both be called {:?}, expected other names", task.name);
+            let reason = format!("two commands would both be named {:?}, expected unique names", task.name);
             return Err(fault(told, "", reason));
         }
         for output in task.outputs.iter().chain([&task.record]) {
             if let Some(other) = makers.insert(output.as_str(), task.name.as_str()) {
-                let reason = format!("{:?} and {other:?} would both write {output}, expected other names", task.name);
+                let reason = format!("{:?} and {other:?} would both write {output}, expected unique names", task.name);
                 return Err(fault(told, "", reason));
             }
         }

@@ -199,7 +199,7 @@ fn row_title(row: &Row) -> String {
 
 /// Returns the reason that a task is not done.
 fn failure_reason(task: &Task, became: Option<&CommandOutcome>) -> String {
-    let Some(became) = became else { return "it left no word".into() };
+    let Some(became) = became else { return "it left no record".into() };
     if let Some(error) = &became.error {
         return error.clone();
     }

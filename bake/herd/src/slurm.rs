@@ -138,7 +138,7 @@ impl Script<'_> {
             "#!/bin/sh\n\
              #SBATCH --job-name=pelage-{stage}\n\
              #SBATCH --ntasks=1 --cpus-per-task=1 --mem={}M --time={}\n\
-             # A node that dies gives its shards back; what they have made stays.\n\
+             # The shards of a failed node are requeued; files that they have written are kept.\n\
              #SBATCH --requeue --open-mode=append\n",
             demand.mebibytes, demand.minutes
         );
@@ -149,7 +149,7 @@ impl Script<'_> {
             head += &format!("#SBATCH {option}\n");
         }
         head + &format!(
-            "# Written by `pelage herd`. $1: the shards of this array, one for each of its tasks.\n\
+            "# Written by `pelage herd`. $1: shard numbers separated by commas, one for each task of this array.\n\
              set -u\n\
              cd {folder} || exit 2\n\
              shard=$(echo \"$1\" | cut -d, -f$((SLURM_ARRAY_TASK_ID + 1)))\n\
@@ -157,7 +157,7 @@ impl Script<'_> {
              unset CLICOLOR_FORCE\n\
              status=1\n\
              for try in $(seq 0 {retries}); do\n\
-             \x20   [ \"$try\" = 0 ] || echo \"trying again what failed, $try of {retries}\"\n\
+             \x20   [ \"$try\" = 0 ] || echo \"retrying failed commands, $try of {retries}\"\n\
              \x20   ninja -f {files}/{stage}-$shard.ninja -j 1 -k 0 && status=0 && break\n\
              done\n\
              echo \"$status\" > {files}/{stage}-$shard.done\n\
@@ -219,7 +219,8 @@ mod tests {
         let known = shards_by_task(&plan, &stages);
         plan.tasks.iter_mut().for_each(|task| task.expected.seconds = 1.0);
         assert_eq!(super::stages(&plan, 60.0, &known), stages);
-        let fewer: ShardsByTask = known.into_iter().filter(|(name, _)| name != "0" && name != "1" && name != "7").collect();
+        let fewer: ShardsByTask =
+            known.into_iter().filter(|(name, _)| name != "0" && name != "1" && name != "7").collect();
         let again = super::stages(&plan, 60.0, &fewer);
         assert!(again[0].shards.iter().any(|shard| shard.number == 2 && shard.tasks == [0, 1, 7]), "{again:?}");
         plan.tasks.iter_mut().for_each(|task| task.expected.seconds = 10.0);

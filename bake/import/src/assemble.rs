@@ -45,7 +45,7 @@ impl Instance<'_> {
             let (found, expected) = (other.morph.as_ref().map_or(0, |m| m.count), morph.count);
             let at = other.at.get("targets").unwrap_or_else(|| other.at.clone());
             return Err(
-                at.fault(format!("holds {found} morph targets, expected {expected} as the mesh's other primitives"))
+                at.fault(format!("has {found} morph targets, expected {expected} like the mesh's other primitives"))
             );
         }
         morphed.add_node(&tree.nodes[node].at, node, number(node), morph).map(Some)
@@ -169,7 +169,7 @@ fn instances<'a>(
             }
         };
         if let (Some(_), Some(rigid)) = (skin, primitives.iter().find(|p| p.influences.is_none())) {
-            source.warn(format!("{} is shown with a skin and has no joints; it follows its node", rigid.label));
+            source.warn(format!("{} is shown with a skin but has no joints; it follows its node", rigid.label));
         }
         instances.push(Instance { node: Some(node), skin, names, primitives });
     }
@@ -187,7 +187,7 @@ fn names<const N: usize>(names: [&str; N]) -> Vec<String> {
 /// more likely comes from a careless exporter.
 fn all_meshes<'a>(source: &mut Source<'a, '_>, gathered: &mut MeshTotals) -> Result<Vec<Instance<'a>>, BakeError> {
     let Some(meshes) = source.root.get("meshes") else { return Ok(Vec::new()) };
-    source.warn("the file has no nodes; all its meshes are shown as they are");
+    source.warn("the file has no nodes; all its meshes are shown without transforms");
     let mut instances = Vec::new();
     for (index, at) in meshes.entries()?.enumerate() {
         let names = names([at.name()]);
@@ -319,7 +319,7 @@ fn bind(primitive: &Primitive<'_>, first: usize, count: usize, skin: &mut Vec<Sk
             }
             if *joint as usize >= count {
                 let reason = format!(
-                    "vertex {vertex} follows joint {joint}, expected less than {count}, the joints of its skin"
+                    "vertex {vertex} follows joint {joint}, expected less than {count}, the joint count of its skin"
                 );
                 return Err(primitive.at.fault(reason));
             }
@@ -337,7 +337,7 @@ fn check_finite(rest: &RestPose, places: &[(JsonNode<'_>, Range<usize>)]) -> Res
         if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
             let found = positions[i];
             return Err(
-                at.fault(format!("vertex {i} lands at {found} once its nodes are applied, expected finite numbers"))
+                at.fault(format!("vertex {i} is at {found} once its nodes are applied, expected finite numbers"))
             );
         }
     }
@@ -354,7 +354,10 @@ fn nothing_to_show(source: &Source<'_, '_>, skipped: usize) -> BakeError {
         })
         .collect();
     let has = if has.is_empty() { "holds nothing".to_owned() } else { format!("has {}", has.join(", ")) };
-    let skipped =
-        if skipped > 0 { format!("; {skipped} primitives hold points, lines or nothing") } else { String::new() };
-    source.root.fault(format!("the scene shows no triangle, expected at least one; the file {has}{skipped}"))
+    let skipped = if skipped > 0 {
+        format!("; {skipped} primitives contain only points, only lines or nothing")
+    } else {
+        String::new()
+    };
+    source.root.fault(format!("the scene has no triangles, expected at least one; the file {has}{skipped}"))
 }

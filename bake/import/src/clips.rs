@@ -38,7 +38,7 @@ pub(super) fn read<'a>(
                 let bytes = 4 * (curve.times.len() + curve.values.len()) as u64;
                 budget = budget.checked_sub(bytes).ok_or_else(|| {
                     let limit = Limits::default().animation_bytes >> 20;
-                    channel_at.fault(format!("takes the animation past {limit} MiB"))
+                    channel_at.fault(format!("makes the animation larger than {limit} MiB"))
                 })?;
                 Ok::<_, BakeError>(())
             };
@@ -84,7 +84,7 @@ pub(super) fn read<'a>(
 }
 
 fn replaces(channel: &JsonNode<'_>) -> String {
-    format!("{} moves the same property as a channel before; it replaces that", channel.place)
+    format!("{} animates the same property as an earlier channel and replaces it", channel.place)
 }
 
 /// Target property of a channel.
@@ -110,7 +110,11 @@ struct Curve {
 }
 
 /// Returns the target node (document index) and property of a channel, or `None` if the channel is left out.
-fn target<'a>(source: &mut Source<'a, '_>, channel: &JsonNode<'a>, clip: &str) -> Result<Option<(usize, ChannelTarget)>, BakeError> {
+fn target<'a>(
+    source: &mut Source<'a, '_>,
+    channel: &JsonNode<'a>,
+    clip: &str,
+) -> Result<Option<(usize, ChannelTarget)>, BakeError> {
     let target = channel.require("target")?;
     let path = target.require("path")?;
     let moves = match path.string()? {
@@ -120,7 +124,7 @@ fn target<'a>(source: &mut Source<'a, '_>, channel: &JsonNode<'a>, clip: &str) -
         "weights" => ChannelTarget::Weights,
         other => {
             let (clip, other) = (shorten(clip), shorten(other));
-            source.warn(format!("clip \"{clip}\" moves \"{other}\", which pelage does not know; left out"));
+            source.warn(format!("clip \"{clip}\" animates \"{other}\", which pelage does not support; left out"));
             return Ok(None);
         }
     };
@@ -159,7 +163,7 @@ fn read_curve<'a>(
         return Err(input.fault(format!("element {i} is {}, expected a time in seconds", times[i])));
     }
     if times.iter().any(|t| *t < 0.0) {
-        source.warn(format!("{} begins before 0 s; what lies before is not played", input.place));
+        source.warn(format!("{} begins before 0 s; the part before 0 s is not played", input.place));
     }
     let output = sampler.require("output")?;
     let (width, elements_of_one, fractions) = match width {
@@ -200,6 +204,6 @@ fn drop_unordered_keys<'a>(
         }
     }
     let dropped = times.len() - kept_times.len();
-    source.warn(format!("{}: {dropped} keys do not come after the key before them; dropped", input.place));
+    source.warn(format!("{}: {dropped} keys are not later than the key before them; dropped", input.place));
     (kept_times, kept_values)
 }

@@ -96,7 +96,7 @@ fn read_empty(source: &mut Source<'_, '_>, at: &JsonNode<'_>, world: Mat4, found
     let (place, direction) = (world.w_axis.truncate(), world.y_axis.truncate());
     match direction.try_normalize().filter(|_| place.is_finite()) {
         Some(direction) => found.push(CombLine { name: at.name().to_owned(), places: vec![(place, direction)] }),
-        None => source.warn(format!("{}: {:?} points nowhere; left out of the comb", at.place, at.name())),
+        None => source.warn(format!("{}: {:?} has no direction; left out of the comb", at.place, at.name())),
     }
 }
 
@@ -176,7 +176,7 @@ fn rest_matrices<'a>(
         for (joint, weight) in joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0) {
             let Some((node, bind)) = binds.get(*joint as usize) else {
                 let found = format!("vertex {vertex} follows joint {joint}, expected less than {}", binds.len());
-                return Err(at.fault(format!("{found}, the joints of its skin")));
+                return Err(at.fault(format!("{found}, the joint count of its skin")));
             };
             sum += world[*node] * Mat4::from_cols_array(bind) * *weight;
         }

@@ -22,7 +22,7 @@ pub(super) fn unpack_primitive<'a>(
         .with_max_decoded_bytes(MAX_UNPACKED);
     let mut mesh = Mesh::new();
     MeshDecoder::new().decode(&mut DecoderBuffer::new(packed).with_limits(ceilings), &mut mesh).map_err(|error| {
-        at.fault(format!("is packed with KHR_draco_mesh_compression and cannot be unpacked: {error}"))
+        at.fault(format!("is compressed with KHR_draco_mesh_compression and cannot be decoded: {error}"))
     })?;
     let points = mesh.num_points();
     let attributes = primitive.require("attributes")?;
@@ -32,14 +32,14 @@ pub(super) fn unpack_primitive<'a>(
         let id = id_at.unsigned()?;
         let attribute = u32::try_from(id).ok().and_then(|id| mesh.attribute_by_unique_id(id));
         let attribute =
-            attribute.ok_or_else(|| id_at.fault(format!("is {id}, which the packed data does not have")))?;
+            attribute.ok_or_else(|| id_at.fault(format!("is {id}, which the compressed data does not have")))?;
         let (index, accessor) = source.root.follow("accessors", &reference)?;
         let component = Component::read(&accessor.require("componentType")?)?;
         let width = width_of(&accessor.require("type")?)?;
         let (count, found) = (accessor.require("count")?.unsigned()?, usize::from(attribute.num_components()));
         if count != points as u64 || width != found {
             return Err(accessor.fault(format!(
-                "has {count} elements of {width} numbers, expected the {points} of {found} in the packed data"
+                "has {count} elements of {width} numbers, expected the {points} of {found} in the compressed data"
             )));
         }
         source.count_unpacked(at, (points * width * 4) as u64)?;

@@ -43,7 +43,7 @@ pub(super) fn detect<'a>(file: &str, bytes: &'a [u8], notes: &mut Notes) -> Resu
     let json_offset = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     let json = &bytes[json_offset..];
     let Some(first) = json.iter().position(|b| !b.is_ascii_whitespace()) else {
-        return fail(json_offset, format!("the file holds only white space, {CONVERT}"));
+        return fail(json_offset, format!("the file contains only whitespace, {CONVERT}"));
     };
     if json[first] == b'{' {
         return Ok(ModelFile::Gltf(Container { json, json_offset, bin: None }));

@@ -47,6 +47,6 @@ impl Source<'_, '_> {
         }
         let Some((first, _)) = unreadable.first() else { return Ok(()) };
         let names: Vec<&str> = unreadable.iter().map(|(_, text)| text.as_str()).collect();
-        Err(first.fault(format!("the model requires what pelage cannot read: {}", names.join("; "))))
+        Err(first.fault(format!("the model requires extensions that pelage cannot read: {}", names.join("; "))))
     }
 }

@@ -23,7 +23,7 @@ pub fn decode_image(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
     let format = png_or_jpeg.map_err(|found| format!("is {found}, expected PNG or JPEG"))?;
     let (pixels, width, height) = bounded_reader(bytes, format)?;
     if u64::from(width) * u64::from(height) > texels_left {
-        return Err(format!("of {width} x {height} texels takes the images of the model past {MAX_TEXELS} texels"));
+        return Err(format!("of {width} x {height} texels takes the model's images past {MAX_TEXELS} texels"));
     }
     let rgba = pixels.decode().map_err(broken)?.into_rgba8().into_raw();
     Ok(Image { width, height, rgba })
@@ -44,7 +44,7 @@ pub fn bounded_reader(bytes: &[u8], format: image::ImageFormat) -> Result<(Reade
     header.no_limits();
     let (width, height) = header.into_dimensions().map_err(broken)?;
     if width == 0 || height == 0 || width > side || height > side {
-        return Err(format!("is {width} x {height} texels, expected 1..={side} each way"));
+        return Err(format!("is {width} x {height} texels, expected 1..={side} per side"));
     }
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(side);

@@ -21,16 +21,15 @@
 //! position (byte offset, JSON pointer or line), what was found and what was expected. Every number of a file is
 //! checked against the available bytes, or against [`pelage_formats::Limits`], before it is used.
 
-#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "packages made by tests are never kept"))]
 
 mod accessor;
 pub mod angle;
 mod assemble;
 mod clips;
+mod comb_lines;
 mod compressed;
 mod container;
-mod per_vertex;
-mod comb_lines;
 mod elements;
 pub mod error;
 mod extensions;
@@ -47,6 +46,7 @@ mod notes;
 mod obj;
 mod options;
 mod orient;
+mod per_vertex;
 mod primitive;
 mod scene;
 mod skin;
@@ -150,7 +150,9 @@ fn check_version(source: &Source<'_, '_>) -> Result<(), BakeError> {
     let major = |at: &JsonNode<'_>| at.string().map(|v| v.split('.').next().and_then(|m| m.parse::<u32>().ok()));
     match major(&version_at)? {
         Some(2) => {}
-        Some(1) => return Err(version_at.unexpected("2.x; convert glTF 1.0 with `gltf-pipeline -i in.gltf -o out.gltf`")),
+        Some(1) => {
+            return Err(version_at.unexpected("2.x; convert glTF 1.0 with `gltf-pipeline -i in.gltf -o out.gltf`"));
+        }
         _ => return Err(version_at.unexpected("2.x")),
     }
     match asset.get("minVersion") {

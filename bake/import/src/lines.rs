@@ -1,8 +1,8 @@
 //! Lines of a glTF scene as strands.
 
-use super::per_vertex::{check_count, read_per_vertex};
 use super::elements::REAL;
 use super::json::JsonNode;
+use super::per_vertex::{check_count, read_per_vertex};
 use super::primitive::{are_lines, color_reals, indices_of, vectors, within_limits};
 use super::scene::Tree;
 use super::source::Source;
@@ -74,8 +74,8 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
     let LineStrands { mut guides, others, lacks: [no_radii, no_colors], .. } = found;
     if guides.is_empty() && guides.left_out == 0 {
         let reason = format!(
-            "the scene shows no line, expected primitives of mode {LINES} (LINES), {LINE_LOOP} (LINE_LOOP) or {LINE_STRIP} (LINE_STRIP); \
-             {others} are of others"
+            "the scene has no lines, expected primitives of mode {LINES} (LINES), {LINE_LOOP} (LINE_LOOP) or \
+             {LINE_STRIP} (LINE_STRIP); {others} have other modes"
         );
         return Err(source.root.fault(reason));
     }
@@ -88,7 +88,12 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
     Ok(guides)
 }
 
-fn read_mesh<'a>(source: &mut Source<'a, '_>, found: &mut LineStrands, mesh: &JsonNode<'a>, world: Mat4) -> Result<(), BakeError> {
+fn read_mesh<'a>(
+    source: &mut Source<'a, '_>,
+    found: &mut LineStrands,
+    mesh: &JsonNode<'a>,
+    world: Mat4,
+) -> Result<(), BakeError> {
     for at in mesh.require("primitives")?.entries()? {
         let mode = at.unsigned_or("mode", 4)?;
         if are_lines(mode) {
@@ -154,14 +159,19 @@ fn read_primitive<'a>(
 }
 
 /// Returns the vertices of each strand of a primitive.
-pub(super) fn strands_of(at: &JsonNode<'_>, mode: u64, indices: &[u32], points: &[Vec3]) -> Result<Vec<Vec<u32>>, BakeError> {
+pub(super) fn strands_of(
+    at: &JsonNode<'_>,
+    mode: u64,
+    indices: &[u32],
+    points: &[Vec3],
+) -> Result<Vec<Vec<u32>>, BakeError> {
     if mode != LINES {
         let ring = indices.first().filter(|_| mode == LINE_LOOP);
         return Ok(vec![indices.iter().chain(ring).copied().collect()]);
     }
     let (pairs, odd) = indices.as_chunks::<2>();
     if !odd.is_empty() {
-        return Err(at.fault(format!("has {} ends of lines, expected an even number", indices.len())));
+        return Err(at.fault(format!("has {} line ends, expected an even number", indices.len())));
     }
     let mut lines = pairs.to_vec();
     if at.get("indices").is_none() {

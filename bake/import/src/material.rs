@@ -96,7 +96,7 @@ impl Materials {
         let (_, texture) = source.root.follow("textures", reference)?;
         let Some(reference) = texture.get("source") else {
             let name = texture.get("extensions").and_then(|e| e.keys().next());
-            let reason = name.map_or("has no `source`, expected the number of an image".to_owned(), |name| {
+            let reason = name.map_or("has no `source`, expected the index of an image".to_owned(), |name| {
                 let name = super::json::shorten(name);
                 format!("has an image only through {name}, which cannot be read; {}", conversion(&name))
             });

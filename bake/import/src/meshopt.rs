@@ -14,9 +14,10 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn take(&mut self, count: usize) -> Result<&'a [u8], Fault> {
-        let (taken, rest) = self.rest.split_at_checked(count).ok_or_else(|| {
-            format!("and cut off: {count} more bytes are expected where {} are left", self.rest.len())
-        })?;
+        let (taken, rest) = self
+            .rest
+            .split_at_checked(count)
+            .ok_or_else(|| format!("and cut off: {count} more bytes are expected, {} are left", self.rest.len()))?;
         self.rest = rest;
         Ok(taken)
     }
@@ -46,8 +47,9 @@ fn frame<'a>(bytes: &'a [u8], header: u8, tail: usize) -> Result<(Reader<'a>, &'
         return Err(format!("and begins with {found:#04x}, expected {header:#04x}"));
     }
     let split = rest.len().checked_sub(tail);
-    let (rest, tail) =
-        rest.split_at(split.ok_or_else(|| format!("and has {} bytes, expected {tail} more", bytes.len()))?);
+    let (rest, tail) = rest.split_at(
+        split.ok_or_else(|| format!("and has {} bytes, expected at least {tail} after the first", bytes.len()))?,
+    );
     Ok((Reader { rest }, tail))
 }
 
@@ -303,7 +305,11 @@ pub(super) fn unfilter(name: &str, stride: usize, bytes: &mut [u8]) -> Result<()
                 *v = (mantissa as f32 * f32::from_bits(((exponent + 127) as u32) << 23)).to_le_bytes();
             }
         }
-        _ => return Err(format!("and has the filter {name} on elements of {stride} bytes, which does not exist")),
+        _ => {
+            return Err(format!(
+                "and has the filter {name} on elements of {stride} bytes, which the extension does not define"
+            ));
+        }
     }
     Ok(())
 }

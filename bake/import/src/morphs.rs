@@ -1,7 +1,7 @@
 //! Morph targets (glTF 2.0, section 3.7.2.2): applied at their default weights, with the deltas that each weight adds.
 
-use super::per_vertex::read_per_vertex;
 use super::json::{JsonNode, shorten};
+use super::per_vertex::read_per_vertex;
 use super::source::Source;
 use crate::BakeError;
 use crate::mesh::{Mesh, MorphRows, RowDelta};
@@ -68,8 +68,7 @@ pub(super) fn read<'a>(
     }
     let weights = &targets.weights;
     if !weights.is_empty() && weights.len() != count {
-        source
-            .warn(format!("{label} has {count} morph targets and {} weights; missing ones count as 0", weights.len()));
+        source.warn(format!("{label} has {count} morph targets and {} weights; missing weights are 0", weights.len()));
     }
     let mut rows: Vec<Vec<RowDelta>> = vec![Vec::new(); positions.len()];
     for (number, target) in list.entries()?.enumerate() {
@@ -93,7 +92,7 @@ pub(super) fn read<'a>(
             }
         }
         if *entries > MOST_ENTRIES {
-            return Err(target.fault(format!("takes the morph targets past {MOST_ENTRIES} vertices that they move")));
+            return Err(target.fault(format!("takes the morph targets past {MOST_ENTRIES} moved vertices")));
         }
     }
     for (v, row) in rows.iter_mut().enumerate() {
@@ -138,12 +137,18 @@ impl ModelMorphs {
 
     /// Adds the targets of a node, with index `node` in the document and `number` in the package; returns the index of
     /// the first.
-    pub(super) fn add_node(&mut self, at: &JsonNode<'_>, node: usize, number: u32, morph: &Morph) -> Result<u32, BakeError> {
+    pub(super) fn add_node(
+        &mut self,
+        at: &JsonNode<'_>,
+        node: usize,
+        number: u32,
+        morph: &Morph,
+    ) -> Result<u32, BakeError> {
         let first = self.targets.len();
         if first + morph.count > MOST_TARGETS {
             let (name, total) = (shorten(at.name()), first + morph.count);
             return Err(at.fault(format!(
-                "\"{name}\" takes the model to {total} morph targets, expected at most {MOST_TARGETS}"
+                "with \"{name}\" the model has {total} morph targets, expected at most {MOST_TARGETS}"
             )));
         }
         let named = morph.targets.names.iter().zip(&morph.targets.weights);

@@ -42,7 +42,7 @@ pub(super) fn complete_normals(notes: &mut Notes, shapes: &mut [NormalInput<'_>]
         }
         let label = shape.label;
         if off > 0 {
-            notes.warn(format!("{label}: {off} normals are not of unit length; normalised"));
+            notes.warn(format!("{label}: {off} normals do not have unit length; normalised"));
         }
         if bad > 0 {
             notes.warn(format!("{label}: {bad} normals are missing, zero or not finite; computed from the triangles"));

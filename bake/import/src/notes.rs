@@ -33,7 +33,7 @@ impl Notes {
     pub fn finish(mut self) -> (Vec<String>, Vec<InputRecord>) {
         if self.warnings.len() > MAX_WARNINGS {
             self.warnings.truncate(MAX_WARNINGS);
-            self.warnings.push(format!("more than {MAX_WARNINGS} warnings; the rest is not shown"));
+            self.warnings.push(format!("more than {MAX_WARNINGS} warnings; the rest are not shown"));
         }
         (self.warnings, self.inputs)
     }
@@ -52,7 +52,7 @@ pub(super) fn why_unreadable(error: BakeError) -> String {
     match error {
         BakeError::Input { reason, .. } => reason,
         BakeError::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
-            "it is not there; put it where the model looks for it, relative to its own folder".to_owned()
+            "it does not exist; put it where the model looks for it, relative to the model's folder".to_owned()
         }
         BakeError::Io { source, action, .. } => format!("cannot {action} it: {source}"),
         other => other.to_string(),

@@ -39,7 +39,7 @@ pub(super) fn face_outward(
         }
         if *authored && facing(triangles, rest) < AGAINST {
             flip(triangles);
-            notes.warn(format!("{}: the triangles face against their normals; turned around", part.source));
+            notes.warn(format!("{}: the triangles face against their normals; flipped", part.source));
         }
     }
 }

@@ -18,7 +18,11 @@ pub(super) fn read_per_vertex<'a>(
 }
 
 /// Checks the number of elements of an attribute before they are read.
-pub(super) fn check_count<'a>(source: &Source<'a, '_>, reference: &JsonNode<'a>, vertices: usize) -> Result<(), BakeError> {
+pub(super) fn check_count<'a>(
+    source: &Source<'a, '_>,
+    reference: &JsonNode<'a>,
+    vertices: usize,
+) -> Result<(), BakeError> {
     let found = source.accessor_count(reference)?;
     if found == vertices as u64 {
         return Ok(());

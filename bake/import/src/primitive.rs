@@ -1,9 +1,9 @@
 //! Primitives: attributes and topology of one mesh (glTF 2.0, section 3.7.2).
 
-use super::per_vertex::{check_count, read_per_vertex};
 use super::elements::{Component, REAL, WHOLE, grouped};
 use super::json::{JsonNode, shorten};
 use super::material::{Materials, TextureCoords};
+use super::per_vertex::{check_count, read_per_vertex};
 use super::source::Source;
 use super::{compressed, morphs, normals, weights};
 use crate::BakeError;
@@ -153,10 +153,10 @@ fn read_primitive<'a>(
     let triangles = triangulate(mode, &indices);
     if mode == 4 && indices.len() % 3 != 0 {
         let n = indices.len();
-        source.warn(format!("{label} has {n} corners, which is no multiple of 3; the last {} are left out", n % 3));
+        source.warn(format!("{label} has {n} corners, which is not a multiple of 3; the last {} are left out", n % 3));
     }
     if triangles.is_empty() {
-        source.warn(format!("{label} has {} vertices and no triangle; left out", positions.len()));
+        source.warn(format!("{label} has {} vertices but no triangles; left out", positions.len()));
         return Ok(None);
     }
     let mut normals = match attributes.get("NORMAL") {
@@ -198,7 +198,11 @@ fn draco_only<'a>(source: &Source<'a, '_>, at: &JsonNode<'a>) -> Option<JsonNode
 }
 
 /// Returns the vertices of a primitive in index order.
-pub(super) fn indices_of<'a>(source: &mut Source<'a, '_>, at: &JsonNode<'a>, vertices: usize) -> Result<Vec<u32>, BakeError> {
+pub(super) fn indices_of<'a>(
+    source: &mut Source<'a, '_>,
+    at: &JsonNode<'a>,
+    vertices: usize,
+) -> Result<Vec<u32>, BakeError> {
     match at.get("indices") {
         Some(reference) => in_range(at, source.accessor(&reference, &[1], WHOLE)?.to_u32s(), vertices),
         None => Ok((0..vertices as u32).collect()),
@@ -243,10 +247,10 @@ fn read_uvs<'a>(
     if found.is_none() {
         found = (0..8).find_map(|n| attributes.get(&format!("TEXCOORD_{n}")));
         if let Some(set) = coords.set {
-            let instead = found.as_ref().map_or("its texture cannot be placed".to_owned(), |at| {
+            let instead = found.as_ref().map_or("its texture cannot be applied".to_owned(), |at| {
                 format!("{} is used", at.place.rsplit('/').next().unwrap_or_default())
             });
-            source.warn(format!("{label} has no TEXCOORD_{set}, which its material's texture asks for; {instead}"));
+            source.warn(format!("{label} has no TEXCOORD_{set}, which its material's texture uses; {instead}"));
         }
     }
     let Some(reference) = found else { return Ok(None) };
@@ -279,7 +283,10 @@ fn read_colors<'a>(
 }
 
 /// Returns the width and the numbers of a colour attribute.
-pub(super) fn color_reals<'a>(source: &mut Source<'a, '_>, reference: &JsonNode<'a>) -> Result<(usize, Vec<f32>), BakeError> {
+pub(super) fn color_reals<'a>(
+    source: &mut Source<'a, '_>,
+    reference: &JsonNode<'a>,
+) -> Result<(usize, Vec<f32>), BakeError> {
     let elements = source.accessor(reference, &[3, 4], REAL)?;
     // Integer colours are fractions of 1, even if the file, against the rules, does not say `normalized`.
     Ok((elements.width, elements.to_f32s(elements.component != Component::F32)))

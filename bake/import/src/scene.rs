@@ -140,7 +140,7 @@ fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Resul
             return Err(reference.fault(format!("is {index}, which is a child of node {parent}; expected a root node")));
         }
         if std::mem::replace(&mut seen[index], true) {
-            source.warn(format!("{}: node {index} is listed twice and used once", reference.place));
+            source.warn(format!("{}: node {index} is listed twice; it is used once", reference.place));
         } else {
             roots.push(index);
         }
@@ -157,13 +157,20 @@ const MOST_INSTANCES: usize = 1 << 16;
 
 /// Reads the transforms of a node's instances (`EXT_mesh_gpu_instancing`), in the node's space; more than `most` are an
 /// error. `None` without the extension, without a mesh, and with a skin.
-fn instances<'a>(source: &mut Source<'a, '_>, node: &JsonNode<'a>, most: usize) -> Result<Option<Vec<Transform>>, BakeError> {
+fn instances<'a>(
+    source: &mut Source<'a, '_>,
+    node: &JsonNode<'a>,
+    most: usize,
+) -> Result<Option<Vec<Transform>>, BakeError> {
     let Some(at) = node.get("extensions").and_then(|all| all.get("EXT_mesh_gpu_instancing")) else { return Ok(None) };
     if node.get("mesh").is_none() {
         return Ok(None);
     }
     if node.get("skin").is_some() {
-        source.warn(format!("{}: a mesh with a skin stands where its joints are; it is shown once", at.place));
+        source.warn(format!(
+            "{}: a skinned mesh is placed by its joints, not by its instances; it is shown once",
+            at.place
+        ));
         return Ok(None);
     }
     let attributes = at.require("attributes")?;
@@ -236,11 +243,11 @@ fn transform(at: &JsonNode<'_>, source: &mut Source<'_, '_>) -> Result<Transform
         match unit(q) {
             None => {
                 let q = Quat::from_array(q);
-                source.warn(format!("{} is {q}, which turns to nowhere; taken as no rotation", rotation_at.place));
+                source.warn(format!("{} is {q}, which is not a rotation; treated as no rotation", rotation_at.place));
             }
             Some((turned, length)) => {
                 if (length - 1.0).abs() > 1e-2 {
-                    source.warn(format!("{} has length {length:.3} and was normalised", rotation_at.place));
+                    source.warn(format!("{} has length {length:.3}; normalised", rotation_at.place));
                 }
                 rotation = turned;
             }

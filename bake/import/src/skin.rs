@@ -35,7 +35,8 @@ impl Skin {
                 let (found, expected) = (elements.count, joints.len());
                 return Err(reference.fault(format!("has {found} matrices, expected {expected}, one per joint")));
             }
-            for (i, (slot, matrix)) in inverse_binds.iter_mut().zip(grouped::<16>(&elements.to_f32s(false))).enumerate() {
+            for (i, (slot, matrix)) in inverse_binds.iter_mut().zip(grouped::<16>(&elements.to_f32s(false))).enumerate()
+            {
                 if !matrix.iter().all(|x| x.is_finite()) {
                     return Err(reference.fault(format!("element {i} is not finite, expected finite numbers")));
                 }

@@ -154,7 +154,7 @@ impl<'a, 'r> Source<'a, 'r> {
     pub fn count_unpacked(&mut self, at: &JsonNode<'_>, bytes: u64) -> Result<(), BakeError> {
         self.unpacked_bytes = self.unpacked_bytes.saturating_add(bytes);
         if self.unpacked_bytes > MAX_UNPACKED {
-            return Err(at.fault(format!("takes what is unpacked of the model past {MAX_UNPACKED} bytes")));
+            return Err(at.fault(format!("takes the model's decompressed data past {MAX_UNPACKED} bytes")));
         }
         Ok(())
     }
@@ -165,12 +165,12 @@ impl<'a, 'r> Source<'a, 'r> {
         let (offset, length) = (at.unsigned_or("byteOffset", 0)?, at.require("byteLength")?.unsigned()?);
         let have = self.buffers.get(&index).map_or(0, |b| b.len()) as u64;
         if offset > have {
-            return Err(at.fault(format!("begins at byte {offset} of buffer {index}, which has {have}")));
+            return Err(at.fault(format!("begins at byte {offset} of buffer {index}, which has {have} bytes")));
         }
         let end = offset.saturating_add(length);
         if end > have {
             // The missing bytes may be unused: each accessor is checked against the available ones.
-            self.warn(format!("{} reaches to byte {end} of buffer {index}, which has {have}", at.place));
+            self.warn(format!("{} extends to byte {end} of buffer {index}, which has {have} bytes", at.place));
         }
         let buffer = self.buffers.get(&index).map(Cow::as_ref).unwrap_or_default();
         Ok(buffer.get(offset as usize..end.min(have) as usize).unwrap_or_default())
@@ -184,7 +184,7 @@ fn decode_data(data: &str) -> Result<Vec<u8>, String> {
     let body: Cow<'_, [u8]> = percent_decode_str(body).into();
     if header.to_ascii_lowercase().ends_with(";base64") {
         let text: Vec<u8> = body.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect();
-        BASE64.decode(text).map_err(|e| format!("is a data URI whose base64 is broken: {e}"))
+        BASE64.decode(text).map_err(|e| format!("is a data URI with invalid base64: {e}"))
     } else {
         Ok(body.into_owned())
     }

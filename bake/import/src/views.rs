@@ -59,13 +59,13 @@ fn unpack_view<'a>(source: &mut Source<'a, '_>, at: &JsonNode<'a>, length: u64) 
         "TRIANGLES" => meshopt::decode_triangles(packed, count).and_then(|indices| index_bytes(&indices, stride)),
         _ => meshopt::decode_indices(packed, count).and_then(|indices| index_bytes(&indices, stride)),
     };
-    decoded.map_err(|reason| at.fault(format!("is packed with EXT_meshopt_compression {reason}")))
+    decoded.map_err(|reason| at.fault(format!("is compressed with EXT_meshopt_compression {reason}")))
 }
 
 fn index_bytes(indices: &[u32], stride: usize) -> Result<Vec<u8>, meshopt::Fault> {
     if stride == 4 {
         return Ok(indices.iter().flat_map(|i| i.to_le_bytes()).collect());
     }
-    let short = |i: &u32| u16::try_from(*i).map_err(|_| format!("and has index {i}, which 2 bytes do not hold"));
+    let short = |i: &u32| u16::try_from(*i).map_err(|_| format!("and has index {i}, which does not fit in 2 bytes"));
     Ok(indices.iter().map(short).collect::<Result<Vec<_>, _>>()?.into_iter().flat_map(u16::to_le_bytes).collect())
 }

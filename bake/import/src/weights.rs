@@ -1,8 +1,8 @@
 //! Skin weights of a primitive: reads any number of sets, keeps four joints per vertex.
 
-use super::per_vertex::{check_count, read_per_vertex};
 use super::elements::{WHOLE, grouped};
 use super::json::JsonNode;
+use super::per_vertex::{check_count, read_per_vertex};
 use super::source::Source;
 use crate::BakeError;
 
@@ -44,7 +44,7 @@ pub(super) fn read<'a>(
         sets.push((joints.to_u32s(), weights));
     }
     if attributes.get(&format!("JOINTS_{MAX_SETS}")).is_some() {
-        source.warn(format!("{label} has more than {MAX_SETS} sets of joints; the rest is ignored"));
+        source.warn(format!("{label} has more than {MAX_SETS} sets of joints; the rest are ignored"));
     }
     if sets.is_empty() {
         return Ok(None);

@@ -2,7 +2,7 @@
 //! a million. The growth between steps is to be compared with n log n.
 //!
 //! `cargo bench --workspace --bench surface -- MODEL…` also measures models; paths are relative to `bake/`.
-#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
+#![allow(clippy::disallowed_methods, reason = "packages made by tests are never kept")]
 
 use glam::vec3;
 use pelage_bake::io::{Reach, read_model};
@@ -57,7 +57,7 @@ fn main() {
         let n = f64::from(2 * along * around);
         let seconds = measure(&format!("knot {along} x {around}"), &knot(along, around));
         if let Some((m, t)) = before {
-            println!("{:>42.2} times the time; n log n: {:.2}", seconds / t, n * n.ln() / (m * m.ln()));
+            println!("{:>42.2} times as long; n log n predicts {:.2}", seconds / t, n * n.ln() / (m * m.ln()));
         }
         before = Some((n, seconds));
     }

@@ -34,9 +34,10 @@ fn schemas(mut results: Vec<ResultSchema>) -> Value {
 
 /// Text before the subcommands.
 const INTRODUCTION: [&str; 2] = [
-    "One binary, `pelage`. Results go to standard output, progress and notes to standard error. A command that fails leaves no half-written \
-     file: outputs appear under their names when they are whole. A reader of standard output that goes away is no error.",
-    "This page is made from the definition that reads the command line by `cargo run --bin chores write-docs`.",
+    "One binary, `pelage`. Results go to standard output, progress and notes to standard error. \
+     A command that fails leaves no half-written file: outputs appear under their names once they are complete. \
+     A closed standard output (broken pipe) is not an error.",
+    "This page is generated from the definition of the command line by `cargo run --bin chores write-docs`.",
 ];
 
 fn page(command: &mut Command) -> String {

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
 use glam::{DVec3, Vec3, Vec4};
-use pelage_bake::strands::{PosedMesh, PosedMaterial, PosedVertex};
+use pelage_bake::strands::{PosedMaterial, PosedMesh, PosedVertex};
 use pelage_truth::Lens;
 
 const SIZE: (u32, u32) = (60, 40);
@@ -9,8 +9,10 @@ const SIZE: (u32, u32) = (60, 40);
 /// Returns squares two metres wide, each at its position.
 fn squares(places: &[DVec3]) -> SurfaceVisibility {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    let mut skin =
-        PosedMesh { materials: vec![PosedMaterial { base_color: Vec4::ONE, ..PosedMaterial::default() }], ..PosedMesh::default() };
+    let mut skin = PosedMesh {
+        materials: vec![PosedMaterial { base_color: Vec4::ONE, ..PosedMaterial::default() }],
+        ..PosedMesh::default()
+    };
     for place in places {
         let base = skin.vertices.len() as u32;
         skin.vertices.extend(corners.map(|(x, y)| PosedVertex {

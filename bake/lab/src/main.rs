@@ -5,8 +5,8 @@ mod commands_page;
 use clap::Subcommand;
 use commands_page::CommandsPageArgs;
 use pelage_lab::command::{self, ChartArgs};
-use pelage_tool::job::Job;
 use pelage_tool::exit::{Exit, Failure};
+use pelage_tool::job::Job;
 use pelage_tool::output::Output;
 use pelage_tool::{Commands, Invocation, ResultSchema};
 

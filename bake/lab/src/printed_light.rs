@@ -116,7 +116,11 @@ fn within(section: &FibreSection, width: f64, middle: f64, all: f64) -> [Circula
     let across = section.section.across;
     let sharp = 1.0 / (width * width);
     let one = |sharpness: f64| {
-        [CircularGaussian { strength: all / full_integral(sharpness), middle: 0.0, sharpness }, CircularGaussian::default(), CircularGaussian::default()]
+        [
+            CircularGaussian { strength: all / full_integral(sharpness), middle: 0.0, sharpness },
+            CircularGaussian::default(),
+            CircularGaussian::default(),
+        ]
     };
     if let Some((_, turned)) = section.section.caustic() {
         let at = turned.abs();

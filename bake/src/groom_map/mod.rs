@@ -6,7 +6,7 @@
 
 mod fit;
 
-use crate::pipeline::{self, Groomed, Layout, Output, Outputs, BakeInput};
+use crate::pipeline::{self, BakeInput, Groomed, Layout, Output, Outputs};
 use crate::recipe::{CombSource, GroomCoordinates};
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::groom::canvas::{Canvas, CanvasTriangle, SurfacePoint};
@@ -107,7 +107,7 @@ pub fn groom_map(
     let told = &BakeInput { recipe: &recipe, ..*told };
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     pipeline::make(told, &mut outputs, Output::Groomed, &mut |_| ())?;
-    let missing = || BakeError::Internal("the model was not laid and groomed, expected both".into());
+    let missing = || BakeError::Internal("the model has no surface or no groom, expected both".into());
     let (laid, groomed) = (outputs.laid.as_ref().ok_or_else(missing)?, outputs.groomed.as_ref().ok_or_else(missing)?);
     let over = coordinates.unwrap_or_else(|| usual_coordinates(told, laid));
     let ground = match over {
@@ -115,7 +115,7 @@ pub fn groom_map(
         _ => MapLayout::of_model(told.file, laid, texels)?,
     };
     if ground.mesh.triangles.len() != groomed.surface.mesh.triangles.len() {
-        return Err(BakeError::Internal("atlas and surface have other triangles, expected the same".into()));
+        return Err(BakeError::Internal("atlas and surface have different triangles, expected the same ones".into()));
     }
     let canvas = Canvas::new(texels, ground.pieces, ground.gutter);
     let groomed_model = GroomedModel { told, model, laid, groomed };
@@ -134,7 +134,8 @@ pub fn groom_map(
     let own = told.recipe.groom.coordinates;
     if own.projection().is_some() {
         warnings.push(format!(
-            "groom.coordinates = {:?}: this map lies over {:?}, and so must other images of [groom] where it is read back",
+            "groom.coordinates = {:?}: this map uses {:?}; a recipe that uses this map must use the same for all \
+             images of [groom]",
             own.word(),
             over.word()
         ));
@@ -192,8 +193,8 @@ impl MapLayout {
         let Surface { mesh, rest, .. } = &laid.surface;
         let parts = || mesh.parts.iter().filter(|part| is_furred(laid, part.material));
         if !parts().any(|part| part.has_uvs) {
-            let reason = "has no texture coordinates (TEXCOORD_0) where hair grows, expected some for a map over the model's own; \
-                          write it over the atlas";
+            let reason = "has no texture coordinates (TEXCOORD_0) where hair grows, which a map over the model's own \
+                 coordinates needs; write it over the atlas";
             let place = parts().next().map_or("whole model".to_owned(), |part| part.source.clone());
             return Err(BakeError::Input { file: file.to_owned(), place, reason: reason.to_owned() });
         }
@@ -257,9 +258,11 @@ impl<'a> GroomedModel<'a> {
         Ok(match quantity {
             Quantity::Length => Values::PerVertex(coat.length.iter().copied().map(grey).collect()),
             Quantity::Lean => Values::PerVertex(coat.lean.iter().copied().map(grey).collect()),
-            Quantity::Density => Values::PerVertex(self.from_input_vertices(self.laid.lay.density.as_deref(), 1.0, |hairs| {
-                grey((libm::log2f(hairs.max(f32::MIN_POSITIVE)) + 2.0) / 4.0)
-            })),
+            Quantity::Density => {
+                Values::PerVertex(self.from_input_vertices(self.laid.lay.density.as_deref(), 1.0, |hairs| {
+                    grey((libm::log2f(hairs.max(f32::MIN_POSITIVE)) + 2.0) / 4.0)
+                }))
+            }
             Quantity::Comb => Values::PerVertex(self.comb()),
             Quantity::Wetness => self.per_texel_or_vertex(&coat.wetness, |texel| texel.y),
             Quantity::Bare => self.per_texel_or_vertex(&coat.bareness, |texel| 1.0 - texel.x),

@@ -88,7 +88,7 @@ impl Mask {
             return Ok(());
         }
         let size = |m: &Self| format!("{}x{}", m.width, m.height);
-        let reason = format!("of {} and {} pixels, expected one size for both", size(self), size(other));
+        let reason = format!("found {} and {} pixels, expected the same size for both", size(self), size(other));
         Err(BakeError::Params { what: "masks", reason })
     }
 

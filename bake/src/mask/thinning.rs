@@ -25,7 +25,8 @@ fn thinned(mask: &Mask) -> Mask {
     loop {
         let before = candidates.len();
         for turn in 0..2 {
-            let gone: Vec<usize> = candidates.iter().copied().filter(|i| is_removable_in_pass(&out, *i, turn)).collect();
+            let gone: Vec<usize> =
+                candidates.iter().copied().filter(|i| is_removable_in_pass(&out, *i, turn)).collect();
             for i in gone {
                 if is_removable(&neighbours(&out, i)) {
                     out.pixels[i] = false;

@@ -6,7 +6,8 @@ use crate::recipe::{
     self, ColorParams, CombSource, GroomCoordinates, HairColors, Recipe, ShadingModel, SrgbColor, SurfaceSource,
 };
 use crate::stages::groom::{
-    self, Body, BodyGroom, FurredMaterials, JointValues, LayoutMaps, Lengths, MapImages, Maps, MarkValues, ModelAtlas, ImageCoordinates,
+    self, Body, BodyGroom, FurredMaterials, ImageCoordinates, JointValues, LayoutMaps, Lengths, MapImages, Maps,
+    MarkValues, ModelAtlas,
 };
 use crate::stages::metric::{self, TileRecipe};
 use crate::stages::size;
@@ -52,7 +53,8 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let mut warnings = model.warnings.clone();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let bounds = groom::bounds(&rest);
-    let FurredMaterials { furred, bare, decision } = groom::find_furred_materials(model, &rest, recipe.model.bare.as_deref(), &mut warnings);
+    let FurredMaterials { furred, bare, decision } =
+        groom::find_furred_materials(model, &rest, recipe.model.bare.as_deref(), &mut warnings);
     let animation = model.animation.as_ref();
     let body = Body { mesh: &model.mesh, rest: &rest, animation, furred: &furred, bounds: &bounds };
     let mut by_body = BodyGroom::of(&body, recipe.groom.by_body);
@@ -82,8 +84,8 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(&filled)).chain(of_tile).collect();
     if plain {
         decisions.push(Decision {
-            what: "colour of the coat beside marks",
-            chosen: "brown, the model brings no colour".into(),
+            what: "colour of unmarked hair",
+            chosen: "brown, because the model has no colours".into(),
             line: format!("groom.color = {}", in_toml(HairColors::PLAIN)),
         });
     }
@@ -96,17 +98,17 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let hair_colors = recipe.color.hair(pigmented.unwrap_or(open));
     decisions.extend(maps.decision(recipe.groom.by_body, lengths.length_m));
     let why = match (plain, colored) {
-        _ if pigmented.is_some() => "of the pigments of fibre.eumelanin and fibre.pheomelanin",
-        (true, _) => "neutral, marks colour the coat",
-        (_, true) => "neutral, the model's own colours show",
-        _ => "brown, the model brings no colour",
+        _ if pigmented.is_some() => "from the pigments fibre.eumelanin and fibre.pheomelanin",
+        (true, _) => "neutral, because marks colour the hair",
+        (_, true) => "neutral, because the model's own colours show",
+        _ => "brown, because the model has no colours",
     };
     decisions.extend(hair_color_decisions(&recipe.color, hair_colors, why));
     size::check(file, recipe, &bounds, &lengths)?;
     let params = SurfaceParams::from_recipe(&filled.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.layout_maps(&model.mesh, &rest, params.comb.global_direction())?;
     if lay != LayoutMaps::default() && recipe.surface.source == SurfaceSource::Model {
-        warnings.push("groom.density and groom.comb have no effect beside surface.source = \"model\"".into());
+        warnings.push("groom.density and groom.comb have no effect with surface.source = \"model\"".into());
     }
     let comb = match lay.comb.clone() {
         Some(wishes) => Comb::PerVertex(wishes),
@@ -128,8 +130,8 @@ fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[CombLine]
     let names: BTreeSet<&str> = drawn.iter().map(|line| line.name.as_str()).collect();
     let names: Vec<&str> = names.into_iter().collect();
     Some(Decision {
-        what: "where hair is combed to",
-        chosen: format!("along what is drawn in the model: {}; \"direction\" leaves that out", names.join(", ")),
+        what: "direction of combing",
+        chosen: format!("along the comb lines of the model: {}; \"direction\" ignores them", names.join(", ")),
         line: format!("surface.comb = \"{}\"", CombSource::Marks.word()),
     })
 }

@@ -2,18 +2,18 @@
 
 use super::layout::Layout;
 use crate::decision::Decision;
-use crate::recipe::{InkParams, PackParams, Recipe};
 use crate::memo::Memo;
-use crate::stages::groom::{VertexGroom, Colors, GroomTextures, MapImages};
-use crate::stages::simulate::TileHair;
+use crate::progress::StageProgress;
+use crate::recipe::{InkParams, PackParams, Recipe};
+use crate::stages::groom::{Colors, GroomTextures, MapImages, VertexGroom};
 use crate::stages::hair_groups::GuidedHair;
 use crate::stages::ink::{InkFiles, PaintedTextures, VertexInk};
-use crate::stages::pack::{ModelMemo, ModelPart, ModelFins};
+use crate::stages::pack::{ModelFins, ModelMemo, ModelPart};
 use crate::stages::scatter::FibreTables;
-use crate::stages::surface::Surface;
+use crate::stages::simulate::TileHair;
 use crate::stages::slice::{self, FinTextures, ShellTextures};
+use crate::stages::surface::Surface;
 use crate::stages::visibility::Visibility;
-use crate::progress::StageProgress;
 use pelage_formats::{RootsInfo, StrandsData};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Model};
@@ -209,7 +209,7 @@ pub struct PackageBytes {
 }
 
 fn missing(what: Output) -> BakeError {
-    BakeError::Internal(format!("{what:?} is not there, expected a step before to make it"))
+    BakeError::Internal(format!("{what:?} is missing, expected an earlier step to make it"))
 }
 
 /// Returns an output of an earlier step.

@@ -1,19 +1,21 @@
 //! Implementation of the steps: each takes its inputs, calls its stage and stores the output.
 
 use super::layout::{Layout, lay};
-use super::outputs::{Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, BakeInput, StrandVisibility, required};
+use super::outputs::{
+    BakeInput, Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, StrandVisibility, required,
+};
 use crate::recipe::{ColorParams, HairColors, Recipe, ShadingModel};
 use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{self, Atlas, BareDistances, Lengths, Pattern, RootAtlas, RootColorInput, Vertices};
-use crate::stages::simulate::{LateralOffsets, StyleForces, TileHair};
 use crate::stages::hair_groups;
 use crate::stages::ink::{self, InkTarget, VertexInk};
-use crate::stages::pack::{self, PackInput, ModelResults};
+use crate::stages::pack::{self, ModelResults, PackInput};
 use crate::stages::scatter;
+use crate::stages::simulate::{LateralOffsets, StyleForces, TileHair};
+use crate::stages::slice;
 use crate::stages::strand_data;
 use crate::stages::surface::Surface;
-use crate::stages::slice;
 use crate::stages::visibility;
 use Output::*;
 use pelage_formats::Shading;
@@ -254,7 +256,7 @@ pub(super) fn pack(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<()
         BakeError::Params { what, reason } => BakeError::Input {
             file: told.file.to_owned(),
             place: "whole model".to_owned(),
-            reason: format!("its size decides {what}: {reason}; say it in the recipe, or see model.unit_m"),
+            reason: format!("the model's size determines {what}: {reason}; set it in the recipe, or see model.unit_m"),
         },
         other => other,
     })?;

@@ -92,12 +92,13 @@ pub fn coats_page(has_picture: impl Fn(&str) -> bool) -> String {
 }
 
 const INTRODUCTION: [&str; 4] = [
-    "A coat is a kind of hair by name: `pelage bake fox.glb --set hair.coat=winter -o fox.pelage`, or in a recipe `coat = \"winter\"` in the table \
-     `[hair]`. It gives other defaults, which stand below; all other keys have those of the [recipe reference](recipe.md), which are the coat `animal`.",
-    "What a recipe says itself counts, wherever in the file it stands, and so does `--set`. `--set hair.coat=winter` after a recipe changes the \
-     keys that still have the value of the coat before.",
-    "Lengths follow from the model's size (`hair.length_per_radius`, `surface.tile_size_per_radius`); `hair.length_m` and `surface.tile_size_m` \
-     say them in metres.",
+    "A coat is a named kind of hair: `pelage bake fox.glb --set hair.coat=winter -o fox.pelage`, or `coat = \
+     \"winter\"` in the table `[hair]` of a recipe. It changes the defaults listed below; all other keys keep those \
+     of the [recipe reference](recipe.md), which are the coat `animal`.",
+    "Keys set in a recipe, wherever they are in the file, and keys set by `--set` override the coat. `--set \
+     hair.coat=winter` after a recipe changes the keys that still have the value of the previous coat.",
+    "Lengths follow from the model's size (`hair.length_per_radius`, `surface.tile_size_per_radius`); `hair.length_m` \
+     and `surface.tile_size_m` set them in metres.",
     "This page is made from the files in `bake/src/recipe/coats/` by `cargo run --bin chores write-docs`.",
 ];
 

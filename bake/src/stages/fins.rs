@@ -5,8 +5,8 @@
 
 use crate::noise;
 use crate::stages::groom::VertexGroom;
-use crate::stages::surface::Surface;
 use crate::stages::slice::{SLABS, slab_along};
+use crate::stages::surface::Surface;
 use glam::{Vec2, Vec3};
 use pelage_formats::Fin;
 use std::collections::HashMap;

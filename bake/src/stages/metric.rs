@@ -101,7 +101,7 @@ fn tile_size(recipe: &Recipe, bounds: &Bounds) -> (f32, String) {
     if recipe.surface.tile_size_m.is_some() {
         return (ordinary, String::new());
     }
-    let mut found = (f64::from(ordinary), "by the model's size".to_owned());
+    let mut found = (f64::from(ordinary), "from the model's size".to_owned());
     let mut at_most = |size_m: f64, why: String| {
         if size_m < found.0 {
             found = (size_m, why);
@@ -125,7 +125,7 @@ fn tile_size(recipe: &Recipe, bounds: &Bounds) -> (f32, String) {
         let size_m = width_m * f64::from(texels) / LEAST_HAIR_TEXELS;
         at_most(
             size_m,
-            format!("of which {texels} texels are as wide as a hair of {}", metres_in_words(width_m as f32)),
+            format!("at which each of {texels} texels is as wide as a hair of {}", metres_in_words(width_m as f32)),
         );
     }
     (found.0 as f32, found.1)
@@ -152,7 +152,7 @@ fn keep_metres(recipe: &mut Recipe, times: f32, decisions: &mut Vec<Decision>) {
         ("reach of patches", "patch_size", surface.patch_size),
         ("reach of the comb", "comb_smoothing", surface.comb_smoothing),
     ] {
-        let chosen = format!("{tiles} tiles, as far as with a tile {times:.1} times as wide");
+        let chosen = format!("{tiles} tiles, the same reach as on a tile {times:.1} times as wide");
         decisions.push(Decision { what, chosen, line: format!("surface.{key} = {tiles}") });
     }
 }
@@ -165,7 +165,7 @@ fn share_of_tile(key: &'static str, radius_m: f32, tile_size_m: f32, least: f32)
     }
     let [low, high] = [least, 0.25].map(|share| metres_in_words(share * tile_size_m));
     let reason = format!(
-        "found {}, expected {low} to {high} for a tile {} wide; surface.tile_size_m decides it",
+        "found {}, expected {low} to {high} for a tile {} wide; surface.tile_size_m sets that width",
         metres_in_words(radius_m),
         metres_in_words(tile_size_m)
     );
@@ -182,8 +182,8 @@ fn strands(key: &'static str, per_mm2: f32, tile_size_m: f32) -> Result<u32, Bak
         return Ok(strands as u32);
     }
     let reason = format!(
-        "found {per_mm2} hairs per mm², which are {strands} strands in a tile {} wide, expected {:.3e} to {:.3e} per mm² for 1 to {MOST} strands; \
-         surface.tile_size_m decides it",
+        "found {per_mm2} hairs per mm², which are {strands} strands in a tile {} wide, expected {:.3e} to {:.3e} per \
+         mm² for 1 to {MOST} strands; surface.tile_size_m sets that width",
         metres_in_words(tile_size_m),
         1.0 / area_mm2,
         MOST / area_mm2
@@ -207,7 +207,8 @@ fn too_thin(said: &Recipe, recipe: &Recipe, tile_size_m: f32) -> Option<String> 
     let finer = Some(enough.ceil() as u32).filter(|n| *n <= 2048).map(u32::next_power_of_two);
     let finer = finer.map_or_else(String::new, |n| format!("slice.tile_texels = {n} or "));
     Some(format!(
-        "hair of {} is thinner than a texel of its tile, {}, so that layers show it fainter than it is; {finer}surface.tile_size_m = {:.2e} would hold it",
+        "hair of {} is thinner than a texel of its tile, {}, so layers show it too faint; {finer}surface.tile_size_m \
+         = {:.2e} would resolve it",
         metres_in_words(width_m as f32),
         metres_in_words(texel_m as f32),
         width_m * f64::from(texels) / LEAST_HAIR_TEXELS

@@ -53,7 +53,10 @@ fn chosen_tile_fits_the_strands_and_resolves_each_hair() {
     assert!((tile_m / (256.0 * 0.00006) - 1.0).abs() < 1e-5, "{tile_m}");
     assert!((fine.recipe.hair.root_radius * 256.0 - 0.5).abs() < 1e-4, "half a texel");
     assert_eq!(fine.warnings, [""; 0]);
-    assert!(fine.decisions[0].chosen.ends_with("of which 256 texels are as wide as a hair of 60 µm"), "{fine:?}");
+    assert!(
+        fine.decisions[0].chosen.ends_with("at which each of 256 texels is as wide as a hair of 60 µm"),
+        "{fine:?}"
+    );
     // Underfur given per tile uses up its share of the strands.
     let shared = of(&["hair.density_mm2=20", "underfur.density=5000"]).recipe;
     assert!((f64::from(shared.hair.density) / (MOST_STRANDS - 5000.0) - 1.0).abs() < 1e-3);

@@ -1,11 +1,11 @@
 //! `pack` stage: conversion of the stages' results to a package's data, and assembly of the package.
 
-use super::assemble::{Content, NamedTexture, Textures, assemble, copied_sections, borrowed_texture};
-use crate::recipe::{HairColors, Recipe};
+use super::assemble::{Content, NamedTexture, Textures, assemble, borrowed_texture, copied_sections};
 use crate::memo::Memo;
+use crate::recipe::{HairColors, Recipe};
 use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
-use crate::stages::groom::{VertexGroom, Colors, Lengths};
+use crate::stages::groom::{Colors, Lengths, VertexGroom};
 use crate::stages::hair_groups::GuidedHair;
 use crate::stages::hair_motion;
 use crate::stages::ink::{InkFiles, VertexInk};
@@ -13,8 +13,8 @@ use crate::stages::morphs;
 use crate::stages::openness::openness;
 use crate::stages::scatter::FibreTables;
 use crate::stages::simplify;
-use crate::stages::surface::Surface;
 use crate::stages::slice::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
+use crate::stages::surface::Surface;
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
@@ -347,7 +347,7 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
     let sections =
         sections.chain(visibility.map(Content::Visibility)).chain(strands).chain(hair).chain(motion).chain(kept_motion);
     let sections = sections.chain(fibres.map(Content::Fibres));
-    let fault = |fault| BakeError::Internal(format!("the package does not read back: {fault}"));
+    let fault = |fault| BakeError::Internal(format!("the package cannot be read back: {fault}"));
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
 }
 
@@ -397,7 +397,7 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
         let manifest = Manifest { choice: Some(choice), ..opened.manifest().clone() };
         assemble(FORMAT_VERSION, manifest, copied_sections(&opened, |_| true)?)
     };
-    write().map_err(|fault| BakeError::Internal(format!("the package with its evidence does not read back: {fault}")))
+    write().map_err(|fault| BakeError::Internal(format!("the package with its evidence cannot be read back: {fault}")))
 }
 
 /// Replaces the recipe recorded in a package, as if baked from the new one. The new recipe must state exactly what the
@@ -412,7 +412,7 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
 /// Same as [`Recipe::parse`] for the text; [`BakeError::Internal`] if the package, which was just written, does not
 /// open.
 pub fn with_recipe(package: &[u8], file: &str, text: &str, inputs: Vec<InputRecord>) -> Result<Vec<u8>, BakeError> {
-    let fault = |fault| BakeError::Internal(format!("the package with its recipe does not read back: {fault}"));
+    let fault = |fault| BakeError::Internal(format!("the package with its recipe cannot be read back: {fault}"));
     let opened = Package::open(package, &Limits::default()).map_err(fault)?;
     let recipe = Recipe::parse(file, text)?.to_toml();
     let manifest = Manifest { recipe, inputs, choice: None, ..opened.manifest().clone() };

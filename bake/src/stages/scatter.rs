@@ -67,7 +67,8 @@ pub fn tables<'a>(
     let of_groups: Vec<u8> =
         groups.map(|name| number("fibre.group", params.of_group(name))).collect::<Result<_, _>>()?;
     let size = params.table_texels;
-    let made: Vec<ScatteringTables> = fibres.par_iter().map(|of| ScatteringTables::new(&of.fibre(), size as usize)).collect();
+    let made: Vec<ScatteringTables> =
+        fibres.par_iter().map(|of| ScatteringTables::new(&of.fibre(), size as usize)).collect();
     let mut encoder = TextureEncoder::new(TextureFormat::Rgba16Float, AlphaMode::Opaque, BcQuality::Basic);
     for layer in made.iter().flat_map(ScatteringTables::layers) {
         let halves = |x: &f32| f16::from_f32(*x).to_le_bytes();

@@ -58,13 +58,14 @@ pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) ->
     let unit_m = recipe.model.unit_m;
     let unit = match fitting_unit_m(bounds, unit_m) {
         Some(fitting) => format!("set model.unit_m={fitting} if it was made in another unit (now {unit_m})"),
-        None => "make the model as large as it is".to_owned(),
+        None => "scale the model to its real size".to_owned(),
     };
     Err(BakeError::Input {
         file: file.to_owned(),
         place: "whole model".to_owned(),
         reason: format!(
-            "it is {size} at rest, for which {what} cannot be chosen ({reason}); {unit}, or give hair.length_m and surface.tile_size_m"
+            "it is {size} at rest, for which {what} cannot be chosen ({reason}); {unit}, or set hair.length_m and \
+             surface.tile_size_m"
         ),
     })
 }
@@ -92,7 +93,7 @@ pub fn warnings(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles:
     let longest = sides.into_iter().fold(0.0, f64::max);
     if !ANIMALS_M.contains(&longest) {
         let unit = fitting_unit_m(bounds, recipe.model.unit_m).map_or_else(String::new, |unit_m| {
-            format!("; if it was made in another unit than metres, set model.unit_m={unit_m} or the like")
+            format!("; if it was made in a unit other than metres, set model.unit_m={unit_m} or similar")
         });
         out.push(format!("the model is {} at rest{unit}", format_sides(sides)));
     }
@@ -100,7 +101,8 @@ pub fn warnings(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles:
     let radius = f64::from(bounds.radius);
     if away > FAR_RADII * radius {
         out.push(format!(
-            "the model stands {} m from the origin, {:.0} times its own radius: its positions are rounded to {} m; move it to the origin",
+            "the model is {} m from the origin, {:.0} times its own radius: its positions are rounded to {} m; move \
+             it to the origin",
             meters(away),
             away / radius,
             // Value of the last of a float's 24 bits.
@@ -109,8 +111,8 @@ pub fn warnings(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles:
     }
     if is_inside_out(bounds, positions, triangles) {
         out.push(
-            "the triangles face inwards: the model holds less than nothing; its hair grows into it. Turn the faces in a modelling tool \
-             (Blender: Mesh, Normals, Recalculate Outside)"
+            "the triangles face inwards: the model's volume is negative, and its hair grows into it. Flip the faces \
+             in a modelling tool (Blender: Mesh, Normals, Recalculate Outside)"
                 .to_owned(),
         );
     }
@@ -165,7 +167,7 @@ mod tests {
         assert_eq!(
             found,
             [
-                "the model is 140 x 140 x 140 m at rest; if it was made in another unit than metres, set model.unit_m=0.01 or the like"
+                "the model is 140 x 140 x 140 m at rest; if it was made in a unit other than metres, set model.unit_m=0.01 or similar"
             ]
         );
         assert!(

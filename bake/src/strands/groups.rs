@@ -5,7 +5,7 @@ use super::plant::SIMPLIFICATION;
 use super::skin::{PosedMesh, mix};
 use glam::{DVec3, Vec2, Vec3};
 use pelage_formats::HairGroup;
-use pelage_formats::meaning::hair_groups::{Hair, GrownGroup, hair_color, hair_radius};
+use pelage_formats::meaning::hair_groups::{GrownGroup, Hair, hair_color, hair_radius};
 use rayon::prelude::*;
 
 /// Grows the hairs of hair groups.

@@ -11,7 +11,7 @@ mod groups;
 mod plant;
 mod skin;
 
-pub use curves::{TILE_GROUP, CurveGroup, CurvePoint, Curves, simplified};
+pub use curves::{CurveGroup, CurvePoint, Curves, TILE_GROUP, simplified};
 pub use groups::grow_groups;
 pub use plant::{GroomReport, grow_on, tile_hair};
-pub use skin::{PosedMesh, PosedMaterial, PosedVertex};
+pub use skin::{PosedMaterial, PosedMesh, PosedVertex};

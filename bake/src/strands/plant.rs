@@ -15,12 +15,12 @@ use super::curves::{CurvePoint, Curves, simplified};
 use super::skin::{PosedMesh, mix};
 use crate::noise::{hash, uniform};
 use crate::recipe::Recipe;
-use crate::stages::groom::{Lengths, FurWetness};
+use crate::stages::groom::{FurWetness, Lengths};
 use crate::stages::simulate::{Strands, TileHair};
 use glam::DVec3;
 use pelage_formats::Manifest;
 use pelage_formats::meaning::hair_offset;
-use pelage_formats::meaning::planting::{WalkEvents, WalkPosition, Roots, SurfaceWalk};
+use pelage_formats::meaning::planting::{Roots, SurfaceWalk, WalkEvents, WalkPosition};
 use pelage_import::BakeError;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -97,8 +97,7 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
         fail(format!("strands cannot be grown from it: {error}; expected the recipe that `pelage bake` writes"))
     })?;
     let (Some(length_m), Some(tile_size_m)) = (recipe.hair.length_m, recipe.surface.tile_size_m) else {
-        let what =
-            "it says neither hair.length_m nor surface.tile_size_m, expected both as `pelage bake` resolves them";
+        let what = "it has neither hair.length_m nor surface.tile_size_m, expected both as `pelage bake` resolves them";
         return Err(fail(what.into()));
     };
     let furred: Vec<&str> = manifest.materials.iter().filter(|m| m.furred).map(|m| m.name.as_str()).collect();
@@ -199,7 +198,13 @@ impl Planter<'_> {
     }
 
     /// Plants one strand, unless its root is cut away, bare or thinned out.
-    fn plant_strand(&self, triangle: usize, strand: usize, weights: DVec3, (curves, report): &mut (Curves, GroomReport)) {
+    fn plant_strand(
+        &self,
+        triangle: usize,
+        strand: usize,
+        weights: DVec3,
+        (curves, report): &mut (Curves, GroomReport),
+    ) {
         let base = self.skin.base_color(triangle, weights);
         if self.skin.is_cut(triangle, base.w) {
             report.dropped_cut += 1;

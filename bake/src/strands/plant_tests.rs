@@ -129,7 +129,10 @@ fn every_root_lies_in_exactly_one_triangle() {
 fn planted_strands_are_one_group_with_root_coordinates() {
     let (curves, report) = grow_on(&sheet(6, 3, DVec2::new(5.0, 7.0)), &leaning(40), 1.0).unwrap();
     let groups = curves.groups();
-    assert_eq!((groups.len(), groups[0].name.as_str(), u64::from(groups[0].strands.end)), (1, TILE_GROUP, report.strands));
+    assert_eq!(
+        (groups.len(), groups[0].name.as_str(), u64::from(groups[0].strands.end)),
+        (1, TILE_GROUP, report.strands)
+    );
     for (i, uv) in curves.root_uv.iter().enumerate() {
         let root = curves.strand(i)[0].position_ws;
         assert!(uv.distance(Vec2::new(root.x, -root.z)) < 1e-5, "{uv} at {root}");

@@ -137,7 +137,7 @@ impl Anatomy {
             row("clip", format!("{:?}, {:.3} s", clip.name, clip.seconds));
         }
         for morph in &self.morphs {
-            row("morph target", format!("{:?}, at {} at rest", morph.name, f64::from(morph.weight)));
+            row("morph target", format!("{:?}, weight {} at rest", morph.name, f64::from(morph.weight)));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Sky background of a picture.
 
-use super::exit::Failure;
 use super::environment::Sky;
+use super::exit::Failure;
 use glam::DVec2;
 use image::RgbaImage;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
@@ -14,7 +14,7 @@ use pelage_truth::TrueCamera;
 /// [`Failure::Usage`] says what is missing.
 pub fn check(look: &Look) -> Result<(), Failure> {
     if look.picture.background == Some(Background::Sky) && look.environment.sky.is_none() {
-        let reason = "--background sky: nothing shines from all around, expected --environment as well";
+        let reason = "--background sky: found no environment map, expected --environment as well";
         return Err(Failure::Usage(reason.into()));
     }
     Ok(())
@@ -30,7 +30,8 @@ pub fn lay_over_sky(look: &Look, sky: Option<&Sky>, pixels: &mut RgbaImage, came
         if alpha == u8::MAX {
             continue;
         }
-        let behind = sky.radiance(ways.direction_at(DVec2::new(x.into(), y.into()) + 0.5), turn_deg).as_vec3().to_array();
+        let behind =
+            sky.radiance(ways.direction_at(DVec2::new(x.into(), y.into()) + 0.5), turn_deg).as_vec3().to_array();
         let share = f32::from(alpha) / 255.0;
         let over = |color: u8, behind: f32| linear_to_srgb(srgb_to_linear(color) * share + behind * (1.0 - share));
         *pixel = image::Rgba([over(r, behind[0]), over(g, behind[1]), over(b, behind[2]), u8::MAX]);

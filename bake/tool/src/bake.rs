@@ -1,8 +1,8 @@
 //! `pelage bake`: bakes a model into a package.
 
 use super::anatomy::Anatomy;
-use super::job::Job;
 use super::exit::{Exit, Failure};
+use super::job::Job;
 use super::limits::{TrialFigures, choose};
 use super::output::{Output, human_bytes, require_parent};
 use super::picture_args::{PictureArgs, positive};
@@ -11,7 +11,9 @@ use super::threads;
 use super::write_recipe::{self, RecipeChoices};
 use pelage_bake::decision::Decision;
 use pelage_bake::io::{self, Reach};
-use pelage_bake::pipeline::{self, Baked, BakeInput};
+use pelage_bake::io_trace;
+use pelage_bake::pipeline::{self, BakeInput, Baked};
+use pelage_bake::progress::StageProgress;
 use pelage_bake::recipe::{Recipe, SliceParams};
 use pelage_bake::reslice::Slicer;
 use pelage_bake::stages::detail::has_far_layer;
@@ -20,10 +22,8 @@ use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::metric;
 use pelage_bake::stages::metric::TileRecipe;
 use pelage_bake::stages::pack;
-use pelage_bake::stages::surface::Measures;
 use pelage_bake::stages::slice::shell_bytes;
-use pelage_bake::progress::StageProgress;
-use pelage_bake::io_trace;
+use pelage_bake::stages::surface::Measures;
 use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
 use pelage_import::BakeError;
 use pelage_import::mesh::RestPose;
@@ -138,7 +138,8 @@ impl RecipeArgs {
     pub fn image_path(&self, name: &str) -> PathBuf {
         let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let beside = folder.join(name);
-        let mut given = self.set.iter().filter_map(|assignment| ImageAssignment::of(assignment)).filter(|n| n.name == name);
+        let mut given =
+            self.set.iter().filter_map(|assignment| ImageAssignment::of(assignment)).filter(|n| n.name == name);
         match given.find(|named| named.is_absolute() || !io_trace::exists(&beside)) {
             Some(named) if named.path.exists() || named.is_absolute() => named.path.to_owned(),
             _ => beside,
@@ -175,7 +176,9 @@ impl RecipeArgs {
     /// Applies the changes of `--set` to a recipe.
     pub fn apply_to(&self, recipe: &mut Recipe) -> Result<(), BakeError> {
         self.set.iter().try_for_each(|assignment| {
-            let Some(named) = ImageAssignment::of(assignment).filter(ImageAssignment::is_absolute) else { return recipe.set(assignment) };
+            let Some(named) = ImageAssignment::of(assignment).filter(ImageAssignment::is_absolute) else {
+                return recipe.set(assignment);
+            };
             let mut changed = recipe.clone();
             let known = |recipe: &Recipe| recipe.images().iter().any(|(_, name)| *name == named.name);
             if changed.set(&named.by_name()).is_err() || !known(&changed) {
@@ -184,7 +187,7 @@ impl RecipeArgs {
             }
             if known(recipe) {
                 let reason =
-                    format!("the recipe names another image {:?}; expected a file of another name", named.name);
+                    format!("the recipe already names another image {:?}; expected a different file name", named.name);
                 return Err(BakeError::Input { file: "--set".into(), place: named.key.into(), reason });
             }
             *recipe = changed;
@@ -292,7 +295,8 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
     if let Some(path) = &args.write_recipe {
         write_recipe::require_files(path, &recipe, &images)?;
     }
-    let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.file_access())?;
+    let mut model =
+        io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.file_access())?;
     let inputs = model.inputs.clone();
     model.inputs.extend(recipe_input);
     let file = args.model.display().to_string();
@@ -319,10 +323,12 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
     if !args.pictures.is_empty() {
         watch.begin("choose");
         tile =
-            args.pictures.fit(BakeInput::new(&file, &name, &recipe, &images), &model).map_err(|failure| match failure {
-                Failure::Bake(error) => Failure::Bake(placed(error)),
-                other => other,
-            })?;
+            args.pictures.fit(BakeInput::new(&file, &name, &recipe, &images), &model).map_err(
+                |failure| match failure {
+                    Failure::Bake(error) => Failure::Bake(placed(error)),
+                    other => other,
+                },
+            )?;
         recipe = tile.recipe.clone();
         watch.output.note(&args.pictures.description(&recipe.slice));
     }
@@ -344,7 +350,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
     }
     let bytes = baked.package.len() as u64;
     if let Some(limit) = limits.max_bytes.filter(|limit| bytes > *limit) {
-        let text = format!("{bytes} bytes with what the package says of its bake, more than --max-bytes {limit}");
+        let text = format!("{bytes} bytes with the record of the bake, more than --max-bytes {limit}");
         return Err(BakeError::Internal(text).into());
     }
     Ok(FinishedBake { baked, stages: watch.finish(), choice, told_size: large.is_some(), recipe: written })
@@ -359,7 +365,8 @@ fn large_layers(recipe: &Recipe) -> Option<String> {
     let bytes = shell_bytes(&recipe.slice, &recipe.pack, has_far_layer(recipe), recipe.visibility.enabled);
     (bytes > LARGE).then(|| {
         format!(
-            "note: {layers} layers of {n} x {n} texels will have {} in the package and take their time; slice.layers and slice.tile_texels decide it",
+            "note: {layers} layers of {n} x {n} texels will take {} of the package and a long time to bake; \
+             slice.layers and slice.tile_texels decide it",
             human_bytes(bytes)
         )
     })
@@ -377,7 +384,7 @@ fn large_package(package: &Package<'_>) -> Result<Option<String>, FormatError> {
     }
     let largest = parts.into_iter().max_by_key(|(_, bytes)| *bytes).unwrap_or_default();
     Ok(Some(format!(
-        "note: the package has {}, of which the {} has {}",
+        "note: the package takes {}; its largest part, the {}, takes {}",
         human_bytes(all),
         largest.0,
         human_bytes(largest.1)
@@ -435,7 +442,7 @@ fn report(output: &mut Output, args: &BakeArgs, done: &FinishedBake, seconds: f6
     for warning in &baked.warnings {
         output.note(&format!("warning: {warning}"));
     }
-    let fault = |fault| BakeError::Internal(format!("the package that was baked does not read back: {fault}"));
+    let fault = |fault| BakeError::Internal(format!("cannot read back the baked package: {fault}"));
     let package = Package::open(&baked.package, &FormatLimits::default()).map_err(fault)?;
     let anatomy = Anatomy::of(&package).map_err(fault)?;
     if !told_size {

@@ -83,7 +83,9 @@ pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
     let mut view = View::new(&args.view, Look::default())?;
     args.samples.apply(&mut view.look)?;
     let frames = match args.view.frames.map(Frames::count) {
-        Some(None) => return Err(Failure::Usage("--frames: bench times so many frames, expected a number".into())),
+        Some(None) => {
+            return Err(Failure::Usage("--frames: found a range, expected the number of frames to time".into()));
+        }
         Some(Some(count)) => count,
         None => FRAMES,
     };
@@ -176,13 +178,15 @@ fn report(
     if shadowed {
         let (still, maps) = (over_unshadowed.median, over_frame.median);
         line(format_args!(
-            "with shadows {still:.2} times the frame without, {:.2} ms; while the light stands still",
+            "with shadows {still:.2} times the frame without, {:.2} ms; while the light is static",
             unshadowed.median
         ));
-        line(format_args!("drawing the shadow maps anew {maps_ms:.2} ms, {maps:.2} of a frame with shadows"));
+        line(format_args!("redrawing the shadow maps {maps_ms:.2} ms, {maps:.2} of a frame with shadows"));
     }
     if let Some(ratio) = ratio {
-        line(format_args!("shells take {ratio:.2} times the same layers with one texture read and no lighting"));
+        line(format_args!(
+            "shells take {ratio:.2} times as long as the same layers with one texture read and no lighting"
+        ));
     }
     line(format_args!("upload {:.1} ms, pipelines {:.1} ms", result.upload_ms, result.pipelines_ms));
     output.result(&text, &result)

@@ -43,7 +43,7 @@ impl BuiltIn {
     /// Imports the model with the options of `recipe`.
     pub fn import(&self, recipe: &Recipe) -> Result<Model, Failure> {
         let mut no_files =
-            |uri: &str, _: u64| Err(BakeError::Internal(format!("a built-in model names the file {uri}")));
+            |uri: &str, _: u64| Err(BakeError::Internal(format!("a built-in model refers to the file {uri}")));
         let options = ImportOptions { unit_m: recipe.model.unit_m };
         Ok(import(&self.file(), self.glb, &mut no_files, &options)?)
     }

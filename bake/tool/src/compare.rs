@@ -1,7 +1,7 @@
 //! `pelage compare`: measures the difference of two pictures.
 
-use super::job::Job;
 use super::exit::{Exit, Failure};
+use super::job::Job;
 use super::output::{Output, require_parent};
 use pelage_bake::io;
 use pelage_import::BakeError;
@@ -62,13 +62,13 @@ impl FromStr for Rgb {
     fn from_str(text: &str) -> Result<Self, String> {
         let numbers: Option<Vec<u8>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
         let rgb = numbers.and_then(|n| <[u8; 3]>::try_from(n).ok());
-        rgb.map(Self).ok_or("expected red,green,blue of 0 to 255 each".into())
+        rgb.map(Self).ok_or("expected red,green,blue, each from 0 to 255".into())
     }
 }
 
 fn parse_limit(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0);
-    number.ok_or("expected a number from 0".into())
+    number.ok_or("expected a number of 0 or more".into())
 }
 
 fn parse_pixels_per_degree(text: &str) -> Result<f32, String> {
@@ -130,8 +130,14 @@ pub fn run(args: &CompareArgs, output: &mut Output) -> Result<Exit, Failure> {
     output.progress("comparing");
     let (a, b) = (io::read_picture(&args.a)?, io::read_picture(&args.b)?);
     if (a.width, a.height) != (b.width, b.height) {
-        let reason =
-            format!("{}x{} pixels, expected {}x{} as {} has", b.width, b.height, a.width, a.height, args.a.display());
+        let reason = format!(
+            "{}x{} pixels, expected {}x{}, the size of {}",
+            b.width,
+            b.height,
+            a.width,
+            a.height,
+            args.a.display()
+        );
         return Err(BakeError::Input { file: args.b.display().to_string(), place: "size".into(), reason }.into());
     }
     let params = CompareParams { over: args.over.0, pixels_per_degree: args.pixels_per_degree };

@@ -8,7 +8,7 @@ use super::picture_series;
 use super::stages::stage_of;
 use super::view::View;
 use pelage_bake::io;
-use pelage_bake::pipeline::{self, Baked, BakeInput};
+use pelage_bake::pipeline::{self, BakeInput, Baked};
 use pelage_bake::stages::groom::MapImages;
 use pelage_stage::{Background, Gpu, LookStyle, NamedPackage, Rgb, Samples, find_clip};
 use serde::Serialize;

@@ -122,12 +122,12 @@ fn text(p: &Prognosis) -> String {
     };
     let [skin, fur] = p.covered_pixels;
     line(format!(
-        "{skin} pixels of skin, {fur} with fur; {:.1} layers on such a pixel, {} at most",
+        "{skin} pixels of skin, {fur} with fur; {:.1} layers on a pixel with fur, {} at most",
         p.overdraw.0, p.overdraw.1
     ));
     let s = &p.on_screen;
     line(format!(
-        "at its nearest the fur is {:.1} pixels high, a gap between layers {:.2}, a texel of the tile {:.2} wide",
+        "nearest fur: {:.1} pixels high, layers {:.2} pixels apart, a texel of the tile {:.2} wide",
         s.height_px, s.layer_gap_px, s.texel_px
     ));
     for pass in &p.passes {

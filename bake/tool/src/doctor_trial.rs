@@ -40,7 +40,8 @@ pub fn try_advice(
     let truth = ReferenceTracer::new(file, view)?;
     // More samples than the recipe's judge uses would not be more accurate.
     let samples = samples.min(u64::from(recipe.judge.samples)) as u32;
-    let mut show = |done: u64, all: u64| output.progress_of(done as usize, all as usize, "pixels of the true picture");
+    let mut show =
+        |done: u64, all: u64| output.progress_of(done as usize, all as usize, "pixels of the reference picture");
     let traced = Picture::from(&truth::encode(&truth.picture(view, samples, &mut show), view.look.background()));
     let fur_px = truth.fur_px(view);
     let error = |file: &NamedPackage<'static>| -> Result<f64, Failure> {

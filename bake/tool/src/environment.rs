@@ -66,7 +66,9 @@ impl Sky {
     /// Returns the fit of lights to a panorama; `None` for lights given directly.
     pub fn fitted(&self) -> Option<&FitResult> {
         let fit = || match &self.of {
-            EnvironmentFile::Panorama(panorama) => Some(panorama.fit(FitParams { lobes: self.lobes, ..FitParams::default() })),
+            EnvironmentFile::Panorama(panorama) => {
+                Some(panorama.fit(FitParams { lobes: self.lobes, ..FitParams::default() }))
+            }
             EnvironmentFile::Lights(_) => None,
         };
         self.fitted.get_or_init(fit).as_ref()
@@ -76,7 +78,9 @@ impl Sky {
     pub fn lights(&self) -> Environment {
         match (&self.of, self.fitted()) {
             (EnvironmentFile::Lights(lights), _) => lights.clone(),
-            (EnvironmentFile::Panorama(_), fitted) => fitted.map(|fitted| fitted.environment.clone()).unwrap_or_default(),
+            (EnvironmentFile::Panorama(_), fitted) => {
+                fitted.map(|fitted| fitted.environment.clone()).unwrap_or_default()
+            }
         }
     }
 
@@ -100,7 +104,9 @@ impl Sky {
     /// sun separately.
     pub fn for_tracing(&self) -> (TrueSky, Option<Sun>) {
         match &self.of {
-            EnvironmentFile::Panorama(panorama) => (TrueSky::of_panorama(panorama.clone(), self.yaw_deg, self.strength), None),
+            EnvironmentFile::Panorama(panorama) => {
+                (TrueSky::of_panorama(panorama.clone(), self.yaw_deg, self.strength), None)
+            }
             EnvironmentFile::Lights(_) => {
                 let lights = self.environment();
                 let sun = lights.sun;

@@ -26,21 +26,21 @@ pub enum Exit {
 impl Exit {
     /// All codes, each with a word for the end of a help text, and its meaning.
     pub const ALL: [(Self, &str, &str); 7] = [
-        (Self::Done, "done", "Everything was done, or a reader of standard output went away."),
-        (Self::Usage, "usage", "The command line is not understood."),
-        (Self::FileSystem, "file system", "A file or folder cannot be read, written or made."),
+        (Self::Done, "done", "Success, or the reader of standard output closed it."),
+        (Self::Usage, "usage", "The command line is invalid."),
+        (Self::FileSystem, "file system", "A file or folder cannot be read, written or created."),
         (
             Self::BadInput,
             "bad input",
-            "A model, recipe, look, scene, package or folder is not what it should be. The message names the file, where in it, what was \
-             found and what was expected.",
+            "A model, recipe, look, scene, package or folder is invalid. The message names the file, the place in it, \
+             what was found and what was expected.",
         ),
         (
             Self::NoAdapter,
             "no usable graphics adapter",
             "No usable graphics adapter, or for `view` no screen. The message says what to install.",
         ),
-        (Self::Internal, "internal error", "A fault of pelage. Please report it."),
+        (Self::Internal, "internal error", "A bug in pelage. Please report it."),
         (
             Self::Differences,
             "differences or faults found",

@@ -130,7 +130,7 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
         files.push(path.to_owned());
     }
     if let Some((path, materials)) = mesh {
-        output.progress("writing the skin");
+        output.progress("writing the mesh");
         let name = materials.file_name().unwrap_or_default().to_string_lossy().into_owned();
         write_atomic_with(&materials, |out| write_mtl(truth.scene.skin(), out))?;
         write_atomic_with(path, |out| write_obj(truth.scene.skin(), &name, out))?;
@@ -155,7 +155,7 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     } else {
         String::new()
     };
-    let mut count = format!("{}{of} strands in {} pieces", curves.len(), curves.segments());
+    let mut count = format!("{}{of} strands in {} segments", curves.len(), curves.segments());
     if let groups @ [_, _, ..] = curves.groups() {
         let each: Vec<String> = groups.iter().map(|group| format!("{} {}", group.name, group.strands.len())).collect();
         count += &format!(": {}", each.join(", "));
@@ -198,7 +198,7 @@ impl ExportArgs {
         let names: Vec<&str> = self.groups.iter().map(String::as_str).collect();
         if let Some(unknown) = names.iter().find(|name| !known.contains(*name)) {
             let known = known.into_iter().collect::<Vec<_>>().join(", ");
-            let expected = if known.is_empty() { "no --group: there are no strands".into() } else { known };
+            let expected = if known.is_empty() { "no --group, because there are no strands".into() } else { known };
             return Err(Failure::Usage(format!(
                 "--group {unknown}: no such group of strands in {}, expected {expected}",
                 self.package.display()

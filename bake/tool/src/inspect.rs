@@ -5,7 +5,7 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file;
 use pelage_bake::hexadecimal::hex;
-use pelage_formats::{Choice, FarLayerInfo, DetailLevel, FormatError, InkInfo, Package, QualityFigure};
+use pelage_formats::{Choice, DetailLevel, FarLayerInfo, FormatError, InkInfo, Package, QualityFigure};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -236,10 +236,10 @@ fn table(name: &str, r: &InspectResult<'_>) -> String {
         ),
     );
     if r.single_strands != 0 {
-        row("strands", format!("{} of the tile, one by one", r.single_strands));
+        row("strands", format!("{} in the tile, drawn one by one", r.single_strands));
     }
     for h in &r.hair {
-        row("hair", format!("{:?}, {} of {} points, {} guides", h.name, h.hairs, h.points, h.guides));
+        row("hair", format!("{:?}, {} hairs of {} points, {} guides", h.name, h.hairs, h.points, h.guides));
     }
     r.anatomy.rows(&mut row);
     for t in &r.textures {
@@ -263,7 +263,7 @@ fn table(name: &str, r: &InspectResult<'_>) -> String {
     }
     if let Some(ink) = &r.ink {
         let (shading, grain_mm) = (&ink.shading, 1000.0 * f64::from(ink.grain_size_m));
-        let fur = if ink.fur_texture.is_none() { "no fur" } else { "strokes of fur" };
+        let fur = if ink.fur_texture.is_none() { "no fur" } else { "fur strokes" };
         let wash = format!("wash from {:.2}, fading by {:.2} a radius", shading.wash_range, shading.wash_speed);
         row("ink", format!("{wash}, grain every {grain_mm:.1} mm, {fur}"));
     }

@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, RecordedOutput};
-use pelage_bake::cache::{Cache, CacheHit, CommandResult, CachedFile};
+use pelage_bake::cache::{Cache, CacheHit, CachedFile, CommandResult};
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
 use pelage_bake::io_trace::{self, Digest, IoTrace};
@@ -92,7 +92,8 @@ pub fn run(
         // fails, so will writing, which reports the error.
         let _ = std::fs::remove_file(record);
     }
-    let cache = args.cache.as_deref().zip(errand).and_then(|(folder, errand)| CacheSession::open(folder, errand, output));
+    let cache =
+        args.cache.as_deref().zip(errand).and_then(|(folder, errand)| CacheSession::open(folder, errand, output));
     output.start_recording();
     let found = cache.as_ref().and_then(CacheSession::find);
     let cached = found.is_some();
@@ -149,7 +150,7 @@ impl<'a> CacheSession<'a> {
         match tool.and_then(|program| cache.tool_hash(&program).map_err(|error| error.to_string())) {
             Ok(tool) => Some(Self { cache, errand, key: errand.key(&tool) }),
             Err(error) => {
-                output.note(&format!("note: --cache: {error}; nothing is taken from it"));
+                output.note(&format!("note: --cache: {error}; the cache is not used"));
                 None
             }
         }
@@ -179,7 +180,7 @@ impl<'a> CacheSession<'a> {
         let kept = CommandResult { files, exit: exit as u8, text, json, notes };
         let paths: Vec<&Path> = io_trace.written.iter().map(|written| written.path.as_path()).collect();
         if let Err(error) = self.cache.store(&self.key, io_trace, &kept, &paths) {
-            output.note(&format!("note: --cache: {error}; what was made is not kept there"));
+            output.note(&format!("note: --cache: {error}; the result is not cached"));
         }
     }
 }

@@ -15,16 +15,16 @@ mod compare;
 mod demo;
 mod doctor;
 mod doctor_trial;
-#[doc(hidden)]
-pub mod job;
+mod environment;
 #[doc(hidden)]
 pub mod exit;
 mod export;
-mod sky;
 mod groom;
 #[cfg(feature = "herd")]
 mod herd;
 mod inspect;
+#[doc(hidden)]
+pub mod job;
 #[doc(hidden)]
 pub mod journal;
 mod limits;
@@ -43,6 +43,8 @@ mod pack;
 pub mod package_file;
 mod paint_mesh;
 mod picture_args;
+mod picture_series;
+mod progress;
 mod reference;
 mod render;
 mod scene;
@@ -53,8 +55,7 @@ mod sequence;
 pub mod share;
 #[doc(hidden)]
 pub mod shell_judge;
-mod picture_series;
-mod environment;
+mod sky;
 #[doc(hidden)]
 pub mod stages;
 mod threads;
@@ -68,7 +69,6 @@ pub mod view;
 mod view_args;
 #[cfg(feature = "view")]
 mod window;
-mod progress;
 mod write_recipe;
 
 use clap::error::{ContextKind, ContextValue};
@@ -162,7 +162,7 @@ pub enum Command {
 }
 
 impl Commands for Command {
-    #[cfg_attr(not(feature = "herd"), allow(unused_variables, reason = "only the herd asks how it was called"))]
+    #[cfg_attr(not(feature = "herd"), allow(unused_variables, reason = "only the herd command reads the invocation"))]
     fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure> {
         match self {
             Self::Demo(args) => demo::run(args, output),

@@ -9,7 +9,7 @@ use pelage_formats::Choice;
 use pelage_import::BakeError;
 use pelage_stage::{Gpu, LookDetail};
 use pelage_truth::decide;
-use pelage_truth::decide::{Decision, Figure, FrameTime, Judge, Limits, SettingFigures, Setting, SettingSpace, Trial};
+use pelage_truth::decide::{Decision, Figure, FrameTime, Judge, Limits, Setting, SettingFigures, SettingSpace, Trial};
 use pelage_truth::likeness::Likeness;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -184,7 +184,8 @@ fn describe(decision: &Decision, likenesses: &[Likeness], limits: &Limits, adapt
         let FrameTime { ms, low, high } = m.frame;
         let spread = if high > low { format!(" ({low:.1} to {high:.1})") } else { String::new() };
         format!(
-            "{}: error {:.4} (FLIP {:.4}, outline off by {:.3}, contrast {:.2} of the truth's), frame {ms:.1} ms{spread}, at most {size}",
+            "{}: error {:.4} (FLIP {:.4}, outline off by {:.3}, contrast {:.2} of the reference's), \
+             frame {ms:.1} ms{spread}, at most {size}",
             t.setting, m.error, likeness.flip, likeness.outline, likeness.contrast
         )
     };
@@ -198,7 +199,7 @@ fn describe(decision: &Decision, likenesses: &[Likeness], limits: &Limits, adapt
     match decision.binding {
         Some(figure) if decision.meets => line(format_args!("{} binds", figure.option())),
         Some(figure) => line(format_args!("{} cannot be met", figure.option())),
-        None => line(format_args!("no limit binds: what lies beyond them is no gain")),
+        None => line(format_args!("no limit binds: no better or cheaper setting was found beyond the limits")),
     }
     let neighbours = [("next better", decision.next_better), ("next cheaper", decision.next_cheaper)];
     for (what, index) in neighbours {

@@ -60,7 +60,7 @@ pub struct SamplesArgs {
         long,
         value_name = SAMPLES.value_name,
         allow_hyphen_values = true,
-        help = "Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much [default: 4, of bench 1]",
+        help = "Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half [default: 4, bench: 1]",
         value_parser = parser(&SAMPLES)
     )]
     samples: Option<String>,
@@ -180,7 +180,10 @@ impl Args for LookArgs {
             .value_name("L.toml|KEY=VALUE")
             .action(ArgAction::Append)
             .value_parser(validate_look_value)
-            .help("Look of the picture: a file, or one key such as shadow.penumbra=0.3 (bake/docs/look.md lists them); later ones win, and flags before all [may be given again]");
+            .help(
+                "Look of the picture: a file, or one key such as shadow.penumbra=0.3 (bake/docs/look.md lists them); \
+                 later ones override earlier ones, and flags override all [may be given again]",
+            );
         command.arg(look).args(SHORT_FORMS.iter().map(argument))
     }
 
@@ -252,7 +255,7 @@ mod tests {
         assert_eq!(look.light.fill, [FillLight { direction: [-2.0, 0.0, 0.0], strength: 0.25 }]);
         for (line, message) in [
             ("--size 0x0", "each 1..=8192"),
-            ("--light 0,0,0", "a direction with a length"),
+            ("--light 0,0,0", "a direction that is not zero"),
             ("--light 0,1,0 --point-light 0,1,0", "cannot be used with"),
             ("--shadow-density 5", "found 5, expected a number 0..=4"),
             ("--penumbra=-1", "expected a number 0..=2"),

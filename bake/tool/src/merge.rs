@@ -1,7 +1,7 @@
 //! `pelage merge`: combines the parts of a picture that several machines have traced.
 
-use super::job::Job;
 use super::exit::{Exit, Failure};
+use super::job::Job;
 use super::output::{Output, require_parent};
 use super::reference::{Format, exr, png};
 use pelage_bake::io;
@@ -59,7 +59,7 @@ fn read(path: &Path) -> Result<TracedPart, BakeError> {
 pub fn run(args: &MergeArgs, output: &mut Output) -> Result<Exit, Failure> {
     let format = Format::of(&args.output)?;
     require_parent(&args.output)?;
-    output.progress("putting parts together");
+    output.progress("merging the parts");
     let mut whole: Option<TracedPart> = None;
     let mut files: Vec<Option<&Path>> = Vec::new();
     for path in &args.parts {
@@ -67,7 +67,7 @@ pub fn run(args: &MergeArgs, output: &mut Output) -> Result<Exit, Failure> {
         files.resize(part.of.parts as usize, None);
         if let Some(before) = files[part.of.part as usize].replace(path) {
             let (number, of) = (part.of.part + 1, part.of.parts);
-            let reason = format!("is part {number} of {of}, as {} is; expected each part once", before.display());
+            let reason = format!("is part {number} of {of}, the same as {}; expected each part once", before.display());
             return Err(input(path, "line 2", reason).into());
         }
         match &mut whole {
@@ -83,8 +83,7 @@ pub fn run(args: &MergeArgs, output: &mut Output) -> Result<Exit, Failure> {
     };
     let bytes = match format {
         Format::Exr if whole.of.background => {
-            let text =
-                "has a background, and an .exr keeps what is transparent; expected -o with a name that ends in .png";
+            let text = "has a background, but an .exr stores transparency; expected -o with a name that ends in .png";
             return Err(input(&args.parts[0], "line 2", text.into()).into());
         }
         Format::Exr => exr(&whole.traced)?,

@@ -43,7 +43,7 @@ enum ProgressDisplay {
     /// Progress bar on a terminal, with its template.
     Bar(ProgressBar, &'static str),
     /// Lines, if stderr is not a terminal.
-    Lines(#[expect(dead_code, reason = "it tells until it is dropped")] ProgressPrinter),
+    Lines(#[expect(dead_code, reason = "reports progress until it is dropped")] ProgressPrinter),
 }
 
 /// Progress templates: without a count or with a count of its own, and for steps counted by the command.
@@ -225,9 +225,9 @@ pub fn require_parent(file: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     let (kind, text) = if parent.exists() {
-        (io::ErrorKind::NotADirectory, "it is no folder")
+        (io::ErrorKind::NotADirectory, "not a folder")
     } else {
-        (io::ErrorKind::NotFound, "there is no such folder; create it first")
+        (io::ErrorKind::NotFound, "no such folder; create it first")
     };
     let source = io::Error::new(kind, text);
     Err(BakeError::Io { path: parent.to_owned(), action: "write into", source }.into())

@@ -4,8 +4,8 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use super::unpacked;
 use pelage_bake::io::{read_named_file, write_atomic};
-use pelage_bake::recipe::Recipe;
 use pelage_bake::io_trace;
+use pelage_bake::recipe::Recipe;
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
 use serde::Serialize;
@@ -41,9 +41,9 @@ pub fn run(args: &PackArgs, output: &mut Output) -> Result<Exit, Failure> {
     require_parent(&args.package)?;
     if !args.folder.is_dir() {
         let (kind, text) = if args.folder.exists() {
-            (io::ErrorKind::NotADirectory, "it is a file, expected a folder that `pelage unpack` wrote")
+            (io::ErrorKind::NotADirectory, "found a file, expected a folder written by `pelage unpack`")
         } else {
-            (io::ErrorKind::NotFound, "there is no such folder")
+            (io::ErrorKind::NotFound, "no such folder")
         };
         let source = io::Error::new(kind, text);
         return Err(BakeError::Io { path: args.folder.clone(), action: "read", source }.into());

@@ -150,8 +150,10 @@ impl PictureSeries {
 
     /// Returns a key of everything that a picture depends on, except its number and the subject.
     pub fn key(&self) -> Key {
-        let key =
-            Key::of_build().with(self.scene.gpu.description()).with(format!("{:?}", self.view)).with(self.fps.to_le_bytes());
+        let key = Key::of_build()
+            .with(self.scene.gpu.description())
+            .with(format!("{:?}", self.view))
+            .with(self.fps.to_le_bytes());
         match (self.turn_light, self.auto_rotate) {
             (false, false) => key,
             (light, camera) => key.with(self.count.to_le_bytes()).with([u8::from(light), u8::from(camera)]),

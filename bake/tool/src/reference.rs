@@ -1,8 +1,8 @@
 //! `pelage reference`: traces the reference picture of a package, strand by strand.
 
 use super::backdrop::lay_over_sky;
-use super::job::Job;
 use super::exit::{Exit, Failure};
+use super::job::Job;
 use super::journal::Key;
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file;
@@ -17,7 +17,7 @@ use pelage_bake::strands::GroomReport;
 use pelage_import::BakeError;
 use pelage_params::Knob;
 use pelage_stage::{Background, Look, NamedPackage, SHORT_FORMS, ShortForm};
-use pelage_truth::{Lens, PartHeader, Part, Portion, TracedPart, TracedPicture, TrueCamera, TrueScattering};
+use pelage_truth::{Lens, Part, PartHeader, Portion, TracedPart, TracedPicture, TrueCamera, TrueScattering};
 use serde::Serialize;
 use std::io::Cursor;
 use std::ops::ControlFlow;
@@ -63,7 +63,7 @@ pub struct ReferenceArgs {
 fn parse_part(text: &str) -> Result<Part, String> {
     let (number, of) = share(text)
         .filter(|(_, of)| *of <= MOST_PARTS)
-        .ok_or_else(|| format!("expected a part and how many there are, such as 3/16, at most {MOST_PARTS}"))?;
+        .ok_or_else(|| format!("expected a part and their number, such as 3/16, at most {MOST_PARTS}"))?;
     Ok(Part { number: number - 1, of })
 }
 
@@ -125,9 +125,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     };
     let transparent = matches!(view.look.picture.background, None | Some(Background::Transparent));
     if write == Format::Exr && !transparent {
-        return Err(Failure::Usage(
-            "--background: an .exr keeps what is transparent; expected it to be left out".into(),
-        ));
+        return Err(Failure::Usage("--background: an .exr stores transparency, expected it to be left out".into()));
     }
     require_parent(&args.output)?;
     let file = package_file::read(&args.package)?;
@@ -197,8 +195,9 @@ pub fn png(pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
 /// Encodes a traced picture as an EXR file: colours times alpha, without background.
 pub fn exr(picture: &TracedPicture) -> Result<Vec<u8>, Failure> {
     let flat: Vec<f32> = picture.pixels.iter().flatten().copied().collect();
-    let image = image::Rgba32FImage::from_raw(picture.width, picture.height, flat)
-        .ok_or_else(|| BakeError::Internal("a traced picture of another size than it says".into()))?;
+    let image = image::Rgba32FImage::from_raw(picture.width, picture.height, flat).ok_or_else(|| {
+        BakeError::Internal("the size of a traced picture does not match its number of pixels".into())
+    })?;
     encoded(|bytes| image.write_to(bytes, image::ImageFormat::OpenExr))
 }
 
@@ -238,7 +237,8 @@ fn report(
         covered_pixels: picture.covered(),
     };
     let text = format!(
-        "{}\n{} strands in {} pieces, {} each, grown in {grown_s:.1} s; {:.1} million rays in {seconds:.1} s, {mrays_per_s:.2} million a second",
+        "{}\n{} strands in {} segments, {} each, grown in {grown_s:.1} s; {:.1} million rays in {seconds:.1} s, \
+             {mrays_per_s:.2} million per second",
         args.output.display(),
         groom.strands,
         groom.segments,
@@ -306,7 +306,7 @@ fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
     let given = FAST_PATH.iter().find(|entry| refused(entry)).map(|(flag, _)| *flag);
     match given.or(args.frames.map(|_| "frames")) {
         Some(flag) => Err(Failure::Usage(format!(
-            "--{flag} says how `render` draws; the reference has neither layers nor maps, expected it to be left out"
+            "--{flag} applies to `render` only: the reference has neither layers nor maps, expected it to be left out"
         ))),
         None => Ok(()),
     }

@@ -1,14 +1,14 @@
 //! `pelage render`: draws a package or a scene into a picture, or over time into many.
 
-use super::job::{ADAPTER, Job};
 use super::exit::{Exit, Failure};
+use super::job::{ADAPTER, Job};
 use super::journal::Key;
 use super::look_args::SamplesArgs;
 use super::output::Output;
 use super::package_file;
+use super::picture_series::{PassRun, PictureSeries};
 use super::scene::{Scene, is_scene};
 use super::sequence::{DrawnPictures, Sink};
-use super::picture_series::{PassRun, PictureSeries};
 use super::stages::{self, FurDetail, crowd};
 use super::view::View;
 use super::view_args::{Frames, ViewArgs};
@@ -119,7 +119,7 @@ fn refuse_beside(file: &str, args: &ViewArgs) -> Result<(), Failure> {
         ("--crowd", args.crowd != 1),
     ] {
         if given {
-            let text = format!("{name}: {file} says what stands in the picture, expected it to be left out");
+            let text = format!("{name}: {file} defines what is in the picture, expected it to be left out");
             return Err(Failure::Usage(text));
         }
     }
@@ -176,7 +176,7 @@ impl Subject {
 /// Runs the subcommand.
 pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.output == Path::new("-") && output.is_json() {
-        return Err(Failure::Usage("--json: standard output is the video with -o -, expected one of them".into()));
+        return Err(Failure::Usage("--json: with -o - standard output is the video, expected only one of them".into()));
     }
     // An invalid output name is reported before anything is read. Look files are read once, after the scene, because
     // one may be a pipe.
@@ -197,15 +197,17 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     let frames = args.view.frames.map(of_range).or(of_scene).filter(|_| sink.is_sequence());
     if let Some(range) = args.view.frames.filter(|range| frames.is_some_and(|count| range.end > count)) {
         let (last, count) = (range.end, frames.unwrap_or_default());
-        return Err(Failure::Usage(format!("--frames: the scene has {count} pictures, found a range up to {last}")));
+        return Err(Failure::Usage(format!(
+            "--frames: found a range up to {last}, but the scene has {count} pictures"
+        )));
     }
     for (name, given) in [("--turn-light", args.turn_light), ("--auto-rotate", args.auto_rotate)] {
         if given && args.view.frames.is_some_and(|range| range.of.is_none()) && of_scene.is_none() {
-            let text = format!("{name}: it goes once around while all pictures last, expected --frames A..B/N");
+            let text = format!("{name}: one turn takes all N pictures, expected --frames A..B/N");
             return Err(Failure::Usage(text));
         }
         if given && frames.is_none() {
-            let text = format!("{name}: expected --frames beside it, or a sequence in the scene file");
+            let text = format!("{name}: expected --frames as well, or a sequence in the scene file");
             return Err(Failure::Usage(text));
         }
     }
@@ -221,7 +223,8 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if view.camera.is_none() {
         output.note(&format!("camera: --camera={}", shot.at(view.time_s)));
     }
-    let mut shoot = PictureSeries { scene: stage, view, shot, light, first, count, fps, turn_light, auto_rotate, lived: None };
+    let mut shoot =
+        PictureSeries { scene: stage, view, shot, light, first, count, fps, turn_light, auto_rotate, lived: None };
     let key = subject.key(shoot.key());
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
     if sink == Sink::Stdout {

@@ -1,6 +1,6 @@
 //! JSON schemas of the results that `--json` prints.
 
-use super::{bake, bench, compare, demo, doctor, job, export, sky, groom, herd, inspect, merge, output, pack};
+use super::{bake, bench, compare, demo, doctor, export, groom, herd, inspect, job, merge, output, pack, sky};
 use super::{reference, render, unpack, validate};
 use schemars::{JsonSchema as _, Schema, SchemaGenerator};
 

@@ -7,8 +7,8 @@ use super::picture_series::{Picture, PictureSeries, write_png};
 use super::view_args::Frames;
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io::write_atomic_with;
-use pelage_bake::picture;
 use pelage_bake::io_trace;
+use pelage_bake::picture;
 use pelage_bake::y4m::Y4m;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -69,7 +69,7 @@ impl Sink {
         if let Some(other) = output.extension().filter(|e| !e.eq_ignore_ascii_case("png")) {
             let other = other.to_string_lossy();
             return Err(Failure::Usage(format!(
-                "-o {}: .{other} is not written, expected a name that ends in .png or .y4m",
+                "-o {}: .{other} is not supported, expected a name that ends in .png or .y4m",
                 output.display()
             )));
         }
@@ -107,7 +107,13 @@ impl Sink {
     ///
     /// * `key`: hash of everything that they depend on, for numbered pictures
     /// * `restart`: redraws existing pictures of an earlier run
-    pub fn fill(&self, shoot: &mut PictureSeries, key: Key, restart: bool, output: &mut Output) -> Result<DrawnPictures, Failure> {
+    pub fn fill(
+        &self,
+        shoot: &mut PictureSeries,
+        key: Key,
+        restart: bool,
+        output: &mut Output,
+    ) -> Result<DrawnPictures, Failure> {
         let pictures = match self {
             Self::Picture(path) => {
                 vec![shoot.picture(0, output).and_then(|(p, pixels)| write_png(path, &pixels).and(Ok(p)))?]
@@ -164,13 +170,14 @@ fn numbered(
     }
     let mut journal = Journal::<JournalEntry>::open(journal.to_owned(), &key.finish(), restart)?;
     if journal.others() > 0 {
-        let what = "another scene, view, tool or adapter are drawn anew";
+        let what = "another scene, view, tool or adapter are drawn again";
         output.note(&format!("{} pictures of {what}", journal.others()));
     }
     let digest = |bytes: &[u8]| hex(&Sha256::digest(bytes));
     // Read without the I/O trace, which records the inputs of pictures.
-    let there =
-        |noted: &JournalEntry| std::fs::read(&names[noted.picture - first]).is_ok_and(|bytes| digest(&bytes) == noted.sha256);
+    let there = |noted: &JournalEntry| {
+        std::fs::read(&names[noted.picture - first]).is_ok_and(|bytes| digest(&bytes) == noted.sha256)
+    };
     let numbers: Vec<usize> = (first..first + names.len()).collect();
     let known: Vec<Option<Picture>> = numbers
         .iter()
@@ -181,7 +188,7 @@ fn numbered(
     if skipped > 0 {
         io_trace::mark_incomplete();
         output.note(&format!(
-            "{skipped} of {} pictures are there from a run before; --restart draws them anew",
+            "{skipped} of {} pictures exist from an earlier run; --restart draws them again",
             names.len()
         ));
     }
@@ -248,7 +255,7 @@ fn names(output: &Path, Frames { first, end, .. }: Frames) -> Result<Vec<PathBuf
             };
             if rest.contains('%') {
                 let expected = "expected one number pattern; a picture has one number";
-                return Err(Failure::Usage(format!("-o {text}: found another % behind %{width:02}d, {expected}")));
+                return Err(Failure::Usage(format!("-o {text}: found another % after %{width:02}d, {expected}")));
             }
             (head.to_owned(), width, rest.to_owned())
         }
@@ -280,10 +287,10 @@ mod tests {
         assert_eq!(list("%d.png", Some(1), Some(2)).ok(), Some(vec!["0.png".to_owned()]));
         // A picture's name has one number, and is a PNG.
         let error = list("%04d/%04d.png", Some(1), None).unwrap_err().to_string();
-        assert!(error.contains("found another % behind %04d, expected one number pattern"), "{error}");
+        assert!(error.contains("found another % after %04d, expected one number pattern"), "{error}");
         for name in ["a.jpg", "a.PNG.exr", "b/%04d.webp"] {
             let error = list(name, Some(1), None).unwrap_err().to_string();
-            assert!(error.contains("is not written, expected a name that ends in .png or .y4m"), "{error}");
+            assert!(error.contains("is not supported, expected a name that ends in .png or .y4m"), "{error}");
         }
         assert!(list("no-such-folder/%04d.png", Some(1), None).is_ok(), "its folder will be made");
         assert!(list("%0s.png", Some(1), None).is_err() && list("%10d.png", Some(1), None).is_err());

@@ -123,7 +123,7 @@ impl<'a> ShellJudge<'a> {
         for (i, camera) in cameras.iter().enumerate() {
             let view = View { camera: Some(*camera), ..View::sized(size) };
             let picture = truth.picture(&view, samples, &mut |done, all| {
-                doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
+                doing(&format!("reference picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
             // Quantised to bytes, like the pictures that it is compared with.
             let picture = Picture::from(&truth::encode(&picture, view.look.background()));
@@ -161,7 +161,11 @@ impl<'a> ShellJudge<'a> {
 
     /// Draws and times a package from all views at a level of detail, and compares it with the reference pictures. The
     /// bake is not timed.
-    pub fn measure_drawn(&self, file: &NamedPackage<'_>, detail: LookDetail) -> Result<(SettingMeasurements, Likeness), Failure> {
+    pub fn measure_drawn(
+        &self,
+        file: &NamedPackage<'_>,
+        detail: LookDetail,
+    ) -> Result<(SettingMeasurements, Likeness), Failure> {
         let mut scene: Option<Stage> = None;
         let (mut sum, mut likenesses) = (SettingMeasurements::default(), Vec::new());
         for ReferenceView { view, picture: truth, fur_px } in &self.views {

@@ -1,10 +1,10 @@
 //! `pelage sky`: fits a small set of lights to an environment map.
 
-use super::job::Job;
 use super::exit::{Exit, Failure};
+use super::job::Job;
 use super::output::{Output, require_parent};
-use pelage_bake::io::write_atomic;
 use pelage_bake::environment_file::EnvironmentFile;
+use pelage_bake::io::write_atomic;
 use pelage_stage::Look;
 use pelage_stage::sky::{Environment, FitParams, FitResult, environment_to_toml};
 use serde::Serialize;
@@ -71,7 +71,7 @@ impl SkyArgs {
 }
 
 fn parse_share(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|share| (0.0..=1.0).contains(share)).ok_or("expected a share of 0 to 1".into())
+    text.parse().ok().filter(|share| (0.0..=1.0).contains(share)).ok_or("expected a share from 0 to 1".into())
 }
 
 fn parse_ground(text: &str) -> Result<[f32; 3], String> {
@@ -115,7 +115,7 @@ fn report(
     if fitted.repaired_pixels > 0 {
         let name = args.input.display();
         output.note(&format!(
-            "note: {name}: {} pixels were no light (negative, infinite or no numbers): mended",
+            "note: {name}: {} pixels were invalid (negative, infinite or not a number) and have been replaced",
             fitted.repaired_pixels
         ));
     }
@@ -127,7 +127,7 @@ fn report(
     };
     let near = match size {
         Some(_) => format!(
-            "; {:.1} % off its radiance, {:.2} % off its light in whole",
+            "; radiance off by {:.1} %, total light off by {:.2} %",
             100.0 * fitted.error,
             100.0 * fitted.energy
         ),

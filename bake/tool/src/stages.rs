@@ -29,7 +29,7 @@ pub fn stage(
 pub fn pixels(stage: &Stage) -> Result<RgbaImage, Failure> {
     let (width, height) = stage.canvas.size();
     RgbaImage::from_raw(width, height, stage.canvas.read(&stage.gpu)?)
-        .ok_or_else(|| StageError::Device("the canvas was read back short".into()).into())
+        .ok_or_else(|| StageError::Device("the canvas was read back incompletely".into()).into())
 }
 
 /// Creates the cast of one package, or a crowd of it, with the clip and camera of `view`. Without a camera, all of it

@@ -70,13 +70,13 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
     let target = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
     let exists = target.exists();
     if exists && !target.is_dir() {
-        let source = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, expected a folder");
+        let source = io::Error::new(io::ErrorKind::NotADirectory, "found a file, expected a folder");
         return Err(fail(folder, "write into")(source));
     }
     let replaceable = !exists || is_replaceable(&target).map_err(fail(folder, "read"))?;
     if !replaceable && !force {
         let text =
-            "it holds other things than an unpacked package; name another folder, or use --force to write among them";
+            "it has files that belong to no unpacked package; name another folder, or use --force to write among them";
         return Err(fail(folder, "replace")(io::Error::new(io::ErrorKind::DirectoryNotEmpty, text)));
     }
     require_parent(&target)?;

@@ -141,14 +141,14 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         reason,
     };
     let text = read(MANIFEST)?
-        .ok_or_else(|| fail(MANIFEST, "", "missing: expected a folder that `pelage unpack` wrote".into()))?;
+        .ok_or_else(|| fail(MANIFEST, "", "missing, expected a folder written by `pelage unpack`".into()))?;
     let mut document: Value = json_value(&path(MANIFEST), &text)?;
     let at = format!("/{}", FORM.0);
     if document[FORM.0] != FORM.1 {
         return Err(fail(MANIFEST, &at, format!("found {}, expected {}", document[FORM.0], FORM.1)));
     }
     let recipe =
-        read(RECIPE)?.ok_or_else(|| fail(RECIPE, "", "missing: it holds the recipe, also when empty".into()))?;
+        read(RECIPE)?.ok_or_else(|| fail(RECIPE, "", "missing, expected the recipe (the file may be empty)".into()))?;
     let recipe = String::from_utf8(recipe)
         .map_err(|e| fail(RECIPE, &format!("byte {}", e.utf8_error().valid_up_to()), "expected UTF-8".into()))?;
     let edited = document[RECIPE_DIGEST] != digest_of(&recipe);
@@ -157,7 +157,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         // The recipe only records how the fur was made; an edit could make that record wrong.
         Recipe::parse_recorded(&path(RECIPE), &manifest.recipe)?;
     }
-    let advice = "`pelage pack` makes no fur: take the edit back, or bake the model with this recipe";
+    let advice = "`pelage pack` does not bake fur: undo the edit, or bake the model with this recipe";
     let known = match document.get(RECIPE_DISAGREES) {
         None => None,
         Some(Value::Array(list)) => Some(list),
@@ -366,7 +366,7 @@ fn manifest_from_json(file: &str, value: Value, recipe: String) -> Result<Manife
     let mut full = value.clone();
     let object = full.as_object_mut().ok_or_else(|| fail("/manifest".into(), "missing, expected an object".into()))?;
     if object.contains_key("recipe") {
-        return Err(fail("/manifest/recipe".into(), format!("unexpected: the recipe stands in {RECIPE}")));
+        return Err(fail("/manifest/recipe".into(), format!("unexpected: the recipe is in {RECIPE}")));
     }
     object.insert("recipe".into(), recipe.into());
     for (i, input) in full["inputs"].as_array_mut().into_iter().flatten().enumerate() {

@@ -53,8 +53,7 @@ pub fn run(args: &ValidateArgs, output: &mut Output) -> Result<Exit, Failure> {
     let mut text = String::new();
     for fault in &faults {
         let place = fault.offset.map_or("no byte".to_owned(), |o| format!("byte {o}"));
-        let word =
-            if fault.stops_drawing { "" } else { " (drawn all the same: no part of a picture is read from there)" };
+        let word = if fault.stops_drawing { "" } else { " (does not stop drawing: no picture depends on it)" };
         let _ = writeln!(text, "{}: section {}, {place}: {}{word}", file.name, fault.section, fault.message);
     }
     let _ = match faults.len() {

@@ -2,8 +2,8 @@
 
 use super::backdrop;
 use super::camera_args::CameraArgs;
-use super::exit::Failure;
 use super::environment::Sky;
+use super::exit::Failure;
 use super::view_args::{Blend, MorphWeight, ViewArgs};
 use glam::Vec3;
 use pelage_formats::{ClipLayer, Package};

@@ -77,7 +77,7 @@ impl FromStr for Frames {
         };
         let (first, end) = number(first).zip(number(end)).ok_or_else(expected)?;
         if first >= end || of.is_some_and(|of| end > of) {
-            return Err(format!("found no pictures from {first} to {end} in it; {}", expected()));
+            return Err(format!("found the range {first}..{end}, which is empty or too long; {}", expected()));
         }
         Ok(Self { first, end, of })
     }
@@ -197,8 +197,8 @@ mod tests {
             ("--orbit 0,0,0", "zoom: found 0, expected 0.01 to 100"),
             ("--frames 0", "expected a number of 1 to 100000"),
             ("--frames 100001", "expected a number of 1 to 100000"),
-            ("--frames 4..4", "found no pictures from 4 to 4"),
-            ("--frames 4..8/7", "found no pictures from 4 to 8"),
+            ("--frames 4..4", "found the range 4..4"),
+            ("--frames 4..8/7", "found the range 4..8"),
             ("--frames 4..x", "such as 0..24 or 24..48/96"),
             ("--time inf", "number of seconds"),
             ("--blend Run", "such as Walk:0.3"),

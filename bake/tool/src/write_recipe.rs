@@ -32,7 +32,7 @@ pub fn require_place(path: &Path, model: &Path, package: &Path, recipe: Option<&
     let others = [("the model", Some(model)), ("the package", Some(package)), ("the recipe that is read", recipe)];
     for (what, other) in others {
         if other.is_some_and(|other| place(other) == place(path)) {
-            let text = format!("--write-recipe {}: that is {what}; give it another name", path.display());
+            let text = format!("--write-recipe {}: this is {what}; choose another name", path.display());
             return Err(Failure::Usage(text));
         }
     }
@@ -46,14 +46,15 @@ pub fn require_files(path: &Path, recipe: &Recipe, images: &MapImages) -> Result
     let folder = path.parent().unwrap_or(Path::new(""));
     let refuse = |found: String| {
         Failure::Usage(format!(
-            "--write-recipe {found}; a recipe finds files from its own folder: write it into that of --recipe, or copy them so that it finds them"
+            "--write-recipe {found}; file names in a recipe are relative to its folder: \
+             write it into the folder of --recipe, or copy the files as well"
         ))
     };
     let found = io::read_map_images(&path.display().to_string(), &|name| folder.join(name), recipe)
         .map_err(|error| refuse(error.to_string()))?;
     match found.inputs.iter().find(|input| !images.inputs.contains(input)) {
         Some(other) => {
-            let text = format!("{}: it would find another file {:?} than this bake", path.display(), other.name);
+            let text = format!("{}: it would refer to another file {:?} than this bake", path.display(), other.name);
             Err(refuse(text))
         }
         None => Ok(()),
@@ -99,7 +100,7 @@ impl RecipeChoices<'_> {
         inputs: Vec<InputRecord>,
         images: &MapImages,
     ) -> Result<String, BakeError> {
-        let fault = |fault| BakeError::Internal(format!("the package does not read back: {fault}"));
+        let fault = |fault| BakeError::Internal(format!("cannot read back the package: {fault}"));
         let recorded =
             Package::open(&baked.package, &FormatLimits::default()).map_err(fault)?.manifest().recipe.clone();
         let (text, file) = (self.text(&recorded, &baked.decisions)?, path.display().to_string());
@@ -120,7 +121,8 @@ impl RecipeChoices<'_> {
     fn text(&self, recorded: &str, decisions: &[Decision]) -> Result<String, BakeError> {
         let mut recipe = Recipe::parse_recorded("the package's recipe", recorded)?;
         for Decision { what, line, .. } in decisions {
-            let fault = |fault| BakeError::Internal(format!("the decision on {what} is no line of a recipe: {fault}"));
+            let fault =
+                |fault| BakeError::Internal(format!("the decision on {what} is not a line of a recipe: {fault}"));
             recipe.merge("decision", line).map_err(fault)?;
         }
         let by_options: Vec<&str> =
@@ -136,8 +138,9 @@ impl RecipeChoices<'_> {
             notes
         });
         Ok(format!(
-            "# The whole recipe of a bake of {:?}: the same model with this file gives the same package.\n\
-             # Above each key stands what it means. What neither a recipe nor an option said is {BY_BAKE}.\n\n{said}",
+            "# Complete recipe of a bake of {:?}: baking the same model with this file gives the same package.\n\
+             # A comment above each key explains it. Values from neither a recipe nor an option are {BY_BAKE}.\n\n\
+             {said}",
             self.model
         ))
     }

@@ -125,7 +125,8 @@ mod tests {
                     hits += 1;
                     assert!(distance_to_hull(capsule, origin + way * enter).abs() < 1e-4, "{capsule:?}, ray {i}");
                     // No part of the capsule is before the entry point.
-                    let before = (0..50).map(|k| distance_to_hull(capsule, origin + way * (enter * f64::from(k) / 50.0)));
+                    let before =
+                        (0..50).map(|k| distance_to_hull(capsule, origin + way * (enter * f64::from(k) / 50.0)));
                     assert!(before.fold(f64::INFINITY, f64::min) > -1e-9, "{capsule:?}, ray {i}");
                     assert!(!capsule.intersect(origin, -way).is_finite());
                     assert!(!capsule.intersect(origin + way * (enter + 1e-9), way).is_finite(), "from within");

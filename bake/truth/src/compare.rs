@@ -109,7 +109,7 @@ pub fn compare(a: &RgbaImage, b: &RgbaImage, over: [u8; 3]) -> Result<(Compariso
 pub fn compare_pictures(a: &Picture, b: &Picture, params: &CompareParams) -> Result<(Comparison, FlipMap), BakeError> {
     if (a.width, a.height) != (b.width, b.height) || a.pixels.len() != b.pixels.len() || a.pixels.is_empty() {
         let size = |p: &Picture| format!("{}x{}", p.width, p.height);
-        let reason = format!("of {} and {} pixels, expected one size for both", size(a), size(b));
+        let reason = format!("found {} and {} pixels, expected the same size for both", size(a), size(b));
         return Err(BakeError::Params { what: "pictures", reason });
     }
     let (mut squares, mut alphas) = (0.0, 0.0);

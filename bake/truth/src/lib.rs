@@ -23,19 +23,19 @@ mod part_file;
 mod paths;
 mod picture;
 mod scattering;
-mod visibility;
 mod sky;
 mod strand_light;
 mod tracer;
+mod visibility;
 
 pub use camera::{Lens, RayCaster, TrueCamera, ViewDirections};
 pub use lighting::{TrueLight, TrueLighting};
 pub use part_file::{PartHeader, TracedPart};
 pub use picture::{Part, Portion, Rays, Square, TracedPicture, TrueScene};
 pub use scattering::TrueScattering;
-pub use visibility::{SurfaceView, VisiblePoint, SurfaceVisibility};
 pub use sky::TrueSky;
 pub use strand_light::VisibleStrand;
+pub use visibility::{SurfaceView, SurfaceVisibility, VisiblePoint};
 
 use glam::DVec2;
 use pelage_bake::noise::{hash, uniform};

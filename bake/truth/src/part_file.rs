@@ -78,7 +78,7 @@ impl TracedPart {
     pub fn decode(bytes: &[u8]) -> Result<Self, (String, String)> {
         let wrong = |place: &str, reason: String| (place.to_owned(), reason);
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
-            wrong("byte 0", "is no part of a picture; expected a file that `pelage reference --part` wrote".into())
+            wrong("byte 0", "is not a part of a picture; expected a file written by `pelage reference --part`".into())
         })?;
         let end = rest.iter().position(|byte| *byte == b'\n');
         let end = end.ok_or_else(|| wrong("line 2", "it does not end; the file is cut off".into()))?;
@@ -101,7 +101,7 @@ impl TracedPart {
         }
         let (body, hash) = bytes.split_at(length - HASH);
         if Sha256::digest(body).as_slice() != hash {
-            let reason = "the hash of the bytes before it is another one; the file is damaged";
+            let reason = "the hash of the preceding bytes differs; the file is damaged";
             return Err(wrong(&format!("byte {}", length - HASH), reason.into()));
         }
         let count = squares as usize;

@@ -92,7 +92,14 @@ impl Sample<'_> {
 
     /// Returns the direction of a light from a point and its visibility. For the key light the direction is a random
     /// one to its disc.
-    fn light_visibility(&self, light: &TrueLight, key: bool, place: DVec3, start: RayOrigin, aside: [f64; 2]) -> (DVec3, bool) {
+    fn light_visibility(
+        &self,
+        light: &TrueLight,
+        key: bool,
+        place: DVec3,
+        start: RayOrigin,
+        aside: [f64; 2],
+    ) -> (DVec3, bool) {
         let (axis, distance) = light.direction_and_distance(place);
         let way = if key { self.on_disc(axis, aside.into()) } else { axis };
         let skin = key && self.lighting.skin_shadows;
@@ -102,7 +109,14 @@ impl Sample<'_> {
 
     /// Returns the light of one sampled sky direction that is scattered to the eye, weighted against the sampling of
     /// the scattering (Veach and Guibas 1995, the balance heuristic).
-    fn sky_contribution(&self, sky: &TrueSky, met: &Scatterer<'_>, place: DVec3, start: RayOrigin, even: [f64; 2]) -> DVec3 {
+    fn sky_contribution(
+        &self,
+        sky: &TrueSky,
+        met: &Scatterer<'_>,
+        place: DVec3,
+        start: RayOrigin,
+        even: [f64; 2],
+    ) -> DVec3 {
         let Some((way, likely)) = sky.sample(even) else { return DVec3::ZERO };
         let value = met.value(way);
         if value.max_element() <= 0.0 || !self.tracer.is_lit(place, way, f64::INFINITY, start, (true, true)) {
@@ -111,7 +125,13 @@ impl Sample<'_> {
         value * sky.radiance(way) / (likely + met.pdf(way))
     }
 
-    fn scatterer_at<'a>(&self, scattering: &'a TrueScattering, hit: &Hit, to_eye: DVec3, place: DVec3) -> Scatterer<'a> {
+    fn scatterer_at<'a>(
+        &self,
+        scattering: &'a TrueScattering,
+        hit: &Hit,
+        to_eye: DVec3,
+        place: DVec3,
+    ) -> Scatterer<'a> {
         match *hit {
             Hit::Hair { point, share, strand } => {
                 let of = scattering.of_strand(strand);

@@ -1,7 +1,7 @@
 //! Ray-traced picture of a package: its strands and mesh surface.
 
 use super::camera::{RayCaster, TrueCamera};
-use super::lighting::{TileShading, Sample, TrueLighting, root_directions};
+use super::lighting::{Sample, TileShading, TrueLighting, root_directions};
 use super::tracer::Tracer;
 use glam::{DVec2, DVec3};
 use pelage_bake::noise::{hash, uniform};

@@ -72,7 +72,7 @@ impl TrueScattering {
 fn near(fibre: Fibre) -> Result<TrueFibre, BakeError> {
     match (fibre.around, fibre.keeps) {
         (AzimuthalScattering::Rough(scale), LobeShape::Energy) => Ok(TrueFibre { fibre, scale }),
-        _ => Err(BakeError::Internal("paths need a fibre that is rough all around and keeps energy".into())),
+        _ => Err(BakeError::Internal("path tracing needs a fibre rough all around that conserves energy".into())),
     }
 }
 

@@ -59,7 +59,7 @@ impl Tracer {
             hair.chain(skin.vertices.iter().map(|v| (v.position_ws, 0.0)))
         };
         if places().any(|(p, radius)| !p.is_finite() || !radius.is_finite()) {
-            return Err(BakeError::Internal("the scene to trace holds places that are not finite".into()));
+            return Err(BakeError::Internal("the scene to trace contains positions that are not finite".into()));
         }
         let start = places().next().map_or(DVec3::ZERO, |(p, _)| p);
         let (min, max) = places().fold((start, start), |(min, max), (p, r)| (min.min(p - r), max.max(p + r)));
@@ -179,8 +179,9 @@ impl Tracer {
         if let Some(tree) = self.skin_tree.as_ref().filter(|_| past_skin) {
             let free = tree.ray_traverse_miss(ray, |_, id| {
                 let triangle = self.facets[id].triangle as usize;
-                let met =
-                    self.facets[id].intersect(origin, way).filter(|(t, ..)| *t < reach && start.triangle != Some(triangle));
+                let met = self.facets[id]
+                    .intersect(origin, way)
+                    .filter(|(t, ..)| *t < reach && start.triangle != Some(triangle));
                 match met {
                     Some((_, weights, _)) if !self.is_cut(triangle, weights) => 0.0,
                     _ => f32::INFINITY,
@@ -192,7 +193,8 @@ impl Tracer {
         }
         self.hair.as_ref().filter(|_| past_hair).is_none_or(|tree| {
             tree.ray_traverse_miss(ray, |_, id| {
-                let hidden = start.strand != Some(self.pieces[id].1) && self.capsules[id].intersect(origin, way) < reach;
+                let hidden =
+                    start.strand != Some(self.pieces[id].1) && self.capsules[id].intersect(origin, way) < reach;
                 if hidden { 0.0 } else { f32::INFINITY }
             })
         })

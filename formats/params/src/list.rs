@@ -66,9 +66,9 @@ impl<T: Item> Field for Vec<T> {
         let mut list = Self::new();
         for (i, item) in items.iter().enumerate() {
             let read = T::read(item);
-            list.push(
-                read.map_err(|reason| reason.map_or_else(whole, |reason| format!("{}: {reason}", T::entry_name(i, item))))?,
-            );
+            list.push(read.map_err(|reason| {
+                reason.map_or_else(whole, |reason| format!("{}: {reason}", T::entry_name(i, item)))
+            })?);
         }
         if list.iter().all(T::in_range) { Ok(list) } else { Err(whole()) }
     }

@@ -209,7 +209,7 @@ macro_rules! tables {
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct $name { $($(#[doc = $doc])+ $(#[cfg($cfg)])? pub $table: $ty,)+ }
 
-        $($(#[cfg($cfg)])? const _: () = assert!($crate::same(<$ty>::TABLE.name, stringify!($table)), "a table's name is that of its field");)+
+        $($(#[cfg($cfg)])? const _: () = assert!($crate::same(<$ty>::TABLE.name, stringify!($table)), "a table has its field's name");)+
 
         impl $crate::Tables for $name {
             const TABLES: &'static [$crate::TableInfo] = &[$($(#[cfg($cfg)])? <$ty>::TABLE),+];

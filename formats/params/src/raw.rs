@@ -29,7 +29,7 @@ impl Raw {
             DeValue::String(s) => Self::String(s.to_string()),
             DeValue::Integer(i) => match i128::from_str_radix(i.as_str(), i.radix()) {
                 Ok(i) => Self::Integer(i),
-                Err(_) => Self::Other("an integer of too many digits"),
+                Err(_) => Self::Other("an integer with too many digits"),
             },
             DeValue::Float(f) => match f.as_str().parse() {
                 Ok(f) => Self::Float(f),

@@ -201,7 +201,7 @@ impl Environment {
         };
         let direction = |key: String, found: [f32; 3]| {
             let bad = !(1e-6..=1e6).contains(&Vec3::from(found).length());
-            bad.then(|| (key, format!("found {found:?}, expected a direction with a length")))
+            bad.then(|| (key, format!("found {found:?}, expected a direction that is not zero")))
         };
         let of_sun =
             |sun: Sun| direction("sun.towards".into(), sun.towards).or_else(|| colour("sun.color".into(), sun.color));

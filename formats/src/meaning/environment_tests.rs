@@ -38,7 +38,11 @@ fn ground_receives_light_from_the_upper_hemisphere() {
     let sky = Environment { even: [0.5, 0.25, 0.125], lobes, sun: Some(sun) };
     let sum = sphere(40_000).map(|(way, angle)| sky.radiance(way) * (way.y.max(0.0) * angle / PI)).sum::<DVec3>();
     let expected = sum + 0.8 * DVec3::new(1.0, 2.0, 0.0);
-    assert!((sky.ground_irradiance() / expected - 1.0).abs().max_element() < 2e-3, "{} {expected}", sky.ground_irradiance());
+    assert!(
+        (sky.ground_irradiance() / expected - 1.0).abs().max_element() < 2e-3,
+        "{} {expected}",
+        sky.ground_irradiance()
+    );
     let low = Environment { sun: Some(Sun { towards: [1.0, -0.2, 0.0], ..sun }), ..Environment::default() };
     assert_eq!(low.ground_irradiance(), DVec3::ZERO);
 }

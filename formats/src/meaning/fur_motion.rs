@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn leaning_hair_stays_within_its_height() {
         let normal = Vec3::new(0.2, 0.9, -0.3).normalize();
-        assert!(lean(normal * 0.01, normal, 0.02, 1.0).is_none(), "along the normal is no lean");
+        assert!(lean(normal * 0.01, normal, 0.02, 1.0).is_none(), "no lean along the normal");
         let (small, towards) = lean(Vec3::X * 0.001, normal, 0.02, 1.0).unwrap();
         assert!((small - 0.05).abs() < 0.002 && towards.dot(normal).abs() < 1e-6 && towards.x > 0.9);
         let (most, towards) = lean(Vec3::X * 1e3, normal, 0.02, 1.0).unwrap();

@@ -149,7 +149,8 @@ mod tests {
                     let whole: Vec<u32> = drawn(0)
                         .into_iter()
                         .filter(|l| {
-                            represented_layers(*l, baked, 2 * step) > 0 || detail_fade(*l, baked, step, gone as f32) < 1.0
+                            represented_layers(*l, baked, 2 * step) > 0
+                                || detail_fade(*l, baked, step, gone as f32) < 1.0
                         })
                         .collect();
                     assert_eq!(layers, whole, "{baked} layers, step {step}, {gone} gone");

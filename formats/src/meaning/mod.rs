@@ -4,9 +4,9 @@
 //! The runtime's shaders implement the same in WGSL. Its tests compare shader, function and an f64 reference. The
 //! functions for points of hair accept f32 and f64, because tracing single hairs from afar needs the precision.
 
-mod far_layer;
 mod direction;
 pub mod environment;
+mod far_layer;
 mod fins;
 pub mod fur_motion;
 mod groom;
@@ -24,8 +24,8 @@ mod tile_frame;
 mod view;
 mod visibility;
 
-pub use far_layer::{far_layer_light, far_layer_light_coefficients};
 pub use direction::{decode_direction, encode_direction};
+pub use far_layer::{far_layer_light, far_layer_light_coefficients};
 pub use fins::{FIN_CORNERS, LEANING_ROWS, fin_face, fin_opacity, fin_rows, row_heights};
 pub use groom::{groom_bytes, groom_of_vertex, groom_with_texel};
 pub use hair_point::{grown_tangent, hair_direction, hair_offset, lean_offset, lean_slope};

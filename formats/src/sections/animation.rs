@@ -207,7 +207,7 @@ impl MorphChannel {
         let end = u64::from(self.target) + u64::from(self.count);
         if self.count == 0 || end > targets as u64 {
             let (first, count) = (self.target, self.count);
-            return Err(format!(" moves {count} targets from {first} on, expected at least one of the {targets}"));
+            return Err(format!(" animates {count} targets from {first} on, expected at least one of the {targets}"));
         }
         check_keys(&self.times, &self.values, self.expected_values())
     }
@@ -282,7 +282,7 @@ pub(super) fn check_keys(times: &[f32], values: &[f32], expected: Option<usize>)
     match times.windows(2).position(|w| w[0] >= w[1]) {
         Some(k) => {
             let (a, b) = (times[k], times[k + 1]);
-            Err(format!(".times[{}] is {b}, expected more than the key before, {a}", k + 1))
+            Err(format!(".times[{}] is {b}, expected more than the previous key, {a}", k + 1))
         }
         None => Ok(()),
     }

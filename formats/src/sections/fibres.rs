@@ -151,7 +151,7 @@ impl<'a> Package<'a> {
         let numbers = (0..view.levels).flat_map(|level| view.level(level).chunks_exact(2));
         // All bits of the exponent set: infinity or NaN.
         if numbers.into_iter().any(|half| half[1] & 0x7c == 0x7c) {
-            return Err(self.texture_fault(info.texture, "holds what is no finite number, expected tables of fibres"));
+            return Err(self.texture_fault(info.texture, "has a number that is not finite, expected tables of fibres"));
         }
         Ok(Some(view))
     }

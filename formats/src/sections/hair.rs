@@ -167,10 +167,10 @@ impl HairGroup {
             }
             let over = |(_, [b, c]): &(u32, [u16; 2])| u32::from(*b) + u32::from(*c) > 65535;
             if let Some(at) = self.guide_roots.iter().position(over) {
-                return Some(format!("guide {at}: weights above 1 together, expected at most 1"));
+                return Some(format!("guide {at}: weights sum to more than 1, expected at most 1"));
             }
             let none = self.scalp.iter().position(|(_, share)| *share == 0);
-            none.map(|at| format!("triangle {at} of the scalp: a density of 0, expected more"))
+            none.map(|at| format!("triangle {at} of the scalp: density is 0, expected more"))
         };
         count("points", self.points, 2, MOST_POINTS)
             .or_else(|| count("guide_points", self.guide_points, 2, MOST_POINTS))

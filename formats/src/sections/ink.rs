@@ -262,7 +262,7 @@ impl<'a> InkView<'a> {
         let first = first_vertex(info_bytes.into());
         let found = bytemuck::pod_read_unaligned::<u64>(&bytes[8..16]);
         if found != first {
-            return Err(fail(8, format!("vertex offset is {found}, expected {first} behind {info_bytes} bytes")));
+            return Err(fail(8, format!("vertex offset is {found}, expected {first} after {info_bytes} bytes")));
         }
         let end = first + u64::from(count) * size_of::<InkVertex>() as u64;
         if bytes.len() as u64 != end {

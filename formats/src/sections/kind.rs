@@ -22,7 +22,7 @@ pub(crate) struct Kind {
     /// Returns every fault of the textures that the section names, with respect to their use.
     pub(crate) check_use: fn(&Package<'_>) -> Vec<FormatError>,
     /// Row in `FORMAT.md`.
-    #[cfg_attr(not(test), expect(dead_code, reason = "a test holds the specification against it"))]
+    #[cfg_attr(not(test), expect(dead_code, reason = "a test compares the specification with it"))]
     pub(crate) row: Row,
 }
 
@@ -41,7 +41,7 @@ pub(crate) enum Count {
 }
 
 /// Row of the table of tags in `FORMAT.md`, in Markdown.
-#[cfg_attr(not(test), expect(dead_code, reason = "a test holds the specification against it"))]
+#[cfg_attr(not(test), expect(dead_code, reason = "a test compares the specification with it"))]
 #[derive(Debug)]
 pub(crate) struct Row {
     /// Contents.

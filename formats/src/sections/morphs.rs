@@ -128,9 +128,7 @@ impl Morphs {
         }
         if self.first.len() != vertices + 1 {
             let found = self.first.len();
-            return Err(format!(
-                "first has {found} entries, expected one for each of {vertices} vertices, and one more"
-            ));
+            return Err(format!("first has {found} entries, expected one for each of {vertices} vertices, plus one"));
         }
         let ends = (self.first.first(), self.first.last());
         let rises = self.first.windows(2).all(|w| w[0] <= w[1]);

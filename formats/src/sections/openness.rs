@@ -39,7 +39,8 @@ fn check_vertex(number: usize, bytes: [u8; 4]) -> Result<(), String> {
     let [u, v] = [u, v].map(|x| i32::from(x as i8));
     if spare != 0 || u * u + v * v > 127 * 127 {
         return Err(format!(
-            "vertex {number} has the bytes {bytes:?}, expected a vector of at most 127 in the second and third, and 0 in the fourth"
+            "vertex {number} has bytes {bytes:?}, expected a vector of length at most 127 in the second and third, \
+             and 0 in the fourth"
         ));
     }
     Ok(())

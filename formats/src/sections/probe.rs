@@ -41,7 +41,7 @@ impl<'a> Package<'a> {
             CHECKED.set(CHECKED.get() + 1);
             let bytes = self.section_bytes(index)?;
             match bytes.iter().position(|byte| *byte == 0) {
-                Some(at) => Err(fail(section.offset + at as u64, format!("byte {at} is 0, expected another"))),
+                Some(at) => Err(fail(section.offset + at as u64, format!("byte {at} is 0, expected any other value"))),
                 None => Ok(bytes.iter().copied().map(u32::from).sum()),
             }
         })?;

@@ -48,7 +48,7 @@ impl<'a> Package<'a> {
         for level in 0..view.level_count as usize {
             let more = view.part_counts(level).zip(parts).position(|(found, part)| found > part.index_count);
             if let Some(part) = more {
-                let reason = format!("part {part} of list {level} has more indices than the mesh has of it");
+                let reason = format!("part {part} of list {level} has more indices than that part of the mesh");
                 return Err(fail(HEADER_BYTES, reason));
             }
         }
@@ -132,7 +132,7 @@ fn encode(levels: &[SimplifiedLevel]) -> Result<Vec<u8>, FormatError> {
     let count = |n: usize| u32::try_from(n).map_err(|_| fail("more than 2^32 lists, parts or indices"));
     let parts = levels.first().map_or(0, |level| level.part_counts.len());
     if levels.iter().any(|level| level.part_counts.len() != parts) {
-        return Err(fail("lists of different numbers of parts"));
+        return Err(fail("lists with different numbers of parts"));
     }
     let indices = count(levels.iter().map(|level| level.indices.len()).sum())?;
     let counts = Counts { levels: count(levels.len())?, parts: count(parts)?, indices };
@@ -187,7 +187,7 @@ impl<'a> SimplifiedView<'a> {
             least = deviation;
         }
         if let Some(at) = numbers(view.part_counts).position(|n| n % 3 != 0) {
-            return Err(fail(of_parts + 4 * at as u64, format!("count {at} of indices is no multiple of 3")));
+            return Err(fail(of_parts + 4 * at as u64, format!("index count {at} is not a multiple of 3")));
         }
         let sum: u64 = numbers(view.part_counts).map(u64::from).sum();
         if sum != u64::from(indices) {

@@ -146,7 +146,10 @@ fn adding_a_section_takes_one_file_and_one_line() {
     assert_eq!(open(&plain).probe().unwrap(), None);
     // Faults of its own check, with the position; of a second section; and of a missing one.
     let zero = refused(PackageWriter::new(Manifest::default()).probe(&[1, 0]));
-    assert!(zero.starts_with("section PROB at byte") && zero.ends_with("byte 1 is 0, expected another"), "{zero}");
+    assert!(
+        zero.starts_with("section PROB at byte") && zero.ends_with("byte 1 is 0, expected any other value"),
+        "{zero}"
+    );
     let two = refused(PackageWriter::new(Manifest::default()).probe(&[1]).probe(&[1]));
     assert!(two.contains("PROB") && two.ends_with("a second section of this tag, expected at most one"), "{two}");
     let probed = || Manifest { model: "probed".into(), ..Manifest::default() };

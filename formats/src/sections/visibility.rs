@@ -62,7 +62,9 @@ impl<'a> Package<'a> {
                 return Err(fail("visibility of a package without fur, expected none"));
             }
             if info.wet_texture.is_some() != fur.wet.is_some() {
-                return Err(fail("wet_texture and the manifest's fur.wet are not both there, expected both or none"));
+                return Err(fail(
+                    "only one of wet_texture and the manifest's fur.wet is present, expected both or neither",
+                ));
             }
             if !(info.horizon > 0.0 && info.horizon.is_finite()) {
                 return Err(fail(&format!("horizon is {}, expected a finite number above 0", info.horizon)));

@@ -157,7 +157,7 @@ fn version_1_checks_its_reserved_bytes() {
     put(&mut longer, 32 + 16, &(coat.len() as u64).to_le_bytes());
     reseal(&mut longer);
     let error = Package::open(&longer, &LIMITS()).unwrap_err().to_string();
-    assert!(error.contains("bytes of coat behind the manifest of version 2"), "{error}");
+    assert!(error.contains("bytes of coat after the manifest of version 2"), "{error}");
     // In version 1 the tag of the fins is unknown.
     let any =
         PackageWriter::new(Manifest::default()).version(1).section(Tag::FINS, &b"x"[..]).section(Tag::FINS, &b""[..]);
@@ -400,7 +400,7 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.fur.layers = 0), "fur.layers is 0 beside fur.wet, fur.fins or a coat");
     refused(with(|m| m.coat.as_mut().unwrap().height = f32::NAN), "coat.height is NaN, expected 0..=1");
     refused(with(|m| m.coat.as_mut().unwrap().light_slanted = 0.75), "coat.light_slanted is 0.75, expected 0..=0.5");
-    refused(with(|m| m.coat = None), "detail[2].step is 0, expected a coat beside it");
+    refused(with(|m| m.coat = None), "detail[2].step is 0, expected it only beside a coat");
     refused(with(|m| m.detail[0].step = 2), "detail[0].step is 2, expected 1");
     refused(with(|m| m.detail[1].step = 4), "detail[1].step is 4, expected 2");
     refused(with(|m| m.detail[1].step = 0), "detail[1].step is 0, expected 2");
@@ -424,7 +424,7 @@ fn manifest_contents_are_checked() {
     refused(choice(|c| c.limits.max_frame_ms = Some(-1.0)), "choice.limits.max_frame_ms is -1");
     refused(
         choice(|c| c.binding = "max_frame_ms".into()),
-        "choice.binding is \"max_frame_ms\", expected it empty or one of [\"max_error\"",
+        "choice.binding is \"max_frame_ms\", expected an empty string or one of [\"max_error\"",
     );
     refused(choice(|c| c.height = 0), "choice is of 640x0 pixels");
     refused(choice(|c| c.trials[1].error = Some(f64::NAN)), "choice.trials[1].error is NaN");

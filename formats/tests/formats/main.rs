@@ -1,5 +1,5 @@
 //! Tests of the package file: round trip and rules of every section, damage, limits, golden files and a C reader.
-#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
+#![allow(clippy::disallowed_methods, reason = "packages made by tests are never kept")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 #[path = "../../fuzz/src/bodies.rs"]

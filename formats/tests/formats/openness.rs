@@ -39,13 +39,12 @@ fn openness_contents_are_checked() {
     let reason = |bytes: Vec<u8>| package(|writer| writer.section(Tag::OPENNESS, bytes)).unwrap_err().to_string();
     let missing = reason(vec![0; 4 * count - 4]);
     assert!(missing.contains(&format!("expected {}, 4 for each of {count} vertices", 4 * count)), "{missing}");
-    for (at, byte, what) in
-        [(7, 1, "vertex 1 has the bytes [0, 0, 0, 1]"), (1, 0x80, "vertex 0 has the bytes [0, 128, 0, 0]")]
+    for (at, byte, what) in [(7, 1, "vertex 1 has bytes [0, 0, 0, 1]"), (1, 0x80, "vertex 0 has bytes [0, 128, 0, 0]")]
     {
         let mut bytes = vec![0; 4 * count];
         bytes[at] = byte;
         let found = reason(bytes);
-        assert!(found.contains(what) && found.contains("expected a vector of at most 127"), "{found}");
+        assert!(found.contains(what) && found.contains("expected a vector of length at most 127"), "{found}");
     }
 }
 

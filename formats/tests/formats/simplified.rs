@@ -61,13 +61,13 @@ fn simplified_contents_are_checked() {
         (|l| l[0].deviation_m = 0.0, "deviation 0 is 0, expected a finite number above 0"),
         (|l| l[0].deviation_m = f32::NAN, "deviation 0 is NaN"),
         (|l| l[1].deviation_m = 0.25, "deviation 1 is 0.25, expected a finite number above 0.25"),
-        (|l| l[1].part_counts = vec![3, 0], "lists of different numbers of parts"),
+        (|l| l[1].part_counts = vec![3, 0], "lists with different numbers of parts"),
         (|l| l[1].part_counts[0] = 6, "the lists have 12 indices, expected the 9 of the section"),
-        (|l| (l[0].part_counts[0], l[1].part_counts[0]) = (7, 2), "count 0 of indices is no multiple of 3"),
+        (|l| (l[0].part_counts[0], l[1].part_counts[0]) = (7, 2), "index count 0 is not a multiple of 3"),
         (|l| l[1].indices[2] = 1 << 20, "index 8 is not less than the"),
         (
             |l| (l[0].part_counts[0], l[0].indices) = (15, [0, 1, 2].repeat(5)),
-            "part 0 of list 0 has more indices than the mesh has of it",
+            "part 0 of list 0 has more indices than that part of the mesh",
         ),
     ];
     for (change, expected) in cases {

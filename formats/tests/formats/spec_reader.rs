@@ -20,7 +20,11 @@ fn compile(folder: &Path, test: &str) -> Option<PathBuf> {
             Some(program)
         }
         Err(error) => {
-            log_missing(Need::Compiler, test, &format!("no C compiler {compiler:?}: {error}; FORMAT.md was not proven"));
+            log_missing(
+                Need::Compiler,
+                test,
+                &format!("no C compiler {compiler:?}: {error}; FORMAT.md was not proven"),
+            );
             None
         }
     }

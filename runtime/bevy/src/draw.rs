@@ -59,15 +59,15 @@ pub(crate) fn prepare(
     let main_entity = extracted.retained_view_entity.main_entity;
     if space.is_some_and(|space| space.0 == Some(CompositingSpace::Srgb)) {
         let words = format!(
-            "camera {main_entity:?} composites in sRGB, which pelage cannot: fur is linear light. Its animals are not drawn; \
-             leave out CompositingSpace::Srgb"
+            "camera {main_entity:?} composites in sRGB, which pelage does not support because fur is in linear light. \
+             Its animals are not drawn; remove CompositingSpace::Srgb"
         );
         return renderers.warn(words);
     }
     if !camera.hdr {
         let words = format!(
-            "camera {main_entity:?} has no Hdr: there Bevy applies exposure and tone mapping in the shaders of its meshes, and fur, which \
-             has none in its own, comes out too bright beside them. Add bevy_camera::Hdr to the camera"
+            "camera {main_entity:?} has no Hdr: Bevy then applies exposure and tone mapping in its mesh shaders. The \
+             fur shaders do neither, so fur comes out too bright beside meshes. Add bevy_camera::Hdr to the camera"
         );
         renderers.warn(words);
     }

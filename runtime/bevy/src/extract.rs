@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 /// An animal in the render world.
 #[derive(Clone, Debug)]
-#[cfg_attr(not(feature = "pbr"), allow(dead_code, reason = "the shadow maps that it throws shadows in are bevy_pbr's"))]
+#[cfg_attr(not(feature = "pbr"), allow(dead_code, reason = "only bevy_pbr has the shadow maps that it casts into"))]
 pub(crate) struct Animal {
     pub(crate) model: AssetId<PelageModel>,
     pub(crate) transform: Mat4,

@@ -20,7 +20,9 @@ pub(crate) use layouts::{
     SamplerSettings, WORKGROUP, depth_texture, in_compute, sampler, storage, storage_in, storage_out, texture, uniform,
     workgroups,
 };
-pub(crate) use pipelines::{ComputeSpec, Constants, RenderSpec, Shader, VertexLayout, attribute, depth_state, primitive_state, flag};
+pub(crate) use pipelines::{
+    ComputeSpec, Constants, RenderSpec, Shader, VertexLayout, attribute, depth_state, flag, primitive_state,
+};
 pub(crate) use pool::Pool;
 pub(crate) use targets::{Target, TargetSet, take_targets};
 pub(crate) use uniforms::{UniformRange, UniformRing, UniformSlot};

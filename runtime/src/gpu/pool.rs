@@ -66,7 +66,7 @@ mod tests {
         drop(held);
         shelf.next_frame();
         drop(shelf.put(3));
-        assert_eq!(shelf.take(|_| true), Some(1), "the one that was used longest ago");
+        assert_eq!(shelf.take(|_| true), Some(1), "the least recently used one");
         (0..FREED_AFTER).for_each(|_| shelf.next_frame());
         assert!(shelf.share(|n| *n == 3).is_some());
         (0..=FREED_AFTER).for_each(|_| shelf.next_frame());

@@ -61,7 +61,12 @@ impl UniformSlot {
         self.put_bytes(gpu, stride, std::iter::once(bytes))
     }
 
-    fn put_bytes<'b>(&mut self, gpu: &Gpu, stride: u64, values: impl ExactSizeIterator<Item = &'b [u8]>) -> UniformRange {
+    fn put_bytes<'b>(
+        &mut self,
+        gpu: &Gpu,
+        stride: u64,
+        values: impl ExactSizeIterator<Item = &'b [u8]>,
+    ) -> UniformRange {
         let needed = stride * values.len().max(1) as u64;
         let fits = |chunk: &Chunk| chunk.bytes.len() as u64 + needed <= chunk.buffer.size();
         let index = self.chunks.iter().position(fits).unwrap_or_else(|| {

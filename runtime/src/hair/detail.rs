@@ -4,7 +4,7 @@
 //! ones, and last the mesh surface with the far fur layer. No level is drawn twice: between two levels, layers
 //! disappear one after another and pass their opacity to those that stay.
 
-use super::strand_lod::{effective_samples, point_step, drawn_share, transition_shares, strand_transition};
+use super::strand_lod::{drawn_share, effective_samples, point_step, strand_transition, transition_shares};
 use crate::bounds::Hull;
 use crate::gpu::largest_buffer;
 use crate::instance::Instance;
@@ -81,7 +81,8 @@ impl InstanceDrawing {
         let px_per_m = instance.scale() * hull.px_per_m(clip_from_view, clip_from_world, params.viewport[1]);
         let detail = params.style.fur().map_or(1.0, |fur| detail_bias(fur.detail));
         let most_pieces = crate::study::strand_pieces(params);
-        let drawing = Self { px_per_m: px_per_m * detail, most_pieces, ..Self::from_layers(instance, px_per_m, params) };
+        let drawing =
+            Self { px_per_m: px_per_m * detail, most_pieces, ..Self::from_layers(instance, px_per_m, params) };
         let Some(fur) = params.style.fur().filter(|_| params.debug.only_layer.is_none()) else {
             return drawing;
         };
@@ -91,7 +92,9 @@ impl InstanceDrawing {
             HairGeometry::Strands => 1.0,
             // A caller who asks for layers wants to see them.
             HairGeometry::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
-            HairGeometry::Auto => strand_transition(fur, px_per_m * strands.mean_width_m * detail_bias(fur.detail), samples),
+            HairGeometry::Auto => {
+                strand_transition(fur, px_per_m * strands.mean_width_m * detail_bias(fur.detail), samples)
+            }
         };
         Self {
             point_step: point_step(strands, px_per_m, effective_samples(fur, samples), most_pieces),
@@ -121,7 +124,13 @@ impl InstanceDrawing {
     ///
     /// Hair groups are drawn as strands at any size. If they are too thin for the samples, fewer and wider ones are
     /// drawn.
-    pub(crate) fn sets(&self, model: &Model, style: &Style, samples: u32, limits: &wgpu::Limits) -> Vec<StrandSetDrawing> {
+    pub(crate) fn sets(
+        &self,
+        model: &Model,
+        style: &Style,
+        samples: u32,
+        limits: &wgpu::Limits,
+    ) -> Vec<StrandSetDrawing> {
         let Some(fur) = style.fur() else { return Vec::new() };
         let found = effective_samples(fur, samples);
         let of = |(set, strands): (usize, &StrandSet)| {

@@ -1,7 +1,9 @@
 use super::*;
 use crate::camera::{Camera, Projection};
 use crate::params::Style;
-use crate::shared::detail::{far_layer_light, far_layer_light_coefficients, detail_exponent, detail_layer, represented_layers};
+use crate::shared::detail::{
+    detail_exponent, detail_layer, far_layer_light, far_layer_light_coefficients, represented_layers,
+};
 use glam::Vec3;
 use pelage_formats::DetailLevel;
 use pelage_formats::{FarLayerInfo, FurInfo};
@@ -70,10 +72,14 @@ fn drawing_parameters_follow_the_level() {
     assert_eq!(fading.weights, [1.0, 1.25]);
     // An explicit number of layers takes precedence.
     let eight = params.clone().with_fur(|fur| fur.layers = Some(8));
-    assert_eq!(InstanceDrawing::at_level(&manifest, &eight, 2, 0.5), InstanceDrawing::at_level(&manifest, &eight, 0, 0.0));
+    assert_eq!(
+        InstanceDrawing::at_level(&manifest, &eight, 2, 0.5),
+        InstanceDrawing::at_level(&manifest, &eight, 0, 0.0)
+    );
     let bare = params.clone().with(|params| params.style = Style::Bare);
     assert!(
-        !InstanceDrawing::at_level(&manifest, &bare, 3, 0.0).has_shells() && InstanceDrawing::at_level(&manifest, &bare, 3, 0.0).detail.coat == 0.0
+        !InstanceDrawing::at_level(&manifest, &bare, 3, 0.0).has_shells()
+            && InstanceDrawing::at_level(&manifest, &bare, 3, 0.0).detail.coat == 0.0
     );
 }
 
@@ -82,7 +88,10 @@ fn light_in_far_fur_interpolates_the_baked_values() {
     let manifest = manifest();
     let coat = manifest.coat.as_ref().unwrap();
     let [base, slope] = far_layer_light_coefficients(coat);
-    assert!((far_layer_light(1.0, base, slope) - 0.75).abs() < 1e-6 && (far_layer_light(4.0, base, slope) - 0.5).abs() < 1e-6);
+    assert!(
+        (far_layer_light(1.0, base, slope) - 0.75).abs() < 1e-6
+            && (far_layer_light(4.0, base, slope) - 0.5).abs() < 1e-6
+    );
     // Black hair gives only finite numbers.
     let dark = far_layer_light_coefficients(&FarLayerInfo::default());
     assert!(dark.iter().all(|x| x.is_finite()) && far_layer_light(2.0, dark[0], dark[1]) <= 1e-3);

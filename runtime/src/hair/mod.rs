@@ -2,8 +2,11 @@
 //! geometries.
 
 mod detail;
-mod variant;
 mod strand_lod;
+mod variant;
 
 pub(crate) use detail::{InstanceDrawing, StrandSetDrawing};
-pub(crate) use variant::{Variant, groom_constants, growth_and_wetness_constants, growth_constants, hair_wgsl, cutout_constants, material_constants};
+pub(crate) use variant::{
+    Variant, cutout_constants, groom_constants, growth_and_wetness_constants, growth_constants, hair_wgsl,
+    material_constants,
+};

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use half::f16;
 use pelage_formats::FibreInfo;
 use pelage_formats::meaning::environment::{Environment, brightness};
-use pelage_formats::meaning::scattering::broad::{HORIZON_SINE, BroadSize, BroadTables};
+use pelage_formats::meaning::scattering::broad::{BroadSize, BroadTables, HORIZON_SINE};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -80,8 +80,9 @@ impl EnvironmentCache {
             before.map(|known| known.fibres.len() as u32).sum()
         };
         let firsts = models.map(|info| info.map_or(0, first)).collect();
-        let same =
-            |broad: &BroadLightTables| broad.of.len() == of.len() && broad.of.iter().zip(&of).all(|(a, b)| Arc::ptr_eq(a, b));
+        let same = |broad: &BroadLightTables| {
+            broad.of.len() == of.len() && broad.of.iter().zip(&of).all(|(a, b)| Arc::ptr_eq(a, b))
+        };
         if let Some(broad) = self.broad.as_ref().filter(|broad| same(broad)) {
             return Ok((broad.clone(), firsts));
         }

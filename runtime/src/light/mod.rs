@@ -3,13 +3,13 @@
 
 mod casters;
 mod deep;
-mod maps;
 mod environment;
+mod maps;
 mod view;
 
 pub use casters::{CasterPass, Casters};
 pub(crate) use deep::DeepMapHair;
+pub(crate) use environment::EnvironmentCache;
 pub use maps::ShadowMaps;
 pub(crate) use maps::{HairMapKind, InstanceKey, ShadowKey, get_or_create};
-pub(crate) use environment::EnvironmentCache;
 pub use view::LightView;

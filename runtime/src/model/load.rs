@@ -13,7 +13,7 @@ use crate::shared::scattering::Fibre;
 use crate::surface::{FibreBlock, FibreResources, HairViews, MaterialUniform, Surfaces};
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
-    RootOffset, AttributeVertex, FinsView, Manifest, MeshView, Package, Part as PackagePart, ROOT_HEIGHTS, RootsInfo,
+    AttributeVertex, FinsView, Manifest, MeshView, Package, Part as PackagePart, ROOT_HEIGHTS, RootOffset, RootsInfo,
     SimplifiedView, TextureView,
 };
 use std::ops::Range;
@@ -262,8 +262,8 @@ fn hair(
         (Some(wet), Some(textures)) => {
             *gpu_bytes += uploader.hair_bytes(&textures);
             if (textures.direction.format.components() == 2) != planar {
-                let reason =
-                    "directions of dry and of wet hair in formats of two and of more components, expected both alike";
+                let reason = "dry and wet hair have direction formats with different numbers of components, expected the same \
+                     format for both";
                 return Err(uploader.content("fur.wet".into(), reason.into()));
             }
             Some(uploader.hair(wet.color_texture, wet.direction_texture, &textures)?)

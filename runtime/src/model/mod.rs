@@ -11,4 +11,6 @@ pub(crate) use ink::ModelInk;
 pub(crate) use load::load;
 pub use resources::Model;
 pub(crate) use resources::Part;
-pub(crate) use strands::{CORNER_BYTES, StrandSource, Guided, HairRoot, SurfacePoint, Strand, StrandConstants, StrandSet};
+pub(crate) use strands::{
+    CORNER_BYTES, Guided, HairRoot, Strand, StrandConstants, StrandSet, StrandSource, SurfacePoint,
+};

@@ -52,7 +52,7 @@ pub(crate) struct Pass {
     pub(crate) does: &'static str,
     /// Run condition for documentation.
     pub(crate) runs_when: &'static str,
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests hold all shaders against the Rust that feeds them"))]
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests compare all shaders with the Rust that feeds them"))]
     pub(crate) shaders: &'static [Shader],
     /// Targets of the picture's size.
     pub(crate) targets: &'static [Target],

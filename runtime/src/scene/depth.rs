@@ -105,7 +105,7 @@ pub(crate) fn light_inside_remark(maps: &ShadowMaps) -> &'static str {
     let sphere = maps.view().sphere;
     match maps.key.light {
         Light::Point { position, .. } if position.distance(sphere.center) < sphere.radius => {
-            "; the light is inside the scene, the maps cover the side of its centre"
+            "; the light is inside the scene, so the maps cover only the side towards its centre"
         }
         _ => "",
     }

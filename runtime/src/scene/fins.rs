@@ -27,7 +27,12 @@ pub(crate) fn fin_draws(
         spec.streams.clear();
         draws.push(Draw {
             pipeline: frame.pipeline(spec),
-            groups: [frame.eye_group(seen), DrawBindGroup::of(&part.material), textures.clone(), DrawBindGroup::of(&group)],
+            groups: [
+                frame.eye_group(seen),
+                DrawBindGroup::of(&part.material),
+                textures.clone(),
+                DrawBindGroup::of(&group),
+            ],
             vertices: Default::default(),
             indices: None,
             range: part.fins.start * vertices..part.fins.end * vertices,

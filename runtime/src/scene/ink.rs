@@ -45,7 +45,13 @@ pub(crate) struct InkScene {
 }
 
 impl InkScene {
-    pub(super) fn new(uniforms: &mut UniformSlot, gpu: &Gpu, params: &InkParams, view: &View, instances: &[VisibleInstance]) -> Self {
+    pub(super) fn new(
+        uniforms: &mut UniformSlot,
+        gpu: &Gpu,
+        params: &InkParams,
+        view: &View,
+        instances: &[VisibleInstance],
+    ) -> Self {
         let models: Vec<_> = instances
             .iter()
             .filter_map(|seen| seen.model.ink())

@@ -2,13 +2,13 @@
 
 use super::blocks::{fill_lights, frame_block, instance_block, map_level};
 use super::ink::{InkScene, View};
-use super::nearest::{NearestSegments, area, with_supported_edges, has_ribbons};
-use super::recording::{RendererState, Recording};
+use super::nearest::{NearestSegments, area, has_ribbons, with_supported_edges};
+use super::recording::{Recording, RendererState};
 use super::ribbons::Ribbons;
 use super::visible_instance::{VisibleInstance, VisibleStrandSet};
 use crate::bounds::Hull;
 use crate::error::RuntimeError;
-use crate::gpu::{BindingResource, UniformRange, Pool, Target, take_targets};
+use crate::gpu::{BindingResource, Pool, Target, UniformRange, take_targets};
 use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
 use crate::instance::Instance;
 use crate::light::{Casters, DeepMapHair, InstanceKey, ShadowKey, ShadowMaps, get_or_create};
@@ -26,7 +26,7 @@ fn check_instances(params: &FrameParams, instances: &[&Instance]) -> Result<(), 
             return Err(RuntimeError::Params {
                 field: "Instance::owner",
                 found: format!("{} twice in one frame", instance.owner),
-                expected: "another number for each instance".into(),
+                expected: "a different number for each instance".into(),
             });
         }
         if params.style.ink().is_some() {
@@ -74,7 +74,8 @@ pub(crate) fn begin<'f>(
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
     let moved = kept.states.pose_instances(gpu, params, clip_from_view, instances);
-    let hulls: Vec<Hull> = instances.iter().zip(&moved).map(|(instance, moved)| visibility_hull(instance, moved)).collect();
+    let hulls: Vec<Hull> =
+        instances.iter().zip(&moved).map(|(instance, moved)| visibility_hull(instance, moved)).collect();
     let limits = kept.gpu.device.limits();
     let params_drawn = with_supported_edges(params, &limits, || {
         let haired = instances.iter().zip(&hulls).filter(|(instance, _)| !instance.model.strands().is_empty());
@@ -87,8 +88,13 @@ pub(crate) fn begin<'f>(
         .zip(&moved)
         .zip(&hulls)
         .map(|((instance, moved), hull)| {
-            let mut drawing =
-                InstanceDrawing::for_instance(instance, &moved.hull, &params_drawn, kept.options.sample_count, clip_from_view);
+            let mut drawing = InstanceDrawing::for_instance(
+                instance,
+                &moved.hull,
+                &params_drawn,
+                kept.options.sample_count,
+                clip_from_view,
+            );
             drawing.detail.in_picture = hull.may_be_visible(clip_from_world);
             drawing.clamped_to(&limits, &instance.model)
         })
@@ -183,7 +189,10 @@ pub(crate) fn begin<'f>(
             (4, BindingResource::View(width.clone())),
             (5, BindingResource::Sampler(surfaces.map_sampler.clone())),
             (6, BindingResource::View(sky.as_ref().map_or(&surfaces.white_array, |sky| &sky.map).clone())),
-            (7, BindingResource::View(broad.as_ref().map_or(&surfaces.white_array, |(broad, _)| &broad.tables).clone())),
+            (
+                7,
+                BindingResource::View(broad.as_ref().map_or(&surfaces.white_array, |(broad, _)| &broad.tables).clone()),
+            ),
         ];
         kept.cache.bind_groups.get(gpu, "pelage frame", &surfaces.frame, entries)
     };
@@ -251,7 +260,10 @@ fn shadow_key(
     if hull.0.is_empty() {
         hull.0.extend(instances.iter().map(|i| (i.transform.w_axis.truncate(), 0.0)));
     }
-    let of = |(((instance, moved), drawing), sets): (((&&Instance, &PosedInstance), &InstanceDrawing), &Vec<StrandSetDrawing>)| InstanceKey {
+    let of = |(((instance, moved), drawing), sets): (
+        ((&&Instance, &PosedInstance), &InstanceDrawing),
+        &Vec<StrandSetDrawing>,
+    )| InstanceKey {
         transform: instance.transform,
         revision: moved.revision,
         furry: drawing.has_shells(),

@@ -1,15 +1,15 @@
 //! Frame during preparation: all data that passes plan with.
 
 use super::ink::InkScene;
-use super::nearest::{NearestSegments, NearestBuffers};
+use super::nearest::{NearestBuffers, NearestSegments};
 use super::ribbons::Ribbons;
 use super::visible_instance::VisibleInstance;
 use crate::debug;
 use crate::gpu::{
-    Cache, ComputeSpec, Constants, Draw, Gpu, DrawBindGroup, RenderSpec, UniformRing, Shader, Pool, TargetSet, UniformSlot, depth_state,
-    primitive_state,
+    Cache, ComputeSpec, Constants, Draw, DrawBindGroup, Gpu, Pool, RenderSpec, Shader, TargetSet, UniformRing,
+    UniformSlot, depth_state, primitive_state,
 };
-use crate::light::{Casters, ShadowMaps, EnvironmentCache};
+use crate::light::{Casters, EnvironmentCache, ShadowMaps};
 use crate::model::Part;
 use crate::motion::OwnerStates;
 use crate::params::{FrameParams, RendererOptions};

@@ -2,8 +2,8 @@
 
 use super::recording::Recording;
 use crate::gpu::{
-    BindingResource, Constants, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target, depth_texture, record, sampler, texture,
-    uniform,
+    BindingResource, Constants, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target, depth_texture,
+    record, sampler, texture, uniform,
 };
 use crate::ink::{InkFrame, InkModel};
 
@@ -41,7 +41,11 @@ fn sampling(mode: wgpu::AddressMode) -> SamplerSettings {
 impl Recording<'_> {
     /// Returns layout and group 2 of the ink passes over an instance's surface; `None` for a model without ink data.
     /// `behind`: additional target to read, at binding 7.
-    pub(crate) fn ink_model_group(&mut self, index: usize, behind: Option<Target>) -> Option<(wgpu::BindGroupLayout, DrawBindGroup)> {
+    pub(crate) fn ink_model_group(
+        &mut self,
+        index: usize,
+        behind: Option<Target>,
+    ) -> Option<(wgpu::BindGroupLayout, DrawBindGroup)> {
         use wgpu::TextureViewDimension::{D2, D2Array};
         let places = self.ink.as_ref()?.models.clone();
         let seen = self.instances.clone();
@@ -123,7 +127,13 @@ impl Recording<'_> {
     }
 
     /// Runs a full-screen pass over the painted part of a target.
-    pub(crate) fn run_screen_pass(&mut self, shader: Shader, fragment: &'static str, screen: &ScreenPass<'_>, target: &Target) {
+    pub(crate) fn run_screen_pass(
+        &mut self,
+        shader: Shader,
+        fragment: &'static str,
+        screen: &ScreenPass<'_>,
+        target: &Target,
+    ) {
         let made = self.screen_spec(shader, fragment, screen, target.format);
         let targets = self.targets.clone();
         let (Some(view), Some((spec, group))) = (targets.view(target), made) else { return };

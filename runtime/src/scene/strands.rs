@@ -1,7 +1,7 @@
 //! Helpers of the strand passes: iteration over strand sets, and their bindings.
 
 use super::recording::Recording;
-use super::visible_instance::{VisibleInstance, StrandSet};
+use super::visible_instance::{StrandSet, VisibleInstance};
 use crate::gpu::{BindingResource, in_compute, storage_in, uniform};
 use crate::hair::StrandSetDrawing;
 use crate::model::{Strand, StrandConstants};
@@ -39,7 +39,12 @@ impl Recording<'_> {
     }
 
     /// Returns the uniform block with the constants of a part's strands.
-    pub(crate) fn strand_constants(&mut self, set: &StrandSet<'_>, of_part: &Range<u32>, drawn: &StrandSetDrawing) -> BindingResource {
+    pub(crate) fn strand_constants(
+        &mut self,
+        set: &StrandSet<'_>,
+        of_part: &Range<u32>,
+        drawn: &StrandSetDrawing,
+    ) -> BindingResource {
         let place =
             self.uniforms.put(self.gpu, &[set.strands.constants(of_part, [drawn.share, drawn.widened], drawn.step)]);
         BindingResource::block::<StrandConstants>(&place.buffer, place.offset)

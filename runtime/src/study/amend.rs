@@ -12,7 +12,10 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
         flag("LIGHT_SLANTED", light_is_slanted(params)),
         flag("CENTRED", penumbra_is_centred(params)),
         // Scattering tables are read per fragment.
-        flag("VERTEX_LIGHTING", study.lighting == LightingStage::Vertex && !spec.constants.contains(&flag("SCATTERING", true))),
+        flag(
+            "VERTEX_LIGHTING",
+            study.lighting == LightingStage::Vertex && !spec.constants.contains(&flag("SCATTERING", true)),
+        ),
     ];
     match spec.shader.name {
         "pelage skin" | "pelage fins" | "pelage shells" => spec.constants.extend(lit),

@@ -29,8 +29,10 @@ pub(crate) struct MaterialUniform {
 }
 
 /// Vertex streams of all passes over surfaces, except fins, which read vertices from storage buffers.
-pub(crate) const STREAMS: [VertexLayout; 2] =
-    [VertexLayout::of::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), VertexLayout::of::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)];
+pub(crate) const STREAMS: [VertexLayout; 2] = [
+    VertexLayout::of::<GeometryVertex>(&GEOMETRY_ATTRIBUTES),
+    VertexLayout::of::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES),
+];
 
 /// First vertex stream, [`GeometryVertex`].
 pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 5] = [
@@ -141,8 +143,10 @@ impl Surfaces {
             storage::<AttributeVertex>(1, vertices),
             storage::<Fin>(2, vertices),
         ];
-        let map_sampling =
-            SamplerSettings { mipmaps: false, ..SamplerSettings::new("pelage shadow maps", wgpu::AddressMode::ClampToEdge) };
+        let map_sampling = SamplerSettings {
+            mipmaps: false,
+            ..SamplerSettings::new("pelage shadow maps", wgpu::AddressMode::ClampToEdge)
+        };
         let white_array =
             white.create_view(&wgpu::TextureViewDescriptor { dimension: Some(D2Array), ..Default::default() });
         Self {

@@ -3,7 +3,7 @@
 use crate::extent::{no_match_error, outline};
 use crate::framing::{Framing, outermost};
 use crate::track::Track;
-use crate::{NamedPackage, CameraTrack, StageError, Viewpoint};
+use crate::{CameraTrack, NamedPackage, StageError, Viewpoint};
 use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::{Animation, ClipLayer, Manifest, Package, Pose};
 use std::sync::Arc;
@@ -44,7 +44,10 @@ impl Actor {
     /// Whether position or pose change over time.
     pub fn moves(&self) -> bool {
         let Placement { position, heading_deg, scale: _ } = &self.place;
-        self.clip.is_some() || self.fade_to.is_some() || position.is_animated() || heading_deg.as_ref().is_some_and(Track::is_animated)
+        self.clip.is_some()
+            || self.fade_to.is_some()
+            || position.is_animated()
+            || heading_deg.as_ref().is_some_and(Track::is_animated)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::{NamedPackage, StageError};
 use glam::Vec3;
 use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::{morphed, posed, skin_matrix};
-use pelage_formats::{Animation, GeometryVertex, HairGroup, MeshView, TrianglePoint, Package, Pose, SkinVertex};
+use pelage_formats::{Animation, GeometryVertex, HairGroup, MeshView, Package, Pose, SkinVertex, TrianglePoint};
 use pelage_params::glob;
 
 /// Sampled moments per second of a clip. A trot takes half a second, so each swing of a leg is sampled five times.

@@ -52,7 +52,7 @@ impl FromStr for Orbit {
         let (azimuth_deg, elevation_deg, zoom) = match numbers(text).as_deref() {
             Some([azimuth, elevation]) => (*azimuth, *elevation, 1.0),
             Some([azimuth, elevation, zoom]) => (*azimuth, *elevation, *zoom),
-            _ => return Err("expected azimuth and elevation in degrees, and perhaps a zoom, such as 45,20,1.5".into()),
+            _ => return Err("expected azimuth and elevation in degrees, optionally a zoom, such as 45,20,1.5".into()),
         };
         if !(-90.0..=90.0).contains(&elevation_deg) {
             return Err(format!("elevation: found {elevation_deg}, expected -90 to 90 degrees"));

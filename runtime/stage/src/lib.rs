@@ -39,7 +39,9 @@ mod viewpoint;
 pub use animator::Animator;
 #[cfg(feature = "draw")]
 pub use canvas::{COLOR_FORMAT, Canvas, CanvasOptions, DEPTH_FORMAT};
-pub use cast::{Actor, Cast, Placement, Playback, root_displacement, clip_named, find_clip, find_morph, frame_actors, wrap_time};
+pub use cast::{
+    Actor, Cast, Placement, Playback, clip_named, find_clip, find_morph, frame_actors, root_displacement, wrap_time,
+};
 pub use error::StageError;
 pub use extent::{no_match_error, outline};
 pub use framing::{Framing, Orbit};
@@ -64,7 +66,7 @@ pub use scene_file::{
     SceneLight, SceneLook, SceneModel, SceneSequence, Whole,
 };
 #[cfg(feature = "draw")]
-pub use stage::{TargetSettings, Stage, camera};
+pub use stage::{Stage, TargetSettings, camera};
 pub use toml_text::TomlText;
 pub use track::{LEAST_STEP_S, Track, Value};
 pub use viewpoint::{CameraTrack, Viewpoint};

@@ -1,7 +1,7 @@
 //! Stage: a cast on a canvas.
 
 use crate::cast::Actor;
-use crate::{Canvas, CanvasOptions, Cast, Gpu, NamedPackage, CameraTrack, StageError, Viewpoint};
+use crate::{CameraTrack, Canvas, CanvasOptions, Cast, Gpu, NamedPackage, StageError, Viewpoint};
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{ClipLayer, Package, Shading};
 use pelage_runtime::glam::Vec3;
@@ -120,7 +120,7 @@ impl Stage {
         let options = self.renderer.options();
         if picture.samples != options.sample_count {
             let reason = format!(
-                "found {}, expected the {} that the stage was made with",
+                "found {}, expected the {} that the stage was created with",
                 picture.samples, options.sample_count
             );
             return Err(StageError::Request { what: "samples".into(), reason });
@@ -352,7 +352,7 @@ fn check_size(gpu: &Gpu, (width, height): (u32, u32)) -> Result<(), StageError> 
     if width <= limit && height <= limit {
         return Ok(());
     }
-    let reason = format!("{} draws at most {limit} pixels a side", gpu.info.name);
+    let reason = format!("{} draws at most {limit} pixels per side", gpu.info.name);
     Err(StageError::Request { what: format!("size {width}x{height}"), reason })
 }
 
@@ -380,7 +380,7 @@ fn check_actors(cast: &Cast<'_>) -> Result<(), StageError> {
         Some(i) => Err(StageError::Request {
             what: format!("cast, actor {i}"),
             reason: format!(
-                "found package {}, expected one below {count}, the number of packages",
+                "found package {}, expected less than {count}, the number of packages",
                 cast.actors[i].package
             ),
         }),
@@ -444,7 +444,7 @@ mod tests {
         cast.actors[1].package = 1;
         let error = refused(&cast);
         assert!(matches!(error, StageError::Request { .. }), "{error}");
-        assert_eq!(error.to_string(), "cast, actor 1: found package 1, expected one below 1, the number of packages");
+        assert_eq!(error.to_string(), "cast, actor 1: found package 1, expected less than 1, the number of packages");
         assert!(matches!(refused(&crowd(3)), StageError::NoAdapter(_)));
     }
 }

@@ -100,7 +100,7 @@ impl<'a> TomlText<'a> {
         Track::new(keys).map_err(|i| match (i.checked_sub(1).and_then(|before| times.get(before)), times.get(i)) {
             (Some(before), Some(time)) => self.fault(
                 &format!("{key}[{i}].time_s"),
-                format!("found {time} after {before}, expected at least {LEAST_STEP_S} s later than the key before"),
+                format!("found {time} after {before}, expected at least {LEAST_STEP_S} s later than the previous key"),
             ),
             _ => self.fault(key, "found no keys, expected at least one"),
         })

@@ -55,7 +55,7 @@ impl FromStr for Viewpoint {
             return Err("field of view: expected 1 to 170 degrees".into());
         }
         if eye == target {
-            return Err("eye and target are the same point, expected them apart".into());
+            return Err("eye and target are the same point, expected different points".into());
         }
         Ok(Self { eye, target, fov_deg })
     }

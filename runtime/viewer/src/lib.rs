@@ -9,10 +9,10 @@
 //! Every control follows from the declaration of its knob ([`pelage_params::Knob`]): the window has no list of them.
 
 mod app;
+mod events;
 mod knobs;
 mod lights;
 mod save;
-mod events;
 mod show;
 mod subject;
 mod truth;
@@ -27,6 +27,6 @@ pub use lights::LoadLights;
 pub use subject::{ClipInfo, Subject};
 pub use watch::{Stamp, stamp};
 pub use window::{ViewError, ViewOptions, view};
-pub use workshop::{ReferenceSource, WindowContent, Outcome, Progress, ReferencePicture, ReferenceRequest, Workshop};
+pub use workshop::{Outcome, Progress, ReferencePicture, ReferenceRequest, ReferenceSource, WindowContent, Workshop};
 
 pub use image;

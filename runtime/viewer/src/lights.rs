@@ -31,7 +31,7 @@ impl Lights {
             if let Some((_, lights)) = last.as_ref().filter(|(before, _)| *before == asked) {
                 return lights.clone();
             }
-            let unread = || Err("nobody reads files here".to_owned());
+            let unread = || Err("files cannot be read here".to_owned());
             let lights = self.read.map_or_else(unread, |read| read(path, lobes, ground));
             *last = Some((asked, lights.clone()));
             lights

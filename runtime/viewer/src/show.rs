@@ -3,7 +3,9 @@
 use crate::subject::{ClipInfo, Subject};
 use image::RgbaImage;
 use pelage_runtime::{FrameReport, wgpu};
-use pelage_stage::{Framing, Gpu, Look, Navigator, Orbit, CameraTrack, Size, Stage, StageError, Viewpoint, frame_actors};
+use pelage_stage::{
+    CameraTrack, Framing, Gpu, Look, Navigator, Orbit, Size, Stage, StageError, Viewpoint, frame_actors,
+};
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 

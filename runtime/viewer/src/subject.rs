@@ -70,8 +70,9 @@ impl Subject {
             warnings: Vec::new(),
             ..package.manifest().clone()
         };
-        let is_same =
-            self.name() == other.name() && unshaded(&before) == unshaded(&after) && drawn_sections(&before)?.eq(&drawn_sections(&after)?);
+        let is_same = self.name() == other.name()
+            && unshaded(&before) == unshaded(&after)
+            && drawn_sections(&before)?.eq(&drawn_sections(&after)?);
         is_same.then_some(after.manifest().shading)
     }
 

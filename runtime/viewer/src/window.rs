@@ -1,9 +1,9 @@
 //! The window itself: winit events as input, a surface as output, egui between.
 
 use crate::app::App;
+use crate::events::Events;
 use crate::lights::{Lights, LoadLights};
 use crate::save;
-use crate::events::Events;
 use crate::show::Show;
 use crate::ui;
 use crate::worker::{WorkerMessage, Workers};
@@ -196,7 +196,7 @@ impl Open {
         let size = window.inner_size();
         let mut config = surface
             .get_default_config(&adapter, size.width.max(1), size.height.max(1))
-            .ok_or_else(|| none(&"its surface cannot be drawn on"))?;
+            .ok_or_else(|| none(&"it cannot draw on the window's surface"))?;
         // egui paints encoded values, and the picture is already encoded.
         config.format = config.format.remove_srgb_suffix();
         config.desired_maximum_frame_latency = 1;
@@ -219,7 +219,7 @@ impl Open {
         let mut app = App::new(Show::new(gpu.clone()), workers, events, options.folder, options.look);
         app.panels = options.panels;
         app.lights = Lights::new(options.lights_of);
-        app.adapter = if is_software { format!("{adapter} (software: smaller while it moves)") } else { adapter };
+        app.adapter = if is_software { format!("{adapter} (software: smaller while moving)") } else { adapter };
         if let Some(path) = &options.open {
             app.open(path);
         }
@@ -354,6 +354,6 @@ impl Open {
             }
             texel[3] = 255;
         }
-        RgbaImage::from_raw(width, height, texels).ok_or_else(|| "the window was read back short".into())
+        RgbaImage::from_raw(width, height, texels).ok_or_else(|| "the window was read back incompletely".into())
     }
 }

@@ -2,7 +2,9 @@
 //! reference picture.
 
 use crate::watch::Watch;
-use crate::workshop::{ReferenceSource, WindowContent, Outcome, Progress, ReferencePicture, ReferenceRequest, Workshop};
+use crate::workshop::{
+    Outcome, Progress, ReferencePicture, ReferenceRequest, ReferenceSource, WindowContent, Workshop,
+};
 use std::ops::ControlFlow;
 use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
@@ -103,7 +105,12 @@ impl Drop for Workers {
     }
 }
 
-fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<MakeRequest>, changes: Sender<MakeRequest>, tell: &SendMessage) {
+fn make_all(
+    mut workshop: Box<dyn Workshop>,
+    asked: &Receiver<MakeRequest>,
+    changes: Sender<MakeRequest>,
+    tell: &SendMessage,
+) {
     let changes = Mutex::new(changes);
     let changed = move || drop(changes.lock().unwrap_or_else(PoisonError::into_inner).send(MakeRequest::Changed));
     let mut watch = Watch::new(changed);
@@ -144,11 +151,16 @@ fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<MakeRequest>, chan
 
 /// Returns the result of `work`; a panic is converted to an error, so that the window continues.
 fn caught<T>(work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
-    let failed = |_| Err("a fault of pelage; what it says of it stands on the terminal".into());
+    let failed = |_| Err("internal error in pelage; the terminal has the details".into());
     std::panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)
 }
 
-fn trace_all(mut judge: Box<dyn ReferenceSource>, asked: &Receiver<(u64, ReferenceRequest)>, wanted: &AtomicU64, tell: &SendMessage) {
+fn trace_all(
+    mut judge: Box<dyn ReferenceSource>,
+    asked: &Receiver<(u64, ReferenceRequest)>,
+    wanted: &AtomicU64,
+    tell: &SendMessage,
+) {
     while let Ok((number, truth)) = asked.recv() {
         let is_wanted = || wanted.load(Ordering::Relaxed) == number;
         if !is_wanted() {

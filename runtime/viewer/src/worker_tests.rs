@@ -140,7 +140,7 @@ fn worker_survives_and_reports_a_panic() {
     bench.workers.open(bench.file.clone());
     bench.made().unwrap();
     bench.workers.make(vec!["a.b=panic".into()]);
-    assert!(bench.made().unwrap_err().contains("a fault of pelage"));
+    assert!(bench.made().unwrap_err().contains("internal error in pelage"));
     bench.workers.make(vec!["a.b=1".into()]);
     assert_eq!(bench.made().unwrap(), "a.b=1");
 }

@@ -170,7 +170,7 @@ impl Pass {
             return Err(asked(format!("{what}: found no GPUTexture, expected one of this device")));
         };
         if samples != 1.0 {
-            return Err(asked(format!("{what}: found {samples} samples a pixel, expected 1")));
+            return Err(asked(format!("{what}: found {samples} samples per pixel, expected 1")));
         }
         let size = [width as u32, height as u32];
         let descriptor = wgpu::TextureDescriptor {

@@ -227,7 +227,7 @@ impl Viewer {
             return Err(asked("morph: found no package, expected one to be loaded first"));
         };
         if weight.is_some_and(|weight| !weight.is_finite()) {
-            return Err(asked("morph: found a weight that is infinite or no number, expected a finite one"));
+            return Err(asked("morph: found a weight that is infinite or not a number, expected a finite one"));
         }
         let package = shown.file.open().map_err(fault)?;
         let index = find_morph(&shown.file, &package, name).map_err(fault)?;
@@ -413,7 +413,7 @@ impl Viewer {
 /// Returns a device and the canvas that it was opened for.
 fn parts(opened: Opened) -> Result<(Gpu, Screen), JsValue> {
     let screen =
-        opened.screen.ok_or_else(|| asked("opened: found a device without a canvas, expected that of open()"))?;
+        opened.screen.ok_or_else(|| asked("opened: found a device without a canvas, expected the result of open()"))?;
     Ok((opened.gpu, screen))
 }
 

@@ -1,7 +1,7 @@
 //! Unpacked folders: fields of the manifest, the animation and the mesh, and replaced files.
 
 use super::bases::{Bases, chunks, glb, glb_of_text};
-use super::case::{Case, Entry, Step, OutputCheck};
+use super::case::{Case, Entry, OutputCheck, Step};
 use super::change;
 use super::random::Random;
 use serde_json::Value;

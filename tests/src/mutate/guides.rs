@@ -1,7 +1,7 @@
 //! Strand files named by recipes: `.hair`, `.tfx`, text, lines of a glTF.
 
 use super::bases::{Bases, SMALL, chunks, glb, glb_of_text};
-use super::case::{Case, Entry, Step, OutputCheck};
+use super::case::{Case, Entry, OutputCheck, Step};
 use super::change;
 use super::hair_files::recipe_of;
 use super::random::Random;

@@ -1,7 +1,7 @@
 //! Images: PNG and JPEG files named by models and recipes, KTX2 files in unpacked folders.
 
 use super::bases::{Bases, MAPS};
-use super::case::{Case, Entry, Step, OutputCheck};
+use super::case::{Case, Entry, OutputCheck, Step};
 use super::change;
 use super::models::bake;
 use super::random::Random;

@@ -1,8 +1,8 @@
 //! Decides whether a case shows a fault of pelage.
 
-use super::case::{Case, Entry, Step, OutputCheck};
-use super::child::{ProcessResult, run};
 use super::assemble;
+use super::case::{Case, Entry, OutputCheck, Step};
+use super::child::{ProcessResult, run};
 use crate::binary::files;
 use pelage_runtime::{Renderer, RendererOptions, RuntimeError};
 use pelage_stage::{Gpu, StageError};
@@ -211,7 +211,13 @@ impl CaseRunner {
     }
 
     /// Checks the requirement on the output of a command.
-    fn check_output(&self, case: &Case, step: &Step, output: &'static str, outcome: &mut Outcome) -> std::io::Result<()> {
+    fn check_output(
+        &self,
+        case: &Case,
+        step: &Step,
+        output: &'static str,
+        outcome: &mut Outcome,
+    ) -> std::io::Result<()> {
         match step.then {
             OutputCheck::Nothing => {}
             OutputCheck::Validates => {

@@ -14,19 +14,19 @@
 //! * `validate --json` finds nothing that stops drawing, but the runtime does not load it, or vice versa,
 //! * `unpack` succeeds, and `pack` does not make the same bytes from the result.
 
+pub mod assemble;
 pub mod bases;
 pub mod case;
 pub mod change;
 mod child;
+mod compressed_models;
 mod folders;
 mod guides;
 mod hair_files;
 mod images;
 pub mod judge;
-pub mod assemble;
 mod models;
 mod packages;
-mod compressed_models;
 mod random;
 mod settings_files;
 

@@ -1,7 +1,7 @@
 //! Models: both forms of glTF, and OBJ.
 
 use super::bases::{Bases, MTL, OBJ, SMALL, glb, glb_of_text};
-use super::case::{Case, Entry, Step, OutputCheck};
+use super::case::{Case, Entry, OutputCheck, Step};
 use super::change;
 use super::random::Random;
 

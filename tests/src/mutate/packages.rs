@@ -1,9 +1,9 @@
 //! Packages: arbitrary bytes, the table of sections, and the contents of sections, with valid and invalid checksums.
 
-use super::bases::Bases;
-use super::case::{Case, Entry, Step, OutputCheck};
-use super::change;
 use super::assemble::{assemble, reseal, sections};
+use super::bases::Bases;
+use super::case::{Case, Entry, OutputCheck, Step};
+use super::change;
 use super::random::Random;
 use pelage_formats::{Animation, HairGroup, Limits, Manifest, Morphs, Package, Tag};
 use serde::Serialize;
@@ -26,7 +26,11 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         1 | 2 => {
             // Header and table, with valid checksums.
             let mut bytes = base.clone();
-            let how = if random.below(2) == 0 { change::bytes(&mut bytes, random) } else { change_header(&mut bytes, random) };
+            let how = if random.below(2) == 0 {
+                change::bytes(&mut bytes, random)
+            } else {
+                change_header(&mut bytes, random)
+            };
             reseal(&mut bytes);
             (format!("{how}, checksums right"), bytes)
         }
@@ -114,12 +118,16 @@ fn change_field(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>
     let (version, mut list) = sections(base);
     let package = Package::open(base, &Limits::default());
     // Manifests of older versions have different fields.
-    let Some(package) = package.ok().filter(|package| package.version() == 3) else { return change_bytes(base, random) };
+    let Some(package) = package.ok().filter(|package| package.version() == 3) else {
+        return change_bytes(base, random);
+    };
     let animation = package.animation().ok().flatten().filter(|_| random.below(4) == 0);
     let morphs = package.morphs().ok().flatten().filter(|_| random.below(8) == 0);
     let groups = package.hair_groups().unwrap_or_default();
     let (tag, changed) = match animation {
-        _ if morphs.is_some() => (Tag::MORPHS, morphs.and_then(|morphs| encode_changed::<Morphs>(&morphs, turn, random))),
+        _ if morphs.is_some() => {
+            (Tag::MORPHS, morphs.and_then(|morphs| encode_changed::<Morphs>(&morphs, turn, random)))
+        }
         Some(animation) => (Tag::ANIMATION, encode_changed::<Animation>(&animation, turn, random)),
         None if !groups.is_empty() && random.below(2) == 0 => {
             (Tag::HAIR, encode_changed::<Vec<HairGroup>>(&groups.to_vec(), turn, random))
@@ -133,7 +141,11 @@ fn change_field(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>
 }
 
 /// Changes one field of the value and encodes it as a section.
-fn encode_changed<T: Serialize + DeserializeOwned>(value: &T, turn: u64, random: &mut Random) -> Option<(String, Vec<u8>)> {
+fn encode_changed<T: Serialize + DeserializeOwned>(
+    value: &T,
+    turn: u64,
+    random: &mut Random,
+) -> Option<(String, Vec<u8>)> {
     let document = serde_json::to_value(value).ok()?;
     // Fixed width, little-endian: the encoding specified in `FORMAT.md`.
     let config = bincode::config::standard().with_little_endian().with_fixed_int_encoding();

@@ -1,7 +1,7 @@
 //! Texts written by people: recipes, scenes and looks.
 
 use super::bases::{Bases, LOOK, SCENE};
-use super::case::{Case, Entry, Step, OutputCheck};
+use super::case::{Case, Entry, OutputCheck, Step};
 use super::change;
 use super::random::Random;
 

@@ -67,7 +67,12 @@ fn runtime_depends_only_on_formats_and_the_gpu() {
 fn stage_depends_on_the_gpu_only_with_its_draw_feature() {
     let never = ["clap", "rayon", "image", "tempfile", "indicatif", "pelage-bake", "winit"];
     let knows = ["pelage-formats", "glam", "serde", "toml"];
-    assert_dependencies("pelage-stage", &[], &knows, &[&never[..], &["wgpu", "wgpu-core", "naga", "pelage-runtime"]].concat());
+    assert_dependencies(
+        "pelage-stage",
+        &[],
+        &knows,
+        &[&never[..], &["wgpu", "wgpu-core", "naga", "pelage-runtime"]].concat(),
+    );
     assert_dependencies("pelage-stage", &["--features", "draw"], &["pelage-runtime", "wgpu"], &never);
 }
 

@@ -12,8 +12,17 @@ const FIRST_WORDS: [&str; 9] = ["What", "Who", "Whoever", "Of", "As", "That", "I
 
 /// Phrases that comments and documents avoid.
 const PHRASES: [&str; 11] = [
-    "anew", "whoever", "of late", "hangs on", "hang on", "in the place of", "what it is about", "is told", "are told",
-    "dearer", "dearest",
+    "anew",
+    "whoever",
+    "of late",
+    "hangs on",
+    "hang on",
+    "in the place of",
+    "what it is about",
+    "is told",
+    "are told",
+    "dearer",
+    "dearest",
 ];
 
 /// Largest number of characters in a line of code or of a comment.
@@ -42,9 +51,8 @@ fn comment(line: &str) -> Option<(&str, &str)> {
 /// Whether the text contains the phrase as whole words.
 fn contains_phrase(text: &str, phrase: &str) -> bool {
     let bounded = |end: Option<char>| !end.is_some_and(char::is_alphanumeric);
-    text.match_indices(phrase).any(|(at, _)| {
-        bounded(text[..at].chars().next_back()) && bounded(text[at + phrase.len()..].chars().next())
-    })
+    text.match_indices(phrase)
+        .any(|(at, _)| bounded(text[..at].chars().next_back()) && bounded(text[at + phrase.len()..].chars().next()))
 }
 
 fn counts(document: &Document) -> Counts {
@@ -98,12 +106,18 @@ fn language_faults_only_become_fewer() {
     let path = workspace().join("tests/tests/house/language.txt");
     let committed = std::fs::read_to_string(&path).unwrap();
     let counted = table(&all);
-    assert_eq!(committed, counted, "{}: a count rose (mend it), or fell (write the new one)\n{counted}", path.display());
+    assert_eq!(
+        committed,
+        counted,
+        "{}: a count rose (mend it), or fell (write the new one)\n{counted}",
+        path.display()
+    );
 }
 
 #[test]
 fn each_rule_finds_its_fault() {
-    let text = "//! Of its bytes.\n\n/// Reads a file.\n/// It is whole.\nfn a() {}\n// made anew, whoever asks\n// renewed";
+    let text =
+        "//! Of its bytes.\n\n/// Reads a file.\n/// It is whole.\nfn a() {}\n// made anew, whoever asks\n// renewed";
     let document = |path: &str, text: String| Document { path: path.into(), text };
     let found = counts(&document("bake/src/lib.rs", format!("{text}\n//{:121}", "")));
     assert_eq!(found, Counts { first_words: 1, phrases: 1, long_lines: 1 });

@@ -98,7 +98,8 @@ const CIRCLES: [&str; 2] = ["formats", "bake/lab"];
 
 #[test]
 fn folders_have_no_import_cycles() {
-    let circles: Vec<_> = crates().into_iter().filter_map(|c| Some((find_cycle(&folder_graph(&dependencies_of(&c)))?, c))).collect();
+    let circles: Vec<_> =
+        crates().into_iter().filter_map(|c| Some((find_cycle(&folder_graph(&dependencies_of(&c)))?, c))).collect();
     assert_eq!(circles.iter().map(|(_, folder)| folder).collect::<Vec<_>>(), CIRCLES.each_ref(), "{circles:?}");
     // Two files of one folder and a file beside it: no cycle of files, but a cycle of rooms.
     let module = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Module>();

@@ -110,7 +110,10 @@ fn shaders_begin_with_the_files_that_they_use() {
 fn a_use_is_found_and_a_local_name_is_not() {
     let document = |path: &str, text: &str| Document { path: format!("{SOURCES}{path}"), text: text.into() };
     let shaders = [
-        document("a.wgsl", "const N: u32 = 4u;\nstruct Hair {\n    at: f32,\n}\nfn bend(x: f32) -> f32 { return x; }\n"),
+        document(
+            "a.wgsl",
+            "const N: u32 = 4u;\nstruct Hair {\n    at: f32,\n}\nfn bend(x: f32) -> f32 { return x; }\n",
+        ),
         document("b.wgsl", "fn grow(hair: Hair) -> f32 {\n    let other = 1.0; // bend\n    return bend(hair.N);\n}\n"),
         document("c.wgsl", "fn none(bend: f32) -> f32 { return bend; }\n"),
         document("d.wgsl", "@group(0) @binding(1) var<storage, read_write> hairs: array<f32, N>;\n"),

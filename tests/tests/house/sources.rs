@@ -204,7 +204,12 @@ pub fn dependencies(modules: &BTreeMap<Module, String>) -> Dependencies {
 
 /// Returns the files of a dependency cycle, if there is one.
 pub fn find_cycle(arrows: &Dependencies) -> Option<Vec<Module>> {
-    fn walk(at: &Module, arrows: &Dependencies, done: &mut BTreeSet<Module>, way: &mut Vec<Module>) -> Option<Vec<Module>> {
+    fn walk(
+        at: &Module,
+        arrows: &Dependencies,
+        done: &mut BTreeSet<Module>,
+        way: &mut Vec<Module>,
+    ) -> Option<Vec<Module>> {
         if let Some(from) = way.iter().position(|seen| seen == at) {
             return Some(way[from..].to_vec());
         }

@@ -61,7 +61,7 @@ fn comb_markers_point_along_their_y_axis() {
     assert_eq!(model.combs[0].name, "comb_tail");
     assert_near(model.combs[0].places[0].0, [2.0, 3.0, 0.0]);
     assert_near(model.combs[0].places[0].1, [0.0, 0.0, 1.0]);
-    assert_warns(&model, "\"comb_flat\" points nowhere");
+    assert_warns(&model, "\"comb_flat\" has no direction");
 }
 
 /// Returns a triangle and a line, both bound to a joint a metre above its bind pose. The joint has a child with the

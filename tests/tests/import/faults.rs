@@ -111,7 +111,7 @@ fn ranges_are_checked_against_the_bytes_there_are() {
         "/bufferViews/0/byteOffset",
         json!(10_000),
         "/bufferViews/0",
-        "begins at byte 10000 of buffer 0, which has 104",
+        "begins at byte 10000 of buffer 0, which has 104 bytes",
     );
     expect(
         "/bufferViews/0/buffer",
@@ -166,7 +166,10 @@ fn shared_accessors_cannot_expand_without_bound() {
         doc.push("animations", json!({"samplers": [sampler.clone()], "channels": [channel]}));
     }
     let (place, reason) = doc.fault();
-    assert_eq!((place.as_str(), reason.as_str()), ("/animations/41/channels/0", "takes the animation past 256 MiB"));
+    assert_eq!(
+        (place.as_str(), reason.as_str()),
+        ("/animations/41/channels/0", "makes the animation larger than 256 MiB")
+    );
 }
 
 #[test]
@@ -174,7 +177,7 @@ fn unused_view_past_its_buffer_is_only_a_warning() {
     let mut doc = valid_doc();
     let last = doc.json["bufferViews"].as_array().unwrap().len() - 1;
     doc.json["bufferViews"][last]["byteLength"] = json!(1_000_000);
-    assert_warns(&doc.model(), "reaches to byte");
+    assert_warns(&doc.model(), "extends to byte");
 }
 
 #[test]
@@ -312,7 +315,7 @@ fn buffers_that_are_missing_or_short_are_named() {
     let (place, reason) = text(&doc, json!({"byteLength": 104, "uri": "data:;base64,AAAA"}));
     assert_eq!(place, "/buffers/0/uri");
     assert_eq!(reason, "buffer 0 holds 3 bytes, byteLength says 104: it is cut off");
-    assert!(text(&doc, json!({"byteLength": 104, "uri": "data:;base64,A!"})).1.contains("base64 is broken"));
+    assert!(text(&doc, json!({"byteLength": 104, "uri": "data:;base64,A!"})).1.contains("invalid base64"));
     assert!(text(&doc, json!({"byteLength": 104, "uri": "data:AAAA"})).1.contains("without a comma"));
     // Percent-encoded data: one triangle, all zeros except a single one.
     doc.bin.clear();
@@ -349,7 +352,7 @@ fn unreadable_images_are_named() {
     cut.truncate(60);
     assert!(with(&cut).fault().1.contains("cannot be decoded"));
     let wide = with(&encode(16_385, 1)).fault().1;
-    assert_eq!(wide, "image 0 \"coat\" is 16385 x 1 texels, expected 1..=16384 each way");
+    assert_eq!(wide, "image 0 \"coat\" is 16385 x 1 texels, expected 1..=16384 per side");
     let mut doc = with(&encode(1, 1));
     doc.json["textures"][0] = json!({"extensions": {"KHR_texture_basisu": {"source": 0}}});
     let (place, reason) = doc.fault();

@@ -47,7 +47,7 @@ fn all_index_types_and_unindexed_triangles_are_read() {
     doc.show(json!({"attributes": {"POSITION": position}}));
     let model = doc.model();
     assert_eq!(model.mesh.triangles, [[0, 1, 2]]);
-    assert_warns(&model, "4 corners, which is no multiple of 3");
+    assert_warns(&model, "4 corners, which is not a multiple of 3");
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn points_and_lines_are_left_out_with_a_warning() {
     assert_eq!(node, 0);
     let (place, reason) = doc.fault();
     assert_eq!(place, "/");
-    assert!(reason.contains("no triangle") && reason.contains("1 primitives hold points"), "{reason}");
+    assert!(reason.contains("no triangle") && reason.contains("1 primitives contain only points"), "{reason}");
     doc.show(json!({"attributes": {"POSITION": position}}));
     doc.show(json!({"attributes": {"POSITION": position}, "mode": 3}));
     let model = doc.model();
@@ -308,7 +308,7 @@ fn bad_normals_are_normalised_or_computed() {
     doc.show(json!({"attributes": {"POSITION": position, "NORMAL": normal}}));
     let model = doc.model();
     assert_eq!(model.mesh.normals, [Vec3::Z; 3]);
-    assert_warns(&model, "1 normals are not of unit length");
+    assert_warns(&model, "1 normals do not have unit length");
     assert_warns(&model, "2 normals are missing, zero or not finite");
 }
 

@@ -192,10 +192,10 @@ fn invalid_strand_files_are_refused_with_the_position() {
         }
         other => panic!("{expected:?}: {other:?}"),
     };
-    fault(&line_doc(&[json!({}), json!({ "mode": 0 })]), ["", "the scene shows no line, expected primitives of mode 1"]);
+    fault(&line_doc(&[json!({}), json!({ "mode": 0 })]), ["", "the scene has no lines, expected primitives of mode 1"]);
     fault(
         &line_doc(&[json!({ "mode": 1, "indices": [0, 1, 2] })]),
-        ["/meshes/0/primitives/0", "3 ends of lines, expected an even number"],
+        ["/meshes/0/primitives/0", "3 line ends, expected an even number"],
     );
     fault(
         &line_doc(&[json!({ "mode": 3, "indices": [0, 6] })]),

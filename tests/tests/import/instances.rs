@@ -124,7 +124,7 @@ fn zero_instances_show_nothing_and_skinned_meshes_appear_once() {
         |doc| json!({"TRANSLATION": doc.push("accessors", json!({"componentType": F32, "type": "VEC3", "count": 0}))}),
     );
     let found = nothing.fault();
-    assert!(found.1.contains("shows no triangle"), "{found:?}");
+    assert!(found.1.contains("has no triangles"), "{found:?}");
     // Without a mesh there are no instances.
     let mut bare = doc(two_places);
     let node = bare.json["nodes"][0].clone();

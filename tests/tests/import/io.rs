@@ -51,10 +51,10 @@ fn uris_outside_the_model_folder_are_refused() {
         ("C:\\fur.bin", "the scheme `C` (or a drive)"),
         ("https://example.org/fur.bin", "the scheme `https`"),
         ("file:///etc/hostname", "the scheme `file`"),
-        ("a%00b", "zero byte"),
-        ("%ff", "no UTF-8"),
+        ("a%00b", "NUL byte"),
+        ("%ff", "not UTF-8"),
         ("", "empty"),
-        ("missing.bin", "it is not there; put it where the model looks for it"),
+        ("missing.bin", "it does not exist; put it where the model looks for it"),
         (".", "it is a folder"),
     ] {
         std::fs::write(&model, external(uri).0).unwrap();
@@ -202,5 +202,5 @@ fn only_regular_files_are_read_and_only_to_their_declared_length() {
     let (_, reason) = fault(read_model(&model, &ImportOptions::default(), Reach::OwnFolder));
     assert!(reason.contains("declares 1099511627776 bytes"), "{reason}");
     let error = read_file(&folder.path().join("large.bin")).unwrap_err().to_string();
-    assert!(error.contains("larger than the 2147483648 bytes"), "{error}");
+    assert!(error.contains("larger than 2147483648 bytes"), "{error}");
 }

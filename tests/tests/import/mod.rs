@@ -1,9 +1,9 @@
 //! Tests of the importer: valid, broken and hostile files; cross-checks against other crates.
 
+mod comb_lines;
 mod compressed;
 mod crosscheck;
 mod data;
-mod comb_lines;
 mod faults;
 mod geometry;
 mod hair;

@@ -110,7 +110,7 @@ fn out_of_range_joints_with_weight_are_refused() {
     joints[4] = 9;
     let (place, reason) = skinned(&joints, &weights).fault();
     assert_eq!(place, "/meshes/0/primitives/0");
-    assert_eq!(reason, "vertex 1 follows joint 9, expected less than 2, the joints of its skin");
+    assert_eq!(reason, "vertex 1 follows joint 9, expected less than 2, the joint count of its skin");
 }
 
 #[test]
@@ -247,7 +247,7 @@ fn invalid_channels_are_left_out_or_repaired() {
     assert_eq!(channels.len(), 1);
     assert_eq!(channels[0].times, [0., 2.]);
     assert_eq!(channels[0].values, [0., 0., 1., 0., 0., 3.]);
-    for text in ["\"pointer\"", "replaces", "2 keys do not come after"] {
+    for text in ["\"pointer\"", "replaces", "2 keys are not later than"] {
         assert_warns(&model, text);
     }
 }

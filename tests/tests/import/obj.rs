@@ -128,8 +128,8 @@ fn texture_coordinates_need_all_corners_of_a_part() {
     assert!(!model(&format!("{SQUARE}f 1 2 3\n")).mesh.parts[0].has_uvs);
     let m = model(&format!("{SQUARE}f 1/1/1 2/2/2 3/3/3\n"));
     assert!(!m.mesh.parts[0].has_uvs);
-    assert_warns(&m, "3 corners name a texture coordinate, and the file has none");
-    assert_warns(&m, "3 corners name a normal, and the file has none");
+    assert_warns(&m, "3 corners name a texture coordinate, but the file has none");
+    assert_warns(&m, "3 corners name a normal, but the file has none");
     let m = model(&format!("{SQUARE}vt nan 0\nf 1/1 2/1 3/1\n"));
     assert_warns(&m, "1 texture coordinates are not finite");
 }
@@ -151,7 +151,7 @@ fn statements_other_than_surfaces_are_counted() {
         "2 `l` statements",
         "2 faces of fewer than 3 corners left out, the first in line 8",
         "1 free-form",
-        "line 12: `zz` is no statement of OBJ; 2 lines",
+        "line 12: `zz` is not an OBJ statement; 2 lines",
     ] {
         assert_warns(&m, text);
     }
@@ -263,7 +263,7 @@ fn material_errors_are_only_warnings() {
         m
     };
     let missing = read("b.mtl", &[]);
-    assert_warns(&missing, "line 1 names the material file \"b.mtl\": it is not there");
+    assert_warns(&missing, "line 1 names the material file \"b.mtl\": it does not exist");
     assert_eq!(missing.materials[0].base_color, [1.0; 4]);
     assert_warns(&read("C:\\skins\\b.mtl", &[]), "absolute path");
     assert_warns(&read("/etc/b.mtl", &[]), "absolute path");
@@ -272,12 +272,12 @@ fn material_errors_are_only_warnings() {
         0.0
     );
     for (mtl, words) in [
-        (&b"newmtl b"[..], "material \"a\" is in no material file"),
+        (&b"newmtl b"[..], "material \"a\" is not in any material file"),
         (b"newmtl a\nKd red", "b.mtl: line 2: `Kd` has `red`, expected a number"),
         (b"newmtl a\nKd spectral a.rfl", "b.mtl: line 2: `Kd` is `spectral`"),
         (b"newmtl a\nnewmtl a", "defined twice"),
         (b"newmtl a\nmap_Kd", "b.mtl: line 2: `map_Kd` names no file"),
-        (b"newmtl a\nmap_Kd no.png", "b.mtl: line 2 names the image file \"no.png\": it is not there"),
+        (b"newmtl a\nmap_Kd no.png", "b.mtl: line 2 names the image file \"no.png\": it does not exist"),
         (b"newmtl a\nmap_Kd b.mtl", "b.mtl: line 2 names the image file \"b.mtl\": it is 21 bytes"),
         (b"newmtl a\nKd 0 0 0\nmap_Kd c.png", "black Kd"),
         (b"\xff\xfen", "cut off"),
@@ -339,7 +339,7 @@ const REFUSED: &[(&str, &str, &str)] = &[
     ("hard-obj/assimp_malformed.obj", "line 28", "`0`, expected a vertex index from 1"),
     // `3.1+e2` is not a valid number.
     ("hard-obj/assimp_number_formats.obj", "line 11", "`3.1+e2`, expected a number"),
-    ("hard-obj/assimp_point_cloud.obj", "whole file", "no face, expected at least one; it has 3 vertices"),
+    ("hard-obj/assimp_point_cloud.obj", "whole file", "no faces, expected at least one; it has 3 vertices"),
     ("hard-obj/draco_inf_nan.obj", "line 1", "`inf`, expected a finite number"),
     ("hard-obj/draco_test_lines.obj", "whole file", "242 lines"),
     ("hard-obj/trimesh_empty.obj", "whole file", "no face"),

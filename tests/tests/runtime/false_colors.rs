@@ -37,12 +37,14 @@ fn debug_view_colours_geometry_kinds_and_sums_overdraw() {
     let shells = shown(above(FurDebugView::Geometry).with_fur(|fur| fur.hair = HairGeometry::Shells));
     assert!(share(&shells, 1) > 0.3 && share(&shells, 0) == 0.0, "shells are not green: {}", share(&shells, 1));
     for edges in [StrandEdges::Samples, StrandEdges::Blended] {
-        let strands = above(FurDebugView::Geometry).with_fur(|fur| (fur.hair, fur.strand_edges) = (HairGeometry::Strands, edges));
+        let strands =
+            above(FurDebugView::Geometry).with_fur(|fur| (fur.hair, fur.strand_edges) = (HairGeometry::Strands, edges));
         let strands = shown(strands);
         assert!(share(&strands, 0) > 0.1 && share(&strands, 1) == 0.0, "{edges:?}: not red: {}", share(&strands, 0));
     }
-    let overdraw =
-        |layers| above(FurDebugView::Overdraw).with_fur(|fur| (fur.hair, fur.layers) = (HairGeometry::Shells, Some(layers)));
+    let overdraw = |layers| {
+        above(FurDebugView::Overdraw).with_fur(|fur| (fur.hair, fur.layers) = (HairGeometry::Shells, Some(layers)))
+    };
     let [few, many] = [2, 16].map(|layers| shown(overdraw(layers)).mean(0));
     assert!(many > 1.5 * few, "16 layers are as bright as 2: {many}, {few}");
 }

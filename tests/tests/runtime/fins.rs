@@ -10,7 +10,7 @@ use pelage_runtime::{
 use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::{ALPHA, with_fins};
-use pelage_tests::pictures::{draw_with_statistics, draw, draw_passes};
+use pelage_tests::pictures::{draw, draw_passes, draw_with_statistics};
 use pelage_tests::plane::plane;
 use pelage_tests::silhouette::half_to_f32;
 use pelage_tests::support::sphere::{self, SphereParams};
@@ -120,7 +120,7 @@ fn report_states_whether_and_why_fins_ran() {
     assert_eq!(of(&bald, &plain), (false, "no package has fins".into()));
     assert_eq!(of(&finned, &plain.clone().with_fur(|f| f.fins = false)), (false, "switched off".into()));
     let skin = plain.clone().with_fur(|f| f.layers = Some(1));
-    assert_eq!(of(&finned, &skin), (false, "one layer is the skin alone".into()));
+    assert_eq!(of(&finned, &skin), (false, "the only layer is the skin".into()));
     let bare = plain.with(|p| p.style = Style::Bare);
     assert_eq!(of(&finned, &bare), (false, "style is bare".into()));
 }

@@ -3,17 +3,17 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use pelage_runtime::formats::{FarLayerInfo, DetailLevel, InkShading, Shading};
+use pelage_runtime::formats::{DetailLevel, FarLayerInfo, InkShading, Shading};
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Camera, CasterPass, Casters, ClipLayer, CreatedObjects, Detail, Frame, FrameParams, FrameReport, HairGeometry, Hooks,
-    InkBackground, InkParams, Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassStage, Projection,
-    Renderer, RendererOptions, SelfShadow, Sphere, Style, wgpu,
+    Camera, CasterPass, Casters, ClipLayer, CreatedObjects, Detail, Frame, FrameParams, FrameReport, HairGeometry,
+    Hooks, InkBackground, InkParams, Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassStage,
+    Projection, Renderer, RendererOptions, SelfShadow, Sphere, Style, wgpu,
 };
 use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::{straight_strands, with_fins, with_manifest, with_strands};
-use pelage_tests::pictures::{PipelineStatistics, Picture, draw_with_statistics};
+use pelage_tests::pictures::{Picture, PipelineStatistics, draw_with_statistics};
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: (u32, u32) = (96, 96);
@@ -45,7 +45,8 @@ fn ink_package() -> Vec<u8> {
 fn detail_package() -> Vec<u8> {
     with_manifest(&furry_package(), |manifest| {
         manifest.fur.layers -= 1;
-        manifest.coat = Some(FarLayerInfo { height: 0.5, ambient_height: 0.5, light_straight: 0.5, light_slanted: 0.2 });
+        manifest.coat =
+            Some(FarLayerInfo { height: 0.5, ambient_height: 0.5, light_straight: 0.5, light_slanted: 0.2 });
         let level = |step, full_px, gone_px, fins, density| DetailLevel { step, full_px, gone_px, fins, density };
         manifest.detail =
             vec![level(1, 8.0, 4.0, 1.0, 1.0), level(2, 3.0, 1.5, 0.5, 1.1), level(0, 0.0, 0.0, 0.0, 1.0)];
@@ -175,8 +176,10 @@ fn steady_frames_create_no_gpu_resources() {
     ] {
         let mut stage = Stage::new(&gpu);
         let model = stage.load(&package);
-        let still =
-            [Instance::new(3, &model).at(shifted_along_x(-0.05)).moving(bend(0.3)), Instance::new(8, &model).at(shifted_along_x(0.05))];
+        let still = [
+            Instance::new(3, &model).at(shifted_along_x(-0.05)).moving(bend(0.3)),
+            Instance::new(8, &model).at(shifted_along_x(0.05)),
+        ];
         let reports: Vec<_> = (0..6).map(|_| stage.present(&params, &still)).collect();
         let CreatedObjects { buffers, textures, bind_groups, pipelines, .. } = reports[0].created;
         assert!(buffers > 0 && textures > 0 && bind_groups > 0 && pipelines > 0, "{name}: {:?}", reports[0].created);
@@ -198,7 +201,8 @@ fn steady_frames_create_no_gpu_resources() {
             let angle = std::f32::consts::TAU * time_s;
             let camera = from(Vec3::new(angle.sin(), 0.3, angle.cos())).camera;
             let params = lit_from(params.clone().with(|p| p.camera = camera), Vec3::new(angle.cos(), 1.0, angle.sin()));
-            let moving = (0..2).map(|k| Instance::new(3 + 5 * k, &model).at(shifted_along_x(-0.05)).moving(bend(time_s)));
+            let moving =
+                (0..2).map(|k| Instance::new(3 + 5 * k, &model).at(shifted_along_x(-0.05)).moving(bend(time_s)));
             let report = stage.present(&params, moving);
             assert!(ran(&report, PassId::POSE) && report.uploaded_bytes > 0, "{name}, moving frame {number}");
             if number >= 6 {
@@ -421,7 +425,8 @@ fn owner_buffers_are_kept_and_released_with_their_instances() {
     }
 
     // Passed as an iterator, as a vector, and by reference: the same picture, whatever the owner numbers.
-    let place = |k: u64| Instance::new(k, &bending_model).at(shifted_along_x(0.05 * k as f32)).moving(bend(0.2 * k as f32));
+    let place =
+        |k: u64| Instance::new(k, &bending_model).at(shifted_along_x(0.05 * k as f32)).moving(bend(0.2 * k as f32));
     stage.present(&params, (0..3).map(place));
     let three = stage.picture();
     let one_owner = stage.renderer.owners_gpu_bytes() / 3;
@@ -658,7 +663,10 @@ fn two_views_in_one_submission_create_no_gpu_resources() {
                     let frame = stage.renderer.prepare(&mut encoder, view, [&creature]).unwrap();
                     frame.draw(&mut stage.targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
                     let created = frame.report().created;
-                    assert!(round < 6 || created == CreatedObjects::default(), "{name} {kept} {round} {number}: {created:?}");
+                    assert!(
+                        round < 6 || created == CreatedObjects::default(),
+                        "{name} {kept} {round} {number}: {created:?}"
+                    );
                     // With two lights, each overwrites the other's maps unless their frames are alive at the same time.
                     let maps = ran(frame.report(), PassId::SHADOW_WIDTH) && (kept || name != "two lights");
                     assert!(round < 6 || !maps, "{name} {kept} {round} {number}: maps are drawn anew");

@@ -5,8 +5,8 @@
 use pelage_runtime::formats::InkShading;
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Anchoring, Camera, DebugView, FrameParams, InkBackground, InkParams, InkDebugView, Instance, LineWidth, Motion, PassId,
-    Projection, Renderer, RendererOptions, SphereMapForm, Study, Style, wgpu,
+    Anchoring, Camera, DebugView, FrameParams, InkBackground, InkDebugView, InkParams, Instance, LineWidth, Motion,
+    PassId, Projection, Renderer, RendererOptions, SphereMapForm, Study, Style, wgpu,
 };
 use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;

@@ -5,12 +5,12 @@ use glam::{Mat4, Vec3, vec3};
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::PosedMesh;
 use pelage_lab::chart::ink::{on_blank_paper, template_px};
-use pelage_lab::compare_motion::{Flicker, MeanOf, FlickerFrame, flicker};
+use pelage_lab::compare_motion::{Flicker, FlickerFrame, MeanOf, flicker};
 use pelage_needs::data;
 use pelage_runtime::ClipLayer;
 use pelage_runtime::formats::{Limits, Package};
 use pelage_runtime::{
-    Anchoring, Camera, FrameParams, InkParams, InkDebugView, Instance, Motion, PassId, Renderer, RendererOptions, Study,
+    Anchoring, Camera, FrameParams, InkDebugView, InkParams, Instance, Motion, PassId, Renderer, RendererOptions, Study,
 };
 use pelage_stage::Gpu;
 use pelage_tests::binary::{Sandbox, workspace};
@@ -199,7 +199,8 @@ fn walk_flicker(brush: &mut InkRenderer, package: &[u8], clip: &str, anchoring: 
         let way = vec3(0.0, 0.0, 3.0 * radius * time_s);
         instance.motion = Motion::Clip { clip, time_s };
         instance.transform = Mat4::from_translation(way);
-        let mut skin = PosedMesh::posed("model", &opened, &[ClipLayer { clip: Some(clip), time_s, share: 1.0 }]).unwrap();
+        let mut skin =
+            PosedMesh::posed("model", &opened, &[ClipLayer { clip: Some(clip), time_s, share: 1.0 }]).unwrap();
         skin.vertices.iter_mut().for_each(|v| v.position_ws += way.as_dvec3());
         let sight = SurfaceVisibility::new(skin).unwrap();
         let study = Study::default().with(|study| study.anchoring = anchoring);
@@ -231,7 +232,8 @@ fn wash_and_lines_move_with_the_model() {
     let mut brush = InkRenderer::new(gpu, (834, 424));
     for (name, model, recipe) in walkers {
         let package = bake_plain(&model, recipe, &QUICK);
-        let [ours, naive] = [Anchoring::Surface, Anchoring::Screen].map(|a| walk_flicker(&mut brush, &package, "Walk", a));
+        let [ours, naive] =
+            [Anchoring::Surface, Anchoring::Screen].map(|a| walk_flicker(&mut brush, &package, "Walk", a));
         let both = |of: fn(&Flicker) -> MeanOf| [&ours, &naive].map(|flicker| of(flicker).mean().unwrap());
         let [all, wash, lines] = [both(|f| f.surface), both(|f| f.wash), both(|f| f.lines)];
         println!("{name}: flicker on the model and on the screen: {all:.4?}, of wash {wash:.4?}, of lines {lines:.4?}");

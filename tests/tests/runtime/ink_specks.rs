@@ -7,7 +7,7 @@ use pelage_lab::chart::ink::{on_blank_paper, template_px};
 use pelage_needs::data;
 use pelage_runtime::formats::{InkShading, Limits, Package};
 use pelage_runtime::{
-    Camera, FrameParams, InkBackground, InkParams, InkDebugView, Instance, PassId, Renderer, RendererOptions,
+    Camera, FrameParams, InkBackground, InkDebugView, InkParams, Instance, PassId, Renderer, RendererOptions,
 };
 use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;
@@ -67,7 +67,9 @@ fn ink_lines_of_dense_scans_have_few_specks() {
     for (name, path, most) in
         [("bunny", "static/stanford-bunny-full.obj", 16.0), ("armadillo", "static/armadillo.obj", 36.0)]
     {
-        models.extend(data_model("ink_lines_of_dense_scans_have_few_specks", path).map(|model| (name, model, None, most)));
+        models.extend(
+            data_model("ink_lines_of_dense_scans_have_few_specks", path).map(|model| (name, model, None, most)),
+        );
     }
     let mut wrong = Vec::new();
     for (name, model, recipe, most) in models {
@@ -117,7 +119,9 @@ fn fur_strokes_are_connected_to_the_body() {
         ("fox", "skinned/Fox.glb", "hair.density=300", 0.01),
         ("wolf with long hair", "skinned/quaternius_Wolf.glb", "hair.length_m=0.25", 0.1),
     ] {
-        models.extend(data_model("fur_strokes_are_connected_to_the_body", path).map(|model| (name, model, None, set, most)));
+        models.extend(
+            data_model("fur_strokes_are_connected_to_the_body", path).map(|model| (name, model, None, set, most)),
+        );
     }
     let mut wrong = Vec::new();
     for (name, model, recipe, set, most) in models {

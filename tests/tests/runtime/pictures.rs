@@ -376,7 +376,7 @@ fn report_names_the_passes_and_why_they_were_skipped() {
     let again = report(&mut renderer, &front(), &skinned);
     assert_eq!(ran(&again), "skin shells");
     assert!(reason(&again, PassId::POSE).contains("no pose changed"), "{again:?}");
-    assert!(reason(&again, PassId::LAYER_SHADOW).contains("as in the maps"), "{again:?}");
+    assert!(reason(&again, PassId::LAYER_SHADOW).contains("are unchanged"), "{again:?}");
     renderer.invalidate();
     assert!(report(&mut renderer, &front(), &skinned)[0].1, "invalidated, but not posed again");
 }

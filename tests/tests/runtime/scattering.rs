@@ -8,8 +8,8 @@ use pelage_runtime::formats::meaning::scattering::gaussian_light::BroadlyLitFibr
 use pelage_runtime::formats::meaning::scattering::{Angles, Fibre, colour};
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{
-    Camera, Environment, FrameParams, HairGeometry, Instance, Light, LightLobe, PassId, Projection, Renderer, RendererOptions,
-    Scattering, SelfShadow, wgpu,
+    Camera, Environment, FrameParams, HairGeometry, Instance, Light, LightLobe, PassId, Projection, Renderer,
+    RendererOptions, Scattering, SelfShadow, wgpu,
 };
 use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;

@@ -4,8 +4,8 @@
 use pelage_runtime::formats::{Shading, StrandsData};
 use pelage_runtime::glam::{Mat4, Quat, Vec3};
 use pelage_runtime::{
-    Camera, Detail, FrameParams, FrameReport, HairGeometry, Instance, Light, PassId, Projection, Renderer, RendererOptions,
-    SelfShadow, StrandEdges, wgpu,
+    Camera, Detail, FrameParams, FrameReport, HairGeometry, Instance, Light, PassId, Projection, Renderer,
+    RendererOptions, SelfShadow, StrandEdges, wgpu,
 };
 use pelage_stage::{Canvas, CanvasOptions, Gpu};
 use pelage_tests::binary::workspace;
@@ -124,7 +124,8 @@ fn blended_strands_approach_many_samples() {
 #[test]
 fn bareness_thins_drawn_strands() {
     let Some(gpu) = gpu("bareness_thins_drawn_strands") else { return };
-    let grown = |groom| covered_px(gpu, &plane(horizontal_strands(1.0), groom), &in_strands(above()), 4) / expected_px(1.0);
+    let grown =
+        |groom| covered_px(gpu, &plane(horizontal_strands(1.0), groom), &in_strands(above()), 4) / expected_px(1.0);
     let vertex = |bareness| grown(PlaneGroom { vertex: [bareness, 0], ..PlaneGroom::default() });
     for bareness in [0u8, 64, 191, 255] {
         let (found, expected) = (vertex(bareness), 1.0 - f32::from(bareness) / 255.0);
@@ -281,7 +282,10 @@ fn wide_enough_strands_replace_layers() {
     let Some(gpu) = gpu("wide_enough_strands_replace_layers") else { return };
     let at = |samples, width_px, change: &dyn Fn(&mut pelage_runtime::FurParams)| {
         let mut renderer = renderer(gpu, samples);
-        let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(width_px), PlaneGroom::default())).unwrap());
+        let instance = Instance::new(
+            0,
+            &renderer.load_bytes(&plane(horizontal_strands(width_px), PlaneGroom::default())).unwrap(),
+        );
         report(gpu, &mut renderer, &above().with_fur(change), &instance)
     };
     let auto = |_: &mut pelage_runtime::FurParams| ();
@@ -342,7 +346,8 @@ fn strands_need_only_prepared_pipelines() {
     let Some(gpu) = gpu("strands_need_only_prepared_pipelines") else { return };
     for (edges, id) in [(StrandEdges::Samples, PassId::STRANDS), (StrandEdges::Blended, PassId::STRAND_BLEND)] {
         let mut renderer = renderer(gpu, 4);
-        let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
+        let instance =
+            Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
         let seen = |height_m| {
             let projection = Projection::Orthographic { height_m, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
             let detail = Detail::Auto { bias: 1.0 };
@@ -370,7 +375,8 @@ fn blended_edges_fall_back_to_samples() {
     let limits = wgpu::Limits { max_storage_buffer_binding_size: bytes, ..wgpu::Limits::default() };
     let gpu = Gpu::with(wgpu::Features::empty(), Some(limits)).unwrap();
     let mut renderer = renderer(&gpu, 4);
-    let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
+    let instance =
+        Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
     let params = in_strands(above()).with_fur(|fur| fur.strand_edges = StrandEdges::Blended);
     let found = report(&gpu, &mut renderer, &params, &instance);
     assert!(ran(&found, PassId::STRANDS) && !ran(&found, PassId::STRAND_BLEND), "{found:?}");
@@ -390,7 +396,8 @@ fn devices_with_few_storage_buffers_draw_layers() {
     let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..wgpu::Limits::default() };
     let gpu = Gpu::with(wgpu::Features::empty(), Some(limits)).unwrap();
     let mut renderer = renderer(&gpu, 4);
-    let instance = Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
+    let instance =
+        Instance::new(0, &renderer.load_bytes(&plane(horizontal_strands(2.0), PlaneGroom::default())).unwrap());
     let report = report(&gpu, &mut renderer, &in_strands(above()), &instance);
     assert!(ran(&report, PassId::SHELLS) && !ran(&report, PassId::STRANDS));
     let reason = &report.passes.iter().find(|pass| pass.name == PassId::STRANDS.name()).unwrap().reason;
@@ -412,7 +419,10 @@ fn strands_enabled_later_are_posed() {
     };
     let at_once = drawn(&[]);
     assert!(at_once.mean(0) > 10.0, "strands are seen: {}", at_once.mean(0));
-    assert!(drawn(&[HairGeometry::Shells]) == at_once && drawn(&[HairGeometry::Shells, HairGeometry::Strands, HairGeometry::Shells]) == at_once);
+    assert!(
+        drawn(&[HairGeometry::Shells]) == at_once
+            && drawn(&[HairGeometry::Shells, HairGeometry::Strands, HairGeometry::Shells]) == at_once
+    );
 }
 
 /// Checks the hare's transition from layers to strands: frames change no more than in either form.

@@ -20,7 +20,7 @@ use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::plane::plane;
-use pelage_tests::silhouette::{SilhouetteModel, silhouette_models, half_to_f32};
+use pelage_tests::silhouette::{SilhouetteModel, half_to_f32, silhouette_models};
 use pelage_tests::support::sphere::{self, Random, SphereParams};
 
 /// Returns unit vectors on a grid over the sphere, axes included, and 100 000 random ones.
@@ -109,7 +109,9 @@ fn normals_and_tangents_are_valid_under_degenerate_joints() {
         );
         let library = format!("{}{}", skinning::WGSL, tile_frame::WGSL);
         let expression = format!("vec4(length({normal}), length({tangent}), dot({normal}, {tangent}), 0.0)");
-        for (case, [n, t, dot, _]) in silhouette_models.iter().zip(evaluate(gpu, &library, &expression, &silhouette_models)) {
+        for (case, [n, t, dot, _]) in
+            silhouette_models.iter().zip(evaluate(gpu, &library, &expression, &silhouette_models))
+        {
             let right = (n - 1.0).abs() < 1e-5 && (t - 1.0).abs() < 1e-5 && dot.abs() < 1e-4;
             assert!(right, "{case:?} on the GPU: lengths {n} and {t}, dot {dot}");
         }

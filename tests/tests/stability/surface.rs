@@ -10,7 +10,7 @@ use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::surface::{Comb, CombMark, PatchParams, Source, Surface, SurfaceParams, parameterize};
 use pelage_import::mesh::Model;
 use pelage_lab::stability::surface::{
-    broken_gradients, flips_of_one_chart, grid, parameterize_default, lost_half_edges, model, sphere, torus,
+    broken_gradients, flips_of_one_chart, grid, lost_half_edges, model, parameterize_default, sphere, torus,
 };
 
 fn params(tile_size_m: f32) -> SurfaceParams {
@@ -136,7 +136,7 @@ mod soundness {
         let turned = m.mesh.triangles.len().div_ceil(7);
         let s = surface(&m, 0.3);
         assert_valid(&s, m.mesh.triangles.len(), "sphere");
-        assert_warns(&s, &format!("{turned} triangles wound against their neighbours turned"));
+        assert_warns(&s, &format!("{turned} triangles wound against their neighbours flipped"));
         for t in &s.mesh.triangles {
             let [a, b, c] = t.map(|v| s.mesh.positions[v as usize]);
             let n = (b - a).cross(c - a);

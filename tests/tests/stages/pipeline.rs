@@ -1,7 +1,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! Complete bake, from the built-in models to packages.
 
-use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, BakeInput};
+use pelage_bake::pipeline::{self, BakeInput, Baked, Output, Outputs, STAGES, STEPS};
 use pelage_bake::recipe::{HairGroupParams, Recipe, StrandParams};
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
@@ -45,8 +45,9 @@ pub fn import_built_in(name: &str, recipe: &Recipe) -> Model {
 fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
     let model = import_built_in(name, recipe);
     let mut stages = Vec::new();
-    let baked =
-        pipeline::bake(&BakeInput::new(name, name, recipe, &MapImages::default()), &model, &mut |stage| stages.push(stage));
+    let baked = pipeline::bake(&BakeInput::new(name, name, recipe, &MapImages::default()), &model, &mut |stage| {
+        stages.push(stage)
+    });
     assert!(STAGES.starts_with(&stages), "{stages:?}");
     baked
 }
@@ -329,7 +330,9 @@ fn resliced_package_equals_a_full_bake() {
     tufted.strands.group.push(tuft);
     tufted.set("shading.model=marschner").unwrap();
     tufted.set("fibre.material=[{ name = \"*\", eta = 1.4 }, { name = \"none such\", eta = 1.3 }]").unwrap();
-    for (name, recipe, first_sets) in [("hare", fur_recipe("hare"), 4), ("torus", recipe("torus"), 3), ("torus", tufted, 0)] {
+    for (name, recipe, first_sets) in
+        [("hare", fur_recipe("hare"), 4), ("torus", recipe("torus"), 3), ("torus", tufted, 0)]
+    {
         let first = bake(name, &recipe).unwrap().package;
         let package = Package::open(&first, &Limits::default()).unwrap();
         let mut other = Recipe::parse("resolved", &package.manifest().recipe).unwrap();
@@ -492,7 +495,7 @@ fn bake_steps_need_exactly_their_declared_inputs() {
         for missing in step.reads {
             let rest: Vec<_> = step.reads.iter().copied().filter(|read| read != missing).collect();
             let error = step.run(&told, &mut only(&rest)).unwrap_err().to_string();
-            assert!(error.contains(&format!("{missing:?} is not there")), "{:?}: {error}", step.makes);
+            assert!(error.contains(&format!("{missing:?} is missing")), "{:?}: {error}", step.makes);
         }
         // The resulting package is the same.
         let mut again = whole.clone();
@@ -525,7 +528,7 @@ fn continued_bake_equals_a_whole_bake() {
     assert!(package == bake("torus", &other).unwrap().package);
     // The model has no step and must be given.
     let error = run(&told(&first), &mut Outputs::default()).unwrap_err();
-    assert!(matches!(&error, BakeError::Internal(reason) if reason.contains("Model is not there")), "{error}");
+    assert!(matches!(&error, BakeError::Internal(reason) if reason.contains("Model is missing")), "{error}");
 }
 
 /// Checks that a model baked once and sliced again gives the bytes of whole bakes: with other layers, tiles, filters

@@ -123,9 +123,14 @@ fn unwritable_outputs_are_reported() {
     assert_refused(&sandbox, &["pack", "in", "nowhere/b.pelage"], 2, missing);
     assert_refused(&sandbox, &["unpack", "a.pelage", "nowhere/out"], 2, missing);
     assert_refused(&sandbox, &["pack", "in", "in"], 2, &["in: cannot write", "folder"]);
-    assert_refused(&sandbox, &["unpack", "a.pelage", "a.pelage"], 2, &["a.pelage: cannot write into", "expected a folder"]);
+    assert_refused(
+        &sandbox,
+        &["unpack", "a.pelage", "a.pelage"],
+        2,
+        &["a.pelage: cannot write into", "expected a folder"],
+    );
     assert_refused(&sandbox, &["pack", "nowhere", "b.pelage"], 2, &["nowhere: cannot read", "no such folder"]);
-    assert_refused(&sandbox, &["pack", "a.pelage", "b.pelage"], 2, &["a.pelage: cannot read", "it is a file"]);
+    assert_refused(&sandbox, &["pack", "a.pelage", "b.pelage"], 2, &["a.pelage: cannot read", "found a file"]);
 }
 
 /// Returns an unpacked sample package to be damaged.

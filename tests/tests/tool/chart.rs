@@ -113,8 +113,7 @@ fn surface_chart_is_reproducible() {
 
     let svg = std::fs::read_to_string(sandbox.path().join("out/surface.svg")).unwrap();
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
-    for text in
-        ["torus", "length of seams", "surface stage, seconds", "angle distortion", "patch size", "default", "front"]
+    for text in ["torus", "seam length", "surface stage, seconds", "angle distortion", "patch size", "default", "front"]
     {
         assert!(svg.contains(text), "no {text:?} in the picture");
     }
@@ -190,7 +189,7 @@ fn textures_chart_is_reproducible() {
     assert!(rows.iter().any(|r| r["pack.direction_format"] == "bc5" && r["direction_error_deg"].is_number()));
     let svg = std::fs::read_to_string(sandbox.path().join("out/textures.svg")).unwrap();
     for text in
-        ["32² × 6", "shell texture, bytes", "RMSE of colour", "drift of coverage", "degrees", "rg8", "measured on"]
+        ["32² × 6", "shell texture, bytes", "RMSE of colour", "change of coverage", "degrees", "rg8", "measured on"]
     {
         assert!(svg.contains(text), "no {text:?} in the picture");
     }
@@ -303,7 +302,7 @@ fn strands_chart_is_reproducible() {
     assert_eq!(number(4, "strands"), 0.0, "{}", rows[4]);
     assert!(number(2, "flip") < 0.95 * number(1, "flip"), "{} and {}", rows[1], rows[2]);
     let svg = std::fs::read_to_string(sandbox.path().join("out/strands.svg")).unwrap();
-    for text in ["hare", "a third of the angle", "an eighth of the judge", "auto", "strands of 2 pieces"] {
+    for text in ["hare", "a third of the field of view", "an eighth of the judge", "auto", "strands of 2 pieces"] {
         assert!(svg.contains(text), "no {text:?} in the picture");
     }
     assert_reproduced(&sandbox, &rows[4], &["flip", "rmse", "coverage_error", "strand_px", "layers"]);
@@ -499,7 +498,7 @@ fn environment_fit_chart_is_written() {
         (
             &["chart", "environment-fit", "--sky", "lights.toml", "-o", "out"][..],
             3,
-            "holds lights, expected the picture",
+            "holds fitted lights, expected a panorama",
         ),
         (&["chart", "environment-fit", "--sky", "none.hdr", "-o", "out"], 2, "none.hdr"),
         (&["chart", "verlet", "--sky", "my sky.hdr", "-o", "out"], 1, "chart verlet takes no --sky"),

@@ -137,7 +137,7 @@ fn mark_values_hold_at_their_position_and_fade() {
     sandbox.write("r.toml", recipe);
     let said = bake(&sandbox, &["--recipe", "r.toml"]);
     let warnings = said["warnings"].to_string();
-    assert!(warnings.contains("lost") && warnings.contains("m away from the nearest skin"), "{warnings}");
+    assert!(warnings.contains("lost") && warnings.contains("m from the nearest skin"), "{warnings}");
     // The torus has no colour: its fur is brown outside the white part, and the bake reports the choice.
     assert!(said["decisions"].to_string().contains("groom.color"), "{said}");
     let ((length, white), (elsewhere, brown)) = (length_and_color(&sandbox, TOP), length_and_color(&sandbox, FAR));

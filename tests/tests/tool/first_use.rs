@@ -43,7 +43,7 @@ fn implausible_sizes_are_refused_with_a_suggested_unit() {
     let lengths = ["--set", "hair.length_m=100", "--set", "surface.tile_size_m=900", "--set", "model.unit_m=100000"];
     let run = bake(&sandbox, &hare, &lengths);
     assert_eq!(run.code, Some(0), "{run:?}");
-    assert!(warnings(&run).iter().any(|w| w.contains("model.unit_m=1 or the like")), "{run:?}");
+    assert!(warnings(&run).iter().any(|w| w.contains("model.unit_m=1 or similar")), "{run:?}");
     assert_eq!(sandbox.run(&["validate", "out.pelage"]).code, Some(0));
 }
 
@@ -154,8 +154,11 @@ fn packing_an_edited_recipe_is_refused() {
         sandbox.run(&["pack", "folder", "out.pelage"])
     };
     let run = pack(&recipe.replace("density = 700", "density = 5"));
-    let words =
-        ["folder/recipe.toml: hair.density: is 5, expected 700", "makes no fur", "bake the model with this recipe"];
+    let words = [
+        "folder/recipe.toml: hair.density: is 5, expected 700",
+        "does not bake fur",
+        "bake the model with this recipe",
+    ];
     assert_refused(&sandbox, &run, &words);
     assert_refused(&sandbox, &pack("[hair\n"), &["folder/recipe.toml: line 1"]);
     assert_refused(&sandbox, &pack("[hair]\ndensty = 3\n"), &["folder/recipe.toml: line 2, hair.densty"]);
@@ -183,10 +186,13 @@ fn packing_a_manifest_that_contradicts_the_recipe_is_refused() {
         sandbox.run(&["pack", "folder", "out.pelage"])
     };
     let run = pack(&|manifest| manifest["manifest"]["fur"]["strands"] = 19.into());
-    let words =
-        ["folder/manifest.json: /manifest/fur: recipe.toml: hair.density is 700, expected 19", "take the edit back"];
+    let words = ["folder/manifest.json: /manifest/fur: recipe.toml: hair.density is 700, expected 19", "undo the edit"];
     assert_refused(&sandbox, &run, &words);
-    assert_refused(&sandbox, &pack(&|manifest| manifest["recipe_disagrees"] = 3.into()), &["/recipe_disagrees", "a list"]);
+    assert_refused(
+        &sandbox,
+        &pack(&|manifest| manifest["recipe_disagrees"] = 3.into()),
+        &["/recipe_disagrees", "a list"],
+    );
     assert_eq!(pack(&|_| ()).code, Some(0));
     assert_eq!(std::fs::read(sandbox.path().join("out.pelage")).unwrap(), whole);
 }
@@ -271,7 +277,7 @@ fn long_work_is_announced_and_shows_progress() {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(said[0].starts_with("note: 256 layers of 2048 x 2048 texels will have 4.0 GiB"), "{said:?}");
+    assert!(said[0].starts_with("note: 256 layers of 2048 x 2048 texels will take 4.0 GiB"), "{said:?}");
     let last = said.last().unwrap();
     assert!(last.contains(" of 256"), "{said:?}");
 }

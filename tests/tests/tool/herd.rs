@@ -315,12 +315,12 @@ fn herd_plan_is_a_graph_of_plain_commands() {
 fn herd_file_errors_are_reported_before_anything_runs() {
     let sandbox = sandbox().with_lab();
     for (text, code, word) in [
-        ("[[model]]\nfiles = \"none/*.glb\"", 3, "herd/herd.toml: line 2, model[0].files: \"none\" is no folder"),
-        ("[[model]]\nfiles = \"animals/*.fbx\"", 3, "herd/herd.toml: line 1, model: no file fits these patterns"),
+        ("[[model]]\nfiles = \"none/*.glb\"", 3, "herd/herd.toml: line 2, model[0].files: \"none\" is not a folder"),
+        ("[[model]]\nfiles = \"animals/*.fbx\"", 3, "herd/herd.toml: line 1, model: no file matches these patterns"),
         (
             "[[model]]\nfiles = \"animals/*\"\n[[recipe]]\nfile = \"no.toml\"",
             3,
-            "herd/herd.toml: line 4, recipe[0].file: \"no.toml\" is no file",
+            "herd/herd.toml: line 4, recipe[0].file: \"no.toml\" is not a file",
         ),
         ("[[model]]\nfiles = \"animals/*\"\n[[view]]\nnme = \"a\"", 3, "herd/herd.toml: line 4, view[0].nme"),
         (
@@ -363,7 +363,7 @@ fn herd_file_errors_are_reported_before_anything_runs() {
         (
             "[[model]]\nfiles = \"animals/*\"\n[[recipe]]\nmodels = \"*fox*\"",
             0,
-            "note: herd/herd.toml: line 4, recipe[0].models: it fits no model",
+            "note: herd/herd.toml: line 4, recipe[0].models: matches no model",
         ),
         (
             "[[model]]\nfiles = \"animals/*\"\n[[recipe]]\nfile = \"r/{name}.toml\"",
@@ -376,9 +376,9 @@ fn herd_file_errors_are_reported_before_anything_runs() {
         assert!(run.code == Some(code) && run.stderr.contains(word), "{text}: {run:?}");
     }
     let run = herd(&sandbox, "run", &["--detach"]);
-    assert!(run.code == Some(1) && run.stderr.contains("--detach: it is for --engine slurm"), "{run:?}");
+    assert!(run.code == Some(1) && run.stderr.contains("--detach: it applies to --engine slurm"), "{run:?}");
     let run = herd(&sandbox, "run", &["--engine", "slurm", "--jobs", "2"]);
-    assert!(run.code == Some(1) && run.stderr.contains("--jobs: it is for --engine ninja"), "{run:?}");
+    assert!(run.code == Some(1) && run.stderr.contains("--jobs: it applies to --engine ninja"), "{run:?}");
     let run = sandbox.run(&["herd", "run", "none.toml", "-o", "out"]);
     assert_eq!(run.code, Some(2), "{run:?}");
     // Without Ninja the error says how to install it.

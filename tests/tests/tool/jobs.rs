@@ -178,7 +178,7 @@ fn unwritable_cache_is_only_a_note() {
     sandbox.write("cache", "a file");
     let run = bake(&sandbox, &["-o", "out/m.pelage", "--cache", "cache"]);
     assert_eq!(run.code, Some(0), "{run:?}");
-    assert!(run.stderr.contains("note: --cache: ") && run.stderr.contains("is not kept there"), "{run:?}");
+    assert!(run.stderr.contains("note: --cache: ") && run.stderr.contains("the result is not cached"), "{run:?}");
 }
 
 #[test]
@@ -254,8 +254,8 @@ fn reference_parts_add_up_to_the_whole() {
     }
     for (args, code, word) in [
         (&["1.part", "2.part", "-o", "m.png"][..], 1, "parts 3 of 3 are missing"),
-        (&["1.part", "2.part", "1.part", "-o", "m.png"], 3, "is part 1 of 3, as 1.part is"),
-        (&["whole.png", "-o", "m.png"], 3, "whole.png: byte 0: is no part of a picture"),
+        (&["1.part", "2.part", "1.part", "-o", "m.png"], 3, "is part 1 of 3, the same as 1.part"),
+        (&["whole.png", "-o", "m.png"], 3, "whole.png: byte 0: is not a part of a picture"),
         (&["none.part", "-o", "m.png"], 2, "none.part"),
         (&["1.part", "-o", "m.jpg"], 1, "expected a name that ends in .png or .exr"),
     ] {
@@ -285,7 +285,7 @@ fn chart_rows_can_be_split_between_runs() {
     let from = ["--from", "a/surface.rows.jsonl", "--from", "b/surface.rows.jsonl", "-o", "all"];
     let run = sandbox.run(&[&["chart", "surface", model.to_str().unwrap()], &from[..]].concat());
     let all = chart(&from)["rows"].as_array().unwrap().len();
-    assert!(run.stderr.contains(&format!("{all} of {all} rows are there")), "{run:?}");
+    assert!(run.stderr.contains(&format!("{all} of {all} rows exist")), "{run:?}");
     assert!(rows > 1 && all > 3 * rows && sandbox.path().join("all/surface.svg").exists());
     assert!(sandbox.path().join("a/surface.rows.jsonl").exists(), "what others measured stays");
 }

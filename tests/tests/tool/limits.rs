@@ -35,7 +35,8 @@ fn file_size(sandbox: &Sandbox, name: &str) -> u64 {
 
 /// Returns the fragments of a frame of the baked package, as counted by `pelage doctor`.
 fn fragments(sandbox: &Sandbox) -> f64 {
-    let found = schema::parse_success(&sandbox.run(&["doctor", "torus.pelage", "--size", "120x72", "--json"]), "doctor");
+    let found =
+        schema::parse_success(&sandbox.run(&["doctor", "torus.pelage", "--size", "120x72", "--json"]), "doctor");
     // Passes that do not draw into the picture have none.
     let fragments: f64 = found["passes"].as_array().unwrap().iter().filter_map(|pass| pass["fragments"].as_f64()).sum();
     assert!(fragments > 0.0, "{found}");
@@ -109,7 +110,8 @@ fn cost_limits_are_met() {
     let sandbox = Sandbox::new();
     let limit = 150_000;
     let bytes = limit.to_string();
-    let object = schema::parse_success(&bake(&sandbox, &["--max-bytes", &bytes, "--max-frame-ms", "10000", "--json"]), "bake");
+    let object =
+        schema::parse_success(&bake(&sandbox, &["--max-bytes", &bytes, "--max-frame-ms", "10000", "--json"]), "bake");
     assert!(file_size(&sandbox, "torus.pelage") <= limit);
     assert_eq!(object["bytes"], file_size(&sandbox, "torus.pelage"));
     let choice = &object["choice"];

@@ -131,7 +131,12 @@ fn bad_models_are_refused() {
     ] {
         assert_refused(&sandbox, &["bake", model, "-o", "out.pelage"], code, words);
     }
-    assert_refused(&sandbox, &["bake", "good.glb", "-o", "no/out.pelage"], 2, &["no: cannot write into", "create it first"]);
+    assert_refused(
+        &sandbox,
+        &["bake", "good.glb", "-o", "no/out.pelage"],
+        2,
+        &["no: cannot write into", "create it first"],
+    );
     assert_refused(&sandbox, &["bake", "good.glb", "-o", "folder.glb"], 2, &["folder.glb: cannot write", "folder"]);
     assert_refused(&sandbox, &["bake", "good.glb"], 1, &["--output"]);
     assert_refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--threads", "0"], 1, &["--threads"]);
@@ -170,8 +175,18 @@ fn bad_recipes_are_refused() {
         assert_refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--recipe", "r.toml"], 3, words);
     }
     sandbox.write("r.toml", b"\xff");
-    assert_refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--recipe", "r.toml"], 3, &["r.toml: byte 0", "UTF-8"]);
-    assert_refused(&sandbox, &["bake", "good.glb", "-o", "o.pelage", "--recipe", "no.toml"], 2, &["no.toml: cannot read"]);
+    assert_refused(
+        &sandbox,
+        &["bake", "good.glb", "-o", "out.pelage", "--recipe", "r.toml"],
+        3,
+        &["r.toml: byte 0", "UTF-8"],
+    );
+    assert_refused(
+        &sandbox,
+        &["bake", "good.glb", "-o", "o.pelage", "--recipe", "no.toml"],
+        2,
+        &["no.toml: cannot read"],
+    );
     assert_refused(&sandbox, &["bake", "good.glb", "-o", "o.pelage", "--recipe", "folder.toml"], 2, &["folder.toml"]);
     for (set, words) in [
         ("slice.layers=0", &["slice.layers", "found 0"][..]),
@@ -224,7 +239,10 @@ fn bad_render_and_bench_requests_are_refused() {
     assert!(object["covered_pixels"].as_u64().is_some_and(|n| n > 50), "{object}");
     let picture = image::open(sandbox.path().join("a.png")).unwrap();
     assert_eq!((picture.width(), picture.height()), (48, 32));
-    schema::parse_success(&sandbox.run(&["bench", "out.pelage", "--size", "48x32", "--frames", "2", "--json"]), "bench");
+    schema::parse_success(
+        &sandbox.run(&["bench", "out.pelage", "--size", "48x32", "--frames", "2", "--json"]),
+        "bench",
+    );
 
     let ink = ["--style", "ink", "--size", "48x32", "--json"];
     let run = sandbox.run(&[&["render", "out.pelage", "-o", "ink.png"][..], &ink].concat());
@@ -313,11 +331,11 @@ fn hard_gltf_files_never_crash_the_tool() {
 const REFUSED_OBJ: &[(&str, &str)] = &[
     ("assimp_malformed", "line 28: `f` has `0`"),
     ("assimp_number_formats", "line 11: `v` has `3.1+e2`, expected a number"),
-    ("assimp_point_cloud", "no face, expected at least one"),
+    ("assimp_point_cloud", "no faces, expected at least one"),
     ("draco_inf_nan", "line 1: `v` has `inf`"),
-    ("draco_test_lines", "no face, expected at least one"),
-    ("trimesh_empty", "no face, expected at least one"),
-    ("trimesh_obj_wireframe", "no face, expected at least one"),
+    ("draco_test_lines", "no faces, expected at least one"),
+    ("trimesh_empty", "no faces, expected at least one"),
+    ("trimesh_obj_wireframe", "no faces, expected at least one"),
 ];
 
 #[test]
@@ -370,5 +388,10 @@ fn obj_with_materials_bakes() {
     assert_eq!(bake(&sandbox, "a.gltf", &[]).code, Some(0));
     sandbox.write("b.obj", text.replace("f 1/1", "f 9/1"));
     std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
-    assert_refused(&sandbox, &["bake", "b.obj", "-o", "out.pelage"], 3, &["b.obj: line 11", "vertex 9, expected 1..=4"]);
+    assert_refused(
+        &sandbox,
+        &["bake", "b.obj", "-o", "out.pelage"],
+        3,
+        &["b.obj: line 11", "vertex 9, expected 1..=4"],
+    );
 }

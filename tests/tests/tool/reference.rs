@@ -127,9 +127,9 @@ fn reference_option_errors_are_reported() {
     let sandbox = torus(&[]);
     for (more, word) in [
         (&["-o", "a.jpg"][..], ".png or .exr"),
-        (&["-o", "a.png", "--layers", "4"], "--layers says how"),
-        (&["-o", "a.png", "--fins", "on"], "--fins says how"),
-        (&["-o", "a.png", "--shadow-map", "64"], "--shadow-map says how"),
+        (&["-o", "a.png", "--layers", "4"], "--layers applies to"),
+        (&["-o", "a.png", "--fins", "on"], "--fins applies to"),
+        (&["-o", "a.png", "--shadow-map", "64"], "--shadow-map applies to"),
         (&["-o", "a.exr", "--background", "1,2,3"], "--background"),
         (&["-o", "a.png", "--clip", "Walk"], "no such clip"),
         (&["-o", "a.png", "--samples", "0"], "0 is not in"),

@@ -444,7 +444,7 @@ fn interrupted_sequence_resumes() {
     };
     let (value, run) = rendered(&sandbox, &args);
     assert_eq!(value["skipped"], kept - 2, "{}", run.stderr);
-    assert!(run.stderr.contains(&format!("{} of 14 pictures are there", kept - 2)), "{}", run.stderr);
+    assert!(run.stderr.contains(&format!("{} of 14 pictures exist", kept - 2)), "{}", run.stderr);
     same();
     // Results of the earlier run are repeated in the report.
     for key in ["covered_pixels_per_picture", "mean_luminance_per_picture", "passes", "detail"] {
@@ -456,11 +456,11 @@ fn interrupted_sequence_resumes() {
         (
             &["--background", "1,2,3"][..],
             0,
-            format!("{kept} pictures of another scene, view, tool or adapter are drawn anew"),
+            format!("{kept} pictures of another scene, view, tool or adapter are drawn again"),
         ),
         (&["--fps", "23"], 0, format!("{kept} pictures of another")),
         (&["--restart"], 0, String::new()),
-        (&[], kept, format!("{kept} of 14 pictures are there")),
+        (&[], kept, format!("{kept} of 14 pictures exist")),
     ] {
         std::fs::write(&journal, &saved).unwrap();
         let (value, run) = rendered(&sandbox, &[&args[..], more].concat());

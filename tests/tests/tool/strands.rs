@@ -59,7 +59,8 @@ fn guided_hair_is_drawn_as_in_the_reference() {
     };
     done(&["bake", &model, "--recipe", "hare.toml", "-o", "hare.pelage", "-q"]);
     done(&["validate", "hare.pelage"]);
-    let clip = schema::parse_success(&done(&["inspect", "hare.pelage", "--json"]), "inspect")["clips"][0]["name"].clone();
+    let clip =
+        schema::parse_success(&done(&["inspect", "hare.pelage", "--json"]), "inspect")["clips"][0]["name"].clone();
     let moving = ["--clip", clip.as_str().unwrap(), "--time", "0.2"];
     for (name, when) in [("rest", &[][..]), ("clip", &moving)] {
         let size = ["--size", "500x400", "--camera", "0.9,0.6,1.2/0,0.22,0/30"];

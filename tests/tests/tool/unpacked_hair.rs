@@ -148,7 +148,8 @@ fn at_rest(bytes: &[u8], group: usize) -> Vec<Vec<Vec3>> {
     let (skin, groups) = (RestMesh::of(&package).unwrap(), package.hair_groups().unwrap());
     let group = &groups[group];
     let offsets = group.guide_offsets.chunks(group.guide_points as usize - 1);
-    let points = |(root, offsets): (TrianglePoint, &[[i16; 3]])| GuidesAtRest(&skin).points(&root, offsets, group.reach_m);
+    let points =
+        |(root, offsets): (TrianglePoint, &[[i16; 3]])| GuidesAtRest(&skin).points(&root, offsets, group.reach_m);
     group.roots().zip(offsets).map(points).collect()
 }
 
@@ -384,7 +385,7 @@ fn invalid_unpacked_hair_is_refused_with_the_position() {
         ),
         (
             |s| drop(s.write("folder/hair_0_mane.hair", b"HAIR")),
-            &["hair_0_mane.hair: byte 0", "the header are 128 bytes"],
+            &["hair_0_mane.hair: byte 0", "the header: expected 128 bytes"],
         ),
         (
             |s| {

@@ -114,7 +114,7 @@ fn recipe_that_would_lose_its_files_is_not_written() {
         assert!(words.iter().all(|word| run.stderr.contains(word)), "{words:?}: {run:?}");
         assert_eq!(sandbox.files(), before, "{path} left something behind");
     };
-    refused("whole.toml", &["color.pattern", "spots.png", "copy them", "--recipe"]);
+    refused("whole.toml", &["color.pattern", "spots.png", "copy the files", "--recipe"]);
     // A different image with that name is there.
     sandbox.write("spots.png", std::fs::read(workspace().join("assets/patterns/zebra.png")).unwrap());
     refused("whole.toml", &["whole.toml", "another file", "spots.png"]);

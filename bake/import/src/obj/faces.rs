@@ -170,9 +170,7 @@ impl Reader<'_> {
         let position = Vec3::new(n[0], n[1], n[2]) * self.unit_m;
         if !position.is_finite() {
             let unit = self.unit_m;
-            return Err(
-                s.fault(self.file, format!("lands at {position} with units of {unit} m, expected finite numbers"))
-            );
+            return Err(s.fault(self.file, format!("is at {position} with units of {unit} m, expected finite numbers")));
         }
         if let Some(color) = color {
             // Tools that write colours (MeshLab, Blender) write them as sRGB, 0..=1.
@@ -276,11 +274,11 @@ impl Reader<'_> {
             notes.warn(format!("{} texture coordinates are not finite; set to 0", left_out.uvs));
         }
         for (keyword, (line, count)) in &left_out.unknown {
-            notes.warn(format!("line {line}: `{keyword}` is no statement of OBJ; {count} lines left out"));
+            notes.warn(format!("line {line}: `{keyword}` is not an OBJ statement; {count} lines left out"));
         }
         if self.faces.list.is_empty() {
             let reason = format!(
-                "the file shows no face, expected at least one; it has {} vertices, {} points and {} lines",
+                "the file has no faces, expected at least one; it has {} vertices, {} points and {} lines",
                 self.faces.positions.len(),
                 left_out.points,
                 left_out.lines
@@ -322,7 +320,7 @@ impl Reader<'_> {
         for (count, list) in [(ignored[0], List::Uvs), (ignored[1], List::Normals)] {
             if count > 0 {
                 let name = list.name();
-                notes.warn(format!("{count} corners name a {name}, and the file has none; read as corners without"));
+                notes.warn(format!("{count} corners name a {name}, but the file has none; read without it"));
             }
         }
         Ok(())

@@ -97,7 +97,10 @@ impl Library {
         match self.known.entry(name) {
             btree_map::Entry::Vacant(place) => drop(place.insert(entry)),
             btree_map::Entry::Occupied(place) => {
-                notes.warn(format!("{file}: material \"{}\" is defined twice; the first counts", shorten(place.key())));
+                notes.warn(format!(
+                    "{file}: material \"{}\" is defined twice; the first definition is used",
+                    shorten(place.key())
+                ));
             }
         }
     }
@@ -110,7 +113,7 @@ impl Library {
         let entry = self.known.get(name).cloned().unwrap_or_default();
         // Without any file there is already a warning about that, or none is needed.
         if self.any_file && !name.is_empty() && !self.known.contains_key(name) {
-            notes.warn(format!("material \"{}\" is in no material file; it is white", shorten(name)));
+            notes.warn(format!("material \"{}\" is not in any material file; it is white", shorten(name)));
         }
         let base_color_image = entry.texture.as_ref().and_then(|(path, at)| self.image(path, at, resolve, notes));
         let mut diffuse = entry.diffuse.unwrap_or([1.0; 3]);
@@ -145,7 +148,7 @@ impl Library {
                 Some(self.images.len() - 1)
             }
             Err(reason) => {
-                notes.warn(format!("{at} names the image file \"{}\": {reason}; Kd is used alone", shorten(path)));
+                notes.warn(format!("{at} names the image file \"{}\": {reason}; only Kd is used", shorten(path)));
                 None
             }
         };

@@ -129,7 +129,9 @@ impl PartMesh {
         let cut = polygon::triangulate(&points);
         if !cut.clean {
             let n = outline.len();
-            notes.warn(format!("line {line}: the polygon of {n} corners crosses itself or is too large; cut as a fan"));
+            notes.warn(format!(
+                "line {line}: the polygon of {n} corners crosses itself or is too large; triangulated as a fan"
+            ));
         }
         self.triangles.extend(cut.triangles.iter().map(|t| t.map(|corner| vertices[corner])));
     }
@@ -154,8 +156,9 @@ impl PartMesh {
         if self.corners_with_uv > 0 && self.corners_without_uv > 0 {
             let (n, all) = (self.corners_without_uv, self.corners_with_uv + self.corners_without_uv);
             let label = &self.label;
-            notes
-                .warn(format!("{label}: {n} of {all} corners have no texture coordinates; the part counts as without"));
+            notes.warn(format!(
+                "{label}: {n} of {all} corners have no texture coordinates; the part is read without any"
+            ));
         }
         let (first, first_triangle) = (mesh.positions.len() as u32, mesh.triangles.len());
         mesh.positions.extend(self.positions);

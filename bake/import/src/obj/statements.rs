@@ -68,7 +68,7 @@ pub(super) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>, Ba
     };
     let (pairs, rest) = bytes[2..].as_chunks::<2>();
     if !rest.is_empty() {
-        let (at, reason) = (bytes.len() - 1, "the UTF-16 text ends within a character: it is cut off");
+        let (at, reason) = (bytes.len() - 1, "the UTF-16 text ends in the middle of a character: it is cut off");
         return Err(BakeError::Input { file: file.into(), place: format!("byte {at}"), reason: reason.into() });
     }
     Ok(char::decode_utf16(pairs.iter().map(|p| from_bytes(*p))).map(|c| c.unwrap_or('\u{fffd}')).collect())

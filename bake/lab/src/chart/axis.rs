@@ -85,7 +85,10 @@ mod tests {
             assert!(held.into_iter().all(|v| (-1e-9..=1.0).contains(&scale.position(*v))), "{values:?}");
             let Ticks { major, minor } = scale.ticks();
             assert!((2..=20).contains(&major.len()), "{values:?}: {major:?}");
-            assert!(major.iter().chain(&minor).all(|t| (-1e-9..=1.0 + 1e-9).contains(&scale.position(*t))), "{values:?}");
+            assert!(
+                major.iter().chain(&minor).all(|t| (-1e-9..=1.0 + 1e-9).contains(&scale.position(*t))),
+                "{values:?}"
+            );
             assert!(minor.iter().all(|t| !major.contains(t)), "{values:?}");
         }
     }

@@ -85,7 +85,7 @@ pub const COLUMNS: [&str; 18] = [
 /// fragments.
 pub fn panels(counted: bool) -> Vec<Panel> {
     let (cost, cost_label) = match counted {
-        true => ("fragments", "fragments of a frame"),
+        true => ("fragments", "fragments per frame"),
         false => ("frame_milliseconds", "frame, milliseconds"),
     };
     let error_labels = [
@@ -153,7 +153,12 @@ pub struct DetailSizeFacts {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
-pub fn cells(configuration: &DetailConfiguration, seen: &DetailSizeFacts, m: &SettingMeasurements, timing: &str) -> Vec<Cell> {
+pub fn cells(
+    configuration: &DetailConfiguration,
+    seen: &DetailSizeFacts,
+    m: &SettingMeasurements,
+    timing: &str,
+) -> Vec<Cell> {
     let number = |x: f64| Cell::Number(x);
     vec![
         Cell::Text(configuration.label.clone()),
@@ -240,7 +245,8 @@ mod tests {
 
     #[test]
     fn each_row_has_all_columns_and_belongs_to_one_panel() {
-        let measured = SettingMeasurements { flip: 0.5, fragments: Some(9), frame_ms: 1.0, ..SettingMeasurements::default() };
+        let measured =
+            SettingMeasurements { flip: 0.5, fragments: Some(9), frame_ms: 1.0, ..SettingMeasurements::default() };
         let base = Recipe::default();
         let row = |c: &DetailConfiguration| {
             let cells = cells(c, &DetailSizeFacts::default(), &measured, "timestamp-query");

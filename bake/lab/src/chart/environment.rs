@@ -14,7 +14,9 @@ use pelage_bake::noise::{hash, uniform};
 use pelage_formats::FibreOptics;
 use pelage_formats::meaning::environment::{Environment, brightness};
 use pelage_formats::meaning::scattering::azimuthal::GlintShape;
-use pelage_formats::meaning::scattering::broad::{HORIZON_SINE, BroadSize, BroadTables, CutGaussianLight, LEAST_MEAN, mean_of_half};
+use pelage_formats::meaning::scattering::broad::{
+    BroadSize, BroadTables, CutGaussianLight, HORIZON_SINE, LEAST_MEAN, mean_of_half,
+};
 use pelage_formats::meaning::scattering::gaussian_light::{BroadlyLitFibre, GaussianLight};
 use pelage_formats::meaning::scattering::{Angles, AzimuthalScattering, Fibre};
 use pelage_stage::sky::{FitParams, Panorama};
@@ -50,7 +52,7 @@ pub const COLUMNS: [&str; 6] = ["sky", "error_percent", "mean_percent", "microse
 
 /// Panels of the chart.
 pub const PANELS: [Panel; 2] =
-    [panel("microseconds", "µs of a point on one core"), panel("fetches", "fetches of a point in a frame")];
+    [panel("microseconds", "µs per point, one core"), panel("fetches", "fetches per point and frame")];
 
 const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
     Panel { cost, cost_label, error: "error_percent", error_label: "relative L2 error, %", only: None }
@@ -106,7 +108,9 @@ fn default_size() -> BroadSize {
 pub fn configurations(skies: usize) -> Vec<EnvironmentConfiguration> {
     let size = |means, to, from, phi| BroadSize { means, to, from, phi };
     let mut forms: Vec<MapLighting> = [4, 8, 16, 32].map(|lobes| MapLighting::OneLight(lobes, default_size())).into();
-    forms.extend([size(4, 12, 12, 8), size(8, 32, 32, 24), size(12, 48, 48, 32)].map(|size| MapLighting::OneLight(16, size)));
+    forms.extend(
+        [size(4, 12, 12, 8), size(8, 32, 32, 24), size(12, 48, 48, 32)].map(|size| MapLighting::OneLight(16, size)),
+    );
     forms.extend([4, 8, 16, 32].map(MapLighting::Tables));
     forms.extend([4, 16].map(MapLighting::Exact));
     forms.extend([4, 16].map(MapLighting::Printed));
@@ -116,7 +120,8 @@ pub fn configurations(skies: usize) -> Vec<EnvironmentConfiguration> {
         (0..skies).flat_map(|sky| forms.iter().map(move |form| EnvironmentConfiguration::Sky(sky, *form))).collect();
     for width in WIDTHS {
         all.extend(
-            [SingleLighting::Exact, SingleLighting::Tables, SingleLighting::Printed].map(|form| EnvironmentConfiguration::Single(width, form)),
+            [SingleLighting::Exact, SingleLighting::Tables, SingleLighting::Printed]
+                .map(|form| EnvironmentConfiguration::Single(width, form)),
         );
     }
     all
@@ -204,7 +209,10 @@ fn points() -> Vec<Point> {
 }
 
 fn smooth(width_deg: f64, optics: &FibreOptics) -> Fibre {
-    Fibre { around: AzimuthalScattering::Smooth(GlintShape { width: width_deg.to_radians(), ..GlintShape::default() }), ..optics.fibre() }
+    Fibre {
+        around: AzimuthalScattering::Smooth(GlintShape { width: width_deg.to_radians(), ..GlintShape::default() }),
+        ..optics.fibre()
+    }
 }
 
 /// Returns the light that a fibre scatters from one direction.
@@ -496,7 +504,9 @@ pub fn measure_single(form: SingleLighting, width_deg: f64) -> EnvironmentAccura
         _ => Vec::new(),
     };
     let printed: Vec<[PrintedLight; 2]> = match form {
-        SingleLighting::Printed => fibres.iter().map(|fibre| sigmas.map(|sigma| PrintedLight::new(fibre, sigma))).collect(),
+        SingleLighting::Printed => {
+            fibres.iter().map(|fibre| sigmas.map(|sigma| PrintedLight::new(fibre, sigma))).collect()
+        }
         _ => Vec::new(),
     };
     let (values, seconds) = timed(cases.len(), |i| {
@@ -587,7 +597,8 @@ mod tests {
         let sky = &painted().expect("skies")[0];
         let truth = EnvironmentTruth::new(sky);
         let of = |form| measure_map(form, sky, &truth);
-        let [one, lobes, constant] = [MapLighting::OneLight(16, default_size()), MapLighting::Tables(16), MapLighting::Constant].map(of);
+        let [one, lobes, constant] =
+            [MapLighting::OneLight(16, default_size()), MapLighting::Tables(16), MapLighting::Constant].map(of);
         assert!(lobes.error < one.error && one.error < 0.5 * constant.error, "{lobes:?} {one:?} {constant:?}");
         assert!(one.mean.abs() < 0.1, "{one:?}");
         assert!(of(MapLighting::Samples(256)).error < of(MapLighting::Samples(16)).error);

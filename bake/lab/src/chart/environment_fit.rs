@@ -26,7 +26,7 @@ pub const COLUMNS: [&str; 8] =
 pub const PANELS: [Panel; 3] = [
     panel("lobes", "lobes", "error_percent", "relative L2 error of radiance, %"),
     panel("lobes", "lobes", "irradiance_percent", "relative error of irradiance, %"),
-    panel("seconds", "seconds of the fit", "irradiance_percent", "relative error of irradiance, %"),
+    panel("seconds", "fit time, seconds", "irradiance_percent", "relative error of irradiance, %"),
 ];
 
 const fn panel(cost: &'static str, cost_label: &'static str, error: &'static str, error_label: &'static str) -> Panel {

@@ -87,7 +87,7 @@ pub const PANELS: [Panel; 2] = [
         cost: "frame_milliseconds",
         cost_label: "frame, milliseconds",
         error: "widest_over_template",
-        error_label: "widest stroke over the width of the template",
+        error_label: "widest stroke / template width",
         only: None,
     },
 ];
@@ -244,7 +244,8 @@ mod tests {
 
     #[test]
     fn ink_rows_have_all_columns() {
-        let look = InkSettings { size: (64, 32), ..InkSettings::default() }.with(|ink, _| ink.width = LineWidth::Pixels(8.0));
+        let look =
+            InkSettings { size: (64, 32), ..InkSettings::default() }.with(|ink, _| ink.width = LineWidth::Pixels(8.0));
         let mut measured = InkMeasures { views: vec![LineMeasures::default(); 2], ..InkMeasures::default() };
         let found = |measured: &InkMeasures, name| {
             let cells = cells(&look, measured);

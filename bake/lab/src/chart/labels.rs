@@ -27,7 +27,12 @@ pub struct PlacedLabel {
 /// * `obstacles`: other points that no label may cover, such as those of a line
 /// * `frame`: left, top, right and bottom bounds for labels
 /// * `font`: height of a letter; its mean width is 0.54 times that
-pub fn place_labels(marks: &[((i32, i32), i32, &str)], obstacles: &[(i32, i32)], frame: [i32; 4], font: i32) -> Vec<PlacedLabel> {
+pub fn place_labels(
+    marks: &[((i32, i32), i32, &str)],
+    obstacles: &[(i32, i32)],
+    frame: [i32; 4],
+    font: i32,
+) -> Vec<PlacedLabel> {
     let around = |(x, y): (i32, i32), r: i32| [x - r, y - r, x + r, y + r];
     let mut taken: Vec<Rect> = marks.iter().map(|(at, radius, _)| around(*at, *radius)).collect();
     taken.extend(obstacles.iter().map(|at| around(*at, 1)));

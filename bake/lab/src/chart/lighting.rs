@@ -58,7 +58,7 @@ pub const PANELS: [Panel; 2] = [
         cost: "shells_milliseconds",
         cost_label: "shells, milliseconds",
         error: "rmse",
-        error_label: "RMSE of eq. (1) against eq. (1) at the strand",
+        error_label: "RMSE of eq. (1) against its value at the strand",
         only: None,
     },
     Panel {
@@ -103,7 +103,12 @@ pub fn configurations(base: &Recipe) -> Result<Vec<LightingConfiguration>, BakeE
         )?;
     }
     for width in [0.25, 0.5, 1.0, 2.0] {
-        add("filter width", width.to_string(), LightingStage::Pixel, &[plain(), format!("slice.filter_width={width:?}")])?;
+        add(
+            "filter width",
+            width.to_string(),
+            LightingStage::Pixel,
+            &[plain(), format!("slice.filter_width={width:?}")],
+        )?;
     }
     Ok(out)
 }
@@ -130,7 +135,7 @@ pub fn measure(configuration: &LightingConfiguration, lengths: Lengths) -> Resul
     let strands = simulate_recipe(recipe, &volume)?;
     let textures = shell_textures(&strands, None, &recipe.slice, &recipe.pack, false, &mut || ())?;
     let view = TextureView::parse(&textures.direction, 0, &Limits::default())
-        .map_err(|e| BakeError::Internal(format!("the direction texture just written: {e}")))?;
+        .map_err(|e| BakeError::Internal(format!("cannot read back the direction texture: {e}")))?;
     let directions = Directions::new(&view, configuration.lighting);
     let shading = Shading::from(&recipe.shading);
     let pairs = pairs();
@@ -153,7 +158,12 @@ pub fn measure(configuration: &LightingConfiguration, lengths: Lengths) -> Resul
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]. `milliseconds`: time of the shells, by the clock named
 /// `timing`.
-pub fn cells(configuration: &LightingConfiguration, measured: &LightingErrors, milliseconds: f64, timing: &str) -> Vec<Cell> {
+pub fn cells(
+    configuration: &LightingConfiguration,
+    measured: &LightingErrors,
+    milliseconds: f64,
+    timing: &str,
+) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let recipe = &configuration.recipe;
     let word = match configuration.lighting {

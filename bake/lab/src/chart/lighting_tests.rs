@@ -16,8 +16,13 @@ fn recipe(format: &str, frizz: f32) -> Recipe {
 }
 
 fn measured(format: &str, frizz: f32, lighting: LightingStage) -> LightingErrors {
-    let configuration =
-        LightingConfiguration { series: "", label: String::new(), lighting, sets: Vec::new(), recipe: recipe(format, frizz) };
+    let configuration = LightingConfiguration {
+        series: "",
+        label: String::new(),
+        lighting,
+        sets: Vec::new(),
+        recipe: recipe(format, frizz),
+    };
     measure(&configuration, Lengths { tile_size_m: 0.05, length_m: 0.02 }).unwrap()
 }
 
@@ -42,7 +47,8 @@ fn every_strand_crosses_the_layers_below_its_tip() {
 #[test]
 fn direction_error_is_lower_per_pixel_than_per_vertex() {
     for format in ["rg8", "rgba8", "bc5"] {
-        let (pixel, vertex) = (measured(format, 0.5, LightingStage::Pixel), measured(format, 0.5, LightingStage::Vertex));
+        let (pixel, vertex) =
+            (measured(format, 0.5, LightingStage::Pixel), measured(format, 0.5, LightingStage::Vertex));
         assert!(pixel.direction_error_deg < 0.8 * vertex.direction_error_deg, "{format}: {pixel:?}, {vertex:?}");
         assert!(pixel.light.rmse() < vertex.light.rmse(), "{format}: {pixel:?}, {vertex:?}");
         // Uniform hair is also known at vertices, up to rounding.

@@ -49,9 +49,9 @@ pub const PANELS: [Panel; 4] = [panel("black"), panel("brown"), panel("blond"), 
 const fn panel(coat: &'static str) -> Panel {
     Panel {
         cost: "frame_ms",
-        cost_label: "ms of a frame",
+        cost_label: "ms per frame",
         error: "rmse_percent",
-        error_label: "relative RMSE of squares, %",
+        error_label: "relative RMSE of pixel blocks, %",
         only: Some(("coat", coat)),
     }
 }

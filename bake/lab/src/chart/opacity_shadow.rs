@@ -10,7 +10,7 @@ use super::{Cell, Panel};
 use glam::Vec3;
 use pelage_runtime::shared::deep_opacity::{DeepOpacity, OPACITY_STEP, slab_of, slab_share};
 use pelage_runtime::{LightView, OpacityForm, ShadowParams, Study};
-use pelage_truth::{VisibleStrand, TrueLight, TrueScene};
+use pelage_truth::{TrueLight, TrueScene, VisibleStrand};
 use rayon::prelude::*;
 
 /// Rays to a light from a strand point.
@@ -58,12 +58,12 @@ pub const COLUMNS: [&str; 18] = [
 
 /// Panels of the chart.
 pub const PANELS: [Panel; 4] = [
-    panel("milliseconds", "making the map, milliseconds", "rmse", "RMSE of t on strands against rays"),
-    panel("milliseconds", "making the map, milliseconds", "flip", "mean FLIP against the true picture"),
+    panel("milliseconds", "drawing the map, milliseconds", "rmse", "RMSE of t on strands against rays"),
+    panel("milliseconds", "drawing the map, milliseconds", "flip", "mean FLIP against the reference picture"),
     panel("bytes", "map, bytes", "rmse", "RMSE of t on strands against rays"),
     panel(
         "milliseconds",
-        "making the map, milliseconds",
+        "drawing the map, milliseconds",
         "largest_step",
         "largest step of t between slabs, ball of hair",
     ),

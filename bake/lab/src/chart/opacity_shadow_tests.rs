@@ -78,7 +78,9 @@ fn every_form_is_measured_at_every_size() {
     assert_eq!(all.iter().filter(|c| c.default).count(), 1);
     for form in [OpacityForm::Deep, OpacityForm::WholeDepth, OpacityForm::Printed] {
         for size in [256, 512, 1024] {
-            let of = |c: &&OpacityShadowConfiguration| c.study.opacity == form && c.shadows.map_size == size && c.study.thin_texels;
+            let of = |c: &&OpacityShadowConfiguration| {
+                c.study.opacity == form && c.shadows.map_size == size && c.study.thin_texels
+            };
             assert_eq!(all.iter().filter(of).count(), if form == OpacityForm::Deep { 3 } else { 1 });
         }
     }

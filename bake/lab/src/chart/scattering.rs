@@ -41,9 +41,9 @@ pub const COLUMNS: [&str; 6] =
 
 /// Panels of the chart.
 pub const PANELS: [Panel; 3] = [
-    panel("nanoseconds", "ns of an evaluation on the adapter"),
-    panel("bytes", "bytes of a fibre"),
-    panel("fetches", "fetches of an evaluation"),
+    panel("nanoseconds", "ns per evaluation on the adapter"),
+    panel("bytes", "bytes per fibre"),
+    panel("fetches", "fetches per evaluation"),
 ];
 
 const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
@@ -167,7 +167,9 @@ impl FibreEvaluator {
             ScatteringForm::Tables(size) => Self::ours(ScatteringTables::new(&fibre, size), false, false),
             ScatteringForm::Cubic(size) => Self::ours(ScatteringTables::new(&fibre, size), true, false),
             ScatteringForm::CosPhi(size) => Self::ours(by_cosine(&fibre, size), false, true),
-            ScatteringForm::EvenLengths(size) => Self::ours(even_lengths(ScatteringTables::new(&fibre, size)), false, false),
+            ScatteringForm::EvenLengths(size) => {
+                Self::ours(even_lengths(ScatteringTables::new(&fibre, size)), false, false)
+            }
             ScatteringForm::AllLengths(size) => all_lengths(&fibre, size),
             ScatteringForm::Printed(size) => printed(&fibre, size),
             ScatteringForm::Fit => Self::Fit(*optics),
@@ -208,8 +210,8 @@ impl FibreEvaluator {
                 let place = [half(libm::cos(angles.phi)), angles.cos_d()];
                 let [r, tt, trt, through, within] = between(around, *size, place);
                 SIGMAS.map(|sigma| {
-                    let [tt, trt] =
-                        [(tt, through), (trt, within)].map(|(light, length)| PathContribution { light, length }.attenuated(sigma));
+                    let [tt, trt] = [(tt, through), (trt, within)]
+                        .map(|(light, length)| PathContribution { light, length }.attenuated(sigma));
                     along[0] * r + along[1] * trt + along[2] * tt
                 })
             }
@@ -425,7 +427,10 @@ mod tests {
             "{all:?} {even:?}"
         );
         let printed = of(ScatteringForm::Printed(64));
-        assert!(printed.error > 10.0 * small.error && of(ScatteringForm::CosPhi(64)).error > small.error, "{printed:?}");
+        assert!(
+            printed.error > 10.0 * small.error && of(ScatteringForm::CosPhi(64)).error > small.error,
+            "{printed:?}"
+        );
         assert!(of(ScatteringForm::Fit).error.is_finite() && of(ScatteringForm::Fit).error > printed.error * 0.1);
     }
 }

@@ -114,14 +114,14 @@ pub const COLUMNS: [&str; 40] = [
 pub const PANELS: [Panel; 4] = [
     Panel {
         cost: "milliseconds",
-        cost_label: "making all maps, milliseconds",
+        cost_label: "drawing all maps, milliseconds",
         error: "hair_rmse",
         error_label: "RMSE of t on hair against rays past other strands",
         only: None,
     },
     Panel {
         cost: "milliseconds",
-        cost_label: "making all maps, milliseconds",
+        cost_label: "drawing all maps, milliseconds",
         error: "rmse",
         error_label: "RMSE of t against the sampled volume",
         only: None,
@@ -194,7 +194,7 @@ impl Sheet {
             return Err(BakeError::Params {
                 what: "slice.tile_texels",
                 reason: format!(
-                    "all layers have {texels} texels, expected at most {MOST_TEXELS} where a chart holds them in memory"
+                    "all layers have {texels} texels, expected at most {MOST_TEXELS}: the chart holds them in memory"
                 ),
             });
         }
@@ -310,7 +310,12 @@ impl Sheet {
 
     /// Returns t at the points of a truth as the runtime computes it from baked visibility. The sheet's hair is the
     /// tile's, neither flattened nor sheared, so the light's direction in the tile is that above the mesh surface.
-    pub fn transmittance_by_visibility(&self, visibility: &TileVisibility, slant: &Slant, truth: &TransmittanceTruth) -> Vec<f64> {
+    pub fn transmittance_by_visibility(
+        &self,
+        visibility: &TileVisibility,
+        slant: &Slant,
+        truth: &TransmittanceTruth,
+    ) -> Vec<f64> {
         let towards = slant.light_ts.as_vec3();
         truth.points.par_iter().map(|i| f64::from(visibility.transmittance_towards(*i, towards))).collect()
     }
@@ -419,7 +424,8 @@ impl SelfShadowErrors {
 
     /// Adds the error of encoding: values found at the points of a truth in blocks, and in uncompressed texels.
     pub fn add_blocks(&mut self, found: &[f64], plain: &[f64], truth: &TransmittanceTruth) {
-        let pairs = truth.hair.iter().flat_map(|(i, _, times)| TransmittanceTruth::repeated((found[*i], plain[*i]), *times));
+        let pairs =
+            truth.hair.iter().flat_map(|(i, _, times)| TransmittanceTruth::repeated((found[*i], plain[*i]), *times));
         self.blocks = self.blocks.and(Errors::of(pairs));
     }
 
@@ -559,7 +565,7 @@ fn middle_tile(bytes: &[u8]) -> Result<(Vec3, [Vec3; 2], Vec3), BakeError> {
     let (db, dc) = (tb - ta, tc - ta);
     let det = db.perp_dot(dc);
     if det == 0.0 {
-        return Err(BakeError::Internal("the sheet has no area in its tile".into()));
+        return Err(BakeError::Internal("a triangle of the sheet has no area in the tile's coordinates".into()));
     }
     let along = [((b - a) * dc.y - (c - a) * db.y) / det, ((c - a) * db.x - (b - a) * dc.x) / det];
     let bounds = mesh.attributes.iter().map(|v| Vec2::from(v.tile_uv)).fold(None, |bounds: Option<(Vec2, Vec2)>, p| {

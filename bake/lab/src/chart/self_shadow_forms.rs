@@ -96,7 +96,11 @@ pub fn configurations(recipe: &Recipe) -> Vec<SelfShadowConfiguration> {
     for map_size in [64, 128, 256, 512, 1024] {
         // The paper's maps use the layers' full optical depth.
         let shadows = base.with(|s| (s.map_size, s.density) = (map_size, 1.0));
-        add("map size, as printed", format!("{map_size}²"), SelfShadowForm::Maps { shadows, slant: SlantForm::Printed });
+        add(
+            "map size, as printed",
+            format!("{map_size}²"),
+            SelfShadowForm::Maps { shadows, slant: SlantForm::Printed },
+        );
     }
     for density in [0.4, 0.7, 1.4, 2.0] {
         add("density", density.to_string(), maps(base.with(|s| s.density = density)));

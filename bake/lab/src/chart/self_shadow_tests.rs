@@ -92,7 +92,10 @@ fn exact_shadow_maps_have_zero_error() {
 }
 
 /// Returns the errors of `found` under all lights.
-fn measured(truths: &[(Slant, TransmittanceTruth)], found: &dyn Fn(&Slant, &TransmittanceTruth) -> Vec<f64>) -> SelfShadowErrors {
+fn measured(
+    truths: &[(Slant, TransmittanceTruth)],
+    found: &dyn Fn(&Slant, &TransmittanceTruth) -> Vec<f64>,
+) -> SelfShadowErrors {
     let mut measured = SelfShadowErrors::default();
     truths.iter().for_each(|(slant, truth)| measured.add(slant, &found(slant, truth), 1.0, truth));
     measured
@@ -122,7 +125,8 @@ fn baked_visibility_matches_strands_better_than_exact_maps() {
     assert_eq!(hair, HAIR_DRAWS);
     assert!(truths[0].1.hair.iter().all(|(i, ..)| sheet.texel(truths[0].1.points[*i]).2 > 0), "skin has no hair");
     let visibility = baked(&sheet, None, 96);
-    let (error, mean) = on_hair(&measured(&truths, &|slant, truth| sheet.transmittance_by_visibility(&visibility, slant, truth)));
+    let (error, mean) =
+        on_hair(&measured(&truths, &|slant, truth| sheet.transmittance_by_visibility(&visibility, slant, truth)));
     // Texels this coarse mix lit hair with shadowed hair.
     assert!(mean.abs() < 0.05, "{mean}");
     for density in [0.4, 0.7, 1.0] {
@@ -193,7 +197,8 @@ fn self_shadow_configurations_differ_and_rows_have_all_columns() {
     assert_eq!(configurations(&recipe)[0].form, maps);
     recipe.slice.layers = 2;
     let whole = |form| {
-        matches!(form, SelfShadowForm::Baked { .. }) || matches!(form, SelfShadowForm::Maps { shadows, .. } if shadows.map_layers.is_none())
+        matches!(form, SelfShadowForm::Baked { .. })
+            || matches!(form, SelfShadowForm::Maps { shadows, .. } if shadows.map_layers.is_none())
     };
     assert!(configurations(&recipe).iter().all(|c| whole(c.form)));
     assert_eq!(slants().len(), 15);

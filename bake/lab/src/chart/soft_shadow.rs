@@ -92,16 +92,16 @@ pub const COLUMNS: [&str; 13] = [
 pub const PANELS: [Panel; 2] = [
     Panel {
         cost: "milliseconds",
-        cost_label: "making the maps, milliseconds",
+        cost_label: "drawing the maps, milliseconds",
         error: "rmse",
-        error_label: "RMSE of the light's share, all points",
+        error_label: "RMSE of the light's visible share, all points",
         only: None,
     },
     Panel {
         cost: "milliseconds",
-        cost_label: "making the maps, milliseconds",
+        cost_label: "drawing the maps, milliseconds",
         error: "rmse_in_shadow",
-        error_label: "RMSE of the light's share, points not in full light",
+        error_label: "RMSE of the light's visible share, points not in full light",
         only: None,
     },
 ];
@@ -361,7 +361,12 @@ impl SoftShadowErrors {
 }
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]. `timing`: source of the milliseconds.
-pub fn cells(configuration: &SoftShadowConfiguration, measured: &SoftShadowErrors, milliseconds: f64, timing: &str) -> Vec<Cell> {
+pub fn cells(
+    configuration: &SoftShadowConfiguration,
+    measured: &SoftShadowErrors,
+    milliseconds: f64,
+    timing: &str,
+) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let (shadows, m) = (&configuration.shadows, measured);
     let passes = if let Method::Iterated(passes) = configuration.method { Some(passes) } else { None };

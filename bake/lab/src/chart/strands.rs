@@ -175,7 +175,7 @@ pub const COLUMNS: [&str; 24] = [
 /// Panels of the chart, one for each size.
 pub fn panels() -> Vec<Panel> {
     let labels = [
-        "mean FLIP, a third of the angle",
+        "mean FLIP, a third of the field of view",
         "mean FLIP at twice the judge's size",
         "mean FLIP at the judge's size",
         "mean FLIP at half the judge's size",
@@ -239,7 +239,12 @@ pub fn over_cheapest(ways: &[StrandsMeasures]) -> Option<f64> {
 
 /// Returns the cells of a row, in the order of [`COLUMNS`]. `ways`: results of all methods of its size and samples;
 /// `timing`: source of the milliseconds.
-pub fn cells(configuration: &StrandsConfiguration, seen: &StrandsSizeFacts, ways: &[StrandsMeasures], timing: &str) -> Vec<Cell> {
+pub fn cells(
+    configuration: &StrandsConfiguration,
+    seen: &StrandsSizeFacts,
+    ways: &[StrandsMeasures],
+    timing: &str,
+) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let StrandsConfiguration { size, samples, way } = *configuration;
     let found = ways.get(way).copied().unwrap_or_default();
@@ -304,8 +309,10 @@ mod tests {
 
     #[test]
     fn chosen_row_is_compared_with_the_cheapest_equally_accurate_row() {
-        let way =
-            |frame_ms, flip| StrandsMeasures { measured: SettingMeasurements { frame_ms, flip, ..SettingMeasurements::default() }, ..StrandsMeasures::default() };
+        let way = |frame_ms, flip| StrandsMeasures {
+            measured: SettingMeasurements { frame_ms, flip, ..SettingMeasurements::default() },
+            ..StrandsMeasures::default()
+        };
         // The cheapest is less accurate, the next nearly as accurate, and the last more accurate and more expensive.
         let blended = StrandsMeasures { blended: true, ..way(2.0, 0.0050) };
         let ways = [way(6.0, 0.0100), way(1.0, 0.0200), way(4.0, 0.0101), way(9.0, 0.0050), blended];

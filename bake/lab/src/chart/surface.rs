@@ -40,7 +40,7 @@ pub const COLUMNS: [&str; 14] = [
 pub const PANELS: [Panel; 2] = [
     Panel {
         cost: "seam_length_ratio",
-        cost_label: "length of seams / square root of skin area",
+        cost_label: "seam length / square root of skin area",
         error: "angle_distortion",
         error_label: "angle distortion (0: none)",
         only: None,

@@ -89,21 +89,21 @@ pub const PANELS: [Panel; 4] = [
         cost: "shell_bytes",
         cost_label: "shell texture, bytes",
         error: "color_rmse",
-        error_label: "RMSE of colour, of 255",
+        error_label: "RMSE of colour, in 1/255",
         only: None,
     },
     Panel {
         cost: "shell_encode_seconds",
         cost_label: "encoding the shell texture, seconds",
         error: "color_rmse",
-        error_label: "RMSE of colour, of 255",
+        error_label: "RMSE of colour, in 1/255",
         only: None,
     },
     Panel {
         cost: "shell_bytes",
         cost_label: "shell texture, bytes",
         error: "coverage_drift",
-        error_label: "largest drift of coverage over the mips",
+        error_label: "largest change of coverage across the mips",
         only: None,
     },
     Panel {
@@ -197,7 +197,11 @@ struct Directions {
 /// # Errors
 ///
 /// Errors of slicing, encoding and decoding.
-pub fn measure(configuration: &TexturesConfiguration, truth: &SlicedTile, now: &dyn Fn() -> f64) -> Result<Vec<Cell>, BakeError> {
+pub fn measure(
+    configuration: &TexturesConfiguration,
+    truth: &SlicedTile,
+    now: &dyn Fn() -> f64,
+) -> Result<Vec<Cell>, BakeError> {
     let part = configuration.part;
     let shells = if part == Part::Directions { None } else { Some(shells(configuration, truth, now)?) };
     let directions = if part == Part::Shells { None } else { Some(directions(configuration, truth, now)?) };
@@ -236,7 +240,11 @@ pub fn measure(configuration: &TexturesConfiguration, truth: &SlicedTile, now: &
     Ok(cells)
 }
 
-fn shells(configuration: &TexturesConfiguration, truth: &SlicedTile, now: &dyn Fn() -> f64) -> Result<Shells, BakeError> {
+fn shells(
+    configuration: &TexturesConfiguration,
+    truth: &SlicedTile,
+    now: &dyn Fn() -> f64,
+) -> Result<Shells, BakeError> {
     let pack = &configuration.recipe.pack;
     let set = match configuration.mips {
         MipFilter::Product => truth.set.clone(),
@@ -268,7 +276,11 @@ fn shells(configuration: &TexturesConfiguration, truth: &SlicedTile, now: &dyn F
     })
 }
 
-fn directions(configuration: &TexturesConfiguration, truth: &SlicedTile, now: &dyn Fn() -> f64) -> Result<Directions, BakeError> {
+fn directions(
+    configuration: &TexturesConfiguration,
+    truth: &SlicedTile,
+    now: &dyn Fn() -> f64,
+) -> Result<Directions, BakeError> {
     let (pack, slice) = (&configuration.recipe.pack, &configuration.recipe.slice);
     let format = TextureFormat::from(pack.direction_format);
     let set = collect_layers(&truth.strands, slice, format)?;
@@ -323,7 +335,7 @@ fn timed(now: &dyn Fn() -> f64, run: impl Fn() -> Result<Vec<u8>, BakeError>) ->
 
 fn parse(file: &[u8]) -> Result<TextureView<'_>, BakeError> {
     let view = TextureView::parse(file, 0, &Limits::default());
-    view.map_err(|e| BakeError::Internal(format!("the texture just written: {e}")))
+    view.map_err(|e| BakeError::Internal(format!("cannot read back the texture: {e}")))
 }
 
 /// Decodes the colours of a file to a set of layers.

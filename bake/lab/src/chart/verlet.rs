@@ -9,11 +9,13 @@
 //! truth would be arbitrary.
 
 use super::{Cell, Panel};
-use crate::stability::hair_motion::{PrintedString, PrintedStep, sweep};
-use crate::truth::{TrueMotion, TrueGuide};
+use crate::stability::hair_motion::{PrintedStep, PrintedString, sweep};
+use crate::truth::{TrueGuide, TrueMotion};
 use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 use pelage_formats::GroupMotion;
-use pelage_formats::meaning::hair_motion::{Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Solver, Springs, Wind, gravity_compensation};
+use pelage_formats::meaning::hair_motion::{
+    Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Solver, Springs, Wind, gravity_compensation,
+};
 use std::f64::consts::TAU;
 
 /// Numbers of points per guide.
@@ -63,10 +65,10 @@ pub const COLUMNS: [&str; 13] = [
 
 /// Panels of the chart: one for each number of points, and one by number of corrections.
 pub const PANELS: [Panel; 4] = [
-    panel(NANOSECONDS, "7 points: ns of a guide and second, one core", "7"),
-    panel(NANOSECONDS, "16 points: ns of a guide and second, one core", "16"),
-    panel(NANOSECONDS, "36 points: ns of a guide and second, one core", "36"),
-    panel("corrections_per_s", "16 points: times a second that a length is put right", "16"),
+    panel(NANOSECONDS, "7 points: ns per guide and second, one core", "7"),
+    panel(NANOSECONDS, "16 points: ns per guide and second, one core", "16"),
+    panel(NANOSECONDS, "36 points: ns per guide and second, one core", "36"),
+    panel("corrections_per_s", "16 points: corrections of a length per second", "16"),
 ];
 
 const NANOSECONDS: &str = "nanoseconds";
@@ -317,7 +319,13 @@ impl Guide {
 
     /// Moves the guide with the runtime's forces. `hold` enforces the lengths at the end of each step, and receives its
     /// duration in seconds.
-    fn unconstrained(&self, steps_per_s: u32, scene: Scene, hold: &dyn Fn(&mut UnconstrainedString, f32), at_end: &mut dyn FnMut(&[Vec3])) {
+    fn unconstrained(
+        &self,
+        steps_per_s: u32,
+        scene: Scene,
+        hold: &dyn Fn(&mut UnconstrainedString, f32),
+        at_end: &mut dyn FnMut(&[Vec3]),
+    ) {
         let steps = steps_per_s / FPS;
         let h = 1.0 / steps_per_s as f32;
         let mut string = UnconstrainedString::new(&self.points, scene.rooted(0.0));

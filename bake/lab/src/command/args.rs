@@ -75,7 +75,7 @@ impl FromStr for Rows {
     fn from_str(text: &str) -> Result<Self, String> {
         let number = text.trim().parse().ok().filter(|row| *row > 0).map(Self::Number);
         let share = || share(text).map(|(share, of)| Self::Share { share: share as usize, of: of as usize });
-        number.or_else(share).ok_or_else(|| "expected a row from 1, or a share of the rows from 1 such as 2/8".into())
+        number.or_else(share).ok_or_else(|| "expected a row number from 1, or a share of the rows such as 2/8".into())
     }
 }
 

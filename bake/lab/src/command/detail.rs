@@ -49,7 +49,7 @@ impl Topic for DetailTopic<'_> {
         Plan {
             topic: "detail",
             title: format!(
-                "{}, {} pixels: what is drawn against the true strands",
+                "{}, {} pixels: levels of detail against the true strands",
                 self.subject.name,
                 words.join(", ")
             ),

@@ -114,19 +114,19 @@ pub fn run(
     make_folder(folder)?;
     let mut journal = Rows::open(folder, plan.topic, &key(subject, &plan), args.restart)?;
     if journal.others() > 0 {
-        output.note(&format!("{} rows of another model, recipe, tool or adapter do not count", journal.others()));
+        output.note(&format!("ignored {} rows of another model, recipe, tool or adapter", journal.others()));
     }
     for path in &args.from {
         let others = journal.take(path)?;
         if others > 0 {
             let file = path.display();
-            output.note(&format!("{file}: {others} rows of another model, recipe, tool or adapter do not count"));
+            output.note(&format!("{file}: ignored {others} rows of another model, recipe, tool or adapter"));
         }
     }
     let known = numbers.iter().filter(|n| journal.cells(**n).is_some()).count();
     if known > 0 {
         output.note(&format!(
-            "{known} of {} rows are there from a run before; --restart measures them anew",
+            "{known} of {} rows exist from an earlier run; --restart measures them again",
             numbers.len()
         ));
     }

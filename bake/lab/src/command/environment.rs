@@ -4,7 +4,9 @@
 use super::driver::{Plan, PlannedRow, Topic};
 use super::environment_fit::{names, skies};
 use crate::chart::Cell;
-use crate::chart::environment::{COLUMNS, EnvironmentConfiguration, PANELS, EnvironmentTruth, cells, configurations, measure_single, measure_map};
+use crate::chart::environment::{
+    COLUMNS, EnvironmentConfiguration, EnvironmentTruth, PANELS, cells, configurations, measure_map, measure_single,
+};
 use crate::chart::skies::NamedSky;
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
@@ -35,7 +37,10 @@ impl Topic for EnvironmentTopic {
         };
         Plan {
             topic: "environment",
-            title: format!("What three fibres send of skies, against every direction of them: {}", names(&self.skies)),
+            title: format!(
+                "Light from skies scattered by three fibres, against the sum over all directions: {}",
+                names(&self.skies)
+            ),
             adapter: measured_on("CPU, one thread"),
             columns: COLUMNS.to_vec(),
             panels: PANELS.to_vec(),

@@ -25,7 +25,7 @@ pub(super) fn skies(files: &[PathBuf]) -> Result<Vec<NamedSky>, Failure> {
         EnvironmentFile::Lights(_) => Err(BakeError::Input {
             file: path.display().to_string(),
             place: "whole file".into(),
-            reason: "holds lights, expected the picture of a sky (.hdr, .exr) that they can be held against".into(),
+            reason: "holds fitted lights, expected a panorama (.hdr, .exr) to compare them with".into(),
         }
         .into()),
     };

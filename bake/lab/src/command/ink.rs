@@ -11,7 +11,7 @@ use glam::Vec3;
 use image::RgbaImage;
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::PosedMesh;
-use pelage_runtime::{InkParams, InkDebugView, Style};
+use pelage_runtime::{InkDebugView, InkParams, Style};
 use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, fastest, framing, outline};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;

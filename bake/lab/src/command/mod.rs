@@ -58,7 +58,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
         return stability::run(args, output);
     }
     let name = args.topic.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-    let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
+    let needs = || Failure::Usage(format!("chart {name} needs -o DIR for its table and picture"));
     let folder = args.output.as_deref().ok_or_else(needs)?;
     if let Some(own) = built_in_input(args.topic)
         && (args.model.is_some() || args.recipe.recipe.is_some() || !args.recipe.set.is_empty())
@@ -66,18 +66,18 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
         return Err(Failure::Usage(format!("chart {name} takes neither model nor recipe: it brings its own {own}")));
     }
     if !args.sky.is_empty() && !matches!(args.topic, Topic::Environment | Topic::EnvironmentFit) {
-        return Err(Failure::Usage(format!("chart {name} takes no --sky: it lights its model by itself")));
+        return Err(Failure::Usage(format!("chart {name} takes no --sky: it sets the lights of its model")));
     }
     let subject = Subject::new(args)?;
     if subject.package.is_some()
         && !matches!(args.topic, Topic::Shells | Topic::Detail | Topic::Strands | Topic::OpacityShadow | Topic::Ink)
     {
         if args.topic == Topic::Surface {
-            let why = "a package's mesh is parted into its patches already";
+            let why = "the mesh of a package is already cut into patches";
             return Err(Failure::Usage(format!("chart surface needs the model: {why}")));
         }
         if let Some((key, _)) = subject.recipe.images().first() {
-            let why = format!("the image of {key} is not in a package");
+            let why = format!("a package does not contain the image of {key}");
             return Err(Failure::Usage(format!("chart {name} needs the model: {why}")));
         }
     }

@@ -4,7 +4,8 @@ use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
 use crate::chart::Cell;
 use crate::chart::multiple::{
-    AMBIENT, COATS, COLUMNS, MultipleConfiguration, FORMS, LIGHTS, PANELS, SAMPLES, SIZE, Squares, cells, configurations,
+    AMBIENT, COATS, COLUMNS, FORMS, LIGHTS, MultipleConfiguration, PANELS, SAMPLES, SIZE, Squares, cells,
+    configurations,
 };
 use pelage_bake::recipe::{Recipe, ShadingModel};
 use pelage_formats::Shading;
@@ -57,7 +58,7 @@ impl Topic for MultipleTopic<'_> {
         Plan {
             topic: "multiple",
             title: format!(
-                "{}: coats of fibres in three lights, {SIZE}x{SIZE} pixels, against {} bounces of {SAMPLES} paths a pixel",
+                "{}: fibres in three lights, {SIZE}x{SIZE} pixels, against {} bounces of {SAMPLES} paths per pixel",
                 self.subject.name,
                 TrueScattering::BOUNCES
             ),
@@ -71,7 +72,9 @@ impl Topic for MultipleTopic<'_> {
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
         let configuration = self.configurations[index];
         let subject = self.subject;
-        let coat = get_or_make(&mut self.coats[configuration.coat], || FurWithTruths::new(subject, configuration.coat, doing))?;
+        let coat = get_or_make(&mut self.coats[configuration.coat], || {
+            FurWithTruths::new(subject, configuration.coat, doing)
+        })?;
         doing("drawing");
         let (mut squares, mut frame_ms) = ([const { None }; LIGHTS.len()], f64::INFINITY);
         for (light, found) in squares.iter_mut().enumerate() {

@@ -5,7 +5,8 @@ use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
 use crate::chart::opacity_shadow;
 use crate::chart::opacity_shadow::{
-    Ball, COLUMNS, OpacityShadowConfiguration, DeepMap, OpacityShadowMeasures, PANELS, SAMPLES, STEP_PX, cells, configurations,
+    Ball, COLUMNS, DeepMap, OpacityShadowConfiguration, OpacityShadowMeasures, PANELS, SAMPLES, STEP_PX, cells,
+    configurations,
 };
 use crate::chart::{Cell, Errors};
 use glam::Vec3;
@@ -71,7 +72,7 @@ impl Topic for OpacityShadowTopic<'_> {
         let (width, height) = (self.recipe.judge.width, self.recipe.judge.height);
         Plan {
             topic: "opacity-shadow",
-            title: format!("{} in single strands, {width}x{height} pixels: light between them", self.subject.name),
+            title: format!("{} as single strands, {width}x{height} pixels: shadows between them", self.subject.name),
             adapter: measured_on(&self.gpu.info.name),
             columns: COLUMNS.to_vec(),
             panels: PANELS.to_vec(),
@@ -107,7 +108,7 @@ impl Shared {
         let truth = ReferenceTracer::new(&baked, &view)?;
         let points = &truth.scene.curves().points;
         if points.is_empty() {
-            let reason = "it has no strands, expected a model with hair to shadow".into();
+            let reason = "found no strands, expected a model with hair".into();
             return Err(BakeError::Input { file: file.clone(), place: "hair".into(), reason }.into());
         }
         let width_m = 2.0 * points.iter().map(|p| f64::from(p.radius_m)).sum::<f64>() / points.len() as f64;
@@ -118,7 +119,7 @@ impl Shared {
         let places = truth.scene.visible_strands(&truth.camera(&view), size, STEP_PX);
         // No default view has a nearby light.
         let KeyLight::Distant(key) = view.look.key_light() else {
-            return Err(BakeError::Internal("the default look has a light nearby".into()).into());
+            return Err(BakeError::Internal("the default look has a point light, expected a distant one".into()).into());
         };
         let lights = std::iter::once(key).chain(OTHER_LIGHTS);
         let truths = lights.map(|towards| {
@@ -131,10 +132,15 @@ impl Shared {
         Ok(Self { meter: Meter::new(gpu), scene, picture, truths, width_m: width_m as f32 })
     }
 
-    fn measure(&mut self, configuration: &OpacityShadowConfiguration, samples: u32) -> Result<OpacityShadowMeasures, Failure> {
+    fn measure(
+        &mut self,
+        configuration: &OpacityShadowConfiguration,
+        samples: u32,
+    ) -> Result<OpacityShadowMeasures, Failure> {
         let params = &mut self.scene.params;
         (params.shadows, params.study) = (configuration.shadows, configuration.study);
-        let (mut errors, mut milliseconds, mut measured) = (Errors::default(), Vec::new(), OpacityShadowMeasures::default());
+        let (mut errors, mut milliseconds, mut measured) =
+            (Errors::default(), Vec::new(), OpacityShadowMeasures::default());
         for (i, (towards_light, truth)) in self.truths.iter().enumerate() {
             self.scene.params.light = Light::Directional { towards_light: *towards_light, color: Vec3::ONE };
             let (frame, _) = self.meter.prepared(&mut self.scene, PassId::STRAND_SHADOW)?;
@@ -168,7 +174,7 @@ impl Shared {
 fn read_map(gpu: &Gpu, frame: &Frame, configuration: &OpacityShadowConfiguration) -> Result<DeepMap, Failure> {
     let maps = frame.shadows();
     let lost = || {
-        StageError::Device("it draws no single strands, which need compute shaders with seven storage buffers".into())
+        StageError::Device("single strands are not drawn: they need compute shaders with seven storage buffers".into())
     };
     let (maps, buffer) = maps.and_then(|maps| Some((maps, maps.deep()?))).ok_or_else(lost)?;
     let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {

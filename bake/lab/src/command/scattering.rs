@@ -3,7 +3,8 @@
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use crate::chart::Cell;
 use crate::chart::scattering::{
-    COLUMNS, ScatteringConfiguration, FIBRES, ScatteringForm, PAIRS, PANELS, ScatteringTruth, cells, configurations, measure,
+    COLUMNS, FIBRES, PAIRS, PANELS, ScatteringConfiguration, ScatteringForm, ScatteringTruth, cells, configurations,
+    measure,
 };
 use pelage_runtime::shared::scattering;
 use pelage_runtime::wgpu;
@@ -47,7 +48,7 @@ impl Topic for ScatteringTopic {
         };
         Plan {
             topic: "scattering",
-            title: format!("What five fibres scatter, over {PAIRS} pairs of directions each, against their equations"),
+            title: format!("Scattering by five fibres, over {PAIRS} pairs of directions each, against their equations"),
             adapter: measured_on(&self.gpu.info.name),
             columns: COLUMNS.to_vec(),
             panels: PANELS.to_vec(),
@@ -77,7 +78,10 @@ fn expression(form: ScatteringForm) -> Option<&'static str> {
         ScatteringForm::Tables(_) => Some(TABLES),
         ScatteringForm::Cubic(_) => Some(CUBIC),
         ScatteringForm::Fit => Some(FIT),
-        ScatteringForm::CosPhi(_) | ScatteringForm::EvenLengths(_) | ScatteringForm::AllLengths(_) | ScatteringForm::Printed(_) => None,
+        ScatteringForm::CosPhi(_)
+        | ScatteringForm::EvenLengths(_)
+        | ScatteringForm::AllLengths(_)
+        | ScatteringForm::Printed(_) => None,
     }
 }
 

@@ -5,7 +5,9 @@ use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::light_bench::LightBench;
 use super::subject::Subject;
 use crate::chart::Cell;
-use crate::chart::self_shadow::{COLUMNS, Cost, MapCost, SelfShadowErrors, PANELS, Sheet, Slant, TransmittanceTruth, cells, slants};
+use crate::chart::self_shadow::{
+    COLUMNS, Cost, MapCost, PANELS, SelfShadowErrors, Sheet, Slant, TransmittanceTruth, cells, slants,
+};
 use crate::chart::self_shadow_forms::{SelfShadowConfiguration, SelfShadowForm, configurations};
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_formats::Bounds;
@@ -56,7 +58,7 @@ impl Topic for SelfShadowTopic<'_> {
         let (name, layers) = (&self.subject.name, self.subject.recipe.slice.layers);
         Plan {
             topic: "self-shadow",
-            title: format!("Hair of {name} on a flat sheet, {layers} layers: light between hairs"),
+            title: format!("Hair of {name} on a flat sheet, {layers} layers: shadows between hairs"),
             adapter: measured_on(&self.gpu.info.name),
             columns: COLUMNS.to_vec(),
             panels: PANELS.to_vec(),
@@ -71,7 +73,7 @@ impl Topic for SelfShadowTopic<'_> {
             let bench = LightBench::new("sheet", &sheet.package, &self.gpu)?;
             let slants = slants();
             let truth = |(i, slant): (usize, Slant)| {
-                doing(&format!("true light {} of {}", i + 1, slants.len()));
+                doing(&format!("reference light {} of {}", i + 1, slants.len()));
                 (slant, sheet.truth(&slant))
             };
             let truths = slants.iter().copied().enumerate().map(truth).collect();

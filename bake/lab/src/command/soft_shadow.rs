@@ -5,7 +5,8 @@ use super::light_bench::LightBench;
 use super::subject::Subject;
 use crate::chart::Cell;
 use crate::chart::soft_shadow::{
-    COLUMNS, SoftShadowConfiguration, SoftShadowErrors, Method, PANELS, SampledSurface, cells, configurations, lights, runtime_settings,
+    COLUMNS, Method, PANELS, SampledSurface, SoftShadowConfiguration, SoftShadowErrors, cells, configurations, lights,
+    runtime_settings,
 };
 use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};

@@ -170,7 +170,7 @@ mod drawn {
 
     /// Returns every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
     fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Result<Vec<[f32; 4]>, Failure> {
-        let fault = |error| BakeError::Internal(format!("drawing a package of its own: {error}"));
+        let fault = |error| BakeError::Internal(format!("cannot draw the row's package: {error}"));
         let options = CanvasOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..CanvasOptions::default() };
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options.renderer()).map_err(fault)?;
         let model = renderer.load_bytes(drawing.package).map_err(fault)?;

@@ -4,7 +4,9 @@ use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::greys::greys;
 use super::subject::Subject;
 use crate::chart::Cell;
-use crate::chart::strands::{COLUMNS, StrandsConfiguration, StrandsMeasures, StrandsSizeFacts, Size, DrawMethod, cells, configurations, panels};
+use crate::chart::strands::{
+    COLUMNS, DrawMethod, Size, StrandsConfiguration, StrandsMeasures, StrandsSizeFacts, cells, configurations, panels,
+};
 use crate::compare_motion::{FlickerFrame, flicker};
 use pelage_bake::mask::Mask;
 use pelage_bake::picture::Picture;
@@ -195,7 +197,8 @@ impl Shared {
     fn flicker(&self, camera: Viewpoint, greys: [Vec<f32>; 2], size: (u32, u32)) -> Result<Option<f64>, Failure> {
         let no_lines = Mask::empty(size.0, size.1);
         let cameras = [camera, camera.turned(TURN_DEG.to_radians())].map(true_camera);
-        let moment = |i: usize| FlickerFrame { sight: &self.sight, camera: &cameras[i], grey: &greys[i], lines: &no_lines };
+        let moment =
+            |i: usize| FlickerFrame { sight: &self.sight, camera: &cameras[i], grey: &greys[i], lines: &no_lines };
         Ok(flicker(&moment(0), &moment(1), size)?.surface.mean())
     }
 
@@ -229,7 +232,8 @@ fn group(
         });
         let mut stage = stage_of(file, &view, || Ok(gpu.clone()))?;
         stage.params.study.strand_pieces = way.pieces;
-        let mut found = StrandsMeasures { blended: way.edges == LookStrandEdges::Blended, ..draw_once(&mut stage, file, truth)? };
+        let mut found =
+            StrandsMeasures { blended: way.edges == LookStrandEdges::Blended, ..draw_once(&mut stage, file, truth)? };
         found.flicker = shared.drawn_flicker(&mut stage, size.camera(shared.camera), view.size())?;
         all.push(found);
         stages.push(stage);

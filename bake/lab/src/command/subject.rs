@@ -48,7 +48,8 @@ impl Subject {
                 return Self::of_package(args, path);
             }
             let (recipe, _) = args.recipe.read()?;
-            let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.file_access())?;
+            let model =
+                io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.file_access())?;
             let recipe = in_tile(&recipe, &model)?;
             let mut files = format!(" {}", shell_word(&path.display().to_string()));
             if let Some(recipe) = &args.recipe.recipe {
@@ -96,10 +97,10 @@ impl Subject {
         let glb = mesh.and_then(|mesh| mesh_glb::write(&mesh.to_data(), manifest)).ok_or_else(|| BakeError::Input {
             file: file.clone(),
             place: "mesh".into(),
-            reason: "it has no triangles, expected at least one".into(),
+            reason: "found no triangles, expected at least one".into(),
         })?;
         let mut no_files =
-            |uri: &str, _: u64| Err(BakeError::Internal(format!("the mesh of a package names the file {uri}")));
+            |uri: &str, _: u64| Err(BakeError::Internal(format!("the mesh of a package refers to the file {uri}")));
         let model = import(&file, &glb, &mut no_files, &ImportOptions { unit_m: 1.0 })?;
         let (name, word) = (manifest.model.clone(), format!(" {}", shell_word(&file)));
         let sets = args.recipe.set.clone();

@@ -3,7 +3,7 @@
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
 use crate::chart::Cell;
-use crate::chart::textures::{COLUMNS, TexturesConfiguration, PANELS, SlicedTile, configurations, measure};
+use crate::chart::textures::{COLUMNS, PANELS, SlicedTile, TexturesConfiguration, configurations, measure};
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_bake::stages::simulate::{VolumeParams, simulate_recipe};
 use pelage_import::mesh::RestPose;
@@ -37,7 +37,7 @@ impl Topic for TexturesTopic<'_> {
         let size = format!("{0}² × {1}", slice.tile_texels, slice.layers);
         Plan {
             topic: "textures",
-            title: format!("Hair of {name}, {size} texels: formats of its textures against eight bits a channel"),
+            title: format!("Hair of {name}, {size} texels: texture formats against 8 bits per channel"),
             adapter: processor(),
             columns: COLUMNS.to_vec(),
             panels: PANELS.to_vec(),

@@ -3,7 +3,8 @@
 use super::driver::{Plan, PlannedRow, Topic};
 use crate::chart::Cell;
 use crate::chart::verlet::{
-    COLUMNS, VerletConfiguration, MotionForm, Guide, MotionDeviation, PANELS, POINTS, SECONDS, Scene, cells, configurations,
+    COLUMNS, Guide, MotionDeviation, MotionForm, PANELS, POINTS, SECONDS, Scene, VerletConfiguration, cells,
+    configurations,
 };
 use crate::truth::TrueMotion;
 use pelage_tool::exit::Failure;
@@ -64,7 +65,8 @@ impl Topic for VerletTopic {
         let truths = &self.truths[at].1;
         doing("moving");
         let off = [0, 1, 2].map(|i| MotionDeviation::of(&guide, &configuration.form, Scene::ALL[i], &truths[i].places));
-        let nanoseconds = (configuration.form != MotionForm::Straight).then(|| nanoseconds(&guide, &configuration.form));
+        let nanoseconds =
+            (configuration.form != MotionForm::Straight).then(|| nanoseconds(&guide, &configuration.form));
         Ok(cells(configuration, &off, nanoseconds, truths))
     }
 }

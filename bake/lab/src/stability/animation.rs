@@ -14,7 +14,8 @@ pub const ROW: Row = Row {
     method: "animation",
     cliff: "mirrored, flattened and collapsed joints; broken joints of weight 0; vertices without weight",
     naive: "the joint's matrix, its inverse transpose or its cofactors on normals; the plain weighted sum",
-    safe: "cofactors with the sign taken out, the old normal where none is left; joints of weight 0 left out; no weight is no motion",
+    safe: "cofactors without their sign, the original normal where none remains; joints of weight 0 skipped; \
+           no weight, no motion",
     drive,
 };
 
@@ -24,7 +25,7 @@ pub fn joints() -> Vec<(&'static str, Mat3)> {
     let scales = [
         ("uneven", [0.05, 1.0, 20.0]),
         ("mirrored", [-1.0, 1.0, 1.0]),
-        ("mirrored and uneven", [3.0, -0.2, 1.0]),
+        ("mirrored and non-uniform", [3.0, -0.2, 1.0]),
         ("flattened", [1.0, 0.0, 1.0]),
         ("a line", [0.0, 0.0, 1.0]),
         ("collapsed", [0.0, 0.0, 0.0]),
@@ -85,7 +86,10 @@ fn broken_joint() -> (f64, f64) {
     let weights = Vec4::new(1.0, 0.0, 0.0, 0.0);
     let naive = moved * weights.x + broken * weights.y + broken * weights.z + broken * weights.w;
     let belongs = Vec3::new(2.0, 2.0, 3.0);
-    (distance_from_expected(naive, belongs), distance_from_expected(blend(moved, broken, broken, broken, weights), belongs))
+    (
+        distance_from_expected(naive, belongs),
+        distance_from_expected(blend(moved, broken, broken, broken, weights), belongs),
+    )
 }
 
 /// Tests a vertex without any weight, which keeps its stored position. In the naive form the plain sum is a zero
@@ -93,7 +97,10 @@ fn broken_joint() -> (f64, f64) {
 fn no_weight() -> (f64, f64) {
     let moved = Mat4::from_translation(Vec3::X);
     let stored = Vec3::new(1.0, 2.0, 3.0);
-    (distance_from_expected(moved * 0.0, stored), distance_from_expected(blend(moved, moved, moved, moved, Vec4::ZERO), stored))
+    (
+        distance_from_expected(moved * 0.0, stored),
+        distance_from_expected(blend(moved, moved, moved, moved, Vec4::ZERO), stored),
+    )
 }
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
@@ -107,23 +114,23 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     };
     Ok(vec![
         finding(
-            "9 joints, uneven to collapsed, 1000 normals each",
+            "9 joints, non-uniform to collapsed, 1000 normals each",
             "normals and tangents not of unit length, or not a number",
             not_unit(),
             1000.0,
         ),
         finding(
-            "the joints of them that keep a volume, mirrored ones included",
+            "those of the 9 joints that keep a volume, mirrored ones included",
             "normals that point inward",
             inward(),
             1000.0,
         ),
         finding(
             "a joint of weight 0 whose matrix is not a number",
-            "distance from where the vertex belongs, metres",
+            "distance from the correct position, metres",
             broken_joint(),
             1.0,
         ),
-        finding("a vertex without any weight", "distance from where the vertex belongs, metres", no_weight(), 1.0),
+        finding("a vertex without any weight", "distance from the correct position, metres", no_weight(), 1.0),
     ])
 }

@@ -19,14 +19,23 @@ use std::f64::consts::TAU;
 /// Row of the stability table.
 pub const ROW: Row = Row {
     method: "light from a sky",
-    cliff: "narrow lobes, indices through 2, light along the hair, light less than none, a sun on the horizon and the seam, black and broken pictures",
+    cliff: "narrow lobes, indices that pass 2, light along the hair, negative light, \
+            a sun on the horizon and the seam, black and broken panoramas",
     naive: "exp(-k) I0(k) in 32 bits, Gaussians for TRT, azimuths by normalised parts, plain least squares, a mean of columns, means over sums",
-    safe: "I0 scaled, sums of cosines, one azimuth for what has none, no lobe below 0, a mean of directions, pixels mended",
+    safe: "scaled I0, sums of cosines, a fixed azimuth where none is defined, no negative lobes, \
+           a mean of directions, invalid pixels replaced",
     drive,
 };
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
-    Ok(vec![narrow_lights(), through_two(), along_the_hnegative_lightnothing()?, sun_on_an_edge()?, black()?, broken()?])
+    Ok(vec![
+        narrow_lights(),
+        through_two(),
+        along_the_hnegative_lightnothing()?,
+        sun_on_an_edge()?,
+        black()?,
+        broken()?,
+    ])
 }
 
 fn painted(radiance: impl Fn(DVec3) -> DVec3) -> Result<Panorama, BakeError> {
@@ -60,7 +69,7 @@ fn narrow_lights() -> Finding {
     };
     Finding {
         case: "lights of half a degree to 60 degrees".into(),
-        measure: "lights whose strength is none, or off by a thousandth",
+        measure: "lights whose strength is not a number, or off by a thousandth",
         naive: wrong(&naive),
         safe: wrong(&i0e),
         bound: 0.0,
@@ -70,8 +79,10 @@ fn narrow_lights() -> Finding {
 
 /// Tests the light that a smooth fibre scatters, through the difference angles at which its glints meet.
 fn through_two() -> Finding {
-    let fibre =
-        Fibre { around: AzimuthalScattering::Smooth(GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() }), ..Fibre::default() };
+    let fibre = Fibre {
+        around: AzimuthalScattering::Smooth(GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() }),
+        ..Fibre::default()
+    };
     let (exact, printed) = (BroadlyLitFibre::new(&fibre), PrintedLight::new(&fibre, 0.2));
     let sharpness = 10_f64.to_radians().powi(-2);
     let way = |theta: f64, phi: f64| {
@@ -110,8 +121,8 @@ fn through_two() -> Finding {
         safe = safe.max((exact.scatter([0.2; 3], DVec3::Y, light, *eye)[0] / truth - 1.0).abs());
     }
     Finding {
-        case: "a light of 10 degrees, difference angles through the index 2 across the fibre".into(),
-        measure: "largest relative error of what is sent to the eye",
+        case: "a light of 10 degrees, difference angles where the index across the fibre passes 2".into(),
+        measure: "largest relative error of the light scattered to the eye",
         naive,
         safe,
         bound: 0.03,
@@ -150,7 +161,7 @@ fn along_the_hair() -> Finding {
     let wrong = cases().filter(|(tip, light, eye, aside)| !ours(*tip, *light, *eye, *aside)).count();
     Finding {
         case: "400 hairs along the middle of a light of 27 degrees".into(),
-        measure: "azimuths that are none, or that change what is seen by a hundredth",
+        measure: "azimuths that are undefined, or that change the seen light by a hundredth",
         naive: bad as f64,
         safe: wrong as f64,
         bound: 0.0,
@@ -193,7 +204,7 @@ fn negative_light() -> Result<Finding, BakeError> {
     };
     Ok(Finding {
         case: "a lamp of 7 degrees in a dark ring in a pale room".into(),
-        measure: "how far below nothing light goes, of the radiance 1 of the walls",
+        measure: "most negative radiance, relative to the radiance 1 of the walls",
         naive: least(&naive),
         safe: least(&|way| brightness(fitted.environment.radiance(way))),
         bound: 0.0,
@@ -225,7 +236,7 @@ fn sun_on_an_edge() -> Result<Finding, BakeError> {
     }
     Ok(Finding {
         case: "a sun of 4 degrees on the horizon and the seam, and near the zenith".into(),
-        measure: "how far off its place it is found, degrees",
+        measure: "error of the sun's position, degrees",
         naive,
         safe,
         bound: 1.0,
@@ -245,7 +256,10 @@ fn numbers_of(panorama: &Panorama) -> Vec<f64> {
         environment.lobes.iter().flat_map(|lobe| [&lobe.towards[..], &lobe.radiance, &[lobe.width_deg]].concat());
     let sun = environment.sun.into_iter().flat_map(|sun| [sun.towards, sun.color].concat());
     let numbers = environment.even.into_iter().chain(lobes).chain(sun).map(f64::from);
-    numbers.chain(environment.mean_direction().to_array()).chain([fitted.energy, fitted.error, fitted.sun_share]).collect()
+    numbers
+        .chain(environment.mean_direction().to_array())
+        .chain([fitted.energy, fitted.error, fitted.sun_share])
+        .collect()
 }
 
 fn black() -> Result<Finding, BakeError> {
@@ -261,7 +275,7 @@ fn black() -> Result<Finding, BakeError> {
     let naive = (middle / all).to_array().into_iter().chain([1.0 / all]);
     Ok(Finding {
         case: "a black picture".into(),
-        measure: "numbers of its lights that are none",
+        measure: "numbers of its lights that are not finite",
         naive: count_not_finite(naive),
         safe: count_not_finite(numbers_of(&black)),
         bound: 0.0,
@@ -284,8 +298,8 @@ fn broken() -> Result<Finding, BakeError> {
     let numbers = numbers_of(&mended);
     // Values that are not finite, and broken pixels that were not reported as mended.
     Ok(Finding {
-        case: "a picture with NaN, infinities and light below none".into(),
-        measure: "numbers of its lights that are none, and pixels that nobody tells of",
+        case: "a panorama with NaN, infinities and negative light".into(),
+        measure: "numbers of its lights that are invalid, and invalid pixels that are not reported",
         naive,
         safe: count_not_finite(numbers) + f64::from(4 - mended.mended().min(4)),
         bound: 0.0,

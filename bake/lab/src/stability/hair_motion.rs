@@ -8,7 +8,8 @@
 use super::row::{Finding, Row};
 use glam::{Mat3, Vec3};
 use pelage_formats::meaning::hair_motion::{
-    Capsule, Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Springs, Wind, advance_frame, gravity_compensation, steps,
+    Capsule, Frame, GRAVITY, GroomedGuide, Particle, RootFrame, Springs, Wind, advance_frame, gravity_compensation,
+    steps,
 };
 use pelage_import::BakeError;
 use std::f32::consts::TAU;
@@ -16,9 +17,10 @@ use std::f32::consts::TAU;
 /// Row of the stability table.
 pub const ROW: Row = Row {
     method: "hair in motion",
-    cliff: "long strings, stiff springs, frames of other lengths, bodies, roots that jump",
-    naive: "Verlet over the whole frame, a share of the speed lost a step, four rounds over spheres and lengths",
-    safe: "steps of 1/120 s, rates and not shares, springs that yield, tensions solved for, out of spheres at the right length",
+    cliff: "long guides, stiff springs, frames of varying length, colliders, roots that jump",
+    naive: "Verlet over the whole frame, a share of the speed lost per step, four sweeps over spheres and lengths",
+    safe: "steps of 1/120 s, damping by rates, implicit springs, tensions solved for, \
+           out of spheres at the right length",
     drive,
 };
 
@@ -198,14 +200,15 @@ fn no_obstacles(_: f32) -> Vec<Capsule> {
 fn drive() -> Result<Vec<Finding>, BakeError> {
     let still = |_: f32| Vec3::ZERO;
     let gallop = |time_s: f32| Vec3::new(0.0, 0.15 * libm::sinf(TAU * 2.2 * time_s), 0.0);
-    let base = HangingString { points: 64, springs: CALM, fps: FPS, seconds: 5.0, root: &still, spheres: &no_obstacles };
+    let base =
+        HangingString { points: 64, springs: CALM, fps: FPS, seconds: 5.0, root: &still, spheres: &no_obstacles };
     let both = |drive: &HangingString<'_>, since: f32, of: &dyn Fn(f32, &[Vec3]) -> f32| {
         (greatest(&drive.printed(), since, of), greatest(&drive.ours(), since, of))
     };
     let finding = |case: &str, measure: &'static str, (naive, safe): (f64, f64), bound: f64, fails_above: f64| {
         Finding { case: case.into(), measure, naive, safe, bound, fails_above }
     };
-    let longer = "longest or shortest piece, relative";
+    let longer = "longest or shortest segment, relative";
     let mut out = Vec::new();
 
     let hangs = both(&base, 3.0, &|_, places| stretch(places));
@@ -229,7 +232,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let exploded = both(&stiff, 0.0, &far);
     out.push(finding(
         "frames of half a second, a spring of 5 Hz",
-        "farthest point beyond the length, lengths",
+        "farthest point beyond the guide's length, in lengths",
         exploded,
         0.01,
         1.0,
@@ -247,7 +250,13 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         apart(&few, &many).max(apart(&few, &some)).max(apart(&some, &many))
     };
     let rates = (spread(&|drive| drive.printed()), spread(&|drive| drive.ours()));
-    out.push(finding("5 s of 30, 60 and 144 frames a second", "points apart, lengths", rates, 0.03, 0.1));
+    out.push(finding(
+        "5 s at 30, 60 and 144 frames per second",
+        "distance between their points, in lengths",
+        rates,
+        0.03,
+        0.1,
+    ));
 
     // A head and a neck that move through the string.
     let body = |time_s: f32| {
@@ -261,10 +270,17 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         body(time_s).iter().map(of).fold(0.0, f32::max)
     };
     let pushed = both(&HangingString { points: 16, seconds: 2.0, spheres: &body, ..base }, 0.0, &inside);
-    out.push(finding("head and neck come through", "deepest point, share of the radius", pushed, 0.02, 0.05));
+    out.push(finding(
+        "head and neck move through the hair",
+        "deepest point, relative to the radius",
+        pushed,
+        0.02,
+        0.05,
+    ));
 
     let jump = |time_s: f32| Vec3::X * if time_s > 0.5 { 100.0 } else { 0.0 };
-    let jumped = both(&HangingString { points: 16, seconds: 2.0, root: &jump, ..base }, 0.0, &|_, places| stretch(places));
-    out.push(finding("a root that jumps 100 m, untold", longer, jumped, 0.01, 100.0));
+    let jumped =
+        both(&HangingString { points: 16, seconds: 2.0, root: &jump, ..base }, 0.0, &|_, places| stretch(places));
+    out.push(finding("a root that jumps 100 m unannounced", longer, jumped, 0.01, 100.0));
     Ok(out)
 }

@@ -98,7 +98,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         safe = if found <= safe { safe } else { found };
     }
     let finding = |case: &str, naive: f64, fails_above: f64| Finding {
-        case: format!("{case}; ours: {} extreme coats", all.len()),
+        case: format!("{case}; ours: {} extreme parameter sets", all.len()),
         measure: "stretch of strands, relative",
         naive,
         safe,

@@ -11,14 +11,14 @@ use pelage_bake::recipe::Recipe;
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
-use pelage_runtime::{Camera, FrameParams, InkParams, InkDebugView, PassId};
+use pelage_runtime::{Camera, FrameParams, InkDebugView, InkParams, PassId};
 
 /// Row of the stability table.
 pub const ROW: Row<DrawnRowTest> = Row {
     method: "ink",
     cliff: "large flat faces seen edge on: black patches",
     naive: "the sphere map alone",
-    safe: "no ink further from a feature than half a line",
+    safe: "no ink farther than half a line from a feature",
     drive,
 };
 
@@ -52,7 +52,8 @@ fn ear() -> Model {
 /// width.
 fn widest(package: &[u8], draw: &mut DrawCallback<'_>) -> Result<[f64; 2], BakeError> {
     let opened = Package::open(package, &Limits::default());
-    let bounds = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?.manifest().bounds;
+    let bounds =
+        opened.map_err(|e| BakeError::Internal(format!("cannot read back the baked package: {e}")))?.manifest().bounds;
     let ink = on_blank_paper(&InkParams::default());
     let template_px = template_px(&ink, SIZE.1);
     let mut most = [0.0f64; 2];
@@ -82,7 +83,7 @@ fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
         let [naive, safe] = widest(&package, draw)?;
         out.push(Finding {
             case: format!("{case} from {VIEWS} sides"),
-            measure: "widest stroke, widths of the template",
+            measure: "widest stroke, in template widths",
             naive,
             safe,
             bound: 1.0,

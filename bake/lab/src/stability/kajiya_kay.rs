@@ -11,7 +11,7 @@ pub const ROW: Row = Row {
     method: "Kajiya-Kay",
     cliff: "hair along the light or the halfway vector",
     naive: "1 - (T.L)^2 to a power",
-    safe: "cut at zero first",
+    safe: "clamp at zero first",
     drive,
 };
 

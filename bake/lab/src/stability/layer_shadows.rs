@@ -18,7 +18,7 @@ pub const ROW: Row = Row {
     method: "layer shadows",
     cliff: "light at a slant, at the horizon, and behind",
     naive: "product of 1 - alpha; to the power of 1 / |N.L|; lit from behind",
-    safe: "(1 - alpha)^(1 / |N.L|), the way at most 4 long, half of the own layer; Attenu_Back",
+    safe: "(1 - alpha)^(1 / |N.L|), path length at most 4, half of the layer itself; Attenu_Back",
     drive,
 };
 
@@ -110,7 +110,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         })
     };
     out.push(Finding {
-        case: "light level with the skin, opacities 0 to 1".into(),
+        case: "light parallel to the skin, opacities 0 to 1".into(),
         measure: "values of t outside 0..=1 or not a number",
         naive: level(1.0 / 0.0f32).count() as f64,
         safe: level(slanted_path(0.0)).count() as f64,
@@ -133,7 +133,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     };
     out.push(Finding {
         case: "light from behind the skin, 110 to 180 degrees off the normal".into(),
-        measure: "greatest mean share of the light that arrives on the outermost layer",
+        measure: "largest mean share of the light that reaches the outermost layer",
         naive: arriving(&|_| 1.0),
         safe: arriving(&|n_dot_l| back_attenuation(n_dot_l, range)),
         bound: 0.0,

@@ -12,7 +12,7 @@ pub const ROW: Row = Row {
     method: "mip levels",
     cliff: "thin fur closes or disappears with distance",
     naive: "average each layer by itself",
-    safe: "keep the mean over a block of what comes through all layers",
+    safe: "keep each block's mean transmittance through all layers",
     drive,
 };
 

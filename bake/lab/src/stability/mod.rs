@@ -34,7 +34,7 @@ pub mod surface;
 
 pub use measures::{grow, mean, natural_hair, opacity, slice, texels, transmittances};
 pub use row::{DrawCallback, Drawing, DrawnRowTest};
-pub use row::{RowTest, Finding, Row};
+pub use row::{Finding, Row, RowTest};
 
 /// Rows that need no pictures, in the order of the bake and a frame.
 pub const ROWS: &[Row] = &[

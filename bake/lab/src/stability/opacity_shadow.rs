@@ -11,7 +11,7 @@ use pelage_runtime::{OpacityForm, ShadowParams};
 /// Row of the stability table.
 pub const ROW: Row = Row {
     method: "opacity shadow maps",
-    cliff: "a coat of 2 cm on a body 1 m deep",
+    cliff: "fur of 2 cm on a body 1 m deep",
     naive: "16 planes over the whole depth; as printed, with the last one before its end",
     safe: "4 slabs behind the first hair of each texel",
     drive,
@@ -62,7 +62,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let behind = || (0..16).map(|k| BODY_M - COAT_M - 0.02 * k as f32 / 16.0);
     let slabs = ShadowParams::default().slabs;
     let finding = |case: &str, naive, safe| Finding {
-        case: format!("{case}, {truth:.2} of the light 5 mm below its surface"),
+        case: format!("{case}, {truth:.2} of the light arrives 5 mm below its surface"),
         measure: "largest error of t there",
         naive,
         safe,
@@ -71,12 +71,12 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     };
     Ok(vec![
         finding(
-            "a coat anywhere on the body",
+            "fur anywhere on the body",
             error(OpacityForm::WholeDepth, PLANES, &mut anywhere()),
             error(OpacityForm::Deep, slabs, &mut anywhere()),
         ),
         finding(
-            "a coat at the far end of the body",
+            "fur at the far end of the body",
             error(OpacityForm::Printed, PLANES, &mut behind()),
             error(OpacityForm::Deep, slabs, &mut behind()),
         ),

@@ -9,8 +9,8 @@ use pelage_import::BakeError;
 pub const ROW: Row = Row {
     method: "hair on guides",
     cliff: "guides that fall to both sides of a parting",
-    naive: "mix the nearest guides, weighted alike",
-    safe: "mix none whose shape differs from that of the nearest by more than 0.6 of its length",
+    naive: "mix the nearest guides with equal weights",
+    safe: "leave out guides whose shape differs from the nearest one's by more than 0.6 of its length",
     drive,
 };
 
@@ -52,7 +52,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         };
         Finding {
             case: format!("a parting whose hair rises {rise:.0} cm"),
-            measure: "largest share of its length that a hair lacks",
+            measure: "largest share of its length that a hair loses",
             naive: shortened(&guides, &naive),
             safe: shortened(&guides, &ours),
             bound: 0.02,

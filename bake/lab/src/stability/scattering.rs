@@ -13,9 +13,11 @@ use std::f64::consts::PI;
 /// Row of the stability table.
 pub const ROW: Row = Row {
     method: "scattering by a fibre",
-    cliff: "light along the fibre, indices through 2, glints, absorption, black and white",
-    naive: "an angle of refraction for each index, exp(-2 s (1 + cos 2 g)), 1 / cos^2, an axis of cos phi, caustics as they are",
-    safe: "one angle in space, the chord, lobes that keep energy, an axis of phi, caustics spread with what they bundle",
+    cliff: "light along the fibre, indices that pass 2, glints, absorption, black and white",
+    naive: "an angle of refraction for each index, exp(-2 s (1 + cos 2 g)), 1 / cos^2, tables over cos phi, \
+            caustics unchanged",
+    safe: "one angle in space, the chord, lobes that conserve energy, tables over phi, \
+           caustics spread with the light that they focus",
     drive,
 };
 
@@ -73,7 +75,7 @@ fn fresnel() -> Finding {
     };
     Finding {
         case: "reflectance, three indices, all angles".into(),
-        measure: "largest error of the reflectance, of 1",
+        measure: "largest absolute error of the reflectance",
         naive: off(&naive),
         safe: off(&|section, gamma| section.fresnel(libm::cos(gamma))),
         bound: 1e-9,
@@ -104,10 +106,12 @@ fn chord() -> Finding {
         libm::exp(-4.0 * SIGMA * cos * cos)
     };
     Finding {
-        case: "light through a fibre that absorbs 1 a radius, three indices, all angles".into(),
+        case: "light through a fibre with absorption 1 per radius, three indices, all angles".into(),
         measure: "largest relative error of the light that comes out",
         naive: off(&printed),
-        safe: off(&|section, gamma| PathContribution { light: 1.0, length: section.chord(libm::sin(gamma)) }.attenuated(SIGMA)),
+        safe: off(&|section, gamma| {
+            PathContribution { light: 1.0, length: section.chord(libm::sin(gamma)) }.attenuated(SIGMA)
+        }),
         bound: 1e-9,
         fails_above: 0.5,
     }
@@ -138,7 +142,7 @@ fn energy() -> Finding {
         Some(half * angles.from.1 / (cos_d * cos_d)).filter(|x| x.is_finite()).unwrap_or_default()
     };
     Finding {
-        case: "seen from 0 to 89.5 degrees under even light, lobes halved as Marschner 2003 needs it".into(),
+        case: "seen from 0 to 89.5 degrees under uniform light, lobes halved as Marschner 2003 requires".into(),
         measure: "largest share of light that is gained",
         naive: whole(&printed),
         safe: whole(&|angles| fibre.along(angles)[0]),
@@ -174,7 +178,7 @@ fn glints_in_tables() -> Finding {
     };
     Finding {
         case: "a table of 128 texels of glints 5 degrees wide".into(),
-        measure: "largest error, of the highest value",
+        measure: "largest error, relative to the highest value",
         naive: off(0.5 / TEXELS as f64, &|x| libm::acos((2.0 * x - 1.0).clamp(-1.0, 1.0)), &|phi| {
             0.5 + 0.5 * libm::cos(phi)
         }),
@@ -195,8 +199,8 @@ fn through_two() -> Finding {
         }))
     };
     Finding {
-        case: "difference angles through the index 2 across the fibre".into(),
-        measure: "most light a radian, of 1",
+        case: "difference angles where the index across the fibre passes 2".into(),
+        measure: "most light per radian, of 1",
         naive: most(false),
         safe: most(true),
         bound: 0.2,
@@ -226,7 +230,7 @@ fn along_the_light() -> Finding {
     let safe = cases().filter(|(t, l, e)| !ours(*t, *l, *e)).count();
     Finding {
         case: "100000 fibres along the light".into(),
-        measure: "azimuths that are none",
+        measure: "azimuths that are not finite",
         naive: naive as f64,
         safe: safe as f64,
         bound: 0.0,
@@ -254,8 +258,8 @@ fn inversion() -> Finding {
         bad.count() as f64
     };
     Finding {
-        case: "colours from black through white to twice that".into(),
-        measure: "colours that no fibre has",
+        case: "colours from black through white to twice white".into(),
+        measure: "colours that no fibre can have",
         naive: wrong(&naive),
         safe: wrong(&ours),
         bound: 0.0,

@@ -9,7 +9,7 @@ use pelage_import::BakeError;
 pub const ROW: Row<DrawnRowTest> = Row {
     method: "shells",
     cliff: "grazing view: gaps between layers, silhouettes too transparent",
-    naive: "layers as sheets, as opaque at a slant as from above",
+    naive: "layers as sheets, equally opaque at every angle",
     safe: "layers as slabs: 1 - (1 - opacity)^(1 / |N.E|); and fins of the same strands along the outline",
     drive,
 };

@@ -16,7 +16,7 @@ pub const ROW: Row = Row {
     method: "short fur",
     cliff: "hair a quarter or a tenth as long as the tile's",
     naive: "directions of full height",
-    safe: "z of directions times the share of the length",
+    safe: "z of directions scaled by the share of the length",
     drive,
 };
 

@@ -119,14 +119,14 @@ const TRUE_SAMPLES: u32 = 16;
 impl SilhouetteMeasures {
     /// Formats the profiles and errors as text.
     pub fn table(&self) -> String {
-        let mut out = "opacity by pixels from the outline\n".to_owned();
+        let mut out = "opacity by distance from the outline, pixels\n".to_owned();
         for (name, profile) in ["truth", "sheets", "slabs", "with fins", "fins alone"].iter().zip(&self.profiles) {
             let values: Vec<_> = profile.iter().map(|v| format!("{v:.3}")).collect();
             let _ = writeln!(out, "  {name:10} {}", values.join(" "));
         }
         let _ = write!(
             out,
-            "  error {:.4} of sheets, {:.4} of ours: {:.2}",
+            "  error: sheets {:.4}, ours {:.4}, ratio {:.2}",
             self.sheets,
             self.ours,
             self.ours / self.sheets
@@ -144,7 +144,8 @@ pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Vec<u8>, BakeE
     let mut recipe = recipe.clone();
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
     plain.iter().try_for_each(|set| recipe.set(set))?;
-    let baked = pipeline::bake(&BakeInput::new(file, "silhouette", &recipe, &MapImages::default()), model, &mut |_| ())?;
+    let baked =
+        pipeline::bake(&BakeInput::new(file, "silhouette", &recipe, &MapImages::default()), model, &mut |_| ())?;
     Ok(baked.package)
 }
 
@@ -155,7 +156,7 @@ pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Vec<u8>, BakeE
 /// [`BakeError::Internal`] if the package does not open, and any error that `draw` returns.
 pub fn measure(package: &[u8], size: (u32, u32), draw: &mut DrawCallback<'_>) -> Result<SilhouetteMeasures, BakeError> {
     let opened = Package::open(package, &Limits::default());
-    let opened = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?;
+    let opened = opened.map_err(|e| BakeError::Internal(format!("cannot read back the baked package: {e}")))?;
     let bounds = opened.manifest().bounds;
     let aspect = size.0 as f32 / size.1 as f32;
     let camera =

@@ -13,7 +13,7 @@ pub const ROW: Row = Row {
     method: "soft shadow",
     cliff: "sd -> 0 at contacts and on lit skin; light at the horizon; the edge of the blurred map",
     naive: "1 - C_scale sw / sd, sw from the blurred map as it is",
-    safe: "bias by a texel's depth, least and greatest width, sw from the middle of the blur on",
+    safe: "bias by a texel's depth, width limited below and above, sw from the middle of the blur on",
     drive,
 };
 
@@ -138,13 +138,13 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         bound,
         fails_above,
     };
-    let share = "greatest error of the light's share";
+    let share = "largest error of the light's visible share";
     Ok(vec![
-        finding("lit skin beside a shadow's edge, depths equal but for rounding", share, lit_surface(), 0.002, 0.9),
+        finding("lit skin beside a shadow's edge, depths equal except for rounding", share, lit_surface(), 0.002, 0.9),
         finding("lit skin, light 15 to 27 degrees above its horizon", share, at_the_horizon(), 0.02, 0.5),
         finding(
-            "a way across the edge of a shadow thrown from 0.1 m, 100 steps to the penumbra's width",
-            "greatest step of the light's share",
+            "a path across the edge of a shadow cast from 0.1 m, 100 steps per penumbra width",
+            "largest step of the light's visible share",
             across_the_edge(0.1),
             0.05,
             0.5,

@@ -2,7 +2,7 @@
 //! no check of the result.
 
 use super::row::{Finding, Row};
-use super::surface::{parameterize_default, model, not_positive};
+use super::surface::{model, not_positive, parameterize_default};
 use glam::{DVec2, Vec2, vec3};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
@@ -11,8 +11,8 @@ use pelage_import::mesh::Model;
 pub const ROW: Row = Row {
     method: "solver",
     cliff: "nearly singular systems from slivers",
-    naive: "conjugate gradients in f32, 56 rounds, the result believed",
-    safe: "factorise in f64, check the residual, fall back and say so",
+    naive: "conjugate gradients in f32, 56 iterations, the result unchecked",
+    safe: "factorise in f64, check the residual, fall back with a warning",
     drive,
 };
 
@@ -101,7 +101,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     }
     Ok(vec![Finding {
         case: format!("{} sheets of slivers, down to {:e} wide", LEAST.len(), LEAST[LEAST.len() - 1]),
-        measure: "triangles turned over or without area in the tile",
+        measure: "triangles flipped or without area in the tile",
         naive: naive as f64,
         safe: safe as f64,
         bound: 0.0,

@@ -16,9 +16,10 @@ use pelage_runtime::shared::ink::{ink_sphere_uv, ink_sphere_uv_reflected};
 /// Row of the stability table.
 pub const ROW: Row = Row {
     method: "sphere map",
-    cliff: "R = (0, 0, -1): m = 0; normals at right angles to the look; perspective; no normal at all",
+    cliff: "R = (0, 0, -1): m = 0; normals perpendicular to the view direction; perspective; missing normals",
     naive: "R = (N.E)(N.E) E - E as printed, and by reflection in view space",
-    safe: "the normal in the frame perpendicular to the look: the outline is the rim, nothing is divided by m",
+    safe: "the normal in the frame perpendicular to the view direction: the outline is the rim, \
+           nothing is divided by m",
     drive,
 };
 
@@ -102,7 +103,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     Ok(vec![
         Finding {
             case: "normals that face the eye, over a view of 60 degrees, as printed".into(),
-            measure: "places that are not a number or outside the map",
+            measure: "coordinates that are not a number or outside the map",
             naive: invalid_positions(printed),
             safe: invalid_positions(perpendicular),
             bound: 0.0,
@@ -110,7 +111,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         },
         Finding {
             case: "the same, 30 degrees aside, as printed".into(),
-            measure: "share of the map's disc that no normal finds",
+            measure: "share of the map's disc that no normal reaches",
             naive: empty(printed),
             safe: empty(perpendicular),
             // The cells of the rim are only partly in the disc, and normals are sampled.
@@ -119,7 +120,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         },
         Finding {
             case: "the same, by reflection in view space".into(),
-            measure: "largest error of the distance from the middle, widths of the map",
+            measure: "largest error of the distance from the centre, in map widths",
             naive: worst(ink_sphere_uv_reflected),
             safe: worst(perpendicular),
             // Rounding of f32 in dot products and a root.

@@ -7,7 +7,7 @@ use glam::{Vec3, vec3};
 use pelage_bake::recipe::{Recipe, SrgbColor};
 use pelage_import::BakeError;
 use pelage_runtime::{FrameParams, Light, PassId, SelfShadow};
-use pelage_truth::{VisibleStrand, TrueLight};
+use pelage_truth::{TrueLight, VisibleStrand};
 use rayon::prelude::*;
 
 /// Row of the stability table.
@@ -57,7 +57,7 @@ fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
     let error = |light: f64| (light / all / truth - 1.0).abs();
     Ok(vec![Finding {
         case: format!("strands {width_px} pixels wide, {slabs} slabs, {truth:.3} of the light reaches them"),
-        measure: "mean light over that of the traced strands, less 1",
+        measure: "mean light relative to that of the traced strands, minus 1",
         naive: error(naive),
         safe: error(ours),
         bound: 0.06,

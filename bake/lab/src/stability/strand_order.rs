@@ -9,9 +9,9 @@ use pelage_import::BakeError;
 /// Row of the stability table.
 pub const ROW: Row = Row {
     method: "order of strands",
-    cliff: "a knot, whose parts lie before each other, in strands thinner than pixels",
-    naive: "at least a pixel wide, blended by their width in the order of the file",
-    safe: "opaque ribbons of true width with a depth test, four samples a pixel",
+    cliff: "a knot whose parts occlude each other, in strands thinner than pixels",
+    naive: "at least a pixel wide, blended by width in the order of the file",
+    safe: "opaque ribbons of true width with a depth test, four samples per pixel",
     drive,
 };
 
@@ -179,11 +179,11 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let widths: f32 = scene.pieces.iter().map(|piece| 2.0 * piece.half_px).sum();
     Ok(vec![Finding {
         case: format!(
-            "a knot of {} strands, {:.2} pixels wide in the mean",
+            "a knot of {} strands, {:.2} pixels wide on average",
             curves.len(),
             widths / scene.pieces.len().max(1) as f32
         ),
-        measure: "mean error of light in squares of 4 pixels, of 1 at the tips",
+        measure: "mean error of light in blocks of 4x4 pixels; the tips have light 1",
         naive: error(scene.blended()),
         safe: error(scene.resolved(&SAMPLES)),
         bound: 0.025,

@@ -138,10 +138,10 @@ fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
         let (truth, ours) = (truth(&package, &camera)?, covered(&package)?);
         out.push(Finding {
             case: format!(
-                "strands {width_px} pixels wide that cover {:.2} % of the picture, one sample a pixel",
+                "strands {width_px} pixels wide that cover {:.2} % of the picture, one sample per pixel",
                 100.0 * truth
             ),
-            measure: "coverage over that of the traced strands, less 1",
+            measure: "coverage relative to that of the traced strands, minus 1",
             naive: (widened / truth - 1.0).abs(),
             safe: (ours / truth - 1.0).abs(),
             bound: 0.03,

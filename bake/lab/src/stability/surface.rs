@@ -13,9 +13,9 @@ use std::collections::HashMap;
 /// Row of the stability table.
 pub const ROW: Row = Row {
     method: "surface",
-    cliff: "closed meshes of any genus, edges of three triangles, triangles without area",
+    cliff: "closed meshes of any genus, edges with three triangles, triangles without area",
     naive: "one chart, half-edges in a map, gradients over the area",
-    safe: "repair what is broken, count it, and grow patches that are discs",
+    safe: "repair and count defects, grow patches that are topological discs",
     drive,
 };
 
@@ -157,7 +157,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     for (case, model) in [("a sphere", sphere(24, 48)), ("a torus", torus())] {
         out.push(Finding {
             case: case.into(),
-            measure: "triangles turned over or without area in the tile",
+            measure: "triangles flipped or without area in the tile",
             naive: flips_of_one_chart(&model) as f64,
             safe: not_positive(&parameterize_default(&model, 0.3)?) as f64,
             bound: 0.0,
@@ -165,8 +165,8 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         });
         let model = broken(model);
         out.push(Finding {
-            case: format!("{case} with a triangle twice, one without area, one on a third side of an edge"),
-            measure: "half-edges lost and gradients not finite; ours: triangles turned over or without area",
+            case: format!("{case} with a duplicate triangle, one without area, and a third one on an edge"),
+            measure: "half-edges lost and gradients not finite; ours: triangles flipped or without area",
             naive: (lost_half_edges(&model) + broken_gradients(&model)) as f64,
             safe: not_positive(&parameterize_default(&model, 0.3)?) as f64,
             bound: 0.0,

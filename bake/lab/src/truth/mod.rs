@@ -16,7 +16,7 @@ mod strands;
 mod volume;
 
 pub use disc_light::{DiscLight, Occluder};
-pub use hair_motion::{TrueMotion, RootMotion, TrueGuide, GuideState};
+pub use hair_motion::{GuideState, RootMotion, TrueGuide, TrueMotion};
 pub use ink_lines::{ContourForm, LineKind, LineParams, LineSegment, TrueLines, VisibleLines};
 pub use strands::StrandField;
 pub use volume::SampledVolume;

@@ -60,7 +60,9 @@ impl SampledVolume {
         let fail = |reason: String| Err(BakeError::Internal(format!("sampled volume: {reason}")));
         let (n, layers) = (texels as usize, opacities.len());
         if n == 0 || layers == 0 || !(height.is_finite() && height > 0.0) {
-            return fail(format!("{layers} layers of {n} texels a side, {height} high"));
+            return fail(format!(
+                "found {layers} layers of {n} texels a side, {height} high, expected all of them above 0"
+            ));
         }
         if let Some(layer) = opacities.iter().position(|layer| layer.len() != n * n) {
             return fail(format!("layer {} has {} texels, expected {}", layer + 1, opacities[layer].len(), n * n));

@@ -15,8 +15,8 @@ use crate::sample::Encoding;
 use crate::stages::surface::Surface;
 use glam::{DVec2, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
-use pelage_formats::meaning::planting::{WalkEvents, WalkPosition, PlantingMesh, SurfaceWalk, same_places};
-use pelage_formats::{RootOffset, ROOT_HEIGHTS, RootsInfo};
+use pelage_formats::meaning::planting::{PlantingMesh, SurfaceWalk, WalkEvents, WalkPosition, same_places};
+use pelage_formats::{ROOT_HEIGHTS, RootOffset, RootsInfo};
 
 /// Sufficient resolution, texels per width of a tile: colour borders are sharper than hair blurs them.
 const ENOUGH_TEXELS: f32 = 16.0;
@@ -88,13 +88,22 @@ impl RootAtlas {
     /// * `colors`: colours of that surface
     ///
     /// Call this after everything that reads the model's own texture coordinates.
-    pub fn paint(&self, rooting: &RootColorInput<'_>, surface: &mut Surface, colors: &mut Colors, grooms: &mut GroomTextures) {
+    pub fn paint(
+        &self,
+        rooting: &RootColorInput<'_>,
+        surface: &mut Surface,
+        colors: &mut Colors,
+        grooms: &mut GroomTextures,
+    ) {
         let ground = WalkInput::new(surface, rooting.furred);
         let skin = ColoredSurface::new(surface, colors, rooting, &ground);
         let texels = self.atlas.paint(|spot, extent| {
             // Four samples per texel for smooth borders.
             let samples = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(dx, dy)| {
-                skin.color(skin.on_adjacent_surface(SurfacePoint { weights: spot.weights + extent[0] * dx + extent[1] * dy, ..spot }))
+                skin.color(skin.on_adjacent_surface(SurfacePoint {
+                    weights: spot.weights + extent[0] * dx + extent[1] * dy,
+                    ..spot
+                }))
             });
             samples.into_iter().sum::<Vec4>() / 4.0
         });
@@ -106,7 +115,9 @@ impl RootAtlas {
                 let spot = skin.on_adjacent_surface(spot);
                 let own = grooms.of_material.get(skin.material_of[spot.triangle]).copied().flatten();
                 let own = own.and_then(|image| grooms.images.get(image));
-                own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| sample_model_uvs(surface, spot, image, Encoding::Linear))
+                own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| {
+                    sample_model_uvs(surface, spot, image, Encoding::Linear)
+                })
             });
             linear_image(self.atlas.side, &texels)
         });

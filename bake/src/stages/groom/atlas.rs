@@ -132,8 +132,8 @@ impl Atlas {
     pub fn warning(&self) -> Option<String> {
         (!self.is_roomy()).then(|| {
             format!(
-                "color.pattern_texels: {} texels leave gutters of {} between the pieces of skin instead of {}; colours may run into each \
-                 other at a distance",
+                "color.pattern_texels: {} texels leave gutters of {} between the pieces of skin instead of {}; \
+                 colours may bleed into each other at a distance",
                 self.side, self.gutter, GUTTERS[0]
             )
         })
@@ -274,7 +274,9 @@ fn pack(boxes: &[(Vec2, Vec2)], side: u32, around: GutterKind) -> Option<(f32, u
         shelves(boxes, &sizes, scale, gutter, side, turned).map(|places| (scale, gutter, places))
     };
     match around {
-        GutterKind::Room => GUTTERS.into_iter().find_map(|gutter| scales(full).find_map(|scale| fit(scale, gutter, true))),
+        GutterKind::Room => {
+            GUTTERS.into_iter().find_map(|gutter| scales(full).find_map(|scale| fit(scale, gutter, true)))
+        }
         GutterKind::Reach { tiles, most_texels } => {
             let gutter = |scale: f32| (tiles * scale).ceil() as u32 + FILTER_GUTTER;
             scales(full.min(most_texels)).find_map(|scale| fit(scale, gutter(scale), false))

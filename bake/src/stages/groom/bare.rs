@@ -70,7 +70,12 @@ impl BareReason {
 ///   left.
 ///
 /// Patterns without a matching material, and models whose materials all look bare, are reported in `warnings`.
-pub fn find_furred_materials(model: &Model, rest: &RestPose, bare: Option<&[String]>, warnings: &mut Vec<String>) -> FurredMaterials {
+pub fn find_furred_materials(
+    model: &Model,
+    rest: &RestPose,
+    bare: Option<&[String]>,
+    warnings: &mut Vec<String>,
+) -> FurredMaterials {
     let materials = &model.materials;
     if let Some(bare) = bare {
         let furred = furred_materials(materials, bare, warnings);
@@ -79,7 +84,7 @@ pub fn find_furred_materials(model: &Model, rest: &RestPose, bare: Option<&[Stri
     let mut why = bare_reasons(model, rest);
     if why.len() > 1 && why.iter().all(Option::is_some) {
         warnings.push(format!(
-            "all {} materials look bare, such as {} ({}), so that all are furred; model.bare says which are not",
+            "all {} materials look bare, such as {} ({}), so all are furred; set model.bare to say which are not",
             why.len(),
             in_words(&materials[0].name),
             why[0].map_or("", BareReason::words)
@@ -265,14 +270,14 @@ fn chosen(materials: &[Material], why: &[Option<BareReason>], alike: &[String]) 
     };
     if !alike.is_empty() {
         let names: Vec<String> = alike.iter().map(|name| in_words(name)).collect();
-        text += &format!("; furred because others go by the same name: {}", names.join(", "));
+        text += &format!("; furred because other materials have the same name: {}", names.join(", "));
     }
     text
 }
 
 /// Formats a name for people.
 fn in_words(name: &str) -> String {
-    if name.is_empty() { "one without a name".to_owned() } else { name.escape_debug().to_string() }
+    if name.is_empty() { "a material without a name".to_owned() } else { name.escape_debug().to_string() }
 }
 
 #[cfg(test)]

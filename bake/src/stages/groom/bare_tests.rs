@@ -179,7 +179,7 @@ fn materials_with_ambiguous_names_stay_furred() {
     let twins = animal(&[("Body", 1.0), ("Nose", 0.1), ("nose", 0.7), ("Eye", 0.1)]);
     let (growth, _) = found(&twins);
     assert_eq!((growth.furred, growth.bare), (vec![true, true, true, false], vec!["Eye".to_owned()]));
-    assert!(decided(&twins).0.ends_with("others go by the same name: Nose"), "{}", decided(&twins).0);
+    assert!(decided(&twins).0.ends_with("other materials have the same name: Nose"), "{}", decided(&twins).0);
     // A name that is a pattern matching another one.
     let star = animal(&[("Eye*", 0.1), ("Eyebrow", 0.1), ("Main", 1.0)]);
     assert_eq!(found(&star).0.furred, [true; 3]);
@@ -188,5 +188,5 @@ fn materials_with_ambiguous_names_stay_furred() {
     nameless.mesh.parts[1].names = vec!["Eyes".into()];
     let (chosen, line) = decided(&nameless);
     assert_eq!(line, "model.bare = [\"\"]");
-    assert_eq!(chosen, "1 of 2 materials furred, 1 bare: one without a name (by its mesh's name)");
+    assert_eq!(chosen, "1 of 2 materials furred, 1 bare: a material without a name (by its mesh's name)");
 }

@@ -1,7 +1,7 @@
 //! Sources of the colours of hair and mesh surface.
 
-use super::maps::Maps;
 use super::image_coordinates::Vertices;
+use super::maps::Maps;
 use crate::recipe::{ColorMap, ColorParams};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_value_to_linear;

@@ -7,7 +7,7 @@
 use super::bare::{combined_meaning, shares_of_parts, without_common};
 use super::names::{NameMeaning, are_names_of_eyes, are_names_of_snout, meaning_of_words, words};
 use super::pairs::{are_round_pairs, weld};
-use super::patches::{Patch, FaceMesh};
+use super::patches::{FaceMesh, Patch};
 use glam::DVec3;
 use pelage_import::mesh::{Feature, Material, MeshPart, Model, RestPose};
 use std::collections::BTreeMap;
@@ -44,7 +44,8 @@ fn named(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     let names = without_common(parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
     let says_nothing = |m: &Material| meaning_of_words(&words(&m.name)) == NameMeaning::Nothing;
     let shares = shares_of_parts(&model.mesh, rest);
-    let is_bare = |i: usize| matches!(combined_meaning(&names[i]), NameMeaning::Bare { most } if shares[i] <= f64::from(most));
+    let is_bare =
+        |i: usize| matches!(combined_meaning(&names[i]), NameMeaning::Bare { most } if shares[i] <= f64::from(most));
     let mut found = BTreeMap::new();
     for (i, part) in parts.iter().enumerate() {
         let of_material = || (0..parts.len()).filter(|j| parts[*j].material == part.material);
@@ -77,7 +78,8 @@ fn shaped(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     }
     let places = weld(&rest.positions);
     let is_eye = |m: usize| {
-        shares[m] <= SMALL && (are_names_of_eyes(&names[m]) || are_round_pairs(&model.mesh, &rest.positions, &places, m))
+        shares[m] <= SMALL
+            && (are_names_of_eyes(&names[m]) || are_round_pairs(&model.mesh, &rest.positions, &places, m))
     };
     let eyes: Vec<bool> = (0..model.materials.len()).map(is_eye).collect();
     let skin = FaceMesh::new(model, rest, &places, &eyes);

@@ -19,7 +19,7 @@ impl JointValues {
     pub fn new(tables: &[JointGroom], animation: Option<&Animation>, warnings: &mut Vec<String>) -> Self {
         let Some(animation) = animation.filter(|_| !tables.is_empty()) else {
             if !tables.is_empty() {
-                warnings.push("groom.joint: the model has no skeleton, so that its tables have no effect".into());
+                warnings.push("groom.joint: the model has no skeleton, so its tables have no effect".into());
             }
             return Self::default();
         };

@@ -3,9 +3,9 @@
 
 use super::body::BodyGroom;
 use super::flow::image_axes;
+use super::image_coordinates::{ImageCoordinates, Texel, Vertices};
 use super::joints::JointValues;
 use super::marks::{MarkValues, blend_marks};
-use super::image_coordinates::{ImageCoordinates, Texel, Vertices};
 use crate::decision::Decision;
 use crate::recipe::{ColorMap, GroomCoordinates, GroomParams, JointGroom, NamedTable, ScalarMap, SrgbColor, VectorMap};
 use crate::sample::{Encoding, Wrap, bilinear};
@@ -190,8 +190,8 @@ impl<'a> Maps<'a> {
         for part in maps.furred_parts(mesh).filter(|(part, _)| over_model && !part.has_uvs) {
             if let Some(path) = part.1.image() {
                 warnings.push(format!(
-                    "{}: no texture coordinates, so that {path:?} and other images of [groom] have no effect on it; groom.coordinates = \"atlas\" \
-                     and \"box\" need none",
+                    "{}: no texture coordinates, so {path:?} and other images of [groom] have no effect on it; \
+                     groom.coordinates = \"atlas\" and \"box\" need none",
                     part.0.source
                 ));
             }

@@ -68,7 +68,10 @@ fn empty_groom_changes_nothing() {
     let found = evaluate("", [true, true]);
     assert_eq!(found.lay, LayoutMaps::default());
     let zero = vec![0.0; 4];
-    assert_eq!(found.coat, VertexGroom { length: vec![1.0; 4], lean: zero.clone(), wetness: zero.clone(), bareness: zero });
+    assert_eq!(
+        found.coat,
+        VertexGroom { length: vec![1.0; 4], lean: zero.clone(), wetness: zero.clone(), bareness: zero }
+    );
     assert_eq!((found.textures.images.len(), found.water), (0, FurWetness::Dry));
     assert_eq!(evaluate("", [true, false]).coat.length, [1.0, 1.0, 1.0, 0.0], "a bare material has no hair");
 }
@@ -119,7 +122,8 @@ fn body_groom_applies_where_no_map_is_set() {
         let maps = maps.with_body(Some(body.clone()));
         // The surface's vertices have a different order from the model's.
         (
-            maps.vertex_groom(&Vertices { input_vertex: Some(&[3, 2, 1, 0]), ..Vertices::of_model(&mesh, &rest) }).unwrap(),
+            maps.vertex_groom(&Vertices { input_vertex: Some(&[3, 2, 1, 0]), ..Vertices::of_model(&mesh, &rest) })
+                .unwrap(),
             maps.layout_maps(&mesh, &rest, Vec3::X).unwrap(),
             maps.decision(1.0, 0.01),
         )
@@ -254,8 +258,8 @@ fn projected_images_need_no_texture_coordinates() {
     let groom = Recipe::parse("r.toml", text).unwrap().groom;
     let (images, mut warnings) = (images(), Vec::new());
     let along = groom.coordinates.projection().unwrap();
-    let maps =
-        Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut warnings).over(ImageCoordinates::Space { along, bounds });
+    let maps = Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut warnings)
+        .over(ImageCoordinates::Space { along, bounds });
     assert_eq!(warnings, [""; 0]);
     let at = Vertices::of_model(&mesh, &rest);
     let coat = maps.vertex_groom(&at).unwrap();

@@ -117,7 +117,7 @@ pub fn chosen_margin_m(
 pub fn margin_decision(margin_m: f32) -> Decision {
     Decision {
         what: "margin of bare parts",
-        chosen: format!("hair has its full length {} from them", metres_in_words(margin_m)),
+        chosen: format!("hair reaches its full length {} away from them", metres_in_words(margin_m)),
         line: format!("groom.bare_margin_m = {margin_m}"),
     }
 }
@@ -205,7 +205,8 @@ fn relax_along_edges(ways: &mut [f32], skin: &[[u32; 3]], places: &WeldedVertice
         }
     }
     let starts = ways.iter().enumerate().filter(|(_, way)| way.is_finite());
-    let mut open: BinaryHeap<Reverse<QueueEntry>> = starts.map(|(place, way)| Reverse(QueueEntry { way: *way, place })).collect();
+    let mut open: BinaryHeap<Reverse<QueueEntry>> =
+        starts.map(|(place, way)| Reverse(QueueEntry { way: *way, place })).collect();
     while let Some(Reverse(QueueEntry { way, place })) = open.pop() {
         if way > ways[place] {
             continue;

@@ -44,13 +44,14 @@ impl MarkValues {
             return Self::default();
         }
         let center = Vec3::from(body.bounds.center);
-        let ground = MarkSurface { skin: WeldedMesh::new(body.mesh, body.rest, center, radius_m), furred: furred_faces(body) };
+        let ground =
+            MarkSurface { skin: WeldedMesh::new(body.mesh, body.rest, center, radius_m), furred: furred_faces(body) };
         let to_skin = |p: Vec3| (p - center) / radius_m;
         let mut far = |key: &str, name: &str, away: f32| {
             if away > FAR {
                 let metres = metres_in_words(away * radius_m);
                 warnings
-                    .push(format!("{key}: {name:?} is {metres} away from the nearest skin with hair; it counts there"));
+                    .push(format!("{key}: {name:?} is {metres} from the nearest skin with hair; it is applied there"));
             }
         };
         for line in drawn {

@@ -64,8 +64,9 @@ impl ModelAtlas {
             file: file.to_owned(),
             place: "whole model".to_owned(),
             reason: format!(
-                "its skin falls into {charts} pieces, which are too many for an atlas; expected fewer: join vertices that stand at \
-                 one place, or unwrap it in a modelling tool and keep groom.coordinates = \"model\""
+                "its skin consists of {charts} pieces, which are too many for an atlas; expected fewer: merge \
+                 vertices that share a position, or unwrap it in a modelling tool and keep groom.coordinates = \
+                 \"model\""
             ),
         })?;
         let Surface { mut mesh, rest, .. } = surface;

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::recipe::Recipe;
-use crate::stages::groom::{MapImages, Maps, colors};
 use crate::stages::groom::{ImageCoordinates, Vertices};
+use crate::stages::groom::{MapImages, Maps, colors};
 use pelage_import::mesh::{Image, Material, MeshPart};
 
 const RINGS: u32 = 24;

@@ -1,6 +1,8 @@
 //! Interpretation of the names of materials, nodes and meshes with respect to hair.
 
-use super::words::{BARE, EYES, FURRED, FURRED_WITHIN, INSIDE, BareWords, MOUTH, POSITION_CHARACTERS, POSITION_WORDS, SNOUT};
+use super::words::{
+    BARE, BareWords, EYES, FURRED, FURRED_WITHIN, INSIDE, MOUTH, POSITION_CHARACTERS, POSITION_WORDS, SNOUT,
+};
 
 /// Meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,7 +133,8 @@ pub(super) fn are_names_of_snout(words: &[String]) -> bool {
 fn kind(word: &str) -> Option<&'static BareWords> {
     let of = |word: &str| BARE.iter().find(|kind| is_one_of(word, kind.words));
     let without_place = || {
-        let cut = POSITION_WORDS.iter().find_map(|place| word.strip_prefix(place).or_else(|| word.strip_suffix(place)))?;
+        let cut =
+            POSITION_WORDS.iter().find_map(|place| word.strip_prefix(place).or_else(|| word.strip_suffix(place)))?;
         of(cut.trim_matches(POSITION_CHARACTERS))
     };
     let characters = word.trim_matches(POSITION_CHARACTERS);

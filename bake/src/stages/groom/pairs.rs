@@ -48,7 +48,8 @@ pub(super) fn are_round_pairs(mesh: &Mesh, positions: &[Vec3], places: &[u32], m
     let goes_on = others.iter().flat_map(edges).any(|edge| borders.contains_key(&edge));
     let at = |place: &u32| position_of.get(place).copied().unwrap_or_default();
     let faces_of = |piece: &Vec<usize>| piece.iter().filter_map(|face| own.get(*face).copied()).collect::<Vec<_>>();
-    let pieces: Vec<ComponentShape> = components(&own).iter().map(|piece| measure(&faces_of(piece), &borders, &at)).collect();
+    let pieces: Vec<ComponentShape> =
+        components(&own).iter().map(|piece| measure(&faces_of(piece), &borders, &at)).collect();
     let is_eye = |piece: &ComponentShape| piece.roundness >= ROUND && piece.center.y > middle;
     let some = (2..=MOST_PIECES).contains(&pieces.len());
     some && !goes_on && pieces.iter().all(is_eye) && all_are_paired(&pieces)

@@ -1,6 +1,6 @@
 //! Patches: connected parts of a material, with size, colour and neighbours.
 
-use super::pairs::{edges, components};
+use super::pairs::{components, edges};
 use glam::DVec3;
 use pelage_import::mesh::{Model, RestPose};
 use std::collections::BTreeMap;

@@ -87,7 +87,9 @@ impl Pattern<'_> {
         let groom = grooms.of_material.iter().any(Option::is_some).then(|| {
             let texels = atlas.paint(|spot, _| {
                 let own = grooms.of_material.get(material(spot)).copied().flatten().map(|image| &grooms.images[image]);
-                own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| sample_model_uvs(surface, spot, image, Encoding::Linear))
+                own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| {
+                    sample_model_uvs(surface, spot, image, Encoding::Linear)
+                })
             });
             linear_image(atlas.side, &texels)
         });

@@ -67,7 +67,9 @@ impl Growth {
             let clear_m = lift_m * (4.0 * share).min(1.0) * forces.lift;
             let mut next = at + way * step_m;
             for _ in 0..PUSHES {
-                let Some((depth_m, near)) = body.signed_distance(next, reach_m).filter(|(depth_m, _)| *depth_m < clear_m) else {
+                let Some((depth_m, near)) =
+                    body.signed_distance(next, reach_m).filter(|(depth_m, _)| *depth_m < clear_m)
+                else {
                     break;
                 };
                 next += near.normal * (clear_m - depth_m).min(step_m);

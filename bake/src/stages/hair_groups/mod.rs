@@ -3,17 +3,17 @@
 //! The package holds a group's scalp, guides and numbers; the hairs are derived from them when it is loaded
 //! ([`pelage_formats::meaning::hair_groups`]).
 
-mod rest_guides;
 mod body;
 mod ground;
 mod grow;
+mod rest_guides;
 mod tuft;
 
 #[cfg(test)]
 mod tests;
 
-pub use rest_guides::{GuidesAtRest, StoredOffsets, RestMesh};
 pub use ground::GroomTarget;
+pub use rest_guides::{GuidesAtRest, RestMesh, StoredOffsets};
 
 use crate::recipe::{HairGroupParams, ScalarMap, StrandParams};
 use crate::stages::groom::scalar_at;
@@ -172,7 +172,7 @@ fn scalp(params: &HairGroupParams, ground: &GroomTarget<'_>) -> Result<Vec<(u32,
         }
     }
     if scalp.is_empty() {
-        let reason = format!("the mask leaves none of the triangles of {pattern:?}, expected some that are not black");
+        let reason = format!("the mask excludes all triangles of {pattern:?}, expected some that are not black");
         return Err(GroupError::Here(reason));
     }
     Ok(scalp)
@@ -199,7 +199,12 @@ fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &GroomTarget<'_>
 }
 
 /// Grows guides on a group's scalp, distributed like its hairs.
-fn grown_guides(group: &HairGroup, count: u32, growth: &Growth, body: &SurfaceIndex<'_>) -> Vec<(TrianglePoint, Vec<Vec3>)> {
+fn grown_guides(
+    group: &HairGroup,
+    count: u32,
+    growth: &Growth,
+    body: &SurfaceIndex<'_>,
+) -> Vec<(TrianglePoint, Vec<Vec3>)> {
     let roots: Vec<TrianglePoint> = roots(group, count, &|triangle| body.corners(triangle));
     let grow = |(number, root): (usize, &TrianglePoint)| {
         let seed = u64::from(group.seed) << 32 | number as u64;
@@ -242,8 +247,8 @@ fn read_guides(
         let bounds = strands.points.iter().map(|p| placed.transform_point3(*p));
         let (low, high) = bounds.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
         let reason = format!(
-            "none of the {} strands of the file roots within {loose_m:.3} m of the scalp: they lie from {low} to {high}; \
-             expected scale_m, turn_deg and at that put them on the model, whose radius is {:.3} m",
+            "none of the {} strands in the file has its root within {loose_m:.3} m of the scalp: they extend from \
+             {low} to {high}; expected scale_m, turn_deg and at that place them on the model, whose radius is {:.3} m",
             chosen.len(),
             ground.radius_m
         );
@@ -252,30 +257,31 @@ fn read_guides(
     let is_near = |p: Vec3, root: Vec3| (p - root).abs().max_element() <= HairGroup::MOST_REACH_M;
     if !guides.iter().all(|(_, points)| points.iter().all(|p| is_near(*p, points[0]))) {
         let reason = format!(
-            "a strand of the file reaches farther than {} m from its root, expected scale_m that makes it shorter",
+            "a strand in the file reaches farther than {} m from its root, expected a smaller scale_m",
             HairGroup::MOST_REACH_M
         );
         return Err(GroupError::Here(reason));
     }
     if guides.len() > MOST_GUIDES {
-        let reason = format!("{} guides, expected at most {MOST_GUIDES}: `every` takes fewer", guides.len());
+        let reason = format!("{} guides, expected at most {MOST_GUIDES}: set `every` to take fewer", guides.len());
         return Err(GroupError::Here(reason));
     }
     if guides.len() < chosen.len() {
         let gone = chosen.len() - guides.len();
         warnings.push(format!(
-            "strands.group {:?}: {gone} of {} guides root farther than {loose_m:.3} m from the scalp and are left out",
+            "strands.group {:?}: {gone} of {} guides have roots farther than {loose_m:.3} m from the scalp and are \
+             left out",
             params.name,
             chosen.len()
         ));
     }
     if strands.left_out > 0 {
         warnings.push(format!(
-            "strands.group {:?}: {} strands of the file have no length and are left out",
+            "strands.group {:?}: {} strands in the file have no length and are left out",
             params.name, strands.left_out
         ));
     }
-    warnings.extend(strands.warnings.iter().map(|text| format!("strands.group {:?}: its file: {text}", params.name)));
+    warnings.extend(strands.warnings.iter().map(|text| format!("strands.group {:?}: file: {text}", params.name)));
     Ok(guides)
 }
 
@@ -284,7 +290,11 @@ const MAX_SPACING_RATIO: f32 = 4.0;
 
 /// Returns the triangles of a scalp that have guide roots on or near them: a file that combs one part gives no
 /// information about the rest.
-fn scalp_near_guides(scalp: &[(u32, u16)], guides: &[(TrianglePoint, Vec<Vec3>)], body: &SurfaceIndex<'_>) -> Vec<(u32, u16)> {
+fn scalp_near_guides(
+    scalp: &[(u32, u16)],
+    guides: &[(TrianglePoint, Vec<Vec3>)],
+    body: &SurfaceIndex<'_>,
+) -> Vec<(u32, u16)> {
     let roots: Vec<Vec3> = guides.iter().map(|(_, points)| points[0]).collect();
     let near = PointGrid::new(roots.clone());
     let mut apart: Vec<f32> = roots.iter().map(|root| near.nearest::<2>(*root)[1].0.sqrt()).collect();

@@ -5,7 +5,7 @@ use super::body::SurfaceIndex;
 use glam::{DVec3, Vec3};
 use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::posed_vertices;
-use pelage_formats::{FormatError, HairGroup, TrianglePoint, Package, Pose};
+use pelage_formats::{FormatError, HairGroup, Package, Pose, TrianglePoint};
 
 /// Largest distance of a root from the scalp, as a share of the model's size; a root farther away was not meant for the
 /// scalp.
@@ -75,7 +75,12 @@ impl GuidesAtRest<'_> {
     ///
     /// # Errors
     /// The index of the guide, and the reason.
-    pub fn set(&self, group: &mut HairGroup, guides: &[Vec<Vec3>], exact: &[StoredOffsets<'_>]) -> Result<(), (usize, String)> {
+    pub fn set(
+        &self,
+        group: &mut HairGroup,
+        guides: &[Vec<Vec3>],
+        exact: &[StoredOffsets<'_>],
+    ) -> Result<(), (usize, String)> {
         let old_reach_m = group.reach_m;
         let exact: Vec<StoredOffsets<'_>> = group
             .roots()
@@ -137,7 +142,7 @@ impl GuidesAtRest<'_> {
         for (number, stood, stands) in moved {
             let near = body.nearest(stands, loose_m, |triangle| on_scalp[triangle as usize]).ok_or_else(|| {
                 let reason = format!(
-                    "its root was moved from {stood} to {stands}, expected a place within {loose_m} m of the scalp"
+                    "its root was moved from {stood} to {stands}, expected a position within {loose_m} m of the scalp"
                 );
                 (number, reason)
             })?;

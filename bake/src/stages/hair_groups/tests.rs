@@ -158,7 +158,7 @@ fn imported_guides_are_attached_to_the_scalp() {
     )
     .unwrap();
     assert_eq!((groups[0].guide_roots.len(), warnings.len()), (2, 1));
-    assert!(warnings[0].contains("1 of 3 guides root farther than 0.010 m"), "{}", warnings[0]);
+    assert!(warnings[0].contains("1 of 3 guides have roots farther than 0.010 m"), "{}", warnings[0]);
     for (hair, strand) in hairs(&groups[0]).iter().zip([strand(0.01, 0.0), strand(0.03, 0.05)]) {
         assert!((hair[0].length() - 0.1).abs() < 5e-4, "roots on the ball: {}", hair[0]);
         let tip = *hair.last().unwrap();
@@ -173,7 +173,7 @@ fn imported_guides_are_attached_to_the_scalp() {
     assert_eq!(groups[0].guide_roots.len(), 3);
     let error = made(&recipe("scale_m = 1000000\nloose_m = 1000000"), &file(&[[Vec3::ZERO, Vec3::X, 9.0 * Vec3::Y]]))
         .unwrap_err();
-    assert!(error.to_string().contains("farther than 1000000 m from its root, expected scale_m"), "{error}");
+    assert!(error.to_string().contains("farther than 1000000 m from its root, expected a smaller scale_m"), "{error}");
     // In metres by mistake: all are far away, and the error says where they are.
     let error = made(&recipe(""), &files).unwrap_err().to_string();
     assert!(error.contains("none of the 3 strands") && error.contains("scale_m"), "{error}");
@@ -223,7 +223,7 @@ fn invalid_hair_groups_are_errors_with_reasons() {
     let group = |keys: &str| format!("[[strands.group]]\nname = \"hair\"\n{keys}");
     let place = "strands.group, table 0 \"hair\"";
     fails(&group("material = \"Mane\""), &["ball.glb", place, "\"Mane\"", "\"Scalp\", \"Skin\""]);
-    fails(&group("mask = 0.0"), &[place, "the mask leaves none"]);
+    fails(&group("mask = 0.0"), &[place, "the mask excludes all"]);
     fails(&group("fall = [0, 0, 0]"), &[place, "fall is [0, 0, 0]"]);
     let tuft = |keys: &str| format!("[[strands.tuft]]\nname = \"brow\"\n{keys}");
     fails(&tuft(""), &["strands.tuft, table 0 \"brow\"", "at and joint are missing"]);

@@ -18,7 +18,7 @@ const NAMED: usize = 5;
 /// Returns the position of a tuft.
 fn place_of(params: &TuftParams, ground: &GroomTarget<'_>, warnings: &mut Vec<String>) -> Result<Vec3, String> {
     let Some(joint) = &params.joint else {
-        let at = params.at.ok_or("at and joint are missing, expected a place near the skin, or the name of a joint")?;
+        let at = params.at.ok_or("at and joint are missing, expected a position near the skin or a joint's name")?;
         return Ok(at.into());
     };
     let mut found = ground.nodes.iter().filter(|node| node.name == *joint);
@@ -36,7 +36,7 @@ fn place_of(params: &TuftParams, ground: &GroomTarget<'_>, warnings: &mut Vec<St
     let more = found.count();
     if more > 0 {
         warnings.push(format!(
-            "strands.tuft {:?}: {} nodes are named {joint:?}; it stands at the first of them",
+            "strands.tuft {:?}: {} nodes are named {joint:?}; the first of them is used",
             params.name,
             more + 1
         ));
@@ -65,7 +65,7 @@ pub(super) fn tuft_of(
     let about = |(middle, side)| hairs_about(params, body, middle, reach_m, side, |t| of_material[t as usize]);
     let hairs: Vec<_> = places.flat_map(about).collect();
     if hairs.is_empty() {
-        return Err(format!("no skin is near {at}, expected a place on the model"));
+        return Err(format!("no skin is near {at}, expected a position on the model"));
     }
     let root_radius_m = params.root_radius_m();
     let mut group = HairGroup {

@@ -70,7 +70,11 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> FittedCollider
     made.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.joint.cmp(&b.2.joint)));
     made.truncate(MOST);
     let gap_m = made.iter().map(|(_, gap, _)| *gap).fold(0.0, f32::max);
-    FittedColliders { colliders: made.into_iter().map(|(.., collider)| collider).collect(), gap_m, ..FittedColliders::default() }
+    FittedColliders {
+        colliders: made.into_iter().map(|(.., collider)| collider).collect(),
+        gap_m,
+        ..FittedColliders::default()
+    }
 }
 
 /// Returns the capsule around points, in their own space.

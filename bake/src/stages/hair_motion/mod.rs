@@ -11,7 +11,7 @@ use crate::stages::hair_groups::GuidedHair;
 use glam::{Mat4, Vec3};
 use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::{posed, skin_matrix};
-use pelage_formats::{Animation, GroupMotion, HairGroup, HairMotion, MeshData, TrianglePoint, Pose};
+use pelage_formats::{Animation, GroupMotion, HairGroup, HairMotion, MeshData, Pose, TrianglePoint};
 
 /// Returns the motion of a recipe's groups, from its settings and the body; `None` if no group moves.
 ///
@@ -35,8 +35,9 @@ pub fn group_motion(
         pose.joints.push(Mat4::IDENTITY);
     }
     let mut found = HairMotion { groups: motions, freedom: hair.freedom.clone(), colliders: Vec::new() };
-    let guides: Vec<Vec<Vec3>> =
-        (0..hair.groups.len()).flat_map(|number| rest_points(&hair.groups[number], number, &found, mesh, &pose)).collect();
+    let guides: Vec<Vec<Vec3>> = (0..hair.groups.len())
+        .flat_map(|number| rest_points(&hair.groups[number], number, &found, mesh, &pose))
+        .collect();
     let fitted = if params.colliders { fit(mesh, &pose, &guides) } else { FittedColliders::default() };
     let fitted = recipe_colliders::merge(fitted, &params.collider, animation, &pose);
     found.colliders.clone_from(&fitted.colliders);

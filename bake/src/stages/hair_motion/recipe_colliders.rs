@@ -9,7 +9,12 @@ use pelage_formats::{Animation, BodyCollider, HairMotion, Pose};
 /// first.
 ///
 /// * `pose`: rest pose; a single matrix without a skeleton
-pub fn merge(fitted: FittedColliders, given: &[HairColliderParams], animation: Option<&Animation>, pose: &Pose) -> FittedColliders {
+pub fn merge(
+    fitted: FittedColliders,
+    given: &[HairColliderParams],
+    animation: Option<&Animation>,
+    pose: &Pose,
+) -> FittedColliders {
     let mut warnings = fitted.warnings;
     let mut colliders: Vec<BodyCollider> = Vec::new();
     for table in given {
@@ -39,7 +44,7 @@ fn joint(table: &HairColliderParams, animation: Option<&Animation>) -> Result<u3
     };
     match (&table.joint, joints.is_empty()) {
         (None, true) => Ok(0),
-        (Some(wanted), true) => Err(format!("the model has no skeleton, expected none for joint, found {wanted:?}")),
+        (Some(wanted), true) => Err(format!("the model has no skeleton, expected no joint, found {wanted:?}")),
         (None, false) => {
             let names: Vec<_> = joints.iter().map(name).collect();
             Err(format!("found no joint, expected one of {names:?}"))

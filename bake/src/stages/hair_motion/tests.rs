@@ -98,8 +98,12 @@ fn recipe_capsules_replace_fitted_ones() {
         radius_m: Some(0.4),
         ..HairColliderParams::default()
     };
-    let found =
-        recipe_colliders::merge(fitted.clone(), &[ball("skull", "head"), ball("lost", "tail")], Some(&animation), &pose);
+    let found = recipe_colliders::merge(
+        fitted.clone(),
+        &[ball("skull", "head"), ball("lost", "tail")],
+        Some(&animation),
+        &pose,
+    );
     let skull = BodyCollider { joint: 1, from: [0.0, 1.0, 0.0], to: [0.0, 1.0, 0.0], radius: 0.2 };
     assert_eq!(found.colliders, [skull, of(0)]);
     assert_eq!(found.warnings.len(), 1);

@@ -69,7 +69,13 @@ pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
     let scale = side as f32;
     let looks = [
         View { side, scale: Vec2::splat(scale), periodic_v: true, densities: TOP_DENSITIES, path: path_from_above },
-        View { side, scale: Vec2::new(scale, scale / height), periodic_v: false, densities: SIDE_DENSITIES, path: path_from_side },
+        View {
+            side,
+            scale: Vec2::new(scale, scale / height),
+            periodic_v: false,
+            densities: SIDE_DENSITIES,
+            path: path_from_side,
+        },
     ];
     let lean = mean_lean(strands);
     let drawn: Vec<_> = looks.par_iter().map(|view| draw(strands, &order, view, lean, seed)).collect();

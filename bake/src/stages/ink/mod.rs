@@ -26,13 +26,13 @@ pub use stroke::stroke;
 pub use vertices::{InkTarget, InkVertices, vertices};
 pub use wash::wash;
 
-use crate::recipe::{ColorParams, FilePath, GroomParams, HairParams, InkParams, PackParams, Recipe, ShellFormat};
 use crate::memo::Memo;
+use crate::progress::StageProgress;
+use crate::recipe::{ColorParams, FilePath, GroomParams, HairParams, InkParams, PackParams, Recipe, ShellFormat};
 use crate::stages::assemble::NamedTexture;
 use crate::stages::groom::MapImages;
 use crate::stages::simulate::Strands;
 use crate::stages::slice::{AlphaMode, TextureEncoder};
-use crate::progress::StageProgress;
 use pelage_formats::{InkShading, InkVertex, TextureFormat};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Model};
@@ -200,7 +200,12 @@ fn encode(
     file
 }
 
-fn paint(params: &InkParams, pack: &PackParams, images: &MapImages, steps: &StageProgress) -> Result<PaintedTextures, BakeError> {
+fn paint(
+    params: &InkParams,
+    pack: &PackParams,
+    images: &MapImages,
+    steps: &StageProgress,
+) -> Result<PaintedTextures, BakeError> {
     use Channel::{Threshold, Value};
     let dry = [Value, Value, Value, Threshold];
     let packed = texture_format(pack);

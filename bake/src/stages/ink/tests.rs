@@ -128,7 +128,8 @@ fn ink_textures_depend_on_the_seed_and_not_on_thread_count() {
         let params = InkParams { seed, ..small() };
         let strands = strands();
         pool.install(|| {
-            textures(&params, &PackParams::default(), &MapImages::default(), Some(&strands), StageProgress::ignored()).unwrap()
+            textures(&params, &PackParams::default(), &MapImages::default(), Some(&strands), StageProgress::ignored())
+                .unwrap()
         })
     };
     let one = paint(1, 1);
@@ -148,7 +149,8 @@ fn encoded_ink_textures_are_linear_complete_and_accurate() {
     let (params, strands) = (small(), strands());
     for shell_format in [ShellFormat::Bc7, ShellFormat::Rgba8] {
         let pack = PackParams { shell_format, ..PackParams::default() };
-        let encoded = textures(&params, &pack, &MapImages::default(), Some(&strands), StageProgress::ignored()).unwrap();
+        let encoded =
+            textures(&params, &pack, &MapImages::default(), Some(&strands), StageProgress::ignored()).unwrap();
         let painted = [
             vec![stroke(&params, None)],
             vec![wash(&params, None)],
@@ -176,7 +178,10 @@ fn encoded_ink_textures_are_linear_complete_and_accurate() {
         }
     }
     assert!(
-        textures(&params, &PackParams::default(), &MapImages::default(), None, StageProgress::ignored()).unwrap().fur.is_none()
+        textures(&params, &PackParams::default(), &MapImages::default(), None, StageProgress::ignored())
+            .unwrap()
+            .fur
+            .is_none()
     );
 }
 

@@ -2,7 +2,7 @@
 
 use super::locks::{Lock, Locks, forms_locks, heading_into_lock};
 use super::styles::StyleForces;
-use crate::noise::{noise_1d, noise_in_tile, hash, stratified, uniform, vector};
+use crate::noise::{hash, noise_1d, noise_in_tile, stratified, uniform, vector};
 use crate::recipe::HairParams;
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -203,7 +203,8 @@ impl<'a> Grower<'a> {
     fn style_force(&self, position: Vec3, t: f32) -> Vec3 {
         let StyleForces { fields, field_scale, field_growth: [at_root, growth], droop, .. } = self.forces;
         let seeds = (1..).map(|n| hash(self.seed, u64::MAX - n));
-        let noise = fields.iter().zip(seeds).map(|((cells, strength), seed)| noise_in_tile(seed, position, *cells) * *strength);
+        let noise =
+            fields.iter().zip(seeds).map(|((cells, strength), seed)| noise_in_tile(seed, position, *cells) * *strength);
         noise.fold(Vec3::ZERO, |sum, push| sum + push) * field_scale * (at_root + growth * t)
             - Vec3::Z * (droop * t * t)
     }

@@ -7,7 +7,7 @@
 
 use super::Strands;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use pelage_formats::{RootOffset, ROOT_HEIGHTS};
+use pelage_formats::{ROOT_HEIGHTS, RootOffset};
 
 /// Resolution of the tile, texels along u and v.
 const TEXELS: usize = 128;

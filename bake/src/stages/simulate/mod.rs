@@ -12,8 +12,8 @@
 //! Everything random is a hash of seed, strand and purpose. All functions beyond IEEE arithmetic and square roots come
 //! from the `libm` crate: its results do not depend on the platform, as those of `std` may.
 
-mod lateral_offset;
 mod forces;
+mod lateral_offset;
 mod locks;
 mod shades;
 mod styles;
@@ -125,7 +125,7 @@ impl Strands {
         let ordered = self.offsets.windows(2).all(|w| w[0] <= w[1]);
         let ends = (self.offsets.first().copied().unwrap_or(0), self.offsets.last().copied().unwrap_or(0) as usize);
         if !ordered || ends != (0, n) {
-            return fail(format!("offsets do not lead from 0 to {n} in order"));
+            return fail(format!("offsets do not rise from 0 to {n}"));
         }
         if !(self.height.is_finite() && self.height > 0.0) {
             return fail(format!("height is {}, expected above 0", self.height));

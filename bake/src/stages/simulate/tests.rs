@@ -185,7 +185,10 @@ fn underfur_has_its_own_style_but_shares_wetness() {
     let curly = guard_and_underfur(|_, underfur| underfur.style = Some(Style::Curly));
     assert_ne!(straight.points, curly.points);
     let wet = guard_and_underfur(|hair, _| hair.style = Style::Wet);
-    assert_eq!(wet, guard_and_underfur(|hair, underfur| (hair.style, underfur.style) = (Style::Wet, Some(Style::Curly))));
+    assert_eq!(
+        wet,
+        guard_and_underfur(|hair, underfur| (hair.style, underfur.style) = (Style::Wet, Some(Style::Curly)))
+    );
     assert_eq!(straight, guard_and_underfur(|_, underfur| underfur.style = Some(Style::Wet)));
 }
 

@@ -4,7 +4,7 @@
 use super::styles::{StyleForces, WET};
 use super::{Strands, VolumeParams, simulate_with_underfur};
 use crate::recipe::{HairParams, Recipe, Style};
-use crate::stages::groom::{Lengths, FurWetness};
+use crate::stages::groom::{FurWetness, Lengths};
 use pelage_import::BakeError;
 
 /// Strands of one tile: dry, and the same hairs wet if only parts of the fur are wet.

@@ -8,6 +8,6 @@ use pelage_import::BakeError;
 /// # Errors
 /// [`BakeError::Internal`] for a level or layer that does not exist.
 pub fn decode_texture(view: &TextureView<'_>, level: u32, layer: u32) -> Result<Vec<u8>, BakeError> {
-    let missing = || BakeError::Internal(format!("level {level}, layer {layer} of a texture that has {view:?}"));
+    let missing = || BakeError::Internal(format!("level {level}, layer {layer} does not exist in texture {view:?}"));
     view.rgba8(level, layer).ok_or_else(missing)
 }

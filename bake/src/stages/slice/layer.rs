@@ -10,8 +10,8 @@
 //! transmittances thus follows the true one at any number of layers; plain rounding would lose the faint hair of a fine
 //! stack completely.
 
-use super::far_fur::{FarFurStats, FarFurSums};
 use super::direction;
+use super::far_fur::{FarFurStats, FarFurSums};
 use super::splat::Sums;
 use crate::stages::visibility::encode_visibility;
 use glam::{Vec3, Vec4};

@@ -5,19 +5,19 @@
 //! [`shell_textures`] combines it with the encoder and is what a bake calls. [`fin_textures`] cuts the same strands
 //! from the side.
 
-mod far_fur;
 mod decode;
 pub mod direction;
 mod encode;
+mod far_fur;
 mod layer;
 mod shells;
 mod slab;
 mod slice;
 mod splat;
 
-pub use far_fur::FarFurStats;
 pub use decode::decode_texture;
 pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color, encode_groom};
+pub use far_fur::FarFurStats;
 pub use shells::{ShellTextures, VisibilityTexture, shell_bytes, shell_textures};
 pub use slab::{FinTextures, SLABS, Slab, fin_textures, slab_along};
 pub use slice::{Layer, ShellSet, collect_layers, slice, slice_for_package};

@@ -1,7 +1,7 @@
 //! Slicing combined with encoding: for a volume of any size, only one layer is in memory as texels.
 
-use super::far_fur::FarFurStats;
 use super::encode::{AlphaMode, TextureEncoder};
+use super::far_fur::FarFurStats;
 use super::slice::{Layer, slice_for_package};
 use crate::recipe::{DirectionFormat, PackParams, ShellFormat, SliceParams};
 use crate::stages::simulate::Strands;

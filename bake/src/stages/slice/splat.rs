@@ -115,7 +115,14 @@ impl LayerIndex {
     }
 
     /// Returns the splats of some of a layer's segments, in their order.
-    fn splats(&self, drawn: DrawInput<'_>, entries: &[u32], layer: usize, texels: u32, filter_width: f32) -> Vec<Splat> {
+    fn splats(
+        &self,
+        drawn: DrawInput<'_>,
+        entries: &[u32],
+        layer: usize,
+        texels: u32,
+        filter_width: f32,
+    ) -> Vec<Splat> {
         let slab = self.slab(layer);
         let parts: Vec<Vec<Splat>> = entries
             .par_chunks(CHUNK)

@@ -1,7 +1,7 @@
 //! Comb directions: wishes per face, before they are smoothed into a field.
 
-use super::marks::{self, CombMark};
 use super::furred_mesh::FurredMesh;
+use super::marks::{self, CombMark};
 use crate::recipe::{CombMarkParams, CombSource, SurfaceParams};
 use crate::stages::reach;
 use glam::{DVec3, Vec3};

@@ -118,7 +118,8 @@ pub(super) fn split_by_handedness(
     if mirrored_area > 0.0 {
         let share = 100.0 * mirrored_area / (mirrored_area + upright_area).max(f64::MIN_POSITIVE);
         warnings.push(format!(
-            "{share:.0} % of the skin has mirrored texture coordinates: its hair leans the mirrored way; {} vertices were split",
+            "{share:.0} % of the skin has mirrored texture coordinates: its hair leans in the mirrored direction; {} \
+             vertices were split",
             originals.len()
         ));
     }

@@ -121,7 +121,8 @@ impl<'t> Faces<'t> {
         };
         if !starts.is_empty() && mark.places.iter().zip(&starts).all(along_normal) {
             warnings.push(format!(
-                "surface.comb_marks: {:?} points along the skin's normal where it stands; its direction has hardly an effect",
+                "surface.comb_marks: {:?} points along the skin's normal at its position; its direction has almost no \
+                 effect",
                 mark.name
             ));
         }

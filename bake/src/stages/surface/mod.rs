@@ -9,19 +9,19 @@
 //! * the measures of the parameterization.
 
 mod comb;
-mod vertex_data;
 mod field;
 mod frames;
+mod furred_mesh;
 mod grow;
 mod lapped;
 mod marks;
 mod measure;
 mod params;
 mod repair;
-mod furred_mesh;
 mod solve;
 mod sparse;
 mod topology;
+mod vertex_data;
 mod weld;
 
 pub use comb::Comb;
@@ -29,10 +29,10 @@ pub use marks::CombMark;
 pub use measure::Measures;
 pub use params::{PatchParams, Source, SurfaceParams};
 
+use furred_mesh::FurredMesh;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Mesh, Model, RestPose};
-use furred_mesh::FurredMesh;
 use solve::FaceFrame;
 
 /// Mesh with hair-tile coordinates.
@@ -84,7 +84,7 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
             file: file.into(),
             place: "whole model".into(),
             reason: format!(
-                "none of its {} triangles has an area where it stands at rest, expected at least one that has",
+                "none of its {} triangles has an area at rest, expected at least one that does",
                 mesh.triangles.len()
             ),
         });
@@ -107,7 +107,7 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
             let lapped = lapped::lapped_patches(&skin.topology, &frames, &patches.lapped(combed));
             if lapped.unsolved > 0 {
                 warnings.push(format!(
-                    "surface: {} patches were parted because their equations had no trustworthy solution (slivers)",
+                    "surface: {} patches were split because their equations had no reliable solution (slivers)",
                     lapped.unsolved
                 ));
             }
@@ -153,10 +153,13 @@ impl Surface {
 
 fn require_uvs(file: &str, model: &Model, params: &SurfaceParams) -> Result<(), BakeError> {
     let (key, what) = match (&params.source, &params.comb) {
-        (Source::Model, _) => {
-            ("surface.source = \"model\" lays the hair by", "or let surface.source = \"patches\" do without")
+        (Source::Model, _) => (
+            "surface.source = \"model\" needs to lay the hair",
+            "or set surface.source = \"patches\", which needs none",
+        ),
+        (_, Comb::Tangents) => {
+            ("surface.comb = \"tangents\" needs to comb the hair", "or choose a different surface.comb")
         }
-        (_, Comb::Tangents) => ("surface.comb = \"tangents\" combs the hair by", "or choose another surface.comb"),
         _ => return Ok(()),
     };
     let lacking = |p: &&pelage_import::mesh::MeshPart| params.is_furred(p.material) && !p.has_uvs;

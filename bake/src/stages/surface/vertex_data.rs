@@ -2,9 +2,9 @@
 //! per vertex.
 
 use super::frames;
+use super::furred_mesh::FurredMesh;
 use super::lapped::Lapped;
 use super::repair::Repaired;
-use super::furred_mesh::FurredMesh;
 use super::topology::NONE;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::Animation;

@@ -104,7 +104,8 @@ pub fn visibility(strands: &Strands, params: &VisibilityParams, horizon: Option<
     });
     let fit = Fit::new(count, horizon);
     let points = owners.par_iter().zip(&strands.points).enumerate().with_min_len(64);
-    let points = points.map(|(i, (own, p))| fit.coefficients(turn(i), |way| rays.is_lit(*p, way, Some(*own)))).collect();
+    let points =
+        points.map(|(i, (own, p))| fit.coefficients(turn(i), |way| rays.is_lit(*p, way, Some(*own)))).collect();
     let skin = (0..(SIDE * SIDE) as usize).into_par_iter().with_min_len(64);
     let skin = skin.map(|i| fit.coefficients(turn(i), |way| rays.is_lit(on_skin(i), way, None))).collect();
     Ok(Visibility { horizon, points, skin })

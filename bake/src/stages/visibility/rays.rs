@@ -145,8 +145,8 @@ mod tests {
         assert!(!lit(0.2, 0.5, towards(1.0, 0.2), None), "the pole stands in the way");
         assert!(lit(0.2, 0.5, towards(1.0, 2.0), None), "the ray passes above it");
         assert!(lit(0.2, 0.6, towards(1.0, 0.2), None), "the ray passes beside it");
-        assert!(!lit(0.8, 0.5, towards(1.0, 0.2), None), "that of the next tile");
-        assert!(!lit(-2.2, 0.5, towards(1.0, 0.2), None), "places beyond the tile are places of it");
+        assert!(!lit(0.8, 0.5, towards(1.0, 0.2), None), "the pole of the next tile stands in the way");
+        assert!(!lit(-2.2, 0.5, towards(1.0, 0.2), None), "positions outside the tile wrap around");
         assert!(lit(0.5, 0.5, towards(1.0, 1.0), Some(0)), "its own strand hides nothing");
         assert!(!lit(0.5, 0.5, towards(1.0, 0.2), Some(0)), "but its copy in the next tile does");
         assert!(lit(0.2, 0.5, Vec3::Z, None));

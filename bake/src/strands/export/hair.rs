@@ -48,7 +48,7 @@ pub fn write_hair(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(&text)?;
     for strand in 0..curves.len() {
         let pieces = curves.strand(strand).len() - 1;
-        let pieces = u16::try_from(pieces).map_err(|_| too_many("pieces of a strand", pieces, u16::MAX.into()))?;
+        let pieces = u16::try_from(pieces).map_err(|_| too_many("segments per strand", pieces, u16::MAX.into()))?;
         out.write_all(&pieces.to_le_bytes())?;
     }
     for point in &curves.points {

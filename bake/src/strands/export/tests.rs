@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
-use crate::strands::{CurvePoint, PosedMesh, PosedMaterial, PosedVertex};
+use crate::strands::{CurvePoint, PosedMaterial, PosedMesh, PosedVertex};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// Makes three strands of 2, 4 and 3 points.

@@ -1,9 +1,9 @@
 //! Ninja as a child process.
 
 use super::finish;
+use super::ninja_output::NinjaOutput;
 use super::on_disk::Herd;
 use super::paths::io_error;
-use super::ninja_output::NinjaOutput;
 use crate::exit::Failure;
 use crate::output::{Output, human_bytes};
 use pelage_herd::ninja::{STATUS, THREADS};
@@ -23,7 +23,7 @@ pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Re
     let (file, room) = herd.write_ninja(jobs, memory_bytes)?;
     if room.too_large > 0 {
         let (needs, has) = (human_bytes(room.too_large), human_bytes(memory_bytes));
-        output.note(&format!("note: a command is expected to need {needs}, and there are {has} for all"));
+        output.note(&format!("note: one command is expected to need {needs}, but all of them share {has}"));
     }
     let mut ran = NinjaOutput::default();
     ninja(herd, &file, jobs, &mut ran, output)?;
@@ -95,8 +95,9 @@ fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut NinjaOutput, output: &mut
     let errors = child.stderr.take();
     let errors = std::thread::spawn(move || errors.and_then(|errors| io::read_to_string(errors).ok()));
     let mut faults = Vec::new();
-    for line in BufReader::new(child.stdout.take().ok_or_else(|| BakeError::Internal("ninja without stdout".into()))?)
-        .split(b'\n')
+    for line in
+        BufReader::new(child.stdout.take().ok_or_else(|| BakeError::Internal("ninja has no standard output".into()))?)
+            .split(b'\n')
     {
         let line = line.map_err(|source| io_error(Path::new("ninja"), "read from", source))?;
         let line = String::from_utf8_lossy(&line);

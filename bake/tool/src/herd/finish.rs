@@ -1,17 +1,17 @@
 //! Results of a herd: reads the records, prints a summary and writes the report.
 
-use super::saved_state;
+use super::ninja_output::NinjaOutput;
 use super::on_disk::{Herd, history_file};
 use super::paths::io_error;
-use super::ninja_output::NinjaOutput;
 use super::result::{HerdFailure, HerdResult, HerdTasks};
-use crate::job::CommandRecord;
+use super::saved_state;
 use crate::exit::{Exit, Failure};
+use crate::job::CommandRecord;
 use crate::output::{Output, make_folder};
 use image::{DynamicImage, Rgb, RgbImage, imageops};
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
-use pelage_herd::{CommandOutcome, CommandCost, Report, State, Task};
+use pelage_herd::{CommandCost, CommandOutcome, Report, State, Task};
 use pelage_import::{BakeError, path_as_uri};
 use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
@@ -74,9 +74,10 @@ fn outcomes(herd: &Herd, ran: &NinjaOutput) -> Result<Vec<Option<CommandOutcome>
 
 /// Writes the record of a command that ended without one.
 fn write_missing_record(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
-    let mut why = "it ended without a word: something has killed it, perhaps for want of memory".to_owned();
+    let mut why =
+        "it ended without a record or a message: probably it was killed, perhaps for lack of memory".to_owned();
     if !last_words.is_empty() {
-        why = format!("it ended without a record, and its last words were: {last_words}");
+        why = format!("it ended without a record; its last output was: {last_words}");
     }
     let record = CommandRecord::new(task.command(herd.cache.as_deref()), Exit::FileSystem, Some(why));
     Ok(record.write(&herd.path(&task.record))?)
@@ -155,7 +156,7 @@ fn print_summary(
         lines.push(format!("{}: {why}", herd.plan.tasks[*i].name));
     }
     if failures.len() > TOLD {
-        lines.push(format!("and {} more, which the report has", failures.len() - TOLD));
+        lines.push(format!("and {} more, listed in the report", failures.len() - TOLD));
     }
     let mut told = vec![format!("{ran} of {all} commands were run")];
     if cached > 0 {

@@ -2,15 +2,15 @@
 
 mod args;
 mod engine;
-mod slurm;
 mod finish;
 mod memory;
 mod models;
-mod saved_state;
+mod ninja_output;
 mod on_disk;
 mod paths;
-mod ninja_output;
 mod result;
+mod saved_state;
+mod slurm;
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
@@ -35,7 +35,7 @@ pub fn run(args: &HerdArgs, cache: Option<&Path>, refusal: &Refusal<'_>, output:
         Action::Plan(args) => say_plan(&read(&args.files)?, args, output),
         Action::Run(args) => run_all(args, read, output),
         Action::Report(files) => {
-            output.progress("reading what became of it");
+            output.progress("reading the results");
             let herd = read(files)?;
             // The outcome of a detached submission is only in the cluster's logs.
             let ran = slurm::read_logs(&herd).failures_alone();
@@ -98,7 +98,9 @@ fn run_all(
     ] {
         if given && slurm != farm {
             let engine = if slurm { "slurm" } else { "ninja" };
-            return Err(Failure::Usage(format!("{name}: it is for --engine {engine}, expected it to be left out")));
+            return Err(Failure::Usage(format!(
+                "{name}: it applies to --engine {engine} only, expected it to be left out"
+            )));
         }
     }
     output.progress("planning");

@@ -2,7 +2,7 @@
 
 use super::paths::utf8;
 use crate::exit::Failure;
-use pelage_herd::{ModelFile, HerdFile};
+use pelage_herd::{HerdFile, ModelFile};
 use pelage_import::BakeError;
 use pelage_stage::TomlText;
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ pub fn find(source: TomlText<'_>, file: &HerdFile, folder: &Path, out: &str) -> 
     for (base, key) in file.folders() {
         let from = folder.join(&base);
         if !from.is_dir() {
-            let reason = format!("{base:?} is no folder; expected one, from the folder of {}", source.name);
+            let reason = format!("{base:?} is not a folder, expected one relative to the folder of {}", source.name);
             return Err(HerdFile::fault(source, &key, reason).into());
         }
         let hidden = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with('.');
@@ -31,7 +31,8 @@ pub fn find(source: TomlText<'_>, file: &HerdFile, folder: &Path, out: &str) -> 
         for entry in walk {
             let entry = entry.map_err(|error| {
                 let path = error.path().unwrap_or(&from).to_owned();
-                let source = error.into_io_error().unwrap_or_else(|| std::io::Error::other("folders in a circle"));
+                let source =
+                    error.into_io_error().unwrap_or_else(|| std::io::Error::other("symbolic links form a loop"));
                 BakeError::Io { path, action: "read", source }
             })?;
             if !entry.file_type().is_file() {

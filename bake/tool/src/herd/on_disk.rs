@@ -2,14 +2,14 @@
 
 use super::args::HerdFiles;
 use super::models;
-use super::saved_state;
 use super::paths::{absolute, io_error, relative_to, utf8};
+use super::saved_state;
 use crate::bake::RecipeArgs;
 use crate::exit::Failure;
 use crate::output::{Output, make_folder};
 use crate::reference::only_drawn;
 use pelage_bake::io;
-use pelage_herd::{HerdFile, History, ArgumentValidators, Kind, NAME, Plan, Task, PlanInput, ninja, plan};
+use pelage_herd::{ArgumentValidators, HerdFile, History, Kind, NAME, Plan, PlanInput, Task, ninja, plan};
 use pelage_stage::TomlText;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -128,7 +128,13 @@ impl Herd {
     }
 
     /// Writes a build file of some tasks, with `own` as the folder of Ninja's log.
-    pub fn write_build(&self, name: &str, own: &str, tasks: &[&Task], room: ninja::ConcurrencyLimits) -> Result<(), Failure> {
+    pub fn write_build(
+        &self,
+        name: &str,
+        own: &str,
+        tasks: &[&Task],
+        room: ninja::ConcurrencyLimits,
+    ) -> Result<(), Failure> {
         let settings = ninja::Settings { tool: &self.tool, cache: self.cache.as_deref(), own, room };
         io::write_atomic(&self.path(name), ninja::build_file(tasks, &settings).as_bytes())?;
         Ok(())
@@ -158,7 +164,7 @@ fn check_files(source: TomlText<'_>, file: &HerdFile, folder: &Path) -> Result<(
     let looks = looks.filter_map(|(i, view)| Some((format!("view[{i}].look"), view.look.as_ref()?)));
     match recipes.chain(looks).find(|(_, path)| !folder.join(path).is_file()) {
         Some((key, path)) => {
-            let reason = format!("{path:?} is no file; expected one, from the folder of {}", source.name);
+            let reason = format!("{path:?} is not a file, expected one relative to the folder of {}", source.name);
             Err(HerdFile::fault(source, &key, reason).into())
         }
         None => Ok(()),

@@ -32,5 +32,5 @@ pub fn relative_to(folder: &Path, path: &Path) -> Result<String, Failure> {
 /// Returns a path as text.
 pub fn utf8(path: &Path) -> Result<&str, Failure> {
     path.to_str()
-        .ok_or_else(|| Failure::Usage(format!("{}: its name is no UTF-8, which build files are", path.display())))
+        .ok_or_else(|| Failure::Usage(format!("{}: the path is not UTF-8, which build files require", path.display())))
 }

@@ -3,11 +3,11 @@
 use super::args::RunArgs;
 use super::engine;
 use super::finish;
-use super::saved_state;
+use super::ninja_output::NinjaOutput;
 use super::on_disk::Herd;
 use super::paths::io_error;
-use super::ninja_output::NinjaOutput;
 use super::result::HerdResult;
+use super::saved_state;
 use crate::exit::Failure;
 use crate::output::{Output, make_folder};
 use pelage_bake::io;
@@ -89,7 +89,9 @@ fn logs_file(herd: &Herd) -> PathBuf {
 pub fn read_logs(herd: &Herd) -> NinjaOutput {
     let logs: Vec<String> = saved_state::read(&logs_file(herd));
     let mut ran = NinjaOutput::default();
-    for entry in std::fs::read_dir(herd.path(&format!("{}/slurm", herd.internal_folder()))).into_iter().flatten().flatten() {
+    for entry in
+        std::fs::read_dir(herd.path(&format!("{}/slurm", herd.internal_folder()))).into_iter().flatten().flatten()
+    {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         if logs.iter().any(|log| name.starts_with(log.as_str())) {
@@ -113,7 +115,7 @@ fn open_shards<'a>(
     for stage in stages {
         let mut of_stage = Vec::new();
         for shard in &stage.shards {
-            output.progress_of(looked, all, "looking what is done");
+            output.progress_of(looked, all, "checking which shards are done");
             looked += 1;
             let name = format!("{files}/{}-{}", stage.name, shard.number);
             let own = format!("{name}.log");
@@ -159,9 +161,7 @@ fn answer(command: &mut Command) -> Result<String, Failure> {
     let name = command.get_program().to_string_lossy().into_owned();
     let fail = |source| io_error(Path::new(&name), "run", source);
     let said = command.output().map_err(|source| match source.kind() {
-        ErrorKind::NotFound => {
-            fail(Error::new(ErrorKind::NotFound, "this is no machine of a Slurm farm: there is none"))
-        }
+        ErrorKind::NotFound => fail(Error::new(ErrorKind::NotFound, "not found, expected a machine of a Slurm farm")),
         _ => fail(source),
     })?;
     if said.status.success() {

@@ -6,7 +6,7 @@
 //! recovered from a `.hair` file are stored in `exact`, and are used as long as the strand still matches them.
 
 use super::json::{File, parse, shorten_floats, to_rows};
-use super::tile::{ExactStrand, TileMapping, Strand, scale_for};
+use super::tile::{ExactStrand, Strand, TileMapping, scale_for};
 use glam::Vec2;
 use pelage_bake::hexadecimal::{from_hex, hex};
 use pelage_bake::strands::export::write_hair;

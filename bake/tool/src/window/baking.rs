@@ -1,10 +1,10 @@
 //! Thread that holds a model and bakes it on request, recomputing only what changed.
 
-use pelage_bake::pipeline::{Baked, STAGES, BakeInput};
+use pelage_bake::pipeline::{BakeInput, Baked, STAGES};
+use pelage_bake::progress::StageProgress;
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
-use pelage_bake::progress::StageProgress;
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use pelage_viewer::Progress;
@@ -60,7 +60,7 @@ impl BakeThread {
         images: Option<MapImages>,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Timed, BakeError> {
-        let gone = || BakeError::Internal("the thread that bakes is gone".into());
+        let gone = || BakeError::Internal("the baking thread has ended".into());
         self.orders.send(BakeRequest { recipe, images }).map_err(|_| gone())?;
         let mut stages: Vec<(&'static str, Instant)> = Vec::new();
         loop {
@@ -84,7 +84,14 @@ fn seconds(stages: &[(&'static str, Instant)]) -> Vec<(String, f64)> {
     stages.iter().zip(ends).map(|((name, begun), end)| ((*name).to_owned(), (end - *begun).as_secs_f64())).collect()
 }
 
-fn bake_all(file: &str, name: &str, model: &Model, steps: &StageProgress, orders: &Receiver<BakeRequest>, answer: &Sender<Answer>) {
+fn bake_all(
+    file: &str,
+    name: &str,
+    model: &Model,
+    steps: &StageProgress,
+    orders: &Receiver<BakeRequest>,
+    answer: &Sender<Answer>,
+) {
     // Baked data refer to their recipe, so each recipe is kept as long as the model.
     let (recipes, image_sets) = (Arena::new(), Arena::new());
     let mut images: &MapImages = image_sets.alloc(MapImages::default());

@@ -6,7 +6,7 @@ use crate::view::View;
 use pelage_stage::LookStyle;
 use pelage_truth::compare::{CompareParams, compare};
 use pelage_truth::{Portion, TracedPicture};
-use pelage_viewer::{ReferenceSource, Outcome, Progress, ReferencePicture, ReferenceRequest};
+use pelage_viewer::{Outcome, Progress, ReferencePicture, ReferenceRequest, ReferenceSource};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ impl ReferenceSource for Tracer {
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Outcome<()> {
         if asked.look.picture.style == LookStyle::Ink {
-            return Err("the truth of ink is no picture of strands; expected fur or bare skin".into());
+            return Err("found ink, which has no reference picture; expected fur or bare skin".into());
         }
         let sky = Sky::of(&asked.look).map_err(|failure| failure.to_string())?;
         let view = View {

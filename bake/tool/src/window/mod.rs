@@ -7,10 +7,10 @@ mod recipe_knobs;
 mod workshop;
 
 use super::bake::RecipeArgs;
+use super::environment::lights_of;
 use super::exit::{Exit, Failure};
 use super::look_args::{LookArgs, SamplesArgs};
 use super::output::{Output, require_parent};
-use super::environment::lights_of;
 use pelage_import::BakeError;
 use pelage_stage::{Look, Size};
 use pelage_viewer::{ViewError, ViewOptions};

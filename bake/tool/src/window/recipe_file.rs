@@ -27,11 +27,11 @@ fn with(text: &str, edits: &[String]) -> Result<String, (String, String)> {
         let fail = |reason: &str| (edit.clone(), reason.to_owned());
         let (name, value) = edit.split_once('=').ok_or_else(|| fail("found no `=`, expected key=value"))?;
         let (table, key) = name.split_once('.').ok_or_else(|| fail("found no table, expected table.key=value"))?;
-        let knob = recipe::keys().find(|knob| knob.name == name).ok_or_else(|| fail("there is no such key"))?;
+        let knob = recipe::keys().find(|knob| knob.name == name).ok_or_else(|| fail("unknown key"))?;
         // On a command line, strings need no quotes.
         let value: toml_edit::Value = value.parse().unwrap_or_else(|_| value.into());
         let at = document.entry(table).or_insert_with(|| Item::Table(Table::new()));
-        let at = at.as_table_like_mut().ok_or_else(|| fail("its table is no table"))?;
+        let at = at.as_table_like_mut().ok_or_else(|| fail("the name before the . is not a table in this file"))?;
         knob.was.iter().for_each(|old| drop(at.remove(old)));
         match at.get_mut(key).and_then(Item::as_value_mut) {
             Some(old) => {

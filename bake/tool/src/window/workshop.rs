@@ -13,7 +13,7 @@ use pelage_formats::MAGIC;
 use pelage_import::BakeError;
 use pelage_import::ImportOptions;
 use pelage_stage::NamedPackage;
-use pelage_viewer::{ReferenceSource, WindowContent, Outcome, Progress, Stamp, Subject, Workshop, stamp};
+use pelage_viewer::{Outcome, Progress, ReferenceSource, Stamp, Subject, WindowContent, Workshop, stamp};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -80,7 +80,12 @@ impl Studio {
         })
     }
 
-    fn bake(&mut self, path: &Path, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Result<WindowContent, BakeError> {
+    fn bake(
+        &mut self,
+        path: &Path,
+        edits: &[String],
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<WindowContent, BakeError> {
         let file = path.display().to_string();
         self.files = [path.to_owned()].into_iter().chain(self.recipe.recipe.clone()).collect();
         // The recipe of the file, then with the edits made in the window.
@@ -112,11 +117,17 @@ impl Studio {
         Ok(WindowContent { subject, look: None, recipe: Some(Box::new(RecipeKnobs(base))), notes, stages })
     }
 
-    fn read_model(&mut self, path: &Path, unit_m: f32, progress: &mut dyn FnMut(Progress)) -> Result<ImportedModel, BakeError> {
+    fn read_model(
+        &mut self,
+        path: &Path,
+        unit_m: f32,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<ImportedModel, BakeError> {
         progress(Progress { doing: "import".into(), share: None });
         let mut named = vec![path.to_owned()];
         let options = ImportOptions { unit_m };
-        let read = io::read_model_noting(path, &options, self.recipe.file_access(), &mut |file| named.push(file.to_owned()));
+        let read =
+            io::read_model_noting(path, &options, self.recipe.file_access(), &mut |file| named.push(file.to_owned()));
         self.files.extend(named.iter().cloned());
         // Stamps of the model's files, to detect later changes.
         let model = stamps(&named);
@@ -148,7 +159,7 @@ impl Workshop for Studio {
         if kind == Kind::Recipe {
             if !matches!(self.opened, Some((_, Kind::Model))) {
                 let file = path.display();
-                return Err(format!("{file}: it is a recipe; expected a model to be open that it can be used on"));
+                return Err(format!("{file}: found a recipe, expected a model to be opened before it"));
             }
             self.recipe.recipe = Some(path.to_owned());
             return Ok(());

@@ -4,7 +4,7 @@
 //! (`assets/charts/hare/shells.csv`). Measurements of the model at hand move them: ridge regression about the prior, in
 //! relative units.
 
-use super::{SettingFigures, Setting};
+use super::{Setting, SettingFigures};
 use glam::{DMat4, DVec4};
 
 /// Predictor of one figure.

@@ -1,7 +1,7 @@
 //! Search: the setting to measure next, when to stop, and the conclusions from the measurements.
 
 use super::model::{Model, models};
-use super::{Decision, Figure, Judge, Limits, SettingFigures, Setting, SettingSpace, Trial};
+use super::{Decision, Figure, Judge, Limits, Setting, SettingFigures, SettingSpace, Trial};
 
 /// Minimum gain, as a share of the objective, that is worth a measurement.
 const WORTH: f64 = 0.02;

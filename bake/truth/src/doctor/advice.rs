@@ -71,11 +71,11 @@ fn close_up(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
     // A gap shrinks in proportion to distance.
     let fine_from_m = |layers: u32| near_m * height / f64::from(layers.max(2) - 1) / MOST_GAP_PX;
     let enough = (height / MOST_GAP_PX).ceil().min(f64::from(u32::MAX - 1)) as u32 + 1;
-    let apart = format!("{now} layers lie {gap:.1} pixels apart where the fur is nearest, {near_m:.2} m from the eye");
+    let apart = format!("{now} layers are {gap:.1} pixels apart where the fur is nearest, {near_m:.2} m from the eye");
     let mend = |change: String, found: String, costs: String| Advice {
         change,
         found,
-        saves: "nothing: it mends the look".into(),
+        saves: "nothing: it improves the picture".into(),
         costs,
         saved: None,
         can_be_tried: false,
@@ -85,9 +85,9 @@ fn close_up(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
         let more = f64::from(enough - 1) / f64::from(now.max(2) - 1);
         return Some(mend(
             format!("slice.layers={enough}"),
-            format!("{apart}: steps between them show"),
+            format!("{apart}: steps between them are visible"),
             format!(
-                "{more:.1} times the shells' fragments; without it the {now} layers are fine from {:.2} m on",
+                "{more:.1} times the shells' fragments; without it the {now} layers look smooth from {:.2} m on",
                 fine_from_m(now)
             ),
         ));
@@ -95,8 +95,8 @@ fn close_up(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
     let most = MOST_LAYERS.max(now);
     Some(mend(
         format!("the camera: {:.2} m or more from the fur, with slice.layers={most}", fine_from_m(most)),
-        format!("too near for shells: {apart}, and {most} would still lie {:.1}", height / f64::from(most - 1)),
-        format!("a smaller animal in the picture; the {now} layers as they are need {:.2} m", fine_from_m(now)),
+        format!("too near for shells: {apart}, and {most} would still be {:.1} apart", height / f64::from(most - 1)),
+        format!("a smaller animal in the picture; the present {now} layers need {:.2} m", fine_from_m(now)),
     ))
 }
 
@@ -126,7 +126,7 @@ fn layers(
     let maps = if knows_visibility { 0 } else { 2 * u64::from(view.shadow_map).pow(2) * u64::from(now - enough) };
     Some(Advice {
         change: format!("slice.layers={enough}"),
-        found: format!("{now} layers lie {gap:.2} pixels apart where the fur is nearest"),
+        found: format!("{now} layers are {gap:.2} pixels apart where the fur is nearest"),
         saves: format!(
             "{:.0} % of the shells' fragments and vertices, {:.0} % of their textures{}",
             100.0 * of_drawn,
@@ -306,7 +306,7 @@ fn triangles(found: &Prognosis) -> Option<Advice> {
     Some(Advice {
         change: "the model: fewer triangles".into(),
         found: format!(
-            "{:.0} % of the {} triangles in sight are smaller than 4 by 4 pixels; every layer draws them again",
+            "{:.0} % of the {} visible triangles are smaller than 4 by 4 pixels; every layer draws them again",
             100.0 * on_screen.small_triangles,
             on_screen.triangles
         ),

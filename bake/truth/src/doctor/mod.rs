@@ -25,7 +25,7 @@ use pelage_formats::meaning::{
 };
 use pelage_formats::{FormatError, Manifest, MeshView, Package, Part, Pose, StrandsView};
 use pelage_import::BakeError;
-use raster::{PixelCounts, DrawMode, Raster};
+use raster::{DrawMode, PixelCounts, Raster};
 
 /// Maximum number of pixels rasterised; larger pictures are rasterised smaller, and the counts scaled.
 const MOST_PIXELS: u64 = 1 << 20;
@@ -204,7 +204,7 @@ fn raster_size((width, height): (u32, u32)) -> ((u32, u32), f64) {
 fn camera(view: &View) -> Result<Mat4, BakeError> {
     let forward = (view.target - view.eye).try_normalize().ok_or_else(|| BakeError::Params {
         what: "camera",
-        reason: format!("eye and target are both at {}, expected them apart", view.eye),
+        reason: format!("eye and target are both at {}, expected different points", view.eye),
     })?;
     let aspect = view.size.0 as f32 / view.size.1 as f32;
     let [right, up, _] = view_axes(view.eye, view.target);
@@ -418,13 +418,16 @@ fn passes(w: &PassInput<'_>) -> Vec<PassWork> {
     let has_fins = w.fin_quads > 0 && furry && w.drawn > 0;
     // The predicted frame draws layers.
     let of_strands = |name| {
-        let reason =
-            if w.single { "foretold is a frame of layers: --hair shells" } else { "the package has no strands" };
+        let reason = if w.single {
+            "the prediction is for a frame of layers: --hair shells"
+        } else {
+            "the package has no strands"
+        };
         pass(name, false, reason.into(), 0, None)
     };
     vec![
         pass("pose", w.skinned, yes_or(w.skinned, "whenever the pose changes".into(), "no skeleton"), w.vertices, None),
-        pass("fur_motion", false, "foretold is a frame in which nothing moves hair".into(), 0, None),
+        pass("fur_motion", false, "the prediction is for a frame in which no hair moves".into(), 0, None),
         of_strands("strand_pose"),
         of_strands("hair_motion"),
         of_strands("hair_pose"),

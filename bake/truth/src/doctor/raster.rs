@@ -165,7 +165,10 @@ mod tests {
         assert!((mean - 1.5).abs() < 1e-9);
         let back = [corner(-1.0, -1.0, 0.4), corner(1.0, 1.0, 0.4), corner(1.0, -1.0, 0.4)];
         assert_eq!(raster.draw(back, false, DrawMode::Layer).pixels, 0);
-        assert!(raster.draw(back, true, DrawMode::Layer).pixels > 400 && raster.draw(back, false, DrawMode::Quad).pixels > 400);
+        assert!(
+            raster.draw(back, true, DrawMode::Layer).pixels > 400
+                && raster.draw(back, false, DrawMode::Quad).pixels > 400
+        );
         assert_eq!(raster.draw([Vec4::ONE, Vec4::X, Vec4::Y], true, DrawMode::Layer).pixels, 0, "behind the eye");
         assert_eq!(raster.draw([Vec4::NAN; 3], true, DrawMode::Layer).pixels, 0);
     }

@@ -162,7 +162,8 @@ mod tests {
         for root in [Vec3::ZERO, Vec3::X * 5.0] {
             assert!(hair(&one, root)[4].distance(Vec3::Y) < 1e-6);
         }
-        let two = GuideInterpolator::new(vec![straight(0.0, 0.0, Vec3::Y), straight(1.0, 0.0, Vec3::new(0.2, 1.0, 0.0))]);
+        let two =
+            GuideInterpolator::new(vec![straight(0.0, 0.0, Vec3::Y), straight(1.0, 0.0, Vec3::new(0.2, 1.0, 0.0))]);
         let middle = hair(&two, Vec3::X * 0.5);
         assert!(middle[4].distance(Vec3::new(0.1, 1.0, 0.0)) < 1e-5, "{middle:?}");
         // Guides at the same position do not cause a division by zero.

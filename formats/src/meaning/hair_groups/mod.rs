@@ -9,7 +9,7 @@ mod point_grid;
 mod smooth;
 
 pub use crate::sections::hair::TrianglePoint;
-pub use follow::{GUIDES_PER_HAIR, GuideWeights, GuideInterpolator};
+pub use follow::{GUIDES_PER_HAIR, GuideInterpolator, GuideWeights};
 pub use point_grid::PointGrid;
 pub use smooth::smoothed;
 

@@ -325,7 +325,8 @@ fn advance(
     }
 
     let mut solved = 0;
-    while solved < step.solver.solved && (solved == 0 || max_length_error(pearls, &lengths, held) > step.solver.within) {
+    while solved < step.solver.solved && (solved == 0 || max_length_error(pearls, &lengths, held) > step.solver.within)
+    {
         hold_lengths(pearls, &started, &lengths, held);
         solved += 1;
     }

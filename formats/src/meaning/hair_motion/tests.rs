@@ -193,7 +193,8 @@ fn hair_motion_does_not_depend_on_frame_rate() {
 fn hair_motion_stays_finite() {
     let swallowing =
         |_: f32| vec![Capsule { from: Vec3::new(1.0, 2.0, 3.0), to: Vec3::new(1.0, 2.0, 3.0), radius_m: 0.5 }];
-    let jump = |time_s: f32| RootFrame { root: Vec3::X * if time_s > 0.5 { 100.0 } else { 0.0 }, frame: Mat3::IDENTITY };
+    let jump =
+        |time_s: f32| RootFrame { root: Vec3::X * if time_s > 0.5 { 100.0 } else { 0.0 }, frame: Mat3::IDENTITY };
     let spin = |time_s: f32| RootFrame { root: Vec3::ZERO, frame: Mat3::from_rotation_y(4.0 * PI * time_s) };
     let mut loose = Guide::hanging(16);
     loose.springs = Springs { drag_per_s: 0.0, shape_hz: 0.0, bend_hz: 0.0, friction: 0.0 };

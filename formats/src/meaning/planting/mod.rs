@@ -8,7 +8,7 @@ mod roots;
 mod walk;
 
 pub use roots::Roots;
-pub use walk::{WalkEvents, WalkPosition, SurfaceWalk};
+pub use walk::{SurfaceWalk, WalkEvents, WalkPosition};
 
 use crate::{AttributeVertex, GeometryVertex, Manifest, MeshView, SkinVertex};
 use glam::{DVec2, DVec3, Vec2, Vec3};

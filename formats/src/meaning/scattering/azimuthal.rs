@@ -155,8 +155,9 @@ impl Section {
         let phi = wrapped(phi);
         let kept = glints.map_or(1.0, |glints| glints.remaining(phi));
         // Light that is removed completely may be infinite, and 0 times infinity is NaN.
-        let own =
-            self.reflected_inside(phi).map(move |way| PathContribution { light: if kept > 0.0 { way.light * kept } else { 0.0 }, ..way });
+        let own = self
+            .reflected_inside(phi)
+            .map(move |way| PathContribution { light: if kept > 0.0 { way.light * kept } else { 0.0 }, ..way });
         let spread = glints.map(|glints| {
             let about =
                 gaussian(glints.width, wrapped(phi - glints.phi)) + gaussian(glints.width, wrapped(phi + glints.phi));
@@ -180,8 +181,9 @@ impl Section {
         }
         let length = 2.0 * self.chord(libm::sin(gamma));
         let mut glints = Glints { phi, light: 0.0, length, share, width: glint.width };
-        let taken =
-            over_section(|gamma| (1.0 - glints.remaining(wrapped(self.deviation(2, gamma)))) * self.share(2, libm::cos(gamma)));
+        let taken = over_section(|gamma| {
+            (1.0 - glints.remaining(wrapped(self.deviation(2, gamma)))) * self.share(2, libm::cos(gamma))
+        });
         glints.light = 0.25 * glint.scale * taken;
         Some(glints)
     }

@@ -184,7 +184,8 @@ impl<'a> Light<'a> {
                     continue;
                 }
                 let terms = self.terms_at(from.1 * middle.1, end_of_half(from, middle));
-                let (below, between) = interpolation_index((angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D), SECTIONS);
+                let (below, between) =
+                    interpolation_index((angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D), SECTIONS);
                 let [a, b] = [&self.around.sections[below], &self.around.sections[below + 1]];
                 if p == 3 {
                     rest += along * TAU * terms[0] * (a.1 + (b.1 - a.1) * between);

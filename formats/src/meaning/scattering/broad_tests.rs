@@ -99,8 +99,9 @@ fn nothing_shines_from_far_below_a_light() {
 #[test]
 fn mean_square_half_angles_match_the_light() {
     for sharpness in [0.0, 0.3, 1.0, 3.0, 10.0, 50.0] {
-        let lit =
-            || everywhere(20_000).filter(|way| way.y > -HORIZON_SINE).map(|way| (way, (sharpness * (way.y - 1.0)).exp()));
+        let lit = || {
+            everywhere(20_000).filter(|way| way.y > -HORIZON_SINE).map(|way| (way, (sharpness * (way.y - 1.0)).exp()))
+        };
         let whole: f64 = lit().map(|(_, light)| light).sum();
         let mean = lit().map(|(way, light)| light * way.y).sum::<f64>() / whole;
         assert!((mean_of_half(sharpness) - mean).abs() < 1e-3, "{sharpness}: {mean}");

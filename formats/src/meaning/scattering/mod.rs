@@ -146,7 +146,11 @@ impl Fibre {
             AzimuthalScattering::Smooth(glint) => section.glints(glint),
             AzimuthalScattering::Rough(_) => None,
         };
-        FibreSection { section, glints, rough: if let AzimuthalScattering::Rough(scale) = self.around { Some(scale) } else { None } }
+        FibreSection {
+            section,
+            glints,
+            rough: if let AzimuthalScattering::Rough(scale) = self.around { Some(scale) } else { None },
+        }
     }
 
     /// Returns the light scattered from one direction into the other, times cos θi, for each colour. Multiplied by the
@@ -223,7 +227,9 @@ impl FibreSection {
 
     /// Returns [`FibreSection::mean_contribution`] of path `p` at many azimuths.
     pub fn mean_ways(&self, p: u32, phis: &[f64], sigma: f64) -> Vec<PathContribution> {
-        let Some(scale) = self.rough else { return phis.iter().map(|phi| self.mean_contribution(p, *phi, sigma)).collect() };
+        let Some(scale) = self.rough else {
+            return phis.iter().map(|phi| self.mean_contribution(p, *phi, sigma)).collect();
+        };
         // Terms that do not depend on the azimuth are computed once.
         let bundles: Vec<_> = self.section.bundles(p).map(|(at, way)| (at, way.light, way.attenuated(sigma))).collect();
         let mean = |phi: &f64| {

@@ -3,7 +3,7 @@
 use super::azimuthal::{GlintShape, over_section, wrapped};
 use super::gaussian_light::{BroadlyLitFibre, GaussianLight};
 use super::longitudinal::{Spread, i0e};
-use super::near::{SampledDirection, FibreHit};
+use super::near::{FibreHit, SampledDirection};
 use super::optics::Section;
 use super::tables::ScatteringTables;
 use super::*;
@@ -156,7 +156,11 @@ fn directions(count: u32) -> impl Iterator<Item = [DVec3; 3]> {
 
 #[test]
 fn scattering_is_reciprocal() {
-    let fibre = Fibre { around: AzimuthalScattering::Smooth(GlintShape::default()), keeps: LobeShape::Reciprocity, ..Fibre::default() };
+    let fibre = Fibre {
+        around: AzimuthalScattering::Smooth(GlintShape::default()),
+        keeps: LobeShape::Reciprocity,
+        ..Fibre::default()
+    };
     for [tip, light, eye] in directions(300) {
         let (there, back) = (Angles::between(tip, light, eye), Angles::between(tip, eye, light));
         let (a, b) = (fibre.scatter([0.2; 3], &there), fibre.scatter([0.2; 3], &back));
@@ -166,10 +170,15 @@ fn scattering_is_reciprocal() {
 
 #[test]
 fn scattering_is_finite_for_all_directions() {
-    let fibres =
-        [AzimuthalScattering::Rough(0.05), AzimuthalScattering::Rough(0.6), AzimuthalScattering::Smooth(GlintShape::default())].into_iter().flat_map(|around| {
-            [LobeShape::Energy, LobeShape::Reciprocity].map(|keeps| Fibre { around, keeps, ..Fibre::default() })
-        });
+    let fibres = [
+        AzimuthalScattering::Rough(0.05),
+        AzimuthalScattering::Rough(0.6),
+        AzimuthalScattering::Smooth(GlintShape::default()),
+    ]
+    .into_iter()
+    .flat_map(|around| {
+        [LobeShape::Energy, LobeShape::Reciprocity].map(|keeps| Fibre { around, keeps, ..Fibre::default() })
+    });
     let z = DVec3::Z;
     let odd =
         [[z, z, z], [z, -z, z], [z, z, DVec3::X], [z, DVec3::X, -z], [z, DVec3::X, DVec3::X], [z, DVec3::X, -DVec3::X]];
@@ -411,7 +420,10 @@ fn by_grid(fibre: &Fibre, sigma: f64, tip: DVec3, light: &GaussianLight, eye: DV
 #[test]
 fn gaussian_lights_scatter_as_the_integral_over_their_directions() {
     let rough = Fibre { tilt: 0.1, ..Fibre::default() };
-    let smooth = Fibre { around: AzimuthalScattering::Smooth(GlintShape { width: 0.2, ..GlintShape::default() }), ..Fibre::default() };
+    let smooth = Fibre {
+        around: AzimuthalScattering::Smooth(GlintShape { width: 0.2, ..GlintShape::default() }),
+        ..Fibre::default()
+    };
     let marschner = Fibre { keeps: LobeShape::Reciprocity, ..rough };
     let tip = DVec3::new(0.2, 0.9, 0.3).normalize();
     let eye = DVec3::new(0.5, 0.3, 0.8).normalize();

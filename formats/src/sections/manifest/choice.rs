@@ -83,7 +83,7 @@ impl Choice {
         }
         if !self.binding.is_empty() && !given.contains(&(self.binding.as_str(), true)) {
             let names: Vec<_> = given.iter().filter(|(_, given)| *given).map(|(name, _)| *name).collect();
-            return Err(format!("choice.binding is {:?}, expected it empty or one of {names:?}", self.binding));
+            return Err(format!("choice.binding is {:?}, expected an empty string or one of {names:?}", self.binding));
         }
         if self.width == 0 || self.height == 0 {
             return Err(format!("choice is of {}x{} pixels, expected at least 1 of each", self.width, self.height));

@@ -1,7 +1,7 @@
 //! Data of the manifest. Fields are in byte order: see `FORMAT.md`, "MANI".
 
 use super::choice::Choice;
-use super::detail::{self, FarLayerInfo, DetailLevel};
+use super::detail::{self, DetailLevel, FarLayerInfo};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
@@ -185,7 +185,10 @@ impl Shading {
         }
         // Exclusive: the lighting equation divides by it, and at 1 no direction is ever dark.
         if !(self.back_light_range > 0.0 && self.back_light_range < 1.0) {
-            return Err(format!("back_light_range is {}, expected it between 0 and 1", self.back_light_range));
+            return Err(format!(
+                "back_light_range is {}, expected a number above 0 and below 1",
+                self.back_light_range
+            ));
         }
         Ok(())
     }

@@ -75,7 +75,7 @@ pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Resu
         };
         let coat = last && i > 0 && level.step == 0;
         if coat && !has_coat {
-            return Err(format!("detail[{i}].step is 0, expected a coat beside it"));
+            return Err(format!("detail[{i}].step is 0, expected it only beside a coat"));
         }
         if !coat && level.step != step {
             return Err(format!("detail[{i}].step is {}, expected {step}, or 0 in the last level", level.step));

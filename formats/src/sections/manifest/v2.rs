@@ -25,7 +25,7 @@ pub(super) fn decode(offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError>
     match first_newer_field(&manifest) {
         // Bytes of the section that continue as in version 3.
         Some(what) => {
-            let reason = format!("bytes of {what} behind the manifest of version 2, expected its end");
+            let reason = format!("bytes of {what} after the manifest of version 2, expected its end");
             Err(FormatError::Content { tag: Tag::MANIFEST, offset, reason })
         }
         None => Ok(manifest),

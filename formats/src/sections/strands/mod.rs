@@ -159,7 +159,8 @@ impl<'a> StrandsView<'a> {
         let header = Header { strands, points, sets, scale };
         if strands == 0 || !(2..=MOST_POINTS).contains(&points) || !(1..=2).contains(&sets) {
             let reason = format!(
-                "{sets} sets of {strands} strands of {points} points, expected one or two of 1 or more of 2..={MOST_POINTS}"
+                "{sets} sets of {strands} strands of {points} points, expected 1 or 2 sets of 1 or more strands of \
+                 2..={MOST_POINTS} points"
             );
             return Err(fail(0, reason));
         }

@@ -75,7 +75,7 @@ impl<'a> Package<'a> {
     pub(crate) fn image_texture(&self, index: u32) -> Result<TextureView<'a>, FormatError> {
         let view = self.texture(index)?;
         if view.format == TextureFormat::Rgba16Float {
-            let reason = format!("is {}, which tables of fibres have, expected another format", view.format.name());
+            let reason = format!("is {}, a format for tables of fibres, expected any other format", view.format.name());
             return Err(self.texture_fault(index, &reason));
         }
         Ok(view)

@@ -1,6 +1,6 @@
 //! Fur strands of a package, placed on its mesh at load time, because there are many times more than the tile has.
 
-use super::set::{StrandSource, SurfacePoint, Strand, StrandSet, mean_deviation, steps};
+use super::set::{Strand, StrandSet, StrandSource, SurfacePoint, mean_deviation, steps};
 use crate::error::RuntimeError;
 use crate::gpu::{WORKGROUP, largest_buffer};
 use crate::model::upload::Uploader;
@@ -8,7 +8,7 @@ use crate::shared::environment::pack_openness;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::hair_groups::hash_unit;
 use pelage_formats::meaning::openness::Openness;
-use pelage_formats::meaning::planting::{WalkEvents, WalkPosition, PlantingMesh, Roots, SurfaceWalk};
+use pelage_formats::meaning::planting::{PlantingMesh, Roots, SurfaceWalk, WalkEvents, WalkPosition};
 use pelage_formats::{AttributeVertex, GeometryVertex, MeshView, Package, StrandsView};
 use std::ops::Range;
 
@@ -40,7 +40,8 @@ pub(super) fn load(
     let stands = [&planted.stands[..], &planted.wet_stands].concat();
     let fur = &package.manifest().fur;
     let points = view.points_per_strand();
-    let steps = steps(points).map(|step| mean_deviation_m(&view, step as usize, fur.tile_size_m, fur.height_m)).collect();
+    let steps =
+        steps(points).map(|step| mean_deviation_m(&view, step as usize, fur.tile_size_m, fur.height_m)).collect();
     let widened = share.recip() * fur.tile_size_m;
     let strands = StrandSet {
         deviation_m: steps,
@@ -110,7 +111,13 @@ struct RootedStrand {
 impl PlacedStrands {
     /// Places the strands whose chance is below `share`. Neighbouring parts of one material are drawn as one; their
     /// strands are sorted by chance, so that any share of them is a prefix.
-    fn of(package: &Package<'_>, mesh: &MeshView<'_>, ground: &PlantingMesh, view: &StrandsView<'_>, share: f32) -> Self {
+    fn of(
+        package: &Package<'_>,
+        mesh: &MeshView<'_>,
+        ground: &PlantingMesh,
+        view: &StrandsView<'_>,
+        share: f32,
+    ) -> Self {
         let parts = &package.manifest().parts;
         let walk = SurfaceWalk::new(ground);
         let rooted = RootedStrand::on_parts(package, mesh, ground, view, &walk);
@@ -219,7 +226,12 @@ fn with_openness(groom: u32, open: Vec3) -> u32 {
 }
 
 /// Returns the surface positions of a strand's points, given their offsets from its root.
-fn surface_points(ground: &PlantingMesh, walk: &SurfaceWalk<'_>, root: WalkPosition, asides: &[DVec2]) -> Vec<SurfacePoint> {
+fn surface_points(
+    ground: &PlantingMesh,
+    walk: &SurfaceWalk<'_>,
+    root: WalkPosition,
+    asides: &[DVec2],
+) -> Vec<SurfacePoint> {
     let (mut at, mut from) = (root, DVec2::ZERO);
     let stand = |aside: &DVec2| {
         walk.step(&mut at, *aside - from, &mut WalkEvents::default());

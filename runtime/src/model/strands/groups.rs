@@ -1,11 +1,11 @@
 //! Hair groups of a package; their hairs are generated at load time.
 
-use super::set::{StrandSource, Guided, HairRoot, Strand, StrandSet, mean_deviation, steps};
+use super::set::{Guided, HairRoot, Strand, StrandSet, StrandSource, mean_deviation, steps};
 use crate::error::RuntimeError;
 use crate::gpu::{WORKGROUP, largest_buffer};
 use crate::model::upload::Uploader;
 use glam::{Vec3, Vec4};
-use pelage_formats::meaning::hair_groups::{HAIR_COLORS, Hair, GrownGroup, hair_color, hair_radius, triangle_frame};
+use pelage_formats::meaning::hair_groups::{GrownGroup, HAIR_COLORS, Hair, hair_color, hair_radius, triangle_frame};
 use pelage_formats::meaning::hair_motion::gravity_compensation;
 use pelage_formats::meaning::{encode_visibility, linear_to_srgb, posed_vertices};
 use pelage_formats::{GroupMotion, HairGroup, MeshView, Package, Pose};
@@ -114,7 +114,8 @@ fn generate_group(
         [v, w, x, u32::from(*b) | u32::from(*c) << 16]
     };
     let triangles: Vec<[u32; 4]> = planted.guide_triangles.iter().zip(&group.guide_roots).map(triangle).collect();
-    let held_up = |(triangle, points): (&u32, &Vec<Vec3>)| gravity_compensation(points, triangle_frame(corners(*triangle)));
+    let held_up =
+        |(triangle, points): (&u32, &Vec<Vec3>)| gravity_compensation(points, triangle_frame(corners(*triangle)));
     // Also stores how freely the guide moves; unused if no guide moves.
     let freedom = freedom.unwrap_or_default();
     let of_guide = |(number, guide)| {

@@ -4,7 +4,7 @@ mod fur;
 mod groups;
 mod set;
 
-pub(crate) use set::{CORNER_BYTES, StrandSource, Guided, HairRoot, SurfacePoint, Strand, StrandConstants, StrandSet};
+pub(crate) use set::{CORNER_BYTES, Guided, HairRoot, Strand, StrandConstants, StrandSet, StrandSource, SurfacePoint};
 
 use super::upload::Uploader;
 use crate::error::RuntimeError;

@@ -28,8 +28,9 @@ pub(crate) const PASS: Pass = Pass {
     name: "fins",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur],
-    does: "quads of hair on the edges of the skin, faded by the angle they are seen at. The vertex shader reads them from storage buffers, because each corner has to know both ends of its edge",
-    runs_when: "there is fur to see, the package has fins, and the device has storage buffers in vertex shaders",
+    does: "quads of hair on the edges of the skin, faded by viewing angle. The vertex shader reads them from storage \
+         buffers, because each corner needs both ends of its edge",
+    runs_when: "fur is visible, the package has fins, and the device has storage buffers in vertex shaders",
     shaders: &[SHADER],
     targets: &[],
     run,
@@ -66,7 +67,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let fur = frame.params.style.fur();
     Outcome::Skipped(match (instances.is_empty(), fur.and_then(|fur| fur.layers)) {
         (true, _) => "no instances",
-        (_, Some(1)) => "one layer is the skin alone",
+        (_, Some(1)) => "the only layer is the skin",
         _ if fur.is_some_and(|fur| !fur.fins) => "switched off",
         _ if !instances.iter().any(VisibleInstance::in_picture) => "nothing is in the picture",
         _ if any_reduced(frame) => "the fur is too small on screen",

@@ -6,9 +6,9 @@
 
 use super::{Outcome, Pass, PassId, PassStage, columns};
 use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, storage_in, storage_out};
+use crate::guide_motion::WindBlock;
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches};
-use crate::guide_motion::WindBlock;
 use bytemuck::{Pod, Zeroable};
 use pelage_formats::{AttributeVertex, GeometryVertex};
 
@@ -35,7 +35,7 @@ pub(crate) const PASS: Pass = Pass {
     place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Ink],
     does: "compute: leans fur in wind and stride, by a particle on each vertex of the skin",
-    runs_when: "frames move hair, fur is to be seen and large enough, and it is not at rest",
+    runs_when: "frames move hair, and fur is visible, large enough and not at rest",
     shaders: &[SHADER],
     targets: &[],
     run,
@@ -95,7 +95,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         count += vertices;
     }
     if dispatches.is_empty() {
-        return Outcome::Skipped("no fur moves, or all is at rest or too small to show it");
+        return Outcome::Skipped("no fur moves, or all of it is at rest or too small to show it");
     }
     record_dispatches(frame.encoder, SHADER.name, &dispatches);
     Outcome::recorded(format!("{count} vertices"))

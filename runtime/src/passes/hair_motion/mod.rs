@@ -5,10 +5,10 @@
 
 use super::{Outcome, Pass, PassId, PassStage, columns};
 use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, storage_in, storage_out};
+use crate::guide_motion::WindBlock;
 use crate::model::StrandSource;
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
-use crate::guide_motion::WindBlock;
 use bytemuck::{Pod, Zeroable};
 use pelage_formats::GeometryVertex;
 
@@ -34,7 +34,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "hair_motion",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
-    does: "compute: lets hair on guides swing: Verlet with lengths that hold, and colliders",
+    does: "compute: simulates hair on guides by Verlet integration, with length constraints and colliders",
     runs_when: "hair on guides is drawn, frames move it, and it is not at rest",
     shaders: &[SHADER],
     targets: &[],
@@ -68,7 +68,7 @@ pub(crate) struct HairMotion {
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    let nothing = Outcome::Skipped("no hair on guides moves, or all is at rest");
+    let nothing = Outcome::Skipped("no hair on guides moves, or all of it is at rest");
     // A device that cannot draw single hairs cannot create this layout.
     if !frame.instances.iter().any(|seen| seen.look.strands && seen.moved.swing.is_some()) {
         return nothing;
@@ -89,7 +89,8 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let (mut dispatches, mut count) = (Vec::new(), 0);
     for (seen, set) in strand_sets(&instances) {
         let (StrandSource::Guided(guided), Some(swing)) = (&set.strands.growth, &seen.moved.swing) else { continue };
-        let (Some(motion), Some(guides), Some(pearls)) = (&guided.motion, &set.posed.guides, &set.posed.particles) else {
+        let (Some(motion), Some(guides), Some(pearls)) = (&guided.motion, &set.posed.guides, &set.posed.particles)
+        else {
             continue;
         };
         let is_fresh = swing.is_fresh || set.posed.is_fresh;

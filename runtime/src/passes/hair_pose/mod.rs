@@ -2,7 +2,7 @@
 
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, in_compute, storage_in, storage_out, uniform};
-use crate::model::{StrandSource, HairRoot, StrandConstants};
+use crate::model::{HairRoot, StrandConstants, StrandSource};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
@@ -30,7 +30,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "hair_pose",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
-    does: "compute: turns guides with the skin they root in, and places the points of the hairs that follow them",
+    does: "compute: rotates guides with the skin at their roots, and places the points of the hairs that follow them",
     runs_when: "hair on guides is drawn, and the pose changed",
     shaders: &[SHADER],
     targets: &[],
@@ -58,7 +58,9 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let (mut guides, mut hairs) = (Vec::new(), Vec::new());
     let mut count = 0;
     for (seen, set) in strand_sets(&instances) {
-        let (StrandSource::Guided(guided), Some(posed_guides)) = (&set.strands.growth, &set.posed.guides) else { continue };
+        let (StrandSource::Guided(guided), Some(posed_guides)) = (&set.strands.growth, &set.posed.guides) else {
+            continue;
+        };
         if !set.posed.stale {
             continue;
         }

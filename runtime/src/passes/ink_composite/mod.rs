@@ -21,7 +21,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_composite",
     place: PassStage::Picture,
     styles: &[StyleKind::Ink],
-    does: "paper, wash and lines into the application's pass, with the depth of what is painted",
+    does: "draws paper, wash and lines into the application's pass, with the depth of what is painted",
     runs_when: "the style is ink",
     shaders: &[SHADER],
     targets: &[],

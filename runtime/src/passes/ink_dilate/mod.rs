@@ -23,7 +23,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_dilate",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
-    does: "for each pixel the feature of its row whose line reaches it farthest, and how many there are",
+    does: "for each pixel, finds the feature in its row whose line extends farthest over it, and counts such features",
     runs_when: "the style is ink",
     shaders: &[SHADER],
     targets: &[ROWS],

@@ -23,7 +23,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_features",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
-    does: "the pixels that lines run through, from neighbouring normals at two thresholds (Fang 2006, §2), and steps of depth",
+    does: "finds the pixels that lines run through, from neighbouring normals at two thresholds (Fang 2006, §2) and \
+         from depth steps",
     runs_when: "the style is ink",
     shaders: &[SHADER],
     targets: &[FEATURES],

@@ -2,7 +2,7 @@
 //! test and without depth write.
 
 use super::{Outcome, Pass, PassId, PassStage, ink_normals};
-use crate::gpu::{Draw, RenderSpec, Shader, primitive_state, flag};
+use crate::gpu::{Draw, RenderSpec, Shader, flag, primitive_state};
 use crate::hair::material_constants;
 use crate::model::Part;
 use crate::params::{InkDebugView, StyleKind};
@@ -32,7 +32,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_fur",
     place: PassStage::Picture,
     styles: &[StyleKind::Ink],
-    does: "fins and two outer shells as dry strokes",
+    does: "draws fins and two outer shells as dry strokes",
     runs_when: "the style is ink, and a package has strokes of fur",
     shaders: &[SHADER],
     targets: &[],

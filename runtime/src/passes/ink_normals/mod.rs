@@ -3,11 +3,11 @@
 //! them, so that later passes cost the same for any mesh.
 
 use super::{Outcome, Pass, PassId, PassStage};
-use crate::gpu::{Draw, RenderSpec, Shader, VertexLayout, Target, attribute, depth_state, flag, record};
+use crate::gpu::{Draw, RenderSpec, Shader, Target, VertexLayout, attribute, depth_state, flag, record};
 use crate::hair::material_constants;
 use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{Recording, VisibleInstance, has_strokes, ink_surface_wgsl, depth_compare};
+use crate::scene::{Recording, VisibleInstance, depth_compare, has_strokes, ink_surface_wgsl};
 use pelage_formats::{GeometryVertex, InkVertex};
 use std::mem::offset_of;
 

@@ -24,7 +24,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_trace",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
-    does: "follows the line of each feature to both sides: leaves out what soon ends inside the body, and evens out strength and width",
+    does: "follows the line of each feature in both directions: removes lines that end soon inside the body, and \
+         smooths strength and width",
     runs_when: "the style is ink",
     shaders: &[SHADER],
     targets: &[TRACED],

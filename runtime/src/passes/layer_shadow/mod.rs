@@ -11,7 +11,7 @@
 
 use super::{Outcome, Pass, PassId, PassStage, any_reduced};
 use crate::gpu::{BindingResource, Draw, RenderSpec, Shader, depth_state, flag, record, storage, uniform};
-use crate::hair::{groom_constants, hair_wgsl, cutout_constants};
+use crate::hair::{cutout_constants, groom_constants, hair_wgsl};
 use crate::light::{CasterPass, HairMapKind, ShadowMaps};
 use crate::model::Part;
 use crate::params::StyleKind;
@@ -39,8 +39,9 @@ pub(crate) const PASS: Pass = Pass {
     name: "layer_shadow",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
-    does: "the transmittance of the hair above each layer, seen from the key light, into an array of R16Float maps (Yang 2006, §3); of all hair into one, where packages know how hair shadows hair",
-    runs_when: "self-shadow on, fur drawn, and light, pose or model changed",
+    does: "writes the transmittance of the hair above each layer, seen from the key light, into an array of R16Float \
+         maps (Yang 2006, §3); of all hair into one map where packages store how hair shadows hair",
+    runs_when: "self-shadow is on, fur is drawn, and light, pose or model changed",
     shaders: &[DEPTH, SHADER, GUIDED],
     targets: &[],
     run,
@@ -97,7 +98,8 @@ fn record_guided(frame: &mut Recording<'_>, maps: &ShadowMaps, target: &wgpu::Te
     });
     let place = frame.uniforms.put(frame.gpu, &[maps.deep_opacity()]);
     let block = BindingResource::block::<DeepOpacity>(&place.buffer, place.offset);
-    let group = frame.cache.bind_groups.get(frame.gpu, GUIDED.name, &layout, vec![(0, BindingResource::all(deep)), (1, block)]);
+    let group =
+        frame.cache.bind_groups.get(frame.gpu, GUIDED.name, &layout, vec![(0, BindingResource::all(deep)), (1, block)]);
     let spec = RenderSpec::screen(GUIDED, ["vs_guided", "fs_guided"], layout, ShadowMaps::LAYER_FORMAT);
     let spec = RenderSpec { constants: vec![("MAP_SIZE", maps.key.params.map_size)], ..spec };
     let draw = Draw::screen(frame.pipeline(spec), &group);
@@ -155,14 +157,14 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             let (size, layers) = (maps.key.params.map_size, maps.key.map_layers - 1);
             Outcome::recorded(format!("{layers} maps of {size} x {size}{}", light_inside_remark(&maps)))
         }
-        Some(_) => Outcome::Skipped("light, poses and models as in the maps"),
+        Some(_) => Outcome::Skipped("light, poses and models are unchanged"),
         None if frame.instances.is_empty() => Outcome::Skipped("no instances"),
         None if frame.params.self_shadow() && !frame.params.soft_shadow => {
-            Outcome::Skipped("packages know how hair shadows hair")
+            Outcome::Skipped("packages store how hair shadows hair")
         }
         None if !frame.params.self_shadow() => Outcome::Skipped("switched off"),
         None if frame.params.light.color() == Vec3::ZERO => Outcome::Skipped("the key light is dark"),
-        None if any_reduced(frame) => Outcome::Skipped("far coats alone, which have their light from the package"),
+        None if any_reduced(frame) => Outcome::Skipped("only far coats are drawn, lit from the package"),
         None => Outcome::Skipped("no fur is drawn"),
     }
 }

@@ -4,7 +4,7 @@
 //! layout and size as the rest vertices. Packages without a skeleton skip the pass and draw their rest vertices.
 
 use super::{Outcome, Pass, PassId, PassStage};
-use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, UniformRange, Shader, storage_in};
+use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, UniformRange, storage_in};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, VisibleInstance, record_dispatches};
 use bytemuck::Pod;

@@ -16,7 +16,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "probe",
     place: PassStage::Picture,
     styles: &[StyleKind::Bare],
-    does: "the whole picture in one colour",
+    does: "fills the whole picture with one colour",
     runs_when: "the style is bare, in tests",
     shaders: &[SHADER],
     targets: &[],

@@ -34,8 +34,9 @@ pub(crate) const PASS: Pass = Pass {
     name: "shadow_width",
     place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Bare],
-    does: "two depth maps from the key light, and a third map made of them by shrinking and stretching: its grey says how far a place lies from the edge of a shadow (Yang 2006, §4)",
-    runs_when: "soft shadow on, and light, pose or model changed",
+    does: "draws two depth maps from the key light and makes a third by shrinking and stretching: its grey is the \
+         distance to the edge of a shadow (Yang 2006, §4)",
+    runs_when: "soft shadow is on, and light, pose or model changed",
     shaders: &[DEPTH, FILTER],
     targets: &[],
     run,
@@ -151,7 +152,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             let (size, shrink) = (maps.key.params.map_size, maps.key.params.shrink);
             Outcome::recorded(format!("{size} x {size}, shrunk {shrink} times{}", light_inside_remark(maps)))
         }
-        Some(_) => Outcome::Skipped("light, poses and models as in the maps"),
+        Some(_) => Outcome::Skipped("light, poses and models are unchanged"),
         None if frame.instances.is_empty() => Outcome::Skipped("no instances"),
         None if !frame.params.soft_shadow => Outcome::Skipped("switched off"),
         None => Outcome::Skipped("the key light is dark"),

@@ -29,8 +29,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "shells",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur],
-    does: "layers from the skin outwards, each pixel lit by Yang 2006, eq. (3)",
-    runs_when: "there is fur to see",
+    does: "draws layers from the skin outwards, each pixel lit by Yang 2006, eq. (3)",
+    runs_when: "fur is visible",
     shaders: &[SHADER],
     targets: &[],
     run,
@@ -104,9 +104,9 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     }
     Outcome::Skipped(match (instances.is_empty(), frame.params.style.fur().and_then(|fur| fur.layers)) {
         (true, _) => "no instances",
-        (_, Some(1)) => "one layer is the skin alone",
+        (_, Some(1)) => "the only layer is the skin",
         _ if !instances.iter().any(VisibleInstance::in_picture) => "nothing is in the picture",
-        _ if instances.iter().any(|seen| seen.look.strands) => "single strands are drawn in their place",
+        _ if instances.iter().any(|seen| seen.look.strands) => "single strands are drawn instead",
         _ if any_reduced(frame) => "the fur is too small on screen: far coats on the skin",
         _ => "no package has fur",
     })

@@ -22,7 +22,7 @@ pub(crate) const PASS: Pass = Pass {
     place: PassStage::Picture,
     styles: &[StyleKind::Fur, StyleKind::Bare],
     does: "the opaque base mesh, depth written",
-    runs_when: "always, but in ink",
+    runs_when: "always, except in ink",
     shaders: &[SHADER],
     targets: &[],
     run,

@@ -26,7 +26,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_blend",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur],
-    does: "the eight nearest pieces of hair in each pixel: the farthest first, each by how much it covers; then their depth",
+    does: "blends the eight nearest pieces of hair in each pixel, the farthest first, each by its coverage; then \
+         writes their depth",
     runs_when: "strands are drawn with blended edges",
     shaders: &[SHADER],
     targets: &[],
@@ -35,7 +36,7 @@ pub(crate) const PASS: Pass = Pass {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let Some(nearest) = frame.nearest.clone() else {
-        return Outcome::Skipped("no strands are drawn with blended edges, or the device's buffers do not hold them");
+        return Outcome::Skipped("no strands are drawn with blended edges, or they do not fit in the device's buffers");
     };
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;

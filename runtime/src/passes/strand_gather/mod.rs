@@ -1,7 +1,9 @@
 //! `strand_gather`: finds the nearest hair segments in each pixel by a compute rasteriser, once per frame.
 
 use super::{Outcome, Pass, PassId, PassStage};
-use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, WORKGROUP, in_compute, flag, storage_in, storage_out, uniform};
+use crate::gpu::{
+    BindingResource, ComputeSpec, DrawBindGroup, Shader, WORKGROUP, flag, in_compute, storage_in, storage_out, uniform,
+};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, NearestHairBlock, Recording, record_dispatches, strand_sets};
 
@@ -25,7 +27,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_gather",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
-    does: "compute: finds the eight nearest pieces of hair in each pixel, and how much of it each covers",
+    does: "compute: finds the eight nearest pieces of hair in each pixel, and the coverage of each",
     runs_when: "strands are drawn with blended edges",
     shaders: &[SHADER],
     targets: &[],
@@ -34,7 +36,7 @@ pub(crate) const PASS: Pass = Pass {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let Some(nearest) = frame.nearest.clone() else {
-        return Outcome::Skipped("no strands are drawn with blended edges, or the device's buffers do not hold them");
+        return Outcome::Skipped("no strands are drawn with blended edges, or they do not fit in the device's buffers");
     };
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
         vec![

@@ -1,12 +1,14 @@
 //! `strand_light`: builds lit ribbons of the visible strands, once per frame. Later passes read only their vertices.
 
 use super::{Outcome, Pass, PassId, PassStage};
-use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, WORKGROUP, in_compute, flag, storage_in, storage_out, uniform};
+use crate::gpu::{
+    BindingResource, ComputeSpec, DrawBindGroup, Shader, WORKGROUP, flag, in_compute, storage_in, storage_out, uniform,
+};
 use crate::hair::{groom_constants, hair_wgsl, material_constants};
 use crate::light::ShadowMaps;
 use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, Recording, VisibleInstance, StrandSet, posed_layout, record_dispatches, strand_sets};
+use crate::scene::{Dispatch, Recording, StrandSet, VisibleInstance, posed_layout, record_dispatches, strand_sets};
 use crate::shared::deep_opacity::DeepOpacity;
 
 /// Shader of the `strand_light` pass.
@@ -33,7 +35,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_light",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
-    does: "compute: finds the strands that can be seen, and makes ribbons of them that face the eye, with the light of each point",
+    does: "compute: finds the visible strands, and turns them into ribbons that face the eye, with the light at each \
+         point",
     runs_when: "strands are drawn",
     shaders: &[SHADER],
     targets: &[],
@@ -58,7 +61,7 @@ fn constants(seen: &VisibleInstance, set: &StrandSet<'_>, part: &Part) -> Vec<(&
 fn run(frame: &mut Recording<'_>) -> Outcome {
     // A device that cannot draw single hairs cannot create these layouts.
     if !frame.instances.iter().any(|seen| seen.look.strands) {
-        return Outcome::Skipped("no single hairs are to be seen");
+        return Outcome::Skipped("no single hairs are visible");
     }
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
         let mut entries = posed_layout().to_vec();
@@ -108,7 +111,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         }
     }
     if select.is_empty() {
-        return Outcome::Skipped("no single hairs are to be seen");
+        return Outcome::Skipped("no single hairs are visible");
     }
     for ribbons in instances.iter().flat_map(VisibleInstance::strands).filter_map(|set| set.ribbons) {
         frame.encoder.clear_buffer(&ribbons.seen, 0, None);

@@ -3,7 +3,7 @@
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, in_compute, storage_in, storage_out, uniform};
 use crate::hair::growth_and_wetness_constants;
-use crate::model::{StrandSource, SurfacePoint, Strand, StrandConstants};
+use crate::model::{Strand, StrandConstants, StrandSource, SurfacePoint};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
@@ -31,7 +31,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_pose",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
-    does: "compute: places the points of a coat's strands on the posed skin once for all later passes: of as many strands as those look at",
+    does: "compute: places the points of a coat's strands on the posed skin once for all later passes, for as many \
+         strands as those passes use",
     runs_when: "strands of a coat are drawn, and the pose changed",
     shaders: &[SHADER],
     targets: &[],

@@ -1,7 +1,9 @@
 //! `strand_shadow`: deep opacity map of single strands, seen from the key light.
 
 use super::{Outcome, Pass, PassId, PassStage};
-use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, depth_texture, in_compute, flag, storage_out, uniform};
+use crate::gpu::{
+    BindingResource, ComputeSpec, DrawBindGroup, Shader, depth_texture, flag, in_compute, storage_out, uniform,
+};
 use crate::hair::{StrandSetDrawing, growth_constants};
 use crate::light::CasterPass;
 use crate::params::StyleKind;
@@ -35,7 +37,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_shadow",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
-    does: "compute: how much hair lies before each point in the key light, in slabs behind the first hair of each texel (a deep opacity map)",
+    does: "compute: measures how much hair lies between the key light and each point, in slabs behind the first hair \
+         of each texel (a deep opacity map)",
     runs_when: "strands are drawn with self-shadow, and light, pose or model changed",
     shaders: &[SHADER],
     targets: &[],
@@ -54,7 +57,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         return Outcome::Skipped("no strands are drawn, or nothing shadows them");
     };
     if !frame.redraws_maps() {
-        return Outcome::Skipped("light, poses and models as in the map");
+        return Outcome::Skipped("light, poses and models are unchanged");
     }
     // Later passes need the same map.
     record_depth(frame, maps, CasterPass::Nearest);

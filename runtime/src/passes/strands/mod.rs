@@ -27,8 +27,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "strands",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur],
-    does: "strands one by one: opaque ribbons of true width that face the eye, depth written",
-    runs_when: "single hairs are to be seen, the package has strands, and edges are not blended",
+    does: "draws strands one by one: opaque ribbons of true width that face the eye, depth written",
+    runs_when: "single hairs are visible, the package has strands, and edges are not blended",
     shaders: &[SHADER],
     targets: &[],
     run,
@@ -75,9 +75,9 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     }
     if draws.is_empty() {
         return Outcome::Skipped(match instances.iter().any(|seen| !seen.model.strands().is_empty()) {
-            _ if !frame.surfaces.strands => "the device has fewer storage buffers in compute shaders than strands take",
-            true => "layers are asked for, or single hairs are too thin on screen to be seen",
-            false => "no package has strands, or more than the renderer's options allow or the device's buffers hold",
+            _ if !frame.surfaces.strands => "the device has fewer storage buffers in compute shaders than strands need",
+            true => "layers are requested, or single hairs are too thin to be seen on screen",
+            false => "no package has strands, or they exceed the renderer's options or the device's buffers",
         });
     }
     Outcome::Ran(format!("{} sets of strands", draws.len()), draws)

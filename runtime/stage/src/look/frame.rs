@@ -9,8 +9,8 @@ use crate::{TargetSettings, Viewpoint, camera};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
-    DebugView, Detail, FrameParams, FurParams, FurDebugView, HairGeometry, HairMotionParams, InkBackground, InkParams, InkDebugView,
-    Light, LineWidth, Scattering, SelfShadow, ShadowParams, StrandEdges, Style,
+    DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams, InkBackground,
+    InkDebugView, InkParams, Light, LineWidth, Scattering, SelfShadow, ShadowParams, StrandEdges, Style,
 };
 
 /// Placeholder view: a stage sets its own.
@@ -20,7 +20,11 @@ impl Look {
     /// Returns the render target settings.
     pub fn picture(&self) -> TargetSettings {
         let size = self.picture.size;
-        TargetSettings { size: (size.width, size.height), samples: self.picture.samples.0, background: self.background() }
+        TargetSettings {
+            size: (size.width, size.height),
+            samples: self.picture.samples.0,
+            background: self.background(),
+        }
     }
 
     /// Returns the frame parameters of the look. The camera is a placeholder until a [`crate::Stage`] or the
@@ -43,7 +47,8 @@ impl Look {
             };
             params.environment = self.environment();
             if let (Some(around), None) = (&params.environment, self.light.strength) {
-                params.light = around.sun.as_ref().map_or_else(|| distant(around.mean_direction().as_vec3(), 0.0), Light::sun);
+                params.light =
+                    around.sun.as_ref().map_or_else(|| distant(around.mean_direction().as_vec3(), 0.0), Light::sun);
             }
             params.style = style;
             params.fill_lights = self.fill_lights().map(|(towards, strength)| distant(towards, strength)).collect();

@@ -365,7 +365,8 @@ impl SkySource {
 
 text_field!(
     SkySource,
-    expected "the path of a .hdr, .exr or .toml, a colour such as \"0.2,0.3,0.5\", or two, \"above/below\"; behind it \":90\" to turn it",
+    expected "the path of a .hdr, .exr or .toml, a colour such as \"0.2,0.3,0.5\", or two, \"above/below\"; append \
+         \":90\" to turn it",
     control Control::Text,
     read |raw| SkySource::of_text(string(raw)?),
     write |source| toml::Value::String(source.text()).to_string()
@@ -406,7 +407,7 @@ impl Field for DirectionField {
     type Range = Range<f32>;
 
     fn expected(range: &Self::Range) -> String {
-        format!("a direction with a length, such as [1, 2, 1], numbers {}..={}", range.start(), range.end())
+        format!("a direction that is not zero, such as [1, 2, 1], numbers {}..={}", range.start(), range.end())
     }
 
     fn control(range: &Self::Range) -> Control {

@@ -1,8 +1,8 @@
 //! Tables of the look's knobs.
 
 use super::kinds::{
-    Background, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow,
-    LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, SkyKind, SkySource, DirectionField,
+    Background, DirectionField, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow,
+    LookShow, LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, SkyKind, SkySource,
 };
 use super::short::laboratory_hint;
 #[cfg(feature = "study")]

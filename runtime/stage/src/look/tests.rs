@@ -73,7 +73,7 @@ fn flags_keep_accepting_their_words() {
         ("size", "0x0", "each 1..=8192"),
         ("size", "834", "WIDTHxHEIGHT"),
         ("size", "9000x10", "each 1..=8192"),
-        ("light", "0,0,0", "a direction with a length"),
+        ("light", "0,0,0", "a direction that is not zero"),
         ("light", "NaN,0,1", "found [NaN, 0, 1]"),
         ("layers", "0", "found 0, expected \"all\" or an integer 1..=1024"),
         ("shadow-density", "5", "found 5, expected a number 0..=4"),
@@ -131,7 +131,7 @@ fn look_errors_name_line_key_found_and_expected() {
         ("[shadow]\npenumbr = 1", "line 2, shadow.penumbr: unknown key; did you mean shadow.penumbra?"),
         (
             "[light]\ndirection = [0, 0, 0]",
-            "line 2, light.direction: found [0, 0, 0], expected a direction with a length",
+            "line 2, light.direction: found [0, 0, 0], expected a direction that is not zero",
         ),
         ("[light]\nfill = [{ direktion = [0, 1, 0] }]", "line 2, light.fill: entry 0: unknown key \"direktion\""),
         ("[ink]\npenumbra = 1", "did you mean shadow.penumbra?"),

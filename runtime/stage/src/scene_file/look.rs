@@ -43,7 +43,8 @@ impl SceneFile {
             Some(SceneLook::File(path)) => {
                 let folder = Path::new(path).parent().unwrap_or(Path::new(""));
                 let (file, text) = file(path).map_err(|reason| self.fault("look", reason))?;
-                let fault = |error: ParamError| StageError::Input { file, place: error.location(), reason: error.reason };
+                let fault =
+                    |error: ParamError| StageError::Input { file, place: error.location(), reason: error.reason };
                 look.read_in(folder, &text).map_err(fault)?;
             }
         }

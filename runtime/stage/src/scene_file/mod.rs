@@ -38,11 +38,11 @@
 mod look;
 mod text;
 
-use crate::cast::{Actor, Cast, Placement, Playback, root_displacement, clip_named, frame_actors, morph_named};
+use crate::cast::{Actor, Cast, Placement, Playback, clip_named, frame_actors, morph_named, root_displacement};
 use crate::framing::{FOV_DEG, Framing};
 use crate::toml_text::TomlText;
 use crate::track::Track;
-use crate::{NamedPackage, CameraTrack, StageError, Viewpoint};
+use crate::{CameraTrack, NamedPackage, StageError, Viewpoint};
 use glam::Vec3;
 use pelage_formats::Animation;
 use std::path::{Path, PathBuf};
@@ -111,7 +111,7 @@ impl SceneFile {
         let text = String::from_utf8(bytes).map_err(|error| StageError::Input {
             file: name.to_owned(),
             place: format!("byte {}", error.utf8_error().valid_up_to()),
-            reason: "is no UTF-8, expected a scene file in TOML".into(),
+            reason: "is not UTF-8, expected a scene file in TOML".into(),
         })?;
         // Some editors start text files with a byte order mark.
         let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
@@ -198,7 +198,7 @@ impl LoadedScene {
 fn check_light(source: &TomlText<'_>, light: Option<&SceneLight>) -> Result<(), StageError> {
     match light {
         Some(SceneLight { direction: Some(towards), position: None }) if towards.0.try_normalize().is_none() => {
-            Err(source.fault("light.direction", "found a direction of no length, expected one such as [1, 2, 1]"))
+            Err(source.fault("light.direction", "found a direction that is zero, expected one such as [1, 2, 1]"))
         }
         Some(SceneLight { direction: Some(_), position: Some(_) }) => {
             Err(source.fault("light", "found direction and position, expected one of them"))
@@ -227,7 +227,7 @@ fn shot(source: &TomlText<'_>, camera: &SceneCamera) -> Result<CameraTrack, Stag
         _ => return Err(source.fault("camera", "expected eye and target, or a path")),
     };
     if let Some((place, ..)) = keys.iter().find(|(_, _, eye, target, _)| eye == target) {
-        return Err(source.fault(place, "found the same point as the eye, expected them apart"));
+        return Err(source.fault(place, "found the same point as the eye, expected different points"));
     }
     Ok(CameraTrack {
         eye: source.track("camera.path", keys.iter().map(|k| (k.1, k.2)).collect())?,
@@ -241,7 +241,7 @@ fn names(source: &TomlText<'_>, models: &[SceneModel]) -> Result<Vec<String>, St
     for (i, model) in models.iter().enumerate() {
         let same = |other: &SceneModel| other.name.is_some() && other.name == model.name;
         if let Some(first) = models[..i].iter().position(same) {
-            let reason = format!("found the name of model[{first}] again, expected another or none");
+            let reason = format!("found the name of model[{first}] again, expected a different name or none");
             return Err(source.fault(&format!("model[{i}].name"), reason));
         }
     }

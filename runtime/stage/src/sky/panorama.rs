@@ -37,7 +37,7 @@ impl Panorama {
         let count = u64::from(width) * u64::from(height);
         if count == 0 || count > Self::MOST_PIXELS || count != pixels.len() as u64 {
             let reason = format!(
-                "{width} x {height} pixels, and {} in it; expected 1 to {} and as many",
+                "{width} x {height} pixels and {} values; expected 1 to {} pixels and one value for each",
                 pixels.len(),
                 Self::MOST_PIXELS
             );

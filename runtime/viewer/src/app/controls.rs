@@ -10,7 +10,7 @@ impl App {
     /// Turns the key light about the target; `moved` is the pointer's movement right and up, in picture heights.
     pub fn turn_light(&mut self, moved: Vec2) {
         let KeyLight::Distant(towards) = self.look_now().key_light() else {
-            return self.say("the light stands at a place: light.position_m".into());
+            return self.say("the light is a point light: change light.position_m instead".into());
         };
         let Ok(view) = self.show.view(self.area) else { return };
         let way = (view.target - view.eye).normalize_or(Vec3::NEG_Z);

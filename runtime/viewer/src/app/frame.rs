@@ -76,7 +76,7 @@ impl App {
 
     fn trace(&mut self) -> Result<(), StageError> {
         let Some(Subject::Package(file)) = self.show.subject().cloned() else {
-            self.truth.failed("it is traced of one package; a scene has several".into());
+            self.truth.failed("it needs a single package; a scene has several".into());
             return Ok(());
         };
         let Some(drawn) = self.show.picture(self.area)? else { return Ok(()) };

@@ -1,11 +1,11 @@
 //! State of a window: what is shown, its look, and the user's changes. Draws nothing itself.
 
-mod frame;
 mod controls;
+mod edits;
+mod frame;
 mod messages;
 mod open;
 mod save;
 mod state;
-mod edits;
 
 pub use state::App;

@@ -30,7 +30,7 @@ impl App {
         if self.has_recipe() {
             self.workers.save(self.recipe_edits.assignments());
         } else {
-            self.say("what is shown was not baked here: there is no recipe to save".into());
+            self.say("the open file was not baked here: there is no recipe to save".into());
         }
     }
 
@@ -73,7 +73,7 @@ impl App {
 
     /// Saves one cycle of the clip, picture by picture.
     pub fn save_sequence(&mut self) {
-        let Some(length_s) = self.length_s() else { return self.say("nothing moves here".into()) };
+        let Some(length_s) = self.length_s() else { return self.say("no animation to save".into()) };
         let count = (length_s * FPS).round().max(1.0) as u32;
         let stem = format!("{}-{}", self.stem(), self.show.clip().map_or("scene", |clip| clip.name.as_str()));
         let stem = stem.replace(['/', '\\', '|', ':'], "-");

@@ -1,8 +1,8 @@
 //! State of a window, and operations common to all changes.
 
+use crate::events::Events;
 use crate::knobs::{Edits, Knobs, Search};
 use crate::lights::Lights;
-use crate::events::Events;
 use crate::show::Show;
 use crate::truth::ReferencePane;
 use crate::worker::Workers;

@@ -55,7 +55,7 @@ fn clip(ui: &mut Ui, app: &mut App) {
         }
     }
     let Some(length_s) = app.length_s() else {
-        ui.weak("nothing moves here");
+        ui.weak("no animation");
         return;
     };
     if ui.button(if app.playing { "⏸" } else { "▶" }).on_hover_text("Space").clicked() {

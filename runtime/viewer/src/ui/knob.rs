@@ -27,7 +27,7 @@ pub fn row(ui: &mut Ui, knob: &'static Knob, now: &dyn Knobs, edits: &mut Edits)
         let name = if differs { name.color(CHANGED) } else { name };
         ui.label(name).on_hover_ui(|ui| explain(ui, knob, now));
         if edits.has(knob.name) {
-            let undo = ui.small_button("⟲").on_hover_text("back to what the file says");
+            let undo = ui.small_button("⟲").on_hover_text("reset to the value in the file");
             reset = undo.clicked();
         }
     });
@@ -51,7 +51,7 @@ fn explain(ui: &mut Ui, knob: &Knob, now: &dyn Knobs) {
     ui.label(RichText::new(knob.name).monospace().strong());
     ui.label(knob.doc.trim());
     ui.label(RichText::new(format!("Takes {}.", (knob.expected)())).weak());
-    let default = now.default_value(knob).map_or("left out, so that it is chosen".into(), |text| shown(&text));
+    let default = now.default_value(knob).map_or("left out, chosen automatically".into(), |text| shown(&text));
     ui.label(RichText::new(format!("Default: {default}.")).weak());
 }
 
@@ -133,7 +133,7 @@ fn control(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> KnobInput {
 /// Draws an unset knob as a button; a click sets it to `begin()`.
 fn unset_button(ui: &mut Ui, value: Option<&str>, begin: impl FnOnce() -> String) -> KnobInput {
     let word = value.map_or("chosen".into(), shown);
-    let answer = ui.button(word).on_hover_text("nobody says it; a click takes it into your hand");
+    let answer = ui.button(word).on_hover_text("chosen automatically; click to set it yourself");
     if answer.clicked() { KnobInput::Sets(begin()) } else { KnobInput::Nothing }
 }
 

@@ -16,10 +16,10 @@ pub fn look(ui: &mut Ui, app: &mut App) {
         ui.weak("how it is drawn");
     });
     ui.horizontal(|ui| {
-        if ui.button("Save look").on_hover_text("every key of it, for `render --look`").clicked() {
+        if ui.button("Save look").on_hover_text("all its keys, for `render --look`").clicked() {
             app.save_look();
         }
-        if ui.button("Save picture").on_hover_text("the pixels of `pelage render` (P)").clicked() {
+        if ui.button("Save picture").on_hover_text("same pixels as `pelage render` (P)").clicked() {
             app.save_picture();
         }
         if ui.button("Save sequence").on_hover_text("the clip once, 24 pictures a second").clicked() {
@@ -44,7 +44,7 @@ pub fn recipe(ui: &mut Ui, app: &mut App) {
     });
     ui.horizontal(|ui| {
         let save =
-            ui.button("Save recipe").on_hover_text("into its file, whose comments stay; or beside the model (Ctrl S)");
+            ui.button("Save recipe").on_hover_text("to its file, keeping the comments, or next to the model (Ctrl S)");
         if save.clicked() {
             app.save_recipe();
         }
@@ -67,7 +67,7 @@ pub fn recipe(ui: &mut Ui, app: &mut App) {
 fn tables(ui: &mut Ui, now: &dyn Knobs, edits: &mut Edits, search: &mut Search, open: &[&str]) -> bool {
     ui.horizontal(|ui| {
         ui.add(TextEdit::singleline(&mut search.text).hint_text("find a key").desired_width(150.0));
-        ui.checkbox(&mut search.only_changed, "only what differs").on_hover_text("from the default");
+        ui.checkbox(&mut search.only_changed, "only changed keys").on_hover_text("changed from the default");
     });
     ui.separator();
     let mut changed = false;

@@ -54,7 +54,13 @@ fn measure(workshop: &ChoreFolder, name: &str, model: &[String]) -> anyhow::Resu
 
 /// Returns a camera at distance `away_m` that looks at the eyes from the direction `orbit`. The field of view shows as
 /// much of them as a camera that frames them.
-fn distant_camera(workshop: &ChoreFolder, marked: &Baked, eyes: &str, orbit: &str, away_m: f32) -> anyhow::Result<String> {
+fn distant_camera(
+    workshop: &ChoreFolder,
+    marked: &Baked,
+    eyes: &str,
+    orbit: &str,
+    away_m: f32,
+) -> anyhow::Result<String> {
     let (package, picture) = (&marked.package, marked.package.with_extension("png"));
     let paths = [package, &picture].map(|path| path.display().to_string());
     let look = ["--style", "bare", "--orbit", orbit, "--look-at", eyes, "--size", SIZE, "--json", "--quiet"];

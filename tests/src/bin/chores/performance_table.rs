@@ -28,7 +28,12 @@ const FRAMES: [(&str, &[&str], Formatter); 8] = [
 /// Bake measurements: description, model below assets/models, options and formatter of the result.
 const BAKES: [(&str, &str, &[&str], Formatter); 4] = [
     ("the hare, ink and all; its package", "hare", &["--recipe", "assets/recipes/hare.toml"], format_bake),
-    ("the same without ink", "hare", &["--recipe", "assets/recipes/hare.toml", "--set", "ink.enabled=false"], format_bake),
+    (
+        "the same without ink",
+        "hare",
+        &["--recipe", "assets/recipes/hare.toml", "--set", "ink.enabled=false"],
+        format_bake,
+    ),
     ("the pony with mane and tail", "pony", &["--recipe", "assets/recipes/pony.toml"], format_bake),
     (
         "a tile of 512×512×64 with 20 000 strands, plain texels",
@@ -112,7 +117,8 @@ pub fn run() -> anyhow::Result<()> {
             [&["pelage bench hare.pelage"], options].concat().join(" ")
         ));
     }
-    let when = format!("{}, commit {}", stdout_of("date", &["+%F"])?, stdout_of("git", &["rev-parse", "--short", "HEAD"])?);
+    let when =
+        format!("{}, commit {}", stdout_of("date", &["+%F"])?, stdout_of("git", &["rev-parse", "--short", "HEAD"])?);
     let cores = std::thread::available_parallelism()?;
     frames.extend([String::new(), format!("Measured on {adapter}, {cores} cores, {when}.")]);
     bakes.extend([String::new(), format!("Measured on {cores} cores, {when}.")]);

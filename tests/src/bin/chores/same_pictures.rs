@@ -929,7 +929,10 @@ mod tests {
         assert_eq!(same, ByteDifference { channels: 0, of: 140, greatest: 0 });
         let mut after = before.clone();
         after.get_pixel_mut(3, 2)[2] += 1;
-        assert_eq!(ByteDifference::between(&before, &after).unwrap(), ByteDifference { channels: 1, of: 140, greatest: 1 });
+        assert_eq!(
+            ByteDifference::between(&before, &after).unwrap(),
+            ByteDifference { channels: 1, of: 140, greatest: 1 }
+        );
         assert_eq!(ByteDifference::between(&after, &before).unwrap().channels, 1);
         // Colour counts even if the texel is fully transparent.
         let clear = RgbaImage::new(7, 5);

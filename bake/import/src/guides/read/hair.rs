@@ -68,13 +68,15 @@ fn read_whole(source: Source<'_>) -> Result<HairFile, BakeError> {
         [(4, "strands"), (8, "points"), (12, "arrays"), (16, "pieces")].map(|(at, what)| source.u32(at, what));
     let (strands, count, arrays, pieces) = (strands?, u64::from(count?), arrays?, pieces?);
     if arrays & POINTS == 0 {
-        return Err(source.fault("byte 12".into(), format!("arrays {arrays:#x} without points, expected bit 1")));
+        return Err(
+            source.fault("byte 12".into(), format!("arrays are {arrays:#x}, without points, expected bit 1 to be set"))
+        );
     }
     let mut at = HEADER_BYTES;
     let per_strand = match arrays & PIECES {
         0 => None,
         _ => {
-            let bytes = source.slice(at, 2 * u64::from(strands), "pieces of the strands")?;
+            let bytes = source.slice(at, 2 * u64::from(strands), "segment counts of the strands")?;
             at += bytes.len() as u64;
             Some(bytes.chunks_exact(2).map(|b| u32::from(u16::from_le_bytes([b[0], b[1]]))).collect::<Vec<_>>())
         }
@@ -84,7 +86,7 @@ fn read_whole(source: Source<'_>) -> Result<HairFile, BakeError> {
         None => u64::from(strands).saturating_mul(u64::from(pieces) + 1),
     };
     if sum != count {
-        let reason = format!("{count} points, expected {sum}: those of all strands together");
+        let reason = format!("{count} points, expected {sum}, the sum over all strands");
         return Err(source.fault("byte 8".into(), reason));
     }
     let places = points(&source.rows::<3>(at, count, 3, "points")?);

@@ -19,7 +19,7 @@ impl<'a> Source<'a> {
     pub(super) fn slice(&self, at: u64, len: u64, what: &str) -> Result<&'a [u8], BakeError> {
         let end = at.checked_add(len).filter(|end| *end <= self.bytes.len() as u64);
         let Some(end) = end else {
-            let reason = format!("{what} are {len} bytes from here, the file ends at {}", self.bytes.len());
+            let reason = format!("{what}: expected {len} bytes from here, the file ends at byte {}", self.bytes.len());
             return Err(self.fault(format!("byte {at}"), reason));
         };
         Ok(&self.bytes[at as usize..end as usize])

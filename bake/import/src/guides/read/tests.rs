@@ -72,16 +72,20 @@ fn errors_of_damaged_guide_files_name_the_position() {
         bytes
     };
     let many = u32::MAX.to_le_bytes();
-    refused(Hair, b"HAIR", "byte 0: the header are 128 bytes from here, the file ends at 4");
+    refused(Hair, b"HAIR", "byte 0: the header: expected 128 bytes from here, the file ends at byte 4");
     refused(Hair, &with(hair(), 0, b"HARE"), "byte 0: \"HARE\", expected \"HAIR\"");
-    refused(Hair, &with(hair(), 4, &many), "byte 128: pieces of the strands are 8589934590 bytes from here");
+    refused(
+        Hair,
+        &with(hair(), 4, &many),
+        "byte 128: segment counts of the strands: expected 8589934590 bytes from here",
+    );
     refused(Hair, &with(hair(), 8, &many), "byte 8: 4294967295 points, expected 5");
     refused(Hair, &with(hair(), 12, &1u32.to_le_bytes()), "without points");
     refused(Hair, &with(hair(), 132, &f32::NAN.to_le_bytes()), "byte 132: points: row 0 has NaN");
-    refused(Hair, &hair()[..180], "byte 132: points are 60 bytes from here, the file ends at 180");
-    refused(Tfx, &with(tfx(3.0), 0, &2.0f32.to_le_bytes()), "byte 0: version 2, expected 3 or 4");
+    refused(Hair, &hair()[..180], "byte 132: points: expected 60 bytes from here, the file ends at byte 180");
+    refused(Tfx, &with(tfx(3.0), 0, &2.0f32.to_le_bytes()), "byte 0: TressFX version is 2, expected 3 or 4");
     refused(Tfx, &with(tfx(4.0), 4, &many), "bytes from here, the file ends at");
-    refused(Tfx, &with(tfx(4.0), 8, &many), "byte 8: 4294967295 points a strand, expected 2..=64");
+    refused(Tfx, &with(tfx(4.0), 8, &many), "byte 8: 4294967295 points per strand, expected 2..=64");
     refused(Tfx, &with(tfx(3.0), 148, &many), "bytes from here, the file ends at");
     refused(Text, b"0 0 0\n0 1\n", "line 2: 2 numbers, expected 3, as in the lines before");
     refused(Text, b"0 0\n", "line 1: 2 numbers, expected x y z, or x y z radius");

@@ -72,7 +72,12 @@ impl TrueLines {
     /// # Errors
     ///
     /// [`BakeError::Params`] for an angle outside 0..=180.
-    pub fn visible_from(&self, camera: &TrueCamera, size: (u32, u32), params: &LineParams) -> Result<VisibleLines, BakeError> {
+    pub fn visible_from(
+        &self,
+        camera: &TrueCamera,
+        size: (u32, u32),
+        params: &LineParams,
+    ) -> Result<VisibleLines, BakeError> {
         if !(0.0..=180.0).contains(&params.crease_deg) {
             let reason = format!("is {}, expected 0..=180", params.crease_deg);
             return Err(BakeError::Params { what: "crease_deg", reason });

@@ -207,7 +207,11 @@ fn perspective_enlarges_near_lines_and_clips_behind_the_camera() {
     let look = |eye: Vec3, target: Vec3| {
         let lens = Lens::Perspective { fov_y_rad: 1.0 };
         lines
-            .visible_from(&TrueCamera { eye_ws: eye, target_ws: target, up_ws: Vec3::Y, lens }, SIZE, &LineParams::default())
+            .visible_from(
+                &TrueCamera { eye_ws: eye, target_ws: target, up_ws: Vec3::Y, lens },
+                SIZE,
+                &LineParams::default(),
+            )
             .unwrap()
     };
     // Only the near face, 4 m in front of the eye, is visible.

@@ -61,7 +61,12 @@ impl Topology {
     }
 
     /// Returns the edges that are lines from a viewpoint, hidden or not.
-    pub(super) fn pieces(&self, sight: &SurfaceVisibility, look: &SurfaceView<'_>, params: &LineParams) -> Vec<MeshLine> {
+    pub(super) fn pieces(
+        &self,
+        sight: &SurfaceVisibility,
+        look: &SurfaceView<'_>,
+        params: &LineParams,
+    ) -> Vec<MeshLine> {
         let skin = sight.skin();
         let corner = |v: u32| skin.vertices[v as usize].position_ws;
         let middle = |face: u32| skin.corners(face as usize).iter().map(|c| c.position_ws).sum::<DVec3>() / 3.0;

@@ -1,7 +1,7 @@
 //! Proximity to eyes, nose and mouth, that is to small bare parts of the mesh.
 
-use super::welded_mesh::WeldedMesh;
 use super::input::Body;
+use super::welded_mesh::WeldedMesh;
 use crate::noise::smooth_step;
 use crate::stages::cells::{TriangleGrid, closest_barycentric};
 

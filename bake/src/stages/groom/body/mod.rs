@@ -10,21 +10,21 @@
 //! jumps, must leave shapes without limbs even, and must not change the length of the longest hair.
 
 mod bare;
+mod input;
 mod parts;
 mod regions;
-mod welded_mesh;
-mod input;
 mod thickness;
+mod welded_mesh;
 mod words;
 
 use crate::decision::{Decision, metres_in_words};
 use crate::noise::smooth_step;
 pub(super) use bare::furred_faces;
 use glam::Vec3;
+pub use input::Body;
 use parts::{PartGroom, Region};
 use pelage_formats::Pose;
 pub(super) use welded_mesh::WeldedMesh;
-pub use input::Body;
 
 /// Width of the smoothing over the surface, radii of the body.
 const SPREAD: f32 = 0.05;
@@ -127,7 +127,7 @@ impl BodyGroom {
         let parts: Vec<String> =
             self.parts.iter().map(|(part, length)| format!("{part} {}", metres_in_words(length * length_m))).collect();
         Decision {
-            what: "length of hair by the body",
+            what: "length of hair by part of the body",
             chosen: format!("{} at the longest: {}", metres_in_words(length_m), parts.join(", ")),
             line: format!("groom.by_body = {share}"),
         }
