@@ -1,7 +1,7 @@
 //! Test that hair is lit in a single function, from the parsed shaders.
 
 use crate::frame::PASSES;
-use naga::{Expression, Function, Handle, Module, Statement};
+use naga::{Expression, Function, Handle, Module, Statement, Type};
 use std::collections::BTreeSet;
 
 fn calls_in(block: &naga::Block, found: &mut BTreeSet<Handle<Function>>) {
@@ -77,13 +77,15 @@ fn hair_is_lit_in_one_function() {
         of_fibre.remove("half_or_factors");
         assert_eq!(of_fibre, set(["fill_lights_on_hair", "key_fibre"]), "{}", shader.name);
         assert_eq!(callers(&module, "key_fibre"), set(["key_light_on_hair"]), "{}", shader.name);
-        // Every function that constructs a `HairPoint` passes it to `light_hair`.
+        // Every function that builds a `HairPoint`, at once or member by member, passes it to `light_hair`.
+        let is_point = |ty: Handle<Type>| module.types[ty].name.as_deref() == Some("HairPoint");
         for (_, function) in module.functions.iter() {
             let composes = function.expressions.iter().any(|(_, e)| match e {
-                Expression::Compose { ty, .. } => module.types[*ty].name.as_deref() == Some("HairPoint"),
+                Expression::Compose { ty, .. } => is_point(*ty),
                 _ => false,
             });
-            assert!(!composes || calls(&module, function).contains("light_hair"), "{:?}", function.name);
+            let builds = composes || function.local_variables.iter().any(|(_, variable)| is_point(variable.ty));
+            assert!(!builds || calls(&module, function).contains("light_hair"), "{:?}", function.name);
         }
     }
     assert_eq!(

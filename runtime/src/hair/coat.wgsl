@@ -11,38 +11,52 @@ fn visible_below_coat(far: Hair, grown: f32, n_dot_l: f32, length: f32) -> f32 {
     return layer_transmittance(far.color.a * grown, frame.hair_density * path_through(slanted_path(n_dot_l), length));
 }
 
-// Returns the far fur layer over the undercoat. `share`: share of its hair that grows, times how far it has replaced
-// the layers; `visible`: share of the key light that passes other objects; `length`: length of the hair here over the
-// tile's; `slope`: slope added by the vertex.
-fn with_coat(
+// Far fur layer at a fragment.
+struct FarFur {
+    hair: Hair,
     baked: Baked,
-    far: Hair,
+    // Colour of the undercoat, lit.
     undercoat: vec3<f32>,
-    base: vec3<f32>,
+    base_color: vec3<f32>,
     spot: Spot,
+    // Direction towards the key light, and H, in the tile frame.
     light_ts: vec3<f32>,
     half_ts: vec3<f32>,
+    // Length of the hair over the tile's; slope added by the vertex.
     length: f32,
     slope: f32,
+    // Share of the hair that grows, times how far the far fur layer has replaced the layers.
     share: f32,
     wetness: f32,
-    visible: f32,
-) -> vec3<f32> {
-    if far.color.a < LEAST_ALPHA {
-        return undercoat;
+    // Share of the key light that passes other objects.
+    past: f32,
+}
+
+// Returns the far fur layer over the undercoat.
+fn with_coat(far: FarFur) -> vec3<f32> {
+    let texel = far.hair.color;
+    if texel.a < LEAST_ALPHA {
+        return far.undercoat;
     }
     // Same as for the layers that it replaces: where half of the hair grows, half of the optical depth is left.
-    let alpha = resampled_opacity(far.color.a, share);
+    let alpha = resampled_opacity(texel.a, far.share);
     // No shadow map is drawn for it: the package stores how light enters it.
+    let height = instance.coat_ambient_height;
     var arrives = 1.0;
     if !BAKED_SHADOW {
-        let path = path_through(slanted_path(light_ts.z), length);
+        let path = path_through(slanted_path(far.light_ts.z), far.length);
         arrives = coat_light(path, instance.coat_light_base, instance.coat_light_slope);
     }
-    let point = HairPoint(
-        spot, grown(far.direction, length, slope), far.color.rgb * (alpha / far.color.a) * base, alpha, vec3(1.0),
-        mean_of_layer(u32(0.5 * instance.coat_ambient_height * f32(instance.baked_layers)), far.color.rgb / far.color.a) * base, wetness,
-        arriving_at(instance.coat_ambient_height, light_ts, half_ts, arrives, visible), baked,
-    );
-    return light_hair(point) + (1.0 - alpha) * undercoat;
+    let deeper = u32(0.5 * height * f32(instance.baked_layers));
+    var point: HairPoint;
+    point.spot = far.spot;
+    point.direction = grown(far.hair.direction, far.length, far.slope);
+    point.color = texel.rgb * (alpha / texel.a) * far.base_color;
+    point.opacity = alpha;
+    point.tint = vec3(1.0);
+    point.deeper = mean_of_layer(deeper, texel.rgb / texel.a) * far.base_color;
+    point.wetness = far.wetness;
+    point.arriving = arriving_at(height, far.light_ts, far.half_ts, arrives, far.past);
+    point.baked = far.baked;
+    return light_hair(point) + (1.0 - alpha) * far.undercoat;
 }

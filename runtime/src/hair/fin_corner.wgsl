@@ -31,10 +31,17 @@ const LEANING_ROWS: u32 = 3u;
 fn vertex_of(index: u32) -> Vertex {
     let g = vertices[index];
     let a = attributes[index];
-    let color = unpack4x8unorm(a.color);
-    return Vertex(
-        g.position, g.fur_height, g.normal, g.tangent, a.tile_uv, a.base_uv, color, g.lean, unpack4x8unorm(a.groom),
-    );
+    var v: Vertex;
+    v.position = g.position;
+    v.fur_height = g.fur_height;
+    v.normal = g.normal;
+    v.tangent = g.tangent;
+    v.tile_uv = a.tile_uv;
+    v.base_uv = a.base_uv;
+    v.color = unpack4x8unorm(a.color);
+    v.lean = g.lean;
+    v.groom = unpack4x8unorm(a.groom);
+    return v;
 }
 
 // A corner of a fin.
@@ -73,7 +80,6 @@ fn fin_corner(index: u32) -> FinCorner {
     // Normal of the fin's plane, from the edge and the mean normal; the same at all corners.
     let face = normalize_or(cross(skin_b - skin_a, normal_a + normal_b), vec3(0.0));
     let eye = direction_to(frame.eye_ws, 0.5 * (skin_a + skin_b));
-    let opacity = fin.opacity * fin_opacity(dot(face, eye));
 
     var v = a;
     var normal = normal_a;
@@ -81,9 +87,14 @@ fn fin_corner(index: u32) -> FinCorner {
         v = b;
         normal = normal_b;
     }
-    let height = f32(quad % rows + select(0u, 1u, above)) / f32(rows);
-    let tile = tile_frame_of(v, normal);
-    let along = fin.start + select(0.0, fin.length, at_b);
-    let turned = 1.0 - min(abs(dot(normal_a, eye)), abs(dot(normal_b, eye)));
-    return FinCorner(v, tile, height, along, select(0.0, 1.0, at_b), fin.slab, opacity, turned);
+    var out: FinCorner;
+    out.vertex = v;
+    out.tile = tile_frame_of(v, normal);
+    out.height = f32(quad % rows + select(0u, 1u, above)) / f32(rows);
+    out.along = fin.start + select(0.0, fin.length, at_b);
+    out.across = select(0.0, 1.0, at_b);
+    out.slab = fin.slab;
+    out.opacity = fin.opacity * fin_opacity(dot(face, eye));
+    out.turned = 1.0 - min(abs(dot(normal_a, eye)), abs(dot(normal_b, eye)));
+    return out;
 }

@@ -112,12 +112,19 @@ fn groom_at_root(at_vertex: vec2<f32>, uv: vec2<f32>, root: vec2<f32>) -> vec2<f
 fn baked_at(uv: vec2<f32>, layer: u32, wetness: f32, kept: f32, length: f32, slope: f32) -> Baked {
     var texel = vec4(1.0);
     if BAKED_SHADOW {
-        texel = textureSampleLevel(visibility, shell_sampler, uv, layer, instance.map_level);
+        let level = instance.map_level;
+        texel = textureSampleLevel(visibility, shell_sampler, uv, layer, level);
         if WET {
-            texel = mix(texel, textureSampleLevel(wet_visibility, shell_sampler, uv, layer, instance.map_level), wetness);
+            texel = mix(texel, textureSampleLevel(wet_visibility, shell_sampler, uv, layer, level), wetness);
         }
     }
-    return Baked(texel, kept, length, slope, 1.0);
+    var baked: Baked;
+    baked.texel = texel;
+    baked.kept = kept;
+    baked.length = length;
+    baked.slope = slope;
+    baked.within = 1.0;
+    return baked;
 }
 
 struct Hair {

@@ -22,9 +22,15 @@ fn hair_vertex(v: Vertex, tile: TileFrame, position: vec3<f32>) -> HairVertex {
     let light = direction_to(frame.light_ws, position);
     let eye = direction_to(frame.eye_ws, position);
     let half = half_vector(light, eye);
-    return HairVertex(
-        frame.clip_from_world * vec4(position, 1.0), to_tile(tile, light), to_tile(tile, half),
-        v.color * material.base_color, v.base_uv, v.groom.xy, map_place(position), dot(tile.normal_ws, eye),
-        spot_of(v, position, tile),
-    );
+    var out: HairVertex;
+    out.position = frame.clip_from_world * vec4(position, 1.0);
+    out.light_ts = to_tile(tile, light);
+    out.half_ts = to_tile(tile, half);
+    out.tint = v.color * material.base_color;
+    out.base_uv = v.base_uv;
+    out.groom = v.groom.xy;
+    out.place = map_place(position);
+    out.n_dot_e = dot(tile.normal_ws, eye);
+    out.spot = spot_of(v, position, tile);
+    return out;
 }

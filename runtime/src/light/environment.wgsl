@@ -77,7 +77,8 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
     }
     var towards = towards_ts;
     if SHORT || LEAN {
-        towards = light_in_tile(normalize_or(towards, vec3(0.0, 0.0, 1.0)), select(1.0, b.length, SHORT), b.slope) * length(towards);
+        let way = normalize_or(towards, vec3(0.0, 0.0, 1.0));
+        towards = light_in_tile(way, select(1.0, b.length, SHORT), b.slope) * length(towards);
     }
     if SCATTERING {
         towards.z = over_curve(towards.z, b.texel.w);
@@ -88,7 +89,14 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
 // Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame. `variance`:
 // variance of the lobe along the fibre. `about_eye`: concentration of a von Mises distribution around the fibre, about
 // the eye; if negative, about the opposite side.
-fn lit_from(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, concentration: f32, variance: f32, about_eye: f32) -> vec3<f32> {
+fn lit_from(
+    tip: vec3<f32>,
+    light: vec3<f32>,
+    eye: vec3<f32>,
+    concentration: f32,
+    variance: f32,
+    about_eye: f32,
+) -> vec3<f32> {
     let sin_j = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
     // Along the fibre, lobe and light are nearly Gaussian, and so is their product.
@@ -101,7 +109,8 @@ fn lit_from(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, concentration: f32
     let end = max(acos(clamp(-(sine * sin_j + BELOW) / across, -1.0, 1.0)), 1e-2);
     let ahead = max(sin(end) / end, mean_cosine_around(concentration * across));
     let narrow = ahead * (2.0 - ahead * ahead) / max(1.0 - ahead * ahead, 1e-3);
-    let aside = narrow * (light - sin_j * tip) / max(cos_j, 1e-4) + about_eye * (eye - sin_o * tip) * inverseSqrt(max(1.0 - sin_o * sin_o, 1e-8));
+    let aside = narrow * (light - sin_j * tip) / max(cos_j, 1e-4)
+        + about_eye * (eye - sin_o * tip) * inverseSqrt(max(1.0 - sin_o * sin_o, 1e-8));
     let both = length(aside);
     return sine * tip + cosine * (mean_cosine_around(both) / max(both, 1e-4)) * aside;
 }
@@ -152,7 +161,15 @@ fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left
 
 // Returns the light that a fibre of that colour sends to the eye from environment light. `deeper`: colour of the hair
 // below it; `direct`: share of the light that passes other fibres. All in the tile frame.
-fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: vec3<f32>, deeper: vec3<f32>, direct: f32, baked: Baked) -> vec3<f32> {
+fn scatter_around(
+    direction: vec3<f32>,
+    around: Around,
+    eye: vec3<f32>,
+    color: vec3<f32>,
+    deeper: vec3<f32>,
+    direct: f32,
+    baked: Baked,
+) -> vec3<f32> {
     let number = fibre_number();
     let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
@@ -180,11 +197,15 @@ fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: v
     var visible = vec3(direct);
     if BAKED_SHADOW && !HANGS {
         let concentration = 1.0 / max(broad_variance(mean), 1e-2);
-        visible.x = visible_past_strands_around(baked, lit_from(tip, light, eye, concentration, optics.w, REFLECTED_ABOUT));
-        visible.y = visible_past_strands_around(baked, lit_from(tip, light, eye, concentration, 0.25 * optics.w, THROUGH_ABOUT));
-        visible.z = visible_past_strands_around(baked, lit_from(tip, light, eye, concentration, 4.0 * optics.w, REFLECTED_ABOUT));
+        let from_r = lit_from(tip, light, eye, concentration, optics.w, REFLECTED_ABOUT);
+        let from_tt = lit_from(tip, light, eye, concentration, 0.25 * optics.w, THROUGH_ABOUT);
+        let from_trt = lit_from(tip, light, eye, concentration, 4.0 * optics.w, REFLECTED_ABOUT);
+        visible.x = visible_past_strands_around(baked, from_r);
+        visible.y = visible_past_strands_around(baked, from_tt);
+        visible.z = visible_past_strands_around(baked, from_trt);
     }
-    var sent = around.whole * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
+    var sent = around.whole
+        * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
     if MULTIPLE {
         let reaches = dot(texel.xyz, visible) / max(texel.x + texel.y + texel.z, 1e-6);
         // Multiply scattered light passed through the hair below.
@@ -252,7 +273,8 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
         }
     }
     if SCATTERING {
-        return p.opacity * scatter_around(p.direction, around, eye, color / max(p.opacity, 1e-6), p.deeper * p.tint, direct, p.baked);
+        let full = color / max(p.opacity, 1e-6);
+        return p.opacity * scatter_around(p.direction, around, eye, full, p.deeper * p.tint, direct, p.baked);
     }
     let sent = fibre_around(p.direction, around.towards, eye, p.wetness);
     let lit = color * instance.diffuse_constant * sent.x + instance.specular_constant * (sent.y * p.opacity);

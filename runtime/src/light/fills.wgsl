@@ -26,7 +26,9 @@ fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
         let light = to_tile(tile, towards);
         if SCATTERING {
             let full = color / max(p.opacity, 1e-6);
-            let sent = scatter(p.direction, light, to_tile(tile, eye), full, p.deeper * p.tint, above_rim(light.z, p.baked.texel.w), visible_past_strands(p.baked, light), 1.0);
+            let above = above_rim(light.z, p.baked.texel.w);
+            let direct = visible_past_strands(p.baked, light);
+            let sent = scatter(p.direction, light, to_tile(tile, eye), full, p.deeper * p.tint, above, direct, 1.0);
             sum += fill_lights[i].color.rgb * sent * p.opacity;
             continue;
         }

@@ -21,10 +21,16 @@ struct Arriving {
 
 // Returns the light that reaches a point at that relative height of the fur.
 fn arriving_at(height: f32, light_ts: vec3<f32>, half_ts: vec3<f32>, visible: f32, past: f32) -> Arriving {
-    return Arriving(
-        instance.ambient * ambient_attenuation(height, instance.ambient_floor), instance.diffuse, instance.specular,
-        light_ts, half_ts, back_attenuation(light_ts.z, instance.back_light_range), visible, past,
-    );
+    var out: Arriving;
+    out.ambient = instance.ambient * ambient_attenuation(height, instance.ambient_floor);
+    out.diffuse = instance.diffuse;
+    out.specular = instance.specular;
+    out.light_ts = light_ts;
+    out.half_ts = half_ts;
+    out.facing = back_attenuation(light_ts.z, instance.back_light_range);
+    out.visible = visible;
+    out.past = past;
+    return out;
 }
 
 fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
@@ -41,7 +47,9 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
             visible *= back_attenuation(a.light_ts.z, max(material.rim * p.baked.texel.w, 1e-3));
         }
         let color = p.color * a.diffuse / max(p.opacity, 1e-6);
-        let sent = scatter(p.direction, normalize_or(a.light_ts, eye), eye, color, p.deeper * a.diffuse, above_rim(a.light_ts.z, p.baked.texel.w), visible, a.past);
+        let light = normalize_or(a.light_ts, eye);
+        let above = above_rim(a.light_ts.z, p.baked.texel.w);
+        let sent = scatter(p.direction, light, eye, color, p.deeper * a.diffuse, above, visible, a.past);
         return p.color * a.ambient + a.specular * sent * p.opacity;
     }
     visible *= a.past;

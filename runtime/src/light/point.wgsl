@@ -13,7 +13,8 @@ struct Spot {
 }
 
 fn spot_of(v: Vertex, position: vec3<f32>, tile: TileFrame) -> Spot {
-    return Spot(position, tile.normal_ws, vec4(tile.tangent_ws, v.tangent.w * instance.handedness), open_to_hair(v.groom.zw));
+    let tangent = vec4(tile.tangent_ws, v.tangent.w * instance.handedness);
+    return Spot(position, tile.normal_ws, tangent, open_to_hair(v.groom.zw));
 }
 
 struct HairPoint {

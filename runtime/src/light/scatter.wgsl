@@ -21,7 +21,8 @@ fn fibre_number() -> u32 {
 // Reads a layer of the fibre's tables, interpolated, at coordinates 0..=1.
 fn fibre_texel(place: vec2<f32>, layer: u32) -> vec4<f32> {
     let size = f32(textureDimensions(fibre_tables).x);
-    return textureSampleLevel(fibre_tables, map_sampler, (place * (size - 1.0) + 0.5) / size, 2u * fibre_number() + layer, 0.0);
+    let uv = (place * (size - 1.0) + 0.5) / size;
+    return textureSampleLevel(fibre_tables, map_sampler, uv, 2u * fibre_number() + layer, 0.0);
 }
 
 // Returns the light that falls on a mat below hair of that colour, relative to the light on the hair. It is the share
@@ -44,7 +45,16 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
 //
 // `deeper`: colour of the hair below; `direct`: share of the light that passes other fibres; `past`: share that passes
 // all other objects; above: sine of the light's height above the surface, as returned by above_rim.
-fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f32>, deeper: vec3<f32>, above: f32, direct: f32, past: f32) -> vec3<f32> {
+fn scatter(
+    direction: vec3<f32>,
+    light: vec3<f32>,
+    eye: vec3<f32>,
+    color: vec3<f32>,
+    deeper: vec3<f32>,
+    above: f32,
+    direct: f32,
+    past: f32,
+) -> vec3<f32> {
     let number = fibre_number();
     let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
@@ -55,12 +65,14 @@ fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f
     if MULTIPLE {
         // Multiply scattered light passed through the hair below. The difference angle is already available and
         // replaces the light's own angle.
-        let sides = fibre_sides(fibres[number], angles.cos_i, fibre_left(angles.cos_d, optics, fibre_absorption(deeper, optics.y)));
+        let left_deeper = fibre_left(angles.cos_d, optics, fibre_absorption(deeper, optics.y));
+        let sides = fibre_sides(fibres[number], angles.cos_i, left_deeper);
         var met = sides;
         var cones = vec2(1.0);
         if HANGS {
             met = hanging_sides(sides);
-            cones = hanging_cones(fibres[number], angles.cos_i, dot(left, vec3(1.0 / 3.0)), direct, dot(tip, light), dot(tip, eye));
+            let grey = dot(left, vec3(1.0 / 3.0));
+            cones = hanging_cones(fibres[number], angles.cos_i, grey, direct, dot(tip, light), dot(tip, eye));
         }
         let d = diffused(met[0], met[1], direct);
         // Light from half of all azimuths: from the light's side, and from the opposite side.

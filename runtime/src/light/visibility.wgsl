@@ -81,7 +81,8 @@ fn visible_past_things(r: Receiver) -> f32 {
     var past = 1.0;
     if GUIDED_SHADOW {
         // Last map: transmittance of guided hair only.
-        past = textureSampleLevel(layer_maps, map_sampler, r.place.xy / r.place.w, textureNumLayers(layer_maps) - 1u, 0.0).r;
+        let last = textureNumLayers(layer_maps) - 1u;
+        past = textureSampleLevel(layer_maps, map_sampler, r.place.xy / r.place.w, last, 0.0).r;
     }
     if !SOFT_SHADOW {
         return past;

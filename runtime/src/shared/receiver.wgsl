@@ -19,7 +19,8 @@ struct ShadowReceiver {
 // normal and the light.
 fn light_at_place(texel: vec4<f32>, place: vec4<f32>, n_dot_l: f32, receiver: ShadowReceiver) -> f32 {
     let inside = place.w > 0.0 && all(place.xyz >= vec3(0.0)) && all(place.xyz <= vec3(place.ww, 1.0));
-    let past = soft_shadow(texel, place.z, place.w, slanted_path(n_dot_l), receiver.soft_shadow, receiver.centred != 0u);
+    let path = slanted_path(n_dot_l);
+    let past = soft_shadow(texel, place.z, place.w, path, receiver.soft_shadow, receiver.centred != 0u);
     return select(1.0, past * texel.w, inside);
 }
 

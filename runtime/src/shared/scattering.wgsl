@@ -114,7 +114,8 @@ fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> Diffused {
     let depth = log2(clamp(direct, 1e-30, 1.0));
     let arrives = exp2(less * depth);
     let sent_on = exp2((vec3(1.0) - on) * depth);
-    return Diffused(max(sent_on - direct, vec3(0.0)), max(arrives - sent_on, vec3(0.0)), given_back * arrives, root_lost);
+    let from_light = max(arrives - sent_on, vec3(0.0));
+    return Diffused(max(sent_on - direct, vec3(0.0)), from_light, given_back * arrives, root_lost);
 }
 
 // Returns the multiply scattered light under a light at a height of that sine, relative to one at the zenith.

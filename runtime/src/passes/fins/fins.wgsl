@@ -37,7 +37,13 @@ fn baked_at_height(height: f32, kept: f32, length: f32, slope: f32) -> Baked {
             layer - f32(below),
         );
     }
-    return Baked(texel, kept, length, slope, 1.0);
+    var baked: Baked;
+    baked.texel = texel;
+    baked.kept = kept;
+    baked.length = length;
+    baked.slope = slope;
+    baked.within = 1.0;
+    return baked;
 }
 
 @vertex
@@ -46,17 +52,28 @@ fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
     let opacity = corner.opacity * instance.fin_share;
     let v = corner.vertex;
     let at = hair_vertex(v, corner.tile, hair_position(v, corner.tile, corner.height));
-    var position = at.position;
-    if opacity < LEAST_ALPHA {
-        position = vec4(0.0, 0.0, 0.0, 1.0);
-    }
+    let length = length_share(v);
     let slope = lean_slope(v.lean, corner.height);
-    return FinVarying(
-        position, vec2(corner.along, corner.height), at.light_ts,
-        half_or_factors(corner.slab, length_share(v), slope, at.light_ts, at.half_ts, 0.0), at.tint, at.base_uv, corner.slab, opacity,
-        at.groom, vec2(length_share(v), slope), at.place, at.spot.position_ws, at.spot.normal_ws, at.spot.tangent,
-        at.spot.open,
-    );
+    var out: FinVarying;
+    out.position = at.position;
+    if opacity < LEAST_ALPHA {
+        out.position = vec4(0.0, 0.0, 0.0, 1.0);
+    }
+    out.slab_uv = vec2(corner.along, corner.height);
+    out.light_ts = at.light_ts;
+    out.half_ts = half_or_factors(corner.slab, length, slope, at.light_ts, at.half_ts, 0.0);
+    out.tint = at.tint;
+    out.base_uv = at.base_uv;
+    out.slab = corner.slab;
+    out.opacity = opacity;
+    out.groom = at.groom;
+    out.length_slope = vec2(length, slope);
+    out.place = at.place;
+    out.position_ws = at.spot.position_ws;
+    out.normal_ws = at.spot.normal_ws;
+    out.tangent = at.spot.tangent;
+    out.open = at.spot.open;
+    return out;
 }
 
 // Returns premultiplied colour and opacity.
@@ -76,10 +93,19 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
     }
     let height = clamp(in.slab_uv.y, 0.0, 1.0);
     let receiver = Receiver(in.place, height * frame.last_map_layer, true, in.light_ts.z);
-    let point = HairPoint(
-        Spot(in.position_ws, in.normal_ws, in.tangent, in.open), grown(hair.direction, in.length_slope.x, in.length_slope.y), texel.rgb * base.rgb, texel.a,
-        vec3(1.0), mean_of_layer(in.slab, texel.rgb / texel.a) * base.rgb, 0.0, arriving_at(in.slab_uv.y, in.light_ts, in.half_ts, visible_through_hair(receiver), visible_past_things(receiver)),
-        baked_at_height(height, groom.x, in.length_slope.x, in.length_slope.y),
-    );
+    let visible = visible_through_hair(receiver);
+    let past = visible_past_things(receiver);
+    let length = in.length_slope.x;
+    let slope = in.length_slope.y;
+    var point: HairPoint;
+    point.spot = Spot(in.position_ws, in.normal_ws, in.tangent, in.open);
+    point.direction = grown(hair.direction, length, slope);
+    point.color = texel.rgb * base.rgb;
+    point.opacity = texel.a;
+    point.tint = vec3(1.0);
+    point.deeper = mean_of_layer(in.slab, texel.rgb / texel.a) * base.rgb;
+    point.wetness = 0.0;
+    point.arriving = arriving_at(in.slab_uv.y, in.light_ts, in.half_ts, visible, past);
+    point.baked = baked_at_height(height, groom.x, length, slope);
     return shown(vec4(light_hair(point), texel.a), 3u, 0.0);
 }

@@ -102,7 +102,8 @@ fn advance(index: u32, v: GeometryVertex, size: f32) -> vec3<f32> {
     let kept = exp(-DAMPING * turns * h);
     let sine = sin(damped * h) / damped;
     let cosine = cos(damped * h);
-    let aside = within(goal + (off * (cosine + DAMPING * turns * sine) + beside_was.xyz * sine) * kept, FARTHEST * size);
+    let swung = (off * (cosine + DAMPING * turns * sine) + beside_was.xyz * sine) * kept;
+    let aside = within(goal + swung, FARTHEST * size);
     let beside = (beside_was.xyz * (cosine - DAMPING * turns * sine) - off * (square * sine)) * kept;
     store(index, aside, beside, root, of_skin);
     return within(aside + beside * (0.5 * h), FARTHEST * size);

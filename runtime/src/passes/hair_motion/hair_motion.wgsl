@@ -150,7 +150,8 @@ fn rotate(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
 }
 
 fn after(second: vec4<f32>, first: vec4<f32>) -> vec4<f32> {
-    return vec4(second.w * first.xyz + first.w * second.xyz + cross(second.xyz, first.xyz), second.w * first.w - dot(second.xyz, first.xyz));
+    let turn = second.w * first.xyz + first.w * second.xyz + cross(second.xyz, first.xyz);
+    return vec4(turn, second.w * first.w - dot(second.xyz, first.xyz));
 }
 
 fn now_along(k: u32) -> vec3<f32> {
@@ -223,7 +224,15 @@ fn outside(parent: vec3<f32>, size: f32, at: vec3<f32>, center: vec3<f32>, radiu
     return parent + axis * on_axis + beside * sqrt(squared);
 }
 
-fn advance(old_frame: mat3x3<f32>, old_root: vec3<f32>, frame: mat3x3<f32>, root: vec3<f32>, share: f32, before_s: f32, time_s: f32) {
+fn advance(
+    old_frame: mat3x3<f32>,
+    old_root: vec3<f32>,
+    frame: mat3x3<f32>,
+    root: vec3<f32>,
+    share: f32,
+    before_s: f32,
+    time_s: f32,
+) {
     let h = motion.step_s;
     let went = root - old_root;
     let per_s = select(0.0, 1.0 / h, h > 0.0);

@@ -24,7 +24,9 @@ const LINES_RUN: vec2<f32> = vec2(0.44, 0.24);
 // Samples a bleeding texture: the mean of two reads, each of which filters four texels.
 fn softly(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f32> {
     let px = runs / ink.size;
-    return 0.5 * (textureSampleLevel(map, clamped, uv + px, 0.0).rg + textureSampleLevel(map, clamped, uv - px, 0.0).rg);
+    let one = textureSampleLevel(map, clamped, uv + px, 0.0).rg;
+    let other = textureSampleLevel(map, clamped, uv - px, 0.0).rg;
+    return 0.5 * (one + other);
 }
 
 // Returns the depth of a pixel. Outside the body, a line is slightly behind its feature at `q`, so that hair in front

@@ -126,7 +126,9 @@ fn fs_ink_fins(in: StrokeVarying) -> @location(0) vec4<f32> {
     let ink = ink_nested(strokes, (0.15 + 0.35 * model.fur) * in.share_height.x) * model.fur;
     let whole = tuft(in.share_height.w, in.share_height.y) * free_of_skin(in.position, in.share_height.z);
     // The brush lifts towards the tip.
-    return painted(whole * smoothstep(0.2, 0.6, ink) * min(2.0 * in.share_height.x, 1.0) * (0.85 - 0.3 * in.share_height.y), 0.4 * in.share_height.y, in.position.xy);
+    let height = in.share_height.y;
+    let amount = whole * smoothstep(0.2, 0.6, ink) * min(2.0 * in.share_height.x, 1.0) * (0.85 - 0.3 * height);
+    return painted(amount, 0.4 * height, in.position.xy);
 }
 
 @fragment

@@ -115,7 +115,8 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     let product = ink_wash_product(in.position_product.w) + (grain.g - 0.5) * 0.5 * model.grain;
     var density = 1.0 - ink_wash_grey(product, model.wash_speed, model.wash_range);
     let edge = smoothstep(0.0, 0.07, density) * (1.0 - smoothstep(0.07, 0.3, density));
-    density = clamp(density * (1.0 + model.grain * 0.7 * (grain.r - 0.5)) + edge * 0.07 * model.grain, 0.0, 1.0) * share;
+    density = density * (1.0 + model.grain * 0.7 * (grain.r - 0.5)) + edge * 0.07 * model.grain;
+    density = clamp(density, 0.0, 1.0) * share;
     // Dark surfaces take more ink; darkness of the base colour is measured as displayed.
     let light = pow(clamp(dot(base.rgb, vec3(0.2126, 0.7152, 0.0722)), 0.0, 1.0), 1.0 / 2.2);
     let dark = model.tone * share * (1.0 - smoothstep(0.06, 0.42, light)) * (0.75 + 0.4 * (grain.r - 0.5));

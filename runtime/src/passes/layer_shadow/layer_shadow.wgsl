@@ -39,9 +39,13 @@ fn vs_layer(v: Vertex, @builtin(instance_index) layer: u32) -> LayerVarying {
 @vertex
 fn vs_layer_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedLayerVarying {
     let plain = layer_of(v, layer);
-    return MappedLayerVarying(
-        plain.position, plain.uv_light, plain.layer, vec4(v.base_uv, v.groom.xy), v.color * material.base_color,
-    );
+    var out: MappedLayerVarying;
+    out.position = plain.position;
+    out.uv_light = plain.uv_light;
+    out.layer = plain.layer;
+    out.base_uv_groom = vec4(v.base_uv, v.groom.xy);
+    out.tint = v.color * material.base_color;
+    return out;
 }
 
 // Returns the transmittance. kept: share of the layer's hair that grows; wetness: of that hair.

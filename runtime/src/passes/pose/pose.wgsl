@@ -35,11 +35,11 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let linear = mat3x3(m[0].xyz, m[1].xyz, m[2].xyz);
     let normal = transform_normal(linear, v.normal);
     let tangent = orthonormal_tangent(linear * v.tangent.xyz, normal);
-    posed[index] = GeometryVertex(
-        (m * vec4(v.position, 1.0)).xyz,
-        v.fur_height,
-        normal,
-        v.lean,
-        vec4(tangent, v.tangent.w * handedness_of(linear)),
-    );
+    var out: GeometryVertex;
+    out.position = (m * vec4(v.position, 1.0)).xyz;
+    out.fur_height = v.fur_height;
+    out.normal = normal;
+    out.lean = v.lean;
+    out.tangent = vec4(tangent, v.tangent.w * handedness_of(linear));
+    posed[index] = out;
 }

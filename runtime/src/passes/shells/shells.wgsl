@@ -24,10 +24,17 @@ fn shell_of(v: Vertex, index: u32) -> Shell {
         aside = aside_at(height);
         at.base_uv -= aside.xy;
     }
-    return Shell(
-        v.tile_uv, at.tint.rgb * instance.ambient * ambient_attenuation(hair_height, instance.ambient_floor),
-        at.tint.rgb * instance.diffuse, length_share(v), hair_height * frame.last_map_layer, slope, baked, aside, at,
-    );
+    var out: Shell;
+    out.tile_uv = v.tile_uv;
+    out.ambient = at.tint.rgb * instance.ambient * ambient_attenuation(hair_height, instance.ambient_floor);
+    out.diffuse = at.tint.rgb * instance.diffuse;
+    out.length = length_share(v);
+    out.map_layer = hair_height * frame.last_map_layer;
+    out.slope = slope;
+    out.layer = baked;
+    out.aside = aside;
+    out.at = at;
+    return out;
 }
 
 @vertex
@@ -89,8 +96,16 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     if DETAIL && BAKED_SHADOW {
         baked.within = light_within(hair.color.a, stands_for(in.layer));
     }
-    let direction = grown(hair.direction, in.length, in.slope);
-    let point = HairPoint(in.spot, direction, texel.rgb * base.rgb, texel.a, in.tint, mean_of_layer(in.layer / 4u, texel.rgb / texel.a) * base.rgb, groom.y, arriving, baked);
+    var point: HairPoint;
+    point.spot = in.spot;
+    point.direction = grown(hair.direction, in.length, in.slope);
+    point.color = texel.rgb * base.rgb;
+    point.opacity = texel.a;
+    point.tint = in.tint;
+    point.deeper = mean_of_layer(in.layer / 4u, texel.rgb / texel.a) * base.rgb;
+    point.wetness = groom.y;
+    point.arriving = arriving;
+    point.baked = baked;
     return shown(vec4(light_hair(point), texel.a), 2u, 0.0);
 }
 

@@ -70,28 +70,49 @@ struct FilledVarying {
 }
 
 fn plain_varying(s: Shell) -> PlainVarying {
-    let specular = bitcast<vec3<u32>>(instance.specular);
-    return PlainVarying(
-        s.at.position, vec4(s.tile_uv, s.at.n_dot_e, s.length), vec4(s.at.light_ts, s.diffuse.r),
-        vec4(s.at.half_ts, s.diffuse.g), vec4(s.ambient, s.diffuse.b), s.at.place, vec4(specular, s.layer),
-    );
+    var out: PlainVarying;
+    out.position = s.at.position;
+    out.uv_cosine_length = vec4(s.tile_uv, s.at.n_dot_e, s.length);
+    out.light_red = vec4(s.at.light_ts, s.diffuse.r);
+    out.half_green = vec4(s.at.half_ts, s.diffuse.g);
+    out.ambient_blue = vec4(s.ambient, s.diffuse.b);
+    out.place = s.at.place;
+    out.specular_layer = vec4(bitcast<vec3<u32>>(instance.specular), s.layer);
+    return out;
 }
 
 fn mapped_varying(s: Shell) -> MappedVarying {
     let p = plain_varying(s);
-    return MappedVarying(
-        p.position, p.uv_cosine_length, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
-        vec4(s.at.base_uv, s.at.groom), vec4(s.slope, s.at.tint.a, s.map_layer, s.aside.z),
-    );
+    var out: MappedVarying;
+    out.position = p.position;
+    out.uv_cosine_length = p.uv_cosine_length;
+    out.light_red = p.light_red;
+    out.half_green = p.half_green;
+    out.ambient_blue = p.ambient_blue;
+    out.place = p.place;
+    out.specular_layer = p.specular_layer;
+    out.base_uv_groom = vec4(s.at.base_uv, s.at.groom);
+    out.slope_alpha_map = vec4(s.slope, s.at.tint.a, s.map_layer, s.aside.z);
+    return out;
 }
 
 fn filled_varying(s: Shell) -> FilledVarying {
     let m = mapped_varying(s);
-    return FilledVarying(
-        m.position, m.uv_cosine_length, m.light_red, m.half_green, m.ambient_blue, m.place, m.specular_layer,
-        m.base_uv_groom, m.slope_alpha_map, vec4(s.at.spot.position_ws, s.at.tint.r),
-        vec4(s.at.spot.normal_ws, s.at.tint.g), s.at.spot.tangent, vec4(s.at.tint.b, s.at.spot.open),
-    );
+    var out: FilledVarying;
+    out.position = m.position;
+    out.uv_cosine_length = m.uv_cosine_length;
+    out.light_red = m.light_red;
+    out.half_green = m.half_green;
+    out.ambient_blue = m.ambient_blue;
+    out.place = m.place;
+    out.specular_layer = m.specular_layer;
+    out.base_uv_groom = m.base_uv_groom;
+    out.slope_alpha_map = m.slope_alpha_map;
+    out.position_ws_red = vec4(s.at.spot.position_ws, s.at.tint.r);
+    out.normal_ws_green = vec4(s.at.spot.normal_ws, s.at.tint.g);
+    out.tangent = s.at.spot.tangent;
+    out.blue_open = vec4(s.at.tint.b, s.at.spot.open);
+    return out;
 }
 
 // Inputs of a fragment.
@@ -115,24 +136,39 @@ struct ShellFragment {
     arriving: Arriving,
 }
 
+// Inputs that this variant does not have are zero; other variants set them.
 fn plain_fragment(in: PlainVarying) -> ShellFragment {
-    let arriving = Arriving(
-        in.ambient_blue.rgb, vec3(in.light_red.w, in.half_green.w, in.ambient_blue.w),
-        bitcast<vec3<f32>>(in.specular_layer.xyz), in.light_red.xyz, in.half_green.xyz,
-        back_attenuation(in.light_red.z, instance.back_light_range), 1.0, 1.0,
-    );
-    // In this variant, drawn, baked and map layers are equal; other variants override the map layer.
     let layer = in.specular_layer.w;
-    return ShellFragment(
-        in.uv_cosine_length.xy, layer, in.uv_cosine_length.z, in.uv_cosine_length.w, vec2(0.0), vec2(0.0), 0.0, 1.0, in.place, f32(layer), 0.0,
-        vec3(0.0), Spot(), arriving,
-    );
+    var out: ShellFragment;
+    out.tile_uv = in.uv_cosine_length.xy;
+    out.layer = layer;
+    out.n_dot_e = in.uv_cosine_length.z;
+    out.length = in.uv_cosine_length.w;
+    out.base_alpha = 1.0;
+    out.place = in.place;
+    // In this variant, drawn, baked and map layers are equal; other variants override the map layer.
+    out.map_layer = f32(layer);
+    out.arriving.ambient = in.ambient_blue.rgb;
+    out.arriving.diffuse = vec3(in.light_red.w, in.half_green.w, in.ambient_blue.w);
+    out.arriving.specular = bitcast<vec3<f32>>(in.specular_layer.xyz);
+    out.arriving.light_ts = in.light_red.xyz;
+    out.arriving.half_ts = in.half_green.xyz;
+    out.arriving.facing = back_attenuation(in.light_red.z, instance.back_light_range);
+    out.arriving.visible = 1.0;
+    out.arriving.past = 1.0;
+    return out;
 }
 
 fn mapped_fragment(in: MappedVarying) -> ShellFragment {
-    var out = plain_fragment(PlainVarying(
-        in.position, in.uv_cosine_length, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
-    ));
+    var plain: PlainVarying;
+    plain.position = in.position;
+    plain.uv_cosine_length = in.uv_cosine_length;
+    plain.light_red = in.light_red;
+    plain.half_green = in.half_green;
+    plain.ambient_blue = in.ambient_blue;
+    plain.place = in.place;
+    plain.specular_layer = in.specular_layer;
+    var out = plain_fragment(plain);
     out.base_uv = in.base_uv_groom.xy;
     out.groom = in.base_uv_groom.zw;
     out.slope = in.slope_alpha_map.x;
@@ -143,10 +179,17 @@ fn mapped_fragment(in: MappedVarying) -> ShellFragment {
 }
 
 fn filled_fragment(in: FilledVarying) -> ShellFragment {
-    var out = mapped_fragment(MappedVarying(
-        in.position, in.uv_cosine_length, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
-        in.base_uv_groom, in.slope_alpha_map,
-    ));
+    var mapped: MappedVarying;
+    mapped.position = in.position;
+    mapped.uv_cosine_length = in.uv_cosine_length;
+    mapped.light_red = in.light_red;
+    mapped.half_green = in.half_green;
+    mapped.ambient_blue = in.ambient_blue;
+    mapped.place = in.place;
+    mapped.specular_layer = in.specular_layer;
+    mapped.base_uv_groom = in.base_uv_groom;
+    mapped.slope_alpha_map = in.slope_alpha_map;
+    var out = mapped_fragment(mapped);
     out.tint = vec3(in.position_ws_red.w, in.normal_ws_green.w, in.blue_open.x);
     out.spot = Spot(in.position_ws_red.xyz, in.normal_ws_green.xyz, in.tangent, in.blue_open.yzw);
     return out;

@@ -37,11 +37,21 @@ fn skin_varying(v: Vertex, height: f32) -> SkinVarying {
     if COAT && LEAN {
         slope = lean_slope(v.lean, instance.coat_ambient_height);
     }
-    return SkinVarying(
-        at.position, at.tint, at.base_uv, v.tile_uv, at.light_ts, at.half_ts,
-        vec3(select(0.0, 1.0, v.fur_height > 0.0), length_share(v), slope), at.groom, at.place, at.spot.position_ws, at.spot.normal_ws,
-        at.spot.tangent, at.spot.open,
-    );
+    var out: SkinVarying;
+    out.position = at.position;
+    out.tint = at.tint;
+    out.base_uv = at.base_uv;
+    out.tile_uv = v.tile_uv;
+    out.light_ts = at.light_ts;
+    out.half_ts = at.half_ts;
+    out.grows_length_slope = vec3(select(0.0, 1.0, v.fur_height > 0.0), length_share(v), slope);
+    out.groom = at.groom;
+    out.place = at.place;
+    out.position_ws = at.spot.position_ws;
+    out.normal_ws = at.spot.normal_ws;
+    out.tangent = at.spot.tangent;
+    out.open = at.spot.open;
+    return out;
 }
 
 // Bare parts read no hair textures.
@@ -56,7 +66,9 @@ fn vs_furred(v: Vertex) -> SkinVarying {
     let height = instance.detail_next * instance.coat_height;
     var out = skin_varying(v, height);
     let layer = select(0u, instance.baked_layers, COAT);
-    out.half_ts = half_or_factors(layer, out.grows_length_slope.y, out.grows_length_slope.z, out.light_ts, out.half_ts, v.groom.y);
+    let length = out.grows_length_slope.y;
+    let slope = out.grows_length_slope.z;
+    out.half_ts = half_or_factors(layer, length, slope, out.light_ts, out.half_ts, v.groom.y);
     return out;
 }
 
@@ -66,7 +78,8 @@ fn side_of(front: bool) -> f32 {
 }
 
 fn bare_color(base: vec3<f32>, n_dot_l: f32, visible: f32, spot: Spot, side: f32) -> vec3<f32> {
-    return key_light_on_bare(base, n_dot_l, visible) + fill_lights_on_bare(base, spot, side) + environment_on_bare(base, spot, side);
+    return key_light_on_bare(base, n_dot_l, visible) + fill_lights_on_bare(base, spot, side)
+        + environment_on_bare(base, spot, side);
 }
 
 @fragment
@@ -125,17 +138,24 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     var through = visible_through_hair(receiver);
     if COAT && !BAKED_SHADOW {
         // The far fur layer is in no shadow map.
-        through = mix(through, visible_below_coat(far, groom.x, light.z, in.grows_length_slope.y), instance.detail_next);
+        let below = visible_below_coat(far, groom.x, light.z, in.grows_length_slope.y);
+        through = mix(through, below, instance.detail_next);
     }
     let visible = through * past;
     let spot = Spot(in.position_ws, in.normal_ws, in.tangent, in.open);
     let color = hair.color;
     let kept = in.grows_length_slope.x * groom.x;
     let baked = baked_at(in.tile_uv, 0u, groom.y, kept, in.grows_length_slope.y, 0.0);
-    let point = HairPoint(
-        spot, grown(hair.direction, in.grows_length_slope.y, 0.0), color.rgb * base.rgb, color.a, vec3(1.0), color.rgb * base.rgb, groom.y,
-        arriving_at(0.0, light, in.half_ts, through, past), baked,
-    );
+    var point: HairPoint;
+    point.spot = spot;
+    point.direction = grown(hair.direction, in.grows_length_slope.y, 0.0);
+    point.color = color.rgb * base.rgb;
+    point.opacity = color.a;
+    point.tint = vec3(1.0);
+    point.deeper = color.rgb * base.rgb;
+    point.wetness = groom.y;
+    point.arriving = arriving_at(0.0, light, in.half_ts, through, past);
+    point.baked = baked;
     let bare = bare_color(base.rgb, light.z, visible * visible_past_strands(baked, light), spot, side);
     // The bake writes an opaque innermost layer. Where a package's layer is not opaque, the bare surface shows between
     // the hairs.
@@ -143,19 +163,26 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     let undercoat = light_undercoat(point) + (1.0 - color.a) * ambient * bare;
     let skin = mix(bare, undercoat, in.grows_length_slope.x * groom.x);
     if COAT {
-        let baked_coat = baked_at(
-            in.tile_uv, instance.baked_layers, groom.y, kept, in.grows_length_slope.y, in.grows_length_slope.z,
-        );
-        let share = instance.detail_next * in.grows_length_slope.x * groom.x;
-        var of_coat = base.rgb;
+        let length = in.grows_length_slope.y;
+        let slope = in.grows_length_slope.z;
+        var far_fur: FarFur;
+        far_fur.hair = far;
+        far_fur.baked = baked_at(in.tile_uv, instance.baked_layers, groom.y, kept, length, slope);
+        far_fur.undercoat = skin;
+        far_fur.base_color = base.rgb;
         if AT_ROOT {
             let root = in.base_uv - root_aside(aside_at(instance.coat_ambient_height), far.direction);
-            of_coat = base_color_at_root(in.tint, in.base_uv, root).rgb;
+            far_fur.base_color = base_color_at_root(in.tint, in.base_uv, root).rgb;
         }
-        let coated = with_coat(
-            baked_coat, far, skin, of_coat, spot, light, in.half_ts, in.grows_length_slope.y, in.grows_length_slope.z, share, groom.y, past,
-        );
-        return shown(vec4(coated, 1.0), 0u, share);
+        far_fur.spot = spot;
+        far_fur.light_ts = light;
+        far_fur.half_ts = in.half_ts;
+        far_fur.length = length;
+        far_fur.slope = slope;
+        far_fur.share = instance.detail_next * in.grows_length_slope.x * groom.x;
+        far_fur.wetness = groom.y;
+        far_fur.past = past;
+        return shown(vec4(with_coat(far_fur), 1.0), 0u, far_fur.share);
     }
     return shown(vec4(skin, 1.0), 0u, 0.0);
 }

@@ -62,7 +62,13 @@ fn end(corners: Corners) -> End {
     let b = on_screen(corners.right);
     let aside = 0.5 * (b.xy - a.xy);
     let half = length(aside);
-    return End(a.xy + aside, 0.5 * (a.z + b.z), half, vec2(aside.y, -aside.x) / half, corners.light);
+    var out: End;
+    out.at = a.xy + aside;
+    out.depth = 0.5 * (a.z + b.z);
+    out.half = half;
+    out.along = vec2(aside.y, -aside.x) / half;
+    out.light = corners.light;
+    return out;
 }
 
 fn cross_2(a: vec2<f32>, b: vec2<f32>) -> f32 {

@@ -186,7 +186,8 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         var color = srgb_channels(unpack4x8unorm(point.z).rgb);
         var deeper = color;
         if MULTIPLE && !HANGS {
-            deeper = srgb_channels(unpack4x8unorm(tile[strand.of_tile * constants.points + i * constants.step / 2u].z).rgb) * tint.rgb;
+            let half_as_high = strand.of_tile * constants.points + i * constants.step / 2u;
+            deeper = srgb_channels(unpack4x8unorm(tile[half_as_high].z).rgb) * tint.rgb;
         }
         var seen_by = unpack4x8unorm(point.w);
         if WET {
@@ -204,15 +205,23 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let place = map_place(position + eye * (radius * radii_towards_eye()));
         let receiver = Receiver(place, height * frame.last_map_layer, true, light_ts.z);
         let past = visible_past_things(receiver);
-        let slope = lean_slope(strand.lean, height);
-        let arriving = arriving_at(height, light_ts, half_ts, visible_through_strands(place), past);
         if HANGS {
             open = to_tile(skin, outwards(position - world_place(root), normal, tangent));
         }
-        let hair = HairPoint(
-            Spot(position, skin.normal_ws, vec4(skin.tangent_ws, handedness), open), to_tile(skin, tangent), color * tint.rgb, 1.0,
-            vec3(1.0), deeper, wetness, arriving, Baked(seen_by, grows, length, slope, 1.0),
-        );
+        var hair: HairPoint;
+        hair.spot = Spot(position, skin.normal_ws, vec4(skin.tangent_ws, handedness), open);
+        hair.direction = to_tile(skin, tangent);
+        hair.color = color * tint.rgb;
+        hair.opacity = 1.0;
+        hair.tint = vec3(1.0);
+        hair.deeper = deeper;
+        hair.wetness = wetness;
+        hair.arriving = arriving_at(height, light_ts, half_ts, visible_through_strands(place), past);
+        hair.baked.texel = seen_by;
+        hair.baked.kept = grows;
+        hair.baked.length = length;
+        hair.baked.slope = lean_slope(strand.lean, height);
+        hair.baked.within = 1.0;
         let lit = packed_light(light_hair(hair));
         let left = vec4(bitcast<vec3<u32>>(position - aside), lit);
         let right = vec4(bitcast<vec3<u32>>(position + aside), lit);

@@ -40,7 +40,8 @@ fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
     let wetness = strand_groom(strand).y;
     if WET {
         // Wet hair is stored after all dry hair.
-        let wet = stand_place(stands[constants.count * points + index], height_of_point(constants.dry_points + of_tile));
+        let height = height_of_point(constants.dry_points + of_tile);
+        let wet = stand_place(stands[constants.count * points + index], height);
         at = mix(at, wet, wetness);
     }
     let first = number * (points + POSED_BEFORE);
@@ -49,7 +50,8 @@ fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
         let stand = stands[index];
         let a = vertices[stand.a];
         let w = weights_inside(stand);
-        let normal = normalize_or(a.normal * w.x + vertices[stand.b].normal * w.y + vertices[stand.c].normal * w.z, a.normal);
+        let mean_normal = a.normal * w.x + vertices[stand.b].normal * w.y + vertices[stand.c].normal * w.z;
+        let normal = normalize_or(mean_normal, a.normal);
         let along_u = a.tangent.xyz * w.x + vertices[stand.b].tangent.xyz * w.y + vertices[stand.c].tangent.xyz * w.z;
         posed[first] = vec4(normal, wetness);
         posed[first + 1u] = vec4(orthonormal_tangent(along_u, normal), a.tangent.w);

@@ -36,7 +36,8 @@ fn walk(number: u32, deposits: bool) {
         let place_b = map_texel(b, side);
         let texels = distance(place_a.xy, place_b.xy);
         let steps = clamp(ceil(texels), 1.0, MOST_STEPS);
-        let radius = f32(tile[strand.of_tile * points + i - constants.step / 2u].y >> 16u) / 65535.0 * constants.radius * instance.scale;
+        let middle = strand.of_tile * points + i - constants.step / 2u;
+        let radius = f32(tile[middle].y >> 16u) / 65535.0 * constants.radius * instance.scale;
         for (var k = 0.5; k < steps; k += 1.0) {
             let share = k / steps;
             let p = mix(place_a, place_b, share);

@@ -14,11 +14,11 @@ fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: v
     if !VERTEX_LIGHTING {
         return half;
     }
-    var direction =
-        decode_direction(textureLoad(shell_directions, vec2(0), layer, textureNumLevels(shell_directions) - 1u), PLANAR_DIRECTIONS);
+    let last = textureNumLevels(shell_directions) - 1u;
+    var direction = decode_direction(textureLoad(shell_directions, vec2(0), layer, last), PLANAR_DIRECTIONS);
     if WET {
-        let last = textureNumLevels(wet_directions) - 1u;
-        let wet = decode_direction(textureLoad(wet_directions, vec2(0), layer, last), PLANAR_DIRECTIONS);
+        let last_wet = textureNumLevels(wet_directions) - 1u;
+        let wet = decode_direction(textureLoad(wet_directions, vec2(0), layer, last_wet), PLANAR_DIRECTIONS);
         direction = mix(direction, wet, wetness);
     }
     // H is short between vertices with different view directions. Treating it as unit length would put the eye opposite
