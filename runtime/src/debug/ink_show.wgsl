@@ -6,7 +6,7 @@ override SHOW: u32 = 1u;
 
 @fragment
 fn fs_show(@builtin(position) position: vec4<f32>) -> Painted {
-    let p = inside(vec2<i32>(position.xy));
+    let p = clamp_to_target(vec2<i32>(position.xy));
     let uv = position.xy / ink.size;
     // Where features are shown, the features texture is bound as `strokes`.
     let stroke = textureLoad(strokes, p, 0);

@@ -33,7 +33,7 @@ macro_rules! hair_wgsl {
             include_str!("../../light/scatter.wgsl"),
             include_str!("../../light/fills.wgsl"),
             include_str!("../../light/environment.wgsl"),
-            include_str!("../../debug/shown.wgsl"),
+            include_str!("../../debug/false_color.wgsl"),
             $crate::study::form_wgsl!("light/forms.wgsl"),
             include_str!("../../light/key.wgsl"),
             include_str!("../../light/point.wgsl"),

@@ -49,7 +49,7 @@ fn vs_screen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> 
     return vec4(corner * 2.0 - 1.0, 0.0, 1.0);
 }
 
-fn inside(p: vec2<i32>) -> vec2<i32> {
+fn clamp_to_target(p: vec2<i32>) -> vec2<i32> {
     return clamp(p, vec2(0), vec2<i32>(ink.size) - 1);
 }
 

@@ -47,11 +47,11 @@ fn around_at(spot: Spot, color: vec3<f32>) -> Around {
     // No light comes from below.
     towards.z = max(towards.z, 0.05);
     let hidden = max(1.0 - share, 0.0);
-    let whole = environment_texel(place, 0u) * left_open(color, hidden) * max(share, 1.0);
+    let whole = environment_texel(place, 0u) * environment_share(color, hidden) * max(share, 1.0);
     // The surface receives no light from below its horizon. A body occludes low directions first, which contribute
     // least: an open cone contributes the square of its sine.
     let below = max(1.0 - 2.0 * USUALLY_OPEN * share, 0.0);
-    let irradiance = environment_texel(place, 2u) * left_open(color, below * below);
+    let irradiance = environment_texel(place, 2u) * environment_share(color, below * below);
     return Around(whole, irradiance, towards);
 }
 
@@ -120,7 +120,7 @@ fn lit_from(
 fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     let size = vec2(BROAD_MEANS * BROAD_FROM, BROAD_TO * BROAD_PHI);
     let within = vec2(asin(sin_i) / PI + 0.5, phi) * vec2(BROAD_FROM - 1.0, BROAD_PHI - 1.0) + 0.5;
-    let m = broad_place(mean) * (BROAD_MEANS - 1.0);
+    let m = broad_coordinate(mean) * (BROAD_MEANS - 1.0);
     let o = (asin(sin_o) / PI + 0.5) * (BROAD_TO - 1.0);
     let picture = vec2(min(floor(m), BROAD_MEANS - 2.0), min(floor(o), BROAD_TO - 2.0));
     let share = vec2(m, o) - picture;
@@ -187,7 +187,7 @@ fn scatter_around(
     let cos_i = sqrt(max(1.0 - mean_square(mean, sin_j), 0.0));
     let cos_d = sqrt(clamp(0.5 * (1.0 + cos_i * cos_o + mean * sin_j * sin_o), 0.0, 1.0));
     let absorbed = fibre_absorption(color, optics.y);
-    let left = fibre_left(cos_d, optics, absorbed);
+    let left = fibre_transmittance(cos_d, optics, absorbed);
     let texel = broad_texel(mean, sin_j, sin_o, phi);
     let first_on = fibres[number].on[0];
     let first_back = fibres[number].back[0];
@@ -209,19 +209,20 @@ fn scatter_around(
     if MULTIPLE {
         let reaches = dot(texel.xyz, visible) / max(texel.x + texel.y + texel.z, 1e-6);
         // Multiply scattered light passed through the hair below.
-        let sides = fibre_sides(fibres[number], cos_i, fibre_left(cos_d, optics, fibre_absorption(deeper, optics.y)));
+        let left_deeper = fibre_transmittance(cos_d, optics, fibre_absorption(deeper, optics.y));
+        let sides = absorbing_fibre_shares(fibres[number], cos_i, left_deeper);
         var met = sides;
         if HANGS {
-            met = hanging_sides(sides);
+            met = hanging_sheet_shares(sides);
         }
-        let d = diffused(met[0], met[1], direct);
+        let d = diffused_light(met[0], met[1], direct);
         // Light that does not arrive from the directions of the lobes is scattered by other strands, with the
         // reflectance of deep fur.
         let sent_on = d.sent_on + max(direct - reaches, 0.0) * d.from_below;
         let halves = sent_of_halves(fibres[number], tip, eye, sin_o, left);
         let to_here = halves[0];
         let to_there = halves[1];
-        // falls_in divided by the sine, which the irradiance already includes.
+        // multiple_scattering_by_height over the sine, which the irradiance already includes.
         let root = 2.0 * d.root_lost;
         let falls = (1.0 + root) / (1.0 + around.towards.z * root);
         let spread = d.from_light * to_here + d.from_below * to_there;

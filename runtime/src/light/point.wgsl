@@ -8,13 +8,13 @@ struct Spot {
     normal_ws: vec3<f32>,
     // Direction along +u of the tile; handedness.
     tangent: vec4<f32>,
-    // Openness of the body, as returned by open_to_hair.
+    // Openness of the body, as returned by unpack_openness.
     open: vec3<f32>,
 }
 
 fn spot_of(v: Vertex, position: vec3<f32>, tile: TileFrame) -> Spot {
     let tangent = vec4(tile.tangent_ws, v.tangent.w * instance.handedness);
-    return Spot(position, tile.normal_ws, tangent, open_to_hair(v.groom.zw));
+    return Spot(position, tile.normal_ws, tangent, unpack_openness(v.groom.zw));
 }
 
 struct HairPoint {

@@ -34,9 +34,9 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     }
     let number = fibre_number();
     let optics = fibres[number].optics;
-    let left = fibre_left(1.0, optics, fibre_absorption(color, optics.y));
-    let sides = fibre_sides(fibres[number], 1.0, left);
-    let d = diffused(sides[0], sides[1], direct);
+    let left = fibre_transmittance(1.0, optics, fibre_absorption(color, optics.y));
+    let sides = absorbing_fibre_shares(fibres[number], 1.0, left);
+    let d = diffused_light(sides[0], sides[1], direct);
     return straight + (d.sent_on + d.from_light) * max(n_dot_l, 0.0);
 }
 
@@ -60,21 +60,21 @@ fn scatter(
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let angles = fibre_angles(tip, light, eye);
     let absorbed = fibre_absorption(color, optics.y);
-    let left = fibre_left(angles.cos_d, optics, absorbed);
+    let left = fibre_transmittance(angles.cos_d, optics, absorbed);
     var sent = direct * fibre_scatters(fibre_texel(angles.along, 0u), fibre_texel(angles.around, 1u), absorbed, left);
     if MULTIPLE {
         // Multiply scattered light passed through the hair below. The difference angle is already available and
         // replaces the light's own angle.
-        let left_deeper = fibre_left(angles.cos_d, optics, fibre_absorption(deeper, optics.y));
-        let sides = fibre_sides(fibres[number], angles.cos_i, left_deeper);
+        let left_deeper = fibre_transmittance(angles.cos_d, optics, fibre_absorption(deeper, optics.y));
+        let sides = absorbing_fibre_shares(fibres[number], angles.cos_i, left_deeper);
         var met = sides;
         var cones = vec2(1.0);
         if HANGS {
-            met = hanging_sides(sides);
+            met = hanging_sheet_shares(sides);
             let grey = dot(left, vec3(1.0 / 3.0));
             cones = hanging_cones(fibres[number], angles.cos_i, grey, direct, dot(tip, light), dot(tip, eye));
         }
-        let d = diffused(met[0], met[1], direct);
+        let d = diffused_light(met[0], met[1], direct);
         // Light from half of all azimuths: from the light's side, and from the opposite side.
         let turned = angles.around.x;
         let to_here = mix(sides[1], sides[0], turned);
@@ -84,7 +84,7 @@ fn scatter(
         let straight = mix(sides[1], sides[0], smoothstep(0.15, 0.85, turned));
         // Fur receives no more grazing light than its surface does. Forward-scattered light is at the tips, which
         // grazing light meets from the side. The farther it travels, the less is lost.
-        let falls = falls_in(d.root_lost, above);
+        let falls = multiple_scattering_by_height(d.root_lost, above);
         let reached = pow(falls, min(0.15 + d.root_lost, vec3(0.5)));
         sent += (cones.x * d.sent_on * straight * reached + cones.y * spread * falls) / PI;
     }

@@ -37,7 +37,7 @@ fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, ther
 
 // Returns the height at which the hair visible in a layer that stands for several is lit, as a share of the fur height.
 // Visible hair of the layers below is lower by a quarter of their number on average, less if they are denser.
-fn seen_height(height: f32, stood_for: f32, layers: u32) -> f32 {
+fn visible_height(height: f32, stood_for: f32, layers: u32) -> f32 {
     return height - 0.25 * max(stood_for - 1.0, 0.0) / f32(layers - 1u);
 }
 

@@ -20,7 +20,7 @@ fn mean_square(mean: f32, cosine: f32) -> f32 {
 }
 
 // Returns the coordinate of light with that mean cosine in the tables of broad light, 0..=1.
-fn broad_place(mean: f32) -> f32 {
+fn broad_coordinate(mean: f32) -> f32 {
     let rest = (1.0 - clamp(mean, LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
     return clamp((1.0 - sqrt(rest)) / 0.83, 0.0, 1.0);
 }
@@ -41,7 +41,7 @@ const USUALLY_OPEN: f32 = 0.725;
 
 // Unpacks the openness of a vertex from two numbers, 0..=1. The result is a vector in the tile frame towards the middle
 // of the open directions. Its length is the open share relative to that of most bodies.
-fn open_to_hair(packed: vec2<f32>) -> vec3<f32> {
+fn unpack_openness(packed: vec2<f32>) -> vec3<f32> {
     // Unknown openness.
     if packed.x <= 0.0 {
         return vec3(0.0, 0.0, 1.0);
@@ -55,6 +55,6 @@ fn open_to_hair(packed: vec2<f32>) -> vec3<f32> {
 
 // Returns the share of environment light that reaches a point of a body of that colour, if the body hides the share
 // `hidden` of it. The hiding surface is about as bright as the point itself, and lights it.
-fn left_open(color: vec3<f32>, hidden: f32) -> vec3<f32> {
+fn environment_share(color: vec3<f32>, hidden: f32) -> vec3<f32> {
     return (1.0 - hidden) / (1.0 - clamp(color, vec3(0.0), vec3(0.98)) * hidden);
 }

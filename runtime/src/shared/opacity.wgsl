@@ -27,7 +27,7 @@ const LEAST_ACROSS: f32 = 0.1;
 //
 // tangent: grown_tangent of the layer's hair; agreed: length of the tile's direction, 0..=1, the remainder is hair in
 // all directions; eye: unit vector to the eye in the tile's frame.
-fn look_path(tangent: vec3<f32>, agreed: f32, eye: vec3<f32>, n_dot_e: f32) -> f32 {
+fn view_depth_factor(tangent: vec3<f32>, agreed: f32, eye: vec3<f32>, n_dot_e: f32) -> f32 {
     let rest = (2.0 / 3.0) * max(1.0 - agreed * agreed, 0.0);
     let along = dot(eye, tangent);
     let flat = dot(tangent.xy, tangent.xy) + rest;

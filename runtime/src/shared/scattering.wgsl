@@ -55,7 +55,7 @@ fn fibre_absorption(color: vec3<f32>, per_depth: f32) -> vec3<f32> {
 
 // Returns the transmittance of one crossing of a fibre with that absorption per radius. cos_d: cosine of the difference
 // angle.
-fn fibre_left(cos_d: f32, optics: vec4<f32>, absorbed: vec3<f32>) -> vec3<f32> {
+fn fibre_transmittance(cos_d: f32, optics: vec4<f32>, absorbed: vec3<f32>) -> vec3<f32> {
     let c = max(cos_d, LEAST_COS_D);
     // Squares of 1 / cos theta_t, and of the sine of the refraction angle in the cross-section, at the mean square
     // offset of incidence.
@@ -65,7 +65,7 @@ fn fibre_left(cos_d: f32, optics: vec4<f32>, absorbed: vec3<f32>) -> vec3<f32> {
 }
 
 // Combines the tables' texels along and around a fibre: scattered light per steradian over its irradiance, times the
-// cosine of the light's angle. left: from fibre_left. TRT crosses the fibre twice, and the remaining orders three
+// cosine of the light's angle. left: from fibre_transmittance. TRT crosses the fibre twice, the remaining orders three
 // times.
 fn fibre_scatters(along: vec4<f32>, around: vec4<f32>, absorbed: vec3<f32>, left: vec3<f32>) -> vec3<f32> {
     let ways = along.xyz * around.xyz;
@@ -84,7 +84,7 @@ fn fibre_shares(fibre: Fibre, cos_theta: f32) -> array<vec4<f32>, 2> {
 }
 
 // Returns the shares of light that an absorbing fibre scatters forward and backward.
-fn fibre_sides(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
+fn absorbing_fibre_shares(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
     let shares = fibre_shares(fibre, cos_theta);
     let on = shares[0];
     let back = shares[1];
@@ -95,7 +95,7 @@ fn fibre_sides(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> array<vec3<f32>
 }
 
 // Light in deep fur, whose fibres scatter the shares `on` and `back` forward and backward (Kubelka and Munk 1931).
-struct Diffused {
+struct DiffusedLight {
     // Relative to the incident light: light that other fibres have only scattered forward; other light from the light's
     // side; light from below.
     sent_on: vec3<f32>,
@@ -106,7 +106,7 @@ struct Diffused {
 }
 
 // Returns the light at a point where the share `direct` passes all fibres.
-fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> Diffused {
+fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight {
     let lost = max(vec3(1.0) - on - back, vec3(1e-4));
     let root_lost = sqrt(lost);
     let less = root_lost * sqrt(lost + 2.0 * back);
@@ -115,13 +115,13 @@ fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> Diffused {
     let arrives = exp2(less * depth);
     let sent_on = exp2((vec3(1.0) - on) * depth);
     let from_light = max(arrives - sent_on, vec3(0.0));
-    return Diffused(max(sent_on - direct, vec3(0.0)), from_light, given_back * arrives, root_lost);
+    return DiffusedLight(max(sent_on - direct, vec3(0.0)), from_light, given_back * arrives, root_lost);
 }
 
 // Returns the multiply scattered light under a light at a height of that sine, relative to one at the zenith.
 // Proportional to the excess of Hapke's H function over 1 (after Hapke 1981). root_lost: square root of the absorbed
 // share.
-fn falls_in(root_lost: vec3<f32>, sine: f32) -> vec3<f32> {
+fn multiple_scattering_by_height(root_lost: vec3<f32>, sine: f32) -> vec3<f32> {
     let root = 2.0 * root_lost;
     return sine * (1.0 + root) / (1.0 + sine * root);
 }
@@ -133,7 +133,7 @@ const TURNED_BACK: f32 = 0.8;
 const LEAKS: f32 = 0.12;
 
 // Returns the forward and backward shares of a sheet of hanging fibres, given those of one fibre.
-fn hanging_sides(sides: array<vec3<f32>, 2>) -> array<vec3<f32>, 2> {
+fn hanging_sheet_shares(sides: array<vec3<f32>, 2>) -> array<vec3<f32>, 2> {
     let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
     return array((1.0 - LEAKS) * (sides[0] + sides[1]) - back, back);
 }
@@ -150,7 +150,7 @@ fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
 
 // Returns along_cone in hair that hangs side by side: of light that was only scattered forward (x), and of other light
 // (y). Parallel fibres keep light near its cone of incidence, and each scattering widens the cone. direct: share of the
-// light that passes all fibres; left: from fibre_left, for grey.
+// light that passes all fibres; left: from fibre_transmittance, for grey.
 fn hanging_cones(fibre: Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> vec2<f32> {
     let shares = fibre_shares(fibre, cos_i);
     let light = vec4(1.0, left, left * left, left * left * left);

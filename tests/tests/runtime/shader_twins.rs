@@ -486,9 +486,9 @@ fn fin_opacity_and_layer_paths_match_the_shader() {
         looks.push([tangent.extend(0.0).to_array(), eye.extend(0.0).to_array()]);
     }
     assert_truth_twin_and_shader_agree(
-        "look_path",
+        "view_depth_factor",
         opacity::WGSL,
-        "vec4(look_path(in_0.xyz, length(in_0.xyz), in_1.xyz, in_1.z), 0.0, 0.0, 0.0)",
+        "vec4(view_depth_factor(in_0.xyz, length(in_0.xyz), in_1.xyz, in_1.z), 0.0, 0.0, 0.0)",
         &looks,
         |[tangent, eye]| {
             let (t, e) = (d(tangent), d(eye));
@@ -818,7 +818,8 @@ fn broad_light_matches_the_shader() {
     assert_truth_twin_and_shader_agree(
         "broad_light",
         environment::WGSL,
-        "vec4(mean_square(in_1.x, in_1.y), broad_place(in_1.x), broad_variance(in_1.x), mean_cosine_around(9.0 * in_1.x))",
+        "vec4(mean_square(in_1.x, in_1.y), broad_coordinate(in_1.x), broad_variance(in_1.x), \
+         mean_cosine_around(9.0 * in_1.x))",
         &cases,
         |[_, [mean, cosine, ..]]| {
             let (mean, cosine) = (f64::from(*mean), f64::from(*cosine));
@@ -859,7 +860,7 @@ fn openness_decoding_matches_the_shader() {
     assert_truth_twin_and_shader_agree(
         "openness",
         environment::WGSL,
-        "vec4(open_to_hair(in_0.xy), left_open(in_1.rgb, in_1.a).g)",
+        "vec4(unpack_openness(in_0.xy), environment_share(in_1.rgb, in_1.a).g)",
         &cases,
         |[packed, [_, green, _, hidden]]| {
             let left = (1.0 - f64::from(*hidden)) / (1.0 - f64::from(*green).clamp(0.0, 0.98) * f64::from(*hidden));
@@ -902,10 +903,11 @@ fn multiple_scattering_in_fur_matches_the_shader() {
         })
     };
     assert_truth_twin_and_shader_agree(
-        "diffused",
+        "diffused_light",
         scattering::WGSL,
-        "vec4(diffused(in_0.xyz, in_1.xyz, in_0.w).sent_on.x, diffused(in_0.xyz, in_1.xyz, in_0.w).from_light.y, \
-         diffused(in_0.xyz, in_1.xyz, in_0.w).from_below.yz)",
+        "vec4(diffused_light(in_0.xyz, in_1.xyz, in_0.w).sent_on.x, \
+         diffused_light(in_0.xyz, in_1.xyz, in_0.w).from_light.y, \
+         diffused_light(in_0.xyz, in_1.xyz, in_0.w).from_below.yz)",
         &cases,
         |case| {
             let [x, y, z] = parts(case);
@@ -918,9 +920,9 @@ fn multiple_scattering_in_fur_matches_the_shader() {
         |_, _| 2e-4,
     );
     assert_truth_twin_and_shader_agree(
-        "falls_in",
+        "multiple_scattering_by_height",
         scattering::WGSL,
-        "vec4(falls_in(in_0.xyz, in_0.w), 0.0)",
+        "vec4(multiple_scattering_by_height(in_0.xyz, in_0.w), 0.0)",
         &cases,
         |[root, ..]| {
             let [x, y, z] = [0, 1, 2].map(|i| {
@@ -958,9 +960,9 @@ fn multiple_scattering_in_fur_matches_the_shader() {
         |_, _| 3e-6,
     );
     let fibre = scattering::Fibre { optics: OPTICS, on: FITTED, back: FITTED.map(|of| of.map(|x| 0.25 * x)) };
-    let sides = format!("fibre_sides({}, in_2.z, {LEFT})", wgsl_literal(&fibre));
+    let sides = format!("absorbing_fibre_shares({}, in_2.z, {LEFT})", wgsl_literal(&fibre));
     assert_truth_twin_and_shader_agree(
-        "fibre_sides",
+        "absorbing_fibre_shares",
         scattering::WGSL,
         &format!("vec4({sides}[0].xy, {sides}[1].yz)"),
         &cases,
@@ -1009,9 +1011,10 @@ fn scattering_in_hanging_hair_matches_the_shader() {
         ]);
     }
     assert_truth_twin_and_shader_agree(
-        "hanging_sides",
+        "hanging_sheet_shares",
         scattering::WGSL,
-        "vec4(hanging_sides(array(in_1.xyz, in_2.xyz))[0].xy, hanging_sides(array(in_1.xyz, in_2.xyz))[1].yz)",
+        "vec4(hanging_sheet_shares(array(in_1.xyz, in_2.xyz))[0].xy, \
+         hanging_sheet_shares(array(in_1.xyz, in_2.xyz))[1].yz)",
         &cases,
         |[_, on, back]| {
             let of = |i: usize| {
@@ -1110,7 +1113,7 @@ const OPTICS: [f32; 4] = [0.41623, 0.17, 0.45, 0.0];
 const FITTED: [[f32; 4]; 3] = [[0.04, 0.85, 0.1, 0.01], [0.1, -0.5, 0.3, 0.1], [0.2, -0.3, 0.1, 0.0]];
 /// Absorption of the fibre and remaining light, in the shader of these cases.
 const ABSORBED: &str = "fibre_absorption(in_2.xyz, in_2.w)";
-const LEFT: &str = "fibre_left(in_2.z, vec4(0.41623, 0.17, 0.45, 0.0), fibre_absorption(in_2.xyz, in_2.w))";
+const LEFT: &str = "fibre_transmittance(in_2.z, vec4(0.41623, 0.17, 0.45, 0.0), fibre_absorption(in_2.xyz, in_2.w))";
 
 /// Returns the absorption of a fibre per radius for a channel of the colour.
 fn sigma(color: &[f32; 4], channel: usize) -> f64 {

@@ -77,7 +77,7 @@ fn exponents_heights_and_light_on_the_gpu_match_the_cpu() {
         (0..200).map(|i| [[(1 + i % 15) as f32, (i % 7) as f32 / 7.0, 1.0 + (i % 5) as f32, 0.1 * i as f32]]).collect();
     let Some(gpu) = gpu("exponents_heights_and_light") else { return };
     let expression = "vec4(detail_exponent(u32(in_0.x), 16u, 2u, 7.0 * in_0.y, 1.0, 1.25), \
-                      seen_height(in_0.x / 15.0, in_0.z, 16u), coat_light(in_0.z, 1.0, in_0.w), light_within(0.05 * in_0.w, in_0.z))";
+                      visible_height(in_0.x / 15.0, in_0.z, 16u), coat_light(in_0.z, 1.0, in_0.w), light_within(0.05 * in_0.w, in_0.z))";
     for (case, found) in cases.iter().zip(evaluate(gpu, detail::WGSL, expression, &cases)) {
         let [layer, fade, number, slope] = case[0];
         let twin = [

@@ -90,14 +90,14 @@ const EMPTY: &str = "sum += light * eye;";
 const TABLES: &str = "
     let angles = fibre_angles(tip, light, eye);
     let absorbed = fibre_absorption(color, 0.17);
-    let left = fibre_left(angles.cos_d, vec4(0.42, 0.0, 0.45, 0.0), absorbed);
+    let left = fibre_transmittance(angles.cos_d, vec4(0.42, 0.0, 0.45, 0.0), absorbed);
     sum += fibre_scatters(texel(angles.along, 0u), texel(angles.around, 1u), absorbed, left);
 ";
 
 const CUBIC: &str = "
     let angles = fibre_angles(tip, light, eye);
     let absorbed = fibre_absorption(color, 0.17);
-    let left = fibre_left(angles.cos_d, vec4(0.42, 0.0, 0.45, 0.0), absorbed);
+    let left = fibre_transmittance(angles.cos_d, vec4(0.42, 0.0, 0.45, 0.0), absorbed);
     sum += fibre_scatters(cubic(angles.along, 0u), cubic(angles.around, 1u), absorbed, left);
 ";
 

@@ -42,7 +42,7 @@ const MOST_LEAN_RAD: f32 = 0.7;
 const FARTHEST: f32 = 2.0;
 const SHORTEST_M: f32 = 1e-5;
 
-fn within(v: vec3<f32>, most: f32) -> vec3<f32> {
+fn limit_length(v: vec3<f32>, most: f32) -> vec3<f32> {
     return v * min(most / max(length(v), 1e-20), 1.0);
 }
 
@@ -81,7 +81,7 @@ fn advance(index: u32, v: GeometryVertex, size: f32) -> vec3<f32> {
     let square = STIFFNESS * (1.0 + SHORT_M / size) / size;
     let h = motion.seconds;
     if motion.begins == 1u {
-        let held = within(air * (DRAG_PER_S / square), FARTHEST * size);
+        let held = limit_length(air * (DRAG_PER_S / square), FARTHEST * size);
         store(index, held, vec3(0.0), root, vec3(0.0));
         return held;
     }
@@ -91,11 +91,11 @@ fn advance(index: u32, v: GeometryVertex, size: f32) -> vec3<f32> {
     let of_skin_was = vec3(was.w, beside_was.w, root_was.w);
     if h <= 0.0 {
         store(index, was.xyz, beside_was.xyz, root, of_skin_was);
-        return within(was.xyz + beside_was.xyz * (0.5 * motion.before_s), FARTHEST * size);
+        return limit_length(was.xyz + beside_was.xyz * (0.5 * motion.before_s), FARTHEST * size);
     }
     let of_skin = (root - root_was.xyz + motion.went) / h;
     let faster = select((of_skin - of_skin_was) / (0.5 * (h + motion.before_s)), vec3(0.0), motion.begins == 2u);
-    let goal = within(((air - of_skin) * DRAG_PER_S - faster) / square, FARTHEST * size);
+    let goal = limit_length(((air - of_skin) * DRAG_PER_S - faster) / square, FARTHEST * size);
     let off = was.xyz - goal;
     let turns = sqrt(square);
     let damped = turns * sqrt(1.0 - DAMPING * DAMPING);
@@ -103,10 +103,10 @@ fn advance(index: u32, v: GeometryVertex, size: f32) -> vec3<f32> {
     let sine = sin(damped * h) / damped;
     let cosine = cos(damped * h);
     let swung = (off * (cosine + DAMPING * turns * sine) + beside_was.xyz * sine) * kept;
-    let aside = within(goal + swung, FARTHEST * size);
+    let aside = limit_length(goal + swung, FARTHEST * size);
     let beside = (beside_was.xyz * (cosine - DAMPING * turns * sine) - off * (square * sine)) * kept;
     store(index, aside, beside, root, of_skin);
-    return within(aside + beside * (0.5 * h), FARTHEST * size);
+    return limit_length(aside + beside * (0.5 * h), FARTHEST * size);
 }
 
 fn store(index: u32, aside: vec3<f32>, beside: vec3<f32>, root: vec3<f32>, of_skin: vec3<f32>) {

@@ -89,11 +89,11 @@ fn find_near(root: vec3<f32>, old_root: vec3<f32>) {
     }
 }
 
-fn place(k: u32) -> vec3<f32> {
+fn particle_position(k: u32) -> vec3<f32> {
     return pearls[first_pearl + 2u * k].xyz;
 }
 
-fn set_place(k: u32, value: vec3<f32>) {
+fn set_particle_position(k: u32, value: vec3<f32>) {
     pearls[first_pearl + 2u * k] = vec4(value, 0.0);
 }
 
@@ -107,7 +107,7 @@ fn set_velocity(k: u32, value: vec3<f32>) {
 
 // Returns the position of a particle at the start of the step. Within a step, it occupies the slot that holds the
 // velocity between steps.
-fn started(k: u32) -> vec3<f32> {
+fn start_position(k: u32) -> vec3<f32> {
     return velocity(k);
 }
 
@@ -128,14 +128,14 @@ fn direction(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
     return other;
 }
 
-fn piece(frame: mat3x3<f32>, k: u32) -> vec3<f32> {
+fn groomed_segment(frame: mat3x3<f32>, k: u32) -> vec3<f32> {
     return frame * groomed[first_point + k].xyz - frame * groomed[first_point + k - 1u].xyz;
 }
 
 const UP: vec3<f32> = vec3(0.0, 1.0, 0.0);
 
 // Returns the smallest rotation from one direction to another, as a quaternion.
-fn turned(from_way: vec3<f32>, to_way: vec3<f32>) -> vec4<f32> {
+fn rotation_between(from_way: vec3<f32>, to_way: vec3<f32>) -> vec4<f32> {
     let a = direction(from_way, UP);
     let b = direction(to_way, UP);
     let half = 1.0 + dot(a, b);
@@ -149,50 +149,51 @@ fn rotate(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
     return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
 }
 
-fn after(second: vec4<f32>, first: vec4<f32>) -> vec4<f32> {
+fn quaternion_product(second: vec4<f32>, first: vec4<f32>) -> vec4<f32> {
     let turn = second.w * first.xyz + first.w * second.xyz + cross(second.xyz, first.xyz);
     return vec4(turn, second.w * first.w - dot(second.xyz, first.xyz));
 }
 
-fn now_along(k: u32) -> vec3<f32> {
-    return direction(place(k) - place(k - 1u), UP);
+fn direction_now(k: u32) -> vec3<f32> {
+    return direction(particle_position(k) - particle_position(k - 1u), UP);
 }
 
-fn then_along(k: u32) -> vec3<f32> {
-    return direction(started(k) - started(k - 1u), UP);
+fn direction_at_start(k: u32) -> vec3<f32> {
+    return direction(start_position(k) - start_position(k - 1u), UP);
 }
 
-fn along(k: u32) -> vec3<f32> {
-    let now = now_along(k);
-    let then = then_along(k);
+fn constraint_direction(k: u32) -> vec3<f32> {
+    let now = direction_now(k);
+    let then = direction_at_start(k);
     return select(then, now, dot(now, then) < LEAST_TURN);
 }
 
 // Returns the largest relative length error of a segment.
-fn off_lengths(held: u32) -> f32 {
+fn length_error(held: u32) -> f32 {
     var off = 0.0;
     for (var k = held + 1u; k < motion.points; k++) {
-        off = max(off, abs(distance(place(k), place(k - 1u)) - lengths[k]) / max(lengths[k], 1e-9));
+        let here = abs(distance(particle_position(k), particle_position(k - 1u)) - lengths[k]);
+        off = max(off, here / max(lengths[k], 1e-9));
     }
     return off;
 }
 
 // Performs one step of Newton's method for the tensions that restore the lengths of all segments.
-fn hold_lengths(held: u32) {
+fn solve_lengths(held: u32) {
     var before = vec3(0.0);
     left[held] = 0.0;
     right[held] = 0.0;
     for (var k = held + 1u; k < motion.points; k++) {
-        let here = now_along(k);
-        let own = along(k);
+        let here = direction_now(k);
+        let own = constraint_direction(k);
         let neighbour = -dot(here, before);
         let masses = select(2.0, 1.0, k == held + 1u);
         let pivot = masses * dot(here, own) - neighbour * left[k - 1u];
         var next = 0.0;
         if k + 1u < motion.points {
-            next = -dot(here, along(k + 1u));
+            next = -dot(here, constraint_direction(k + 1u));
         }
-        let off = distance(place(k), place(k - 1u)) - lengths[k];
+        let off = distance(particle_position(k), particle_position(k - 1u)) - lengths[k];
         left[k] = next / pivot;
         right[k] = (off - neighbour * right[k - 1u]) / pivot;
         before = own;
@@ -200,16 +201,16 @@ fn hold_lengths(held: u32) {
     var tension = 0.0;
     var pull = vec3(0.0);
     for (var k = motion.points - 1u; k > held; k--) {
-        let own = along(k);
+        let own = constraint_direction(k);
         tension = right[k] - left[k] * tension;
-        set_place(k, place(k) + (pull - own * tension));
+        set_particle_position(k, particle_position(k) + (pull - own * tension));
         pull = own * tension;
     }
 }
 
 // Returns the position nearest to `at` that is `size` from `parent` and `radius` from `center`. If there is none,
 // returns the point straight away from `center`.
-fn outside(parent: vec3<f32>, size: f32, at: vec3<f32>, center: vec3<f32>, radius: f32) -> vec3<f32> {
+fn pushed_out(parent: vec3<f32>, size: f32, at: vec3<f32>, center: vec3<f32>, radius: f32) -> vec3<f32> {
     let to_center = center - parent;
     let apart = length(to_center);
     let axis = direction(to_center, direction(parent - at, UP));
@@ -250,10 +251,10 @@ fn advance(
     var held = 0u;
     for (var k = 0u; k < motion.points; k++) {
         let goal = frame * groomed[first_point + k].xyz;
-        let begins = place(k) - went;
+        let begins = particle_position(k) - went;
         let free = freedom(k);
         if free <= 0.0 || k == 0u {
-            set_place(k, goal);
+            set_particle_position(k, goal);
             held = k;
         } else {
             let air = wind_at(motion.wind, motion.origin + root + begins, time_s);
@@ -262,14 +263,14 @@ fn advance(
             let beside = (speed - with_skin) * kept_of_shape;
             speed = with_skin + beside * min(FASTEST * whole / max(length(beside), 1e-9), 1.0);
             let pulled = motion.gravity + frame * ballast[first_point + k].xyz * weight + (goal - begins) * shape;
-            set_place(k, begins + speed * h + pulled * (0.5 * h * (h + before_s)));
+            set_particle_position(k, begins + speed * h + pulled * (0.5 * h * (h + before_s)));
         }
         if h > 0.0 {
             set_velocity(k, begins);
         }
     }
     if h <= 0.0 {
-        settle(frame, root, share, held);
+        resolve_lengths_and_collisions(frame, root, share, held);
         return;
     }
 
@@ -278,31 +279,31 @@ fn advance(
     var turn = vec4(0.0, 0.0, 0.0, 1.0);
     var aside = vec3(0.0);
     for (var k = 1u; k < motion.points; k++) {
-        let wanted = rotate(turn, piece(frame, k));
-        let found = started(k) - started(k - 1u);
+        let wanted = rotate(turn, groomed_segment(frame, k));
+        let found = start_position(k) - start_position(k - 1u);
         if k > held {
             aside += (wanted - found) * bend;
-            set_place(k, place(k) + aside);
+            set_particle_position(k, particle_position(k) + aside);
         }
-        turn = after(turned(wanted, found), turn);
+        turn = quaternion_product(rotation_between(wanted, found), turn);
     }
 
-    for (var i = 0u; i < SOLVED && (i == 0u || off_lengths(held) > WITHIN); i++) {
-        hold_lengths(held);
+    for (var i = 0u; i < SOLVED && (i == 0u || length_error(held) > WITHIN); i++) {
+        solve_lengths(held);
     }
-    settle(frame, root, share, held);
+    resolve_lengths_and_collisions(frame, root, share, held);
 }
 
 // Resolves remaining length errors and collisions, from root to tip.
-fn settle(frame: mat3x3<f32>, root: vec3<f32>, share: f32, held: u32) {
+fn resolve_lengths_and_collisions(frame: mat3x3<f32>, root: vec3<f32>, share: f32, held: u32) {
     let h = motion.step_s;
     for (var k = 0u; k < motion.points; k++) {
         var touched = vec3(0.0);
         if k > held {
             let goal = frame * groomed[first_point + k].xyz;
-            let nearer = goal + (place(k) - goal) * pow(freedom(k), STEPS_PER_S * h);
-            let parent = place(k - 1u);
-            let way = direction(nearer - parent, direction(piece(frame, k), UP));
+            let nearer = goal + (particle_position(k) - goal) * pow(freedom(k), STEPS_PER_S * h);
+            let parent = particle_position(k - 1u);
+            let way = direction(nearer - parent, direction(groomed_segment(frame, k), UP));
             var at = parent + way * lengths[k];
             for (var i = 0u; i < PUSHED; i++) {
                 for (var c = 0u; c < motion.colliders; c++) {
@@ -316,15 +317,15 @@ fn settle(frame: mat3x3<f32>, root: vec3<f32>, share: f32, held: u32) {
                     let center = from_end.xyz + axis * on_axis - root;
                     let off = at - center;
                     if dot(off, off) < from_end.w * from_end.w {
-                        at = outside(parent, lengths[k], at, center, from_end.w);
+                        at = pushed_out(parent, lengths[k], at, center, from_end.w);
                         touched = direction(at - center, UP);
                     }
                 }
             }
-            set_place(k, at);
+            set_particle_position(k, at);
         }
         if h > 0.0 {
-            let speed = (place(k) - started(k)) / h;
+            let speed = (particle_position(k) - start_position(k)) / h;
             let slide = speed - touched * dot(speed, touched);
             let lost = select(0.0, 1.0 - pow(1.0 - motion.friction, STEPS_PER_S * h), dot(touched, touched) > 0.0);
             set_velocity(k, speed - slide * lost);
@@ -356,7 +357,7 @@ fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
     let root = motion.world_from_model * (a * (1.0 - w.x - w.y) + b * w.x + c * w.y);
     if motion.fresh != 0u {
         for (var k = 0u; k < points; k++) {
-            set_place(k, frame * groomed[first_point + k].xyz);
+            set_particle_position(k, frame * groomed[first_point + k].xyz);
             set_velocity(k, vec3(0.0));
         }
     } else {
@@ -389,6 +390,6 @@ fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
     pearls[last + 2u] = vec4(frame[2], 0.0);
     pearls[last + 3u] = vec4(root, 0.0);
     for (var k = 0u; k < points; k++) {
-        posed_guides[first_point + k] = vec4(motion.model_from_world * place(k), 0.0);
+        posed_guides[first_point + k] = vec4(motion.model_from_world * particle_position(k), 0.0);
     }
 }

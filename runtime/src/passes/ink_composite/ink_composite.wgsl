@@ -22,7 +22,7 @@ const WASH_RUNS: vec2<f32> = vec2(1.1, 0.6);
 const LINES_RUN: vec2<f32> = vec2(0.44, 0.24);
 
 // Samples a bleeding texture: the mean of two reads, each of which filters four texels.
-fn softly(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f32> {
+fn sample_bleed(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f32> {
     let px = runs / ink.size;
     let one = textureSampleLevel(map, clamped, uv + px, 0.0).rg;
     let other = textureSampleLevel(map, clamped, uv - px, 0.0).rg;
@@ -38,13 +38,13 @@ fn depth_at(p: vec2<i32>, q: vec2<i32>, on_body: bool, opacity: f32) -> f32 {
 
 // Returns the position of the feature whose line reaches a pixel.
 fn feature_of(p: vec2<i32>, stroke: vec4<f32>) -> vec2<i32> {
-    return inside(p + vec2<i32>(round(stroke.zw * 255.0)) - 128);
+    return clamp_to_target(p + vec2<i32>(round(stroke.zw * 255.0)) - 128);
 }
 
 // Returns opacity and ink of the line.
 fn line_at(uv: vec2<f32>, stroke: vec4<f32>) -> vec2<f32> {
     if SOFT {
-        return softly(strokes, uv, LINES_RUN);
+        return sample_bleed(strokes, uv, LINES_RUN);
     }
     return stroke.xy;
 }
@@ -52,7 +52,7 @@ fn line_at(uv: vec2<f32>, stroke: vec4<f32>) -> vec2<f32> {
 // Returns the grey of the wash, which gathers between the paper's fibres. Where the ink suffices for all of the paper,
 // raised fibres take ink too; otherwise they would show as white scratches.
 fn wash_at(uv: vec2<f32>, sheet: vec4<f32>) -> f32 {
-    let dens = 1.0 - softly(surfaces, uv, WASH_RUNS).r;
+    let dens = 1.0 - sample_bleed(surfaces, uv, WASH_RUNS).r;
     let thirst = min(2.0 * (1.0 - dens), 1.0);
     let uneven = ink.paper_grain * thirst * thirst;
     return clamp(1.0 - dens * (1.0 + uneven * (0.25 * (sheet.g - 0.5) + 0.15 * (0.5 - sheet.r))), 0.0, 1.0);
@@ -60,7 +60,7 @@ fn wash_at(uv: vec2<f32>, sheet: vec4<f32>) -> f32 {
 
 @fragment
 fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
-    let p = inside(vec2<i32>(position.xy));
+    let p = clamp_to_target(vec2<i32>(position.xy));
     let uv = position.xy / ink.size;
     let here = textureLoad(normals, p, 0);
     let stroke = textureLoad(strokes, p, 0);

@@ -19,10 +19,10 @@ fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32>
         return vec4(0.0);
     }
     let s = ink.step;
-    let a = textureLoad(normals, inside(p + vec2(-s, -s)), 0);
-    let b = textureLoad(normals, inside(p + vec2(-s, s)), 0);
-    let c = textureLoad(normals, inside(p + vec2(s, s)), 0);
-    let d = textureLoad(normals, inside(p + vec2(s, -s)), 0);
+    let a = textureLoad(normals, clamp_to_target(p + vec2(-s, -s)), 0);
+    let b = textureLoad(normals, clamp_to_target(p + vec2(-s, s)), 0);
+    let c = textureLoad(normals, clamp_to_target(p + vec2(s, s)), 0);
+    let d = textureLoad(normals, clamp_to_target(p + vec2(s, -s)), 0);
     let dots = vec4(dot(here.xyz, a.xyz), dot(here.xyz, b.xyz), dot(here.xyz, c.xyz), dot(here.xyz, d.xyz));
     var strength = ink_feature_strength(min(min(dots.x, dots.y), min(dots.z, dots.w)), ink.t1, ink.t2);
     var outline = strength;

@@ -81,7 +81,7 @@ fn vs_ink_shells(v: Vertex, @builtin(instance_index) shell: u32) -> StrokeVaryin
 }
 
 // Returns ink on paper: raised fibres take ink, less with a drier brush.
-fn painted(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
+fn ink_on_paper(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
     let sheet = textureSampleLevel(paper_tile, tile_sampler, position / model.paper_period, 0.0);
     let opacity = amount * smoothstep(-0.15, 0.15, 1.0 - dry - 0.85 * sheet.a);
     if opacity < LEAST_INK {
@@ -92,7 +92,7 @@ fn painted(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
 
 // Returns the separation of a fin from the body visible at a pixel. 1 over paper, and over surfaces farther behind than
 // the hair is long.
-fn free_at(p: vec2<i32>, nearness: f32, reach: f32) -> f32 {
+fn separation_at(p: vec2<i32>, nearness: f32, reach: f32) -> f32 {
     let skin = textureLoad(bodies, p, 0).w;
     let gap = 1.0 / max(skin, 1e-9) - 1.0 / nearness;
     return select(smoothstep(1.0, 2.0, gap / max(reach, 1e-9)), 1.0, skin <= 0.0);
@@ -100,13 +100,15 @@ fn free_at(p: vec2<i32>, nearness: f32, reach: f32) -> f32 {
 
 // Returns the separation of a fin from the body: 0 directly before the surface, where the fin would look like a blot.
 // The root extends onto the outline; otherwise paper would show between them.
-fn free_of_skin(position: vec4<f32>, reach: f32) -> f32 {
+fn separation_from_body(position: vec4<f32>, reach: f32) -> f32 {
     let p = vec2<i32>(position.xy);
     let near = vec4(
-        free_at(p + vec2(-ROOT, -ROOT), position.w, reach), free_at(p + vec2(-ROOT, ROOT), position.w, reach),
-        free_at(p + vec2(ROOT, -ROOT), position.w, reach), free_at(p + vec2(ROOT, ROOT), position.w, reach),
+        separation_at(p + vec2(-ROOT, -ROOT), position.w, reach),
+        separation_at(p + vec2(-ROOT, ROOT), position.w, reach),
+        separation_at(p + vec2(ROOT, -ROOT), position.w, reach),
+        separation_at(p + vec2(ROOT, ROOT), position.w, reach),
     );
-    return max(free_at(p, position.w, reach), min(dot(near, vec4(0.5)), 1.0));
+    return max(separation_at(p, position.w, reach), min(dot(near, vec4(0.5)), 1.0));
 }
 
 // Returns the shape of a fin as a tuft: as wide as its edge at the mesh surface, pointed at the tips. Straight sides
@@ -124,11 +126,11 @@ fn fs_ink_fins(in: StrokeVarying) -> @location(0) vec4<f32> {
         discard;
     }
     let ink = ink_nested(strokes, (0.15 + 0.35 * model.fur) * in.share_height.x) * model.fur;
-    let whole = tuft(in.share_height.w, in.share_height.y) * free_of_skin(in.position, in.share_height.z);
+    let whole = tuft(in.share_height.w, in.share_height.y) * separation_from_body(in.position, in.share_height.z);
     // The brush lifts towards the tip.
     let height = in.share_height.y;
     let amount = whole * smoothstep(0.2, 0.6, ink) * min(2.0 * in.share_height.x, 1.0) * (0.85 - 0.3 * height);
-    return painted(amount, 0.4 * height, in.position.xy);
+    return ink_on_paper(amount, 0.4 * height, in.position.xy);
 }
 
 @fragment
@@ -144,6 +146,7 @@ fn fs_ink_shells(in: StrokeVarying) -> @location(0) vec4<f32> {
     let amount = in.share_height.x * model.fur * smoothstep(0.45, 0.95, turned);
     let ink = ink_nested(strokes, amount * 0.5);
     // Strokes taper with the height of the shell, down to their middle.
-    let tapered = smoothstep(0.25 + 0.5 * in.share_height.y, 0.6 + 0.4 * in.share_height.y, ink);
-    return painted(tapered * amount * (0.75 - 0.3 * in.share_height.y), 0.3 + 0.3 * in.share_height.y, in.position.xy);
+    let height = in.share_height.y;
+    let tapered = smoothstep(0.25 + 0.5 * height, 0.6 + 0.4 * height, ink);
+    return ink_on_paper(tapered * amount * (0.75 - 0.3 * height), 0.3 + 0.3 * height, in.position.xy);
 }

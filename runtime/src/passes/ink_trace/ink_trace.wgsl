@@ -24,11 +24,11 @@ const TURN: f32 = 0.35;
 const ABOUT: i32 = 3;
 
 fn strength_at(p: vec2<i32>) -> f32 {
-    return textureLoad(features, inside(p), 0).g;
+    return textureLoad(features, clamp_to_target(p), 0).g;
 }
 
 fn feature_at(p: vec2<f32>) -> vec2<f32> {
-    return textureLoad(features, inside(vec2<i32>(round(p))), 0).rg;
+    return textureLoad(features, clamp_to_target(vec2<i32>(round(p))), 0).rg;
 }
 
 // Returns the direction of the line through p, and the elongation of the features around it. The direction is their

@@ -49,7 +49,7 @@ fn vs_layer_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedLaye
 }
 
 // Returns the transmittance. kept: share of the layer's hair that grows; wetness: of that hair.
-fn light_left(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
+fn transmitted_light(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     let uv = in.uv_light.xy;
     // One mip level for all: levels by slant and triangle would cost twice the reads and blur detail that the maps can
     // hold.
@@ -68,7 +68,7 @@ fn light_left(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
 
 @fragment
 fn fs_layer(in: LayerVarying) -> @location(0) vec4<f32> {
-    return light_left(in, 1.0, 0.0);
+    return transmitted_light(in, 1.0, 0.0);
 }
 
 @fragment
@@ -78,5 +78,5 @@ fn fs_layer_mapped(in: MappedLayerVarying) -> @location(0) vec4<f32> {
     if CUTOUT {
         kept = select(kept, 0.0, is_cut(base_color(in.tint, in.base_uv_groom.xy).a));
     }
-    return light_left(LayerVarying(in.position, in.uv_light, in.layer), kept, groom.y);
+    return transmitted_light(LayerVarying(in.position, in.uv_light, in.layer), kept, groom.y);
 }

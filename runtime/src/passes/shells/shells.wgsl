@@ -1,4 +1,4 @@
-//! uses debug/shown, hair/hair, hair/vertex, light/baked, light/forms, light/point, light/visibility,
+//! uses debug/false_color, hair/hair, hair/vertex, light/baked, light/forms, light/point, light/visibility,
 //! passes/shells/varying, shared/detail, shared/kajiya_kay, shared/layer_shadow, shared/opacity, shared/tile_frame,
 //! surface/place
 // Shells: layers 1.. of the hair volume, inside to outside, one per instance index.
@@ -14,7 +14,7 @@ fn shell_of(v: Vertex, index: u32) -> Shell {
     var at = hair_vertex(v, tile, position);
     var hair_height = height;
     if DETAIL {
-        hair_height = seen_height(height, stands_for(layer), instance.drawn_layers);
+        hair_height = visible_height(height, stands_for(layer), instance.drawn_layers);
     }
     let slope = lean_slope(v.lean, height);
     let baked = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
@@ -76,7 +76,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         if LOOK_SLANTED {
             let tangent = grown_tangent(hair.direction, select(1.0, in.length, SHORT), select(0.0, in.slope, LEAN));
             let eye = eye_of(arriving.light_ts, arriving.half_ts, in.n_dot_e);
-            times *= look_path(tangent, length(hair.direction), eye, in.n_dot_e);
+            times *= view_depth_factor(tangent, length(hair.direction), eye, in.n_dot_e);
         }
         // Premultiplied colour scales with its opacity.
         texel *= resampled_opacity(texel.a, times) / texel.a;
@@ -106,7 +106,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     point.wetness = groom.y;
     point.arriving = arriving;
     point.baked = baked;
-    return shown(vec4(light_hair(point), texel.a), 2u, 0.0);
+    return false_color(vec4(light_hair(point), texel.a), 2u, 0.0);
 }
 
 @fragment

@@ -1,4 +1,4 @@
-//! uses debug/shown, hair/coat, hair/hair, hair/vertex, light/baked, light/environment, light/fills, light/forms,
+//! uses debug/false_color, hair/coat, hair/hair, hair/vertex, light/baked, light/environment, light/fills, light/forms,
 //! light/key, light/point, light/visibility, shared/kajiya_kay, shared/tile_frame, surface/place
 // Opaque base mesh. Furred parts carry the innermost hair layer; bare parts (eyes, hooves) have plain diffuse light.
 
@@ -93,14 +93,14 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     let visible = visible_on_bare(Receiver(in.place, 0.0, false, n_dot_l));
     let spot = Spot(in.position_ws, in.normal_ws, in.tangent, in.open);
     if ROLL_OFF {
-        let light = rolled_off(bare_color(vec3(1.0), n_dot_l, visible, spot, side), full_light());
-        return shown(vec4(base.rgb * light, 1.0), 0u, 0.0);
+        let light = rolled_off(bare_color(vec3(1.0), n_dot_l, visible, spot, side), brightest_light());
+        return false_color(vec4(base.rgb * light, 1.0), 0u, 0.0);
     }
-    return shown(vec4(bare_color(base.rgb, n_dot_l, visible, spot, side), 1.0), 0u, 0.0);
+    return false_color(vec4(bare_color(base.rgb, n_dot_l, visible, spot, side), 1.0), 0u, 0.0);
 }
 
 // Returns the brightest possible light on a bare surface: all lights along its normal.
-fn full_light() -> vec3<f32> {
+fn brightest_light() -> vec3<f32> {
     var full = instance.ambient + instance.diffuse;
     if FILL_LIGHTS {
         for (var i = 0u; i < frame.fill_lights; i++) {
@@ -182,7 +182,7 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
         far_fur.share = instance.detail_next * in.grows_length_slope.x * groom.x;
         far_fur.wetness = groom.y;
         far_fur.past = past;
-        return shown(vec4(with_coat(far_fur), 1.0), 0u, far_fur.share);
+        return false_color(vec4(with_coat(far_fur), 1.0), 0u, far_fur.share);
     }
-    return shown(vec4(skin, 1.0), 0u, 0.0);
+    return false_color(vec4(skin, 1.0), 0u, 0.0);
 }

@@ -1,4 +1,4 @@
-//! uses debug/shown, hair/nearest, hair/packed_light
+//! uses debug/false_color, hair/nearest, hair/packed_light
 // Blending of the gathered hair segments over the picture: layer by layer of each tile, the farthest first.
 
 @group(0) @binding(0) var<storage, read> keys: array<u32>;
@@ -56,7 +56,7 @@ fn fs_blend(in: TileVarying) -> Blended {
     }
     let covered = 1.0 - through;
     let color = vec4(covered * unpacked_light(lights[NEAREST * pixel + in.layer]), covered);
-    return Blended(shown_as(color, geometry_color(4u), false), depth_of(key));
+    return Blended(false_color_with(color, geometry_color(4u), false), depth_of(key));
 }
 
 @vertex

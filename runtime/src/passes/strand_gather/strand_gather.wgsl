@@ -92,7 +92,7 @@ fn insert(pixel: u32, found: u32) {
 
 // Stores the light of a key. Two segments with equal keys keep the larger value, so that the order of threads has no
 // effect.
-fn leave(pixel: u32, key: u32, light: u32) {
+fn store_light(pixel: u32, key: u32, light: u32) {
     for (var k = 0u; k < NEAREST; k++) {
         let there = atomicLoad(&keys[OF_A_PIXEL * pixel + k]);
         if there == key {
@@ -183,7 +183,7 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
             let key = nearest_key(depth, covered);
             let number = pixel_number(vec2<u32>(pixel) - nearest.area.xy);
             if nearest.round == 1u {
-                leave(number, key, packed_light(mix(a.light, b.light, share)));
+                store_light(number, key, packed_light(mix(a.light, b.light, share)));
             } else {
                 insert(number, key);
             }

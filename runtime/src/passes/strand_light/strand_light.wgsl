@@ -169,7 +169,7 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let length = strand.fur_height * material.share_per_m;
     let root = first + POSED_BEFORE;
     let last = pieces();
-    var open = open_to_hair(unpack4x8unorm(strand.groom).zw);
+    var open = unpack_openness(unpack4x8unorm(strand.groom).zw);
 
     for (var i = 0u; i <= last; i++) {
         let k = root + i * constants.step;

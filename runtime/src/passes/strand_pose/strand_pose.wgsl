@@ -36,12 +36,12 @@ fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
     let i = index % points;
     let strand = strands[number];
     let of_tile = strand.of_tile * points + i;
-    var at = stand_place(stands[index], height_of_point(of_tile));
+    var at = planted_position(stands[index], height_of_point(of_tile));
     let wetness = strand_groom(strand).y;
     if WET {
         // Wet hair is stored after all dry hair.
         let height = height_of_point(constants.dry_points + of_tile);
-        let wet = stand_place(stands[constants.count * points + index], height);
+        let wet = planted_position(stands[constants.count * points + index], height);
         at = mix(at, wet, wetness);
     }
     let first = number * (points + POSED_BEFORE);
@@ -49,7 +49,7 @@ fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
     if i == 0u {
         let stand = stands[index];
         let a = vertices[stand.a];
-        let w = weights_inside(stand);
+        let w = clamped_weights(stand);
         let mean_normal = a.normal * w.x + vertices[stand.b].normal * w.y + vertices[stand.c].normal * w.z;
         let normal = normalize_or(mean_normal, a.normal);
         let along_u = a.tangent.xyz * w.x + vertices[stand.b].tangent.xyz * w.y + vertices[stand.c].tangent.xyz * w.z;
@@ -68,18 +68,18 @@ fn weights_of(stand: Stand) -> vec3<f32> {
 }
 
 // Returns barycentric weights clamped to the triangle; hair beside the surface is oriented as at its edge.
-fn weights_inside(stand: Stand) -> vec3<f32> {
+fn clamped_weights(stand: Stand) -> vec3<f32> {
     let inside = clamp(weights_of(stand), vec3(0.0), vec3(1.0));
     return inside / (inside.x + inside.y + inside.z);
 }
 
 // Returns the model-space position of a point at a share of the fur height, and that share.
-fn stand_place(stand: Stand, share: f32) -> vec4<f32> {
+fn planted_position(stand: Stand, share: f32) -> vec4<f32> {
     let a = vertices[stand.a];
     let b = vertices[stand.b];
     let c = vertices[stand.c];
     let at = weights_of(stand);
-    let w = weights_inside(stand);
+    let w = clamped_weights(stand);
     let place = a.position * at.x + b.position * at.y + c.position * at.z;
     let offset = hair_offset_of(a, share) * w.x + hair_offset_of(b, share) * w.y + hair_offset_of(c, share) * w.z;
     return vec4(place + offset, share);

@@ -17,7 +17,7 @@ override GUIDED: bool = false;
 // Maximum number of steps per segment; a segment that fills the map is drawn with gaps.
 const MOST_STEPS: f32 = 256.0;
 
-fn walk(number: u32, deposits: bool) {
+fn rasterise_strand(number: u32, deposits: bool) {
     let strand = strands[number];
     if strand.chance >= strand_groom(strand).x * constants.share {
         return;
@@ -89,7 +89,7 @@ fn nearness(depth: f32) -> u32 {
 fn find_first(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let number = number_of(id, groups);
     if number < constants.end {
-        walk(number, false);
+        rasterise_strand(number, false);
     }
 }
 
@@ -97,6 +97,6 @@ fn find_first(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
 fn add_opacity(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let number = number_of(id, groups);
     if number < constants.end {
-        walk(number, true);
+        rasterise_strand(number, true);
     }
 }

@@ -1,4 +1,4 @@
-//! uses debug/shown, hair/packed_light
+//! uses debug/false_color, hair/packed_light
 // Single strands: ribbons that face the eye, as wide as the hair, with the light of their points.
 
 struct Frame {
@@ -22,5 +22,5 @@ fn vs_strands(@location(0) position: vec3<f32>, @location(1) light: u32) -> Stra
 
 @fragment
 fn fs_strands(in: StrandVarying) -> @location(0) vec4<f32> {
-    return shown_as(vec4(in.light, 1.0), geometry_color(4u), true);
+    return false_color_with(vec4(in.light, 1.0), geometry_color(4u), true);
 }

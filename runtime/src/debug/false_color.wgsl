@@ -16,7 +16,7 @@ fn geometry_color(geometry: u32) -> vec3<f32> {
 
 // Returns the false colour of a fragment. color: premultiplied. By geometry type, light remains as shading, so that
 // shapes stay visible. In steps, blended fragments add up; an opaque fragment is one step above the background.
-fn shown_as(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<f32> {
+fn false_color_with(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<f32> {
     if SHOW_AS == 1u {
         let light = dot(color.rgb, vec3(0.2126, 0.7152, 0.0722)) / max(color.a, 1e-3);
         return vec4(tint * (0.35 + 0.65 * min(light, 1.0)) * color.a, color.a);
@@ -29,6 +29,6 @@ fn shown_as(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<f32> {
 
 // Returns the false colour of a geometry (0 mesh surface, 1 far fur layer, 2 shells, 3 fins), blended towards the next
 // by `share`.
-fn shown(color: vec4<f32>, geometry: u32, share: f32) -> vec4<f32> {
-    return shown_as(color, mix(geometry_color(geometry), geometry_color(geometry + 1u), share), geometry < 2u);
+fn false_color(color: vec4<f32>, geometry: u32, share: f32) -> vec4<f32> {
+    return false_color_with(color, mix(geometry_color(geometry), geometry_color(geometry + 1u), share), geometry < 2u);
 }
