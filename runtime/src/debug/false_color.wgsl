@@ -3,6 +3,14 @@
 // Output of fragments: 0 lit colour, 1 geometry type, 2 one step per fragment.
 override SHOW_AS: u32 = 0u;
 
+// Luminance weights of linear sRGB (ITU-R BT.709).
+const LUMINANCE: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
+// Brightness of a false colour in the dark, and its gain in full light.
+const DARK_SHADE: f32 = 0.35;
+const SHADE_GAIN: f32 = 0.65;
+// Colour of one step of the fragment count.
+const FRAGMENT_STEP: vec3<f32> = vec3(0.06, 0.025, 0.01);
+
 // Colours as documented: mesh surface grey, far fur layer violet, shells green, fins yellow, single strands red.
 fn geometry_color(geometry: u32) -> vec3<f32> {
     switch geometry {
@@ -18,11 +26,11 @@ fn geometry_color(geometry: u32) -> vec3<f32> {
 // shapes stay visible. In steps, blended fragments add up; an opaque fragment is one step above the background.
 fn false_color_with(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<f32> {
     if SHOW_AS == 1u {
-        let light = dot(color.rgb, vec3(0.2126, 0.7152, 0.0722)) / max(color.a, 1e-3);
-        return vec4(tint * (0.35 + 0.65 * min(light, 1.0)) * color.a, color.a);
+        let light = dot(color.rgb, LUMINANCE) / max(color.a, 1e-3);
+        return vec4(tint * (DARK_SHADE + SHADE_GAIN * min(light, 1.0)) * color.a, color.a);
     }
     if SHOW_AS == 2u {
-        return vec4(0.06, 0.025, 0.01, select(0.0, 1.0, is_opaque));
+        return vec4(FRAGMENT_STEP, select(0.0, 1.0, is_opaque));
     }
     return color;
 }

@@ -6,7 +6,7 @@
 // The far fur layer is drawn on the surface.
 override COAT: bool = false;
 
-// Returns the transmittance of all layers together for the key light that reaches the surface below.
+// Returns the transmittance of all layers together for the key light that reaches the surface below (formulas 4.2).
 fn visible_below_coat(far: Hair, grown: f32, n_dot_l: f32, length: f32) -> f32 {
     return layer_transmittance(far.color.a * grown, frame.hair_density * path_through(slanted_path(n_dot_l), length));
 }
@@ -32,7 +32,7 @@ struct FarFur {
     past: f32,
 }
 
-// Returns the far fur layer over the undercoat.
+// Returns the far fur layer over the undercoat (formulas 4.8).
 fn with_coat(far: FarFur) -> vec3<f32> {
     let texel = far.hair.color;
     if texel.a < LEAST_ALPHA {

@@ -56,7 +56,7 @@ struct FinCorner {
     // Position along the edge: 0 at its first end, 1 at its second.
     across: f32,
     slab: u32,
-    // Opacity of the whole fin: depends on the view angle, and is lower where fins are dense.
+    // Opacity of the whole fin: depends on the view angle, and is lower where fins are dense (formulas 4.6).
     opacity: f32,
     // Turn of the surface away from the eye at the ends of the whole fin, 0..1.
     turned: f32,

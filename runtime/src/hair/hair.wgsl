@@ -31,7 +31,7 @@ override AT_ROOT: bool = false;
 // written.
 const LEAST_ALPHA: f32 = 0.5 / 255.0;
 
-// Returns the height of a drawn layer: 0 on the skin, 1 for the outermost layer.
+// Returns the height of a drawn layer: 0 on the skin, 1 for the outermost layer (formulas 4.6).
 fn height_of(layer: u32) -> f32 {
     return f32(layer) / f32(instance.drawn_layers - 1u);
 }
@@ -44,12 +44,12 @@ fn drawn_layer(index: u32) -> u32 {
     return detail_layer(index, instance.baked_layers, instance.layer_step, instance.layers_gone);
 }
 
-// Returns the number of baked layers per drawn layer when the layer count differs from the baked one.
+// Returns the number of baked layers per drawn layer when the layer count differs from the baked one (formulas 3.2).
 fn resampled_exponent() -> f32 {
     return max(f32(instance.baked_layers) - 1.0, 1.0) / (f32(instance.drawn_layers) - 1.0);
 }
 
-// Returns the number of baked layers that a drawn layer represents.
+// Returns the number of baked layers that a drawn layer represents (formulas 4.7).
 fn stands_for(layer: u32) -> f32 {
     if DETAIL {
         let baked = instance.baked_layers;
@@ -84,10 +84,13 @@ fn groom_with(groom: vec2<f32>, texel: vec4<f32>) -> vec2<f32> {
     return vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
 }
 
+// Index of the last of Material.asides.
+const LAST_ASIDE: f32 = 7.0;
+
 // Returns the offset of hair from its root at a relative height of the fur, as root_aside takes it.
 fn aside_at(height: f32) -> vec3<f32> {
-    let at = clamp(height, 0.0, 1.0) * 7.0;
-    let below = min(u32(at), 6u);
+    let at = clamp(height, 0.0, 1.0) * LAST_ASIDE;
+    let below = min(u32(at), u32(LAST_ASIDE) - 1u);
     return mix(material.asides[below].xyz, material.asides[below + 1u].xyz, at - f32(below));
 }
 
@@ -108,7 +111,7 @@ fn groom_at_root(at_vertex: vec2<f32>, uv: vec2<f32>, root: vec2<f32>) -> vec2<f
     return groom;
 }
 
-// Returns the baked lighting data at a point of a layer.
+// Returns the baked lighting data at a point of a layer (formulas 4.9).
 fn baked_at(uv: vec2<f32>, layer: u32, wetness: f32, kept: f32, length: f32, slope: f32) -> Baked {
     var texel = vec4(1.0);
     if BAKED_SHADOW {
@@ -141,13 +144,15 @@ fn dry_hair_at(uv: vec2<f32>, layer: u32) -> Hair {
     return Hair(color, direction);
 }
 
+// Mip level beyond the last of any texture of layers: sampling clamps it to the smallest level.
+const SMALLEST_LEVEL: f32 = 16.0;
+
 // Returns the mean colour of the dry hair of a layer; `known` if multiple scattering is off.
 fn mean_of_layer(layer: u32, known: vec3<f32>) -> vec3<f32> {
     if !MULTIPLE {
         return known;
     }
-    // Reads the smallest mip level.
-    let mean = textureSampleLevel(shell_colors, shell_sampler, vec2(0.5), layer, 16.0);
+    let mean = textureSampleLevel(shell_colors, shell_sampler, vec2(0.5), layer, SMALLEST_LEVEL);
     return mean.rgb / max(mean.a, 1e-3);
 }
 
@@ -167,7 +172,8 @@ fn length_share(v: Vertex) -> f32 {
     return v.fur_height * material.share_per_m;
 }
 
-// Returns the direction of hair, adjusted to the length and lean of its vertices. `slope`: slope that they add.
+// Returns the direction of hair, adjusted to the length and lean of its vertices (formulas 2.5). `slope`: slope that
+// they add.
 fn grown(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
     if SHORT || LEAN {
         return hair_direction(direction, select(1.0, share, SHORT), slope);
@@ -175,7 +181,8 @@ fn grown(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
     return direction;
 }
 
-// Returns the path length through layers relative to their thickness, for hair of relative length `share`.
+// Returns the path length through layers relative to their thickness, for hair of relative length `share`
+// (formulas 4.2).
 fn path_through(path: f32, share: f32) -> f32 {
     if SHORT {
         return shortened_path(path, share);

@@ -1,5 +1,5 @@
 // Nearest hair segments per pixel, in an area of the picture: NEAREST keys per pixel, nearest first, then the optical
-// depth of the segments behind them.
+// depth of the segments behind them (formulas 4.11).
 
 const NEAREST: u32 = 8u;
 const OF_A_PIXEL: u32 = NEAREST + 1u;

@@ -12,9 +12,9 @@ fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
     return strength;
 }
 
-// Returns the reach of a feature's line: a weak feature leaves pixels beside it to stronger neighbours. `w`: half of
-// the line's width. With the square root, which is used for bands, two outlines and a fold that meet in a corner would
-// merge.
+// Returns the reach of a feature's line (formulas 5.2): a weak feature leaves pixels beside it to stronger neighbours.
+// `w`: half of the line's width. With the square root, which is used for bands, two outlines and a fold that meet in a
+// corner would merge.
 fn form_of_reach(w: f32, strength: f32) -> f32 {
     return w * sqrt(sqrt(strength));
 }

@@ -43,9 +43,9 @@ struct InkModel {
 // Width of a stroke in the texture, in tiles.
 const STROKE_TILES: f32 = 0.022;
 
-// Samples fur strokes that never get thinner on screen than a brush. As fur gets small, the texture is scaled up by 2,
-// 4 and so on. Adjacent scales are blended, so that strokes neither blur into grey nor jump. along: axes that are
-// scaled.
+// Samples fur strokes that never get thinner on screen than a brush (formulas 5.5). As fur gets small, the texture is
+// scaled up by 2, 4 and so on. Adjacent scales are blended, so that strokes neither blur into grey nor jump. along:
+// axes that are scaled.
 fn fur_strokes_at(uv: vec2<f32>, along: vec2<f32>, layer: u32) -> vec4<f32> {
     let dx = dpdx(uv) * along;
     let dy = dpdy(uv) * along;

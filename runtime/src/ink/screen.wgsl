@@ -40,7 +40,7 @@ struct InkFrame {
 
 // Largest half width of a line that the feature texture can hold, pixels.
 const WIDEST_HALF: f32 = 16.0;
-// Strength of lines with the body on both sides, unless a depth step raises it.
+// Strength of lines with the body on both sides, unless a depth step raises it (formulas 5.2).
 const FOLD: f32 = 0.5;
 
 @vertex

@@ -17,15 +17,15 @@ struct Baked {
     within: f32,
 }
 
-// Returns the sine of a light's height above the surface for hair that the share `open` of ambient light reaches; 0 if
-// the body hides the light.
+// Returns the sine of a light's height above the surface, s' of formulas 4.13, for hair that the share `open` of
+// ambient light reaches; 0 if the body hides the light.
 fn above_rim(height: f32, open: f32) -> f32 {
     let rim = max(material.rim * open, 1e-3);
     let risen = max(height + rim, 0.0);
     return select(0.25 * risen * risen / rim, height, height > rim);
 }
 
-// Returns the share of a light from that direction, in the tile frame, that other strands let through.
+// Returns the share of a light from that direction, in the tile frame, that other strands let through (formulas 4.9).
 fn visible_past_strands(b: Baked, light_ts: vec3<f32>) -> f32 {
     if !BAKED_SHADOW {
         return 1.0;

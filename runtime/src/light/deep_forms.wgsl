@@ -1,5 +1,5 @@
-// Placement of the slabs for strand shadows, and offset of the light lookup. A study of the printed forms replaces this
-// file by another.
+// Placement of the slabs for strand shadows, and offset of the light lookup (formulas 4.10). A study of the printed
+// forms replaces this file by another.
 
 // Returns the depth at which the slabs of a texel begin: its first hair. `whole`: depth at which all hair begins.
 fn slabs_begin(first: f32, whole: f32) -> f32 {

@@ -1,8 +1,8 @@
 //! uses light/baked, light/fibre, light/fills, light/point, light/scatter, light/visibility, shared/environment,
 //! shared/frame, shared/kajiya_kay, shared/scattering, shared/skinning, shared/tile_frame, shared/visibility,
 //! surface/place
-// Light from an environment map: the light from above the surface's horizon is treated as one light, spread about its
-// mean direction.
+// Light from an environment map (formulas 4.15): the light from above the surface's horizon is treated as one light,
+// spread about its mean direction.
 
 @group(0) @binding(6) var environment_map: texture_2d_array<f32>;
 @group(0) @binding(7) var broad_tables: texture_2d_array<f32>;
@@ -14,7 +14,7 @@ override BROAD_FIRST: u32 = 0u;
 // The key light is black; only its direction is used.
 override DARK_KEY: bool = false;
 
-// Size of the broad-light tables in texels: mean cosine, angle to the eye, angle of the light, azimuth.
+// Size of the broad-light tables in texels (formulas 4.15): mean cosine, angle to the eye, angle of the light, azimuth.
 const BROAD_MEANS: f32 = 8.0;
 const BROAD_TO: f32 = 24.0;
 const BROAD_FROM: f32 = 24.0;
@@ -33,19 +33,25 @@ fn environment_texel(place: vec2<f32>, layer: u32) -> vec3<f32> {
     return textureSampleLevel(environment_map, map_sampler, place, layer, 0.0).rgb;
 }
 
-// Returns the environment light at a spot of a body with that colour.
+// Smallest open share of a body, relative to that of most bodies.
+const LEAST_OPEN: f32 = 0.02;
+// Smallest length of a mean direction of light, and smallest height of one above the surface.
+const LEAST_LONG: f32 = 0.05;
+const LEAST_HIGH: f32 = 0.05;
+
+// Returns the environment light at a spot of a body with that colour (formulas 4.15).
 fn around_at(spot: Spot, color: vec3<f32>) -> Around {
     let tile = tile_of(spot);
-    let share = clamp(length(spot.open), 0.02, 1.0 / USUALLY_OPEN);
+    let share = clamp(length(spot.open), LEAST_OPEN, 1.0 / USUALLY_OPEN);
     let open = spot.open / share;
     let facing = tile.tangent_ws * open.x + tile.bitangent_ws * open.y + tile.normal_ws * open.z;
     let place = environment_place(facing);
     var towards = to_tile(tile, environment_texel(place, 1u));
     // The smaller the open share, the less the light is spread.
     let long = max(length(towards), 1e-6);
-    towards *= max(1.0 - share * (1.0 - long), 0.05) / long;
+    towards *= max(1.0 - share * (1.0 - long), LEAST_LONG) / long;
     // No light comes from below.
-    towards.z = max(towards.z, 0.05);
+    towards.z = max(towards.z, LEAST_HIGH);
     let hidden = max(1.0 - share, 0.0);
     let whole = environment_texel(place, 0u) * environment_share(color, hidden) * max(share, 1.0);
     // The surface receives no light from below its horizon. A body occludes low directions first, which contribute
@@ -61,16 +67,16 @@ fn environment_place(facing: vec3<f32>) -> vec2<f32> {
     return ((0.5 + 0.5 * octahedral(facing)) * (size - 1.0) + 0.5) / size;
 }
 
-// Returns the effective height (sine) of light above the surface, for hair that the share `open` of ambient light
-// reaches. The surface curves away below the light's path. The path through the hair is as long as under light of the
-// returned height over a plane. With hair depth d and body radius R the path is R (sqrt(z^2 + 2 d / R) - z).
+// Returns the effective height (sine) of light above the surface, z' of formulas 4.15, for hair that the share `open`
+// of ambient light reaches. The surface curves away below the light's path. The path through the hair is as long as
+// under light of the returned height over a plane: R (sqrt(z^2 + 2 d / R) - z), with hair depth d and body radius R.
 fn over_curve(height: f32, open: f32) -> f32 {
     let dip = material.rim * open;
     return 0.5 * (height + sqrt(height * height + dip * dip));
 }
 
-// Returns the share of light with that mean direction that other strands let through. The share is linear in the
-// direction, so that of the mean direction is the mean of the shares.
+// Returns the share of light with that mean direction that other strands let through (formulas 4.9, 4.15). The share is
+// linear in the direction, so that of the mean direction is the mean of the shares.
 fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
     if !BAKED_SHADOW {
         return 1.0;
@@ -86,9 +92,9 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
     return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));
 }
 
-// Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame. `variance`:
-// variance of the lobe along the fibre. `about_eye`: concentration of a von Mises distribution around the fibre, about
-// the eye; if negative, about the opposite side.
+// Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame: d_p of
+// formulas 4.15. `variance`: variance of the lobe along the fibre. `about_eye`: concentration of a von Mises
+// distribution around the fibre, about the eye; if negative, about the opposite side.
 fn lit_from(
     tip: vec3<f32>,
     light: vec3<f32>,
@@ -115,8 +121,8 @@ fn lit_from(
     return sine * tip + cosine * (mean_cosine_around(both) / max(both, 1e-4)) * aside;
 }
 
-// Reads the broad-light tables, interpolated between texels: R, TT, all internal reflections, and the path of TT within
-// the fibre.
+// Reads the broad-light tables (formulas 4.14, 4.15), interpolated between texels: R, TT, all internal reflections, and
+// the path of TT within the fibre.
 fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     let size = vec2(BROAD_MEANS * BROAD_FROM, BROAD_TO * BROAD_PHI);
     let within = vec2(asin(sin_i) / PI + 0.5, phi) * vec2(BROAD_FROM - 1.0, BROAD_PHI - 1.0) + 0.5;
@@ -135,16 +141,17 @@ fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     return mix(mix(a, b, share.x), mix(c, d, share.x), share.y);
 }
 
-// Concentration around the fibre: of R and TRT about the eye, and of TT about the opposite side.
+// Concentration kappa_p around the fibre (formulas 4.15): of R and TRT about the eye, and of TT about the opposite
+// side.
 const REFLECTED_ABOUT: f32 = 0.7;
 const THROUGH_ABOUT: f32 = -3.0;
 
-// Mean cosines towards the eye around the fibre, for R, TT, TRT and the rest.
+// Mean cosines A_p towards the eye around the fibre (formulas 4.15), for R, TT, TRT and the rest.
 const LEANS_TO_EYE: vec4<f32> = vec4(0.33, -0.85, 0.33, 0.0);
 
 // Returns the light that a fibre sends to the eye from uniform light of the half-space above the surface, and of the
-// one below. Light that leaves along a fibre arrived along it from the other end, which is below for upright hair. All
-// in the tile frame.
+// one below (formulas 4.15). Light that leaves along a fibre arrived along it from the other end, which is below for
+// upright hair. All in the tile frame.
 fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
     // Share from above for a directional density linear in z: 1/2 + 3/4 of the mean z.
     let risen = -sin_o * tip.z + LEANS_TO_EYE * (eye.z - sin_o * tip.z);
@@ -159,8 +166,8 @@ fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left
     );
 }
 
-// Returns the light that a fibre of that colour sends to the eye from environment light. `deeper`: colour of the hair
-// below it; `direct`: share of the light that passes other fibres. All in the tile frame.
+// Returns the light that a fibre of that colour sends to the eye from environment light (formulas 4.15). `deeper`:
+// colour of the hair below it; `direct`: share of the light that passes other fibres. All in the tile frame.
 fn scatter_around(
     direction: vec3<f32>,
     around: Around,
@@ -198,8 +205,8 @@ fn scatter_around(
     if BAKED_SHADOW && !HANGS {
         let concentration = 1.0 / max(broad_variance(mean), 1e-2);
         let from_r = lit_from(tip, light, eye, concentration, optics.w, REFLECTED_ABOUT);
-        let from_tt = lit_from(tip, light, eye, concentration, 0.25 * optics.w, THROUGH_ABOUT);
-        let from_trt = lit_from(tip, light, eye, concentration, 4.0 * optics.w, REFLECTED_ABOUT);
+        let from_tt = lit_from(tip, light, eye, concentration, LOBE_VARIANCE.y * optics.w, THROUGH_ABOUT);
+        let from_trt = lit_from(tip, light, eye, concentration, LOBE_VARIANCE.z * optics.w, REFLECTED_ABOUT);
         visible.x = visible_past_strands_around(baked, from_r);
         visible.y = visible_past_strands_around(baked, from_tt);
         visible.z = visible_past_strands_around(baked, from_trt);
@@ -231,8 +238,8 @@ fn scatter_around(
     return sent;
 }
 
-// Returns the terms of eq. (1) for environment light. Sines are means over its directions, and the highlight is widened
-// accordingly.
+// Returns the terms of eq. (1) for environment light (formulas 4.1, 4.15). Sines are means over its directions, and the
+// highlight is widened accordingly.
 fn fibre_around(direction: vec3<f32>, towards: vec3<f32>, eye: vec3<f32>, wetness: f32) -> vec2<f32> {
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let long = length(towards);
@@ -252,9 +259,12 @@ fn fibre_around(direction: vec3<f32>, towards: vec3<f32>, eye: vec3<f32>, wetnes
     return vec2(diffuse, dry_or_wet.x * sqrt(wider) * lobe);
 }
 
-// Share of ambient light that passes other strands to hanging hair, at visible points.
+// Share of ambient light that passes other strands to hanging hair, at visible points (formulas 4.15).
 const SEEN_HANGING: f32 = 0.2;
+// Extra path of light from a half-space through a layer: its diffusivity factor, 1.66, less 1 (formulas 4.15).
+const DIFFUSE_PATH: f32 = 0.66;
 
+// Returns the light that hair sends to the eye from the environment (formulas 4.15).
 fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     let color = p.color * p.tint;
     let around = around_at(p.spot, color / max(p.opacity, 1e-6));
@@ -262,10 +272,10 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     var direct = visible_past_strands_around(p.baked, around.towards);
     if (HANGS && DEEP_SHADOW) || (!BAKED_SHADOW && (DEEP_SHADOW || SELF_SHADOW)) {
         // The depth of a point in such hair is known only towards the key light. Spread light crosses the hair at a
-        // slant: over a half-space, 1.66 times as far on average (the diffusivity factor of a layer).
+        // slant.
         let long = length(around.towards);
         let spread = (1.0 - clamp(long, LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
-        direct = pow(p.arriving.visible, 1.0 + 0.66 * spread);
+        direct = pow(p.arriving.visible, 1.0 + DIFFUSE_PATH * spread);
         if HANGS {
             direct *= p.arriving.past;
             // From other sides, the depth is about that of visible hair.

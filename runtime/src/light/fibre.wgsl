@@ -1,5 +1,5 @@
 //! uses hair/hair, shared/kajiya_kay, surface/place
-// Optics of a single hair: Kajiya-Kay, Yang 2006, eq. (1).
+// Optics of a single hair: Kajiya-Kay, Yang 2006, eq. (1) (formulas 4.1).
 
 // pd is 2, so sin^2 needs no power.
 override SQUARED_DIFFUSE: bool = false;
@@ -22,9 +22,9 @@ fn highlight(wetness: f32) -> vec2<f32> {
     return lobe;
 }
 
-// Returns the light that a hair sends to the eye from one direction. `x`: sin^pd, to be tinted by the hair's colour.
-// `y`: sin^ps, untinted, with the strength of the mixed wet and dry hair. All in the tile frame; `half` is H of light
-// and eye.
+// Returns the light that a hair sends to the eye from one direction (formulas 4.1). `x`: sin^pd, to be tinted by the
+// hair's colour. `y`: sin^ps, untinted, with the strength of the mixed wet and dry hair. All in the tile frame; `half`
+// is H of light and eye.
 fn fibre(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec2<f32> {
     var diffuse = sin_squared(direction, light);
     if !SQUARED_DIFFUSE {

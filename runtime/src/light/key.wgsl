@@ -1,6 +1,6 @@
 //! uses light/baked, light/forms, light/point, light/scatter, light/visibility, shared/kajiya_kay, shared/skinning,
 //! surface/place
-// Key light and ambient light on hair: Yang 2006, eqs. (2) and (3).
+// Key light and ambient light on hair: Yang 2006, eqs. (2) and (3) (formulas 4.1).
 
 // Light that reaches a point. Geometries that compute some of it at vertices pass it on from there.
 struct Arriving {
@@ -33,6 +33,8 @@ fn arriving_at(height: f32, light_ts: vec3<f32>, half_ts: vec3<f32>, visible: f3
     return out;
 }
 
+// Returns the key light and ambient light that hair sends to the eye: eq. (3), or scattering by fibres (formulas 4.1,
+// 4.12, 4.13).
 fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
     let a = p.arriving;
     var visible = a.visible;
@@ -57,8 +59,8 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
     return p.color * (a.ambient + a.diffuse * sent.x) + a.specular * (sent.y * p.opacity);
 }
 
-// Returns the key light on bare surface, by Lambert's law with the package's constants. Bare parts are as bright as the
-// fur beside them.
+// Returns the key light on bare surface, by Lambert's law with the package's constants (formulas 4.1). Bare parts are
+// as bright as the fur beside them.
 fn key_light_on_bare(color: vec3<f32>, n_dot_l: f32, visible: f32) -> vec3<f32> {
     let light = select(instance.diffuse, instance.specular, SCATTERING);
     return color * (instance.ambient + light * (max(n_dot_l, 0.0) * visible));

@@ -1,6 +1,6 @@
 //! uses light/visibility, shared/scattering, surface/place
-// Multiple scattering between hair fibres. Replaces the two lobes of Kajiya-Kay if the package has tables of its
-// fibres.
+// Multiple scattering between hair fibres (formulas 4.12, 4.13). Replaces the two lobes of Kajiya-Kay if the package
+// has tables of its fibres.
 
 // The package has fibre tables, and the frame uses them.
 override SCATTERING: bool = false;
@@ -25,8 +25,9 @@ fn fibre_texel(place: vec2<f32>, layer: u32) -> vec4<f32> {
     return textureSampleLevel(fibre_tables, map_sampler, uv, 2u * fibre_number() + layer, 0.0);
 }
 
-// Returns the light that falls on a mat below hair of that colour, relative to the light on the hair. It is the share
-// `direct` that passes the fibres, times the cosine at the surface, plus the light that fibres scatter on.
+// Returns the light that falls on a mat below hair of that colour, relative to the light on the hair (formulas 4.13).
+// It is the share `direct` that passes the fibres, times the cosine at the surface, plus the light that fibres scatter
+// on.
 fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     let straight = vec3(direct * max(n_dot_l, 0.0));
     if !MULTIPLE {
@@ -40,8 +41,13 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     return straight + (d.sent_on + d.from_light) * max(n_dot_l, 0.0);
 }
 
-// Returns the light that a fibre of that colour sends to the eye, from a light of colour 1, which brings an irradiance
-// of pi. All directions are in one frame, the fibre towards its tip.
+// Azimuths phi / pi between which forward-scattered light turns from the far side to the light's side (formulas 4.13).
+const SENT_ON_TURN: vec2<f32> = vec2(0.15, 0.85);
+// Exponent of F for forward-scattered light: sum of the first number and gamma, at most the second (formulas 4.13).
+const SENT_ON_FALLS: vec2<f32> = vec2(0.15, 0.5);
+
+// Returns the light that a fibre of that colour sends to the eye (formulas 4.12, 4.13), from a light of colour 1, which
+// brings an irradiance of pi. All directions are in one frame, the fibre towards its tip.
 //
 // `deeper`: colour of the hair below; `direct`: share of the light that passes other fibres; `past`: share that passes
 // all other objects; above: sine of the light's height above the surface, as returned by above_rim.
@@ -81,11 +87,11 @@ fn scatter(
         let to_there = mix(sides[0], sides[1], turned);
         let spread = d.from_light * to_here + d.from_below * to_there;
         // Forward-scattered light stays within about a quarter turn of its direction.
-        let straight = mix(sides[1], sides[0], smoothstep(0.15, 0.85, turned));
+        let straight = mix(sides[1], sides[0], smoothstep(SENT_ON_TURN.x, SENT_ON_TURN.y, turned));
         // Fur receives no more grazing light than its surface does. Forward-scattered light is at the tips, which
         // grazing light meets from the side. The farther it travels, the less is lost.
         let falls = multiple_scattering_by_height(d.root_lost, above);
-        let reached = pow(falls, min(0.15 + d.root_lost, vec3(0.5)));
+        let reached = pow(falls, min(SENT_ON_FALLS.x + d.root_lost, vec3(SENT_ON_FALLS.y)));
         sent += (cones.x * d.sent_on * straight * reached + cones.y * spread * falls) / PI;
     }
     return sent * (PI * past);

@@ -29,7 +29,7 @@ fn map_place(position: vec3<f32>) -> vec4<f32> {
     return frame.map_from_world * vec4(position, 1.0);
 }
 
-// Returns the transmittance of the hair above a point between two of the layer-wise maps.
+// Returns the transmittance of the hair above a point between two of the layer-wise maps (formulas 4.2).
 fn light_between(uv: vec2<f32>, map_layer: f32) -> f32 {
     let below = floor(map_layer);
     let above = min(below + 1.0, frame.last_map_layer);
@@ -40,7 +40,7 @@ fn light_between(uv: vec2<f32>, map_layer: f32) -> f32 {
     );
 }
 
-// Returns the share of the key light that the hair above lets through: t of eq. (3).
+// Returns the share of the key light that the hair above lets through: t of eq. (3) (formulas 4.2).
 fn visible_through_hair(r: Receiver) -> f32 {
     if !SELF_SHADOW {
         return 1.0;
@@ -60,23 +60,31 @@ fn width_texel(place: vec4<f32>) -> vec4<f32> {
     return textureSampleLevel(width_map, map_sampler, place.xy / place.w, 0.0);
 }
 
-// Returns the share of the key light that passes the first surface on its path. Behind a body whose shadow falls on
-// nothing else, the map stores no occlusion. Deep in a stored shadow, the map's own soft shadow is used.
+// Resolution of the half floats of the shadow-width map, of its range.
+const WIDTH_MAP_STEP: f32 = 1.0 / 2048.0;
+// Slope and offset of the ramp over occlusion, from 0.4 to 0.5, above which the map's own soft shadow is used.
+const OCCLUDED_SLOPE: f32 = 10.0;
+const OCCLUDED_OFFSET: f32 = 4.0;
+// Slope of the ramp over -n_dot_l within which fur behind the terminator loses light to the first surface.
+const AWAY_SLOPE: f32 = 10.0;
+
+// Returns the share of the key light that passes the first surface on its path (formulas 4.13). Behind a body whose
+// shadow falls on nothing else, the map stores no occlusion. Deep in a stored shadow, the map's own soft shadow is
+// used.
 fn visible_past_first(place: vec4<f32>, path: f32, occlusion: f32) -> f32 {
     let uv = place.xy / place.w;
     if any(abs(uv - 0.5) > vec2(0.5)) {
         return 1.0;
     }
     let s = soft_shadow_of_frame();
-    // The map's half floats resolve 1/2048 of its range.
-    let nearest = place.z - depth_bias(place.w, path, s) / s.range_m - 1.0 / 2048.0;
+    let nearest = place.z - depth_bias(place.w, path, s) / s.range_m - WIDTH_MAP_STEP;
     let lit = select(vec4(0.0), vec4(1.0), textureGather(2, width_map, map_sampler, uv) >= vec4(nearest));
     let share = fract(uv * vec2<f32>(textureDimensions(width_map)) - 0.5);
     let past = mix(mix(lit.w, lit.z, share.x), mix(lit.x, lit.y, share.x), share.y);
-    return mix(past, 1.0, clamp(10.0 * occlusion - 4.0, 0.0, 1.0));
+    return mix(past, 1.0, clamp(OCCLUDED_SLOPE * occlusion - OCCLUDED_OFFSET, 0.0, 1.0));
 }
 
-// Returns the share of the key light that other objects let through: Attenu_Shadow of eq. (3).
+// Returns the share of the key light that other objects let through: Attenu_Shadow of eq. (3) (formulas 4.4).
 fn visible_past_things(r: Receiver) -> f32 {
     var past = 1.0;
     if GUIDED_SHADOW {
@@ -92,10 +100,10 @@ fn visible_past_things(r: Receiver) -> f32 {
     past *= soft_shadow(texel, r.place.z, r.place.w, path, soft_shadow_of_frame(), CENTRED);
     if HANGS {
         // Guided hair hangs anywhere; the surface at its root does not describe the path of the light.
-        past *= visible_past_first(r.place, 4.0, texel.x);
+        past *= visible_past_first(r.place, MOST_SLANTED, texel.x);
     } else if SCATTERING && r.n_dot_l < 0.0 {
         // Fur that faces away is lit only where it extends beyond the outline.
-        past *= mix(1.0, visible_past_first(r.place, path, texel.x), min(-10.0 * r.n_dot_l, 1.0));
+        past *= mix(1.0, visible_past_first(r.place, path, texel.x), min(-AWAY_SLOPE * r.n_dot_l, 1.0));
     }
     return past;
 }

@@ -1,6 +1,6 @@
-// Deep opacity maps: amount of hair in front of a point in the key light, counted from each texel's first hair (after
-// Yuksel and Keyser 2008). The buffer holds three parts, each per texel: nearness of the first hair; hair of each slab;
-// all hair on guides.
+// Deep opacity maps (formulas 4.10): amount of hair in front of a point in the key light, counted from each texel's
+// first hair (after Yuksel and Keyser 2008). The buffer holds three parts, each per texel: nearness of the first hair;
+// hair of each slab; all hair on guides.
 
 // 32 bytes.
 struct DeepOpacity {
@@ -20,7 +20,7 @@ struct DeepOpacity {
     reserved1: f32,
 }
 
-// Unit of stored optical depths. Integers make sums independent of their order.
+// Unit of stored optical depths (formulas 4.10). Integers make sums independent of their order.
 const OPACITY_STEP: f32 = 1.0 / 65536.0;
 
 // Returns the share of a slab's hair that is in front of a point. behind: distance of the point from the start of the

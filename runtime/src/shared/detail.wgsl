@@ -1,4 +1,4 @@
-// Levels of detail: which layers of hair a level draws, and how many layers each stands for.
+// Levels of detail (formulas 4.7): which layers of hair a level draws, and how many layers each stands for.
 
 // Returns how many baked layers a layer stands for in a level of that step: itself and those below it, down to the next
 // drawn one. The result is 0 if the level does not draw the layer, and for step 0, which draws none. layer: 1..baked.
@@ -27,18 +27,22 @@ fn detail_fade(layer: u32, baked: u32, step: u32, gone: f32) -> f32 {
     return clamp(gone - f32(pair - min(pair, lone_layers(baked, step))), 0.0, 1.0);
 }
 
-// Returns the exponent of a layer's transmittance for resampled_opacity, in a level of that step. gone: layers that
-// have changed to the next level; here and there: density of the level and of the next.
+// Returns the exponent of a layer's transmittance for resampled_opacity, in a level of that step (formulas 4.7). gone:
+// layers that have changed to the next level; here and there: density of the level and of the next.
 fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, there: f32) -> f32 {
     let fade = detail_fade(layer, baked, step, gone);
     let stood_for = f32(layers_stood_for(layer, baked, step));
     return (1.0 - fade) * here * stood_for + fade * there * f32(layers_stood_for(layer, baked, 2u * step));
 }
 
-// Returns the height at which the hair visible in a layer that stands for several is lit, as a share of the fur height.
-// Visible hair of the layers below is lower by a quarter of their number on average, less if they are denser.
+// Mean depth of the hair visible in a layer, over the layers below that it stands for (formulas 4.7).
+const VISIBLE_DEPTH: f32 = 0.25;
+
+// Returns the height at which the hair visible in a layer that stands for several is lit, as a share of the fur height:
+// h' of formulas 4.7. Visible hair of the layers below is lower by a quarter of their number on average, less if they
+// are denser.
 fn visible_height(height: f32, stood_for: f32, layers: u32) -> f32 {
-    return height - 0.25 * max(stood_for - 1.0, 0.0) / f32(layers - 1u);
+    return height - VISIBLE_DEPTH * max(stood_for - 1.0, 0.0) / f32(layers - 1u);
 }
 
 // Returns the index-th drawn layer, from the mesh surface outwards, if every step-th is drawn. gone: layers that have
@@ -51,17 +55,20 @@ fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
     return lowest_layer(baked, step) + step * (index + whole);
 }
 
-// Returns the share of the key light that reaches the hair visible in the far fur layer. path: length of the light's
-// path through a layer relative to its thickness.
+// Returns the share of the key light that reaches the hair visible in the far fur layer (formulas 4.8). path: length of
+// the light's path through a layer relative to its thickness.
 fn coat_light(path: f32, base: f32, slope: f32) -> f32 {
     return 1.0 / (base + slope * path);
 }
 
+// Opacities between which light_within is evaluated (formulas 4.7).
+const WITHIN_ALPHA: vec2<f32> = vec2(1.0 / 255.0, 1.0 - 1.0 / 2048.0);
+
 // Returns the light on the hair visible in a layer of that opacity that stands for several, relative to the light on
-// the layer itself. Below it are others like it: each hides alpha of what is behind it from the eye, and 1 - sqrt(1 -
-// alpha) from the light.
+// the layer itself: t' / t of formulas 4.7. Below it are others like it: each hides alpha of what is behind it from the
+// eye, and 1 - sqrt(1 - alpha) from the light.
 fn light_within(alpha: f32, stood_for: f32) -> f32 {
-    let a = clamp(alpha, 1.0 / 255.0, 1.0 - 1.0 / 2048.0);
+    let a = clamp(alpha, WITHIN_ALPHA.x, WITHIN_ALPHA.y);
     let one = 1.0 - a;
     let all = exp2(stood_for * log2(one));
     let share = a * (1.0 - all * sqrt(all)) / ((1.0 - all) * (1.0 - one * sqrt(one)));

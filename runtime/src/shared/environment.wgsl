@@ -1,43 +1,57 @@
-// Spread light: its mean effect on a hair, and the coordinates at which tables and maps hold it.
+// Spread light: its mean effect on a hair, and the coordinates at which tables and maps hold it (formulas 4.15).
 
-// Returns the octahedral map coordinates of a direction, -1..=1 each.
+// Returns the octahedral map coordinates of a direction, -1..=1 each (formulas 4.15).
 fn octahedral(way: vec3<f32>) -> vec2<f32> {
     let flat = way.xz / max(abs(way.x) + abs(way.y) + abs(way.z), 1e-12);
     let folded = (1.0 - abs(flat.yx)) * select(vec2(-1.0), vec2(1.0), flat >= vec2(0.0));
     return select(folded, flat, way.y >= 0.0);
 }
 
-// Sine of the angle below its horizon at which light about a direction begins. LEAST_MEAN: mean cosine of light that is
-// even above there.
+// Sine c of the angle below its horizon at which light about a direction begins. LEAST_MEAN: mean cosine (1 - c) / 2 of
+// light that is even above there (formulas 4.15).
 const BELOW: f32 = 0.45;
 const LEAST_MEAN: f32 = 0.275;
+// Fit of the mean squared cosine across spread light, for that c (formulas 4.15).
+const ACROSS_FIT: vec2<f32> = vec2(0.525, 0.501);
+// Last coordinate of mean cosines in the tables of broad light; narrower light is clamped to it (formulas 4.15).
+const LAST_MEAN: f32 = 0.83;
 
-// Returns the mean squared cosine between a direction and light spread about an axis. mean: mean cosine of the light
-// about its axis; cosine: between the direction and the axis.
+// Returns the mean squared cosine between a direction and light spread about an axis (formulas 4.15). mean: mean cosine
+// of the light about its axis; cosine: between the direction and the axis.
 fn mean_square(mean: f32, cosine: f32) -> f32 {
-    let across = (1.0 - mean) * ((1.0 + 2.0 * mean) / 3.0 - (mean - LEAST_MEAN) * (0.525 - 0.501 * mean));
+    let fit = (mean - LEAST_MEAN) * (ACROSS_FIT.x - ACROSS_FIT.y * mean);
+    let across = (1.0 - mean) * ((1.0 + 2.0 * mean) / 3.0 - fit);
     return across + (1.0 - 3.0 * across) * cosine * cosine;
 }
 
-// Returns the coordinate of light with that mean cosine in the tables of broad light, 0..=1.
+// Returns the coordinate of light with that mean cosine in the tables of broad light, 0..=1 (formulas 4.15).
 fn broad_coordinate(mean: f32) -> f32 {
     let rest = (1.0 - clamp(mean, LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
-    return clamp((1.0 - sqrt(rest)) / 0.83, 0.0, 1.0);
+    return clamp((1.0 - sqrt(rest)) / LAST_MEAN, 0.0, 1.0);
 }
 
-// Returns the angular variance of light with that mean cosine: 1 / kappa where it is narrow.
+// Returns the angular variance of light with that mean cosine: 1 / kappa where it is narrow (formulas 4.15).
 fn broad_variance(mean: f32) -> f32 {
     let m = clamp(mean, LEAST_MEAN, 1.0);
     return (1.0 - m) / m;
 }
 
-// Returns the mean cosine of a von Mises distribution with that concentration, I1 / I0, within 4 %.
+// Fit x / (a + sqrt(x^2 + b)) of I1(x) / I0(x): a and b.
+const BESSEL_RATIO_FIT: vec2<f32> = vec2(0.5, 2.25);
+
+// Returns the mean cosine of a von Mises distribution with that concentration, within 4 %: A = I1 / I0 of
+// formulas 4.15.
 fn mean_cosine_around(concentration: f32) -> f32 {
-    return concentration / (0.5 + sqrt(concentration * concentration + 2.25));
+    return concentration / (BESSEL_RATIO_FIT.x + sqrt(concentration * concentration + BESSEL_RATIO_FIT.y));
 }
 
-// Share of all directions that most bodies leave open to the tips of their hair.
+// Share of all directions that most bodies leave open to the tips of their hair (formulas 4.15).
 const USUALLY_OPEN: f32 = 0.725;
+// Packed components of openness: half of the range of four bits, and values per component.
+const OPENNESS_HALF: f32 = 7.0;
+const OPENNESS_VALUES: f32 = 16.0;
+// Brightest colour of a surface whose reflected light is summed.
+const BRIGHTEST: f32 = 0.98;
 
 // Unpacks the openness of a vertex from two numbers, 0..=1. The result is a vector in the tile frame towards the middle
 // of the open directions. Its length is the open share relative to that of most bodies.
@@ -47,14 +61,14 @@ fn unpack_openness(packed: vec2<f32>) -> vec3<f32> {
         return vec3(0.0, 0.0, 1.0);
     }
     let byte = floor(packed.y * 255.0 + 0.5);
-    let u = floor(byte / 16.0);
-    let aside = (vec2(u, byte - 16.0 * u) - 7.0) / 7.0;
+    let u = floor(byte / OPENNESS_VALUES);
+    let aside = (vec2(u, byte - OPENNESS_VALUES * u) - OPENNESS_HALF) / OPENNESS_HALF;
     let middle = vec3(aside, sqrt(max(1.0 - dot(aside, aside), 0.0)));
     return middle * (packed.x / USUALLY_OPEN * inverseSqrt(max(dot(middle, middle), 1.0)));
 }
 
 // Returns the share of environment light that reaches a point of a body of that colour, if the body hides the share
-// `hidden` of it. The hiding surface is about as bright as the point itself, and lights it.
+// `hidden` of it (formulas 4.15). The hiding surface is about as bright as the point itself, and lights it.
 fn environment_share(color: vec3<f32>, hidden: f32) -> vec3<f32> {
-    return (1.0 - hidden) / (1.0 - clamp(color, vec3(0.0), vec3(0.98)) * hidden);
+    return (1.0 - hidden) / (1.0 - clamp(color, vec3(0.0), vec3(BRIGHTEST)) * hidden);
 }

@@ -83,13 +83,13 @@ struct Instance {
     coat_light_slope: f32,
 }
 
-// Returns the unit vector from a point towards a light or eye in homogeneous coordinates.
+// Returns the unit vector from a point towards a light or eye in homogeneous coordinates (formulas 1.1).
 fn direction_to(target_ws: vec4<f32>, position_ws: vec3<f32>) -> vec3<f32> {
     let d = target_ws.xyz - position_ws * target_ws.w;
     return d * inverseSqrt(max(dot(d, d), 1e-30));
 }
 
-// Returns the unit half vector between two unit vectors; zero if they are opposed.
+// Returns the unit half vector between two unit vectors; zero if they are opposed (formulas 1.1).
 fn half_vector(l: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     let h = l + v;
     return h * inverseSqrt(max(dot(h, h), 1e-12));

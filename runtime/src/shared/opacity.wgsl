@@ -1,34 +1,48 @@
 // Resampling of opacities, and paths through layers.
-//
-// resampled_opacity: 1 - (1 - alpha)^exponent preserves the product of (1 - alpha) over all layers when their number
-// changes. exponent = baked layers / drawn layers.
+
+const LN_2: f32 = 0.6931472;
+const LOG2_E: f32 = 1.442695;
+// Largest opacity that is resampled: 1 has no logarithm, and 2^-11 is far below the resolution of an 8-bit texel
+// (formulas 3.1).
+const MOST_ALPHA: f32 = 1.0 - 1.0 / 2048.0;
+// Opacity below which its logarithm is a series, and logarithm above which its exponential is one.
+const SERIES_ALPHA: f32 = 0.05;
+const SERIES_LOGARITHM: f32 = -0.1;
+
+// Returns 1 - (1 - alpha)^exponent, which preserves the product of (1 - alpha) over all layers when their number
+// changes (formulas 3.1, 3.2). exponent = baked layers / drawn layers.
 fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
-    // An opacity of 1 has no logarithm; 2^-11 is far below the resolution of an 8-bit texel.
-    let a = clamp(alpha, 0.0, 1.0 - 1.0 / 2048.0);
+    let a = clamp(alpha, 0.0, MOST_ALPHA);
     // -expm1(exponent * log1p(-a)), by series where 1 - exp2() would cancel. z <= 0 is the logarithm of the
     // transmittance.
-    let z = exponent * select(0.6931472 * log2(1.0 - a), -a * (1.0 + a * (0.5 + a * (1.0 / 3.0 + 0.25 * a))), a < 0.05);
+    let log1p = -a * (1.0 + a * (0.5 + a * (1.0 / 3.0 + 0.25 * a)));
+    let z = exponent * select(LN_2 * log2(1.0 - a), log1p, a < SERIES_ALPHA);
     let series = -z * (1.0 + z * (0.5 + z * (1.0 / 6.0 + z / 24.0)));
-    return select(1.0 - exp2(1.442695 * z), series, z > -0.1);
+    return select(1.0 - exp2(LOG2_E * z), series, z > SERIES_LOGARITHM);
 }
 
-// Returns the path length of a view ray through a layer, relative to its thickness, at most 10. n_dot_e: cosine between
-// the surface normal and the direction to the eye.
+// Smallest cosine to the eye by which a path through a layer grows (formulas 4.5).
+const LEAST_N_DOT_E: f32 = 0.1;
+
+// Returns the path length of a view ray through a layer, relative to its thickness, at most 10 (formulas 4.5). n_dot_e:
+// cosine between the surface normal and the direction to the eye.
 fn view_path(n_dot_e: f32) -> f32 {
-    return 1.0 / clamp(abs(n_dot_e), 0.1, 1.0);
+    return 1.0 / clamp(abs(n_dot_e), LEAST_N_DOT_E, 1.0);
 }
 
-// Smallest cross-section of a strand, seen along its axis.
+// Smallest cross-section of a strand, seen along its axis (formulas 4.5).
 const LEAST_ACROSS: f32 = 0.1;
+// Share of the square of evenly spread directions that lies across any view ray (formulas 4.5).
+const EVEN_ACROSS: f32 = 2.0 / 3.0;
 
-// Returns the optical depth along a view ray relative to the one that a layer stores. A thin strand blocks by its
-// extent across the ray. Layers store its length where strands are finer than texels, and its view from above where
-// they are not. The divisor is the mean of both.
+// Returns the optical depth along a view ray relative to the one that a layer stores: q of formulas 4.5. A thin strand
+// blocks by its extent across the ray. Layers store its length where strands are finer than texels, and its view from
+// above where they are not. The divisor is the mean of both.
 //
 // tangent: grown_tangent of the layer's hair; agreed: length of the tile's direction, 0..=1, the remainder is hair in
 // all directions; eye: unit vector to the eye in the tile's frame.
 fn view_depth_factor(tangent: vec3<f32>, agreed: f32, eye: vec3<f32>, n_dot_e: f32) -> f32 {
-    let rest = (2.0 / 3.0) * max(1.0 - agreed * agreed, 0.0);
+    let rest = EVEN_ACROSS * max(1.0 - agreed * agreed, 0.0);
     let along = dot(eye, tangent);
     let flat = dot(tangent.xy, tangent.xy) + rest;
     let across = sqrt(max(flat + tangent.z * tangent.z - along * along, LEAST_ACROSS * LEAST_ACROSS));
@@ -36,13 +50,14 @@ fn view_depth_factor(tangent: vec3<f32>, agreed: f32, eye: vec3<f32>, n_dot_e: f
     return across * view_path(n_dot_e) / (0.5 + 0.5 * from_above);
 }
 
-// Returns the relative path length through layers, 1 or more, for hair that is `share` as long as the tile's. Layers
-// are closer, so that the sideways part of the path counts less.
+// Returns the relative path length through layers, 1 or more, for hair that is `share` as long as the tile's: p' of
+// formulas 4.2. Layers are closer, so that the sideways part of the path counts less.
 fn shortened_path(path: f32, share: f32) -> f32 {
     return sqrt(1.0 + share * share * (path * path - 1.0));
 }
 
-// Returns the baked layer, 1..baked, that serves as drawn layer `layer`, 1..drawn. Layer 0, the mesh surface, stays 0.
+// Returns the baked layer, 1..baked, that serves as drawn layer `layer`, 1..drawn (formulas 3.2). Layer 0, the mesh
+// surface, stays 0.
 fn baked_layer(layer: u32, baked: u32, drawn: u32) -> u32 {
     if layer == 0u || baked < 2u || drawn < 2u {
         return 0u;

@@ -14,9 +14,9 @@ struct ShadowReceiver {
     reserved2: u32,
 }
 
-// Returns the share of the key light that arrives at a point, 0..=1: past occluders, and through the hair above; 1
-// outside the maps. texel: of the shadow-width map; place: map_from_world of the point; n_dot_l: cosine between its
-// normal and the light.
+// Returns the share of the key light that arrives at a point, 0..=1 (formulas 4.4): past occluders, and through the
+// hair above; 1 outside the maps. texel: of the shadow-width map; place: map_from_world of the point; n_dot_l: cosine
+// between its normal and the light.
 fn light_at_place(texel: vec4<f32>, place: vec4<f32>, n_dot_l: f32, receiver: ShadowReceiver) -> f32 {
     let inside = place.w > 0.0 && all(place.xyz >= vec3(0.0)) && all(place.xyz <= vec3(place.ww, 1.0));
     let path = slanted_path(n_dot_l);

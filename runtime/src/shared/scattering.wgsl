@@ -1,5 +1,5 @@
-// Light scattering by fibres (Marschner 2003; d'Eon 2011; Chiang 2016): coordinates in a package's tables, evaluation
-// of their texels, and scattering from fibre to fibre.
+// Light scattering by fibres (Marschner 2003; d'Eon 2011; Chiang 2016; formulas 4.12, 4.13): coordinates in a package's
+// tables, evaluation of their texels, and scattering from fibre to fibre.
 
 // Table coordinates and cosines of a pair of light and eye directions, relative to a fibre.
 struct FibreAngles {
@@ -19,18 +19,22 @@ struct Fibre {
     back: array<vec4<f32>, 3>,
 }
 
-// Undistorted share of the axis of sin theta_h. LEAST_COS_D: smallest cosine of the difference angle.
+// Undistorted share of the axis of sin theta_h. LEAST_COS_D: smallest cosine of the difference angle, cos theta_d
+// (formulas 4.12).
 const DRAWN_OUT: f32 = 0.3;
 const LEAST_COS_D: f32 = 0.1;
 const PI: f32 = 3.14159265;
+// Variances along the fibre of the lobes R, TT, TRT and of the rest, over that of R: beta_TT = beta_R / 2 and
+// beta_TRT = 2 beta_R (Marschner 2003).
+const LOBE_VARIANCE: vec4<f32> = vec4(1.0, 0.25, 4.0, 4.0);
 
-// Returns the table row of a cosine of the difference angle, 0..=1.
+// Returns the table row of a cosine of the difference angle, 0..=1 (formulas 4.12).
 fn fibre_row(cos_d: f32) -> f32 {
     return clamp((cos_d - LEAST_COS_D) / (1.0 - LEAST_COS_D), 0.0, 1.0);
 }
 
-// Returns the angles of unit vectors: the fibre towards its tip, towards the light, towards the eye. A direction along
-// the fibre has no azimuth; an arbitrary one is used.
+// Returns the angles of unit vectors (formulas 4.12): the fibre towards its tip, towards the light, towards the eye. A
+// direction along the fibre has no azimuth; an arbitrary one is used.
 fn fibre_angles(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>) -> FibreAngles {
     let sin_i = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
@@ -53,8 +57,8 @@ fn fibre_absorption(color: vec3<f32>, per_depth: f32) -> vec3<f32> {
     return root * root;
 }
 
-// Returns the transmittance of one crossing of a fibre with that absorption per radius. cos_d: cosine of the difference
-// angle.
+// Returns the transmittance of one crossing of a fibre with that absorption per radius, sigma of formulas 4.12. cos_d:
+// cosine of the difference angle.
 fn fibre_transmittance(cos_d: f32, optics: vec4<f32>, absorbed: vec3<f32>) -> vec3<f32> {
     let c = max(cos_d, LEAST_COS_D);
     // Squares of 1 / cos theta_t, and of the sine of the refraction angle in the cross-section, at the mean square
@@ -64,16 +68,16 @@ fn fibre_transmittance(cos_d: f32, optics: vec4<f32>, absorbed: vec3<f32>) -> ve
     return exp(-2.0 * sqrt(slant * (1.0 - bent)) * absorbed);
 }
 
-// Combines the tables' texels along and around a fibre: scattered light per steradian over its irradiance, times the
-// cosine of the light's angle. left: from fibre_transmittance. TRT crosses the fibre twice, the remaining orders three
-// times.
+// Combines the tables' texels along and around a fibre (formulas 4.12): scattered light per steradian over its
+// irradiance, times the cosine of the light's angle. left: from fibre_transmittance. TRT crosses the fibre twice, the
+// remaining orders three times.
 fn fibre_scatters(along: vec4<f32>, around: vec4<f32>, absorbed: vec3<f32>, left: vec3<f32>) -> vec3<f32> {
     let ways = along.xyz * around.xyz;
     return vec3(ways.x) + ways.y * exp(-absorbed * around.w) + left * left * (vec3(ways.z) + along.w * left);
 }
 
 // Returns the shares of light that a fibre without absorption scatters forward and backward, each by R, TT, TRT and the
-// rest. cos_theta: cosine of the angle between the light and the plane across the fibre.
+// rest (formulas 4.13). cos_theta: cosine of the angle between the light and the plane across the fibre.
 fn fibre_shares(fibre: Fibre, cos_theta: f32) -> array<vec4<f32>, 2> {
     let u = 1.0 - max(cos_theta, LEAST_COS_D);
     let square = u * u;
@@ -83,7 +87,7 @@ fn fibre_shares(fibre: Fibre, cos_theta: f32) -> array<vec4<f32>, 2> {
     );
 }
 
-// Returns the shares of light that an absorbing fibre scatters forward and backward.
+// Returns the shares of light that an absorbing fibre scatters forward and backward: f and b of formulas 4.13.
 fn absorbing_fibre_shares(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
     let shares = fibre_shares(fibre, cos_theta);
     let on = shares[0];
@@ -105,7 +109,7 @@ struct DiffusedLight {
     root_lost: vec3<f32>,
 }
 
-// Returns the light at a point where the share `direct` passes all fibres.
+// Returns the light at a point where the share `direct` passes all fibres (formulas 4.13).
 fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight {
     let lost = max(vec3(1.0) - on - back, vec3(1e-4));
     let root_lost = sqrt(lost);
@@ -118,44 +122,48 @@ fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight 
     return DiffusedLight(max(sent_on - direct, vec3(0.0)), from_light, given_back * arrives, root_lost);
 }
 
-// Returns the multiply scattered light under a light at a height of that sine, relative to one at the zenith.
-// Proportional to the excess of Hapke's H function over 1 (after Hapke 1981). root_lost: square root of the absorbed
-// share.
+// Returns the multiply scattered light under a light at a height of that sine, relative to one at the zenith: F of
+// formulas 4.13. Proportional to the excess of Hapke's H function over 1 (after Hapke 1981). root_lost: square root of
+// the absorbed share.
 fn multiple_scattering_by_height(root_lost: vec3<f32>, sine: f32) -> vec3<f32> {
     let root = 2.0 * root_lost;
     return sine * (1.0 + root) / (1.0 + sine * root);
 }
 
-// Free hanging hair: shares of forward and backward scattered light that turn back in a sheet of it, and share that
-// leaves it at its edges.
+// Free hanging hair (formulas 4.13): shares of forward and backward scattered light that turn back in a sheet of it,
+// and share that leaves it at its edges.
 const TURNED_ON: f32 = 0.15;
 const TURNED_BACK: f32 = 0.8;
 const LEAKS: f32 = 0.12;
 
-// Returns the forward and backward shares of a sheet of hanging fibres, given those of one fibre.
+// Returns the forward and backward shares of a sheet of hanging fibres, given those of one fibre (formulas 4.13).
 fn hanging_sheet_shares(sides: array<vec3<f32>, 2>) -> array<vec3<f32>, 2> {
     let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
     return array((1.0 - LEAKS) * (sides[0] + sides[1]) - back, back);
 }
 
-// Returns the light scattered from one inclination to another, relative to an even distribution over all inclinations.
-// sin_i, sin_o: sines of the angles of light and eye to the plane across the fibre; variance: of the lobe (d'Eon 2011).
-// I0 is approximated within 2 %.
+// Fit (1 + 2 a + A a^2 / (a + B) - C a / (1 + D a^2))^(-1/2) of exp(-a) I0(a): A, B, C and D.
+const I0E_FIT: vec4<f32> = vec4(4.2832, 0.9183, 0.6664, 0.3884);
+
+// Returns the light scattered from one inclination to another, relative to an even distribution over all inclinations
+// (formulas 4.13). sin_i, sin_o: sines of the angles of light and eye to the plane across the fibre; variance: of the
+// lobe (d'Eon 2011). I0 is approximated within 2 %.
 fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
     let k = 1.0 / clamp(variance, 1e-3, 1e3);
     let a = k * sqrt(max((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o), 0.0));
-    let i0e = inverseSqrt(1.0 + 2.0 * a + 4.2832 * a * a / (a + 0.9183) - 0.6664 * a / (1.0 + 0.3884 * a * a));
+    let i0e = inverseSqrt(
+        1.0 + 2.0 * a + I0E_FIT.x * a * a / (a + I0E_FIT.y) - I0E_FIT.z * a / (1.0 + I0E_FIT.w * a * a),
+    );
     return 2.0 * k * i0e * exp(a - k * (1.0 + sin_i * sin_o)) / (1.0 - exp(-2.0 * k));
 }
 
-// Returns along_cone in hair that hangs side by side: of light that was only scattered forward (x), and of other light
-// (y). Parallel fibres keep light near its cone of incidence, and each scattering widens the cone. direct: share of the
-// light that passes all fibres; left: from fibre_transmittance, for grey.
+// Returns along_cone in hair that hangs side by side (formulas 4.13): of light that was only scattered forward (x), and
+// of other light (y). Parallel fibres keep light near its cone of incidence, and each scattering widens the cone.
+// direct: share of the light that passes all fibres; left: from fibre_transmittance, for grey.
 fn hanging_cones(fibre: Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> vec2<f32> {
     let shares = fibre_shares(fibre, cos_i);
     let light = vec4(1.0, left, left * left, left * left * left);
-    // The lobe of TT is half as wide, and that of TRT twice as wide.
-    let wide = fibre.optics.w * vec4(1.0, 0.25, 4.0, 4.0);
+    let wide = fibre.optics.w * LOBE_VARIANCE;
     // Fits may be zero or negative for opaque fibres.
     let on = max(dot(shares[0], light), 1e-4);
     let all = on + max(dot(shares[1], light), 0.0);

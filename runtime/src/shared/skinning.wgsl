@@ -9,7 +9,7 @@ fn weighted(m: mat4x4<f32>, weight: f32) -> mat4x4<f32> {
     return mat4x4<f32>();
 }
 
-// Returns the weighted sum of four joint matrices; the identity if no weight is positive.
+// Returns the weighted sum of four joint matrices (formulas 2.2); the identity if no weight is positive.
 fn blend(m0: mat4x4<f32>, m1: mat4x4<f32>, m2: mat4x4<f32>, m3: mat4x4<f32>, weights: vec4<f32>) -> mat4x4<f32> {
     if !any(weights > vec4(0.0)) {
         return mat4x4(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
@@ -28,9 +28,9 @@ fn normalize_or(v: vec3<f32>, fallback: vec3<f32>) -> vec3<f32> {
     return normalize(v / largest);
 }
 
-// Transforms a unit normal by a matrix that may scale unevenly, mirror or collapse. The result always has unit length,
-// and outward stays outward. The cofactor matrix is the inverse transpose times the determinant; it needs no division.
-// The sign of the determinant is removed again.
+// Transforms a unit normal by a matrix that may scale unevenly, mirror or collapse (formulas 2.3). The result always
+// has unit length, and outward stays outward. The cofactor matrix is the inverse transpose times the determinant; it
+// needs no division. The sign of the determinant is removed again.
 fn transform_normal(m: mat3x3<f32>, normal: vec3<f32>) -> vec3<f32> {
     let c0 = cross(m[1], m[2]);
     let n = c0 * normal.x + cross(m[2], m[0]) * normal.y + cross(m[0], m[1]) * normal.z;

@@ -1,4 +1,4 @@
-// Soft shadows from a shadow-width map (Kirsch and Doellner 2003; Yang 2006, sec. 4).
+// Soft shadows from a shadow-width map (Kirsch and Doellner 2003; Yang 2006, sec. 4; formulas 4.4).
 //
 // The map is seen from the light. Depths are 0..=1 over its range. Its texels, read with a linear filter, are:
 // * x: occlusion, blurred: 0 if nothing near is in shadow, 1 deep in it, 1/2 at the edge
@@ -17,29 +17,29 @@ struct SoftShadow {
     texel: f32,
 }
 
-// Returns Attenu_Shadow in the paper's form, made safe: the penumbra is inside the hard edge. sd: metres behind the
-// occluder; sw: metres from the edge into the shadow; blur: largest measurable sw.
+// Returns Attenu_Shadow in the paper's form, made safe (formulas 4.4): the penumbra is inside the hard edge. sd: metres
+// behind the occluder; sw: metres from the edge into the shadow; blur: largest measurable sw.
 fn inner_attenuation(sd: f32, sw: f32, penumbra: f32, blur: f32) -> f32 {
     // Limits the penumbra to the measurable width; otherwise its middle would stay lit.
     let width = clamp(sd * penumbra, 1e-6, blur);
     return select(clamp(1.0 - sw / width, 0.0, 1.0), 1.0, sd <= 0.0);
 }
 
-// Returns Attenu_Shadow with the penumbra on both sides of the hard edge, as for a round light. edge: metres from the
-// edge, positive in the shadow.
+// Returns Attenu_Shadow with the penumbra on both sides of the hard edge, as for a round light (formulas 4.4). edge:
+// metres from the edge, positive in the shadow.
 fn centred_attenuation(sd: f32, edge: f32, penumbra: f32, blur: f32) -> f32 {
     let width = clamp(sd * penumbra, 1e-6, 2.0 * blur);
     return select(clamp(0.5 - edge / width, 0.0, 1.0), 1.0, sd <= 0.0);
 }
 
-// Returns the depth bias: metres that a surface may be behind the first one and still count as the same. Within a
-// texel, a surface covers a range of depths, wider if it is more slanted.
+// Returns the depth bias (formulas 4.4): metres that a surface may be behind the first one and still count as the same.
+// Within a texel, a surface covers a range of depths, wider if it is more slanted.
 fn depth_bias(distance: f32, path: f32, s: SoftShadow) -> f32 {
     return s.texel * distance * (0.5 + path);
 }
 
-// Returns Attenu_Shadow of eq. (3) at a receiver: 1 lit, 0 dark. z: its depth, 0..=1; distance: from a point light,
-// metres, 1 for a distant one; path: slanted_path there.
+// Returns Attenu_Shadow of eq. (3) at a receiver (formulas 4.4): 1 lit, 0 dark. z: its depth, 0..=1; distance: from a
+// point light, metres, 1 for a distant one; path: slanted_path there.
 fn soft_shadow(texel: vec4<f32>, z: f32, distance: f32, path: f32, s: SoftShadow, centred: bool) -> f32 {
     let blur = s.blur * distance;
     let bias = depth_bias(distance, path, s);

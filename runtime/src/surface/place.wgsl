@@ -64,8 +64,8 @@ fn tile_frame_of(v: Vertex, normal: vec3<f32>) -> TileFrame {
     return tile_frame(normal, tangent, v.tangent.w * instance.handedness);
 }
 
-// Returns the world-space position of a point of the hair that grows from a vertex. height: share of the fur height.
-// The offset is along the normal, and bent towards the comb direction by the square of the height.
+// Returns the world-space position of a point of the hair that grows from a vertex: P(h) of formulas 2.5. height: share
+// of the fur height. The offset is along the normal, and bent towards the comb direction by the square of the height.
 fn hair_position(v: Vertex, tile: TileFrame, height: f32) -> vec3<f32> {
     var offset = tile.normal_ws * height;
     if LEAN {

@@ -23,8 +23,8 @@ struct FinVarying {
     @location(13) open: vec3<f32>,
 }
 
-// Returns the mean baked visibility at a height. The mean is used because the package does not record which strands of
-// the tile a slab shows.
+// Returns the mean baked visibility at a height (formulas 4.9). The mean is used because the package does not record
+// which strands of the tile a slab shows.
 fn baked_at_height(height: f32, kept: f32, length: f32, slope: f32) -> Baked {
     var texel = vec4(1.0);
     if BAKED_SHADOW {

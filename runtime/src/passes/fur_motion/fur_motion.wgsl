@@ -1,6 +1,6 @@
 //! uses hair/wind, shared/skinning, shared/tile_frame, surface/geometry
-// Motion of fur: one particle at the hair tip of each vertex. Twin of formats/src/meaning/fur_motion.rs, which explains
-// the method.
+// Motion of fur (formulas 2.7): one particle at the hair tip of each vertex. Twin of formats/src/meaning/fur_motion.rs,
+// which explains the method.
 
 // Constants of a model in a frame.
 struct FurMotion {
@@ -34,14 +34,25 @@ struct FurMotion {
 // on.
 @group(0) @binding(4) var<storage, read> motion: FurMotion;
 
+// Stiffness s of long hair, m/s² (formulas 2.7).
 const STIFFNESS: f32 = 60.0;
+// Length at which hair is twice as stiff as long hair, metres (formulas 2.7).
 const SHORT_M: f32 = 0.01;
+// Drag rate c, 1/s (formulas 2.7).
 const DRAG_PER_S: f32 = 4.0;
+// Damping zeta, as a share of critical damping (formulas 2.7).
 const DAMPING: f32 = 0.35;
+// Upper bound of the lean angle, radians (formulas 2.7).
 const MOST_LEAN_RAD: f32 = 0.7;
+// Largest distance of a tip from its groomed position, hair lengths.
 const FARTHEST: f32 = 2.0;
+// Length below which hair does not move, metres.
 const SHORTEST_M: f32 = 1e-5;
+// Shares of its motion that hair loses where it lies flat, and where it is wet (formulas 2.7).
+const HELD_BY_LEAN: f32 = 0.5;
+const HELD_BY_WATER: f32 = 0.6;
 
+// Limits the length of a vector.
 fn limit_length(v: vec3<f32>, most: f32) -> vec3<f32> {
     return v * min(most / max(length(v), 1e-20), 1.0);
 }
@@ -58,7 +69,8 @@ fn lean_fur(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     if size > SHORTEST_M {
         let aside = advance(index, v, size);
         let groom = unpack4x8unorm(attributes[6u * index + 5u]);
-        let freedom = (1.0 - 0.5 * clamp(v.lean, 0.0, 1.0)) * (1.0 - 0.6 * groom.y) * (1.0 - groom.x);
+        let lying = clamp(v.lean, 0.0, 1.0);
+        let freedom = (1.0 - HELD_BY_LEAN * lying) * (1.0 - HELD_BY_WATER * groom.y) * (1.0 - groom.x);
         let normal = transform_normal(motion.world_from_model, v.normal);
         let along = aside - normal * dot(normal, aside);
         let far = length(along);
@@ -74,7 +86,7 @@ fn lean_fur(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     leaned[index] = out;
 }
 
-// Advances the tip particle of a vertex and returns its offset.
+// Advances the tip particle of a vertex and returns its offset (formulas 2.7).
 fn advance(index: u32, v: GeometryVertex, size: f32) -> vec3<f32> {
     let root = motion.world_from_model * v.position;
     let air = wind_at(motion.wind, motion.origin + root, motion.wind.time_s);

@@ -1,6 +1,6 @@
 //! uses hair/triangle_frame, hair/wind, surface/geometry
-// Motion of hair on guides: each guide is a chain of particles whose root moves with the mesh surface. Twin of
-// formats/src/meaning/hair_motion/mod.rs, which explains the method.
+// Motion of hair on guides (formulas 2.6): each guide is a chain of particles whose root moves with the mesh surface.
+// Twin of formats/src/meaning/hair_motion/mod.rs, which explains the method.
 
 // Constants of a group's guides in a frame.
 struct HairMotion {
@@ -48,16 +48,26 @@ struct HairMotion {
 // on.
 @group(0) @binding(7) var<storage, read> motion: HairMotion;
 
+// Largest number of points of a guide.
 const MOST_POINTS: u32 = 65u;
+// Smallest number of steps per second (formulas 2.6).
 const STEPS_PER_S: f32 = 120.0;
+// Largest number of solver iterations for the tensions, and relative length error at which they end (formulas 2.6).
 const SOLVED: u32 = 16u;
 const WITHIN: f32 = 1e-4;
+// Number of times that a particle is pushed out of the colliders.
 const PUSHED: u32 = 3u;
+// Cosine of the rotation beyond which a segment's current direction replaces its direction at the start of the step.
 const LEAST_TURN: f32 = 0.995;
+// Damping zeta of the springs to the groomed shape, as a share of critical damping (formulas 2.6).
 const DAMPED: f32 = 0.3;
+// Largest speed of a particle relative to its root, guide lengths per second.
 const FASTEST: f32 = 25.0;
+// Standard gravity, m/s², at which the ballast is stored.
 const GRAVITY: f32 = 9.81;
 const TAU: f32 = 6.2831853;
+// Factor on the reach of a guide in the search for colliders, against rounding.
+const NEAR_MARGIN: f32 = 1.001;
 
 // Working state of the thread of a guide.
 var<private> first_pearl: u32;
@@ -83,7 +93,7 @@ fn find_near(root: vec3<f32>, old_root: vec3<f32>) {
         let axis = to_end - from_end.xyz;
         let on_axis = clamp(dot(root - from_end.xyz, axis) / max(dot(axis, axis), 1e-20), 0.0, 1.0);
         let off = distance(root, from_end.xyz + axis * on_axis);
-        if off <= 1.001 * (max(from_end.w, colliders[4u * c].w) + reach + moved) {
+        if off <= NEAR_MARGIN * (max(from_end.w, colliders[4u * c].w) + reach + moved) {
             near[c >> 5u] |= 1u << (c & 31u);
         }
     }
@@ -178,7 +188,7 @@ fn length_error(held: u32) -> f32 {
     return off;
 }
 
-// Performs one step of Newton's method for the tensions that restore the lengths of all segments.
+// Performs one step of Newton's method for the tensions that restore the lengths of all segments (formulas 2.6).
 fn solve_lengths(held: u32) {
     var before = vec3(0.0);
     left[held] = 0.0;
@@ -208,8 +218,8 @@ fn solve_lengths(held: u32) {
     }
 }
 
-// Returns the position nearest to `at` that is `size` from `parent` and `radius` from `center`. If there is none,
-// returns the point straight away from `center`.
+// Returns the position nearest to `at` that is `size` from `parent` and `radius` from `center` (formulas 2.6). If there
+// is none, returns the point straight away from `center`.
 fn pushed_out(parent: vec3<f32>, size: f32, at: vec3<f32>, center: vec3<f32>, radius: f32) -> vec3<f32> {
     let to_center = center - parent;
     let apart = length(to_center);
@@ -225,6 +235,7 @@ fn pushed_out(parent: vec3<f32>, size: f32, at: vec3<f32>, center: vec3<f32>, ra
     return parent + axis * on_axis + beside * sqrt(squared);
 }
 
+// Advances a guide by one step (formulas 2.6).
 fn advance(
     old_frame: mat3x3<f32>,
     old_root: vec3<f32>,

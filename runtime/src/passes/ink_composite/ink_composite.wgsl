@@ -1,5 +1,6 @@
 //! uses ink/line_forms, ink/screen, shared/srgb
-// Composition of paper, wash and lines into the application's picture, with the depth of the painted surface.
+// Composition of paper, wash and lines into the application's picture (formulas 5.9), with the depth of the painted
+// surface.
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var surfaces: texture_2d<f32>;
@@ -20,6 +21,14 @@ struct Painted {
 // Bleed of ink into the paper, pixels: wash, then lines, which bleed less.
 const WASH_RUNS: vec2<f32> = vec2(1.1, 0.6);
 const LINES_RUN: vec2<f32> = vec2(0.44, 0.24);
+// Depth of a line outside the body: share of the distance from its feature to the background.
+const LINE_BEHIND: f32 = 0.05;
+// Weights of the paper's absorption and relief in the density of the wash.
+const ABSORPTION_IN_WASH: f32 = 0.25;
+const RELIEF_IN_WASH: f32 = 0.15;
+// Weights of the paper's relief and tone in its brightness.
+const RELIEF_IN_PAPER: f32 = 0.035;
+const TONE_IN_PAPER: f32 = 0.3;
 
 // Samples a bleeding texture: the mean of two reads, each of which filters four texels.
 fn sample_bleed(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f32> {
@@ -32,7 +41,7 @@ fn sample_bleed(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f3
 // Returns the depth of a pixel. Outside the body, a line is slightly behind its feature at `q`, so that hair in front
 // of it covers it. A faint edge of a line keeps the depth of its own pixel and so hides nothing.
 fn depth_at(p: vec2<i32>, q: vec2<i32>, on_body: bool, opacity: f32) -> f32 {
-    let beside = mix(textureLoad(depths, q, 0), ink.far_depth, 0.05);
+    let beside = mix(textureLoad(depths, q, 0), ink.far_depth, LINE_BEHIND);
     return select(beside, textureLoad(depths, p, 0), on_body || opacity <= 0.5);
 }
 
@@ -55,7 +64,8 @@ fn wash_at(uv: vec2<f32>, sheet: vec4<f32>) -> f32 {
     let dens = 1.0 - sample_bleed(surfaces, uv, WASH_RUNS).r;
     let thirst = min(2.0 * (1.0 - dens), 1.0);
     let uneven = ink.paper_grain * thirst * thirst;
-    return clamp(1.0 - dens * (1.0 + uneven * (0.25 * (sheet.g - 0.5) + 0.15 * (0.5 - sheet.r))), 0.0, 1.0);
+    let grain = ABSORPTION_IN_WASH * (sheet.g - 0.5) + RELIEF_IN_WASH * (0.5 - sheet.r);
+    return clamp(1.0 - dens * (1.0 + uneven * grain), 0.0, 1.0);
 }
 
 @fragment
@@ -75,7 +85,8 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
         let far = 1.0 / max(nearness, 1e-9);
         grey = mix(grey, 1.0, clamp((far - ink.mist_from) / (ink.mist_to - ink.mist_from), 0.0, 1.0));
     }
-    let relief = 1.0 + ink.paper_grain * (0.035 * (sheet.r - 0.5) - 0.3 * (1.0 - sheet.b));
+    let shade = RELIEF_IN_PAPER * (sheet.r - 0.5) - TONE_IN_PAPER * (1.0 - sheet.b);
+    let relief = 1.0 + ink.paper_grain * shade;
     let sheet_color = ink.paper * relief;
     let color = linear_of(sheet_color * mix(ink.ink, vec3(1.0), grey));
     if !PICTURE {

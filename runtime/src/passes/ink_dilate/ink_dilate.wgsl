@@ -1,8 +1,8 @@
 //! uses ink/line_forms, ink/screen
-// Row search of the dilation: finds the feature whose line reaches farthest over a pixel. Together with the column
-// search of `ink_stroke` the result is exact. A line is the union of discs around its features, and the disc test x² +
-// y² <= w² separates into rows and columns. Three dilations by 3 x 3 pixels give the same with squares of half width 3
-// instead of discs.
+// Row search of the dilation (formulas 5.2): finds the feature whose line reaches farthest over a pixel. Together with
+// the column search of `ink_stroke` the result is exact. A line is the union of discs around its features, and the disc
+// test x² + y² <= w² separates into rows and columns. Three dilations by 3 x 3 pixels give the same with squares of
+// half width 3 instead of discs.
 
 @group(0) @binding(1) var features: texture_2d<f32>;
 

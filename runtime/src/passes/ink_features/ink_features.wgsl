@@ -1,12 +1,14 @@
 //! uses ink/line_forms, ink/screen, shared/ink
-// Detection of line features: pixels where the normal turns (Fang 2006, §2) or depth steps.
+// Detection of line features: pixels where the normal turns (Fang 2006, §2) or depth steps (formulas 5.2).
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var surfaces: texture_2d<f32>;
 
 // Range, in multiples of `ink.depth_step`, over which a depth step grows from the strength of a fold to that of an
-// outline.
+// outline (formulas 5.2).
 const DEEP: f32 = 2.0;
+// Factor on line width at a stored value of 1; ink_normals stores a quarter of the factor.
+const WIDTH_SCALE: f32 = 4.0;
 
 // Returns: half of the widest line through the pixel over WIDEST_HALF, 0 for no feature; strength; strength as an
 // outline against the background.
@@ -42,7 +44,7 @@ fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32>
     strength = form_of_features(strength, dots);
     let surface = textureLoad(surfaces, p, 0);
     var half_width = ink.half_width + ink.half_width_scaled * here.w;
-    half_width = min(half_width * 4.0 * surface.b, WIDEST_HALF);
+    half_width = min(half_width * WIDTH_SCALE * surface.b, WIDEST_HALF);
     if strength <= 0.0 || half_width <= 0.0 {
         return vec4(0.0);
     }

@@ -26,8 +26,42 @@ const LIFT: f32 = 3.0;
 const STROKE_LEAN: f32 = 0.4;
 // Extent of a fin's root onto the body, pixels along each axis.
 const ROOT: i32 = 2;
-// Smallest turn of the surface away from the eye at which fins are drawn.
+// Smallest turn of the surface away from the eye at which fins are drawn, and turn at which they are drawn in full.
 const TURNED: f32 = 0.6;
+const FULLY_TURNED: f32 = 0.9;
+// Factor from the opacity of a fin to that of its strokes.
+const FIN_STROKES: f32 = 1.5;
+// Turns of the surface between which shells rise from below the mesh surface, and their height there.
+const SHELLS_RISE: vec2<f32> = vec2(0.25, 0.45);
+const SUNKEN: f32 = -0.1;
+// Turns of the surface between which the strokes of shells appear.
+const SHELLS_APPEAR: vec2<f32> = vec2(0.45, 0.95);
+// Dry brush, as formulas 5.6 with constants of its own: half width of the edge, weight of the paper's threshold.
+const DRY_EDGE: f32 = 0.15;
+const DRY_PAPER: f32 = 0.85;
+// Gaps behind a fin, in fur heights, between which it counts as separate from the body.
+const SEPARATE: vec2<f32> = vec2(1.0, 2.0);
+// Shape of a tuft: distance from its middle at which it begins to end, and at which it ends; narrowing with height.
+const TUFT_END: vec2<f32> = vec2(0.9, 1.3);
+const TUFT_POINTED: f32 = 0.75;
+// Rows of the slab that fins show: from above the seam between roots and tips to below it.
+const FIN_ROWS: vec2<f32> = vec2(0.1, 0.96);
+// Density of fin strokes: without fur weight, and gain with it.
+const FIN_DENSITY: vec2<f32> = vec2(0.15, 0.35);
+// Ink of a fin's stroke texture at which strokes begin, and at which they are full.
+const FIN_INK: vec2<f32> = vec2(0.2, 0.6);
+// Opacity at the root of a fin, and its loss at the tip; dryness at the tip.
+const FIN_OPACITY: vec2<f32> = vec2(0.85, 0.3);
+const FIN_DRY: f32 = 0.4;
+// Density of strokes on shells.
+const SHELL_DENSITY: f32 = 0.5;
+// Ink of a shell's stroke texture at which strokes begin, and at which they are full: at height 0, and gain at full
+// height.
+const SHELL_BEGINS: vec2<f32> = vec2(0.25, 0.5);
+const SHELL_FULL: vec2<f32> = vec2(0.6, 0.4);
+// Opacity of shells at height 0, and its loss at full height; dryness at height 0, and its gain at full height.
+const SHELL_OPACITY: vec2<f32> = vec2(0.75, 0.3);
+const SHELL_DRY: vec2<f32> = vec2(0.3, 0.3);
 // Smallest visible opacity.
 const LEAST_INK: f32 = 1.0 / 255.0;
 
@@ -42,8 +76,8 @@ fn vs_ink_fins(@builtin(vertex_index) index: u32) -> StrokeVarying {
     // Fin opacity reflects the width of the surface strip that the fin represents; strokes need the full opacity.
     let eye = direction_to(frame.eye_ws, position_ws(v));
     // Only on the outline: inside it, fins of coarse meshes look like flags.
-    let turned = smoothstep(TURNED, 0.9, 1.0 - abs(dot(corner.tile.normal_ws, eye)));
-    let share = min(corner.opacity * 1.5, 1.0) * turned * (1.0 - v.groom.x);
+    let turned = smoothstep(TURNED, FULLY_TURNED, 1.0 - abs(dot(corner.tile.normal_ws, eye)));
+    let share = min(corner.opacity * FIN_STROKES, 1.0) * turned * (1.0 - v.groom.x);
     out.position = frame.clip_from_world * vec4(position, 1.0);
     // The condition is equal at all corners; otherwise the fin would stretch to the centre of the picture.
     if corner.opacity < LEAST_INK || corner.turned < TURNED {
@@ -68,7 +102,8 @@ fn vs_ink_shells(v: Vertex, @builtin(instance_index) shell: u32) -> StrokeVaryin
     let skin_w = (frame.clip_from_world * vec4(position_ws(v), 1.0)).w;
     let reach_px = reach * model.px_per_unit / max(skin_w, 1e-9);
     let lifted = height * min(LIFT * model.stroke_px / max(reach_px, 1e-9), 1.0);
-    let position = hair_position(v, tile, mix(-0.1, lifted, smoothstep(0.25, 0.45, turned)));
+    let risen = mix(SUNKEN, lifted, smoothstep(SHELLS_RISE.x, SHELLS_RISE.y, turned));
+    let position = hair_position(v, tile, risen);
     var out: StrokeVarying;
     out.position = frame.clip_from_world * vec4(position, 1.0);
     out.uv = v.tile_uv;
@@ -80,10 +115,10 @@ fn vs_ink_shells(v: Vertex, @builtin(instance_index) shell: u32) -> StrokeVaryin
     return out;
 }
 
-// Returns ink on paper: raised fibres take ink, less with a drier brush.
+// Returns ink on paper: raised fibres take ink, less with a drier brush (formulas 5.6).
 fn ink_on_paper(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
     let sheet = textureSampleLevel(paper_tile, tile_sampler, position / model.paper_period, 0.0);
-    let opacity = amount * smoothstep(-0.15, 0.15, 1.0 - dry - 0.85 * sheet.a);
+    let opacity = amount * smoothstep(-DRY_EDGE, DRY_EDGE, 1.0 - dry - DRY_PAPER * sheet.a);
     if opacity < LEAST_INK {
         discard;
     }
@@ -95,7 +130,7 @@ fn ink_on_paper(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
 fn separation_at(p: vec2<i32>, nearness: f32, reach: f32) -> f32 {
     let skin = textureLoad(bodies, p, 0).w;
     let gap = 1.0 / max(skin, 1e-9) - 1.0 / nearness;
-    return select(smoothstep(1.0, 2.0, gap / max(reach, 1e-9)), 1.0, skin <= 0.0);
+    return select(smoothstep(SEPARATE.x, SEPARATE.y, gap / max(reach, 1e-9)), 1.0, skin <= 0.0);
 }
 
 // Returns the separation of a fin from the body: 0 directly before the surface, where the fin would look like a blot.
@@ -114,23 +149,26 @@ fn separation_from_body(position: vec4<f32>, reach: f32) -> f32 {
 // Returns the shape of a fin as a tuft: as wide as its edge at the mesh surface, pointed at the tips. Straight sides
 // would cut strokes off.
 fn tuft(across: f32, height: f32) -> f32 {
-    return 1.0 - smoothstep(0.9, 1.3, abs(2.0 * across - 1.0) + 0.75 * height);
+    return 1.0 - smoothstep(TUFT_END.x, TUFT_END.y, abs(2.0 * across - 1.0) + TUFT_POINTED * height);
 }
 
 @fragment
 fn fs_ink_fins(in: StrokeVarying) -> @location(0) vec4<f32> {
     // The tile also repeats vertically; the range avoids the seam where roots would fade into tips.
-    let strokes = fur_strokes_at(vec2(in.uv.x, mix(0.1, 0.96, in.uv.y)), vec2(1.0, 0.0), 1u);
+    let row = mix(FIN_ROWS.x, FIN_ROWS.y, in.uv.y);
+    let strokes = fur_strokes_at(vec2(in.uv.x, row), vec2(1.0, 0.0), 1u);
     let base = base_color(in.tint, in.base_uv);
     if is_cut(base.a) {
         discard;
     }
-    let ink = ink_nested(strokes, (0.15 + 0.35 * model.fur) * in.share_height.x) * model.fur;
+    let density = (FIN_DENSITY.x + FIN_DENSITY.y * model.fur) * in.share_height.x;
+    let ink = ink_nested(strokes, density) * model.fur;
     let whole = tuft(in.share_height.w, in.share_height.y) * separation_from_body(in.position, in.share_height.z);
     // The brush lifts towards the tip.
     let height = in.share_height.y;
-    let amount = whole * smoothstep(0.2, 0.6, ink) * min(2.0 * in.share_height.x, 1.0) * (0.85 - 0.3 * height);
-    return ink_on_paper(amount, 0.4 * height, in.position.xy);
+    let amount = whole * smoothstep(FIN_INK.x, FIN_INK.y, ink) * min(2.0 * in.share_height.x, 1.0)
+        * (FIN_OPACITY.x - FIN_OPACITY.y * height);
+    return ink_on_paper(amount, FIN_DRY * height, in.position.xy);
 }
 
 @fragment
@@ -143,10 +181,12 @@ fn fs_ink_shells(in: StrokeVarying) -> @location(0) vec4<f32> {
     let eye = direction_to(frame.eye_ws, in.position_ws);
     // Seen from above, the shells of a stroke would cover each other; they are only for surfaces that turn away.
     let turned = 1.0 - abs(dot(normalize_or(in.normal_ws, eye), eye));
-    let amount = in.share_height.x * model.fur * smoothstep(0.45, 0.95, turned);
-    let ink = ink_nested(strokes, amount * 0.5);
+    let amount = in.share_height.x * model.fur * smoothstep(SHELLS_APPEAR.x, SHELLS_APPEAR.y, turned);
+    let ink = ink_nested(strokes, amount * SHELL_DENSITY);
     // Strokes taper with the height of the shell, down to their middle.
     let height = in.share_height.y;
-    let tapered = smoothstep(0.25 + 0.5 * height, 0.6 + 0.4 * height, ink);
-    return ink_on_paper(tapered * amount * (0.75 - 0.3 * height), 0.3 + 0.3 * height, in.position.xy);
+    let begins = SHELL_BEGINS.x + SHELL_BEGINS.y * height;
+    let tapered = smoothstep(begins, SHELL_FULL.x + SHELL_FULL.y * height, ink);
+    let dry = SHELL_DRY.x + SHELL_DRY.y * height;
+    return ink_on_paper(tapered * amount * (SHELL_OPACITY.x - SHELL_OPACITY.y * height), dry, in.position.xy);
 }

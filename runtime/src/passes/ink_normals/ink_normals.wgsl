@@ -40,6 +40,42 @@ struct Surface {
 // The part has fur, and the package has strokes for it.
 override FUR_STROKES: bool = false;
 
+// Weight of a read of the tile at a normal equally near to all three axes: 1 / sqrt(3) (formulas 5.4).
+const EQUALLY_NEAR: f32 = 0.5773;
+// Offsets of the tile for the projections along y and z, so that projections do not mirror each other.
+const OFFSET_Y: f32 = 0.37;
+const OFFSET_Z: f32 = 0.71;
+// Displacement of the edge of the wash by blotches of the tile; variation of its density by grain.
+const BLOTCH_SHIFT: f32 = 0.5;
+const GRAIN_DENSITY: f32 = 0.7;
+// Densities of the wash at which its edge begins, is strongest and ends; pigment that gathers there.
+const EDGE_DENSITY: vec3<f32> = vec3(0.0, 0.07, 0.3);
+const EDGE_PIGMENT: f32 = 0.07;
+// Luminance weights of linear sRGB (ITU-R BT.709), and exponent from luminance to brightness as displayed.
+const LUMINANCE: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
+const DISPLAY_EXPONENT: f32 = 1.0 / 2.2;
+// Brightness up to which a surface takes all the ink of dark ones, and from which it takes none; amount of that ink,
+// and its variation.
+const DARK_SURFACE: vec2<f32> = vec2(0.06, 0.42);
+const DARK_INK: vec2<f32> = vec2(0.75, 0.4);
+// Density of full ink, and its variation.
+const FULL_INK: vec2<f32> = vec2(0.88, 0.3);
+// Density of inner fur strokes: by the square of the turn away from the eye, by the square of the wash.
+const FUR_DENSITY: vec2<f32> = vec2(0.45, 0.5);
+// Opacity of inner fur strokes facing the eye, and gain where the fur turns away.
+const FUR_OPACITY: vec2<f32> = vec2(0.25, 0.4);
+// Loss of line width beside short and long fur, and heights of such fur, pixels.
+const LINE_BY_FUR: vec2<f32> = vec2(0.3, 0.75);
+const FUR_PX: vec2<f32> = vec2(5.0, 20.0);
+// Pressure in the tile at which the brush is lightest, and at which it is at full pressure; loss of line width at the
+// lightest.
+const PRESSURE_RANGE: vec2<f32> = vec2(0.25, 0.75);
+const PRESSURE_LOSS: f32 = 0.6;
+// Blotches of the tile at which the brush is wet, and at which it is dry.
+const DRY_BLOTCHES: vec2<f32> = vec2(0.4, 0.8);
+// Stored value of a factor 1 on line width, as ink_features reads it.
+const STORED_WIDTH: f32 = 0.25;
+
 @vertex
 fn vs_ink(v: Vertex, ink: InkVertex) -> InkVarying {
     let position = position_ws(v);
@@ -55,8 +91,9 @@ fn vs_ink(v: Vertex, ink: InkVertex) -> InkVarying {
     return out;
 }
 
-// Samples the grain of the surface: two reads of one tile, along the two stored model axes nearest to the normal. The
-// weight of a read falls to zero where the third axis takes over, so that no seam shows (Quilez's biplanar mapping).
+// Samples the grain of the surface (formulas 5.4): two reads of one tile, along the two stored model axes nearest to
+// the normal. The weight of a read falls to zero where the third axis takes over, so that no seam shows (Quilez's
+// biplanar mapping).
 fn grain_at(p: vec3<f32>, n: vec3<f32>) -> vec4<f32> {
     let m = abs(n);
     let dx = dpdx(p);
@@ -65,20 +102,19 @@ fn grain_at(p: vec3<f32>, n: vec3<f32>) -> vec4<f32> {
     let without_y = !without_x && m.y < m.z;
     let by_x = !without_x;
     let by_z = without_x || without_y;
-    // Offsets within the tile, so that the projections do not mirror each other.
-    let first = select(vec3(p.xz + 0.37, m.y), vec3(p.zy, m.x), by_x);
-    let second = select(vec3(p.xz + 0.37, m.y), vec3(p.xy + 0.71, m.z), by_z);
+    let first = select(vec3(p.xz + OFFSET_Y, m.y), vec3(p.zy, m.x), by_x);
+    let second = select(vec3(p.xz + OFFSET_Y, m.y), vec3(p.xy + OFFSET_Z, m.z), by_z);
     let first_dx = select(dx.xz, dx.zy, by_x);
     let first_dy = select(dy.xz, dy.zy, by_x);
     let second_dx = select(dx.xz, dx.xy, by_z);
     let second_dy = select(dy.xz, dy.xy, by_z);
-    // 0 where all three axes are equally near.
-    let w = max(vec2(first.z, second.z) - 0.5773, vec2(0.0)) + 1e-4;
+    let w = max(vec2(first.z, second.z) - EQUALLY_NEAR, vec2(0.0)) + 1e-4;
     let a = textureSampleGrad(wash_tile, tile_sampler, first.xy, first_dx, first_dy);
     let b = textureSampleGrad(wash_tile, tile_sampler, second.xy, second_dx, second_dy);
     return (a * w.x + b * w.y) / (w.x + w.y);
 }
 
+// Returns the frame perpendicular to the view of a point (formulas 5.1).
 fn eye_frame(eye: vec3<f32>) -> mat3x3<f32> {
     let right = model.right_ws - eye * dot(eye, model.right_ws);
     let x = normalize_or(right, vec3(1.0, 0.0, 0.0));
@@ -110,38 +146,41 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
         discard;
     }
 
-    // Wash. Blotches of the tile displace its edge, and pigment gathers there.
+    // Wash (formulas 5.3). Blotches of the tile displace its edge, and pigment gathers there.
     let share = in.normal_amount.w;
-    let product = ink_wash_product(in.position_product.w) + (grain.g - 0.5) * 0.5 * model.grain;
+    let product = ink_wash_product(in.position_product.w) + (grain.g - 0.5) * BLOTCH_SHIFT * model.grain;
     var density = 1.0 - ink_wash_grey(product, model.wash_speed, model.wash_range);
-    let edge = smoothstep(0.0, 0.07, density) * (1.0 - smoothstep(0.07, 0.3, density));
-    density = density * (1.0 + model.grain * 0.7 * (grain.r - 0.5)) + edge * 0.07 * model.grain;
+    let edge = smoothstep(EDGE_DENSITY.x, EDGE_DENSITY.y, density)
+        * (1.0 - smoothstep(EDGE_DENSITY.y, EDGE_DENSITY.z, density));
+    density = density * (1.0 + model.grain * GRAIN_DENSITY * (grain.r - 0.5)) + edge * EDGE_PIGMENT * model.grain;
     density = clamp(density, 0.0, 1.0) * share;
     // Dark surfaces take more ink; darkness of the base colour is measured as displayed.
-    let light = pow(clamp(dot(base.rgb, vec3(0.2126, 0.7152, 0.0722)), 0.0, 1.0), 1.0 / 2.2);
-    let dark = model.tone * share * (1.0 - smoothstep(0.06, 0.42, light)) * (0.75 + 0.4 * (grain.r - 0.5));
+    let light = pow(clamp(dot(base.rgb, LUMINANCE), 0.0, 1.0), DISPLAY_EXPONENT);
+    let dark = model.tone * share * (1.0 - smoothstep(DARK_SURFACE.x, DARK_SURFACE.y, light))
+        * (DARK_INK.x + DARK_INK.y * (grain.r - 0.5));
     density = 1.0 - (1.0 - density) * (1.0 - dark);
     // Full ink is not uniformly black either.
-    density = max(density, in.rest_position_solid.w * (0.88 + 0.3 * model.grain * (grain.r - 0.5)));
+    density = max(density, in.rest_position_solid.w * (FULL_INK.x + FULL_INK.y * model.grain * (grain.r - 0.5)));
 
     var width = model.line * in.rest_normal_line.w;
     if FUR_STROKES {
         // Inner fur is wash; strokes appear where the fur turns away, and where the wash is heavy.
         let fur = in.fur.x * model.fur;
         let turned = 1.0 - normal.z;
-        let ink = ink_nested(strokes, fur * (0.45 * turned * turned + 0.5 * density * density)) * fur;
-        density = 1.0 - (1.0 - density) * (1.0 - ink * (0.25 + 0.4 * turned));
+        let dense = FUR_DENSITY.x * turned * turned + FUR_DENSITY.y * density * density;
+        let ink = ink_nested(strokes, fur * dense) * fur;
+        density = 1.0 - (1.0 - density) * (1.0 - ink * (FUR_OPACITY.x + FUR_OPACITY.y * turned));
         // Where hair strokes are long enough to be visible, they form the outline, and lines get thinner.
         let fur_px = in.fur.y * model.px_per_unit * in.position.w;
-        width *= 1.0 - fur * mix(0.3, 0.75, smoothstep(5.0, 20.0, fur_px));
+        width *= 1.0 - fur * mix(LINE_BY_FUR.x, LINE_BY_FUR.y, smoothstep(FUR_PX.x, FUR_PX.y, fur_px));
     }
     // Variation of brush pressure.
-    let pressure = smoothstep(0.25, 0.75, grain.b);
-    width *= 1.0 - model.pressure * (1.0 - pressure) * 0.6;
-    let dry = smoothstep(0.4, 0.8, grain.g);
+    let pressure = smoothstep(PRESSURE_RANGE.x, PRESSURE_RANGE.y, grain.b);
+    width *= 1.0 - model.pressure * (1.0 - pressure) * PRESSURE_LOSS;
+    let dry = smoothstep(DRY_BLOTCHES.x, DRY_BLOTCHES.y, grain.g);
     let rim = mix(stroke.r, stroke.g, dry);
     return Surface(
         vec4(face, in.position.w),
-        vec4(1.0 - density, rim, clamp(width * 0.25, 0.0, 1.0), dry),
+        vec4(1.0 - density, rim, clamp(width * STORED_WIDTH, 0.0, 1.0), dry),
     );
 }

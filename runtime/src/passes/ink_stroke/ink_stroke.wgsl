@@ -1,5 +1,6 @@
 //! uses ink/line_forms, ink/screen, shared/ink
-// Ink lines: the feature whose line reaches a pixel, and how brush and sphere map fill that line (Fang 2006, §2).
+// Ink lines: the feature whose line reaches a pixel, and how brush and sphere map fill that line (Fang 2006, §2;
+// formulas 5.2).
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var surfaces: texture_2d<f32>;
@@ -9,9 +10,22 @@
 @group(0) @binding(6) var paper_sampler: sampler;
 
 // Thresholds of the feature count near a feature, weighted by nearness: 2/3 to 1 along a line, half of that at its end.
-// Below SPECK, the feature is a speck.
+// Below SPECK, the feature is a speck (formulas 5.2).
 const SPECK: f32 = 0.22;
 const LINE: f32 = 0.45;
+// Share of a line's half width that the brush fills: of a weak line, and of a strong one; least half width, pixels.
+const BRUSH: vec2<f32> = vec2(0.2, 0.55);
+const LEAST_BRUSH_PX: f32 = 0.6;
+// Strength below which lines fade.
+const FADES: f32 = 0.35;
+// Strengths between which lines begin to swell with the sphere map.
+const SWELLS: vec2<f32> = vec2(0.5, 0.75);
+// Dry brush (formulas 5.6): half width of its edge, weight of the paper's threshold; loss of dryness under pressure.
+const DRY_EDGE: f32 = 0.12;
+const DRY_PAPER: f32 = 0.88;
+const DRY_PRESS: f32 = 0.7;
+// Gain of grey at the lowest pressure.
+const LIGHT_PRESS: f32 = 0.3;
 
 // Returns: opacity of the line, opacity times darkness of its ink, and (offset to the feature + 128) / 255.
 @fragment
@@ -56,27 +70,26 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let press = clamp(half_width / max(most, 1e-6), 0.0, 1.0);
     // The brush is thinner where the line is weak, and its edge follows the paper.
     let moved = (sheet.r - 0.5) * ink.roughness;
-    let thin = max(half_width * mix(0.2, 0.55, strength), 0.6);
+    let thin = max(half_width * mix(BRUSH.x, BRUSH.y, strength), LEAST_BRUSH_PX);
     var core = select(0.0, clamp(thin - distance + 0.5 + moved, 0.0, 1.0), in_reach);
     var band = select(0.0, clamp(half_width * sqrt(strength) - distance + 0.5 + moved, 0.0, 1.0), in_reach);
     // Lines fade before they end, where the pen lifts.
-    core *= smoothstep(0.0, 0.35, strength);
+    core *= smoothstep(0.0, FADES, strength);
     // Removes specks: features that do not continue as a line.
     core *= smoothstep(SPECK, LINE, features_near / (nearness(far.x) * nearness(far.y)));
     // Outlines swell with the sphere map; folds do not.
-    let dark = select(0.0, 1.0 - stroke, here.w > 0.0) * smoothstep(0.5, 0.75, strength);
+    let dark = select(0.0, 1.0 - stroke, here.w > 0.0) * smoothstep(SWELLS.x, SWELLS.y, strength);
     if !TEMPLATE {
         band = 1.0;
     }
     var opacity = max(core, band * dark);
     // A dry brush leaves ink only on the raised parts of the paper.
-    let dry = surface.a * ink.dryness * (1.0 - 0.7 * press);
-    opacity *= smoothstep(-0.12, 0.12, 1.0 - dry - 0.88 * sheet.a);
+    let dry = surface.a * ink.dryness * (1.0 - DRY_PRESS * press);
+    opacity *= smoothstep(-DRY_EDGE, DRY_EDGE, 1.0 - dry - DRY_PAPER * sheet.a);
     let even = ink_line_grey(select(here.z, source.z, in_reach), ink.tone, ink.lightness, strength);
     // Low pressure leaves less ink.
-    let line = form_of_line(
-        vec2(opacity, mix(even, 1.0, 0.3 * (1.0 - press))), even, in_reach, distance, half_width, here.w > 0.0, stroke,
-    );
+    let brushed = vec2(opacity, mix(even, 1.0, LIGHT_PRESS * (1.0 - press)));
+    let line = form_of_line(brushed, even, in_reach, distance, half_width, here.w > 0.0, stroke);
     opacity = line.x;
     let grey = line.y;
     return vec4(opacity, opacity * (1.0 - grey), (far + 128.0) / 255.0);

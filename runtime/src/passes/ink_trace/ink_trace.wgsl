@@ -1,27 +1,33 @@
 //! uses ink/line_forms, ink/screen
-// Selection of the features that form lines. Each feature is followed to both sides. A line that ends soon, or features
-// without order around it, are specks caused by the faces of a dense mesh. Strength and width are averaged along the
-// line, which would look like a row of beads otherwise. Outlines are never specks.
+// Selection of the features that form lines (formulas 5.2). Each feature is followed to both sides. A line that ends
+// soon, or features without order around it, are specks caused by the faces of a dense mesh. Strength and width are
+// averaged along the line, which would look like a row of beads otherwise. Outlines are never specks.
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var features: texture_2d<f32>;
 
-// Samples along the line to each side; together they span more than two and a half widths of the widest line.
+// Samples along the line to each side (formulas 5.2); together they span more than two and a half widths of the widest
+// line.
 const LOOKS: i32 = 12;
-// Consecutive samples without a feature that a line may skip.
+// Consecutive samples without a feature that a line may skip (formulas 5.2).
 const HOLE: i32 = 2;
 // Strength at or below which tracing ignores a feature.
 const FAINT: f32 = 0.02;
-// Shares of the samples that find the line: below the first it is a speck, above the second a line.
+// Shares of the samples that find the line: below the first it is a speck, above the second a line (formulas 5.2).
 const ENDS: vec2<f32> = vec2(0.2, 0.55);
-// Thresholds of two more speck tests. ORDER: elongation of the features around the pixel, low for specks. CROWD: share
-// of samples that find other features beside the line, high for specks.
+// Thresholds of two more speck tests (formulas 5.2). ORDER: elongation of the features around the pixel, low for
+// specks. CROWD: share of samples that find other features beside the line, high for specks.
 const ORDER: vec2<f32> = vec2(0.1, 0.3);
 const CROWD: vec2<f32> = vec2(0.25, 0.5);
 // Turn of the line towards a neighbouring sample, as a fraction of the angle to it.
 const TURN: f32 = 0.35;
-// Half the side of the square from which a line's direction is estimated, pixels.
+// Half the side of the square from which a line's direction is estimated, pixels (formulas 5.2).
 const ABOUT: i32 = 3;
+// Distance between samples, over half the width of the widest line (formulas 5.2).
+const STRIDE: f32 = 0.25;
+// Distance of samples beside the line, over half the width of the widest line; least distance, pixels (formulas 5.2).
+const BESIDE: f32 = 0.5;
+const LEAST_BESIDE_PX: f32 = 3.0;
 
 fn strength_at(p: vec2<i32>) -> f32 {
     return textureLoad(features, clamp_to_target(p), 0).g;
@@ -88,8 +94,8 @@ fn fs_trace(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         return feature;
     }
     let most = ink.half_width + ink.half_width_scaled * textureLoad(normals, p, 0).w;
-    let stride = clamp(0.25 * most, 1.0, 0.25 * WIDEST_HALF);
-    let beside = max(0.5 * most, 3.0);
+    let stride = clamp(STRIDE * most, 1.0, STRIDE * WIDEST_HALF);
+    let beside = max(BESIDE * most, LEAST_BESIDE_PX);
     let towards = direction_at(p);
     let found = follow(p, towards.xy, stride, beside) + follow(p, -towards.xy, stride, beside)
         + vec4(0.0, feature.g, feature.r, 0.0);

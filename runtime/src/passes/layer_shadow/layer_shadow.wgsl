@@ -48,7 +48,7 @@ fn vs_layer_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedLaye
     return out;
 }
 
-// Returns the transmittance. kept: share of the layer's hair that grows; wetness: of that hair.
+// Returns the transmittance (formulas 4.2). kept: share of the layer's hair that grows; wetness: of that hair.
 fn transmitted_light(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     let uv = in.uv_light.xy;
     // One mip level for all: levels by slant and triangle would cost twice the reads and blur detail that the maps can

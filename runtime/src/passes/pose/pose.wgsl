@@ -1,5 +1,5 @@
 //! uses passes/pose/morphed or passes/pose/still, shared/skinning, shared/tile_frame, surface/geometry
-// Skinning of the base mesh, once per frame; every later pass reads the posed vertices.
+// Skinning of the base mesh (formulas 2.2, 2.3), once per frame; every later pass reads the posed vertices.
 
 // Four u16 joint indices in two words, low half first.
 struct SkinVertex {

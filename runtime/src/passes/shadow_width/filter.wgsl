@@ -1,5 +1,5 @@
-// Filter from depth maps to the shadow-width map (Yang 2006, sec. 4). Occlusion is shrunk and stretched, so that its
-// grey measures the distance to a shadow edge. Texel layout as in shared/soft_shadow.wgsl.
+// Filter from depth maps to the shadow-width map (Yang 2006, sec. 4; formulas 4.4). Occlusion is shrunk and stretched,
+// so that its grey measures the distance to a shadow edge. Texel layout as in shared/soft_shadow.wgsl.
 
 struct Filter {
     // Clip distances of the light's projection; near is 0 for a distant light, whose depth is linear.
@@ -63,6 +63,11 @@ fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
 // Blocks to each side that are searched for surfaces in the shadow of a texel.
 const REACH: i32 = 1;
 
+// Slope and offset of the ramp over depth steps, in units of clear_gap, within which hair over the texel itself
+// replaces the blurred hair: from a half to three quarters.
+const STEP_SLOPE: f32 = 4.0;
+const STEP_OFFSET: f32 = 2.0;
+
 // Returns blurred occlusion. A texel casts a shadow if the farthest light-facing surface is not the nearest one. It
 // also does if such a surface nearby is clearly deeper than a slanted one would be. The reason: an occluder extends
 // beyond the outline of what it shades.
@@ -106,6 +111,6 @@ fn fs_stretch(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
     let firsts = textureGather(1, blocks, linear_sampler, uv);
     let deeper = max(max(firsts.x, firsts.y), max(firsts.z, firsts.w)) - first;
     let own = textureLoad(hair, min(at, vec2<i32>(textureDimensions(hair)) - 1), 0).r;
-    let light = mix(blurred.w, own, clamp(4.0 * deeper / params.clear_gap - 2.0, 0.0, 1.0));
+    let light = mix(blurred.w, own, clamp(STEP_SLOPE * deeper / params.clear_gap - STEP_OFFSET, 0.0, 1.0));
     return vec4(blurred.xy / max(blurred.z, 1e-3), first, light);
 }

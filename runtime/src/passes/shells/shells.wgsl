@@ -6,6 +6,9 @@
 // The layer-wise maps have other layers than are drawn.
 override MAPS_BETWEEN: bool = false;
 
+// Height of a layer over that of the hair below it, whose mean colour multiply scattered light takes (formulas 4.13).
+const LAYERS_TO_DEEPER: u32 = 4u;
+
 fn shell_of(v: Vertex, index: u32) -> Shell {
     let layer = drawn_layer(index);
     let height = height_of(layer);
@@ -87,8 +90,8 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     arriving.visible = visible_through_hair(receiver);
     arriving.past = visible_past_things(receiver);
     if SELF_SHADOW && LIGHT_SLANTED {
-        // Shadow within the layer: it stands for the hair up to the next layer, half of which is above its hair on
-        // average.
+        // Shadow within the layer (formulas 4.2): it stands for the hair up to the next layer, half of which is above
+        // its hair on average.
         let path = path_through(slanted_path(n_dot_l), in.length);
         arriving.visible *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * path);
     }
@@ -102,7 +105,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     point.color = texel.rgb * base.rgb;
     point.opacity = texel.a;
     point.tint = in.tint;
-    point.deeper = mean_of_layer(in.layer / 4u, texel.rgb / texel.a) * base.rgb;
+    point.deeper = mean_of_layer(in.layer / LAYERS_TO_DEEPER, texel.rgb / texel.a) * base.rgb;
     point.wetness = groom.y;
     point.arriving = arriving;
     point.baked = baked;

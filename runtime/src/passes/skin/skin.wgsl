@@ -99,7 +99,7 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     return false_color(vec4(bare_color(base.rgb, n_dot_l, visible, spot, side), 1.0), 0u, 0.0);
 }
 
-// Returns the brightest possible light on a bare surface: all lights along its normal.
+// Returns the brightest possible light on a bare surface: all lights along its normal. F of formulas 4.1.
 fn brightest_light() -> vec3<f32> {
     var full = instance.ambient + instance.diffuse;
     if FILL_LIGHTS {
@@ -111,8 +111,9 @@ fn brightest_light() -> vec3<f32> {
     return full;
 }
 
-// Compresses light in 0..=full so that its strongest channel is at most 1. The result is L / (1 + L (F - 1) / F), with
-// L and F of that channel, if F is above 1. Dim light and hue are kept, and full light becomes 1.
+// Compresses light in 0..=full so that its strongest channel is at most 1 (formulas 4.1). The result is
+// L / (1 + L (F - 1) / F), with L and F of that channel, if F is above 1. Dim light and hue are kept, and full light
+// becomes 1.
 fn rolled_off(light: vec3<f32>, full: vec3<f32>) -> vec3<f32> {
     let most = max(full.r, max(full.g, full.b));
     let here = max(light.r, max(light.g, light.b));

@@ -1,5 +1,6 @@
 //! uses debug/false_color, hair/nearest, hair/packed_light
-// Blending of the gathered hair segments over the picture: layer by layer of each tile, the farthest first.
+// Blending of the gathered hair segments over the picture (formulas 4.11): layer by layer of each tile, the farthest
+// first.
 
 @group(0) @binding(0) var<storage, read> keys: array<u32>;
 @group(0) @binding(1) var<storage, read> lights: array<u32>;

@@ -1,6 +1,6 @@
 //! uses hair/nearest, hair/packed_light
-// Gathering of the nearest hair segments in each pixel, in two rounds over all segments. The first sorts keys, the
-// second stores the light of the nearest segments. The result does not depend on the order of threads.
+// Gathering of the nearest hair segments in each pixel (formulas 4.11), in two rounds over all segments. The first
+// sorts keys, the second stores the light of the nearest segments. The result does not depend on the order of threads.
 
 struct Frame {
     clip_from_world: mat4x4<f32>,

@@ -1,8 +1,8 @@
 //! uses hair/constants, hair/hair, hair/packed_light, hair/posed, hair/strand, light/baked, light/deep_forms,
 //! light/key, light/point, light/scatter, light/visibility, shared/deep_opacity, shared/environment, shared/frame,
 //! shared/skinning, shared/tile_frame, surface/place
-// Construction of ribbons: selects visible strands, assigns each its place among the vertices, and writes its lit
-// corners. Strands keep their order, so that pictures are reproducible.
+// Construction of ribbons (formulas 4.10): selects visible strands, assigns each its place among the vertices, and
+// writes its lit corners. Strands keep their order, so that pictures are reproducible.
 
 // Visibility mask: one bit per strand, 32 per word.
 @group(2) @binding(4) var<storage, read_write> seen: array<atomic<u32>>;
@@ -106,7 +106,7 @@ fn scan_strands(@builtin(local_invocation_index) local: u32) {
     }
 }
 
-// Returns the share of the key light that passes through the hair in front of a position in the maps.
+// Returns the share of the key light that passes through the hair in front of a position in the maps (formulas 4.10).
 fn visible_through_strands(place: vec4<f32>) -> f32 {
     if !DEEP_SHADOW {
         return 1.0;
@@ -133,13 +133,17 @@ fn deep_texel(at: vec2<i32>, depth: f32) -> f32 {
     return exp(-deep_opacity.density * OPACITY_STEP * sum * shadowing(behind, deep_opacity.slabs));
 }
 
-// Returns the direction out of hanging hair, perpendicular to the hair: towards the offset from its root, and the
-// surface normal at the root. That side is open; the body is on the other.
+// Weight of the surface normal at the root in the direction out of hanging hair (formulas 4.15).
+const OUTWARD_NORMAL: f32 = 0.5;
+
+// Returns the direction out of hanging hair, perpendicular to the hair (formulas 4.15): towards the offset from its
+// root, and the surface normal at the root. That side is open; the body is on the other.
 fn outwards(from_root: vec3<f32>, normal: vec3<f32>, tangent: vec3<f32>) -> vec3<f32> {
-    let out = from_root + normal * (0.5 * length(from_root) + 1e-6);
+    let out = from_root + normal * (OUTWARD_NORMAL * length(from_root) + 1e-6);
     return normalize_or(out - tangent * dot(out, tangent), normal);
 }
 
+// Returns the linear light of an sRGB-encoded colour, 0..=1 (formulas 1.2).
 fn srgb_channels(c: vec3<f32>) -> vec3<f32> {
     return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
 }

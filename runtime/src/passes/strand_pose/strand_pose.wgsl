@@ -62,8 +62,11 @@ fn height_of_point(index: u32) -> f32 {
     return f32(tile[index].y & 0xffffu) / 65535.0;
 }
 
+// Factor on stored weights.
+const WEIGHT_SCALE: f32 = 4.0;
+
 fn weights_of(stand: Stand) -> vec3<f32> {
-    let weights = 4.0 * unpack2x16snorm(stand.weights);
+    let weights = WEIGHT_SCALE * unpack2x16snorm(stand.weights);
     return vec3(1.0 - weights.x - weights.y, weights);
 }
 
@@ -85,7 +88,7 @@ fn planted_position(stand: Stand, share: f32) -> vec4<f32> {
     return vec4(place + offset, share);
 }
 
-// Returns the offset from the surface to the hair of a vertex, at a share of its height.
+// Returns the offset from the surface to the hair of a vertex, at a share of its height (formulas 2.5).
 fn hair_offset_of(v: GeometryVertex, share: f32) -> vec3<f32> {
     let tile = tile_frame(normalize_or(v.normal, vec3(0.0, 1.0, 0.0)), v.tangent.xyz, v.tangent.w);
     return (tile.normal_ws * share + tile.bitangent_ws * lean_offset(v.lean, share)) * v.fur_height;

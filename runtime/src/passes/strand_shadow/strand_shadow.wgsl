@@ -1,7 +1,7 @@
 //! uses hair/constants, hair/posed, hair/strand, light/deep_forms, shared/deep_opacity, shared/frame, surface/place
-// Rasterisation of a share of a part's strands, which represent all of them, into the deep opacity map. The first round
-// finds the nearest hair of each texel. The second adds the area that hair covers in each slab behind it. Strands are
-// walked in steps of at most one texel.
+// Rasterisation of a share of a part's strands, which represent all of them, into the deep opacity map (formulas 4.10).
+// The first round finds the nearest hair of each texel. The second adds the area that hair covers in each slab behind
+// it. Strands are walked in steps of at most one texel.
 
 @group(2) @binding(4) var<storage, read_write> deep: array<atomic<u32>>;
 @group(2) @binding(5) var nearest_skin: texture_depth_2d;
@@ -16,7 +16,10 @@ override GUIDED: bool = false;
 
 // Maximum number of steps per segment; a segment that fills the map is drawn with gaps.
 const MOST_STEPS: f32 = 256.0;
+// Smallest cosine between surface normal and light direction at a root; below it, fur is unlit.
+const FARTHEST_FROM_LIGHT: f32 = -0.5;
 
+// Rasterises a strand: its nearness, or with `deposits` the area that it covers (formulas 4.10).
 fn rasterise_strand(number: u32, deposits: bool) {
     let strand = strands[number];
     if strand.chance >= strand_groom(strand).x * constants.share {
@@ -26,7 +29,7 @@ fn rasterise_strand(number: u32, deposits: bool) {
     let first = number * (points + POSED_BEFORE);
     var a = world_place(first + POSED_BEFORE);
     // Fur on surfaces that face away from the light is unlit; other hair extends beyond the surface.
-    if !GUIDED && dot(world_normal(first), direction_to(frame.light_ws, a)) < -0.5 {
+    if !GUIDED && dot(world_normal(first), direction_to(frame.light_ws, a)) < FARTHEST_FROM_LIGHT {
         return;
     }
     let side = f32(deep_opacity.size);

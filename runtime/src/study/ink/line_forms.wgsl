@@ -1,6 +1,6 @@
 //! uses ink/screen
-// Line functions as pelage draws them and as Fang 2006 prints them, chosen by overrides; replaces ink/line_forms.wgsl
-// in studies.
+// Line functions as pelage draws them and as Fang 2006 prints them (formulas 5.2), chosen by overrides; replaces
+// ink/line_forms.wgsl in studies.
 
 // All four dot products must be low, without a gradual transition.
 override ALL_BELOW: bool = false;
@@ -18,13 +18,14 @@ override FOLLOWED: bool = true;
 
 // Grey of the sphere map below which a pixel is ink, for hard lines.
 const DARK: f32 = 0.5;
+// Strength of lines between the thresholds: just above that of no feature.
+const WEAK: f32 = 0.004;
 
 fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
     if !ALL_BELOW {
         return strength;
     }
-    // Lines between the thresholds are weak: just above zero here.
-    return select(0.0, 1.0, all(dots <= vec4(ink.t1))) * select(0.004, 1.0, all(dots <= vec4(ink.t2)));
+    return select(0.0, 1.0, all(dots <= vec4(ink.t1))) * select(WEAK, 1.0, all(dots <= vec4(ink.t2)));
 }
 
 fn form_of_reach(w: f32, strength: f32) -> f32 {

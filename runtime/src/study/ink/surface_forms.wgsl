@@ -1,5 +1,5 @@
 //! uses ink/model, shared/ink
-// Surface functions as pelage paints them and as Fang 2006 prints them, chosen by overrides; replaces
+// Surface functions as pelage paints them and as Fang 2006 prints them (formulas 5.1), chosen by overrides; replaces
 // ink/surface_forms.wgsl in studies.
 
 // Sphere map lookup: 0 perpendicular to the view, 1 by reflection, 2 as printed.
@@ -7,9 +7,12 @@ override SPHERE_MAP: u32 = 0u;
 // Attaches grain to the picture instead of the surface, to measure the drawbacks of doing so.
 override ON_SCREEN: bool = false;
 
+// Period of grain that is attached to the picture, pixels.
+const GRAIN_PERIOD_PX: f32 = 160.0;
+
 fn form_of_grain(on_surface: vec4<f32>, position: vec2<f32>) -> vec4<f32> {
     if ON_SCREEN {
-        return textureSample(wash_tile, tile_sampler, position / 160.0);
+        return textureSample(wash_tile, tile_sampler, position / GRAIN_PERIOD_PX);
     }
     return on_surface;
 }

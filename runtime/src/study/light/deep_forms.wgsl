@@ -1,5 +1,5 @@
 // Slabs of a deep opacity map, or of the opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering
-// in the Nalu Demo"). The latter divide the whole depth of the hair. Chosen by overrides; replaces
+// in the Nalu Demo"; formulas 4.10). The latter divide the whole depth of the hair. Chosen by overrides; replaces
 // light/deep_forms.wgsl in studies.
 
 override WHOLE_DEPTH: bool = false;
