@@ -160,16 +160,16 @@ pub struct Baked {
 ///
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] if model and recipe do not fit together,
 /// [`BakeError::Internal`] for a bug in this crate.
-pub fn bake(told: &BakeInput<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
+pub fn bake(input: &BakeInput<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
-    run(told, &mut outputs, on_stage)?;
+    run(input, &mut outputs, on_stage)?;
     baked(&outputs)
 }
 
 /// Collects the result of a bake.
 pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
     let groomed = required(&outputs.groomed, Output::Groomed)?;
-    let decisions = [&required(&outputs.laid, Output::Laid)?.decisions[..], &groomed.decisions].concat();
+    let decisions = [&required(&outputs.laid, Output::Layout)?.decisions[..], &groomed.decisions].concat();
     let PackageBytes { bytes, warnings } = required(&outputs.package, Package)?.clone();
     Ok(Baked { package: bytes, measures: groomed.surface.measures, decisions, warnings })
 }
@@ -180,11 +180,11 @@ pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
 ///
 /// The errors of [`bake`]; [`BakeError::Internal`] if a required input is missing and no step makes it.
 pub fn run<'a>(
-    told: &BakeInput<'a>,
+    input: &BakeInput<'a>,
     outputs: &mut Outputs<'a>,
     on_stage: &mut dyn FnMut(&'static str),
 ) -> Result<(), BakeError> {
-    make(told, outputs, Package, on_stage)
+    make(input, outputs, Package, on_stage)
 }
 
 /// Runs the steps that the output `wanted` depends on, like [`run`] for the package.
@@ -193,12 +193,12 @@ pub fn run<'a>(
 ///
 /// The errors of [`run`].
 pub fn make<'a>(
-    told: &BakeInput<'a>,
+    input: &BakeInput<'a>,
     outputs: &mut Outputs<'a>,
     wanted: Output,
     on_stage: &mut dyn FnMut(&'static str),
 ) -> Result<(), BakeError> {
-    told.recipe.validate()?;
+    input.recipe.validate()?;
     let mut needed = vec![wanted];
     let mut steps = Vec::new();
     for step in STEPS.iter().rev() {
@@ -211,10 +211,10 @@ pub fn make<'a>(
     for step in steps.into_iter().rev() {
         if step.stage != stage {
             stage = step.stage;
-            told.steps.begin(0);
+            input.steps.begin(0);
             on_stage(stage);
         }
-        step.run(told, outputs)?;
+        step.run(input, outputs)?;
     }
     Ok(())
 }
@@ -225,8 +225,8 @@ impl Step {
     /// # Errors
     ///
     /// The errors of [`run`].
-    pub fn run<'a>(&self, told: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
-        (self.run)(told, outputs)
+    pub fn run<'a>(&self, input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
+        (self.run)(input, outputs)
     }
 }
 

@@ -21,25 +21,25 @@ impl<'a> Rebake<'a> {
         Self { outputs: Outputs { model: Some(model), ..Outputs::default() }, before: None }
     }
 
-    /// Bakes the model with the recipe in `told`. If it fails, the outputs made so far are kept. Images are compared by
+    /// Bakes the model with the recipe in `input`. If it fails, the outputs made so far are kept. Images are compared by
     /// address: images that were read again count as changed.
     ///
     /// # Errors
     ///
     /// The errors of [`crate::pipeline::bake`].
-    pub fn bake(&mut self, told: &BakeInput<'a>, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
+    pub fn bake(&mut self, input: &BakeInput<'a>, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
         match self.before {
-            Some((recipe, images)) if std::ptr::eq(images, told.images) => {
-                self.outputs.invalidate_changes(recipe, told.recipe)
+            Some((recipe, images)) if std::ptr::eq(images, input.images) => {
+                self.outputs.invalidate_changes(recipe, input.recipe);
             }
             Some(_) => {
-                self.outputs.invalidate(Output::Laid);
+                self.outputs.invalidate(Output::Layout);
                 self.outputs.kept = CachedStages::default();
             }
             None => {}
         }
-        self.before = Some((told.recipe, told.images));
-        run(told, &mut self.outputs, on_stage)?;
+        self.before = Some((input.recipe, input.images));
+        run(input, &mut self.outputs, on_stage)?;
         baked(&self.outputs)
     }
 }

@@ -117,8 +117,8 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         ..Outputs::default()
     };
     let images = MapImages::default();
-    let told = BakeInput::new(file, &manifest.model, recipe, &images);
-    run(&told, &mut outputs, &mut |_| ())?;
+    let input = BakeInput::new(file, &manifest.model, recipe, &images);
+    run(&input, &mut outputs, &mut |_| ())?;
     finished(outputs)
 }
 
@@ -131,7 +131,7 @@ fn finished(outputs: Outputs<'_>) -> Result<Vec<u8>, BakeError> {
 /// strands, groom, positions of fins, ink, mesh) are made once.
 #[derive(Clone, Debug)]
 pub struct Slicer<'a> {
-    told: BakeInput<'a>,
+    input: BakeInput<'a>,
     /// Outputs of the steps before slicing.
     outputs: Outputs<'a>,
 }
@@ -142,12 +142,12 @@ impl<'a> Slicer<'a> {
     /// # Errors
     ///
     /// The errors of [`crate::pipeline::bake`].
-    pub fn new(told: BakeInput<'a>, model: &'a Model) -> Result<Self, BakeError> {
+    pub fn new(input: BakeInput<'a>, model: &'a Model) -> Result<Self, BakeError> {
         let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
-        run(&told, &mut outputs, &mut |_| ())?;
+        run(&input, &mut outputs, &mut |_| ())?;
         outputs.invalidate(Output::Shells);
         outputs.invalidate(Output::FinTextures);
-        Ok(Self { told, outputs })
+        Ok(Self { input, outputs })
     }
 
     /// Returns a package identical, byte for byte, to that of a whole bake with `recipe`. Differences from the recipe
@@ -157,14 +157,14 @@ impl<'a> Slicer<'a> {
     ///
     /// The errors of [`crate::pipeline::bake`].
     pub fn slice(&self, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
-        let own = self.told.recipe;
+        let own = self.input.recipe;
         let sliced = Recipe { slice: recipe.slice.clone(), fins: recipe.fins.clone(), ..own.clone() };
         let mut outputs = if sliced == *recipe {
             self.outputs.clone()
         } else {
             Outputs { model: self.outputs.model, ..Outputs::default() }
         };
-        run(&BakeInput { recipe, ..self.told }, &mut outputs, &mut |_| ())?;
+        run(&BakeInput { recipe, ..self.input }, &mut outputs, &mut |_| ())?;
         finished(outputs)
     }
 }

@@ -32,9 +32,9 @@ fn main() {
     for points in [7usize, 16, 36, 64] {
         let groomed: Vec<Vec3> =
             (0..points).map(|k| Vec3::new(0.0, -0.3, 0.1) * (k as f32 / (points - 1) as f32)).collect();
-        let ballast = gravity_compensation(&groomed, Mat3::IDENTITY);
+        let gravity = gravity_compensation(&groomed, Mat3::IDENTITY);
         let free: Vec<f32> = (0..points).map(|k| (4.0 * k as f32 / points as f32).min(1.0)).collect();
-        let guide = GroomedGuide { points: &groomed, ballast: &gravity_compensation, free: &free };
+        let guide = GroomedGuide { points: &groomed, ballast: &gravity, free: &free };
         let mut all: Vec<Vec<Particle>> = (0..GUIDES).map(|g| rooted(g, 0.0).groomed(&groomed)).collect();
         let mut took: Vec<f64> = (1..=120u16)
             .map(|number| {

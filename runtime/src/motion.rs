@@ -9,7 +9,7 @@ use crate::model::{Guided, Model, StrandSet};
 use crate::params::{FrameParams, HairMotionParams, StyleKind};
 use glam::Mat4;
 use pelage_formats::Pose;
-use pelage_formats::meaning::fur_motion;
+use pelage_formats::meaning::fur_motion::rest_s;
 use std::collections::HashMap;
 
 /// Frames after which the state of an unused owner is dropped.
@@ -195,7 +195,7 @@ impl OwnerStates {
             moved.fur > 0.0 && model.has_leaning_fur() && params.style.kind() != StyleKind::Bare
         };
         let leaning = params.hair_motion.filter(leans);
-        let fur_rest_s = leaning.map(|_| fur_motion::rest_s(model.manifest().fur.height_m * instance.scale()));
+        let fur_rest_s = leaning.map(|_| rest_s(model.manifest().fur.height_m * instance.scale()));
         let rest_s = fur_rest_s.into_iter().chain(model.hair_rest_s()).reduce(f32::max);
         self.updates += 1;
         let lives = params.hair_motion.zip(rest_s).map(|(moved, rest_s)| {

@@ -119,7 +119,7 @@ impl Scene {
             let of_guide = f32::from(FREEDOM[side]) / 255.0;
             let free: Vec<f32> =
                 (0..POINTS).map(|k| of_guide * MOTION.freedom(k as f32 / (POINTS - 1) as f32)).collect();
-            let groomed = GroomedGuide { points, ballast: &gravity_compensation, free: &free };
+            let groomed = GroomedGuide { points, ballast: &ballast, free: &free };
             let mut pearls: Vec<Particle> = self.rooted(side, at(0).0).groomed(points);
             for frame in 1..frames {
                 let colliders: Vec<_> = at(frame - 1).1.into_iter().zip(at(frame).1).map(|(a, b)| [a, b]).collect();

@@ -106,9 +106,9 @@ pub fn links(markdown: &str) -> Vec<(String, String)> {
     let prose = without_code(markdown);
     let targets = prose.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     targets
-        .filter(|target| !resolve.contains("://"))
+        .filter(|target| !target.contains("://"))
         .map(|target| {
-            let (path, anchor) = resolve.split_once('#').unwrap_or((resolve, ""));
+            let (path, anchor) = target.split_once('#').unwrap_or((target, ""));
             (path.to_owned(), anchor.to_owned())
         })
         .collect()

@@ -36,9 +36,9 @@ pub fn silhouette_models(test: &str) -> Vec<SilhouetteModel> {
     ];
     if let Some(data) = data(test) {
         let model = data.join("meshes/static/bunny.obj");
-        silhouette_models.push(SilhouetteModel { name: "bunny", model, recipe: None, size: (400, 400) });
+        cases.push(SilhouetteModel { name: "bunny", model, recipe: None, size: (400, 400) });
     }
-    silhouette_models
+    cases
 }
 
 /// Bakes a package of a model with plain texels.

@@ -25,9 +25,9 @@ pub fn components(mask: &Mask) -> Vec<Vec<usize>> {
             }
         }
         part.sort_unstable();
-        components.push(part);
+        parts.push(part);
     }
-    components
+    parts
 }
 
 /// Ink of a drawing, and its share in specks.
@@ -59,7 +59,7 @@ pub fn specks(ink: &Mask, shorter_than_px: f64) -> Specks {
     let width = ink.width as usize;
     let parts = components(ink);
     let mut found = Specks { ink: ink.count(), ..Specks::default() };
-    for part in components {
+    for part in parts {
         let extent = |of: fn(usize, usize) -> usize| {
             let places = || part.iter().map(|i| of(*i, width));
             (places().max().unwrap_or(0) - places().min().unwrap_or(0) + 1) as f64

@@ -136,15 +136,15 @@ pub(super) fn join(folder: &str, name: &str) -> String {
 /// # Errors
 ///
 /// [`BakeError::Input`] in the herd file: no model matches, or two outputs have the same name.
-pub fn plan(told: &PlanInput<'_>) -> Result<Plan, BakeError> {
-    if told.models.is_empty() {
-        return Err(fault(told, "model", "no file matches these patterns, expected at least one model".into()));
+pub fn plan(input: &PlanInput<'_>) -> Result<Plan, BakeError> {
+    if input.models.is_empty() {
+        return Err(fault(input, "model", "no file matches these patterns, expected at least one model".into()));
     }
-    let names = names(told.models);
-    let mut plan = Plan { out: told.out.to_owned(), ..Plan::default() };
+    let names = names(input.models);
+    let mut plan = Plan { out: input.out.to_owned(), ..Plan::default() };
     let mut packages: BTreeMap<String, String> = BTreeMap::new();
-    for (model, name) in told.models.iter().zip(&names) {
-        let variants: Vec<&Variant> = fitting(&told.file.variants, &told.file.rules.variants, &model.path).collect();
+    for (model, name) in input.models.iter().zip(&names) {
+        let variants: Vec<&Variant> = fitting(&input.file.variants, &input.file.rules.variants, &model.path).collect();
         let variants: Vec<Option<&Variant>> =
             if variants.is_empty() { vec![None] } else { variants.into_iter().map(Some).collect() };
         for variant in variants {
@@ -152,33 +152,33 @@ pub fn plan(told: &PlanInput<'_>) -> Result<Plan, BakeError> {
             if let Some(other) = packages.insert(called.clone(), model.path.clone()) {
                 let reason =
                     format!("{} and {other} would both be named {called:?}, expected unique names", model.path);
-                return Err(fault(told, "model", reason));
+                return Err(fault(input, "model", reason));
             }
-            Planner { told, plan: &mut plan, model, called: &called }.model(name, variant);
+            Planner { input, plan: &mut plan, model, called: &called }.model(name, variant);
         }
     }
-    for chart in told.file.charts.iter().filter(|chart| chart.models.is_none()) {
+    for chart in input.file.charts.iter().filter(|chart| chart.models.is_none()) {
         let model = &ModelFile::default();
-        Planner { told, plan: &mut plan, model, called: "" }.chart(chart, None);
+        Planner { input, plan: &mut plan, model, called: "" }.chart(chart, None);
     }
     let (mut makers, mut names) = (BTreeMap::new(), BTreeSet::new());
     for task in &plan.tasks {
         if !names.insert(task.name.as_str()) {
             let reason = format!("two commands would both be named {:?}, expected unique names", task.name);
-            return Err(fault(told, "", reason));
+            return Err(fault(input, "", reason));
         }
         for output in task.outputs.iter().chain([&task.record]) {
             if let Some(other) = makers.insert(output.as_str(), task.name.as_str()) {
                 let reason = format!("{:?} and {other:?} would both write {output}, expected unique names", task.name);
-                return Err(fault(told, "", reason));
+                return Err(fault(input, "", reason));
             }
         }
     }
     Ok(plan)
 }
 
-fn fault(told: &PlanInput<'_>, key: &str, reason: String) -> BakeError {
-    HerdFile::fault(told.source, key, reason)
+fn fault(input: &PlanInput<'_>, key: &str, reason: String) -> BakeError {
+    HerdFile::fault(input.source, key, reason)
 }
 
 /// Returns the names of models: their paths without leading `..` and the like, and without extensions unless these are
@@ -196,7 +196,7 @@ fn names(models: &[ModelFile]) -> Vec<String> {
 
 /// Builder of the tasks of one model in one variant.
 struct Planner<'a, 'p> {
-    told: &'a PlanInput<'a>,
+    input: &'a PlanInput<'a>,
     plan: &'p mut Plan,
     model: &'a ModelFile,
     /// Base name of its files.
@@ -249,13 +249,13 @@ fn pixels(size: Option<&str>) -> f64 {
 
 impl Planner<'_, '_> {
     fn out(&self, name: &str) -> String {
-        join(self.told.out, name)
+        join(self.input.out, name)
     }
 
     fn add(&mut self, draft: Draft, row: Option<usize>) {
-        let own = Plan::own_folder(self.told.out);
+        let own = Plan::own_folder(self.input.out);
         let guess = || CommandCost::estimate(draft.kind, self.model.bytes, draft.pixels, draft.samples);
-        let expected = self.told.history.get(&draft.name).copied().unwrap_or_else(guess);
+        let expected = self.input.history.get(&draft.name).copied().unwrap_or_else(guess);
         self.plan.tasks.push(Task {
             kind: draft.kind,
             row,
@@ -273,15 +273,15 @@ impl Planner<'_, '_> {
 
     fn model(&mut self, name: &str, variant: Option<&Variant>) {
         let (called, path) = (self.called, self.model.path.as_str());
-        let told = self.told;
-        let rules = || fitting(&told.file.recipes, &told.file.rules.recipes, path);
+        let input = self.input;
+        let rules = || fitting(&input.file.recipes, &input.file.rules.recipes, path);
         let named = |file: &String| self.recipe_file(file);
         let of_rules = || rules().filter_map(|rule| rule.file.as_ref().and_then(named)).next_back();
         let recipe = variant.and_then(|variant| variant.file.as_ref().and_then(named)).or_else(of_rules);
         let package = self.out(&format!("packages/{called}.pelage"));
         let mut making: Vec<String> = recipe.iter().flat_map(|recipe| words(&["--recipe", recipe])).collect();
         making.extend(rules().map(|rule| &rule.set).chain(variant.map(|variant| &variant.set)).flat_map(sets));
-        if told.file.rules.model(path).is_some_and(|models| told.file.models[models].allow_outside) {
+        if input.file.rules.model(path).is_some_and(|models| input.file.models[models].allow_outside) {
             making.push("--allow-outside".into());
         }
         let mut bake = words(&["bake", path, "-o", &package]);
@@ -317,13 +317,13 @@ impl Planner<'_, '_> {
             ..Draft::default()
         };
         self.add(inspected, Some(row));
-        for view in fitting(&told.file.views, &told.file.rules.views, path) {
+        for view in fitting(&input.file.views, &input.file.rules.views, path) {
             self.view(view, row, &package);
         }
-        for sequence in fitting(&told.file.sequences, &told.file.rules.sequences, path) {
+        for sequence in fitting(&input.file.sequences, &input.file.rules.sequences, path) {
             self.sequence(sequence, row, &package);
         }
-        for (chart, patterns) in told.file.charts.iter().zip(&told.file.rules.charts) {
+        for (chart, patterns) in input.file.charts.iter().zip(&input.file.rules.charts) {
             if patterns.as_ref().is_some_and(|patterns| patterns.fits(path)) {
                 self.chart(chart, Some(&ChartInput { row, inputs: &inputs, making: &making }));
             }
@@ -335,7 +335,7 @@ impl Planner<'_, '_> {
         if !file.contains(NAME) {
             return Some(file.to_owned());
         }
-        Some(self.model.expand_name(file)).filter(|file| (self.told.is_file)(file))
+        Some(self.model.expand_name(file)).filter(|file| (self.input.is_file)(file))
     }
 
     /// Returns the known inputs of a picture of a package.
@@ -376,12 +376,12 @@ impl Planner<'_, '_> {
 
     /// Adds the reference picture of a view, in one piece or in parts; returns its file.
     fn truth(&mut self, view: &View, truth: &TruthOptions, row: usize, package: &str) -> String {
-        let (told, called) = (self.told, self.called);
+        let (input, called) = (self.input, self.called);
         let place = format!("truths/{called}.{}", view.name);
         let picture = self.out(&format!("{place}.png"));
         let command = |output: &str| {
             let mut command = words(&["reference", package, "-o", output]);
-            command.extend(options(view.reference_words(told.only_drawn)));
+            command.extend(options(view.reference_words(input.only_drawn)));
             command.extend(options(truth.words()));
             command.extend(words(&["--threads", "1"]));
             command
@@ -424,7 +424,7 @@ impl Planner<'_, '_> {
 
     fn sequence(&mut self, sequence: &Sequence, row: usize, package: &str) {
         let named = sequence.view.as_deref();
-        let view = self.told.file.views.iter().find(|view| Some(view.name.as_str()) == named).cloned();
+        let view = self.input.file.views.iter().find(|view| Some(view.name.as_str()) == named).cloned();
         let mut view = view.unwrap_or_default();
         view.clip = sequence.clip.clone().or(view.clip);
         let folder = format!("sequences/{}.{}", self.called, sequence.name);

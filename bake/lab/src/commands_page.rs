@@ -132,7 +132,7 @@ fn section(command: &Command, above: &str, shared: &[&Arg]) -> String {
         listed(command).filter(|arg| !repeats || !shared.iter().any(|known| entry(known) == entry(arg))).collect();
     text += &entries(&others);
     if repeats {
-        let lacks: Vec<_> = lacks.iter().map(|arg| format!("`{}`", spelled(arg, false))).collect();
+        let lacks: Vec<_> = lacks.iter().map(|arg| format!("`{}`", typed_form(arg, false))).collect();
         let except = if lacks.is_empty() { String::new() } else { format!(", except {}", lacks.join(", ")) };
         text += &format!(
             "\n{}\n",

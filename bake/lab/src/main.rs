@@ -27,9 +27,9 @@ impl Commands for Command {
         }
     }
 
-    fn errand(&self) -> Option<Job> {
+    fn job(&self) -> Option<Job> {
         match self {
-            Self::Tool(command) => command.errand(),
+            Self::Tool(command) => command.job(),
             Self::Chart(_) | Self::CommandsPage(_) => None,
         }
     }

@@ -95,30 +95,30 @@ pub struct GroomMap {
 /// The errors of [`crate::pipeline::bake`] up to the `groom` stage; [`BakeError::Input`] if the map is to use the
 /// model's own texture coordinates and it has none.
 pub fn groom_map(
-    told: &BakeInput<'_>,
+    input: &BakeInput<'_>,
     model: &Model,
     quantity: Quantity,
     coordinates: Option<GroomCoordinates>,
     texels: u32,
 ) -> Result<GroomMap, BakeError> {
     // The map shows the colours of the mesh surface, not those at the roots of the hair over it.
-    let mut recipe = told.recipe.clone();
+    let mut recipe = input.recipe.clone();
     recipe.color.at_root = false;
-    let told = &BakeInput { recipe: &recipe, ..*told };
+    let input = &BakeInput { recipe: &recipe, ..*input };
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
-    pipeline::make(told, &mut outputs, Output::Groomed, &mut |_| ())?;
+    pipeline::make(input, &mut outputs, Output::Groomed, &mut |_| ())?;
     let missing = || BakeError::Internal("the model has no surface or no groom, expected both".into());
     let (laid, groomed) = (outputs.laid.as_ref().ok_or_else(missing)?, outputs.groomed.as_ref().ok_or_else(missing)?);
-    let over = coordinates.unwrap_or_else(|| usual_coordinates(told, laid));
+    let over = coordinates.unwrap_or_else(|| usual_coordinates(input, laid));
     let ground = match over {
-        GroomCoordinates::Atlas => MapLayout::of_atlas(ModelAtlas::new(told.file, model)?, texels),
-        _ => MapLayout::of_model(told.file, laid, texels)?,
+        GroomCoordinates::Atlas => MapLayout::of_atlas(ModelAtlas::new(input.file, model)?, texels),
+        _ => MapLayout::of_model(input.file, laid, texels)?,
     };
     if ground.mesh.triangles.len() != groomed.surface.mesh.triangles.len() {
         return Err(BakeError::Internal("atlas and surface have different triangles, expected the same ones".into()));
     }
     let canvas = Canvas::new(texels, ground.pieces, ground.gutter);
-    let groomed_model = GroomedModel { told, model, laid, groomed };
+    let groomed_model = GroomedModel { input, model, laid, groomed };
     let (painted, misses_by) = match groomed_model.values(quantity)? {
         Values::PerVertex(values) => {
             let corner = |t: usize| groomed.surface.mesh.triangles[t].map(|v| values[v as usize]);
@@ -131,7 +131,7 @@ pub fn groom_map(
     // Rounding errors must not decide which way half a byte is rounded.
     let painted: Vec<Vec4> = painted.into_iter().map(|texel| (texel * 65536.0).round() / 65536.0).collect();
     let mut warnings = laid.warnings.clone();
-    let own = told.recipe.groom.coordinates;
+    let own = input.recipe.groom.coordinates;
     if own.projection().is_some() {
         warnings.push(format!(
             "groom.coordinates = {:?}: this map uses {:?}; a recipe that uses this map must use the same for all \
@@ -151,9 +151,9 @@ pub fn groom_map(
     })
 }
 
-fn usual_coordinates(told: &BakeInput<'_>, laid: &Layout<'_>) -> GroomCoordinates {
+fn usual_coordinates(input: &BakeInput<'_>, laid: &Layout<'_>) -> GroomCoordinates {
     let mut furred = laid.surface.mesh.parts.iter().filter(|part| is_furred(laid, part.material));
-    match told.recipe.groom.coordinates {
+    match input.recipe.groom.coordinates {
         _ if furred.any(|part| !part.has_uvs) => GroomCoordinates::Atlas,
         GroomCoordinates::Atlas => GroomCoordinates::Atlas,
         // A projected image shows both sides of a body at once and cannot be painted.
@@ -234,7 +234,7 @@ fn repeated(uvs: [Vec2; 3], mut each: impl FnMut([Vec2; 3])) {
 
 /// Model after the `groom` stage.
 struct GroomedModel<'a> {
-    told: &'a BakeInput<'a>,
+    input: &'a BakeInput<'a>,
     model: &'a Model,
     laid: &'a Layout<'a>,
     groomed: &'a Groomed,
@@ -259,7 +259,7 @@ impl<'a> GroomedModel<'a> {
             Quantity::Length => Values::PerVertex(coat.length.iter().copied().map(grey).collect()),
             Quantity::Lean => Values::PerVertex(coat.lean.iter().copied().map(grey).collect()),
             Quantity::Density => {
-                Values::PerVertex(self.from_input_vertices(self.laid.lay.density.as_deref(), 1.0, |hairs| {
+                Values::PerVertex(self.pack_input_vertices(self.laid.lay.density.as_deref(), 1.0, |hairs| {
                     grey((libm::log2f(hairs.max(f32::MIN_POSITIVE)) + 2.0) / 4.0)
                 }))
             }
@@ -271,7 +271,7 @@ impl<'a> GroomedModel<'a> {
     }
 
     /// Maps values per vertex of the imported mesh to the vertices of the groomed surface.
-    fn from_input_vertices<T: Copy>(&self, values: Option<&[T]>, without: T, write: impl Fn(T) -> Vec4) -> Vec<Vec4> {
+    fn pack_input_vertices<T: Copy>(&self, values: Option<&[T]>, without: T, write: impl Fn(T) -> Vec4) -> Vec<Vec4> {
         let value = |v: &u32| values.and_then(|all| all.get(*v as usize)).copied().unwrap_or(without);
         self.groomed.surface.input_vertex.iter().map(|v| write(value(v))).collect()
     }
@@ -280,8 +280,8 @@ impl<'a> GroomedModel<'a> {
     fn comb(&self) -> Vec<Vec4> {
         let write = |direction: Vec3| (direction.clamp_length_max(1.0) * 0.5 + 0.5).extend(1.0);
         match &self.laid.lay.comb {
-            Some(wishes) => self.from_input_vertices(Some(wishes), Vec3::ZERO, write),
-            None if self.told.recipe.surface.comb == CombSource::None => {
+            Some(wishes) => self.pack_input_vertices(Some(wishes), Vec3::ZERO, write),
+            None if self.input.recipe.surface.comb == CombSource::None => {
                 vec![write(Vec3::ZERO); self.groomed.surface.mesh.positions.len()]
             }
             None => comb_directions(&self.groomed.surface).into_iter().map(write).collect(),

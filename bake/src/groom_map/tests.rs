@@ -63,9 +63,9 @@ fn written(
 /// Returns length, lean and density per vertex of the model for a recipe, encoded as in maps.
 fn groomed(model: &Model, text: &str, images: &MapImages) -> [Vec<f32>; 3] {
     let recipe = recipe(text);
-    let told = BakeInput::new("torus", "torus", &recipe, images);
+    let input = BakeInput::new("torus", "torus", &recipe, images);
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
-    pipeline::make(&told, &mut outputs, Output::Groomed, &mut |_| ()).unwrap();
+    pipeline::make(&input, &mut outputs, Output::Groomed, &mut |_| ()).unwrap();
     let (laid, groomed) = (outputs.laid.unwrap(), outputs.groomed.unwrap());
     let of_inputs = |values: &[f32]| {
         let mut of_input = vec![f32::NAN; model.mesh.positions.len()];
@@ -171,8 +171,8 @@ fn image_maps_are_copied_texel_by_texel() {
 #[test]
 fn writing_over_missing_texture_coordinates_is_refused() {
     let (model, none, recipe) = (torus(false), MapImages::default(), Recipe::default());
-    let told = BakeInput::new("torus.glb", "torus", &recipe, &none);
-    let error = groom_map(&told, &model, Quantity::Length, Some(GroomCoordinates::Model), 64).unwrap_err().to_string();
+    let input = BakeInput::new("torus.glb", "torus", &recipe, &none);
+    let error = groom_map(&input, &model, Quantity::Length, Some(GroomCoordinates::Model), 64).unwrap_err().to_string();
     assert!(error.contains("torus.glb") && error.contains("TEXCOORD_0"), "{error}");
 }
 

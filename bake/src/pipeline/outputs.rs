@@ -55,7 +55,7 @@ macro_rules! outputs {
         pub struct Outputs<'a> {
             $($(#[doc = $doc])+ pub $field: Option<$type>,)+
             /// Results cached between runs, for steps whose inputs may stay the same.
-            pub kept: Kept,
+            pub kept: CachedStages,
         }
 
         impl Output {
@@ -85,11 +85,11 @@ outputs! {
     /// Imported model; no step makes it.
     Model model: &'a Model,
     /// Model with the hair tile laid out on it.
-    Laid laid: Layout<'a>,
+    Layout laid: Layout<'a>,
     /// Strands of the tile.
     Hair hair: TileHair,
     /// Light that reaches the strands; `None` if the package is not to store it.
-    Visible visible: Option<StrandVisibility>,
+    StrandVisibility visible: Option<StrandVisibility>,
     /// Strands sliced into layers.
     Shells shells: Shells,
     /// Strands in the package's format; `None` if the package is to have no strands.

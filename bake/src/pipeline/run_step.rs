@@ -22,27 +22,27 @@ use pelage_formats::Shading;
 use pelage_import::BakeError;
 use std::sync::Arc;
 
-pub(super) fn surface<'a>(told: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
+pub(super) fn surface<'a>(input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
     let model = required(&outputs.model, Model)?;
-    outputs.laid = Some(lay(told.file, model, told.recipe, told.images)?);
+    outputs.laid = Some(lay(input.file, model, input.recipe, input.images)?);
     Ok(())
 }
 
-pub(super) fn simulate(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn simulate(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let laid = required(&outputs.laid, Layout)?;
     let HairColors { root, tip, .. } = laid.hair_colors;
-    let color = ColorParams { root: Some(root), tip: Some(tip), ..told.recipe.color.clone() };
+    let color = ColorParams { root: Some(root), tip: Some(tip), ..input.recipe.color.clone() };
     let recipe = Recipe { color, ..laid.filled.clone() };
     outputs.hair = Some(TileHair::grow(&recipe, laid.lengths, laid.maps.fur_wetness())?);
     Ok(())
 }
 
-pub(super) fn visible(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (hair, params) = (required(&outputs.hair, Hair)?, &told.recipe.visibility);
+pub(super) fn visible(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, params) = (required(&outputs.hair, Hair)?, &input.recipe.visibility);
     let find = || {
         let dry = visibility::visibility(&hair.strands, params, None)?;
         // Both use one horizon, because they are blended.
-        let wet = |strands| visibility::visibility(strand_data, params, Some(dry.horizon));
+        let wet = |strands| visibility::visibility(strands, params, Some(dry.horizon));
         let wet = hair.wet.as_ref().map(wet).transpose()?;
         Ok::<_, BakeError>(self::StrandVisibility { dry, wet })
     };
@@ -50,36 +50,36 @@ pub(super) fn visible(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result
     Ok(())
 }
 
-pub(super) fn slice(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (hair, recipe) = (required(&outputs.hair, Hair)?, told.recipe);
+pub(super) fn slice(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, recipe) = (required(&outputs.hair, Hair)?, input.recipe);
     let with_coat = detail::has_far_layer(recipe);
     let volumes = 1 + u64::from(hair.wet.is_some());
-    told.steps.begin(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
+    input.steps.begin(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
     let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
     let slice = |strands, visible| {
-        let on_layer = &mut || told.steps.step();
-        slice::shell_textures(strand_data, visible, &recipe.slice, &recipe.pack, with_coat, on_layer)
+        let on_layer = &mut || input.steps.step();
+        slice::shell_textures(strands, visible, &recipe.slice, &recipe.pack, with_coat, on_layer)
     };
     let dry = slice(&hair.strands, visible.map(|v| &v.dry))?;
-    let wet = hair.wet.as_ref().map(|strands| slice(strand_data, visible.and_then(|v| v.wet.as_ref()))).transpose()?;
+    let wet = hair.wet.as_ref().map(|strands| slice(strands, visible.and_then(|v| v.wet.as_ref()))).transpose()?;
     let shells = self::Shells { dry, wet };
     outputs.shells = Some(shells);
     Ok(())
 }
 
-pub(super) fn single(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (hair, params) = (required(&outputs.hair, Hair)?, &told.recipe.strands);
+pub(super) fn single(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, params) = (required(&outputs.hair, Hair)?, &input.recipe.strands);
     let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
     let visible = [visible.map(|v| &v.dry), visible.and_then(|v| v.wet.as_ref())];
     outputs.single = Some(params.enabled.then(|| strand_data::strands(hair, visible, params.points)));
     Ok(())
 }
 
-pub(super) fn groom(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (model, laid, recipe) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?, told.recipe);
+pub(super) fn groom(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid, recipe) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?, input.recipe);
     let self::Layout { bounds, furred, maps, .. } = laid;
     let mut surface = laid.surface.clone();
-    let pattern = Pattern::new(&recipe.color, told.images, bounds)?;
+    let pattern = Pattern::new(&recipe.color, input.images, bounds)?;
     let asides = LateralOffsets::from_strands(&required(&outputs.hair, Hair)?.strands);
     let rooting = RootColorInput {
         furred,
@@ -134,19 +134,19 @@ fn height_m(hair: &TileHair, lengths: Lengths) -> f32 {
     hair.strands.height * lengths.tile_size_m
 }
 
-pub(super) fn guided(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn guided(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (model, laid, groomed) =
         (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?, required(&outputs.groomed, Groomed)?);
     let ground = hair_groups::GroomTarget {
-        file: told.file,
+        file: input.file,
         mesh: &groomed.surface.mesh,
         rest: &groomed.surface.rest,
         radius_m: laid.bounds.radius,
         materials: &model.materials,
         nodes: &model.nodes,
-        files: told.images,
+        files: input.images,
     };
-    outputs.guided = Some(hair_groups::groups(&told.recipe.strands, &ground)?);
+    outputs.guided = Some(hair_groups::groups(&input.recipe.strands, &ground)?);
     Ok(())
 }
 
@@ -159,55 +159,55 @@ pub(super) fn fins(_: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), B
     Ok(())
 }
 
-pub(super) fn fin_textures(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (hair, fins, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.fins, Fins)?, told.recipe);
+pub(super) fn fin_textures(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, fins, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.fins, Fins)?, input.recipe);
     let depth = recipe.fins.depth.or(fins.depth).filter(|_| recipe.fins.enabled && fins.section.is_some());
     let make = |depth| slice::fin_textures(&hair.strands, depth, &recipe.slice, &recipe.pack);
     outputs.fin_textures = Some(depth.map(make).transpose()?);
     Ok(())
 }
 
-pub(super) fn scatter(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn scatter(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (skin, guided) = (required(&outputs.skin, Skin)?, required(&outputs.guided, Guided)?);
     let materials = skin.manifest.materials.iter().map(|material| material.name.as_str());
     let groups = guided.groups.iter().map(|group| group.name.as_str());
-    let scatters = told.recipe.shading.model == ShadingModel::Marschner;
-    outputs.fibres = Some(scatters.then(|| scatter::tables(&told.recipe.fibre, materials, groups)).transpose()?);
+    let scatters = input.recipe.shading.model == ShadingModel::Marschner;
+    outputs.fibres = Some(scatters.then(|| scatter::tables(&input.recipe.fibre, materials, groups)).transpose()?);
     Ok(())
 }
 
-pub(super) fn ink(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn ink(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (model, laid) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?);
     let self::Groomed { surface, .. } = &**required(&outputs.groomed, Groomed)?;
     let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
-    let canvas = InkTarget { mesh, rest, radius, materials: &model.materials, images: told.images };
-    let params = &told.recipe.ink;
-    let fur = ink::fur_strength(told.recipe, model, &laid.furred);
+    let canvas = InkTarget { mesh, rest, radius, materials: &model.materials, images: input.images };
+    let params = &input.recipe.ink;
+    let fur = ink::fur_strength(input.recipe, model, &laid.furred);
     outputs.ink = Some(params.enabled.then(|| ink::vertex_ink(params, fur, &canvas)).transpose()?);
     Ok(())
 }
 
-pub(super) fn ink_textures(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (laid, hair, recipe) = (required(&outputs.laid, Layout)?, required(&outputs.hair, Hair)?, told.recipe);
+pub(super) fn ink_textures(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (laid, hair, recipe) = (required(&outputs.laid, Layout)?, required(&outputs.hair, Hair)?, input.recipe);
     let painting = &mut outputs.kept.painting;
     let paint = |skin: &VertexInk| {
         let strokes = laid.furred.contains(&true) && skin.shading.fur > 0.0;
         let strands = strokes.then_some(&hair.strands);
-        ink::textures_with_memo(&recipe.ink, &recipe.pack, told.images, strand_data, told.steps, painting)
+        ink::textures_with_memo(&recipe.ink, &recipe.pack, input.images, strands, input.steps, painting)
     };
     outputs.ink_textures = Some(required(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?);
     Ok(())
 }
 
-pub(super) fn skin(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn skin(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (model, laid) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?);
-    let (hair, groomed, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.groomed, Groomed)?, told.recipe);
+    let (hair, groomed, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.groomed, Groomed)?, input.recipe);
     let images = SkinImages { groomed: groomed.clone(), pack: recipe.pack.clone() };
     let files = outputs.kept.skin.make(images, SkinFiles::encode)?;
     let pieces = ModelResults {
-        name: told.name,
+        name: input.name,
         model,
-        inputs: &told.images.inputs,
+        inputs: &input.images.inputs,
         surface: &groomed.surface,
         furred: &laid.furred,
         coat: &groomed.coat,
@@ -232,15 +232,15 @@ pub(super) fn skin(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<()
     Ok(())
 }
 
-pub(super) fn pack(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn pack(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let shells = required(&outputs.shells, Shells)?;
     let ink = required(&outputs.ink, Ink)?.as_ref().zip(required(&outputs.ink_textures, InkTextures)?.as_ref());
     let (skin, hair) = (required(&outputs.skin, Skin)?, required(&outputs.hair, Hair)?);
-    let shading = Shading::from(&told.recipe.shading);
+    let shading = Shading::from(&input.recipe.shading);
     // Without a furred material the strands are unused.
     let furred = skin.manifest.materials.iter().any(|material| material.furred);
     let packed = pack::pack(&PackInput {
-        recipe: told.recipe,
+        recipe: input.recipe,
         shading: if StyleForces::of(hair.style).wet { shading.wet() } else { shading },
         skin,
         shells: &shells.dry,
@@ -254,7 +254,7 @@ pub(super) fn pack(told: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<()
     });
     let (bytes, warnings) = packed.map_err(|error| match error {
         BakeError::Params { what, reason } => BakeError::Input {
-            file: told.file.to_owned(),
+            file: input.file.to_owned(),
             place: "whole model".to_owned(),
             reason: format!("the model's size determines {what}: {reason}; set it in the recipe, or see model.unit_m"),
         },

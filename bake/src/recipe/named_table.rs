@@ -41,12 +41,12 @@ macro_rules! named_table {
         }
 
         impl pelage_params::Item for $table {
-            const ALONE: bool = false;
+            const ALLOW_SINGLE: bool = false;
             const KEYS: &'static [pelage_params::TableKey] = &[$(pelage_params::TableKey {
                 name: stringify!($key),
                 doc: concat!($($doc, "\n"),+),
                 expected: || <$ty as pelage_params::Field>::expected(&$range),
-                default: || None$(.or_else(|| <$ty as pelage_params::Field>::shown(&$default)))?,
+                default: || None$(.or_else(|| <$ty as pelage_params::Field>::to_display(&$default)))?,
             }),+];
 
             fn expected_list() -> String {
@@ -54,20 +54,20 @@ macro_rules! named_table {
                 format!("a list of tables with name and any of {}", keys.join(", "))
             }
 
-            fn place(index: usize, _: &pelage_params::Raw) -> String {
+            fn entry_name(index: usize, _: &pelage_params::Raw) -> String {
                 format!("table {index}")
             }
 
             fn read(raw: &pelage_params::Raw) -> Result<Self, Option<String>> {
                 use pelage_params::Raw;
                 let Raw::Table(table) = raw else {
-                    return Err(Some(raw.instead_of("a table")));
+                    return Err(Some(raw.unexpected("a table")));
                 };
                 let mut read = Self::default();
                 for (key, value) in table {
                     match (key.as_str(), value) {
                         ("name", Raw::String(name)) => read.name.clone_from(name),
-                        ("name", other) => return Err(Some(format!("name: {}", other.instead_of("a string")))),
+                        ("name", other) => return Err(Some(format!("name: {}", other.unexpected("a string")))),
                         _ => read.set(key, value).map_err(|reason| format!("{key}: {reason}"))?,
                     }
                 }

@@ -113,7 +113,7 @@ fn tile_size(recipe: &Recipe, bounds: &Bounds) -> (f32, String) {
     {
         match metric {
             Some(metric) => per_mm2 += f64::from(metric),
-            None => fixed += f64::from(to_tile_units),
+            None => fixed += f64::from(in_tile),
         }
     }
     if per_mm2 > 0.0 {

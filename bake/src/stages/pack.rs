@@ -258,7 +258,7 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
     let PackInput { recipe, skin, .. } = *pieces;
     let mut textures = Textures::default();
     let shells = textures.add_shells("shell", pieces.shells);
-    let images: Vec<u32> = model_part.images.iter().map(|image| textures.add(borrowed_texture(image))).collect();
+    let images: Vec<u32> = skin.images.iter().map(|image| textures.add(borrowed_texture(image))).collect();
     let wet = pieces.wet_shells.map(|shells| textures.add_shells("wet_shell", shells));
     let fins = pieces.fin_textures.zip(pieces.fins.section.clone()).map(|(made, section)| {
         let indices = textures.add_shells("fin", &made.textures);
@@ -290,13 +290,13 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
     });
     let fibres = pieces.fibres.map(|made| made.info(textures.add(("fibres".into(), (&made.file).into()))));
     let coat = pieces.shells.coat.as_ref();
-    let mut materials = model_part.manifest.materials.clone();
+    let mut materials = skin.manifest.materials.clone();
     for material in &mut materials {
         for index in [&mut material.base_color_texture, &mut material.groom_texture] {
             *index = index.map(|image| images[image as usize]);
         }
     }
-    let mut warnings = model_part.manifest.warnings.clone();
+    let mut warnings = skin.manifest.warnings.clone();
     warnings.extend(pieces.hair.warnings.iter().cloned());
     // A package that is sliced again already contains these warnings.
     let of_fibres = pieces.fibres.iter().flat_map(|made| &made.warnings).filter(|text| !warnings.contains(text));
@@ -308,7 +308,7 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
     recorded.validate()?;
     let moves = hair_motion(pieces);
     warnings.extend(moves.iter().flat_map(|(_, fitted)| fitted.warnings.iter().cloned()));
-    let mut quality = model_part.manifest.quality.clone();
+    let mut quality = skin.manifest.quality.clone();
     quality.extend(moves.iter().flat_map(|(_, fitted)| {
         let figure = |name: &str, value, unit: &str| QualityFigure { name: name.into(), value, unit: unit.into() };
         let count = fitted.colliders.len() as f64;
@@ -325,7 +325,7 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
             direction_texture: shells.direction_texture,
             wet,
             fins: fins.as_ref().map(|(info, _)| *info),
-            ..model_part.manifest.fur
+            ..skin.manifest.fur
         },
         materials,
         textures: names,
@@ -333,13 +333,13 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
         coat: coat.map(|coat| coat.info),
         detail: detail::levels(&recipe.detail, recipe.slice.layers, coat),
         choice: None,
-        ..model_part.manifest.clone()
+        ..skin.manifest.clone()
     };
     let fins = fins.map(|(_, section)| section);
     // A hair motion section copied from an earlier package must be behind the hair.
     let is_motion = |section: &&Content<'_>| matches!(section, Content::Bytes(Tag::HAIR_MOTION, _));
-    let kept_motion = model_part.sections.iter().filter(is_motion).cloned();
-    let sections = model_part.sections.iter().filter(|section| !is_motion(section)).cloned();
+    let kept_motion = skin.sections.iter().filter(is_motion).cloned();
+    let sections = skin.sections.iter().filter(|section| !is_motion(section)).cloned();
     let sections = sections.chain(files).chain(fins).chain(ink.map(Content::Ink));
     let strands = pieces.strands.cloned().map(Content::Strands);
     let hair = (!pieces.hair.groups.is_empty()).then(|| Content::Hair(pieces.hair.groups.clone()));

@@ -51,8 +51,8 @@ fn meters(value: f64) -> String {
 /// [`BakeError::Input`] with the model's size, the derived value, and the unit that would give it an animal's size.
 pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) -> Result<(), BakeError> {
     let mut told = recipe.clone();
-    told.hair.length_m = Some(format_lengths.length_m);
-    told.surface.tile_size_m = Some(format_lengths.tile_size_m);
+    told.hair.length_m = Some(lengths.length_m);
+    told.surface.tile_size_m = Some(lengths.tile_size_m);
     let Err(BakeError::Params { what, reason }) = told.validate() else { return Ok(()) };
     let size = format_sides(sides_m(bounds));
     let unit_m = recipe.model.unit_m;
@@ -195,7 +195,7 @@ mod tests {
         let check_of = |radius: f32, recipe: &Recipe| {
             let (bounds, ..) = ball(radius, false);
             let lengths = Lengths::resolve(recipe, &bounds);
-            check("big.obj", recipe, &bounds, &format_lengths).map_err(|e| e.to_string())
+            check("big.obj", recipe, &bounds, &lengths).map_err(|e| e.to_string())
         };
         let mut recipe = Recipe::default();
         assert_eq!(check_of(1.0, &recipe), Ok(()));

@@ -61,7 +61,7 @@ pub struct BakeArgs {
 impl BakeArgs {
     /// Returns the dependencies and outputs of the bake for the cache. A bake with limits is not cached, because
     /// measurements differ each time. Nor is one that writes a recipe, which names images relative to its own folder.
-    pub fn errand(&self) -> Option<Job> {
+    pub fn job(&self) -> Option<Job> {
         if !self.limits.limits().is_empty() || self.write_recipe.is_some() {
             return None;
         }

@@ -46,7 +46,7 @@ pub struct CompareArgs {
 
 impl CompareArgs {
     /// Returns the dependencies and outputs of the comparison for the cache.
-    pub fn errand(&self) -> Option<Job> {
+    pub fn job(&self) -> Option<Job> {
         let args = Self { output: self.output.as_deref().map(Job::name), ..self.clone() };
         Some(Job::new("compare", &args, &self.output.iter().collect::<Vec<_>>()))
     }

@@ -79,7 +79,7 @@ impl Job {
 /// Runs a command with the dependency file, record and cache that the options ask for.
 pub fn run(
     args: &JobArgs,
-    errand: Option<&Job>,
+    job: Option<&Job>,
     command: impl FnOnce(&mut Output) -> Result<Exit, Failure>,
     output: &mut Output,
 ) -> Result<Exit, Failure> {
@@ -92,8 +92,7 @@ pub fn run(
         // fails, so will writing, which reports the error.
         let _ = std::fs::remove_file(record);
     }
-    let cache =
-        args.cache.as_deref().zip(errand).and_then(|(folder, errand)| CacheSession::open(folder, errand, output));
+    let cache = args.cache.as_deref().zip(job).and_then(|(folder, job)| CacheSession::open(folder, job, output));
     output.start_recording();
     let found = cache.as_ref().and_then(CacheSession::find);
     let cached = found.is_some();
@@ -107,10 +106,10 @@ pub fn run(
             let result = command(output);
             let traffic = io_trace::take();
             if let (Some(cache), Ok(exit)) = (&cache, &result) {
-                cache.keep(&io_trace, *exit, output);
+                cache.keep(&traffic, *exit, output);
             }
-            let read = io_trace.files_read().into_iter().map(Path::to_owned).collect();
-            (result, read, io_trace.written.into_iter().map(|written| written.path).collect())
+            let read = traffic.files_read().into_iter().map(Path::to_owned).collect();
+            (result, read, traffic.written.into_iter().map(|written| written.path).collect())
         }
     };
     if let (Some(path), Ok(_)) = (&args.depfile, &result) {
@@ -137,18 +136,18 @@ type Files = Vec<(PathBuf, Vec<u8>)>;
 /// Cache access for one command.
 struct CacheSession<'a> {
     cache: Cache,
-    errand: &'a Job,
+    job: &'a Job,
     key: Digest,
 }
 
 impl<'a> CacheSession<'a> {
     /// Opens the cache; returns `None` if the tool cannot be identified, because a cache must never be a reason to
     /// fail.
-    fn open(folder: &Path, errand: &'a Job, output: &Output) -> Option<Self> {
+    fn open(folder: &Path, job: &'a Job, output: &Output) -> Option<Self> {
         let cache = Cache::new(folder);
         let tool = std::env::current_exe().map_err(|error| error.to_string());
         match tool.and_then(|program| cache.tool_hash(&program).map_err(|error| error.to_string())) {
-            Ok(tool) => Some(Self { cache, errand, key: errand.key(&tool) }),
+            Ok(tool) => Some(Self { cache, job, key: job.key(&tool) }),
             Err(error) => {
                 output.note(&format!("note: --cache: {error}; the cache is not used"));
                 None
@@ -160,7 +159,7 @@ impl<'a> CacheSession<'a> {
     fn find(&self) -> Option<(CacheHit, Files)> {
         let found = self.cache.lookup(&self.key, &mut machine_property)?;
         let file =
-            |file: &CachedFile| Some((self.errand.folders.get(file.folder)?.join(&file.name), self.cache.read(file)?));
+            |file: &CachedFile| Some((self.job.folders.get(file.folder)?.join(&file.name), self.cache.read(file)?));
         let files = found.kept.files.iter().map(file).collect::<Option<Vec<_>>>()?;
         Some((found, files))
     }
@@ -169,17 +168,17 @@ impl<'a> CacheSession<'a> {
     fn keep(&self, traffic: &IoTrace, exit: Exit, output: &Output) {
         let RecordedOutput { result: Some((text, json)), notes } = output.said() else { return };
         let file = |written: &io_trace::TracedOutput| {
-            let (folder, name) = self.errand.place(&written.path)?;
+            let (folder, name) = self.job.place(&written.path)?;
             Some(CachedFile { folder, name, shown: shown(&written.path), sha256: hex(&written.digest) })
         };
         // Files written outside the output folders could not be restored.
-        let Some(files) = io_trace.written.iter().map(file).collect::<Option<Vec<_>>>() else { return };
-        if io_trace.in_part {
+        let Some(files) = traffic.written.iter().map(file).collect::<Option<Vec<_>>>() else { return };
+        if traffic.in_part {
             return;
         }
         let kept = CommandResult { files, exit: exit as u8, text, json, notes };
-        let paths: Vec<&Path> = io_trace.written.iter().map(|written| written.path.as_path()).collect();
-        if let Err(error) = self.cache.store(&self.key, io_trace, &kept, &paths) {
+        let paths: Vec<&Path> = traffic.written.iter().map(|written| written.path.as_path()).collect();
+        if let Err(error) = self.cache.store(&self.key, traffic, &kept, &paths) {
             output.note(&format!("note: --cache: {error}; the result is not cached"));
         }
     }
@@ -354,9 +353,9 @@ mod tests {
 
     #[test]
     fn cache_key_ignores_output_paths() {
-        let errand = |folder: &str, n: u8| Job::new("bake", &n, &[&PathBuf::from(folder).join("a.pelage")]);
-        let key = |errand: &Job, tool: u8| errand.key(&[tool; 32]);
-        let (here, there, other) = (errand("here", 1), errand("there", 1), errand("here", 2));
+        let job = |folder: &str, n: u8| Job::new("bake", &n, &[&PathBuf::from(folder).join("a.pelage")]);
+        let key = |job: &Job, tool: u8| job.key(&[tool; 32]);
+        let (here, there, other) = (job("here", 1), job("there", 1), job("here", 2));
         assert_eq!(key(&here, 1), key(&there, 1));
         assert_ne!(key(&here, 1), key(&other, 1));
         assert_ne!(key(&here, 1), key(&here, 2));

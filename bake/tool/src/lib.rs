@@ -105,7 +105,7 @@ pub trait Commands: Subcommand {
     fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure>;
 
     /// Returns the inputs, options and outputs of a subcommand whose outputs depend on nothing else.
-    fn errand(&self) -> Option<job::Job>;
+    fn job(&self) -> Option<job::Job>;
 }
 
 /// Command line around a subcommand.
@@ -131,7 +131,7 @@ struct Global {
     #[arg(long, global = true)]
     json: bool,
     #[command(flatten)]
-    errand: job::JobArgs,
+    job: job::JobArgs,
 }
 
 /// Subcommands of `pelage`.
@@ -189,14 +189,14 @@ impl Commands for Command {
         }
     }
 
-    fn errand(&self) -> Option<job::Job> {
+    fn job(&self) -> Option<job::Job> {
         match self {
-            Self::Bake(args) => args.errand(),
-            Self::Render(args) => args.errand(),
-            Self::Reference(args) => args.errand(),
-            Self::Merge(args) => args.errand(),
-            Self::Compare(args) => args.errand(),
-            Self::Sky(args) => args.errand(),
+            Self::Bake(args) => args.job(),
+            Self::Render(args) => args.job(),
+            Self::Reference(args) => args.job(),
+            Self::Merge(args) => args.job(),
+            Self::Compare(args) => args.job(),
+            Self::Sky(args) => args.job(),
             _ => None,
         }
     }
@@ -211,11 +211,11 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
     let exit = match Cli::<C>::try_parse() {
         Ok(cli) => {
             let mut output = Output::new(cli.global.quiet, cli.global.json);
-            let errand = cli.command.errand();
+            let job = cli.command.job();
             let definition = Cli::<C>::command;
-            let invocation = Invocation { cache: cli.global.errand.cache(), refusal: refusal::<C>, definition };
+            let invocation = Invocation { cache: cli.global.job.cache(), refusal: refusal::<C>, definition };
             let run = |output: &mut Output| catch(|| cli.command.run(&invocation, output));
-            let result = job::run(&cli.global.errand, job.as_ref(), run, &mut output);
+            let result = job::run(&cli.global.job, job.as_ref(), run, &mut output);
             finish(result, &mut output)
         }
         Err(error) => usage(&error),

@@ -41,7 +41,7 @@ pub struct MergeResult {
 
 impl MergeArgs {
     /// Returns the dependencies and outputs of the merge for the cache.
-    pub fn errand(&self) -> Option<Job> {
+    pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), ..self.clone() };
         Some(Job::new("merge", &args, &[&self.output]))
     }

@@ -72,7 +72,7 @@ const MOST_PARTS: u32 = 10_000;
 
 impl ReferenceArgs {
     /// Returns the dependencies and outputs of the trace for the cache.
-    pub fn errand(&self) -> Option<Job> {
+    pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), threads: None, ..self.clone() };
         Some(Job::new("reference", &args, &[&self.output]))
     }

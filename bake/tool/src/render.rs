@@ -104,7 +104,7 @@ struct RenderedScene<'a> {
 
 impl RenderArgs {
     /// Returns the dependencies and outputs of the pictures for the cache.
-    pub fn errand(&self) -> Option<Job> {
+    pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), restart: false, ..self.clone() };
         (self.output != Path::new("-")).then(|| Job::new("render", &args, &[&self.output]))
     }

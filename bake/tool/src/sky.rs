@@ -64,7 +64,7 @@ struct SkySun {
 
 impl SkyArgs {
     /// Returns the dependencies and outputs of the fit for the cache.
-    pub fn errand(&self) -> Option<Job> {
+    pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), ..self.clone() };
         Some(Job::new("sky", &args, &[&self.output]))
     }

@@ -174,7 +174,7 @@ macro_rules! integer_field {
                 Some(self.to_string())
             }
 
-            fn raw_of_word(word: &str) -> Raw {
+            fn parse_word(word: &str) -> Raw {
                 // `007` is an integer on a command line, though not in TOML.
                 word.trim().parse().map_or_else(|_| Raw::from_word(word), Raw::Integer)
             }

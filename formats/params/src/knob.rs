@@ -18,7 +18,7 @@ pub struct Knob {
     /// Control that shows the knob in a window.
     pub control: fn() -> Control,
     /// Parses a command-line word into an unchecked value.
-    pub raw_of_word: fn(&str) -> Raw,
+    pub parse_word: fn(&str) -> Raw,
 }
 
 impl Knob {

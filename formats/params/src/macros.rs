@@ -118,11 +118,11 @@ macro_rules! params {
                     control: || {
                         $crate::params!(@field control, $ty $($(, $wrap)?)?)(&$crate::params!(@range $($range)?))
                     },
-                    raw_of_word: |word| {
+                    parse_word: |word| {
                         $(if word == $unset {
                             return $crate::Raw::String($unset.to_owned());
                         })?
-                        $crate::params!(@field raw_of_word, $ty $($(, $wrap)?)?)(word)
+                        $crate::params!(@field parse_word, $ty $($(, $wrap)?)?)(word)
                     },
                 }),+],
             };
@@ -188,7 +188,7 @@ macro_rules! params {
         |raw: &$crate::Raw, range| match raw {
             $crate::Raw::String(word) if word == $unset => Ok(Default::default()),
             _ => $crate::params!(@read [$($field)+])(raw, range).map_err(|_| {
-                raw.instead_of(&format!("{:?} or {}", $unset, $crate::params!(@field expected, $($field)+)(range)))
+                raw.unexpected(&format!("{:?} or {}", $unset, $crate::params!(@field expected, $($field)+)(range)))
             }),
         }
     };
@@ -196,7 +196,7 @@ macro_rules! params {
 
 /// Declares the contents of one file: a struct with a field for each table, and its [`Tables`](crate::Tables). Messages
 /// take their example of `key=value` from `such as`. `elsewhere` names the function
-/// [`Tables::elsewhere`](crate::Tables::elsewhere). A table may have one `#[cfg]`.
+/// [`Tables::unavailable_reason`](crate::Tables::unavailable_reason). A table may have one `#[cfg]`.
 #[macro_export]
 macro_rules! tables {
     (
@@ -209,7 +209,7 @@ macro_rules! tables {
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct $name { $($(#[doc = $doc])+ $(#[cfg($cfg)])? pub $table: $ty,)+ }
 
-        $($(#[cfg($cfg)])? const _: () = assert!($crate::same(<$ty>::TABLE.name, stringify!($table)), "a table has its field's name");)+
+        $($(#[cfg($cfg)])? const _: () = assert!($crate::str_eq(<$ty>::TABLE.name, stringify!($table)), "a table has its field's name");)+
 
         impl $crate::Tables for $name {
             const TABLES: &'static [$crate::TableInfo] = &[$($(#[cfg($cfg)])? <$ty>::TABLE),+];
@@ -223,7 +223,7 @@ macro_rules! tables {
                 [$($(#[cfg($cfg)])? (&mut self.$table as &mut dyn $crate::Table)),+].into()
             }
             $(
-                fn elsewhere(name: &str) -> Option<String> {
+                fn unavailable_reason(name: &str) -> Option<String> {
                     $elsewhere(name)
                 }
             )?

@@ -110,7 +110,7 @@ pub fn set<S: Tables>(set: &mut S, assignment: &str) -> Result<(), ParamError> {
 pub fn set_word<S: Tables>(set: &mut S, name: &str, word: &str) -> Result<(), ParamError> {
     let fail = |reason: String| ParamError { line: None, key: name.to_owned(), reason };
     let knob = knob_named::<S>(name).ok_or_else(|| fail(unknown_key::<S>(name)))?;
-    read_key(set, knob.table(), knob.key(), &(knob.raw_of_word)(word)).map_err(|error| fail(error.reason))
+    read_key(set, knob.table(), knob.key(), &(knob.parse_word)(word)).map_err(|error| fail(error.reason))
 }
 
 /// Returns the set as TOML with every key that has a value, in the order of declaration. Reading it gives an equal set.

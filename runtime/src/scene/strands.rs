@@ -1,14 +1,16 @@
 //! Helpers of the strand passes: iteration over strand sets, and their bindings.
 
 use super::recording::Recording;
-use super::visible_instance::{StrandSet, VisibleInstance};
+use super::visible_instance::{StrandsToDraw, VisibleInstance};
 use crate::gpu::{BindingResource, in_compute, storage_in, uniform};
 use crate::hair::StrandSetDrawing;
 use crate::model::{Strand, StrandConstants};
 use std::ops::Range;
 
 /// Returns the drawn strand sets of all instances.
-pub(crate) fn strand_sets(instances: &[VisibleInstance]) -> impl Iterator<Item = (&VisibleInstance, StrandSet<'_>)> {
+pub(crate) fn strand_sets(
+    instances: &[VisibleInstance],
+) -> impl Iterator<Item = (&VisibleInstance, StrandsToDraw<'_>)> {
     instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set)))
 }
 
@@ -26,7 +28,7 @@ impl Recording<'_> {
     /// Returns the bindings of [`posed_layout`] for a part's strands. `drawn`: share, width and point step.
     pub(crate) fn posed_strands(
         &mut self,
-        set: &StrandSet<'_>,
+        set: &StrandsToDraw<'_>,
         of_part: &Range<u32>,
         drawn: &StrandSetDrawing,
     ) -> [(u32, BindingResource); 4] {
@@ -41,7 +43,7 @@ impl Recording<'_> {
     /// Returns the uniform block with the constants of a part's strands.
     pub(crate) fn strand_constants(
         &mut self,
-        set: &StrandSet<'_>,
+        set: &StrandsToDraw<'_>,
         of_part: &Range<u32>,
         drawn: &StrandSetDrawing,
     ) -> BindingResource {

@@ -36,14 +36,14 @@ pub(crate) struct VisibleStrandSet {
 
 /// Set of strands with all data that passes read.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StrandSet<'a> {
+pub(crate) struct StrandsToDraw<'a> {
     pub(crate) drawn: &'a StrandSetDrawing,
     pub(crate) strands: &'a StrandSet,
     pub(crate) posed: &'a PosedStrands,
     pub(crate) ribbons: Option<&'a Arc<Ribbons>>,
 }
 
-impl StrandSet<'_> {
+impl StrandsToDraw<'_> {
     /// Returns the parts on which the set grows, each with the range of its strands that `share` selects.
     pub(crate) fn parts<'p>(&self, parts: &'p [Part], share: f32) -> impl Iterator<Item = (&'p Part, Range<u32>)> {
         let (set, strands) = (self.drawn.set, self.strands);
@@ -54,8 +54,8 @@ impl StrandSet<'_> {
 
 impl VisibleInstance {
     /// Returns the sets of strands that are drawn.
-    pub(crate) fn strands(&self) -> impl Iterator<Item = StrandSet<'_>> {
-        self.sets.iter().map(|set| StrandSet {
+    pub(crate) fn strands(&self) -> impl Iterator<Item = StrandsToDraw<'_>> {
+        self.sets.iter().map(|set| StrandsToDraw {
             drawn: &set.drawn,
             strands: &self.model.strands()[set.drawn.set],
             posed: &set.posed,

@@ -366,7 +366,7 @@ fn transforms(place: &Placement) -> Vec<Mat4> {
         (1..MOMENTS_PER_KEY).map(move |k| from + (to - from) * k as f32 / MOMENTS_PER_KEY as f32)
     };
     let within: Vec<f32> = times.windows(2).flat_map(between).collect();
-    times.into_iter().chain(wrap_time).map(|time_s| place.transform(time_s)).collect()
+    times.into_iter().chain(within).map(|time_s| place.transform(time_s)).collect()
 }
 
 #[cfg(test)]

@@ -389,26 +389,26 @@ mod tests {
         let document = json!({ "a": [1, { "b/c": "d" }], "e": null });
         let mut seen = std::collections::BTreeSet::new();
         for turn in 0..400 {
-            let (what, text) = json(&document, turn, &mut Random::of_case(1, 2, turn));
+            let (what, text) = json(&document, turn, &mut Random::for_case(1, 2, turn));
             assert!(!text.contains(MARK), "{what}: {text}");
             seen.extend(what.split(' ').next().map(str::to_owned));
         }
         assert_eq!(seen.len(), 5, "{seen:?}");
-        let doubled = (0..400).map(|turn| json(&document, turn, &mut Random::of_case(1, 2, turn)).1);
+        let doubled = (0..400).map(|turn| json(&document, turn, &mut Random::for_case(1, 2, turn)).1);
         assert!(doubled.filter(|text| text.matches("\"e\":").count() == 2).count() > 0, "no key was doubled");
     }
 
     #[test]
     fn text_and_byte_mutations_mostly_differ() {
         let text = "[a]\nb = 1\nc = [1, 2]\n";
-        let differs = |i: u64| toml(text, i, &mut Random::of_case(3, 4, i)).1 != text;
+        let differs = |i: u64| toml(text, i, &mut Random::for_case(3, 4, i)).1 != text;
         assert!((0..100).filter(|i| differs(*i)).count() > 80);
         let changed = |i: u64| {
             let mut bytes = text.as_bytes().to_vec();
-            super::bytes(&mut bytes, &mut Random::of_case(5, 6, i));
+            super::bytes(&mut bytes, &mut Random::for_case(5, 6, i));
             bytes != text.as_bytes()
         };
         assert!((0..100).filter(|i| changed(*i)).count() > 70);
-        assert!((0..100).filter(|i| words(text, &mut Random::of_case(7, 8, *i)).1 != text).count() > 80);
+        assert!((0..100).filter(|i| words(text, &mut Random::for_case(7, 8, *i)).1 != text).count() > 80);
     }
 }

@@ -235,7 +235,7 @@ pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow:
 }
 
 fn make(seed: u64, kind: usize, index: u64, bases: &Bases) -> Case {
-    (KINDS[kind].make)(bases, index, &mut Random::of_case(seed, kind as u64, index))
+    (KINDS[kind].make)(bases, index, &mut Random::for_case(seed, kind as u64, index))
 }
 
 /// Writes the files of a case into a folder of its own, with the commands to run there.

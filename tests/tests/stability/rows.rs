@@ -30,7 +30,7 @@ macro_rules! rows {
         $(
             #[test]
             fn $module() {
-                holds(&stability::$module::ROW, (stability::$module::ROW.drive)().unwrap());
+                assert_holds(&stability::$module::ROW, (stability::$module::ROW.drive)().unwrap());
             }
         )+
 
@@ -73,7 +73,7 @@ macro_rules! drawn_rows {
             fn $module() {
                 let Some(gpu) = gpu(stringify!($module)) else { return };
                 let mut draw = |drawing: &Drawing<'_>| Ok(drawn(gpu, drawing));
-                holds(&stability::$module::ROW, (stability::$module::ROW.drive)(&mut draw).unwrap());
+                assert_holds(&stability::$module::ROW, (stability::$module::ROW.drive)(&mut draw).unwrap());
             }
         )+
 

@@ -50,12 +50,12 @@ fn kajiya_kay_is_stable_with_hair_parallel_to_the_light() {
     for (i, t) in unit_vectors().into_iter().enumerate() {
         // L = T, L = −T, and L a rounding error from T.
         let l = [t, -t, (t * 1.000_000_1).normalize()][i % 3];
-        silhouette_models.push([t.extend(EXPONENTS[i % EXPONENTS.len()]).to_array(), l.extend(0.0).to_array()]);
+        cases.push([t.extend(EXPONENTS[i % EXPONENTS.len()]).to_array(), l.extend(0.0).to_array()]);
     }
 
     let naive = |t: Vec3, l: Vec3, p: f32| (1.0 - t.dot(l) * t.dot(l)).powf(p / 2.0);
     let mut failures = 0;
-    for [t, l] in &silhouette_models {
+    for [t, l] in &cases {
         let (t3, l3, p) = (Vec4::from_array(*t).truncate(), Vec4::from_array(*l).truncate(), t[3]);
         failures += usize::from(naive(t3, l3, p).is_nan());
         let safe = kajiya_kay::sin_power(kajiya_kay::sin_squared(t3, l3), 0.5 * p);
@@ -67,7 +67,7 @@ fn kajiya_kay_is_stable_with_hair_parallel_to_the_light() {
 
     if let Some(gpu) = gpu("kajiya_kay_is_stable_with_hair_parallel_to_the_light") {
         let safe = "vec4(sin_power(sin_squared(in_0.xyz, in_1.xyz), 0.5 * in_0.w), 0.0, 0.0, 0.0)";
-        for (case, result) in silhouette_models.iter().zip(evaluate(gpu, kajiya_kay::WGSL, safe, &silhouette_models)) {
+        for (case, result) in cases.iter().zip(evaluate(gpu, kajiya_kay::WGSL, safe, &cases)) {
             assert!((0.0..=1.0).contains(&result[0]), "{case:?} on the GPU: {result:?}");
         }
     }
@@ -96,7 +96,7 @@ fn normals_and_tangents_are_valid_under_degenerate_joints() {
             let cofactor_without_sign =
                 Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)) * *n;
             inward += usize::from(m.determinant() < -1e-3 && cofactor_without_sign.dot(m * *n) < 0.0);
-            silhouette_models.push([m.x_axis, m.y_axis, m.z_axis, *n].map(|c| c.extend(0.0).to_array()));
+            cases.push([m.x_axis, m.y_axis, m.z_axis, *n].map(|c| c.extend(0.0).to_array()));
         }
     }
     assert!(not_unit > normals.len(), "naive normals failed only {not_unit} times");
@@ -109,9 +109,7 @@ fn normals_and_tangents_are_valid_under_degenerate_joints() {
         );
         let library = format!("{}{}", skinning::WGSL, tile_frame::WGSL);
         let expression = format!("vec4(length({normal}), length({tangent}), dot({normal}, {tangent}), 0.0)");
-        for (case, [n, t, dot, _]) in
-            silhouette_models.iter().zip(evaluate(gpu, &library, &expression, &silhouette_models))
-        {
+        for (case, [n, t, dot, _]) in cases.iter().zip(evaluate(gpu, &library, &expression, &cases)) {
             let right = (n - 1.0).abs() < 1e-5 && (t - 1.0).abs() < 1e-5 && dot.abs() < 1e-4;
             assert!(right, "{case:?} on the GPU: lengths {n} and {t}, dot {dot}");
         }
@@ -137,7 +135,7 @@ fn joints_of_weight_zero_count_for_nothing() {
         let broken = [f32::NAN; 4];
         let column = [1.0, 2.0, 3.0, 1.0];
         let cases = [[weights.to_array(), [0.0; 4], column, broken], [[0.0; 4], [0.0; 4], column, column]];
-        let results = evaluate(gpu, skinning::WGSL, &expression, &silhouette_models);
+        let results = evaluate(gpu, skinning::WGSL, &expression, &cases);
         assert_eq!(results, [column, [0.0, 0.0, 0.0, 1.0]]);
     }
 }

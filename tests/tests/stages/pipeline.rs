@@ -46,7 +46,7 @@ fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
     let model = import_built_in(name, recipe);
     let mut stages = Vec::new();
     let baked = pipeline::bake(&BakeInput::new(name, name, recipe, &MapImages::default()), &model, &mut |stage| {
-        stages.push(stage)
+        stages.push(stage);
     });
     assert!(STAGES.starts_with(&stages), "{stages:?}");
     baked
@@ -444,9 +444,9 @@ fn package_has_ink_unless_disabled() {
 }
 
 /// Runs the pipeline to its end and returns the package with the stages that ran.
-fn run<'a>(told: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, Vec<&'static str>), BakeError> {
+fn run<'a>(input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, Vec<&'static str>), BakeError> {
     let mut stages = Vec::new();
-    pipeline::run(told, outputs, &mut |stage| stages.push(stage))?;
+    pipeline::run(input, outputs, &mut |stage| stages.push(stage))?;
     Ok((outputs.package.clone().unwrap().bytes, stages))
 }
 
@@ -469,15 +469,15 @@ fn bake_steps_need_exactly_their_declared_inputs() {
     let bytes = asset("models/ox.glb");
     let model = import("ox", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
-    let told = BakeInput::new("ox", "ox", &recipe, &images);
+    let input = BakeInput::new("ox", "ox", &recipe, &images);
     let mut whole = Outputs { model: Some(&model), ..Outputs::default() };
-    let (package, stages) = run(&told, &mut whole).unwrap();
+    let (package, stages) = run(&input, &mut whole).unwrap();
     assert_eq!(stages, STAGES);
     assert!(
         whole.fin_textures.clone().unwrap().is_some() && whole.ink.clone().unwrap().is_some(),
         "nothing is left out"
     );
-    assert_eq!(run(&told, &mut whole).unwrap(), (package.clone(), vec![]), "everything is there already");
+    assert_eq!(run(&input, &mut whole).unwrap(), (package.clone(), vec![]), "everything is there already");
     assert_eq!(
         STEPS.iter().map(|step| step.makes).collect::<Vec<_>>(),
         Output::ALL[1..],
@@ -490,18 +490,18 @@ fn bake_steps_need_exactly_their_declared_inputs() {
             outputs
         };
         let mut made = only(step.reads);
-        step.run(&told, &mut made).unwrap_or_else(|error| panic!("{:?}: {error}", step.makes));
+        step.run(&input, &mut made).unwrap_or_else(|error| panic!("{:?}: {error}", step.makes));
         assert!(made.has(step.makes));
         for missing in step.reads {
             let rest: Vec<_> = step.reads.iter().copied().filter(|read| read != missing).collect();
-            let error = step.run(&told, &mut only(&rest)).unwrap_err().to_string();
+            let error = step.run(&input, &mut only(&rest)).unwrap_err().to_string();
             assert!(error.contains(&format!("{missing:?} is missing")), "{:?}: {error}", step.makes);
         }
         // The resulting package is the same.
         let mut again = whole.clone();
         again.invalidate(step.makes);
         assert!(!again.has(step.makes) && !again.has(Output::Package));
-        let (same, stages) = run(&told, &mut again).unwrap();
+        let (same, stages) = run(&input, &mut again).unwrap();
         assert!(same == package, "{:?} made again", step.makes);
         assert_eq!(stages[0], step.stage);
     }
@@ -518,16 +518,16 @@ fn continued_bake_equals_a_whole_bake() {
     let bytes = asset("models/torus.glb");
     let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
-    let told = |recipe| BakeInput::new("torus", "torus", recipe, &images);
+    let input = |recipe| BakeInput::new("torus", "torus", recipe, &images);
     let mut outputs = Outputs { model: Some(&model), ..Outputs::default() };
-    run(&told(&first), &mut outputs).unwrap();
+    run(&input(&first), &mut outputs).unwrap();
     outputs.invalidate(Output::Shells);
     outputs.invalidate(Output::FinTextures);
-    let (package, stages) = run(&told(&other), &mut outputs).unwrap();
+    let (package, stages) = run(&input(&other), &mut outputs).unwrap();
     assert_eq!(stages, ["slice", "fins", "pack"]);
     assert!(package == bake("torus", &other).unwrap().package);
     // The model has no step and must be given.
-    let error = run(&told(&first), &mut Outputs::default()).unwrap_err();
+    let error = run(&input(&first), &mut Outputs::default()).unwrap_err();
     assert!(matches!(&error, BakeError::Internal(reason) if reason.contains("Model is missing")), "{error}");
 }
 

@@ -58,19 +58,19 @@ fn changed(base: &Recipe, knob: &Knob) -> Option<Recipe> {
 fn incremental_bake_equals_a_full_bake_for_every_key() {
     let model = import_built_in("torus", &Recipe::default());
     let (base, images) = (small_recipe(), MapImages::default());
-    let told = |recipe| BakeInput::new("torus", "torus", recipe, &images);
+    let input = |recipe| BakeInput::new("torus", "torus", recipe, &images);
     let others: Vec<(&str, Recipe)> =
         recipe::keys().filter_map(|knob| Some((knob.name, changed(&base, knob)?))).collect();
     assert!(others.len() > 100, "only {} keys are changed", others.len());
     let mut first = Rebake::new(&model);
-    first.bake(&told(&base), &mut |_| ()).unwrap();
+    first.bake(&input(&base), &mut |_| ()).unwrap();
     let stale: Vec<&str> = others
         .par_iter()
         .filter(|(_, recipe)| {
             let text =
                 |baked: Result<pipeline::Baked, BakeError>| baked.map(|b| b.package).map_err(|error| error.to_string());
-            let went_on = text(first.clone().bake(&told(recipe), &mut |_| ()));
-            went_on != text(pipeline::bake(&told(recipe), &model, &mut |_| ()))
+            let went_on = text(first.clone().bake(&input(recipe), &mut |_| ()));
+            went_on != text(pipeline::bake(&input(recipe), &model, &mut |_| ()))
         })
         .map(|(name, _)| *name)
         .collect();

@@ -312,7 +312,7 @@ fn fit(optics: &FibreOptics, angles: &Angles) -> [f64; 3] {
     };
     let along = |width: f64, shift: f64| {
         let off = angles.from.0 + angles.to.0 - shift;
-        libm::exp(-0.5 * measure * measure / (width * width)) / ((2.0 * PI).sqrt() * width)
+        libm::exp(-0.5 * off * off / (width * width)) / ((2.0 * PI).sqrt() * width)
     };
     let across = 1.19 / cos_d + 0.36 * cos_d;
     let half_vector =

@@ -400,7 +400,7 @@ impl Guide {
         let air = |time_s: f64, place: DVec3| scene.air(time_s as f32, place.as_vec3()).as_dvec3();
         let guide = TrueGuide {
             points: &points,
-            ballast: &gravity_compensation,
+            ballast: &ballast,
             drag_per_s: self.springs.drag_per_s.into(),
             shape_hz: self.springs.shape_hz.into(),
             bend_hz: self.springs.bend_hz.into(),

@@ -68,7 +68,7 @@ impl Topic for ScatteringTopic {
         let gpu = &self.gpu;
         let empty = *get_or_make(&mut self.empty, || nanoseconds(gpu, EMPTY, 2))?;
         let timed = expression(form).map(|body| nanoseconds(gpu, body, form.size().unwrap_or(2))).transpose()?;
-        Ok(cells(form, &measure, timed.map(|ns| (ns - empty).max(0.0))))
+        Ok(cells(form, &off, timed.map(|ns| (ns - empty).max(0.0))))
     }
 }
 

@@ -31,7 +31,8 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     Ok(vec![
         narrow_lights(),
         through_two(),
-        along_the_hnegative_lightnothing()?,
+        along_the_hair(),
+        negative_light()?,
         sun_on_an_edge()?,
         black()?,
         broken()?,

@@ -123,7 +123,7 @@ impl HangingString<'_> {
     fn ours(&self) -> Motion {
         let (points, free) = (self.points(), vec![1.0; self.points]);
         let ballast = gravity_compensation(&points, Mat3::IDENTITY);
-        let groomed = GroomedGuide { points: &points, ballast: &gravity_compensation, free: &free };
+        let groomed = GroomedGuide { points: &points, ballast: &ballast, free: &free };
         let rooted = |time_s| RootFrame { root: (self.root)(time_s), frame: Mat3::IDENTITY };
         let mut pearls: Vec<Particle> = rooted(0.0).groomed(&points);
         let mut before_s = steps(1.0 / self.fps).1;

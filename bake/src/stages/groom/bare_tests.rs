@@ -47,10 +47,10 @@ fn found(model: &Model) -> (FurredMaterials, Vec<String>) {
     let rest = RestPose::of(&model.mesh, None);
     let growth = find_furred_materials(model, &rest, None, &mut warnings);
     // The reported line gives the same result.
-    let said = super::find_furred_materials(model, &rest, Some(&find_furred_materials.bare), &mut Vec::new());
+    let said = super::find_furred_materials(model, &rest, Some(&growth.bare), &mut Vec::new());
     assert_eq!(said.furred, growth.furred, "{:?}", growth.decision);
     assert_eq!(said.decision, None);
-    (find_furred_materials, warnings)
+    (growth, warnings)
 }
 
 fn decided(model: &Model) -> (String, String) {

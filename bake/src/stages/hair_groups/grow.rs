@@ -110,7 +110,7 @@ impl Growth {
         (0..points.len())
             .map(|k| {
                 let along = points[(k + 1).min(last)] - points[k.max(1) - 1];
-                let axis = noise_1d.try_normalize().unwrap_or(before);
+                let axis = along.try_normalize().unwrap_or(before);
                 side = Quat::from_rotation_arc(before, axis) * side;
                 before = axis;
                 let share = k as f32 / last as f32;

@@ -12,14 +12,14 @@ mod far_fur;
 mod layer;
 mod shells;
 mod slab;
-mod slice;
 mod splat;
+mod volume;
 
 pub use decode::decode_texture;
 pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color, encode_groom};
 pub use far_fur::FarFurStats;
 pub use shells::{ShellTextures, VisibilityTexture, shell_bytes, shell_textures};
 pub use slab::{FinTextures, SLABS, Slab, fin_textures, slab_along};
-pub use slice::{Layer, ShellSet, collect_layers, slice, slice_for_package};
 pub use splat::extinction;
 pub(crate) use splat::weights as gaussian_weights;
+pub use volume::{Layer, ShellSet, collect_layers, slice, slice_for_package};

@@ -2,7 +2,7 @@
 
 use super::encode::{AlphaMode, TextureEncoder};
 use super::far_fur::FarFurStats;
-use super::slice::{Layer, slice_for_package};
+use super::volume::{Layer, slice_for_package};
 use crate::recipe::{DirectionFormat, PackParams, ShellFormat, SliceParams};
 use crate::stages::simulate::Strands;
 use crate::stages::visibility::Visibility;

@@ -95,10 +95,10 @@ pub fn read_logs(herd: &Herd) -> NinjaOutput {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         if logs.iter().any(|log| name.starts_with(log.as_str())) {
-            read_logs.parse(&std::fs::read(entry.path()).unwrap_or_default());
+            ran.parse(&std::fs::read(entry.path()).unwrap_or_default());
         }
     }
-    read_logs
+    ran
 }
 
 /// Writes the build files of all shards; returns, for each stage, the shards that are not up to date.

@@ -6,7 +6,7 @@
 //!
 //! - Free particles move by Verlet integration, corrected for steps of unequal length, with air drag.
 //! - A spring pulls each particle to its groomed position; another bends each segment back to its groomed shape. The
-//!   effect of gravity at rest is part of the groomed shape ([`ballast`]), so unmoved hair stays as groomed.
+//!   effect of gravity at rest is part of the groomed shape ([`gravity_compensation`]), so unmoved hair stays as groomed.
 //! - Lengths are held exactly: the tensions of a string solve a tridiagonal system, a few times over, and the remaining
 //!   error is corrected from root to tip.
 //! - A particle inside a collider moves to a point on its surface at the required distance from its neighbour.
@@ -89,7 +89,7 @@ pub struct Springs {
 pub struct GroomedGuide<'a> {
     /// Points relative to the root, which is the first, in the frame of its triangle, metres; two or more.
     pub points: &'a [Vec3],
-    /// Result of [`ballast`] for the points.
+    /// Result of [`gravity_compensation`] for the points.
     pub ballast: &'a [Vec3],
     /// Freedom of each point, 0..=1: from fixed to a free particle. Fixed points come first.
     pub free: &'a [f32],

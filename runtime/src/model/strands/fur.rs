@@ -259,7 +259,7 @@ mod tests {
 
     #[test]
     fn workgroups_store_their_least_chance() {
-        let strand = |chance| Strand { hash_unit, ..Strand::default() };
+        let strand = |selection| Strand { selection, ..Strand::default() };
         let mut strands: Vec<Strand> = (0..100u16).map(|i| strand(f32::from(i) / 100.0)).collect();
         strands.resize(128, strand(1.0));
         assert_eq!(least_chances(&strands), [0.0, 0.64]);

@@ -8,7 +8,7 @@ use crate::hair::{groom_constants, hair_wgsl, material_constants};
 use crate::light::ShadowMaps;
 use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, Recording, StrandSet, VisibleInstance, posed_layout, record_dispatches, strand_sets};
+use crate::scene::{Dispatch, Recording, StrandsToDraw, VisibleInstance, posed_layout, record_dispatches, strand_sets};
 use crate::shared::deep_opacity::DeepOpacity;
 
 /// Shader of the `strand_light` pass.
@@ -43,7 +43,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-fn constants(seen: &VisibleInstance, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str, u32)> {
+fn constants(seen: &VisibleInstance, set: &StrandsToDraw<'_>, part: &Part) -> Vec<(&'static str, u32)> {
     let mut constants = seen.look.lit_strand_constants();
     constants.push(flag("DEEP_SHADOW", seen.look.deep_shadow));
     // Mesh surface and groom do not apply to hair on guides.

@@ -163,5 +163,5 @@ pub fn collect_layers(
 }
 
 #[cfg(test)]
-#[path = "slice_tests.rs"]
+#[path = "volume_tests.rs"]
 mod tests;
