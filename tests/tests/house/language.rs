@@ -8,7 +8,7 @@ use pelage_tests::documents::{Document, documents};
 use std::collections::BTreeMap;
 
 /// Words that no doc comment may begin with.
-const FIRST_WORDS: [&str; 9] = ["What", "Who", "Whoever", "Of", "As", "That", "It", "Its", "Another"];
+const FIRST_WORDS: [&str; 10] = ["What", "Who", "Whoever", "Of", "As", "That", "It", "Its", "One", "Another"];
 
 /// Phrases that comments and documents avoid.
 const PHRASES: [&str; 11] = [
