@@ -1,6 +1,7 @@
 #!/bin/sh
-# Runs a test binary so that it says how long each test took: cargo's runner for the tests of the gate. Stable test harnesses have
-# the flag too, behind a word that unlocks it; nothing is compiled with that word. What is no test harness, or refuses, runs as it is.
+# Runs a test binary and prints the duration of each test: cargo's runner for the tests of the gate. Stable test
+# harnesses accept the flag if RUSTC_BOOTSTRAP is set; nothing is compiled with that variable. Programs that are not
+# test harnesses, or reject the flag, run unchanged.
 set -eu
 program=$1
 shift

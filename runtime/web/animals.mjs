@@ -1,4 +1,5 @@
-// Puts packages beside the page: `node animals.mjs SITE PACKAGE...`. Writes SITE/animals/ with copies and the list that the page reads, in that order.
+// Adds packages to the page: `node animals.mjs SITE PACKAGE...`. Writes copies of the packages to SITE/animals/, with
+// the list that the page reads, in the given order.
 
 import { copyFileSync, mkdirSync, rmSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
@@ -13,7 +14,7 @@ rmSync(folder, { recursive: true, force: true });
 mkdirSync(folder, { recursive: true });
 const animals = packages.map((path, i) => {
   const name = basename(path).replace(/\.pelage$/i, "");
-  // Two may have one name.
+  // Two packages may have the same name.
   const file = `${i}.pelage`;
   try {
     copyFileSync(path, join(folder, file));

@@ -1,24 +1,25 @@
 #!/bin/sh
-# Cargo for wasm32-unknown-unknown: `runtime/web/cargo_wasm.sh build -p pelage-web --profile web`. What it builds lies in target/wasm.
+# Runs cargo for wasm32-unknown-unknown: `runtime/web/cargo_wasm.sh build -p pelage-web --profile web`. The output is in
+# target/wasm.
 #
-# The target's standard library comes from rustup; where that cannot fetch it, from Debian's source packages (installed where it may), built on the fly.
-# Where there is neither it says so and exits with 4.
+# The target's standard library comes from rustup. If rustup cannot fetch it, it is compiled from Debian's source
+# packages, which are installed if possible. Without either, prints an error and exits with 4.
 set -eu
 cd "$(dirname "$0")/../.."
 target=wasm32-unknown-unknown
-# A target folder of its own: artifacts of two compilers do not mix.
+# A separate target folder: artifacts of two compilers cannot be mixed.
 export CARGO_TARGET_DIR=target/wasm
 
 has_std() { [ -d "$(rustc --print sysroot)/lib/rustlib/$target/lib" ]; }
 
 debian_compiler() { dpkg -L rustc-web 2>/dev/null | grep -E '/bin/rustc$' | head -n 1; }
 
-# The major version of LLVM that Debian's compiler is of; its linker has it in the name.
+# Prints the major LLVM version of Debian's compiler, which is part of the linker's name.
 llvm() { "$(debian_compiler)" -vV | sed -n 's/^LLVM version: \([0-9]*\).*/\1/p'; }
 
 has_debian() {
     compiler=$(debian_compiler)
-    # The compiler and the source must be of one version; Debian names their folder by it.
+    # Compiler and sources must have the same version, which is part of their folder's name on Debian.
     [ -n "$compiler" ] && [ -d "$("$compiler" --print sysroot)/lib/rustlib/src/rust/library" ] && command -v "lld-$(llvm)" >/dev/null 2>&1
 }
 
@@ -37,5 +38,6 @@ fi
 if has_debian; then
     RUSTC=$(debian_compiler) RUSTC_BOOTSTRAP=1 exec cargo "$@" --target "$target" -Zbuild-std=std,panic_abort
 fi
-echo "missing: Rust's standard library for $target (rustup target add $target; Debian: apt-get install rustc-web rust-web-src, and lld of its LLVM)" >&2
+echo "missing: Rust's standard library for $target (rustup target add $target;" \
+    "Debian: apt-get install rustc-web rust-web-src, and the lld of the same LLVM version)" >&2
 exit 4

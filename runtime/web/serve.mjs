@@ -1,6 +1,7 @@
-// Serves a folder on loopback: `node serve.mjs FOLDER [PORT]`, 0 for any free port. Prints the address, and serves until it is stopped.
+// Serves a folder on loopback: `node serve.mjs FOLDER [PORT]`; port 0 is any free port. Prints the address, and runs
+// until it is stopped.
 //
-// Nothing of node but its own modules; nothing outside of the folder, nothing to other machines.
+// Uses only the modules of node itself. Serves nothing outside the folder, and nothing to other machines.
 
 import { createReadStream } from "node:fs";
 import { stat } from "node:fs/promises";
@@ -16,11 +17,11 @@ const TYPES = {
   ".pelage": "application/octet-stream",
   ".png": "image/png",
   ".svg": "image/svg+xml",
-  // Browsers compile it while it arrives only under this name.
+  // Browsers compile a module during the download only if it has this type.
   ".wasm": "application/wasm",
 };
 
-/** A file below `folder` for the path of a request, or null. */
+/** Returns the file below `folder` for the path of a request, or null. */
 async function find(folder, url) {
   let path;
   try {
@@ -34,7 +35,7 @@ async function find(folder, url) {
   return found?.isFile() ? { file, size: found.size } : null;
 }
 
-/** Starts serving `folder`; the promised server listens, and `address()` has its port. */
+/** Starts serving `folder`. Resolves to the listening server; its `address()` has the port. */
 export function serve(folder, port = 0) {
   const root = resolve(folder);
   const server = createServer(async (request, response) => {
@@ -46,10 +47,10 @@ export function serve(folder, port = 0) {
     response.writeHead(200, {
       "content-type": TYPES[extname(found.file)] ?? "application/octet-stream",
       "content-length": found.size,
-      // What is built anew is seen at once.
+      // Rebuilt files are visible at once.
       "cache-control": "no-store",
       "x-content-type-options": "nosniff",
-      // Only what the page brings itself runs in it.
+      // Only the page's own scripts run in it.
       "content-security-policy":
         "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' blob: data:; connect-src 'self' blob:",
     });

@@ -1,4 +1,4 @@
-"""Parameterizations side by side: pelage, xatlas, and libigl's LSCM. Prints CSV; see README.md."""
+"""Compares parameterizations: pelage, xatlas, and libigl's LSCM. Prints CSV; see README.md."""
 
 import argparse
 import csv
@@ -27,7 +27,7 @@ COLUMNS = [
 
 
 def by_xatlas(vertices, triangles):
-    """Corner coordinates of an atlas with the library's own settings, and seconds with packing, which it cannot be asked to leave out."""
+    """Returns corner coordinates of an atlas with default settings, and seconds, which include packing."""
     atlas = xatlas.Atlas()
     atlas.add_mesh(vertices.astype(np.float32), triangles.astype(np.uint32))
     begun = time.perf_counter()
@@ -35,13 +35,13 @@ def by_xatlas(vertices, triangles):
     seconds = time.perf_counter() - begun
     mapping, indices, uvs = atlas[0]
     assert (mapping[indices] == triangles).all(), "xatlas changed the triangles"
-    # Coordinates are fractions of a texture that need not be square.
+    # Coordinates are fractions of a texture, which need not be square.
     uvs = uvs * np.array([atlas.width, atlas.height])
     return uvs[indices].astype(np.float64), seconds
 
 
 def components(triangles, joined):
-    """Number of the region of each triangle; `joined(f, k, g, j)` says whether edge k of f continues in edge j of g."""
+    """Returns the region index of each triangle. `joined(f, k, g, j)`: whether edge k of f continues in edge j of g."""
     sides, neighbours = {}, [[] for _ in triangles]
     for f, triangle in enumerate(triangles.tolist()):
         for k in range(3):
@@ -67,10 +67,10 @@ def components(triangles, joined):
 
 
 def lscm(vertices, triangles):
-    """Coordinates per vertex of a mesh with a boundary; the two boundary vertices farthest apart are pinned at their distance."""
+    """Returns coordinates per vertex of a mesh with a boundary; pins two distant boundary vertices."""
     boundary = np.asarray(igl.boundary_loop(triangles))
     rim = vertices[boundary]
-    # Farthest from farthest: close to the diameter, in linear time.
+    # The farthest vertex from the farthest vertex: nearly the diameter, in linear time.
     a = int(np.linalg.norm(rim - rim[0], axis=1).argmax())
     b = int(np.linalg.norm(rim - rim[a], axis=1).argmax())
     length = np.linalg.norm(rim[a] - rim[b])
@@ -79,7 +79,7 @@ def lscm(vertices, triangles):
 
 
 def lscm_on_charts(vertices, triangles, chart_uvs):
-    """LSCM on each chart of an atlas, scaled to the area that the chart has on the skin."""
+    """Computes LSCM on each chart of an atlas, scaled to the chart's area on the skin."""
     begun = time.perf_counter()
     same = lambda f, k, g, j: np.array_equal(chart_uvs[f, k], chart_uvs[g, (j + 1) % 3]) and np.array_equal(
         chart_uvs[f, (k + 1) % 3], chart_uvs[g, j]
@@ -88,7 +88,7 @@ def lscm_on_charts(vertices, triangles, chart_uvs):
     out = np.zeros((len(triangles), 3, 2))
     for chart in range(region.max() + 1):
         faces = np.flatnonzero(region == chart)
-        # Corners are one vertex where the atlas has them in one place.
+        # Corners at the same position in the atlas are one vertex.
         keys = np.concatenate([triangles[faces].reshape(-1, 1), chart_uvs[faces].reshape(-1, 2)], axis=1)
         _, first, index = np.unique(keys, axis=0, return_index=True, return_inverse=True)
         local = index.reshape(-1, 3).astype(np.int64)
@@ -107,7 +107,7 @@ def flat(points, triangles):
 
 
 def fitted(points, triangles, uvs):
-    """Corner coordinates with the total area that the triangles have on the skin."""
+    """Returns corner coordinates, scaled to the total area of the triangles on the skin."""
     p, q = points[triangles], uvs[triangles]
     skin = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum()
     d1, d2 = q[:, 1] - q[:, 0], q[:, 2] - q[:, 0]
@@ -116,8 +116,11 @@ def fitted(points, triangles, uvs):
 
 
 def lscm_with_one_cut(vertices, triangles):
-    """LSCM on each component as one chart. A sphere is cut along the shortest path of edges between two vertices far apart; what has another
-    genus or several boundaries is cut to a disc by igl.cut_to_disk."""
+    """Computes LSCM on each component as one chart.
+
+    A sphere is cut along the shortest path of edges between two distant vertices. Components of another genus, or with
+    several boundaries, are cut to a disc by igl.cut_to_disk.
+    """
     begun = time.perf_counter()
     region = components(triangles, lambda *_: True)
     out = np.zeros((len(triangles), 3, 2))
@@ -147,7 +150,7 @@ def lscm_with_one_cut(vertices, triangles):
 
 
 def far_path(points, edges):
-    """Vertices along the shortest path between two vertices far apart."""
+    """Returns the vertices along the shortest path between two distant vertices."""
     neighbours = [[] for _ in points]
     for a, b in edges:
         length = float(np.linalg.norm(points[a] - points[b]))
@@ -176,7 +179,7 @@ def far_path(points, edges):
 
 
 def by_pelage(binary, path, sets):
-    """Measures as pelage reports them, and those of measures.py on the tile coordinates that it wrote, as a check that both measure alike."""
+    """Returns the measures that pelage reports, checked against those of measures.py on its tile coordinates."""
     with tempfile.TemporaryDirectory() as folder:
         package, unpacked = f"{folder}/a.pelage", f"{folder}/a"
         small = ["--set", "slice.tile_texels=16", "--set", "slice.layers=4", "--set", "hair.density=20"]
@@ -197,7 +200,7 @@ def by_pelage(binary, path, sets):
 
 
 def posed(mesh, path):
-    """Positions at rest, triangles and tile coordinates of an unpacked package."""
+    """Returns rest positions, triangles and tile coordinates of an unpacked package."""
     primitives = [p for m in mesh.json["meshes"] for p in m["primitives"]]
     attributes = primitives[0]["attributes"]
     triangles = np.concatenate([mesh.accessor(p["indices"])[:, 0].astype(np.int64).reshape(-1, 3) for p in primitives])
@@ -207,7 +210,7 @@ def posed(mesh, path):
         joints, weights = mesh.accessor(attributes["JOINTS_0"]), mesh.accessor(attributes["WEIGHTS_0"])
         blended = (matrices[joints] * weights[:, :, None, None]).sum(1)
         points = np.einsum("nij,nj->ni", blended, np.c_[points, np.ones(len(points))])[:, :3]
-        # Copies of a vertex are posed alike up to rounding.
+        # Copies of a vertex have the same pose up to rounding.
         _, first, index = np.unique(
             mesh.accessor(attributes["POSITION"]), axis=0, return_index=True, return_inverse=True
         )
@@ -257,7 +260,7 @@ def main():
         row(path, len(triangles), "xatlas", {"seconds": seconds, **measure(vertices, triangles, atlas, False)})
         uvs, more = lscm_on_charts(vertices, triangles, atlas)
         values = {"seconds": seconds + more, **measure(vertices, triangles, uvs, False)}
-        # Charts lie over each other; seams are those of the atlas.
+        # These charts overlap, so seams are measured on the atlas.
         values.update({k: measure(vertices, triangles, atlas, False)[k] for k in ("seam_length_ratio", "charts")})
         row(path, len(triangles), "libigl LSCM on xatlas charts", values)
         try:

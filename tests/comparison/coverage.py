@@ -1,7 +1,7 @@
-"""What strands and skin of a package cover, as pelage traces it and as Mitsuba's rays find it. Prints one JSON object; see README.md.
+"""Compares the coverage of a package's strands and skin in pelage and Mitsuba. Prints one JSON object; see README.md.
 
-Mitsuba is asked whether a ray meets anything, and for no picture: its `linearcurve` has round ends, but takes back a hit on one when it works out
-the surface there, and the pixel is transparent even where skin is behind.
+Mitsuba only tests whether rays hit anything, and does not render an image. Its `linearcurve` has round ends, but
+discards a hit on an end when it computes the surface. The pixel is then transparent even if there is skin behind.
 """
 
 import argparse
@@ -16,12 +16,12 @@ import numpy as np
 from mitsuba_strands import TOWARDS_LIGHT, scene
 from strand_files import pelage
 
-# Samples per pixel of one launch: some millions of rays.
+# Samples per pixel of one launch: a few million rays.
 A_LAUNCH = 16
 
 
 def covered_shares(scene, width, height, spp):
-    """For each pixel the share of rays from the eye, spread evenly over it, that meet anything."""
+    """Returns, for each pixel, the share of rays from the eye that hit anything; rays are uniform over the pixel."""
     sensor = scene.sensors()[0]
     hits = np.zeros(width * height)
     for launch in range(spp // A_LAUNCH):
@@ -36,7 +36,7 @@ def covered_shares(scene, width, height, spp):
 
 
 def noise(alpha, spp):
-    """The mean difference of two pictures of so many independent samples that cover these shares."""
+    """Returns the expected mean difference of two images with this coverage and `spp` independent samples."""
     return float(np.sqrt(2.0 / np.pi * 2.0 * alpha * (1.0 - alpha) / spp).mean())
 
 

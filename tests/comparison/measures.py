@@ -1,4 +1,4 @@
-"""The measures of `pelage bake --json`, from their definitions, on any mesh with texture coordinates per corner."""
+"""Computes the measures of `pelage bake --json` from their definitions, for any mesh with coordinates per corner."""
 
 import numpy as np
 
@@ -6,10 +6,11 @@ COLLAPSED = 1e-9
 
 
 def measure(vertices, triangles, uvs, periodic):
-    """Measures of the map from the skin to texture coordinates.
+    """Returns measures of the map from the skin to texture coordinates.
 
     vertices: (n, 3), welded by position; triangles: (m, 3); uvs: (m, 3, 2), one per corner.
-    periodic: whether an offset by whole tiles, the same at both ends of an edge, is no seam (a tile that repeats) or one (an atlas).
+    periodic: whether the coordinates are in a repeating tile. There, unlike in an atlas, an offset by whole tiles that
+    is the same at both ends of an edge is not a seam.
     """
     p = vertices[triangles]
     e1, e2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
@@ -28,7 +29,8 @@ def measure(vertices, triangles, uvs, periodic):
     determinants, weights = np.linalg.det(maps), areas[sound]
     seams, region = seams_and_charts(vertices, triangles, uvs, periodic)
     if not periodic:
-        # An atlas may count v downwards, and xatlas mirrors whole charts when it turns them: only triangles against their own chart count.
+        # In an atlas, v may point down, and xatlas mirrors whole charts when it rotates them. Only triangles that are
+        # flipped relative to their own chart count.
         turned = np.bincount(region[sound], np.sign(determinants) * weights)
         determinants = determinants * np.where(turned < 0, -1, 1)[region[sound]]
     s = np.linalg.svd(maps, compute_uv=False)
@@ -48,8 +50,10 @@ def measure(vertices, triangles, uvs, periodic):
 
 
 def seams_and_charts(vertices, triangles, uvs, periodic):
-    """Length of the edges whose two sides disagree, and for each triangle the region that it is left in. Sides are paired in opposite directions, as
-    on an orientable surface; the first that fit."""
+    """Returns the total length of the edges whose two sides disagree, and the region of each triangle.
+
+    Sides are paired in opposite directions, as on an orientable surface; the first match wins.
+    """
     waiting, parent, seams = {}, list(range(len(triangles))), 0.0
 
     def root(i):

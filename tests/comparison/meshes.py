@@ -1,4 +1,4 @@
-"""Meshes of OBJ and glTF files in the pose that they rest in, welded by position."""
+"""Reads meshes of OBJ and glTF files in their rest pose, welded by position."""
 
 import base64
 import json
@@ -12,14 +12,14 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 
 def load(path):
-    """Vertices (n, 3) in float64 and triangles (m, 3)."""
+    """Returns vertices (n, 3) in float64 and triangles (m, 3)."""
     path = Path(path)
     vertices, triangles = read_obj(path) if path.suffix == ".obj" else Gltf(path).rest()
     return weld(vertices, triangles)
 
 
 def weld(vertices, triangles):
-    """Joins vertices that are equal bit for bit, and drops triangles that name one of them twice."""
+    """Joins vertices that are equal bit for bit, and drops triangles that use a vertex twice."""
     unique, index = np.unique(np.asarray(vertices, np.float64) + 0.0, axis=0, return_inverse=True)
     triangles = index.reshape(-1)[np.asarray(triangles, np.int64)]
     a, b, c = triangles.T
@@ -40,7 +40,7 @@ def read_obj(path):
 
 
 class Gltf:
-    """As much of glTF 2.0 as the test data needs: triangles, node transforms, skins."""
+    """The subset of glTF 2.0 that the test data needs: triangles, node transforms, skins."""
 
     def __init__(self, path):
         path = Path(path)
@@ -76,7 +76,7 @@ class Gltf:
         return values
 
     def world(self):
-        """Matrix of each node, at rest."""
+        """Returns the world matrix of each node, at rest."""
         nodes = self.json["nodes"]
         parent = {child: i for i, node in enumerate(nodes) for child in node.get("children", [])}
         local = [local_matrix(node) for node in nodes]

@@ -1,10 +1,15 @@
-"""The camera of an export, as Mitsuba 3 has it."""
+"""Converts the camera of an export to Mitsuba 3."""
 
 import mitsuba as mi
 
 
 def sensor(exported, spp, scale=1.0):
-    """A box filter and independent samples, so that pixels are means of the same rays as pelage's. `scale`: units of the scene in a metre."""
+    """Returns a sensor with a box filter and independent samples.
+
+    Each pixel is then the mean of the same rays as in pelage.
+
+    scale: scene units per metre.
+    """
     camera = exported["camera"]
     eye, target = ([scale * x for x in camera[place]] for place in ("eye", "target"))
     return {

@@ -1,5 +1,8 @@
-"""Light that goes from fibre to fibre, by `pelage reference --fibre exact` and by Mitsuba 3's `hair` and `path` on the same strands. Prints one JSON object
-and exits with 1 where the means differ by more than --limit; see README.md."""
+"""Compares light between fibres in `pelage reference --fibre exact` and in Mitsuba 3's `hair` and `path`.
+
+Both use the same strands. Prints one JSON object, and exits with 1 if the means differ by more than --limit; see
+README.md.
+"""
 
 import argparse
 import json
@@ -15,33 +18,33 @@ from mitsuba_camera import sensor
 from strand_files import pelage, read_text
 
 BLOCK = 16
-# Tenths of a millimetre in a metre. Mitsuba lets rays begin a ten-thousandth of a unit off a surface: with metres for units that is as wide as a hair, and
-# light that goes through a fibre is lost.
+# Scene units per metre; a unit is 0.1 mm. Mitsuba starts rays 1e-4 units off a surface. If the unit were a metre, that
+# would be the width of a hair, and light that passes through a fibre would be lost.
 SCALE = 1e4
 
 
 def emitter(given):
-    """What shines: the panorama, or a light from far away."""
+    """Returns the emitter: the environment map, or a distant light."""
     if given.environment:
         path, _, yaw = given.environment.partition(":")
-        # The middle of a panorama is +x, and +z to Mitsuba.
+        # The centre of an environment map is +x in pelage, and +z in Mitsuba.
         turn = mi.ScalarTransform4f().rotate([0, 1, 0], 90 + float(yaw or 0))
         return {"type": "envmap", "filename": path, "scale": given.environment_strength, "to_world": turn}
     light = np.array([float(x) for x in given.light.split(",")])
     towards = light / np.linalg.norm(light)
-    # A light of colour 1 brings an irradiance of pi.
+    # A light of colour 1 has an irradiance of pi.
     return {"type": "directional", "direction": (-towards).tolist(), "irradiance": {"type": "rgb", "value": float(np.pi)}}
 
 
 def scene(strands, skin, exported, given):
-    """The same strands as the fibres that the export says, over skin of one colour."""
+    """Returns a scene of the exported strands, with the exported fibre, over skin of one colour."""
     groups = [group for group in exported["groups"] if "fibre" in group]
     if len(groups) != 1:
-        sys.exit(f"{len(groups)} groups with a fibre in the export, expected one: bake with shading.model=marschner, without hair on guides")
+        sys.exit(f"{len(groups)} groups with a fibre in the export, expected one: bake with shading.model=marschner, without guided hair")
     fibre = groups[0]["fibre"]
     return mi.load_dict({
         "type": "scene",
-        # A path of Mitsuba's has one more vertex: the light.
+        # Mitsuba's paths have one more vertex: the light.
         "integrator": {"type": "path", "max_depth": given.bounces + 1, "rr_depth": 8, "hide_emitters": True},
         "sensor": sensor(exported, given.spp, SCALE),
         "light": emitter(given),
@@ -52,7 +55,7 @@ def scene(strands, skin, exported, given):
             "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": given.skin or colour_of(fibre)}},
         },
         "hair": {
-            # Linear curves know no direction along them, which the fibre needs.
+            # The fibre needs the direction of the curve, which linear curves do not provide.
             "type": "bsplinecurve",
             "filename": str(strands),
             "bsdf": {
@@ -69,14 +72,17 @@ def scene(strands, skin, exported, given):
 
 
 def colour_of(fibre):
-    """Colour of a deep coat of such fibres (Chiang 2016, section 4.2), which the undercoat has."""
+    """Returns the colour of deep fur of such fibres (Chiang 2016, section 4.2), which is that of pelage's undercoat."""
     b = fibre["azimuthal_roughness"]
     depth = 5.969 - 0.215 * b + 2.532 * b**2 - 10.73 * b**3 + 5.574 * b**4 + 0.245 * b**5
     return np.exp(-depth * np.sqrt(fibre["absorption_per_radius"])).tolist()
 
 
 def splines(path):
-    """Strands as the control points of cubic B-splines, in the scene's units: a point before each end and one behind, so that the curve reaches it."""
+    """Rewrites the strands in a file as control points of cubic B-splines, in scene units.
+
+    A point is added beyond each end, so that the curve reaches the end.
+    """
     out = []
     for strand in read_text(path):
         points = np.asarray(strand, dtype=np.float64) * SCALE
@@ -90,7 +96,7 @@ def splines(path):
 
 
 def blocks(picture):
-    """Means of squares of pixels."""
+    """Returns the means of square blocks of pixels."""
     height, width = (side // BLOCK * BLOCK for side in picture.shape[:2])
     cut = picture[:height, :width].reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, -1)
     return cut.mean(axis=(1, 3))

@@ -1,4 +1,7 @@
-"""The traced truth beside Mitsuba 3 on the same strands, skin, camera and light. Prints one JSON object; see README.md."""
+"""Compares the traced reference image with Mitsuba 3 on the same strands, skin, camera and light.
+
+Prints one JSON object; see README.md.
+"""
 
 import argparse
 import json
@@ -17,9 +20,10 @@ TOWARDS_LIGHT = (-0.25, 0.75, 0.6)
 
 
 def scene(strands, skin, exported, light, spp):
-    """The same animal with plain diffuse hair: what is compared is who meets what, and how fast."""
+    """Returns the same animal with plain diffuse hair; only hits and speed are compared."""
     towards = np.array(light) / np.linalg.norm(light)
-    # One sample of the light and none of the surface: a ray from the eye and one to the light, as the truth sends them.
+    # One sample of the light and none of the surface: one ray from the eye and one to the light, as in the reference
+    # image.
     return mi.load_dict({
         "type": "scene",
         "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0, "hide_emitters": True},
@@ -66,7 +70,7 @@ def main():
         begun = time.perf_counter()
         loaded = scene(strands, skin, exported, TOWARDS_LIGHT, given.spp)
         load_seconds = time.perf_counter() - begun
-    # Compiles the kernels, which is no part of tracing.
+    # Compiles the kernels, which does not count as tracing.
     np.array(mi.render(loaded, spp=1, seed=1))
     begun, begun_cpu = time.perf_counter(), time.process_time()
     picture = np.array(mi.render(loaded, spp=given.spp, seed=0))

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# A real Slurm cluster of one node on this machine, without systemd: for what submits jobs and has to survive a node that dies.
+# Runs a real Slurm cluster of one node on this machine, without systemd, to test job submission and the loss of a node.
 #
-#   slurm_cluster.sh start DIR        installs Slurm where it is missing, starts it with all of its state in DIR, and prints `export SLURM_CONF=…`
-#   slurm_cluster.sh kill-node DIR    kills the node's daemon and everything that it runs, as a power failure does
+#   slurm_cluster.sh start DIR        installs Slurm if missing, starts it in DIR, and prints `export SLURM_CONF=…`
+#   slurm_cluster.sh kill-node DIR    kills the node's daemon and everything that it runs, like a power failure
 #   slurm_cluster.sh revive-node DIR  starts the daemon again
-#   slurm_cluster.sh stop DIR         ends all of it
+#   slurm_cluster.sh stop DIR         stops everything
 #
-# It needs to be root: the node's daemon changes users, and the key of munge has to belong to it.
+# Requires root: the node's daemon switches users, and munge must own its key.
 set -euo pipefail
 
 say() { printf '%s\n' "$*" >&2; }
@@ -26,17 +26,18 @@ socket=$folder/munge.socket
 install_slurm() {
     if command -v slurmctld slurmd munged sbatch >/dev/null; then return; fi
     say "installing Slurm and munge"
-    # The packages would start services; nobody wants those of the system here.
+    # Prevents the packages from starting their system services.
     printf '#!/bin/sh\nexit 101\n' >/usr/sbin/policy-rc.d && chmod +x /usr/sbin/policy-rc.d
     DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends slurmctld slurmd slurm-client munge >&2
     rm -f /usr/sbin/policy-rc.d
 }
 
-# All of memory but a gibibyte, which the machine itself needs.
+# Prints the node's memory, MiB: all except 1 GiB, which the machine itself needs.
 memory() { awk '/MemTotal/ { print int($2 / 1024) - 1024 }' /proc/meminfo; }
 
 configure() {
-    # One node that is its own controller; memory is shared out, nothing asks for control groups, and a dead node is noticed in seconds.
+    # One node, which is also the controller. Memory is a consumable resource, control groups are not used, and a dead
+    # node is detected within seconds.
     cat >"$SLURM_CONF" <<CONF
 ClusterName=pelage
 SlurmctldHost=localhost(127.0.0.1)
@@ -71,7 +72,7 @@ CONF
 
 start_node() { slurmd -N localhost; }
 
-# Waits until the node takes jobs.
+# Waits until the node accepts jobs.
 await_node() {
     for _ in $(seq 60); do
         case "$(sinfo --noheader --format=%T 2>/dev/null)" in
@@ -80,11 +81,11 @@ await_node() {
         esac
         sleep 1
     done
-    say "the node does not come up; $folder/slurmctld.log and $folder/slurmd.log say why"
+    say "the node does not start; see $folder/slurmctld.log and $folder/slurmd.log"
     exit 1
 }
 
-# The process of a pid file, and all of its children.
+# kill_tree PID: kills a process and all its descendants.
 kill_tree() {
     local child
     for child in $(pgrep -P "$1" || true); do kill_tree "$child"; done
@@ -92,7 +93,7 @@ kill_tree() {
 }
 
 kill_node() {
-    # Steps are no children of the daemon, so that they outlive it; a power failure spares nobody.
+    # Job steps are not children of the daemon and would outlive it, unlike in a power failure.
     for step in $(pgrep -f "slurmstepd: \[" || true); do kill_tree "$step"; done
     if [ -f "$folder/slurmd.pid" ]; then kill_tree "$(cat "$folder/slurmd.pid")"; fi
     rm -f "$folder/slurmd.pid"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# A herd on a real Slurm cluster against the same herd by Ninja: the same bytes, also where tasks, the node and the disk die in the middle.
+# Compares the output of a herd on Slurm with that by Ninja, also after failures of commands, the node and the disk.
 #
-#   slurm_herd.sh PELAGE DIR    runs all of it with that program, in that folder, as root; exits with 1 where anything differs
+#   slurm_herd.sh PELAGE DIR    runs all checks with that program in that folder, as root; exits with 1 on a difference
 set -euo pipefail
 
 say() { printf '%s\n' "$*"; }
@@ -20,20 +20,21 @@ failed=0
 
 cluster() { "$here/slurm_cluster.sh" "$1" "$folder/cluster"; }
 
-# Everything that a herd has made, but for its own files and its report; and nothing that is half-written.
+# hashes FOLDER: prints the hashes of a herd's output, without its internal files and its report. Temporary files that
+# are left behind count as output, so that they are found.
 hashes() { (cd "$1" && find packages pictures truths differences sequences -type f | LC_ALL=C sort | xargs -d '\n' sha256sum); }
 
 same() {
     if hashes "$folder/$2" 2>&1 | diff -q - "$folder/expected" >/dev/null; then
         say "same bytes: $1"
     else
-        say "OTHER BYTES: $1"
+        say "DIFFERENT BYTES: $1"
         hashes "$folder/$2" 2>&1 | diff - "$folder/expected" | head -5
         failed=1
     fi
 }
 
-# run NAME OPTION...: into the folder of that name.
+# run NAME OPTION...: runs the herd into the folder NAME.
 run() {
     local name=$1
     shift
@@ -46,13 +47,13 @@ on_slurm() {
     run "$name" --engine slurm --shard-seconds 4 "$@"
 }
 
-# How many packages and pictures there are.
+# made FOLDER: prints the number of packages and images in a folder.
 made() { find "$1" \( -name '*.pelage' -o -name '*.png' \) 2>/dev/null | wc -l; }
 
-# await NAME COUNT: until a herd that runs has made so many.
+# await NAME COUNT: waits until a running herd has made COUNT packages and images.
 await() { for _ in $(seq 600); do if [ "$(made "$folder/$1")" -ge "$2" ]; then return; fi; sleep 0.1; done; }
 
-# Kills the next two commands that are found at work: between two of them there are moments without any.
+# Kills two running commands. Polls for them, because at times no command is running.
 kill_two() {
     local killed=0 process
     for _ in $(seq 2000); do
@@ -107,7 +108,7 @@ say "slurm: $(on_slurm slurm | ran) commands in $(echo "$(date +%s.%N) - $begun"
 same "a herd on Slurm" slurm
 say "again: $(on_slurm slurm | ran) commands"
 
-# A command that is killed from outside: its shard tries again.
+# Commands are killed from outside: their shards retry them.
 on_slurm task >"$folder/task.txt" &
 await task 3
 kill_two
@@ -115,18 +116,18 @@ wait $! || true
 say "two commands were killed: $(tail -2 "$folder/task.txt" | head -1)"
 same "after commands were killed" task
 
-# Where nothing is tried again and nobody waits, the report tells it by the farm's logs.
+# Without retries, and without a process that waits, the report finds killed commands in the logs of the cluster.
 on_slurm dead --retries 0 --detach >/dev/null
 await dead 3
 kill_two
 while [ -n "$(squeue --noheader)" ]; do sleep 1; done
 told=$("$pelage" herd report "$herd" -o "$folder/dead" --quiet 2>&1 | grep -c 'it ended without a' || true)
-say "killed for good: $told commands are told to be"
+say "killed for good: the report lists $told commands"
 [ "$told" -gt 0 ] || failed=1
-say "with another run: $(on_slurm dead | tail -2 | head -1)"
+say "after another run: $(on_slurm dead | tail -2 | head -1)"
 same "after commands were killed for good" dead
 
-# The node dies with all that runs on it; its shards go back into the queue, and begin anew when it is there again.
+# The node dies with everything that runs on it. Its shards return to the queue and restart when the node is back.
 on_slurm node >"$folder/node.txt" &
 await node 4
 cluster kill-node
@@ -135,16 +136,16 @@ say "while the node is away: $(sinfo --noheader --format=%T), $(made "$folder/no
 cluster revive-node
 wait $! || true
 say "the node died: $(tail -2 "$folder/node.txt" | head -1)"
-say "half-written files that were left: $(find "$folder/node" -name '.pelage-*' | wc -l)"
+say "temporary files left behind: $(find "$folder/node" -name '.pelage-*' | wc -l)"
 find "$folder/node" -name '.pelage-*' -delete
 same "after the node died" node
 
-# The disk is full in the middle.
+# The disk fills up during the run.
 mkdir -p "$folder/full"
 mount -t tmpfs -o size=12m tmpfs "$folder/full"
-say "on a disk of 12 MiB: exit code $(on_slurm full >"$folder/full.txt" 2>&1; echo $?), $(grep -c 'No space left' "$folder/full.txt" || true) messages say that it is full"
+say "on a disk of 12 MiB: exit code $(on_slurm full >"$folder/full.txt" 2>&1; echo $?), $(grep -c 'No space left' "$folder/full.txt" || true) messages report a full disk"
 mount -o remount,size=2g "$folder/full"
-say "with room: $(on_slurm full | tail -2 | head -1)"
+say "with enough space: $(on_slurm full | tail -2 | head -1)"
 same "after the disk was full" full
 
 exit "$failed"

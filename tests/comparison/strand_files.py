@@ -1,4 +1,4 @@
-"""The tool, and what it exports as text."""
+"""Runs the tool, and reads the strands that it exports as text."""
 
 import json
 import subprocess
@@ -7,13 +7,13 @@ import numpy as np
 
 
 def pelage(binary, *words):
-    """The JSON object that a subcommand prints."""
+    """Runs a subcommand and returns the JSON object that it prints."""
     result = subprocess.run([binary, *map(str, words), "--json", "-q"], check=True, capture_output=True, text=True)
     return json.loads(result.stdout)
 
 
 def read_text(path):
-    """Strands as arrays of rows x y z radius, binary32 as they were written."""
+    """Returns strands as arrays of rows x y z radius, in binary32 as written."""
     text = path.read_text(encoding="utf-8").strip()
     blocks = text.split("\n\n") if text else []
     return [np.array([line.split() for line in block.splitlines()], dtype=np.float32) for block in blocks]

@@ -1,4 +1,7 @@
-"""Opens the .usda that `pelage export` writes with USD's own library and holds it against the text export. Prints one JSON object; see README.md."""
+"""Opens the .usda file of `pelage export` with USD's own library, and compares it with the text export.
+
+Prints one JSON object; see README.md.
+"""
 
 import argparse
 import json
@@ -12,7 +15,7 @@ from strand_files import pelage, read_text
 
 
 def check(stage, names, strands):
-    """What is wrong in the stage, which is to hold those groups of strands; a strand is an array of rows x y z radius."""
+    """Returns how the stage differs from these groups of strands; a strand is an array of rows x y z radius."""
     faults = []
 
     def same(what, found, expected):
@@ -35,7 +38,7 @@ def check(stage, names, strands):
         same(f"{path} widths", curves.GetWidthsAttr().Get(), 2 * rows[:, 3])
         same(f"{path} widths' interpolation", str(curves.GetWidthsInterpolation()), "vertex")
         same(f"{path} size", curves.ComputeUniformDataSize(Usd.TimeCode.Default()), len(mine))
-        # Not the attribute but what the library makes of points and widths.
+        # The attribute must equal what the library computes from points and widths.
         computed = UsdGeom.Boundable.ComputeExtentFromPlugins(curves, Usd.TimeCode.Default())
         same(f"{path} extent", curves.GetExtentAttr().Get(), computed)
         primvars = UsdGeom.PrimvarsAPI(prim)

@@ -1,20 +1,20 @@
 #!/bin/sh
-# Makes what people install, from one release build: `bake/tool/dist/build.sh FOLDER`. On Linux a wheel, an archive, a Debian package and the
-# npm package of the page; elsewhere wheel and archive. The build needs cargo and Python 3; on Linux it runs against glibc 2.28, so that it starts
-# on distributions from 2019 on.
+# Makes the release files from one release build: `bake/tool/dist/build.sh FOLDER`. On Linux: a wheel, an archive, a
+# Debian package, and the npm package of the page; elsewhere: a wheel and an archive. The build needs cargo and
+# Python 3. Binaries for Linux are linked against glibc 2.28, so that they run on distributions from 2019 on.
 set -eu
 cd "$(dirname "$0")/../../.."
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
 glibc=2.28
-# Tested with these.
+# Tested versions.
 tools="maturin==1.16.0 ziglang==0.17.1"
 
 version=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' Cargo.toml)
 host=$(rustc -vV | sed -n 's/^host: //p')
 system=$(uname -s)
 
-# A folder of its own for the tools, so that nothing is installed on the machine.
+# The tools have their own folder, so that nothing is installed on the system.
 tools_folder=$out/tools
 if [ "$(cat "$tools_folder/made_of" 2>/dev/null || true)" != "$tools" ]; then
     rm -rf "$tools_folder"
@@ -42,12 +42,12 @@ built=target/$host/packaged/pelage$ending
 if [ "$system" = Linux ]; then
     newest=$(objdump -T "$built" | grep -o 'GLIBC_[0-9.]*' | sort -Vu | tail -n 1)
     if [ "$(printf '%s\n' "GLIBC_$glibc" "$newest" | sort -V | tail -n 1)" != "GLIBC_$glibc" ]; then
-        echo "the binary asks for $newest, expected GLIBC_$glibc at most" >&2
+        echo "the binary requires $newest, expected at most GLIBC_$glibc" >&2
         exit 1
     fi
 fi
 
-# The tree of an installation: below /usr, or wherever the archive is unpacked.
+# The installed tree, for /usr or for the folder where the archive is unpacked.
 name=pelage-$version-$host
 tree=$out/$name
 mkdir -p "$tree/bin" "$tree/share/doc/pelage"

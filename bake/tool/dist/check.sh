@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what build.sh made, each where nothing else is, and bakes and draws the hare with it: `bake/tool/dist/check.sh FOLDER`.
+# Installs each file of build.sh in isolation, then bakes and draws the hare with it: `bake/tool/dist/check.sh FOLDER`.
 set -eu
 cd "$(dirname "$0")/../../.."
 dist=$(cd "$1" && pwd)
@@ -7,7 +7,7 @@ hare=$PWD/assets/models/hare.glb
 empty=$(mktemp -d)
 trap 'rm -rf "$empty"' EXIT
 
-# draws PELAGE NAME: bakes and draws in an empty folder.
+# draws PELAGE NAME: bakes and draws the hare in an empty folder.
 draws() {
     mkdir "$empty/$2"
     (

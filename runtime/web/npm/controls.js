@@ -1,21 +1,22 @@
-// The camera moved by hand: mouse, touch, wheel and keys, as the window of `pelage view` has them.
+// Interactive camera: mouse, touch, wheel and keys, as in the window of `pelage view`.
 
-/** How much nearer a step of the wheel (100 px) or a press of + goes. */
+/** Zoom factor of a wheel step (100 px) or a press of +. */
 const STEP = 1.15;
-/** Heights of the picture that an arrow key turns by. */
+/** Drag that a press of an arrow key stands for, in heights of the picture. */
 const TURN = 0.06;
 const LINE_PX = 16;
 
 /**
- * Listens on `canvas`, and says what the hand did to `hand`: `orbit(right, up)`, `pan(right, up)`, `zoom(factor, right, up)`, `reset()`, `frameAll()`,
- * `toggle()`. Lengths are in heights of the canvas, right and up; places count from its middle. Returns a function that stops.
+ * Listens on `canvas`, and calls the methods of `hand`: `orbit(right, up)`, `pan(right, up)`,
+ * `zoom(factor, right, up)`, `reset()`, `frameAll()`, `toggle()`. Lengths are in heights of the canvas, to the right
+ * and upwards; positions are relative to its centre. Returns a function that stops listening.
  */
 export function control(canvas, hand) {
   const pointers = new Map();
   const ending = new AbortController();
   const { signal } = ending;
   const touchAction = canvas.style.touchAction;
-  // Else a finger scrolls the page.
+  // Otherwise, touch input scrolls the page.
   canvas.style.touchAction = "none";
   if (!canvas.hasAttribute("tabindex")) canvas.tabIndex = 0;
 
@@ -49,7 +50,7 @@ export function control(canvas, hand) {
       if (sideways) hand.pan(...moved);
       else hand.orbit(...moved);
     } else if (pointers.size === 2) {
-      // Two fingers carry and pinch at once.
+      // Two fingers pan and zoom at the same time.
       const was = middle();
       pointers.set(event.pointerId, now);
       const is = middle();
@@ -64,7 +65,7 @@ export function control(canvas, hand) {
     (event) => {
       event.preventDefault();
       const px = event.deltaY * [1, LINE_PX, height()][event.deltaMode];
-      // A touchpad's pinch comes as a wheel with Ctrl, in small steps.
+      // Touchpads report a pinch as wheel events with Ctrl, in small steps.
       const gain = event.ctrlKey ? 5 : 1;
       hand.zoom(STEP ** ((-px * gain) / 100), ...place(event));
     },

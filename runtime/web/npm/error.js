@@ -1,6 +1,6 @@
-// What every promise and method of this package fails with.
+// Error of every promise and method of this package.
 
-/** An error with a `kind` by who is at fault; index.d.ts lists the kinds. */
+/** An error with a `kind` for its cause; index.d.ts lists the kinds. */
 export class PelageError extends Error {
   constructor(kind, message, options) {
     super(message, options);
@@ -8,7 +8,7 @@ export class PelageError extends Error {
     this.kind = kind;
   }
 
-  /** `error` as a PelageError: what the module threw keeps its kind, all else is a fault of this package. */
+  /** Converts `error` to a PelageError. Errors thrown by the module keep their kind; all others are `internal`. */
   static of(error) {
     if (error instanceof PelageError) return error;
     const known = error instanceof Error && error.name === "PelageError";

@@ -1,17 +1,20 @@
-/** Three numbers: a place in metres, a direction of any length, or linear red, green and blue. glTF's axes: +y is up, animals look along +z. */
+/**
+ * Three numbers: a position in metres, a direction of any length, or linear red, green and blue.
+ * The axes are those of glTF: +y is up, and animals look along +z.
+ */
 export type Vec3 = readonly [number, number, number];
 
 /**
- * Who is at fault:
- * - `no-webgpu`: the browser, or the page is not served over https or from localhost
+ * Cause of an error:
+ * - `no-webgpu`: the browser has no WebGPU, or the page is not served over https or from localhost
  * - `no-adapter`: there is no graphics adapter, or it cannot hold the package
- * - `package`: the file; the message says section, offset, what was found and what was expected
- * - `asked`: an argument; the message says what was found and what was expected
- * - `fetch`: the network
- * - `superseded`: nobody; another `load` was called since
+ * - `package`: the file is invalid; the message gives section, offset, and the values found and expected
+ * - `asked`: an argument is invalid; the message gives the values found and expected
+ * - `fetch`: the network failed
+ * - `superseded`: not a fault; `load` was called again in the meantime
  * - `module`: the WebAssembly module could not be loaded
- * - `device`: driver or browser
- * - `internal`: this package
+ * - `device`: the driver or the browser failed
+ * - `internal`: a bug in this package
  */
 export type PelageErrorKind =
   | "no-webgpu"
@@ -24,82 +27,89 @@ export type PelageErrorKind =
   | "device"
   | "internal";
 
-/** What every promise and method here fails with. */
+/** Error of every promise and method of this package. */
 export class PelageError extends Error {
   readonly kind: PelageErrorKind;
 }
 
 export interface PelageOptions {
-  /** Whether mouse, touch, wheel and keys move the camera. Default true. */
+  /** Whether mouse, touch, wheel and keys move the camera. Default: true. */
   controls?: boolean;
-  /** Whether frames are drawn by themselves when something changed. Without, call `frame()`. Default true. */
+  /** Whether frames are drawn automatically after changes. If false, call `frame()`. Default: true. */
   loop?: boolean;
-  /** Whether the canvas has as many pixels as the page shows of it. Without, its `width` and `height` count when `resize()` is called. Default true. */
+  /**
+   * Whether the canvas's resolution follows its size on the page. If false, `resize()` reads its `width` and `height`.
+   * Default: true.
+   */
   autoSize?: boolean;
-  /** Pixels of the canvas in a CSS pixel. Default that of the screen, 2 at most. */
+  /** Canvas pixels per CSS pixel. Default: that of the screen, at most 2. */
   pixelRatio?: number;
-  /** A look as TOML. */
+  /** Look, as TOML. */
   look?: string;
-  /** The WebAssembly module, for bundlers that move it. Default the file beside index.js. Counts for the first `create` of a page. */
+  /**
+   * The WebAssembly module, for bundlers that move it. Default: the file beside index.js.
+   * Used only by the first `create` of a page.
+   */
   wasm?: string | URL | Request | Response | BufferSource | WebAssembly.Module;
 }
 
 export interface ClipInfo {
   readonly name: string;
-  /** Seconds. */
+  /** Duration, seconds. */
   readonly durationS: number;
 }
 
 export interface PackageInfo {
-  /** What messages call it: its URL or file name. */
+  /** Name used in messages: the URL or file name. */
   readonly name: string;
-  /** File name of the model that was baked. */
+  /** File name of the baked model. */
   readonly model: string;
-  /** Bytes of the package. */
+  /** Size of the package, bytes. */
   readonly bytes: number;
-  /** Bytes of its textures and buffers on the graphics card. */
+  /** GPU memory of its textures and buffers, bytes. */
   readonly gpuBytes: number;
-  /** Least and greatest corner of the bare model, metres. */
+  /** Minimum corner of the bare model, metres. */
   readonly min: Vec3;
+  /** Maximum corner of the bare model, metres. */
   readonly max: Vec3;
-  /** Greatest height of the fur, metres. */
+  /** Maximum height of the fur, metres. */
   readonly furHeightM: number;
   /** Whether `style` may be "ink". */
   readonly hasInk: boolean;
-  /** Names of its morph targets. */
+  /** Names of the morph targets. */
   readonly morphs: readonly string[];
   readonly clips: readonly ClipInfo[];
 }
 
 export interface Camera {
-  /** Metres. */
+  /** Position of the camera, metres. */
   eye: Vec3;
-  /** Metres; apart from `eye`. */
+  /** Point in the centre of the view, metres; must differ from `eye`. */
   target: Vec3;
-  /** Height of the view, degrees, 1 to 170. */
+  /** Vertical field of view, degrees, 1 to 170. */
   fovDeg: number;
 }
 
 export interface Orbit {
-  /** Degrees about the vertical axis: 0 in front (+z), 90 at the model's left (+x). */
+  /** Angle about the vertical axis, degrees: 0 in front (+z), 90 at the model's left (+x). */
   azimuthDeg: number;
-  /** Degrees above the horizon, -89 to 89. */
+  /** Angle above the horizon, degrees, -89 to 89. */
   elevationDeg: number;
-  /** Metres from the target. */
+  /** Distance from the target, metres. */
   distanceM: number;
 }
 
 export interface Light {
-  /** Towards a distant light, of any length. Takes the place of `position`. */
+  /** Direction towards a distant light, of any length. Replaces `position`. */
   towards?: Vec3;
-  /** Place of a light nearby, metres. Takes the place of `towards`. */
+  /** Position of a nearby light, metres. Replaces `towards`. */
   position?: Vec3;
-  /** Linear, 1 is full light; 0 or more. */
+  /** Linear red, green and blue, 0 or more; 1 is full light. */
   color?: Vec3;
 }
 
 export interface Playback {
-  /** `null` at rest. */
+  /** Name of the clip; `null` at rest. */
   readonly clip: string | null;
   readonly durationS: number;
   readonly timeS: number;
@@ -108,117 +118,127 @@ export interface Playback {
 }
 
 export interface Stats {
-  /** Frames drawn so far. */
+  /** Number of frames drawn so far. */
   readonly frames: number;
-  /** Milliseconds from the call to the last pixel of the last frame, without those that it waited for the frame before. */
+  /**
+   * Time from the call to the last pixel of the last frame, milliseconds. Excludes the time spent waiting for the
+   * previous frame.
+   */
   readonly frameMs: number;
-  /** Of them those of the page's own thread. */
+  /** Time that the last frame took on the page's thread, milliseconds. */
   readonly cpuMs: number;
   /** Names of the passes that ran. */
   readonly passes: readonly string[];
-  /** Bytes on the graphics card of package, poses, shadow maps and textures between passes. */
+  /** GPU memory of package, poses, shadow maps and textures between passes, bytes. */
   readonly gpuBytes: number;
-  /** Buffers, textures, bind groups and pipelines made for the last frame: 0 where nothing is new. */
+  /** Number of buffers, textures, bind groups and pipelines created for the last frame; 0 if all were reused. */
   readonly created: number;
-  /** Bytes of numbers that the last frame sent to the graphics card. */
+  /** Data uploaded to the GPU for the last frame, bytes. */
   readonly uploadedBytes: number;
-  /** What the browser says of the adapter; may be empty. */
+  /** Description of the adapter by the browser; may be empty. */
   readonly adapter: string;
-  /** Pixels. */
+  /** Width of the picture, pixels. */
   readonly width: number;
+  /** Height of the picture, pixels. */
   readonly height: number;
 }
 
 export interface PelageEventMap {
-  /** A package is shown. */
+  /** A package has been loaded and is shown. */
   load: CustomEvent<PackageInfo>;
-  /** A frame is done. */
+  /** A frame is complete. */
   frame: CustomEvent<Stats>;
-  /** What went wrong outside of a call: in the loop, or on the device. */
+  /** An error outside a call: in the loop, or on the device. */
   error: CustomEvent<PelageError>;
-  /** The device is gone; another is asked for. */
+  /** The device is lost; a new one has been requested. */
   devicelost: CustomEvent<{ reason: string; message: string }>;
-  /** There is another device, and all is as before. */
+  /** A new device is in use, and the state is restored. */
   devicerestored: CustomEvent<{ adapter: string }>;
 }
 
-/** A `.pelage` package on a `<canvas>`. Where a method fails, everything is as it was before the call. */
+/** A `.pelage` package on a `<canvas>`. A method that fails changes nothing. */
 export class Pelage extends EventTarget {
   private constructor();
 
   /**
-   * Opens a device for a canvas without another context.
-   * Fails with `no-webgpu`, `no-adapter`, `module`, `device`, or `asked` for a wrong look.
+   * Opens a device for a canvas that has no other context.
+   * Fails with `no-webgpu`, `no-adapter`, `module`, `device`, or with `asked` for an invalid look.
    */
   static create(canvas: HTMLCanvasElement, options?: PelageOptions): Promise<Pelage>;
 
   /**
-   * Shows a package, framed and at rest. Of several calls the last counts; the others fail with `superseded`.
-   * Fails with `package`, `fetch`, `asked`, `no-adapter`, or the reason of `signal`.
+   * Shows a package at rest, framed by the camera. The last of several calls wins; the others fail with `superseded`.
+   * Fails with `package`, `fetch`, `asked`, `no-adapter`, or with the reason of `signal`.
    */
   load(
     source: string | URL | ArrayBuffer | ArrayBufferView | Blob,
-    options?: { /** What messages call it. */ name?: string; signal?: AbortSignal },
+    options?: { /** Name used in messages. */ name?: string; signal?: AbortSignal },
   ): Promise<PackageInfo>;
-  /** What is shown; `null` before the first package. */
+  /** The package shown; `null` before the first one. */
   readonly info: PackageInfo | null;
 
-  /** From where the model is seen. What an assignment leaves out stays. */
+  /** The camera. An assignment leaves omitted values unchanged. */
   get camera(): Camera;
   set camera(view: Partial<Camera>);
-  /** The same about the target. */
+  /** The camera's position relative to the target. An assignment leaves omitted values unchanged. */
   get orbit(): Orbit;
   set orbit(around: Partial<Orbit>);
-  /** Turns the model with a hand that moved so many heights of the picture, right and up: half a turn for one. */
+  /** Turns the model like a drag by `right` and `up`, in heights of the picture; 1 is half a turn. */
   orbitBy(right: number, up: number): void;
-  /** Moves the model with the hand. */
+  /** Moves the model like a drag by `right` and `up`, in heights of the picture. */
   panBy(right: number, up: number): void;
-  /** Goes `factor` times as near, keeping what is so many heights of the picture right of and above its middle. */
+  /**
+   * Divides the distance by `factor`. The point at `right` and `up` keeps its place in the picture; both are in heights
+   * of the picture, from its centre.
+   */
   zoomBy(factor: number, right?: number, up?: number): void;
-  /** Frames the model as it is when it is loaded. */
+  /** Frames the model as when it is loaded. */
   frameAll(): void;
-  /** Goes back to where the model was framed. */
+  /** Moves the camera back to where the model was framed last. */
   resetCamera(): void;
   /** Whether mouse, touch, wheel and keys move the camera. */
   controls: boolean;
 
-  /** The key light, which throws shadows. What is left out stays. */
+  /** Sets the key light, which casts shadows. Omitted values stay unchanged. */
   setLight(light: Light): void;
-  /** Sets one key of the look, as `pelage render --look key=value`: bake/docs/look.md lists them. */
+  /** Sets one key of the look, like `pelage render --look key=value`; bake/docs/look.md lists the keys. */
   setLook(key: string, value: string | number | boolean | readonly number[]): void;
-  /** Light from all around as TOML: lights that `pelage sky` fitted to a panorama. It takes the place of ambient light; null ends it. A colour, or two, are
-   *  `setLook("environment.sky", "1,1,1/0.2,0.2,0.2")`. */
+  /**
+   * Sets the environment light, as TOML: lights that `pelage sky` fitted to an environment map. It replaces ambient
+   * light; `null` removes it. To use one or two colours, call `setLook("environment.sky", "1,1,1/0.2,0.2,0.2")`
+   * instead.
+   */
   setEnvironment(toml: string | null): void;
-  /** The look as TOML. What an assignment leaves out has its default; `picture.size` is that of the canvas. */
+  /** The look, as TOML. An assignment sets omitted keys to their defaults; `picture.size` is the size of the canvas. */
   look: string;
-  /** `ink` needs a package with `info.hasInk`. */
+  /** Drawing style; `ink` requires a package with `info.hasInk`. */
   style: "fur" | "ink" | "bare";
 
-  /** Of the package. */
+  /** Clips of the package. */
   readonly clips: readonly ClipInfo[];
   readonly playback: Playback;
-  /** Plays the clip of that name, or goes on with the one there is, or with the first. */
+  /** Plays the clip `name`; without a name, resumes the current clip, or plays the first one. */
   play(name?: string): void;
   pause(): void;
   /** Shows the model without a clip. */
   rest(): void;
-  /** Shows that moment of the clip, seconds; clips loop. */
+  /** Moves to a time in the clip, seconds; clips loop. */
   seek(timeS: number): void;
-  /** Seconds of the clip in a second; below 0 it runs backwards. */
+  /** Playback speed, in clip seconds per second; negative values play backwards. */
   speed: number;
-  /** Holds the morph target of that name at a weight whatever the clip does; `null` leaves it to the clip again. */
+  /** Fixes the weight of a morph target, regardless of the clip; `null` returns it to the clip. */
   setMorph(name: string, weight: number | null): void;
 
-  /** Draws now. */
+  /** Draws a frame now. */
   frame(): void;
   readonly stats: Stats;
-  /** Settles when everything that was drawn so far is done. */
+  /** Resolves when everything drawn so far is complete. */
   idle(): Promise<void>;
-  /** Takes the canvas's present size; the loop does it by itself with `autoSize`. */
+  /** Adopts the current size of the canvas; automatic with `autoSize`. */
   resize(): void;
-  /** A picture of the canvas, drawn now. `type`: as `HTMLCanvasElement.toBlob` takes it, default "image/png". */
+  /** Draws a frame and returns it as an image file. `type`: as in `HTMLCanvasElement.toBlob`; default: "image/png". */
   screenshot(type?: string): Promise<Blob>;
-  /** Frees the device and everything on it. Nothing but `dispose()` may be called afterwards. */
+  /** Frees the device and all its resources. Afterwards, only `dispose()` may be called. */
   dispose(): void;
 
   addEventListener<K extends keyof PelageEventMap>(
@@ -243,34 +263,45 @@ export class Pelage extends EventTarget {
   ): void;
 }
 
-/** A frame of another renderer that a package is drawn into. */
+/** A frame of another renderer, into which a package is drawn. */
 export interface PassFrame {
-  /** What it drew so far: textures of `device` of one size, of one sample per pixel, that may be drawn to. */
+  /**
+   * Colour drawn so far. `color` and `depth` are textures of `device` of the same size, with one sample per pixel and
+   * usage as render attachments.
+   */
   color: GPUTexture;
+  /** Depth drawn so far. */
   depth: GPUTexture;
-  /** World to view space, view to clip space with WebGPU's depth of 0 to 1, and model to world space: 16 numbers each, by columns. */
+  /** Matrix from world to view space. All matrices are 16 numbers in column-major order. */
   viewFromWorld: ArrayLike<number>;
+  /** Matrix from view to clip space, with WebGPU's depth of 0 to 1. */
   clipFromView: ArrayLike<number>;
+  /** Matrix from model to world space. Default: the identity. */
   worldFromModel?: ArrayLike<number>;
-  /** Name of a clip; at rest without. */
+  /** Name of the clip; if omitted, the model is at rest. */
   clip?: string;
-  /** Moment of the clip, seconds. */
+  /** Time in the clip, seconds. */
   timeS?: number;
-  /** The moment by a clock that goes on, seconds: hair on guides swings from one draw to the next. Without, it stays as it was groomed. */
+  /**
+   * Time of a continuous clock, seconds, which moves guided hair from one draw to the next. If omitted, guided hair
+   * stays as groomed.
+   */
   clockS?: number;
 }
 
 /**
- * A package in the frame of another renderer that draws on the same device, such as three.js's `WebGPURenderer`: fur and its meshes hide each other, and
- * nothing is copied. examples/three in the repository is a page of it.
+ * Draws a package into the frame of another renderer on the same device, such as three.js's `WebGPURenderer`. Fur and
+ * the meshes of that renderer occlude each other, and nothing is copied. examples/three in the repository is an
+ * example.
  */
 export class PelagePass {
   private constructor();
 
   /**
-   * Opens a device; hand it to the other renderer.
-   * `color` and `depth`: formats of its targets, such as "rgba16float" and "depth32float". `reversedDepth`: near is 1. Default false.
-   * Fails as `Pelage.create` does.
+   * Opens a device, to be passed to the other renderer.
+   * `color` and `depth`: formats of that renderer's targets, such as "rgba16float" and "depth32float".
+   * `reversedDepth`: whether a depth of 1 is near; default: false.
+   * Fails like `Pelage.create`.
    */
   static open(options: {
     color: GPUTextureFormat;
@@ -278,24 +309,30 @@ export class PelagePass {
     reversedDepth?: boolean;
     wasm?: PelageOptions["wasm"];
   }): Promise<PelagePass>;
-  /** The device that both draw on. */
+  /** The device shared by both renderers. */
   readonly device: GPUDevice;
-  /** Draws this package from now on. Fails as `Pelage.load` does. */
+  /** Loads the package to draw from now on. Fails like `Pelage.load`. */
   load(
     source: string | URL | ArrayBuffer | ArrayBufferView | Blob,
     options?: { name?: string; signal?: AbortSignal },
   ): Promise<PackageInfo>;
-  /** What is drawn; `null` before the first package. */
+  /** The package drawn; `null` before the first one. */
   readonly info: PackageInfo | null;
-  /** The key light. What is left out stays. */
+  /** Sets the key light. Omitted values stay unchanged. */
   setLight(light: Light): void;
-  /** Sets one key of the look, of its tables light, shadow and fur. */
+  /** Sets one key of the look, in one of its tables light, shadow and fur. */
   setLook(key: string, value: string | number | boolean | readonly number[]): void;
-  /** Light from all around as TOML: lights that `pelage sky` fitted to a panorama. It takes the place of ambient light; null ends it. A colour, or two, are
-   *  `setLook("environment.sky", "1,1,1/0.2,0.2,0.2")`. */
+  /**
+   * Sets the environment light, as TOML: lights that `pelage sky` fitted to an environment map. It replaces ambient
+   * light; `null` removes it. To use one or two colours, call `setLook("environment.sky", "1,1,1/0.2,0.2,0.2")`
+   * instead.
+   */
   setEnvironment(toml: string | null): void;
-  /** Draws over what is there; what the other renderer draws behind it must be submitted before, what it draws before it after. */
+  /**
+   * Draws over the current contents of the frame. The other renderer must submit what is behind the package before this
+   * call, and what it draws over the package after it.
+   */
   draw(frame: PassFrame): void;
-  /** Frees what it holds on the device; the device stays. */
+  /** Frees the resources of this object; the device stays open. */
   dispose(): void;
 }

@@ -1,4 +1,5 @@
-// A .pelage package on a <canvas>. index.d.ts says what each part takes and gives; this file owns the event loop, the WebAssembly module everything else.
+// A .pelage package on a <canvas>; index.d.ts documents the API. This file owns the event loop, and the WebAssembly
+// module does everything else.
 
 import { open as openDevice, Viewer } from "./pelage_web.js";
 import { control } from "./controls.js";
@@ -8,12 +9,13 @@ import { guarded, read, start, written } from "./module.js";
 export { PelageError };
 export { PelagePass } from "./pass.js";
 
-/** Frames that the device may have before it: one that it draws and one that waits. */
+/** Maximum number of frames on the device: one being drawn and one waiting. */
 const IN_FLIGHT = 2;
-/** How often a lost device is asked for again, and milliseconds before the second time; each further wait is twice as long. */
+/** Maximum number of attempts to replace a lost device. */
 const REOPENINGS = 4;
+/** Delay before the second attempt, milliseconds; each further delay is twice as long. */
 const REOPEN_MS = 250;
-/** A tab that was in the background does not make up for the time. */
+/** Longest time step, seconds. It keeps a tab that was in the background from catching up. */
 const LONGEST_STEP_S = 0.25;
 
 function wait(ms) {
@@ -67,13 +69,13 @@ export class Pelage extends EventTarget {
     if (options.controls ?? true) this.controls = true;
   }
 
-  // What is shown.
+  // Package.
 
   async load(source, options = {}) {
     this.#alive();
     const turn = ++this.#loads;
     const [name, bytes] = await read(source, options);
-    // Whoever asked last is shown, whichever answer came last.
+    // The last call wins, in whatever order the responses arrive.
     if (turn !== this.#loads || this.#disposed) throw new PelageError("superseded", `${name}: another package was asked for since`);
     this.#info = guarded(() => this.#viewer.load(name, bytes));
     this.#changed();
@@ -226,7 +228,7 @@ export class Pelage extends EventTarget {
 
   // Frames.
 
-  /** Draws now, whatever the loop does. */
+  /** Draws a frame now, independently of the loop. */
   frame() {
     this.#alive();
     this.#draw();
@@ -237,7 +239,7 @@ export class Pelage extends EventTarget {
     return { ...this.#stats, adapter: this.#adapter, width, height };
   }
 
-  /** Everything that was drawn so far is done. */
+  /** Resolves when everything drawn so far is complete. */
   async idle() {
     await this.#device.queue.onSubmittedWorkDone();
   }
@@ -247,7 +249,7 @@ export class Pelage extends EventTarget {
     if (this.#disposed || size.every((length, i) => length === this.#drawn[i])) return;
     this.#do((viewer) => viewer.resize(...size));
     this.#drawn = size;
-    // A canvas of a new size is empty: it is drawn before the page shows it.
+    // A resized canvas is empty, so it is drawn before the page shows it.
     if (this.#loop) this.#draw();
   }
 
@@ -256,7 +258,7 @@ export class Pelage extends EventTarget {
     this.#draw();
     return new Promise((resolve, reject) => {
       const done = (blob) => (blob ? resolve(blob) : reject(new PelageError("device", "screenshot: the canvas cannot be read")));
-      // In the same turn as the frame: the browser takes its texture away afterwards.
+      // Must run in the same task as the frame, because the browser releases the canvas's texture afterwards.
       this.#canvas.toBlob(done, type);
     });
   }
@@ -272,7 +274,7 @@ export class Pelage extends EventTarget {
     this.#info = null;
   }
 
-  // Within.
+  // Private members.
 
   #alive() {
     if (this.#disposed) throw new PelageError("asked", "this Pelage is disposed, expected one that is not");
@@ -314,18 +316,18 @@ export class Pelage extends EventTarget {
 
   #turn(now) {
     if (this.#disposed || this.#lost) return;
-    // Time does not go by while nothing moves.
+    // Time stops while nothing moves.
     const moves = this.#moves;
     const elapsedS = moves && this.#before !== null ? Math.min((now - this.#before) / 1e3, LONGEST_STEP_S) : 0;
     this.#before = moves ? now : null;
     if (this.#viewer.advance(elapsedS)) this.#dirty = true;
-    // Where the device lags behind, the next frame is asked for when one is done.
+    // If the device lags behind, the next frame is requested when a frame is complete.
     if (this.#inFlight >= IN_FLIGHT) return;
     if (this.#dirty) this.#draw();
     if (this.#moves) this.#want();
   }
 
-  // Whether a clip plays, or hair swings by itself.
+  // Whether a clip plays, or hair is still in motion.
   get #moves() {
     return this.playback.playing || this.#viewer.hair_moves();
   }
@@ -349,7 +351,7 @@ export class Pelage extends EventTarget {
       const now = performance.now();
       this.#inFlight -= 1;
       if (this.#disposed) return;
-      // A frame that waited for the one before it took its own time only.
+      // Excludes the time spent waiting for the previous frame.
       const frameMs = now - Math.max(start, this.#doneAt);
       this.#doneAt = now;
       this.#stats = { frames: this.#stats.frames + 1, frameMs, cpuMs, ...drawn };
@@ -359,7 +361,7 @@ export class Pelage extends EventTarget {
     this.#device.queue.onSubmittedWorkDone().then(done, done);
   }
 
-  /** Takes note of what happens to a device. */
+  /** Uses this device from now on, and listens for its errors and its loss. */
   #watch(opened) {
     const device = opened.device;
     this.#device = device;
@@ -372,7 +374,7 @@ export class Pelage extends EventTarget {
     });
   }
 
-  /** Goes on with another device. */
+  /** Replaces a lost device. */
   async #reopen(why) {
     this.#lost = true;
     this.#say("devicelost", { reason: why.reason, message: why.message });

@@ -1,12 +1,12 @@
-// The WebAssembly module, and what goes in and out of it.
+// Loading of the WebAssembly module, and conversion of its arguments and errors.
 
 import init from "./pelage_web.js";
 import { PelageError } from "./error.js";
 
-/** The one instance of the module, which all canvases of a page share; a promise. */
+/** Promise of the module's only instance, shared by all canvases of a page. */
 let module = null;
 
-/** Loads the module, once; fails where there is no WebGPU for it. */
+/** Loads the module, once. Fails if there is no WebGPU. */
 export async function start(wasm) {
   if (!globalThis.navigator?.gpu) {
     const why = globalThis.isSecureContext === false ? "the page is not served over https or from localhost" : "this browser has no WebGPU";
@@ -19,7 +19,7 @@ export async function start(wasm) {
   await module;
 }
 
-/** Runs `f`, whose errors come from the module. */
+/** Calls `f`, and converts the errors of the module. */
 export function guarded(f) {
   try {
     return f();
@@ -28,7 +28,7 @@ export function guarded(f) {
   }
 }
 
-/** What a promise of the browser comes to; where it fails, `name` did not arrive. */
+/** Awaits a promise of the browser. A failure becomes a `fetch` error about `name`, or the reason of `signal`. */
 async function arrived(name, promise, signal) {
   try {
     return await promise;
@@ -38,7 +38,7 @@ async function arrived(name, promise, signal) {
   }
 }
 
-/** Name and bytes of whatever `load` takes. */
+/** Returns the name and the bytes of any source that `load` accepts. */
 export async function read(source, { name, signal }) {
   if (source instanceof ArrayBuffer) return [name ?? "package", new Uint8Array(source)];
   if (ArrayBuffer.isView(source)) {
@@ -57,7 +57,7 @@ export async function read(source, { name, signal }) {
   return [name, new Uint8Array(await arrived(name, response.arrayBuffer(), signal))];
 }
 
-/** A value of the look as `key=value` has it. */
+/** Formats a value of the look for `key=value`. */
 export function written(value) {
   return Array.isArray(value) ? JSON.stringify(value) : String(value);
 }

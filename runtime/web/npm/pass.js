@@ -1,4 +1,4 @@
-// A package in the frame of another renderer on the same device; index.d.ts says what each part takes and gives.
+// Draws a package into the frame of another renderer on the same device; index.d.ts documents the API.
 
 import { open_shared as openShared, Pass } from "./pelage_web.js";
 import { PelageError } from "./error.js";

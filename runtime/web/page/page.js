@@ -1,4 +1,4 @@
-// The page around the canvas. Everything of the animal itself is the package's API; this file is how its knobs look.
+// The page around the canvas: its controls. Everything about the animal itself is in the API of the npm package.
 
 import { Pelage, PelageError } from "./pelage/index.js";
 
@@ -7,9 +7,9 @@ const canvas = element("stage");
 const [play, clip, time, clock] = ["play", "clip", "time", "clock"].map(element);
 const [light, color, numbers, caption] = ["light", "color", "numbers", "caption"].map(element);
 
-/** The light's pad reaches from behind the camera to this far round the animal, radians. */
+/** Angle between the camera and a light at the rim of the light's pad, radians; 0 at the centre of the pad. */
 const PAD_REACH = 2.6;
-/** Where the key light is as a package is loaded: right and up on the pad. */
+/** Initial position of the key light on the pad: right and up. */
 const PAD_START = [-0.28, 0.24];
 
 let pelage = null;
@@ -32,7 +32,7 @@ function hush() {
 
 element("message").querySelector("button").addEventListener("click", hush);
 
-/** What a person can do about it. */
+/** Titles of error messages, by kind. */
 const TITLES = {
   "no-webgpu": "This needs WebGPU",
   "no-adapter": "No graphics adapter that can draw this",
@@ -50,7 +50,7 @@ function fail(error, options) {
   say(TITLES[kind] ?? TITLES.internal, error.message, options);
 }
 
-/** Runs what a knob asks for, and says what is wrong with it. */
+/** Applies the change of a control, and shows an error if that fails. Returns whether it succeeded. */
 function attempt(change) {
   try {
     change();
@@ -111,7 +111,7 @@ element("file").addEventListener("change", (event) => {
   if (file && pelage) openFile(file);
 });
 
-// A file may be dropped anywhere; leaving a child of the page is not leaving the page.
+// Files may be dropped anywhere. Counts nested drag events, because leaving a child is not leaving the page.
 let over = 0;
 addEventListener("dragenter", (event) => {
   event.preventDefault();
@@ -143,7 +143,7 @@ element("style").addEventListener("change", (event) => setStyle(event.target.val
 
 // Clips.
 
-/** Puts the knobs where the clip is. */
+/** Updates the controls to the state of the clip. */
 function follow() {
   const { clip: name, durationS, timeS, playing } = pelage.playback;
   if (clip.value !== (name ?? "")) clip.value = name ?? "";
@@ -171,13 +171,13 @@ time.addEventListener("input", () => {
   follow();
 });
 
-// Light: a pad whose middle is the camera and whose rim lies behind the animal.
+// Light: a pad. At its centre the light is at the camera, at its rim behind the animal.
 
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (v) => v.map((x) => x / Math.max(Math.hypot(...v), 1e-9));
 let pad = PAD_START;
 
-/** The direction in the world of a place on the pad, as it is seen now. */
+/** Returns the direction in the world for a position on the pad and the current camera. */
 function towards([right, up]) {
   const { eye, target } = pelage.camera;
   const back = unit(eye.map((x, i) => x - target[i]));
@@ -220,7 +220,7 @@ light.addEventListener("keydown", (event) => {
   turnLight(pad[0] + step[0], pad[1] + step[1]);
 });
 color.addEventListener("input", () => {
-  // The picker is sRGB, light is linear.
+  // The picker's colour is sRGB; light is linear.
   const linear = (byte) => (byte <= 10 ? byte / 255 / 12.92 : ((byte / 255 + 0.055) / 1.055) ** 2.4);
   const bytes = [1, 3, 5].map((at) => parseInt(color.value.slice(at, at + 2), 16));
   attempt(() => pelage.setLight({ color: bytes.map(linear) }));
@@ -241,9 +241,9 @@ element("save").addEventListener("click", async () => {
   }
 });
 
-// The beginning.
+// Startup.
 
-/** The animals of this server; none is no fault. */
+/** Returns the animals of this server. It is valid to have none. */
 async function list() {
   const response = await fetch("animals/animals.json").catch(() => null);
   return response?.ok ? response.json() : [];
@@ -256,9 +256,9 @@ async function begin() {
     fail(error, { fatal: true });
     return;
   }
-  // For who looks on from the console; the tests do.
+  // For use from the console and by the tests.
   window.pelage = pelage;
-  // There is something for the knobs to turn.
+  // The controls work from now on.
   for (const knobs of document.querySelectorAll("[inert]")) knobs.inert = false;
   placeDot();
   pelage.addEventListener("frame", ({ detail }) => {

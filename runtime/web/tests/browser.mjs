@@ -1,14 +1,14 @@
-// Debian's Chromium without a display, and WebGPU on its software rasteriser.
+// Runs Debian's Chromium without a display, with WebGPU on its software rasteriser.
 
 import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 
-/** Where a Chromium may be; `CHROMIUM` names another. */
+/** Paths where Chromium may be; `CHROMIUM` names another one. */
 const PLACES = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
 /**
- * With the first there is an adapter at all; with any of the next three missing the device is lost at the first use of a canvas, or there is none. The rest
- * keeps the browser quiet.
+ * Flags of the browser. Without the first, there is no adapter. Without any of the next three, the device is lost at
+ * the first use of a canvas, or there is no device. The remaining flags suppress activity of the browser.
  */
 const FLAGS = [
   "--enable-unsafe-webgpu",
@@ -18,24 +18,24 @@ const FLAGS = [
   "--use-webgpu-adapter=swiftshader",
   "--enable-unsafe-swiftshader",
   "--ignore-gpu-blocklist",
-  // Nothing but the tests' own pages is opened, and root has no sandbox.
+  // Only the tests' own pages are opened, and the sandbox is not available to root.
   "--no-sandbox",
   "--disable-quic",
   "--no-first-run",
   "--disable-background-networking",
   "--disable-component-update",
   "--disable-sync",
-  // `gc()` for the tests of memory.
+  // Provides `gc()` to the tests of memory.
   "--js-flags=--expose-gc",
   "--enable-precise-memory-info",
 ];
 
-/** The path of a Chromium, or null. */
+/** Returns the path of Chromium, or null. */
 export function found() {
   return process.env.CHROMIUM ?? PLACES.find((place) => existsSync(place)) ?? null;
 }
 
-/** A browser with those flags; `more` are added. */
+/** Launches a browser with `FLAGS` and the additional flags `more`. */
 export function launch(more = []) {
   return chromium.launch({ executablePath: found(), args: [...FLAGS, ...more], headless: true });
 }

@@ -1,4 +1,4 @@
-// The package's API on a canvas: pictures, memory, devices.
+// Tests of the npm package's API on a canvas: images, memory, devices.
 
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
@@ -8,7 +8,7 @@ import { found } from "./browser.mjs";
 import { assertOther, assertSame, bare, bytesOf, open, OUT, picture, rendered } from "./stage.mjs";
 
 const SIZE = [320, 240];
-/** Cheap, and with shadow maps that a pose draws anew. */
+/** A cheap look whose shadow maps are redrawn for every pose. */
 const SMALL = "[picture]\nsamples = 1\n[shadow]\nmap_texels = 64\n";
 let opened;
 
@@ -68,7 +68,7 @@ radiance = [0.4, 0.8, 1.6]
   const lit = await picture(page, "sky_page");
   assertSame(lit, rendered("sky_render", SIZE, "--environment", `${OUT}/sky.toml`));
   assertOther(lit, keyed);
-  // What is wrong with it is said, and the light stays.
+  // An invalid environment is reported, and the light stays.
   const said = await page.evaluate(() => {
     try {
       pelage.setEnvironment("even = [1.0, 1.0, 1.0]\n[[lobe]]\nwide = 3.0\n");
@@ -128,7 +128,7 @@ inBrowser("invalid_settings_are_reported_and_change_nothing", browser("invalid_s
 });
 
 inBrowser("memory_does_not_grow_over_300_frames", browser("memory_does_not_grow_over_300_frames"), async () => {
-  // Whatever a device makes is counted.
+  // Counts all objects that a device creates.
   const count = () => {
     window.made = {};
     for (const name of ["createBuffer", "createTexture", "createBindGroup", "createRenderPipeline", "createComputePipeline", "createSampler", "createShaderModule"]) {
@@ -196,7 +196,10 @@ inBrowser("replaced_packages_are_freed", browser("replaced_packages_are_freed"),
   await close();
 });
 
-/** A device without BC, as phones have it; with or without, it does not say that it is a software rasteriser, where blocks are decoded in any case. */
+/**
+ * Hides the adapter's BC textures unless `blocks`, as on phones. Also hides that the adapter is a software rasteriser,
+ * for which blocks are always decoded.
+ */
 function mask(blocks) {
   Object.defineProperty(GPUAdapterInfo.prototype, "isFallbackAdapter", { get: () => false });
   if (blocks) return;
@@ -252,7 +255,7 @@ inBrowser("lost_device_is_replaced_without_changes", browser("lost_device_is_rep
   }
   const happened = await page.evaluate(() => happened.map(([type]) => type));
   assert.deepEqual(happened, ["devicelost", "devicerestored", "devicelost", "devicerestored"]);
-  // With no adapter left it says so.
+  // If no adapter is left, that is reported.
   await page.evaluate(() => {
     GPU.prototype.requestAdapter = async () => null;
     devices.at(-1).destroy();

@@ -1,5 +1,5 @@
-// Pictures of the page for the gallery, from a page that is served: `node gallery.mjs ADDRESS PNG`. The page at the width of a desk and of a phone, side
-// by side.
+// Makes the gallery's image of the page from a running server: `node gallery.mjs ADDRESS PNG`. It shows the page at the
+// width of a desktop and of a phone, side by side.
 
 import { writeFileSync } from "node:fs";
 import { launch } from "./browser.mjs";
@@ -10,7 +10,7 @@ if (!file) {
   process.exit(2);
 }
 
-/** The page once it shows that animal as asked. */
+/** Returns a screenshot of the page, once it shows the animal and `prepare` has run. */
 async function shot(browser, { size, animal, prepare }) {
   const page = await browser.newPage({ viewport: { width: size[0], height: size[1] } });
   await page.goto(`${address}?animal=${animal}`);
@@ -20,7 +20,7 @@ async function shot(browser, { size, animal, prepare }) {
     pelage.frame();
     await pelage.idle();
   });
-  // Its numbers are written when the frame is done.
+  // The page updates its figures after the frame is complete.
   await page.waitForTimeout(500);
   const picture = (await page.screenshot()).toString("base64");
   await page.close();

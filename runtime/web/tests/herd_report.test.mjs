@@ -1,4 +1,4 @@
-// The report of `pelage herd` as an art director opens it: one file from disk, with data that try to break it.
+// Tests of the report of `pelage herd`, opened as a local file, with data that try to break it.
 
 import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -8,10 +8,10 @@ import { after, before } from "node:test";
 import { browser, inBrowser, ROOT } from "./needs.mjs";
 import { found, launch } from "./browser.mjs";
 
-/** A JPEG of one grey pixel, which the page takes for a small picture. */
+/** A JPEG of one grey pixel, used as a thumbnail. */
 const GREY =
   "data:image/jpeg;base64,/9j/4AAQSkZJRgABAQEASABIAAD/2wBDAP//////////////////////////////////////////////////////////////////////////////////////wAALCAABAAEBAREA/8QAFAABAAAAAAAAAAAAAAAAAAAAA//EABQQAQAAAAAAAAAAAAAAAAAAAAD/2gAIAQEAAD8AN//Z";
-/** Nobody's script may run. */
+/** Scripts in the data, which must not run. */
 const ODD = `</script><script>window.broken = 1</script><img src=x onerror="window.broken = 1">`;
 
 function row(name, state, more = {}) {
@@ -59,7 +59,7 @@ after(async () => {
   if (folder) rmSync(folder, { recursive: true });
 });
 
-/** Opens the report with that behind its `#`. */
+/** Opens the report with the given fragment in its address. */
 async function report(hash = "") {
   const page = await opened.newPage({ viewport: { width: 1200, height: 900 } });
   const errors = [];
@@ -76,11 +76,11 @@ async function report(hash = "") {
 inBrowser("a_herds_report_puts_failures_first_and_sorts", browser("a_herds_report_puts_failures_first_and_sorts"), async () => {
   const first = await report();
   assert.deepEqual(await first.shown(), [ODD, "wolf", "hare9", "fox", "hare10"]);
-  // Not `innerText`: rows out of sight are not laid out, and where a window ends hangs on the fonts of the machine.
+  // Not `innerText`: rows outside the window are not laid out, and which rows those are depends on the machine's fonts.
   const text = await first.page.textContent("#rows");
   assert.ok(text.includes("onerror") && text.includes("recipes/night.toml"), "what is told is text");
   assert.equal(await first.page.evaluate(() => window.broken), undefined, "no data are a script");
-  // A link keeps how it was sorted and filtered.
+  // A link preserves sorting and filters.
   for (const [hash, expected] of [
     ["#sort=error&order=desc", ["wolf", "hare9", "fox", "hare10", ODD]],
     ["#sort=bytes&order=asc", ["hare10", "hare9", "fox", "wolf", ODD]],
@@ -93,7 +93,7 @@ inBrowser("a_herds_report_puts_failures_first_and_sorts", browser("a_herds_repor
     assert.deepEqual(errors, [], hash);
     await page.close();
   }
-  // So do hands.
+  // Typing into the filter has the same effect.
   await first.page.fill("input[type=search]", "hare");
   await first.page.waitForFunction(() => location.hash.includes("text=hare"));
   assert.deepEqual(await first.shown(), ["hare9", "hare10"]);

@@ -1,4 +1,5 @@
-// What tests need that a machine may lack, as tests/needs has it for the tests in Rust: each says its name, and the log is held against the register.
+// Requirements of tests that a machine may lack, like tests/needs for the tests in Rust. Each test logs its name, and
+// the log is compared with the register.
 
 import { appendFileSync, existsSync } from "node:fs";
 import { resolve } from "node:path";
@@ -6,7 +7,7 @@ import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { found } from "./browser.mjs";
 
-/** The repository. */
+/** Root folder of the repository. */
 export const ROOT = fileURLToPath(new URL("../../..", import.meta.url)).replace(/\/$/, "");
 
 const isCi = !["", "0", "false"].includes(process.env.CI ?? "");
@@ -16,7 +17,7 @@ function note(how, need, test, words) {
   if (log) appendFileSync(log, `${how}\t${need}\t${test}\t${words.replace(/[\n\t]/g, " ")}\n`);
 }
 
-/** Whether there is what the test of that name needs; under `CI` what is missing is a failure. */
+/** Logs and returns whether the requirement of a test is met. If `CI` is set, a missing requirement is an error. */
 function has(need, test, what, missing) {
   note(what ? "had" : "lacked", need, test, what ?? missing);
   if (what) return true;
@@ -25,22 +26,22 @@ function has(need, test, what, missing) {
   return false;
 }
 
-/** A Chromium for the test of that name. */
+/** Returns whether there is a Chromium for the named test. */
 export function browser(test) {
   return has("browser", test, found(), "no Chromium at /usr/bin, and CHROMIUM names none");
 }
 
-/** The folder of shared test data for the test of that name, or null. */
+/** Returns the folder of shared test data for the named test, or null. */
 export function data(test) {
   const folder = process.env.PELAGE_DATA ?? resolve(ROOT, "../shared/data");
   const there = existsSync(`${folder}/meshes`) && existsSync(`${folder}/ktx2`);
   return has("data", test, there ? folder : null, `no test data at ${folder}`) ? folder : null;
 }
 
-/** So long a test in the browser may take. */
+/** Timeout of a test in the browser, milliseconds. */
 export const LONG_MS = 120_000;
 
-/** A test in the browser, where there is what it needs. */
+/** Declares a test in the browser, which is skipped unless `needed`. */
 export function inBrowser(name, needed, body) {
   test(name, { timeout: LONG_MS }, async (t) => {
     if (needed) await body(t);

@@ -1,4 +1,4 @@
-// The npm package and the server, without a browser.
+// Tests of the npm package and the server, without a browser.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -10,10 +10,10 @@ import { ROOT } from "./needs.mjs";
 import { serve } from "../serve.mjs";
 
 const NPM = `${ROOT}/target/web/npm`;
-/** Bytes of WebAssembly and JavaScript, compressed, that a page may cost. */
+/** Maximum compressed size of WebAssembly and JavaScript of a page, bytes. */
 const MOST_BYTES = 500_000;
 
-// The profile `page` is built quickly, for tests; `./run test --all` builds the one that people load.
+// The profile `page` is built quickly, for tests; `./run test --all` builds the published one.
 const quick = process.env.PELAGE_PAGE === "page" && "only ./run test --all builds the page as people load it";
 
 test("page downloads are small", { skip: quick }, () => {
@@ -37,7 +37,7 @@ test("type declarations match the class", () => {
   for (const [file, name, least] of [["index.js", "Pelage", 25], ["pass.js", "PelagePass", 7]]) {
     const has = members(between(file, `export class ${name} `), /^ {2}(?:static async |async |get |set )?(\w+)\(.*\{$/gm);
     const says = members(between("index.d.ts", `export class ${name} `), /^ {2}(?:private |static |readonly |get |set )*(\w+)[(:<]/gm);
-    // What EventTarget has is typed again, by event.
+    // The types declare members of EventTarget again, with the types of the events.
     for (const inherited of ["addEventListener", "removeEventListener"]) says.delete(inherited);
     assert.ok(has.size > least, `${has.size} members of ${name}`);
     assert.deepEqual([...says].sort(), [...has].sort());

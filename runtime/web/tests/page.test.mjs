@@ -1,4 +1,4 @@
-// The page as people use it.
+// Tests of the page through its controls.
 
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync, statSync } from "node:fs";
@@ -15,14 +15,14 @@ before(async () => {
 });
 after(() => opened?.close());
 
-/** The page once it shows the hare. */
+/** Opens the page and waits until it shows the hare. */
 async function loaded(options) {
   const shown = await page(opened, options);
   await shown.page.waitForFunction(() => window.pelage?.stats.frames > 0, null, { timeout: LONG_MS });
   return shown;
 }
 
-/** Waits until the canvas shows what was asked for. */
+/** Waits until the canvas shows all changes. */
 async function settled(page) {
   await page.evaluate(async () => {
     const turn = () => new Promise(requestAnimationFrame);
@@ -36,7 +36,7 @@ async function settled(page) {
   });
 }
 
-/** Drops a file onto the page as a person does. */
+/** Drops a file onto the page, as a user does. */
 async function drop(page, name, bytes) {
   const file = await page.evaluateHandle(
     ({ name, base64 }) => {
@@ -95,7 +95,7 @@ inBrowser("pointer_input_moves_the_camera", browser("pointer_input_moves_the_cam
   const home = await camera();
   await drag("left");
   const turned = await camera();
-  // The height of the picture is half a turn.
+  // A drag by the height of the picture is half a turn.
   assert.ok(Math.abs(home.azimuthDeg - turned.azimuthDeg - (180 * 60) / box.height) < 1, JSON.stringify([home, turned]));
   assert.ok(turned.elevationDeg > home.elevationDeg, "pulled down, the model shows its back");
   assert.deepEqual(turned.target, home.target);
@@ -118,7 +118,7 @@ inBrowser("pointer_input_moves_the_camera", browser("pointer_input_moves_the_cam
   assert.ok(await page.evaluate(() => pelage.playback.playing));
   await page.keyboard.press("Space");
 
-  // Two fingers that part.
+  // Two fingers move apart.
   await page.evaluate(() => {
     const canvas = document.querySelector("canvas");
     const { left, top, width, height } = canvas.getBoundingClientRect();
@@ -156,7 +156,7 @@ inBrowser("broken_dropped_packages_are_named_and_the_page_continues", browser("b
     assert.match(text, words);
     assert.equal(await page.textContent("#message h2"), "This is not a package that can be drawn");
     await page.click("text=Dismiss");
-    // What was shown still is.
+    // The previous package is still shown.
     assert.deepEqual(bytesOf(await picture(page, "after_drop")), bytesOf(before), name);
   }
   await drop(page, "again.pelage", whole);
@@ -181,7 +181,7 @@ inBrowser("page_survives_files_other_than_packages", browser("page_survives_file
     return taken;
   }, paths.length);
   assert.deepEqual(taken.map(([i, ...how]) => [paths[i], ...how]), []);
-  // One of each kind as a person drops it.
+  // Drops one file of each extension, as a user does.
   const kinds = new Map(paths.map((path) => [extname(path), path]));
   for (const [kind, path] of kinds) {
     await drop(page, `file${kind}`, readFileSync(path));

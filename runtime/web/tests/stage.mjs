@@ -1,4 +1,4 @@
-// The page and the package in one browser, and the `pelage` command beside them.
+// Helpers for tests: the page and the npm package in one browser, and the `pelage` command for comparison.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -9,37 +9,37 @@ import { serve } from "../serve.mjs";
 
 export const SITE = process.env.PELAGE_SITE ?? `${ROOT}/target/web/site`;
 const PELAGE = process.env.PELAGE ?? `${ROOT}/target/debug/pelage`;
-/** Where packages and pictures of the tests lie. */
+/** Folder for packages and images of the tests. */
 export const OUT = `${ROOT}/target/web/tests`;
-/** Mean FLIP between two rasterisers that counts as the same picture. */
+/** Largest mean FLIP at which the images of two rasterisers count as the same. */
 const SAME = "0.02";
 
-/** Runs the command; what it prints. */
+/** Runs the command and returns its output. */
 export function pelage(...args) {
   return execFileSync(PELAGE, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, XDG_RUNTIME_DIR: process.env.XDG_RUNTIME_DIR ?? "/tmp" } });
 }
 
-/** The hare as a package: its path. */
+/** Bakes the hare if necessary, and returns the path of its package. */
 export function hare() {
   const file = `${OUT}/hare.pelage`;
   mkdirSync(OUT, { recursive: true });
-  // A package of another build may be another one.
+  // Another build may produce a different package.
   const made = existsSync(file) && statSync(file).mtimeMs > statSync(PELAGE).mtimeMs;
   if (!made) pelage("bake", `${ROOT}/assets/models/hare.glb`, "--recipe", `${ROOT}/assets/recipes/hare.toml`, "-o", file);
   return file;
 }
 
-/** Fails where two pictures differ to the eye. */
+/** Fails if two images differ visibly. */
 export function assertSame(a, b) {
   pelage("compare", a, b, "--max-flip", SAME);
 }
 
-/** Fails where two pictures are the same to the eye. */
+/** Fails if two images do not differ visibly. */
 export function assertOther(a, b) {
   assert.throws(() => pelage("compare", a, b, "--max-flip", SAME), (error) => error.status === 7, `${a} and ${b} are the same picture`);
 }
 
-/** A browser with its server. */
+/** Launches a server and a browser. */
 export async function open() {
   const server = await serve(SITE);
   const address = `http://127.0.0.1:${server.address().port}`;
@@ -48,8 +48,8 @@ export async function open() {
 }
 
 /**
- * A page of that browser in a context of its own. What it says on the console as an error, or throws, is in `faults`; the animals of the server are the
- * hare alone.
+ * Opens a page of that browser in a new context. `faults` collects its exceptions, and the errors and warnings on its
+ * console. The hare is the server's only animal.
  */
 export async function page({ browser, address }, { size = [480, 400], before, path = "/" } = {}) {
   const context = await browser.newContext({ viewport: { width: size[0], height: size[1] }, acceptDownloads: false });
@@ -57,7 +57,7 @@ export async function page({ browser, address }, { size = [480, 400], before, pa
   const faults = [];
   page.on("pageerror", (error) => faults.push(error.message));
   page.on("console", (message) => {
-    // A server that has no such file is no fault of the page.
+    // A file that the server lacks is not a fault of the page.
     if (["error", "warning"].includes(message.type()) && !/status of 404/.test(message.text())) faults.push(message.text());
   });
   await page.route("**/animals/animals.json", (route) => route.fulfill({ json: [{ name: "Hare", file: "animals/hare.pelage" }] }));
@@ -68,7 +68,7 @@ export async function page({ browser, address }, { size = [480, 400], before, pa
   return { page, faults, close: () => context.close() };
 }
 
-/** A blank page with the hare on a canvas of that size, as `window.pelage`; no loop, nothing of the page. */
+/** Opens a blank page with the hare on a canvas of that size, as `window.pelage`, without loop and controls. */
 export async function bare(opened, { size = [320, 240], before, options = {} } = {}) {
   const shown = await page(opened, { before, path: "/blank" });
   await shown.page.evaluate(
@@ -89,7 +89,7 @@ export async function bare(opened, { size = [320, 240], before, options = {} } =
   return shown;
 }
 
-/** The picture of `window.pelage` as a file. */
+/** Saves a screenshot of `window.pelage`, and returns the path of the file. */
 export async function picture(page, name) {
   const bytes = await page.evaluate(async () => {
     const blob = await pelage.screenshot();
@@ -101,7 +101,7 @@ export async function picture(page, name) {
   return file;
 }
 
-/** The same picture by the command. */
+/** Draws the hare with the command, and returns the path of the image. */
 export function rendered(name, size, ...args) {
   const file = `${OUT}/${name}.png`;
   pelage("render", hare(), "-o", file, "--size", size.join("x"), ...args);

@@ -1,4 +1,4 @@
-// The example with three.js: its meshes and the fur hide each other.
+// Test of the example with three.js: its meshes and the fur occlude each other.
 
 import assert from "node:assert/strict";
 import { existsSync, writeFileSync } from "node:fs";
@@ -13,7 +13,7 @@ const needed = browser("fur_and_three_js_meshes_occlude_each_other");
 test("fur_and_three_js_meshes_occlude_each_other", { timeout: LONG_MS, skip: !needed }, async () => {
   assert.ok(existsSync(`${EXAMPLE}/node_modules/three`), "three.js is not there: npm ci in runtime/web/examples/three");
   const opened = await open();
-  // A clock that stands still.
+  // Stops the clock of the animation.
   const before = () => {
     const request = window.requestAnimationFrame.bind(window);
     window.requestAnimationFrame = (turn) => request(() => turn(0));
@@ -39,7 +39,7 @@ test("fur_and_three_js_meshes_occlude_each_other", { timeout: LONG_MS, skip: !ne
   const picture = await shown.screenshot();
   writeFileSync(`${OUT}/three.png`, picture);
 
-  /** Mean red, green and blue of a square of 5 x 5 pixels. */
+  /** Returns the mean red, green and blue of a square of 5 x 5 pixels. */
   const color = (x, y) =>
     shown.evaluate(
       async ({ base64, x, y }) => {

@@ -1,19 +1,19 @@
-// A furry hare in a scene of three.js: one device, one colour texture, one depth buffer.
+// A furry hare in a scene of three.js, with a shared device, colour texture and depth buffer.
 //
-// three.js draws its meshes into a render target, pelage draws its fur over that against the same depth, and three.js puts the result on the canvas with
-// its tone mapping. Nothing is copied on the way.
+// three.js draws its meshes into a render target, pelage draws fur over it with the same depth buffer, and three.js
+// draws the result on the canvas with its tone mapping. Nothing is copied.
 
-// By path, so that it runs without a bundler; with one they are "pelage" and "three/webgpu".
+// Imported by path, to run without a bundler. With a bundler, import "pelage" and "three/webgpu".
 import { PelagePass } from "./pelage/index.js";
 import * as THREE from "./node_modules/three/build/three.webgpu.js";
 
 const { texture, uv } = THREE.TSL;
 
-/** Towards the sun, for both. */
+/** Direction towards the sun, for both renderers. */
 const SUN = new THREE.Vector3(-0.5, 0.8, 0.6).normalize();
 const canvas = document.getElementById("stage");
 
-// The device is pelage's, because it knows what fur needs of one; three.js takes it.
+// pelage opens the device, because it knows the features that fur requires; three.js uses the same device.
 const fur = await PelagePass.open({ color: "rgba16float", depth: "depth32float" });
 const renderer = new THREE.WebGPURenderer({ canvas, device: fur.device });
 renderer.toneMapping = THREE.ACESFilmicToneMapping;
@@ -42,7 +42,7 @@ mesh(new THREE.BoxGeometry(0.16, 0.4, 0.16), "#5d6f8c", -0.12, 0.19, -0.16);
 const ring = mesh(new THREE.TorusGeometry(0.17, 0.014, 16, 64), "#d9b04c", 0, 0.2, 0);
 ring.rotation.x = Math.PI / 2 + 0.2;
 
-// What both draw into, and what shows it.
+// Render target of both, and the quad that shows it.
 const target = new THREE.RenderTarget(1, 1, { type: THREE.HalfFloatType, samples: 0 });
 target.depthTexture = new THREE.DepthTexture(1, 1, THREE.FloatType);
 const shown = new THREE.MeshBasicNodeMaterial();
@@ -60,7 +60,7 @@ function resize() {
 addEventListener("resize", resize);
 resize();
 
-/** The GPUTexture of a texture of three.js, once something was drawn to it. */
+/** Returns the GPUTexture of a three.js texture; valid after something has been drawn to it. */
 const gpu = (texture) => renderer.backend.get(texture).texture;
 
 function frame(timeS) {
