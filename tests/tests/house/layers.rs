@@ -14,8 +14,8 @@ const RUNTIME: [&[&str]; 14] = [
     &["debug", "study", "surface"],
     &["model", "light"],
     &["instance", "ink"],
-    &["swing"],
-    &["lean"],
+    &["guide_motion"],
+    &["fur_motion"],
     &["motion", "hair"],
     &["scene"],
     &["passes"],
@@ -27,14 +27,14 @@ const RUNTIME: [&[&str]; 14] = [
 /// Floors of the baker from the lowest up: basics; masks and sampling; pictures; the recipe; the stages; strands and
 /// files on disk; the order of the stages; users of the pipeline.
 const BAKE: [&[&str]; 8] = [
-    &["decision", "noise", "steps", "unfinished", "remade", "traffic", "hexadecimal"],
+    &["decision", "noise", "progress", "temp_files", "memo", "io_trace", "hexadecimal"],
     &["mask", "sample"],
     &["picture", "y4m"],
     &["recipe"],
     &["stages"],
-    &["strands", "io", "recorded"],
+    &["strands", "io", "recipe_mismatch"],
     &["pipeline"],
-    &["reslice", "rebake", "groom_map", "sky_file", "cache"],
+    &["reslice", "rebake", "groom_map", "environment_file", "cache"],
 ];
 
 /// Reads the dependencies between the files of a crate.
