@@ -88,7 +88,7 @@ fn coats_page_lists_every_coat_and_existing_pictures() {
     for coat in &Coat::ALL[1..] {
         assert!(page.contains(&format!("\n## `{}`\n", coat.word())) && page.contains(coat.toml()), "{page}");
     }
-    assert!(page.contains("\n## `wool`\n\nCurls on curls"), "{page}");
+    assert!(page.contains("\n## `wool`\n\nTightly curled"), "{page}");
     assert_eq!(page.matches("](pictures/").count(), 1);
     assert!(page.contains("](pictures/coat_wool.png)"));
     assert!(page.lines().all(|line| line.chars().count() <= 120), "{page}");

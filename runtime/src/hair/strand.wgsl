@@ -12,7 +12,7 @@ struct Strand {
     // Index of the tile's strand.
     of_tile: u32,
     // Random number in 0..1 that selects a share of all strands; 1 for strands that do not grow.
-    chance: f32,
+    selection: f32,
     lean: f32,
     fur_height: f32,
 }

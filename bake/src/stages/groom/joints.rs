@@ -69,7 +69,10 @@ impl JointValues {
             let value = self.joints.get(usize::from(*joint)).and_then(key)?;
             (weight > 0.0).then_some(weight * (value - elsewhere))
         });
-        differences.fold(elsewhere, |sum, difference| sum + difference)
+        let sum = differences.fold(elsewhere, |sum, difference| sum + difference);
+        // Rounding must not lead out of the range of the values: a length just below 0 is not a length.
+        let values = || skin.joints.iter().filter_map(|joint| self.joints.get(usize::from(*joint)).and_then(key));
+        sum.clamp(values().fold(elsewhere, f32::min), values().fold(elsewhere, f32::max))
     }
 }
 

@@ -74,6 +74,21 @@ fn joint_values_are_blended_by_skin_weights() {
 }
 
 #[test]
+fn rounded_weights_do_not_make_a_length_negative() {
+    let (values, _) = values("[[groom.joint]]\nname = \"Head\"\nlength = 0\n");
+    let mut below = 0;
+    for i in 1..100u16 {
+        let first = f32::from(i) / 100.0;
+        // Importers normalise weights, so their sum may be a last bit above 1.
+        let weights = [first, 0.3 * (1.0 - first), 0.7 * (1.0 - first), 1.2e-7];
+        let vertex = SkinVertex { joints: [1, 2, 3, 1], weights };
+        below += usize::from(weights.iter().fold(1.0, |left, weight| left - weight) < 0.0);
+        assert!(values.mix(Some(&vertex), |t| t.length, 1.0) >= 0.0, "{weights:?}");
+    }
+    assert!(below > 10, "{below} vertices would have had a negative length");
+}
+
+#[test]
 fn tables_without_effect_are_reported() {
     let tables = "[[groom.joint]]\nname = \"trunk\"\nlength = 0.5\n[[groom.joint]]\nname = \"NECK\"\nlength = 0.5\n";
     let (_, warnings) = values(tables);

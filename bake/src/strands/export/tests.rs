@@ -73,7 +73,7 @@ fn hair_export_matches_its_header() {
     let mut curves = Curves::default();
     curves.push(&vec![long; 65_537], false, Vec2::ZERO);
     let error = write_hair(&curves, &mut io::sink()).unwrap_err();
-    assert!(error.kind() == io::ErrorKind::InvalidInput && error.to_string().contains("65536 pieces"), "{error}");
+    assert!(error.kind() == io::ErrorKind::InvalidInput && error.to_string().contains("65536 segments"), "{error}");
 }
 
 #[test]

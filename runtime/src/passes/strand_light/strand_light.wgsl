@@ -33,7 +33,7 @@ fn strand_tint(strand: Strand) -> vec4<f32> {
 
 fn may_be_seen(number: u32) -> bool {
     let strand = strands[number];
-    if strand.chance >= strand_groom(strand).x * constants.share || is_cut(strand_tint(strand).a) {
+    if strand.selection >= strand_groom(strand).x * constants.share || is_cut(strand_tint(strand).a) {
         return false;
     }
     let first = number * (constants.points + POSED_BEFORE);

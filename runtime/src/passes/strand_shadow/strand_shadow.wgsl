@@ -22,7 +22,7 @@ const FARTHEST_FROM_LIGHT: f32 = -0.5;
 // Rasterises a strand: its nearness, or with `deposits` the area that it covers (formulas 4.10).
 fn rasterise_strand(number: u32, deposits: bool) {
     let strand = strands[number];
-    if strand.chance >= strand_groom(strand).x * constants.share {
+    if strand.selection >= strand_groom(strand).x * constants.share {
         return;
     }
     let points = constants.points;

@@ -63,7 +63,7 @@ fn scene_errors_name_line_and_key() {
             &["line 1", "camera", "in the keys of the path"],
         ),
         (&scene("[light]", ""), &["line 1", "light", "found neither"]),
-        (&scene("[light]\ndirection = [0, 0, 0]", ""), &["line 2", "light.direction", "no length"]),
+        (&scene("[light]\ndirection = [0, 0, 0]", ""), &["line 2", "light.direction", "direction that is zero"]),
         (
             &scene("[light]\ndirection = [0, 1, 0]\nposition = [0, 1, 0]", ""),
             &["light", "found direction and position"],
