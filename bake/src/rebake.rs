@@ -21,8 +21,8 @@ impl<'a> Rebake<'a> {
         Self { outputs: Outputs { model: Some(model), ..Outputs::default() }, before: None }
     }
 
-    /// Bakes the model with the recipe in `input`. If it fails, the outputs made so far are kept. Images are compared by
-    /// address: images that were read again count as changed.
+    /// Bakes the model with the recipe in `input`. If it fails, the outputs made so far are kept. Images are compared
+    /// by address: images that were read again count as changed.
     ///
     /// # Errors
     ///

@@ -32,6 +32,7 @@ fn main() {
     let [least, median, greatest] = [took[0], took[took.len() / 2], took[took.len() - 1]];
     let mean = leant / (30 * TIPS) as f64;
     println!(
-        "1 000 000 tips that lean by {mean:.2} rad: least {least:.1}, median {median:.1}, greatest {greatest:.1} ms a frame"
+        "1 000 000 tips that lean by {mean:.2} rad: \
+         least {least:.1}, median {median:.1}, greatest {greatest:.1} ms a frame"
     );
 }

@@ -16,7 +16,8 @@ pub enum FormatError {
     },
     /// The package has a newer format version than this reader supports.
     #[error(
-        "package version {found} at byte 8 is newer than this reader: expected version {supported}; update pelage, or bake the package again"
+        "package version {found} at byte 8 is newer than this reader: expected version {supported}; \
+         update pelage, or bake the package again"
     )]
     Version {
         /// Version in the file.

@@ -184,7 +184,9 @@ fn members(source: &str, name: &str) -> (Vec<(String, u32, u32)>, u32) {
 macro_rules! fields {
     ($ty:ty, $($field:ident),+ $(,)?) => {{
         fn size<T, F>(_: fn(&T) -> &F) -> u32 { size_of::<F>() as u32 }
-        let fields = vec![$((stringify!($field).to_string(), offset_of!($ty, $field) as u32, size(|v: &$ty| &v.$field))),+];
+        let fields = vec![
+            $((stringify!($field).to_string(), offset_of!($ty, $field) as u32, size(|v: &$ty| &v.$field))),+
+        ];
         (fields, size_of::<$ty>() as u32)
     }};
 }

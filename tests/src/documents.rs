@@ -167,7 +167,8 @@ mod tests {
 
     #[test]
     fn paths_and_links_are_found() {
-        let text = "See `bake/src/x.rs`, `tests/*.rs`, `a b` and [that](docs/a.md#one-two).\n\n```\n`bake/no.rs`\n[no](no)\n```\n\
+        let text = "See `bake/src/x.rs`, `tests/*.rs`, `a b` and [that](docs/a.md#one-two).\n\n\
+                    ```\n`bake/no.rs`\n[no](no)\n```\n\
                     ![p](p.png) [w](https://x.y) [here](#one)";
         assert_eq!(named_paths(text), ["bake/src/x.rs"]);
         let found: Vec<_> = links(text).into_iter().map(|(path, anchor)| format!("{path}#{anchor}")).collect();

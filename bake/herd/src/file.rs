@@ -483,7 +483,8 @@ mod tests {
         let expected = [
             "h.toml: line 5, model[1].files: matches no model",
             "h.toml: line 12, recipe[2].models: matches no model",
-            "h.toml: line 10, recipe[1].file: no model has such a recipe file; for the first model it would be \"r/fox.toml\"",
+            "h.toml: line 10, recipe[1].file: no model has such a recipe file; \
+             for the first model it would be \"r/fox.toml\"",
         ];
         assert_eq!(idle, expected);
     }

@@ -78,8 +78,8 @@ const SHARED_TITLE: &str = "Options of every picture";
 const SHARED_TEXT: &str =
     "Commands that draw have these options in common. The section of a command names those that it lacks.";
 
-/// Returns the options that at least [`SHARED_BY`] of [`PICTURE_COMMANDS`] have with the same help text, in the order of
-/// the first.
+/// Returns the options that at least [`SHARED_BY`] of [`PICTURE_COMMANDS`] have with the same help text, in the order
+/// of the first.
 fn shared_arguments<'a>(subcommands: &[&'a Command]) -> Vec<&'a Arg> {
     let draws = |command: &&&'a Command| PICTURE_COMMANDS.contains(&command.get_name());
     let all = || subcommands.iter().filter(draws).flat_map(|command| listed(command));

@@ -109,7 +109,9 @@ fn written_maps_read_back_within_one_step_at_every_vertex() {
 fn constants_are_written_as_their_bytes() {
     let model = torus(true);
     let none = MapImages::default();
-    let text = "[groom]\nlength = 0.6\nlean = 0.2\ndensity = 2\nwetness = 0.4\nbare = 0.8\ncomb = [0, 0.5, -1]\ncolor = \"#336699\"";
+    let text = "[groom]\nlength = 0.6\nlean = 0.2\ndensity = 2\n\
+                wetness = 0.4\nbare = 0.8\ncomb = [0, 0.5, -1]\n\
+                color = \"#336699\"";
     for (quantity, expected) in [
         (Quantity::Length, [153; 3]),
         (Quantity::Lean, [51; 3]),

@@ -10,7 +10,8 @@ fn marks(list: &str) -> Result<Vec<CombMarkParams>, String> {
 
 #[test]
 fn comb_marks_survive_a_round_trip() {
-    let list = "{ name = \"ruff\", at = [0, 1, 0.5], length = 1, density = 2, lean = 0.25, color = \"#ffeedd\", reach_m = 0.2, mirrored = true }, \
+    let list = "{ name = \"ruff\", at = [0, 1, 0.5], length = 1, density = 2, lean = 0.25, \
+                color = \"#ffeedd\", reach_m = 0.2, mirrored = true }, \
                 { name = \"nose\", at = [0, 1, 0.5], direction = [0, 0, -1] }";
     let read = marks(list).unwrap();
     assert_eq!((read[0].length, read[0].direction, read[1].length), (Some(1.0), None, None));

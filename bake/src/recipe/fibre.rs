@@ -116,8 +116,9 @@ mod tests {
 
     #[test]
     fn groups_and_materials_can_override_the_fibre() {
-        let text = "[fibre]\ntilt_deg = 4.0\n[[fibre.group]]\nname = \"ta*\"\nalong_deg = 12.0\n[[fibre.material]]\nname = \"M*\"\n\
-                    eta = 1.4\n";
+        let text = "[fibre]\ntilt_deg = 4.0\n\
+                    [[fibre.group]]\nname = \"ta*\"\nalong_deg = 12.0\n\
+                    [[fibre.material]]\nname = \"M*\"\neta = 1.4\n";
         let recipe = Recipe::parse("pony.toml", text).unwrap();
         let (coat, tail) = (recipe.fibre.of_coat(), recipe.fibre.of_group("tail"));
         assert_eq!(recipe.fibre.of_group("mane"), coat);

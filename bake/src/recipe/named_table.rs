@@ -79,7 +79,8 @@ macro_rules! named_table {
             }
 
             fn in_range(&self) -> bool {
-                !self.name.is_empty() $(&& self.$key.as_ref().is_none_or(|map| pelage_params::Field::in_range(map, &$range)))+
+                !self.name.is_empty()
+                    $(&& self.$key.as_ref().is_none_or(|map| pelage_params::Field::in_range(map, &$range)))+
                     $(&& $check(self).is_ok())?
             }
 

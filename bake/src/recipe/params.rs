@@ -404,7 +404,8 @@ params! {
         /// like dust.
         specular: [f32; 3] = [0.09; 3], in 0.0..=100.0;
         /// Diffuse exponent pd: 0 lights all directions alike, higher values darken hair that points to the light.
-        diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent, in pelage_formats::Shading::EXPONENT;
+        diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent,
+            in pelage_formats::Shading::EXPONENT;
         /// Specular exponent ps: higher values give a narrower highlight.
         specular_exponent: f32 = 60.0, in pelage_formats::Shading::EXPONENT;
         /// Share of the ambient light that reaches the mesh surface: 0 gives black roots, values near 1 look flat.

@@ -162,8 +162,10 @@ fn validate_looks_at_every_table() {
 
 #[test]
 fn maps_are_numbers_vertex_colours_or_images() {
-    let text = "[groom]\nlength = \"vertex#a\"\nbare = \"maps/coat.png#g\"\ncomb = \"flow.png#uv\"\ncolor = \"#ff0000\"\n\
-        [[groom.material]]\nname = \"belly*\"\nlength = 0.5\n[[groom.material]]\nname = \"tail\"\nwetness = \"vertex\"\n";
+    let text = "[groom]\nlength = \"vertex#a\"\nbare = \"maps/coat.png#g\"\n\
+                comb = \"flow.png#uv\"\ncolor = \"#ff0000\"\n\
+                [[groom.material]]\nname = \"belly*\"\nlength = 0.5\n\
+                [[groom.material]]\nname = \"tail\"\nwetness = \"vertex\"\n";
     let groom = Recipe::parse("r.toml", text).unwrap().groom;
     assert_eq!(groom.length, ScalarMap::Vertex(Channel::Alpha));
     assert_eq!(groom.bare, ScalarMap::Image { path: "maps/coat.png".into(), channel: Channel::Green });
@@ -174,7 +176,9 @@ fn maps_are_numbers_vertex_colours_or_images() {
     assert_eq!(tail.wetness, Some(ScalarMap::Vertex(Channel::Red)));
 
     let mut recipe = Recipe::default();
-    recipe.set("groom.material=[{ name = \"a\", bare = \"a.png\" }, { name = \"b\", bare = \"a.png\", color = \"c.png\" }]").unwrap();
+    let tables = "groom.material=[{ name = \"a\", bare = \"a.png\" }, \
+                  { name = \"b\", bare = \"a.png\", color = \"c.png\" }]";
+    recipe.set(tables).unwrap();
     recipe.set("color.pattern=zebra.png").unwrap();
     let images = recipe.images();
     let named: Vec<_> = images.iter().map(|(key, path)| (key.as_str(), *path)).collect();

@@ -166,9 +166,8 @@ mod tests {
         let found = remarks_of(ball(70.0, false));
         assert_eq!(
             found,
-            [
-                "the model is 140 x 140 x 140 m at rest; if it was made in a unit other than metres, set model.unit_m=0.01 or similar"
-            ]
+            ["the model is 140 x 140 x 140 m at rest; \
+              if it was made in a unit other than metres, set model.unit_m=0.01 or similar"]
         );
         assert!(
             remarks_of(ball(0.002, false))[0].contains("4.00e-3 m")

@@ -107,8 +107,8 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
     let same_height = (height_m - fur.height_m).abs() <= 1e-4 * fur.height_m.abs();
     if hair.strands.len() != fur.strands as usize || tile_size_m != fur.tile_size_m || !same_height {
         return Err(fail(format!(
-            "it grows {} strands of {height_m} m on a tile of {tile_size_m} m, expected the {} strands of {} m on a tile of {} m that the \
-             package was sliced from",
+            "it grows {} strands of {height_m} m on a tile of {tile_size_m} m, expected the {} strands of {} m on a \
+             tile of {} m that the package was sliced from",
             hair.strands.len(),
             fur.strands,
             fur.height_m,
@@ -122,8 +122,8 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
 ///
 /// * `tile_size_m`: width of the tile on the mesh surface
 ///
-/// Strands with the same fibre form one group, named by [`PosedMesh::fibre_group_name`]. The same arguments give the same strands in
-/// the same order on any number of threads.
+/// Strands with the same fibre form one group, named by [`PosedMesh::fibre_group_name`]. The same arguments give the
+/// same strands in the same order on any number of threads.
 ///
 /// # Errors
 /// [`BakeError::Params`] if that would be more strands than memory permits.

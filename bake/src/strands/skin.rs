@@ -10,8 +10,8 @@ use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Package, Pose, Skin
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 
-/// Mesh in world space with its per-vertex data. Per-vertex lists are as long as [`PosedMesh::vertices`], per-triangle lists
-/// as [`PosedMesh::triangles`].
+/// Mesh in world space with its per-vertex data. Per-vertex lists are as long as [`PosedMesh::vertices`], per-triangle
+/// lists as [`PosedMesh::triangles`].
 #[derive(Clone, Debug, Default)]
 pub struct PosedMesh {
     /// Vertices; a position occurs once for each patch, part and seam that meets there.
@@ -84,7 +84,8 @@ impl PosedMesh {
         Self::morphed(file, package, layers, &[])
     }
 
-    /// Reads and poses the mesh like [`PosedMesh::posed`], with the caller's morph target weights as for [`Pose::morph`].
+    /// Reads and poses the mesh like [`PosedMesh::posed`], with the caller's morph target weights as for
+    /// [`Pose::morph`].
     ///
     /// # Errors
     /// Same as [`PosedMesh::posed`].

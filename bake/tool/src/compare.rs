@@ -28,7 +28,12 @@ pub struct CompareArgs {
     #[arg(long, value_name = "R,G,B", default_value = "128,128,128")]
     over: Rgb,
     /// Pixels per degree of the field of vision, for FLIP; 67 is a 4K screen 0.7 m wide, viewed from 0.7 m
-    #[arg(long, value_name = "N", default_value_t = CompareParams::default().pixels_per_degree, value_parser = parse_pixels_per_degree)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = CompareParams::default().pixels_per_degree,
+        value_parser = parse_pixels_per_degree
+    )]
     pixels_per_degree: f32,
     /// Fail (exit code 7) if the mean FLIP exceeds this
     #[arg(long, value_name = "E", value_parser = parse_limit)]
@@ -100,7 +105,10 @@ pub struct CompareResult {
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Limit {
-    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["--max-flip", "--max-rmse", "--max-coverage", "--min-psnr"])))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = ["--max-flip", "--max-rmse", "--max-coverage", "--min-psnr"]))
+    )]
     option: &'static str,
     bound: f64,
     /// Measured value; null for the infinite ratio of equal pictures.

@@ -329,7 +329,8 @@ fn install_panic_hook() {
         let place = info.location().map(ToString::to_string).unwrap_or_default();
         let version = env!("CARGO_PKG_VERSION");
         output::to_stderr(&format!(
-            "error: internal error in pelage {version} at {place}: {what}; please report it with the command and its input\n"
+            "error: internal error in pelage {version} at {place}: {what}; \
+             please report it with the command and its input\n"
         ));
     }));
 }

@@ -117,8 +117,8 @@ impl PictureSeries {
         Ok((told, pixels))
     }
 
-    /// Returns the number of simulated moments per picture: at least [`MIN_SIMULATION_RATE`] per second, however few pictures
-    /// there are.
+    /// Returns the number of simulated moments per picture: at least [`MIN_SIMULATION_RATE`] per second, however few
+    /// pictures there are.
     fn moments(&self) -> i64 {
         i64::from(MIN_SIMULATION_RATE.div_ceil(self.fps))
     }

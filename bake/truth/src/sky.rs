@@ -35,7 +35,8 @@ enum Light {
 const OF_LOBES: (u32, u32) = (128, 64);
 
 impl TrueSky {
-    /// Returns the light of a panorama, rotated about the vertical as by [`Environment::rotate_about_vertical`], times `strength`.
+    /// Returns the light of a panorama, rotated about the vertical as by [`Environment::rotate_about_vertical`], times
+    /// `strength`.
     pub fn of_panorama(panorama: Panorama, yaw_deg: f32, strength: f32) -> Self {
         Self::new(Light::Picture, panorama, yaw_deg, strength)
     }

@@ -6,7 +6,13 @@
 macro_rules! words {
     (
         $(#[$meta:meta])*
-        $name:ident { $($(#[doc = $doc:literal])+ $(#[default $($no_args:tt)?])? $variant:ident = $word:literal $(was $old:literal)? $(or $flag:literal)?,)+ }
+        $name:ident {
+            $(
+                $(#[doc = $doc:literal])+
+                $(#[default $($no_args:tt)?])?
+                $variant:ident = $word:literal $(was $old:literal)? $(or $flag:literal)?,
+            )+
+        }
     ) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -36,7 +42,9 @@ macro_rules! words {
             }
 
             fn control((): &()) -> $crate::Control {
-                $crate::Control::Choice(&[$($crate::Choice { word: $word, doc: concat!($($doc, "\n"),+), was: &[$($old)?] }),+])
+                $crate::Control::Choice(&[
+                    $($crate::Choice { word: $word, doc: concat!($($doc, "\n"),+), was: &[$($old)?] }),+
+                ])
             }
 
             fn from_raw(raw: &$crate::Raw) -> Option<Self> {
@@ -80,7 +88,8 @@ macro_rules! params {
             $(
                 $(#[doc = $doc:literal])+
                 $field:ident: $ty:ty = $default:expr
-                    $(, in $range:expr $(, as $wrap:ident)?)? $(, or $unset:literal)? $(, clears $other:ident)? $(, was $old:literal)?;
+                    $(, in $range:expr $(, as $wrap:ident)?)? $(, or $unset:literal)?
+                    $(, clears $other:ident)? $(, was $old:literal)?;
             )+
         }
     ) => {
@@ -89,7 +98,9 @@ macro_rules! params {
         pub struct $name {
             $(
                 $(#[doc = $doc])+
-                #[doc = concat!("\n\n" $(, "Range `", stringify!($range), "`. ")?, "Default `", stringify!($default), "`.")]
+                #[doc = concat!(
+                    "\n\n" $(, "Range `", stringify!($range), "`. ")?, "Default `", stringify!($default), "`."
+                )]
                 pub $field: $ty,
             )+
         }
@@ -209,7 +220,13 @@ macro_rules! tables {
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct $name { $($(#[doc = $doc])+ $(#[cfg($cfg)])? pub $table: $ty,)+ }
 
-        $($(#[cfg($cfg)])? const _: () = assert!($crate::str_eq(<$ty>::TABLE.name, stringify!($table)), "a table has its field's name");)+
+        $(
+            $(#[cfg($cfg)])?
+            const _: () = assert!(
+                $crate::str_eq(<$ty>::TABLE.name, stringify!($table)),
+                "a table has its field's name"
+            );
+        )+
 
         impl $crate::Tables for $name {
             const TABLES: &'static [$crate::TableInfo] = &[$($(#[cfg($cfg)])? <$ty>::TABLE),+];

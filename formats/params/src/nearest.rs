@@ -1,7 +1,7 @@
 //! Suggestions for mistyped names.
 
-/// Minimum similarity of a misspelling: candidates below both this and `MIN_WINKLER_SIMILARITY` are not suggested, because they
-/// would mislead.
+/// Minimum similarity of a misspelling: candidates below both this and `MIN_WINKLER_SIMILARITY` are not suggested,
+/// because they would mislead.
 const MIN_EDIT_SIMILARITY: f64 = 0.4;
 const MIN_WINKLER_SIMILARITY: f64 = 0.85;
 

@@ -247,7 +247,12 @@ fn notes_are_written_directly_above_their_key() {
 
 proptest! {
     #[test]
-    fn parameters_survive_a_toml_round_trip(layers in prop::option::of(2u32..=256), strength in 0.001f32..=10.0, enabled: bool, names: Vec<String>) {
+    fn parameters_survive_a_toml_round_trip(
+        layers in prop::option::of(2u32..=256),
+        strength in 0.001f32..=10.0,
+        enabled: bool,
+        names: Vec<String>,
+    ) {
         let mut look = Look::default();
         look.picture.layers = layers;
         look.picture.enabled = enabled;

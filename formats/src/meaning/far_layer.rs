@@ -8,8 +8,8 @@ pub fn far_layer_light(path: f32, base: f32, slope: f32) -> f32 {
     1.0 / (base + slope * path)
 }
 
-/// Returns the coefficients `base` and `slope` for which [`far_layer_light`] matches the two values of `coat` at paths 1 and
-/// 4.
+/// Returns the coefficients `base` and `slope` for which [`far_layer_light`] matches the two values of `coat` at paths
+/// 1 and 4.
 ///
 /// This form is exact for fur that hides everything behind it. Hair is then seen as deep as light enters, and t is the
 /// mean of T^(ρp) over the transmittance T, 1 / (1 + ρp).

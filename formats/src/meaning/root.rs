@@ -21,8 +21,8 @@ impl RootOffset {
     }
 }
 
-/// Returns the offset from the root of hair to the point where it is seen. `aside` is mean and along of an [`RootOffset`],
-/// in any unit.
+/// Returns the offset from the root of hair to the point where it is seen. `aside` is mean and along of an
+/// [`RootOffset`], in any unit.
 pub fn root_offset(aside: Vec3, direction: Vec3) -> Vec2 {
     aside.truncate() + direction.truncate() * aside.z
 }

@@ -47,8 +47,8 @@ fn check_vertex(number: usize, bytes: [u8; 4]) -> Result<(), String> {
 }
 
 impl<'a> Package<'a> {
-    /// Returns the openness of the hair at each vertex, four bytes each ([`Openness::from_bytes`]); `None` if the package
-    /// has no such section.
+    /// Returns the openness of the hair at each vertex, four bytes each ([`Openness::from_bytes`]); `None` if the
+    /// package has no such section.
     ///
     /// Fails if the section is damaged, or its vertex count is not that of the mesh.
     pub fn openness(&self) -> Result<Option<&'a [u8]>, FormatError> {

@@ -16,7 +16,8 @@ fn text() -> impl Strategy<Value = String> {
 
 prop_compose! {
     fn geometry()(position in [finite(), finite(), finite()], normal in [finite(), finite(), finite()],
-        tangent in [finite(), finite(), finite(), finite()], fur_height in 0.0f32..1e6, lean in 0.0f32..=1.0) -> GeometryVertex {
+        tangent in [finite(), finite(), finite(), finite()], fur_height in 0.0f32..1e6,
+        lean in 0.0f32..=1.0) -> GeometryVertex {
         GeometryVertex { position, fur_height, normal, lean, tangent }
     }
 }
@@ -99,7 +100,8 @@ fn texture() -> impl Strategy<Value = Vec<u8>> {
 
 prop_compose! {
     fn material(textures: usize)(name in text(), base_color in [finite(), finite(), finite(), finite()],
-        cutoff in any::<Option<u8>>(), furred: bool, double_sided: bool, texture in 0..textures.max(1) as u32) -> Material {
+        cutoff in any::<Option<u8>>(), furred: bool, double_sided: bool,
+        texture in 0..textures.max(1) as u32) -> Material {
         // Only the first texture of a package here is suitable as base colour.
         let base_color_texture = (textures > 0 && texture == 0).then_some(0);
         let alpha_cutoff = cutoff.map(|c| f32::from(c) / 255.0);

@@ -43,7 +43,8 @@ struct Varying {
     @location(1) normal_ws: vec3<f32>,
     @location(2) color: vec3<f32>,
 }
-@vertex fn vertex(@location(0) position: vec3<f32>, @location(1) normal: vec3<f32>, @location(2) color: vec3<f32>) -> Varying {
+@vertex fn vertex(@location(0) position: vec3<f32>, @location(1) normal: vec3<f32>, \
+    @location(2) color: vec3<f32>) -> Varying {
     return Varying(view.clip_from_world * vec4(position, 1.0), position, normal, color);
 }
 @fragment fn fragment(in: Varying) -> @location(0) vec4<f32> {

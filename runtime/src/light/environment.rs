@@ -16,8 +16,8 @@ use std::sync::Arc;
 const MAP_SIZE: u32 = 24;
 /// Number of sampled light directions, 6 degrees apart.
 const DIRECTIONS: usize = 1024;
-/// Half-width of the fade-in above the lowest light direction ([`HORIZON_SINE`]), as sine of the height: half the spacing of
-/// directions.
+/// Half-width of the fade-in above the lowest light direction ([`HORIZON_SINE`]), as sine of the height: half the
+/// spacing of directions.
 const RISE: f32 = 0.05;
 /// Largest value of a half float.
 const MAX_HALF: f32 = 65_000.0;

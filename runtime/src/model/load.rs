@@ -262,8 +262,8 @@ fn hair(
         (Some(wet), Some(textures)) => {
             *gpu_bytes += uploader.hair_bytes(&textures);
             if (textures.direction.format.components() == 2) != planar {
-                let reason = "dry and wet hair have direction formats with different numbers of components, expected the same \
-                     format for both";
+                let reason = "dry and wet hair have direction formats with different numbers of components, expected \
+                     the same format for both";
                 return Err(uploader.content("fur.wet".into(), reason.into()));
             }
             Some(uploader.hair(wet.color_texture, wet.direction_texture, &textures)?)

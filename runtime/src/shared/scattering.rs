@@ -99,8 +99,8 @@ pub fn fibre_transmittance(cos_d: f32, optics: Vec4, absorbed: Vec3) -> Vec3 {
 }
 
 /// Combines the tables' texels along and around a fibre: scattered light per steradian over its irradiance, times the
-/// cosine of the light's angle. `left`: from [`fibre_transmittance`]. TRT crosses the fibre twice, and the remaining orders
-/// three times.
+/// cosine of the light's angle. `left`: from [`fibre_transmittance`]. TRT crosses the fibre twice, and the remaining
+/// orders three times.
 pub fn fibre_scatters(along: Vec4, around: Vec4, absorbed: Vec3, left: Vec3) -> Vec3 {
     let ways = along * around;
     let through = (-absorbed * around.w).map(f32::exp);
@@ -172,8 +172,9 @@ const TURNED_BACK: f32 = 0.8;
 /// Share of scattered light that leaves a sheet of hanging hair at its edges.
 const LEAKS: f32 = 0.12;
 
-/// Returns the forward and backward shares of a sheet of hanging fibres for [`diffused_light`], given those of one fibre. The
-/// two differ: light turned aside by many fibres goes back in the end, and some of it leaves the sheet at its edges.
+/// Returns the forward and backward shares of a sheet of hanging fibres for [`diffused_light`], given those of one
+/// fibre. The two differ: light turned aside by many fibres goes back in the end, and some of it leaves the sheet at
+/// its edges.
 pub fn hanging_sheet_shares(sides: [Vec3; 2]) -> [Vec3; 2] {
     let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
     [(1.0 - LEAKS) * (sides[0] + sides[1]) - back, back]

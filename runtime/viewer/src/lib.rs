@@ -2,9 +2,9 @@
 //! rebakes it when its files change.
 //!
 //! The window knows packages, looks and how to draw them. The application provides a [`Workshop`], which makes packages
-//! from models and recipes and lists the files they came from. It also provides a [`ReferenceSource`], which traces reference
-//! pictures. Both run on their own threads; the window stays responsive and shows the previous content until the new is
-//! ready.
+//! from models and recipes and lists the files they came from. It also provides a [`ReferenceSource`], which traces
+//! reference pictures. Both run on their own threads; the window stays responsive and shows the previous content until
+//! the new is ready.
 //!
 //! Every control follows from the declaration of its knob ([`pelage_params::Knob`]): the window has no list of them.
 

@@ -51,8 +51,8 @@ pub struct ViewOptions {
 pub enum ViewError {
     /// No display available.
     #[error(
-        "no window can be opened: {0}\nA window needs a desktop: on Linux an X server (DISPLAY; Wayland desktops bring one, Xwayland) and \
-             libxkbcommon-x11. Without one, `pelage render` draws into files."
+        "no window can be opened: {0}\nA window needs a desktop: on Linux an X server (DISPLAY; Wayland desktops bring \
+             one, Xwayland) and libxkbcommon-x11. Without one, `pelage render` draws into files."
     )]
     NoDisplay(String),
     /// No device can draw into it.

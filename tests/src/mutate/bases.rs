@@ -34,7 +34,8 @@ pub const SMALL: [&str; 16] = [
 ];
 
 /// Recipe that names images, materials and colour marks.
-pub const MAPS: &str = r##"# Everything that a recipe can name.
+pub const MAPS: &str = concat!(
+    r##"# Everything that a recipe can name.
 [model]
 unit_m = 0.5
 bare = ["eyes", "ho*"]
@@ -42,7 +43,9 @@ bare = ["eyes", "ho*"]
 [surface]
 tile_size_m = 0.2
 comb = "marks"
-comb_marks = [{ name = "nose", at = [0, 1, 0.5], direction = [0, 0, -1], length = 0.5, density = 2, lean = 0.1, color = "#fff0e0", reach_m = 0.4, mirrored = true }, { name = "tail", at = [0, 1, -0.5], direction = [0, -1, 0] }]
+comb_marks = [{ name = "nose", at = [0, 1, 0.5], direction = [0, 0, -1], length = 0.5, density = 2, lean = 0.1, "##,
+    r##"color = "#fff0e0", reach_m = 0.4, mirrored = true }, "##,
+    r##"{ name = "tail", at = [0, 1, -0.5], direction = [0, -1, 0] }]
 
 [hair]
 style = "curly"
@@ -100,10 +103,12 @@ line = 0.5
 [pack]
 bc_quality = "fast"
 base_color_max = 64
-"##;
+"##
+);
 
 /// Scene of two models of one package.
-pub const SCENE: &str = r##"# Two models, paths, a camera that moves.
+pub const SCENE: &str = concat!(
+    r##"# Two models, paths, a camera that moves.
 [look.picture]
 size = "16x16"
 
@@ -115,7 +120,8 @@ width = "0.05m"
 mist_m = [15, 140]
 
 [camera]
-path = [{ time_s = 0.0, eye = [0.3, 1.3, 9.0], target = [0, 0, 0], fov_deg = 34 }, { time_s = 2.0, eye = [0.9, 1.3, 9.0], target = [0.4, 0, 0], fov_deg = 34 }]
+path = [{ time_s = 0.0, eye = [0.3, 1.3, 9.0], target = [0, 0, 0], fov_deg = 34 }, "##,
+    r##"{ time_s = 2.0, eye = [0.9, 1.3, 9.0], target = [0.4, 0, 0], fov_deg = 34 }]
 
 [light]
 direction = [-1.0, 2.0, 1.5]
@@ -138,7 +144,8 @@ start_s = 0.3
 speed = 0.5
 loop = false
 path = [{ time_s = 0, position = [0.45, 0, 1.2] }, { time_s = 2, position = [1.65, 0, 1.2], heading_deg = 20 }]
-"##;
+"##
+);
 
 /// Look with all its tables.
 pub const LOOK: &str = r##"# Every table of a look.
@@ -419,7 +426,10 @@ fn model(png: &[u8], jpg: &[u8]) -> (Value, Vec<u8>) {
         "skins": [{ "joints": [0, 1], "inverseBindMatrices": bind, "skeleton": 0 }],
         "meshes": [{
             "primitives": [
-                { "attributes": attributes, "indices": body, "material": 0, "mode": 4, "targets": [{ "POSITION": blend }] },
+                {
+                    "attributes": attributes, "indices": body, "material": 0, "mode": 4,
+                    "targets": [{ "POSITION": blend }],
+                },
                 { "attributes": attributes, "indices": eyes, "material": 1, "targets": [{ "POSITION": blend }] },
             ],
             "weights": [0.5],

@@ -123,8 +123,10 @@ fn files_import_only_from_lower_layers() {
 #[test]
 fn imports_are_found() {
     let own = ["scene".to_string(), "ink".to_string()];
-    let code = "use crate::{a::{B, c}, d};\nuse super::seen::Seen;\nlet x = crate::e::f();\nmycrate::no; use super::{self, g};\n\
-                pub(in crate::nothing) fn part::of();\npub use part::Line as L;\nmod within { use super::h; use super::super::i; }";
+    let code = "use crate::{a::{B, c}, d};\nuse super::seen::Seen;\nlet x = crate::e::f();\n\
+                mycrate::no; use super::{self, g};\n\
+                pub(in crate::nothing) fn part::of();\npub use part::Line as L;\n\
+                mod within { use super::h; use super::super::i; }";
     let found = used_paths(code, &own, &BTreeSet::from(["part".to_string()]));
     let paths: Vec<String> = found.iter().map(|n| n.path.join("::")).collect();
     let expected = [

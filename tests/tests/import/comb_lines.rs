@@ -75,7 +75,13 @@ fn skinned_line(joint_of_line: u8) -> Doc {
     let (of_triangle, of_line) = (joints(&mut doc, 3, 0), joints(&mut doc, 2, joint_of_line));
     let weights = doc.floats(&[1., 0., 0., 0.].repeat(3), "VEC4");
     let two = doc.floats(&[1., 0., 0., 0.].repeat(2), "VEC4");
-    let attributes = |position: usize, joints: usize, weights: usize| json!({"POSITION": position, "JOINTS_0": joints, "WEIGHTS_0": weights});
+    let attributes = |position: usize, joints: usize, weights: usize| {
+        json!({
+            "POSITION": position,
+            "JOINTS_0": joints,
+            "WEIGHTS_0": weights,
+        })
+    };
     let body = json!({"attributes": attributes(position, of_triangle, weights)});
     let comb = json!({"attributes": attributes(points, of_line, two), "mode": 1});
     doc.push("meshes", json!({"primitives": [body]}));

@@ -127,7 +127,8 @@ fn ranges_are_checked_against_the_bytes_there_are() {
     doc.push("animations", json!({"samplers": [sampler], "channels": [channel]}));
     let place = format!("/accessors/{keys}");
     doc.json["accessors"][keys]["count"] = json!(u64::MAX);
-    let over = "18446744073709551615 elements of 4 bytes every 4 from byte 0 need more than 2^64 bytes of the bufferView, which has 4";
+    let over = "18446744073709551615 elements of 4 bytes every 4 from byte 0 \
+                need more than 2^64 bytes of the bufferView, which has 4";
     assert_eq!(doc.fault(), (place.clone(), over.to_owned()));
     doc.json["accessors"][keys]["count"] = json!(1_u64 << 40);
     doc.json["accessors"][keys].as_object_mut().unwrap().remove("bufferView");
@@ -215,7 +216,11 @@ fn sparse_accessors_are_checked() {
     let sparse = |edit: &dyn Fn(&mut Value)| {
         let mut doc = valid_doc();
         let (indices, values) = (doc.view(&[0_u8, 3]), doc.view(&[0.0_f32; 6][..].bytes()));
-        let mut sparse = json!({"count": 2, "indices": {"bufferView": indices, "componentType": U8}, "values": {"bufferView": values}});
+        let mut sparse = json!({
+            "count": 2,
+            "indices": {"bufferView": indices, "componentType": U8},
+            "values": {"bufferView": values},
+        });
         edit(&mut sparse);
         doc.json["accessors"][0]["sparse"] = sparse;
         doc.fault()

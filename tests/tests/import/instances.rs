@@ -99,7 +99,10 @@ fn instance_errors_name_the_field() {
         (|doc| json!({"TRANSLATION": doc.floats(&[0.; 4], "VEC4")}), "TRANSLATION", "expected 3 x f32"),
         (|doc| json!({"TRANSLATION": doc.floats(&[0., f32::NAN, 0.], "VEC3")}), "TRANSLATION", "element 0"),
         (
-            |doc| json!({"SCALE": doc.push("accessors", json!({"componentType": F32, "type": "VEC3", "count": 70_000}))}),
+            |doc| {
+                let accessor = json!({"componentType": F32, "type": "VEC3", "count": 70_000});
+                json!({"SCALE": doc.push("accessors", accessor)})
+            },
             "SCALE",
             "expected at most 65536 instances in a document",
         ),

@@ -131,10 +131,15 @@ fn pointers(value: &Value, here: String, out: &mut Vec<String>) {
 }
 
 fn odd_values() -> Vec<Value> {
-    let list = r#"[null, true, -1, 0, 1, 2, 3, 4, 5, 7, 255, 1e39, -1e39, 1e-45, 0.5, 65536, 16777216, 4294967295, 4294967296,
-        9007199254740993, 18446744073709551615, 1e300, "", "x", "CUBICSPLINE", "STEP", "weights", "VEC4", "MAT4", "SCALAR",
-        "data:,", "data:;base64,AAAA", "../x", [], [0], [0, 0, 0], [1e38, 1e38, 1e38], [0, 0, 0, 0], {}, {"a": 1}, 5120, 5121,
-        5123, 5125, 5126]"#;
+    let list = concat!(
+        r#"[null, true, -1, 0, 1, 2, 3, 4, 5, 7, 255, 1e39, -1e39, 1e-45, 0.5, 65536, "#,
+        r#"16777216, 4294967295, 4294967296,
+        9007199254740993, 18446744073709551615, 1e300, "", "x", "CUBICSPLINE", "STEP", "weights", "#,
+        r#""VEC4", "MAT4", "SCALAR",
+        "data:,", "data:;base64,AAAA", "../x", [], [0], [0, 0, 0], [1e38, 1e38, 1e38], [0, 0, 0, 0], {}, {"a": 1}, "#,
+        r#"5120, 5121,
+        5123, 5125, 5126]"#
+    );
     serde_json::from_str::<Vec<Value>>(list).unwrap()
 }
 

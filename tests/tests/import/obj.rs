@@ -234,7 +234,8 @@ fn png() -> Vec<u8> {
 #[test]
 fn material_colours_and_images_are_read() {
     let text = format!("mtllib my skins/a.mtl\n{SQUARE}usemtl coat\nf 1 2 3\nusemtl grey\nf 1 3 4\n");
-    let mtl = b"newmtl coat\nKd 0.5 0.25 0\nmap_Kd -s 1 1 1 maps\\coat 1.png\nnewmtl grey\nKd 0.5\nnewmtl unused\nmap_Kd no.png\n";
+    let mtl = b"newmtl coat\nKd 0.5 0.25 0\nmap_Kd -s 1 1 1 maps\\coat 1.png\n\
+                newmtl grey\nKd 0.5\nnewmtl unused\nmap_Kd no.png\n";
     let png = png();
     let files = [("my%20skins/a.mtl", &mtl[..]), ("my%20skins/maps/coat%201.png", &png)];
     let m = with_files(&text, &files, &ImportOptions::default()).unwrap();

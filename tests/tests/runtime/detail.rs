@@ -177,7 +177,8 @@ fn level_changes_do_not_pop_while_the_camera_recedes() {
         let with = largest(&mut stage, AUTO);
         let switched = largest(&mut hard, AUTO);
         println!(
-            "from {:.2} to {:.2} px: largest FLIP between frames {without:.5} without levels, {with:.5} with, {switched:.5} switched at once",
+            "from {:.2} to {:.2} px: largest FLIP between frames {without:.5} without levels, \
+             {with:.5} with, {switched:.5} switched at once",
             level.full_px, level.gone_px
         );
         assert!(with < 1.5 * without, "step {}: {with} against {without}", level.step);

@@ -15,7 +15,8 @@ fn wall(gpu: &Gpu, options: &RendererOptions) -> wgpu::RenderPipeline {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
         source: wgpu::ShaderSource::Wgsl(
-            "@vertex fn vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) depth: u32) -> @builtin(position) vec4<f32> {
+            "@vertex fn vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) depth: u32) \
+                -> @builtin(position) vec4<f32> {
                 let corner = vec2(f32(i & 1u), f32(i >> 1u));
                 return vec4(corner.x - 1.0, 2.0 * corner.y - 1.0, f32(depth) / 100.0, 1.0);
             }

@@ -600,7 +600,8 @@ fn soft_shadows() {
     assert_truth_twin_and_shader_agree(
         "soft_shadows",
         soft_shadow::WGSL,
-        "vec4(soft_shadow(in_0, in_1.x, in_1.y, in_1.z, SoftShadow(0.5, 0.2, 0.004, 0.001), in_1.w > 0.5), 0.0, 0.0, 0.0)",
+        "vec4(soft_shadow(in_0, in_1.x, in_1.y, in_1.z, \
+         SoftShadow(0.5, 0.2, 0.004, 0.001), in_1.w > 0.5), 0.0, 0.0, 0.0)",
         &cases,
         truth,
         |c| xf(soft_shadow::soft_shadow(Vec4::from(c[0]), c[1][0], c[1][1], c[1][2], &s, c[1][3] > 0.5)),
@@ -647,7 +648,9 @@ fn light_received() {
     assert_truth_twin_and_shader_agree(
         "light_received",
         receiver::WGSL,
-        "vec4(light_at_place(in_0, in_1, in_2.x, ShadowReceiver(mat4x4<f32>(), SoftShadow(0.5, 0.2, 0.004, 0.001), u32(in_2.y), 0u, 0u, 0u)), 0.0, 0.0, 0.0)",
+        "vec4(light_at_place(in_0, in_1, in_2.x, \
+         ShadowReceiver(mat4x4<f32>(), SoftShadow(0.5, 0.2, 0.004, 0.001), \
+         u32(in_2.y), 0u, 0u, 0u)), 0.0, 0.0, 0.0)",
         &cases,
         truth,
         |c| xf(receiver::light_at_place(Vec4::from(c[0]), Vec4::from(c[1]), c[2][0], &receiver(c[2][1]))),
@@ -691,7 +694,8 @@ fn tile_visibility_matches_the_shader() {
     assert_truth_twin_and_shader_agree(
         "visibility_towards and light_in_tile",
         visibility::WGSL,
-        "vec4(light_in_tile(in_1.xyz, in_2.x, in_2.y), visibility_towards(in_0, light_in_tile(in_1.xyz, in_2.x, in_2.y), in_2.z))",
+        "vec4(light_in_tile(in_1.xyz, in_2.x, in_2.y), \
+         visibility_towards(in_0, light_in_tile(in_1.xyz, in_2.x, in_2.y), in_2.z))",
         &cases,
         |[texel, light, c]| {
             let (l, share, slope) = (d(light), f64::from(c[0]), f64::from(c[1]));

@@ -58,7 +58,8 @@ fn layers_between_levels_on_the_gpu_match_the_cpu() {
     let Some(gpu) = gpu("layers_between_levels") else { return };
     let expression = "vec4(f32(detail_layer(u32(in_0.x), u32(in_0.y), u32(in_0.z), in_0.w)), \
                       detail_fade(1u + u32(in_0.x) % (u32(in_0.y) - 1u), u32(in_0.y), u32(in_0.z), in_0.w), \
-                      detail_exponent(1u + u32(in_0.x) % (u32(in_0.y) - 1u), u32(in_0.y), u32(in_0.z), in_0.w, 1.0, 1.25), 0.0)";
+                      detail_exponent(1u + u32(in_0.x) % (u32(in_0.y) - 1u), u32(in_0.y), u32(in_0.z), in_0.w, \
+                      1.0, 1.25), 0.0)";
     for (case, found) in cases.iter().zip(evaluate(gpu, detail::WGSL, expression, &cases)) {
         let ([index, baked, step], gone) = ([case[0][0], case[0][1], case[0][2]].map(|x| x as u32), case[0][3]);
         let layer = 1 + index % (baked - 1);
@@ -77,7 +78,8 @@ fn exponents_heights_and_light_on_the_gpu_match_the_cpu() {
         (0..200).map(|i| [[(1 + i % 15) as f32, (i % 7) as f32 / 7.0, 1.0 + (i % 5) as f32, 0.1 * i as f32]]).collect();
     let Some(gpu) = gpu("exponents_heights_and_light") else { return };
     let expression = "vec4(detail_exponent(u32(in_0.x), 16u, 2u, 7.0 * in_0.y, 1.0, 1.25), \
-                      visible_height(in_0.x / 15.0, in_0.z, 16u), coat_light(in_0.z, 1.0, in_0.w), light_within(0.05 * in_0.w, in_0.z))";
+                      visible_height(in_0.x / 15.0, in_0.z, 16u), coat_light(in_0.z, 1.0, in_0.w), \
+                      light_within(0.05 * in_0.w, in_0.z))";
     for (case, found) in cases.iter().zip(evaluate(gpu, detail::WGSL, expression, &cases)) {
         let [layer, fade, number, slope] = case[0];
         let twin = [

@@ -323,7 +323,8 @@ impl Square {
         let source = "
             @group(0) @binding(0) var<uniform> clip_from_world: mat4x4<f32>;
             @vertex fn main(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
-                var corners = array(vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0));
+                var corners = array(vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), \
+                    vec2(-1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0));
                 return clip_from_world * vec4(corners[i] * 0.04, 0.1, 1.0);
             }";
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {

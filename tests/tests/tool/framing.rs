@@ -7,8 +7,8 @@ use pelage_tests::schema;
 use serde_json::Value;
 
 /// Small settings, and formats without an encoder.
-const SMALL: &str = "--set slice.tile_texels=32 --set slice.layers=4 --set hair.density=60 --set pack.shell_format=rgba8 \
-    --set pack.direction_format=rg8 --set pack.base_color_format=rgba8";
+const SMALL: &str = "--set slice.tile_texels=32 --set slice.layers=4 --set hair.density=60 \
+    --set pack.shell_format=rgba8 --set pack.direction_format=rg8 --set pack.base_color_format=rgba8";
 
 /// Returns a folder with `hare.pelage`.
 fn sandbox() -> Sandbox {

@@ -13,14 +13,16 @@ use std::time::{Duration, Instant};
 
 /// Two models, one in two variants, with pictures, references in parts, comparisons, and a sequence in shares; all
 /// small.
-const HERD: &str = r#"
+const HERD: &str = concat!(
+    r#"
 title = "A herd of <three>"
 
 [[model]]
 files = "animals/*.{glb,obj,gltf}"
 
 [[recipe]]
-set = { slice = { tile_texels = 32, layers = 4 }, "hair.density" = 60, pack.shell_format = "rgba8", "ink.enabled" = false, "visibility.enabled" = false }
+set = { slice = { tile_texels = 32, layers = 4 }, "#,
+    r#""hair.density" = 60, pack.shell_format = "rgba8", "ink.enabled" = false, "visibility.enabled" = false }
 
 [[recipe]]
 models = "*knot*"
@@ -48,7 +50,8 @@ view = "front"
 frames = 3
 shares = 2
 auto_rotate = true
-"#;
+"#
+);
 
 /// Number of tasks: three packages with bake, inspection, picture, two traced parts, merge and comparison; and two
 /// shares of a sequence.

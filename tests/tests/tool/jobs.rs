@@ -75,7 +75,14 @@ fn depfile_names_every_file_read() {
     assert_eq!(run.code, Some(0), "{run:?}");
     let text = String::from_utf8(sandbox.read("out/m.d")).unwrap();
     let rule = text.split("\n\n").next().unwrap();
-    let expected = "out/m.pelage: \\\n  recipes/r.toml \\\n  recipes/length.png \\\n  models/m.gltf \\\n  models/a\\ mesh.bin \\\n  models/skin\\ \\#1.png";
+    let expected = concat!(
+        "out/m.pelage: \\\n",
+        "  recipes/r.toml \\\n",
+        "  recipes/length.png \\\n",
+        "  models/m.gltf \\\n",
+        "  models/a\\ mesh.bin \\\n",
+        "  models/skin\\ \\#1.png"
+    );
     assert_eq!(rule.trim_end(), expected);
     // A deleted file must not be an error in Make.
     assert!(text.contains("\nrecipes/length.png:\n"), "{text}");

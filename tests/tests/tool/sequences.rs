@@ -157,14 +157,19 @@ fn models_and_camera_follow_their_paths() {
     let sandbox = sandbox();
     let scene = |target: &str, place: &str| {
         let camera = format!("[camera]\npath = [\n{{ time_s = 0, {target} }},\n{{ time_s = 2, {target} }}]\n");
-        sandbox.write("a.toml", format!("[view]\nsize = \"96x96\"\n{camera}[light]\ndirection = [0, 1, 0]\n[[model]]\npackage = \"hare.pelage\"\n{place}\n"));
+        let text = format!(
+            "[view]\nsize = \"96x96\"\n{camera}[light]\ndirection = [0, 1, 0]\n\
+             [[model]]\npackage = \"hare.pelage\"\n{place}\n"
+        );
+        sandbox.write("a.toml", text);
         let (value, _) = rendered(&sandbox, &["a.toml", "-o", "a.png", "--time", "1"]);
         (value["covered_pixels"].as_f64().unwrap(), image::open(sandbox.path().join("a.png")).unwrap().into_rgba8())
     };
     let (at_origin, first) = scene("eye = [0, 0.3, 2], target = [0, 0.2, 0]", "");
     assert!(at_origin > 300.0);
     // Halfway between two positions, with the camera moved equally: the same picture, except for rounding at edges.
-    let path = "path = [{ time_s = 0, position = [4, 1, 0], heading_deg = 0 }, { time_s = 2, position = [6, 1, 0], heading_deg = 0 }]";
+    let path = "path = [{ time_s = 0, position = [4, 1, 0], heading_deg = 0 }, \
+                { time_s = 2, position = [6, 1, 0], heading_deg = 0 }]";
     let (moved, second) = scene("eye = [5, 1.3, 2], target = [5, 1.2, 0]", path);
     assert!((moved / at_origin - 1.0).abs() < 0.02, "{at_origin} and {moved} pixels");
     let differ =
@@ -404,8 +409,11 @@ fn interrupted_sequence_resumes() {
     let sandbox = sandbox();
     sandbox.write(
         "a.toml",
-        "[view]\nsize = \"200x150\"\n[sequence]\nframes = 14\n[camera]\npath = [{ time_s = 0, eye = [0, 1, 2], target = [0, 0.2, 0] }, { time_s = 1, eye = [1, 1, 2], target = [0, 0.2, 0] }]\n\
-         [[model]]\npackage = \"hare.pelage\"\nclip = \"EarBreath\"\npath = [{ time_s = 0, position = [-0.5, 0, 0] }, { time_s = 1, position = [0.5, 0, 0] }]\n\
+        "[view]\nsize = \"200x150\"\n[sequence]\nframes = 14\n\
+         [camera]\npath = [{ time_s = 0, eye = [0, 1, 2], target = [0, 0.2, 0] }, \
+         { time_s = 1, eye = [1, 1, 2], target = [0, 0.2, 0] }]\n\
+         [[model]]\npackage = \"hare.pelage\"\nclip = \"EarBreath\"\n\
+         path = [{ time_s = 0, position = [-0.5, 0, 0] }, { time_s = 1, position = [0.5, 0, 0] }]\n\
          [[model]]\npackage = \"torus.pelage\"\nposition = [0, 0.2, -1]\nscale = 0.3\n",
     );
     std::fs::create_dir(sandbox.path().join("whole")).unwrap();

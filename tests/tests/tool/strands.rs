@@ -47,7 +47,8 @@ fn guided_hair_is_drawn_as_in_the_reference() {
     }
     let sandbox = Sandbox::new();
     let recipe = std::fs::read_to_string(workspace().join("assets/recipes/hare.toml")).unwrap();
-    let groups = "\n[[strands.group]]\nname = \"beard\"\nmaterial = \"Coat*\"\nhairs = 1500\nguides = 200\nlength_m = 0.12\n\
+    let groups = "\n[[strands.group]]\nname = \"beard\"\nmaterial = \"Coat*\"\n\
+                  hairs = 1500\nguides = 200\nlength_m = 0.12\n\
                   root_radius_m = 0.0006\nroot_color = \"#a04020\"\ntip_color = \"#e0c090\"\nclump = 0.3\n\
                   [[strands.tuft]]\nname = \"whiskers\"\nat = [0.03, 0.4, 0.4]\nmirrored = true\nlength_m = 0.1\n";
     std::fs::write(sandbox.path().join("hare.toml"), recipe + groups).unwrap();
@@ -89,7 +90,8 @@ fn guided_hair_is_drawn_as_in_the_reference() {
         done(&[&["render", "bald.pelage", "-o", &bald_png][..], &size, &samples, when].concat());
         let [bald_coverage, bald_flip] = against(&bald_png);
         println!(
-            "{name}: coverage off by {coverage:.4}, FLIP {flip:.4}; without the hair {bald_coverage:.4} and {bald_flip:.4}"
+            "{name}: coverage off by {coverage:.4}, FLIP {flip:.4}; \
+             without the hair {bald_coverage:.4} and {bald_flip:.4}"
         );
         assert!(coverage < 0.3 * bald_coverage && flip < 0.5 * bald_flip, "{name}");
     }

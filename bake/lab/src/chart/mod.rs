@@ -237,7 +237,8 @@ mod tests {
         };
         assert_eq!(
             chart.csv(),
-            "series,s,e,k,adapter,default,on_front,on_front_e,command\r\n\"a, b\",0.333333,NaN,,cpu,1,0,0,\"x \"\"y\"\"\"\r\n"
+            "series,s,e,k,adapter,default,on_front,on_front_e,command\r\n\
+             \"a, b\",0.333333,NaN,,cpu,1,0,0,\"x \"\"y\"\"\"\r\n"
         );
     }
 }

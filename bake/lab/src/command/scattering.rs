@@ -157,7 +157,8 @@ fn fit(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, absorbed: vec3<f32>) ->
     let half_phi = sqrt(0.5 + 0.5 * cos_phi);
     let across = 1.19 / cos_d + 0.36 * cos_d;
     let off = sin_i + sin_o;
-    let r = lobe(0.26 * 1.41421356 * max(half_phi, 0.05), off + 0.1) * 0.25 * half_phi * schlick(sqrt(0.5 + 0.5 * dot(light, eye)));
+    let r = lobe(0.26 * 1.41421356 * max(half_phi, 0.05), off + 0.1) * 0.25 * half_phi \
+        * schlick(sqrt(0.5 + 0.5 * dot(light, eye)));
     let offset = half_phi * (1.0 + (0.6 - 0.8 * cos_phi) / across);
     let f = 1.0 - schlick(cos_d * sqrt(max(1.0 - offset * offset, 0.0)));
     let tt = lobe(0.13, off - 0.05) * f * f * exp(-3.65 * cos_phi - 3.98);

@@ -21,7 +21,8 @@ pub const ROW: Row = Row {
     method: "light from a sky",
     cliff: "narrow lobes, indices that pass 2, light along the hair, negative light, \
             a sun on the horizon and the seam, black and broken panoramas",
-    naive: "exp(-k) I0(k) in 32 bits, Gaussians for TRT, azimuths by normalised parts, plain least squares, a mean of columns, means over sums",
+    naive: "exp(-k) I0(k) in 32 bits, Gaussians for TRT, azimuths by normalised parts, \
+            plain least squares, a mean of columns, means over sums",
     safe: "scaled I0, sums of cosines, a fixed azimuth where none is defined, no negative lobes, \
            a mean of directions, invalid pixels replaced",
     drive,

@@ -20,9 +20,9 @@
 //! change, so that nothing drifts. A root whose velocity changes suddenly pulls at the lengths: that impulse is the
 //! same projection.
 //!
-//! [`TrueGuide::converged`] halves the steps until that changes nothing. Sensitivity to rounding remains: a slack string
-//! whips, and its motion no longer depends on its start. Such motions have no truth beyond the first seconds, as the
-//! number of steps that halving needs shows.
+//! [`TrueGuide::converged`] halves the steps until that changes nothing. Sensitivity to rounding remains: a slack
+//! string whips, and its motion no longer depends on its start. Such motions have no truth beyond the first seconds, as
+//! the number of steps that halving needs shows.
 //!
 //! There are no colliders, and every point but the root is completely free: friction and freedom are defined by steps,
 //! and have no equation to compare with.

@@ -66,8 +66,8 @@ impl BareReason {
 ///
 /// * `rest`: rest pose of the model's mesh
 /// * `bare`: patterns, in which `*` matches any characters and `?` one, ignoring case. With `None`, bare materials are
-///   detected and reported in [`FurredMaterials::decision`]; a single material is always furred, and so are all if none would be
-///   left.
+///   detected and reported in [`FurredMaterials::decision`]; a single material is always furred, and so are all if none
+///   would be left.
 ///
 /// Patterns without a matching material, and models whose materials all look bare, are reported in `warnings`.
 pub fn find_furred_materials(

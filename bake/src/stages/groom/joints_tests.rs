@@ -93,7 +93,10 @@ fn tables_without_effect_are_reported() {
     let tables = "[[groom.joint]]\nname = \"trunk\"\nlength = 0.5\n[[groom.joint]]\nname = \"NECK\"\nlength = 0.5\n";
     let (_, warnings) = values(tables);
     assert!(
-        matches!(&warnings[..], [one] if one.contains("\"trunk\"") && one.contains("Ear.L") && !one.contains("Armature")),
+        matches!(
+            &warnings[..],
+            [one] if one.contains("\"trunk\"") && one.contains("Ear.L") && !one.contains("Armature")
+        ),
         "{warnings:?}"
     );
     let groom = Recipe::parse("r.toml", tables).unwrap().groom;

@@ -95,7 +95,8 @@ fn constants_vertex_colours_and_images_are_read() {
 #[test]
 fn tables_for_materials_win_and_shared_vertices_take_the_mean() {
     let text = "[groom]\nlength = 0.5\ndensity = 2\n[[groom.material]]\nname = \"*\"\nlength = 0.25\n\
-        [[groom.material]]\nname = \"nose?\"\nlength = 0\n[[groom.material]]\nname = \"NOSE\"\nlength = 0.75\ndensity = 4";
+                [[groom.material]]\nname = \"nose?\"\nlength = 0\n\
+                [[groom.material]]\nname = \"NOSE\"\nlength = 0.75\ndensity = 4";
     let found = evaluate(text, [true, true]);
     assert_eq!(found.coat.length, [0.5, 0.25, 0.5, 0.75]);
     assert_eq!(found.lay.density.unwrap(), [3.0, 2.0, 3.0, 4.0]);
@@ -253,8 +254,8 @@ fn projected_images_need_no_texture_coordinates() {
     let (mut mesh, materials, rest) = square();
     mesh.parts.iter_mut().for_each(|part| part.has_uvs = false);
     let bounds = crate::stages::groom::bounds(&rest);
-    let text = "[groom]\ncoordinates = \"z\"\nlength = \"a.png\"\nlean = \"a.png#g\"\nbare = \"a.png\"\ncomb = \"flow.png#uv\"\n\
-                color = \"a.png\"\ndensity = \"a.png\"";
+    let text = "[groom]\ncoordinates = \"z\"\nlength = \"a.png\"\nlean = \"a.png#g\"\nbare = \"a.png\"\n\
+                comb = \"flow.png#uv\"\ncolor = \"a.png\"\ndensity = \"a.png\"";
     let groom = Recipe::parse("r.toml", text).unwrap().groom;
     let (images, mut warnings) = (images(), Vec::new());
     let along = groom.coordinates.projection().unwrap();

@@ -74,7 +74,8 @@ fn mark_value_holds_at_its_position_and_fades_outwards() {
 #[test]
 fn overlapping_marks_are_blended() {
     let model = ball();
-    let list = "{ name = \"a\", at = [0, 0, 1], length = 1, density = 4, reach_m = 1.2 }, { name = \"b\", at = [1, 0, 0], length = 0, reach_m = 1.2 }";
+    let list = "{ name = \"a\", at = [0, 0, 1], length = 1, density = 4, reach_m = 1.2 }, \
+                { name = \"b\", at = [1, 0, 0], length = 0, reach_m = 1.2 }";
     let (values, _) = spread(&model, list, &[]);
     let length = |angle: f32| blend_marks(&values.length, at(&model, round(angle)), 0.5);
     let quarter = std::f32::consts::FRAC_PI_2;

@@ -103,8 +103,8 @@ fn painted_maps_apply_at_the_painted_position() {
     let model = torus();
     let atlas = ModelAtlas::new("torus", &model).unwrap();
     let file = MapImages { images: [("l.png".to_owned(), painted(&atlas, 512, share))].into(), ..MapImages::default() };
-    let text = "[groom]\ncoordinates = \"atlas\"\nlength = \"l.png\"\nbare = \"l.png\"\nwetness = \"l.png#g\"\ncomb = \"l.png\"\n\
-                color = \"l.png\"";
+    let text = "[groom]\ncoordinates = \"atlas\"\nlength = \"l.png\"\nbare = \"l.png\"\nwetness = \"l.png#g\"\n\
+                comb = \"l.png\"\ncolor = \"l.png\"";
     let groom = Recipe::parse("r.toml", text).unwrap().groom;
     let mut warnings = Vec::new();
     let maps = Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut warnings)

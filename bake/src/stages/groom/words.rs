@@ -37,8 +37,10 @@ pub(super) const BARE: &[BareWords] = &[
     BareWords { most: PART, words: EYES },
     // Teeth, tongue, inside of the mouth.
     BareWords { most: PART, words: &[
-        "tooth", "teeth", "fang", "tusk", "molar", "incisor", "tongue", "gums", "palate", "innermouth", "mouthbag", "mouthcavity",
-        "zahn", "zahne", "zaehne", "reisszahn", "reisszahne", "zunge", "zahnfleisch", "gaumen", "mundhohle", "mundhoehle",
+        "tooth", "teeth", "fang", "tusk", "molar", "incisor", "tongue", "gums", "palate", "innermouth", "mouthbag",
+        "mouthcavity",
+        "zahn", "zahne", "zaehne", "reisszahn", "reisszahne", "zunge", "zahnfleisch", "gaumen", "mundhohle",
+        "mundhoehle",
         "dent", "croc", "langue", "gencive", "diente", "colmillo", "lengua", "encia",
         "dente", "denti", "zanna", "zanne", "lingua", "gengiva", "gengive", "presa",
         "kiba", "haguki", "yachi", "shetou",
@@ -46,39 +48,46 @@ pub(super) const BARE: &[BareWords] = &[
     ] },
     // Claws, hooves, horns, beaks.
     BareWords { most: PART, words: &[
-        "claw", "talon", "nail", "toenail", "fingernail", "hoof", "hooves", "horn", "antler", "beak", "pad", "pawpad", "toebean",
-        "kralle", "krallen", "klaue", "klauen", "nagel", "naegel", "huf", "hufe", "horner", "hoerner", "geweih", "schnabel",
+        "claw", "talon", "nail", "toenail", "fingernail", "hoof", "hooves", "horn", "antler", "beak", "pad", "pawpad",
+        "toebean",
+        "kralle", "krallen", "klaue", "klauen", "nagel", "naegel", "huf", "hufe", "horner", "hoerner", "geweih",
+        "schnabel",
         "griffe", "ongle", "sabot", "corne", "ramure", "bec",
         "garra", "uña", "pezuña", "cuerno", "cornamenta", "pico",
         "artiglio", "artigli", "unghia", "unghie", "zoccolo", "zoccoli", "corno", "corna", "becco",
         "unha", "casco", "chifre", "bico",
         "tsume", "hizume", "tsuno", "kuchibashi", "zhijia", "niaozui",
-        "爪", "蹄", "角", "嘴", "喙", "鉤爪", "かぎ爪", "ひづめ", "つの", "ツノ", "枝角", "くちばし", "クチバシ", "指甲", "趾甲", "利爪", "蹄子", "马蹄", "馬蹄",
-        "犄角", "牛角", "羊角", "鹿角", "鸟嘴", "鳥嘴",
+        "爪", "蹄", "角", "嘴", "喙", "鉤爪", "かぎ爪", "ひづめ", "つの", "ツノ", "枝角", "くちばし", "クチバシ", "指甲", "趾甲", "利爪", "蹄子", "马蹄",
+        "馬蹄", "犄角", "牛角", "羊角", "鹿角", "鸟嘴", "鳥嘴",
     ] },
     // Noses.
     BareWords { most: NOSE, words: &[
-        "nose", "nostril", "nase", "nuster", "nustern", "nuester", "nuestern", "nez", "truffe", "narine", "nariz", "fosa", "naso", "narice", "narici",
-        "narina", "bizi", "bikong", "鼻", "鼻子", "鼻孔", "鼻头", "鼻頭", "鼻先", "はな",
+        "nose", "nostril", "nase", "nuster", "nustern", "nuester", "nuestern", "nez", "truffe", "narine", "nariz",
+        "fosa", "naso", "narice", "narici", "narina", "bizi", "bikong", "鼻", "鼻子", "鼻孔", "鼻头", "鼻頭", "鼻先", "はな",
     ] },
     // Worn things and their materials.
     BareWords { most: WORN, words: &[
-        "cloth", "clothes", "clothing", "garment", "shirt", "tshirt", "pants", "trousers", "jeans", "shorts", "skirt", "dress", "jacket", "vest", "scarf",
-        "hat", "helmet", "glove", "sock", "shoe", "boot", "horseshoe", "collar", "dogtag", "belt", "buckle", "strap", "saddle", "bridle", "reins", "halter",
-        "harness", "stirrup", "leash", "armor", "armour", "ribbon", "bowtie", "leather", "metal", "glass", "glasses", "goggles", "sunglasses", "lens", "lenses",
-        "kleid", "kleidung", "hemd", "hose", "rock", "jacke", "schal", "hut", "helm", "mutze", "muetze", "schuh", "schuhe", "stiefel", "hufeisen", "halsband",
-        "gurtel", "guertel", "sattel", "zaumzeug", "zugel", "zuegel", "trense", "halfter", "geschirr", "rustung", "ruestung", "metall", "glas", "brille", "linse",
-        "vetement", "chemise", "pantalon", "jupe", "veste", "echarpe", "chapeau", "casque", "gant", "chaussure", "botte", "collier", "ceinture", "selle",
-        "bride", "renes", "harnais", "verre", "lunettes", "lentille",
-        "ropa", "camisa", "falda", "chaqueta", "bufanda", "sombrero", "guante", "zapato", "bota", "cinturon", "montura", "brida", "riendas", "arnes",
-        "vidrio", "gafas", "lente",
-        "vestito", "vestiti", "camicia", "pantaloni", "gonna", "giacca", "sciarpa", "cappello", "guanto", "guanti", "scarpa", "scarpe", "stivale", "stivali",
-        "collare", "cintura", "sella", "briglia", "briglie", "metallo", "vetro", "occhiali",
-        "roupa", "calca", "saia", "jaqueta", "cachecol", "chapeu", "luva", "sapato", "coleira", "cinto", "sela", "redea", "vidro", "oculos",
+        "cloth", "clothes", "clothing", "garment", "shirt", "tshirt", "pants", "trousers", "jeans", "shorts", "skirt",
+        "dress", "jacket", "vest", "scarf", "hat", "helmet", "glove", "sock", "shoe", "boot", "horseshoe", "collar",
+        "dogtag", "belt", "buckle", "strap", "saddle", "bridle", "reins", "halter", "harness", "stirrup", "leash",
+        "armor", "armour", "ribbon", "bowtie", "leather", "metal", "glass", "glasses", "goggles", "sunglasses", "lens",
+        "lenses",
+        "kleid", "kleidung", "hemd", "hose", "rock", "jacke", "schal", "hut", "helm", "mutze", "muetze", "schuh",
+        "schuhe", "stiefel", "hufeisen", "halsband", "gurtel", "guertel", "sattel", "zaumzeug", "zugel", "zuegel",
+        "trense", "halfter", "geschirr", "rustung", "ruestung", "metall", "glas", "brille", "linse",
+        "vetement", "chemise", "pantalon", "jupe", "veste", "echarpe", "chapeau", "casque", "gant", "chaussure",
+        "botte", "collier", "ceinture", "selle", "bride", "renes", "harnais", "verre", "lunettes", "lentille",
+        "ropa", "camisa", "falda", "chaqueta", "bufanda", "sombrero", "guante", "zapato", "bota", "cinturon", "montura",
+        "brida", "riendas", "arnes", "vidrio", "gafas", "lente",
+        "vestito", "vestiti", "camicia", "pantaloni", "gonna", "giacca", "sciarpa", "cappello", "guanto", "guanti",
+        "scarpa", "scarpe", "stivale", "stivali", "collare", "cintura", "sella", "briglia", "briglie", "metallo",
+        "vetro", "occhiali",
+        "roupa", "calca", "saia", "jaqueta", "cachecol", "chapeu", "luva", "sapato", "coleira", "cinto", "sela",
+        "redea", "vidro", "oculos",
         "kutsu", "kubiwa", "megane", "kinzoku", "yifu", "xiezi", "xiangquan", "jinshu", "boli",
-        "服", "衣服", "衣装", "靴", "帽子", "首輪", "手綱", "鞍", "馬具", "金属", "眼鏡", "シャツ", "ズボン", "スカート", "ベルト", "リボン", "マフラー", "メガネ", "めがね",
-        "ガラス", "レンズ", "メタル", "鞋", "鞋子", "靴子", "衬衫", "襯衫", "裤子", "褲子", "裙子", "项圈", "項圈", "腰带", "腰帶", "围巾", "圍巾", "马鞍", "馬鞍",
-        "缰绳", "韁繩", "马具", "金屬", "玻璃", "眼镜", "铃铛", "鈴鐺", "鈴",
+        "服", "衣服", "衣装", "靴", "帽子", "首輪", "手綱", "鞍", "馬具", "金属", "眼鏡", "シャツ", "ズボン", "スカート", "ベルト", "リボン", "マフラー",
+        "メガネ", "めがね", "ガラス", "レンズ", "メタル", "鞋", "鞋子", "靴子", "衬衫", "襯衫", "裤子", "褲子", "裙子", "项圈", "項圈", "腰带", "腰帶", "围巾",
+        "圍巾", "马鞍", "馬鞍", "缰绳", "韁繩", "马具", "金屬", "玻璃", "眼镜", "铃铛", "鈴鐺", "鈴",
     ] },
 ];
 
@@ -89,7 +98,8 @@ pub(super) const MOUTH: BareWords =
 /// Words that mark the inside of a mouth.
 #[rustfmt::skip]
 pub(super) const INSIDE: &[&str] = &[
-    "inside", "inner", "interior", "in", "cavity", "bag", "innen", "innere", "interieur", "dentro", "interno", "interna", "uchi",
+    "inside", "inner", "interior", "in", "cavity", "bag", "innen", "innere", "interieur", "dentro", "interno",
+    "interna", "uchi",
 ];
 
 /// Snouts: such a name means the furred snout as often as the bare nose on it, so geometry never makes it bare.
@@ -100,9 +110,11 @@ pub(super) const SNOUT: &[&str] =
 /// bare parts.
 #[rustfmt::skip]
 pub(super) const FURRED: &[&str] = &[
-    "fur", "furry", "body", "skin", "coat", "hair", "hairs", "hide", "pelt", "wool", "fleece", "mane", "tail", "fluff", "plush", "feather", "plumage",
-    "brow", "brows", "lash", "lashes", "lid", "eyelid", "eyebrow", "eyelash", "socket", "area", "around", "bridge", "ring", "patch", "spot", "corner",
-    "fell", "haut", "korper", "koerper", "haar", "haare", "pelz", "mahne", "maehne", "wolle", "schweif", "lider", "wimper", "wimpern", "braue", "brauen",
+    "fur", "furry", "body", "skin", "coat", "hair", "hairs", "hide", "pelt", "wool", "fleece", "mane", "tail", "fluff",
+    "plush", "feather", "plumage", "brow", "brows", "lash", "lashes", "lid", "eyelid", "eyebrow", "eyelash", "socket",
+    "area", "around", "bridge", "ring", "patch", "spot", "corner",
+    "fell", "haut", "korper", "koerper", "haar", "haare", "pelz", "mahne", "maehne", "wolle", "schweif", "lider",
+    "wimper", "wimpern", "braue", "brauen",
     "fourrure", "corps", "peau", "poil", "pelage", "robe", "laine", "criniere", "plume", "cil", "sourcil", "paupiere",
     "piel", "cuerpo", "pelo", "pelaje", "manto", "lana", "crin", "crines", "pestaña", "ceja", "parpado",
     "pelle", "corpo", "pelliccia", "criniera", "ciglia", "palpebra",

@@ -181,7 +181,8 @@ fn imported_guides_are_attached_to_the_scalp() {
 
 #[test]
 fn tufts_are_placed_at_the_nearest_surface_point() {
-    let recipe = "[[strands.tuft]]\nname = \"whiskers\"\nat = [0.05, 0.0, 0.2]\nmirrored = true\nhairs = 8\nlength_m = 0.06\nspread_m = 0.01";
+    let recipe = "[[strands.tuft]]\nname = \"whiskers\"\nat = [0.05, 0.0, 0.2]\nmirrored = true\n\
+                  hairs = 8\nlength_m = 0.06\nspread_m = 0.01";
     let (groups, _) = made(recipe, &MapImages::default()).unwrap();
     assert_eq!((groups[0].hairs, groups[0].guide_roots.len(), groups[0].hair_count()), (0, 16, 16));
     let hairs = hairs(&groups[0]);

@@ -13,8 +13,8 @@ use crate::stages::simulate::Strands;
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Share of the tile that each density inks, seen from above; [`SIDE_DENSITIES`] is the share seen from the side, where hairs
-/// overlap.
+/// Share of the tile that each density inks, seen from above; [`SIDE_DENSITIES`] is the share seen from the side, where
+/// hairs overlap.
 const TOP_DENSITIES: [f32; 4] = [0.07, 0.17, 0.34, 0.58];
 const SIDE_DENSITIES: [f32; 4] = [0.12, 0.26, 0.44, 0.64];
 /// Maximum number of strokes. The tile is full earlier unless strokes are thinner than a texel.

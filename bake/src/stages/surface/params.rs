@@ -126,9 +126,9 @@ impl SurfaceParams {
             Comb::Marks { marks, .. } if marks.is_empty() => {
                 return fail(
                     "surface.comb_marks",
-                    "there are none with a direction, expected at least one for surface.comb = \"marks\", or lines named comb_… in the \
-                     model"
-                    .into(),
+                    "there are none with a direction, expected at least one for surface.comb = \"marks\", or lines \
+                     named comb_… in the model"
+                        .into(),
                 );
             }
             Comb::Marks { marks, elsewhere } => {

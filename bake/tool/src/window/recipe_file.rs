@@ -59,8 +59,8 @@ mod tests {
         let changed = with(text, &edits).unwrap();
         assert_eq!(
             changed,
-            "# My fox.\n[hair] # all of it\ncoat = \"winter\"\nlean = 0.25 # not too much\nseed = 7\n\n[fins]\nenabled = false\n\n\
-             [color]\nroot = \"#804020\"\n"
+            "# My fox.\n[hair] # all of it\ncoat = \"winter\"\nlean = 0.25 # not too much\nseed = 7\n\n\
+             [fins]\nenabled = false\n\n[color]\nroot = \"#804020\"\n"
         );
         assert_eq!(with("", &edits[..1]).unwrap(), "[hair]\nlean = 0.25\n");
     }

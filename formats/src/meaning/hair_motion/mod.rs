@@ -6,7 +6,8 @@
 //!
 //! - Free particles move by Verlet integration, corrected for steps of unequal length, with air drag.
 //! - A spring pulls each particle to its groomed position; another bends each segment back to its groomed shape. The
-//!   effect of gravity at rest is part of the groomed shape ([`gravity_compensation`]), so unmoved hair stays as groomed.
+//!   effect of gravity at rest is part of the groomed shape ([`gravity_compensation`]), so unmoved hair stays as
+//!   groomed.
 //! - Lengths are held exactly: the tensions of a string solve a tridiagonal system, a few times over, and the remaining
 //!   error is corrected from root to tip.
 //! - A particle inside a collider moves to a point on its surface at the required distance from its neighbour.

@@ -1,11 +1,11 @@
 //! Lookup tables for broad light: the light that a fibre scatters, over the light's mean cosine, θo, θj and φ.
 //!
-//! The light is a spherical Gaussian, cut off well below its horizon ([`HORIZON_SINE`]): light from a sky reaches hair from
-//! above the surface and around its curves, not through the body. A whole Gaussian of that width would shine through
-//! the fibre from below, which is visible in dark fur.
+//! The light is a spherical Gaussian, cut off well below its horizon ([`HORIZON_SINE`]): light from a sky reaches hair
+//! from above the surface and around its curves, not through the body. A whole Gaussian of that width would shine
+//! through the fibre from below, which is visible in dark fur.
 //!
-//! The light of each path around the fibre is a cosine series in n φ, as in [`super::gaussian_light::BroadlyLitFibre`]. The
-//! series depends on θd alone and is computed once for all lights; along the fibre a 24-point quadrature is used.
+//! The light of each path around the fibre is a cosine series in n φ, as in [`super::gaussian_light::BroadlyLitFibre`].
+//! The series depends on θd alone and is computed once for all lights; along the fibre a 24-point quadrature is used.
 //! Colour is not part of the tables: a path that crosses the fibre n times keeps the remaining share of n mean
 //! crossings ([`FibreMeans::left`]).
 
@@ -354,8 +354,8 @@ fn cosines_until(sharpness: f64, end: f64) -> [f64; TERMS] {
     terms
 }
 
-/// Returns the mean squared cosine between a direction and a [`CutGaussianLight`] with mean cosine `mean`; `cosine` is that
-/// between the direction and the light's axis.
+/// Returns the mean squared cosine between a direction and a [`CutGaussianLight`] with mean cosine `mean`; `cosine` is
+/// that between the direction and the light's axis.
 pub fn mean_square(mean: f64, cosine: f64) -> f64 {
     // Half of 1 minus the mean squared cosine to the axis, within 0.002; exact at both ends.
     let across = (1.0 - mean) * ((1.0 + 2.0 * mean) / 3.0 - (mean - LEAST_MEAN) * (0.525 - 0.501 * mean));

@@ -17,8 +17,8 @@ const PHIS: usize = 48;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FibreMeans {
     /// Mean squared offset, over the squared radius, at which internally reflected light meets the fibre, 0..=1. The
-    /// length of each crossing follows from it ([`FibreMeans::left`]). Light reflected once inside (TRT) crosses twice; all
-    /// further light is assumed to cross three times. The length of transmitted light (TT) is in the tables, by
+    /// length of each crossing follows from it ([`FibreMeans::left`]). Light reflected once inside (TRT) crosses twice;
+    /// all further light is assumed to cross three times. The length of transmitted light (TT) is in the tables, by
     /// azimuth.
     pub aside: f32,
     /// Share of light that continues on the far side of the fibre, without absorption, for R, TT, TRT and all further

@@ -169,7 +169,8 @@ impl<'a> Package<'a> {
         if view.layers != 1 || view.format.components() != 4 {
             let (layers, format) = (view.layers, view.format.name());
             let reason = format!(
-                "is {format} in {layers} layers, expected four components in one layer as base colour of materials[{material}]"
+                "is {format} in {layers} layers, \
+                 expected four components in one layer as base colour of materials[{material}]"
             );
             return Err(self.texture_fault(index, &reason));
         }

@@ -23,8 +23,8 @@ impl SceneFile {
     /// Returns the look of the scene. `[view]` has the lowest precedence, then `look`, then `[light]`.
     ///
     /// `file` is called with the path of a look file, relative to the scene file's folder. Relative file paths in the
-    /// returned look are relative to the same folder ([`Look::resolve_files`]). `file` returns the name for messages and the
-    /// text, or an error message.
+    /// returned look are relative to the same folder ([`Look::resolve_files`]). `file` returns the name for messages
+    /// and the text, or an error message.
     ///
     /// # Errors
     ///

@@ -88,7 +88,9 @@ fn scene_errors_name_line_and_key() {
 #[test]
 fn positions_and_cameras_match_the_file() {
     let text = scene(
-        "[camera]\npath = [\n{ time_s = 0, eye = [0, 1, 5], target = [0, 0, 0] },\n{ time_s = 2, eye = [4, 1, 5], target = [4, 0, 0], fov_deg = 40 }]",
+        "[camera]\npath = [\n\
+         { time_s = 0, eye = [0, 1, 5], target = [0, 0, 0] },\n\
+         { time_s = 2, eye = [4, 1, 5], target = [4, 0, 0], fov_deg = 40 }]",
         "path = [{ time_s = 1, position = [0, 0, 0] }, { time_s = 3, position = [2, 0, 0] }]\nscale = 2",
     );
     let source = TomlText { name: "a.toml", text: &text };
@@ -197,7 +199,8 @@ fn after(words: &[&str]) -> Look {
 #[test]
 fn scene_file_sets_the_look() {
     assert_eq!(look("").unwrap(), Look::of_picture());
-    let view = "[view]\nsize = \"64x32\"\nself_shadow = false\npenumbra = \"0.5\"\nsamples = 4\nfill_light = [\"0,1,0\", \"1,0,0/0.5\"]\n";
+    let view = "[view]\nsize = \"64x32\"\nself_shadow = false\npenumbra = \"0.5\"\n\
+                samples = 4\nfill_light = [\"0,1,0\", \"1,0,0/0.5\"]\n";
     let words = [
         "picture.size=64x32",
         "shadow.self_shadow=off",

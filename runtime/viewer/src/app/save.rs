@@ -51,7 +51,11 @@ impl App {
             && let Ok(view) = self.show.view(self.area)
         {
             let (width, height) = self.area;
-            let view = json!({ "camera": view.to_string(), "size": format!("{width}x{height}"), "time_s": self.show.time_s() });
+            let view = json!({
+                "camera": view.to_string(),
+                "size": format!("{width}x{height}"),
+                "time_s": self.show.time_s(),
+            });
             self.events.log("pictured", view);
         }
         self.tell_saved("picture", saved);

@@ -1,7 +1,7 @@
 //! Shader sources in a module's data: lines of text among other bytes.
 
-/// Replaces comment lines by spaces: `//` or `//!` and a space, after nothing but spaces. Every text keeps its position and
-/// length, so that references stay valid, and spaces compress to almost nothing.
+/// Replaces comment lines by spaces: `//` or `//!` and a space, after nothing but spaces. Every text keeps its position
+/// and length, so that references stay valid, and spaces compress to almost nothing.
 pub fn blank_comments(data: &mut [u8]) {
     // Text before the first end of line, or after the last, may be part of another text.
     let ends = line_ends(data);

@@ -34,8 +34,9 @@ fn main() -> anyhow::Result<ExitCode> {
         "window-pictures" => window_pictures::run(arguments)?,
         "write-docs" => write_docs::run()?,
         _ => anyhow::bail!(
-            "unknown chore {chore:?}; expected contact-sheet, eyes-covered, key-pictures, light-pictures, likeness-pairs, \
-             motion-pictures, mutate, performance-table, same-pictures, shadow-table, window-pictures or write-docs"
+            "unknown chore {chore:?}; expected contact-sheet, eyes-covered, key-pictures, light-pictures, \
+             likeness-pairs, motion-pictures, mutate, performance-table, same-pictures, shadow-table, \
+             window-pictures or write-docs"
         ),
     }
     Ok(ExitCode::SUCCESS)

@@ -48,7 +48,8 @@ const PACKAGES: &[(&str, &str, &str)] = &[
     (
         "layers",
         "assets/models/torus.glb",
-        "--recipe assets/recipes/torus.toml --set slice.layers=40 --set slice.tile_texels=128 --set shading.diffuse_exponent=3 --set hair.style=curly",
+        "--recipe assets/recipes/torus.toml --set slice.layers=40 --set slice.tile_texels=128 \
+         --set shading.diffuse_exponent=3 --set hair.style=curly",
     ),
     (
         "matt",
@@ -64,7 +65,8 @@ const PACKAGES: &[(&str, &str, &str)] = &[
     (
         "damp",
         "assets/models/hare.glb",
-        "--recipe assets/recipes/hare.toml --set groom.wetness=vertex#r --set groom.lean=vertex#g --set groom.bare=vertex#b",
+        "--recipe assets/recipes/hare.toml --set groom.wetness=vertex#r \
+         --set groom.lean=vertex#g --set groom.bare=vertex#b",
     ),
     ("coat", "assets/models/torus.glb", "--recipe made/coat.toml"),
     ("lean", "assets/models/torus.glb", "--recipe assets/recipes/torus.toml --set groom.lean=0.6"),
@@ -78,7 +80,8 @@ const PACKAGES: &[(&str, &str, &str)] = &[
     (
         "horse",
         "data/skinned/quaternius_Horse.glb",
-        "--recipe assets/recipes/zebra.toml --set surface.tile_size_m=0.3 --set hair.length_m=0.05 --set color.pattern_size_m=1.2 --set model.bare=[\"Hooves\",\"Eye*\"]",
+        "--recipe assets/recipes/zebra.toml --set surface.tile_size_m=0.3 --set hair.length_m=0.05 \
+         --set color.pattern_size_m=1.2 --set model.bare=[\"Hooves\",\"Eye*\"]",
     ),
     ("cow", "data/skinned/quaternius_Cow.glb", ""),
     ("spot", "data/static/spot.obj", ""),
@@ -259,7 +262,8 @@ const CASES: &[(&str, &[(&str, &str)])] = &[
             ("vertex_filled", "--lighting vertex --fill-light -1,0.3,0/0.6"),
             (
                 "vertex_alone",
-                "--lighting vertex --self-shadow off --soft-shadow off --ambient-attenuation off --back-attenuation off",
+                "--lighting vertex --self-shadow off --soft-shadow off \
+                 --ambient-attenuation off --back-attenuation off",
             ),
             // Terms and forms of the shadows.
             ("self_off", "--self-shadow off"),
@@ -771,7 +775,8 @@ impl Pair {
             }
         }
         println!(
-            "\nMedians of {rounds} rounds, in each of which both ran, one after the other; ratios are medians of the rounds' ratios."
+            "\nMedians of {rounds} rounds, in each of which both ran, one after the other; \
+             ratios are medians of the rounds' ratios."
         );
         if left_out.is_empty() {
             return Ok(ExitCode::SUCCESS);

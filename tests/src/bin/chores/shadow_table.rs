@@ -28,7 +28,8 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let given = arguments.split(|a| a == "+").filter(|m| !m.is_empty()).map(<[String]>::to_vec);
     let workshop = ChoreFolder::default();
     println!(
-        "| model | triangles | layer-wise maps, ms | shadow width, ms | frame without, ms | frame with, ms | with / without | maps / frame with | shells / yardstick |"
+        "| model | triangles | layer-wise maps, ms | shadow width, ms | \
+         frame without, ms | frame with, ms | with / without | maps / frame with | shells / yardstick |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
     for model in built_in.into_iter().chain(given) {
@@ -40,7 +41,8 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         let (without, with) = (1e3 / without, 1e3 / with);
         let (ratio, maps) = (with / without, (layers + width) / with);
         println!(
-            "| {name} (paper) | {triangles} | {layers:.0} | {width:.0} | {without:.1} | {with:.1} | {ratio:.2} | {maps:.2} | |"
+            "| {name} (paper) | {triangles} | {layers:.0} | {width:.0} | \
+             {without:.1} | {with:.1} | {ratio:.2} | {maps:.2} | |"
         );
     }
     Ok(())
