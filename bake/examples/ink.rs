@@ -1,5 +1,5 @@
-//! Developer tool for the ink textures of a recipe: a sheet with one row per texture and one column per channel, and
-//! the time of each.
+//! Developer tool that draws the ink textures of a recipe on one sheet, with a row per texture and a column per
+//! channel. It also prints the time that each texture takes.
 //!
 //! `cargo run --release --example ink -- OUT.png [RECIPE.toml] [key=value]… [height=0.15]` where `height` is the hair
 //! length in tile widths.

@@ -1,5 +1,5 @@
-//! Developer tool for a tile of hair without a model or a GPU. It grows and slices a recipe and prints times and
-//! memory. It draws the layers beside two lit views of the tile, from straight above and at a slant.
+//! Developer tool that grows and slices a tile of hair without a model or a GPU, and prints times and memory. It draws
+//! the layers beside two lit views of the tile, one from straight above and one at a slant.
 //!
 //! `cargo run --release --example slices -- OUT.png [RECIPE.toml] [key=value]… [height=0.4]` where `height` is the hair
 //! length in tile widths.
@@ -14,7 +14,7 @@ use pelage_formats::{TextureFormat, decode_direction};
 use std::time::Instant;
 
 const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
-/// Width of one layer on the contact sheet, and of the views, pixels.
+/// Width of each layer and each view on the contact sheet, pixels.
 const CELL: u32 = 192;
 const VIEW: u32 = 768;
 /// Number of tile widths shown in a view.
@@ -64,7 +64,7 @@ fn main() -> anyhow::Result<()> {
             let texel = |p: u32| (p * set.texels / CELL) as usize;
             let at = 4 * (texel(y) * set.texels as usize + texel(x));
             let t = &set.layers[k].color[0][at..at + 4];
-            // Over mid grey, so that black hair is distinguishable from no hair.
+            // Composite over mid grey, so that black hair is distinguishable from no hair.
             let over = |c: u8| srgb_to_linear(c) + 0.2 * (1.0 - f32::from(t[3]) / 255.0);
             picture.put_pixel(
                 x0 + x,
@@ -75,7 +75,7 @@ fn main() -> anyhow::Result<()> {
     }
     let shading = recipe.shading;
     for (view, slant) in [(0u32, 0.0f32), (1, 1.2)] {
-        // Direction to the eye, and the tile's shift per unit of height.
+        // Direction to the eye, and the shift of the tile per unit of height.
         let eye = Vec3::new(0.0, -slant, 1.0).normalize();
         let light = Vec3::new(0.6, 0.3, 0.9).normalize();
         let half = (eye + light).normalize();
@@ -104,7 +104,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Returns a bilinear sample: linear colour and opacity, or a direction.
+/// Returns a bilinear sample of a texture. With `color`, that is linear RGB and opacity; otherwise, a direction.
 fn sample(set: &ShellSet, level: &[u8], uv: Vec2, color: bool) -> (Vec3, f32) {
     let n = set.texels as i32;
     let p = uv * n as f32 - 0.5;

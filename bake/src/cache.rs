@@ -1,9 +1,9 @@
 //! Content-addressed cache of command results, in a folder that several processes may share.
 //!
-//! The files that a command reads are not known in advance: a model names its images. But each is determined by the
-//! arguments and by what was read before. A state is a hash of the tool, the arguments and everything read so far. For
-//! each state the cache holds either the next input to read or, if there is none, the result. A lookup follows these
-//! states and reads each input on the way.
+//! The files that a command reads are not known in advance, because a model names its images. But each file is
+//! determined by the arguments and by the files read before. A state is a hash of the tool, the arguments and
+//! everything read so far. For each state, the cache holds either the next input to read or the result. A lookup
+//! follows these states and reads each input on the way.
 //!
 //! Files are written atomically, and files of the same name have the same content. So no locks are needed, and any file
 //! may be removed at any time. Missing or damaged files count as cache misses.
@@ -34,7 +34,7 @@ pub struct CommandResult {
     pub text: String,
     /// Result as JSON for scripts.
     pub json: Value,
-    /// Messages printed while the command ran.
+    /// Messages that the command printed while it ran.
     pub notes: Vec<String>,
 }
 
@@ -67,7 +67,7 @@ enum Node {
 pub struct CacheHit {
     /// Cached result.
     pub kept: CommandResult,
-    /// Files that the result depends on.
+    /// Files on which the result depends.
     pub read: Vec<PathBuf>,
 }
 
@@ -81,7 +81,8 @@ impl Cache {
         Self { folder: folder.join("v1") }
     }
 
-    /// Returns the hash of the tool's executable, which identifies the build. Computed once per installed executable.
+    /// Returns the hash of the tool's executable, which identifies the build. The hash is computed once per installed
+    /// executable and stored in the cache.
     ///
     /// # Errors
     ///
@@ -95,7 +96,7 @@ impl Cache {
             return Ok(known);
         }
         let digest = digest(program, u64::MAX).map_err(fail)?;
-        // If this fails, the hash is computed again next time.
+        // If writing fails, the hash is computed again next time.
         let _ = write(&path, hex(&digest).as_bytes());
         Ok(digest)
     }
@@ -173,7 +174,7 @@ impl Cache {
     fn put(&self, state: &Digest, node: &Node) -> Result<(), BakeError> {
         let bytes = serde_json::to_vec(node).map_err(|error| BakeError::Internal(error.to_string()))?;
         let place = self.entry_path("states", state);
-        // Equal states have equal nodes, except for figures such as seconds; the first node wins.
+        // Nodes of the same state differ at most in figures such as run times, so the first one is kept.
         if place.exists() { Ok(()) } else { write(&place, &bytes) }
     }
 
@@ -193,8 +194,8 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
     write_atomic(path, bytes)
 }
 
-/// Hashes the first `most` bytes of a file. `Some(None)` if the file does not exist, `None` if it is not a regular file
-/// or cannot be read.
+/// Returns the hash of the first `most` bytes of a file. Returns `Some(None)` if the file does not exist, and `None` if
+/// it is not a regular file or cannot be read.
 fn digest_of(path: &Path, most: u64) -> Option<Option<Digest>> {
     let Ok(found) = std::fs::metadata(path) else { return Some(None) };
     if !found.is_file() {
@@ -257,7 +258,8 @@ mod tests {
         cache.store(&key, &traffic, &made, &[&path("out")]).unwrap();
         let (bytes, found) = answer("a").unwrap();
         assert_eq!((bytes.as_deref(), &found.kept, found.read), (Some(&b"made of it"[..]), &made, vec![path("model")]));
-        // Misses: another machine, other bytes in the part that was read, a file that did not exist before.
+        // A lookup misses if the machine differs, if the bytes that were read have changed, or if an absent file now
+        // exists.
         assert!(answer("b").is_none());
         std::fs::write(path("model"), "a model and other bytes behind").unwrap();
         assert!(answer("a").is_some(), "no more than seven bytes were read");

@@ -15,13 +15,13 @@ pub struct Decision {
 }
 
 impl Decision {
-    /// Describes a chosen length in metres for the recipe key `key`.
+    /// Describes a chosen length, metres, as a value of the recipe key `key`.
     pub fn length(what: &'static str, key: &str, metres: f32) -> Self {
         Self { what, chosen: metres_in_words(metres), line: format!("{key} = {metres}") }
     }
 }
 
-/// Formats a length for people: three digits in a suitable unit.
+/// Formats a length for people, with three digits in a suitable unit.
 pub fn metres_in_words(metres: f32) -> String {
     let (number, unit) = match metres {
         m if m < 1e-3 => (m * 1e6, "µm"),

@@ -1,4 +1,4 @@
-//! Environment maps on disk: panoramas in Radiance HDR and OpenEXR, and lights in TOML.
+//! Environment maps in files: panoramas in Radiance HDR and OpenEXR, and sets of lights in TOML.
 
 use crate::io::{read_file, read_text};
 use glam::DVec3;
@@ -7,7 +7,8 @@ use pelage_import::image_file::bounded_reader;
 use pelage_stage::sky::{Environment, FitParams, Panorama, environment_from_toml};
 use std::path::Path;
 
-/// Width and height of the intermediate image into which lights are rendered before a ground is added.
+/// Width and height of the intermediate panorama, texels. A set of lights is rendered into it before its ground is
+/// replaced.
 const PAINTED: (u32, u32) = (128, 64);
 
 /// Environment map read from a file.
@@ -20,8 +21,8 @@ pub enum EnvironmentFile {
 }
 
 impl EnvironmentFile {
-    /// Replaces the lower hemisphere by level ground of the given albedo, linear RGB; unchanged if `albedo` is `None`.
-    /// Lights are fitted again with at most `lobes` lobes.
+    /// Replaces the lower hemisphere by level ground of the given albedo, linear RGB. A set of lights is then fitted
+    /// again, with at most `lobes` lobes. Returns the environment unchanged if `albedo` is `None`.
     ///
     /// # Errors
     /// [`BakeError::Internal`] only if the lights cannot be rendered.

@@ -19,8 +19,8 @@ fn io_error(path: &Path, action: &'static str, source: io::Error) -> BakeError {
     BakeError::Io { path: path.to_owned(), action, source }
 }
 
-/// Size limit for input files, bytes. Real packages and models are far smaller; larger ones would not fit into memory
-/// together with the data derived from them.
+/// Size limit for input files, bytes. Real packages and models are far smaller. With a larger file, the data derived
+/// from it would not fit into memory.
 pub const MAX_FILE_BYTES: u64 = 2 << 30;
 
 /// Reads a whole file that the user named, which may be a pipe.
@@ -45,7 +45,8 @@ pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
     })
 }
 
-/// Reads a whole file that another file names. Only regular files are read, because a pipe might block forever.
+/// Reads a whole file that another file names. Only regular files are accepted, because reading a pipe might block
+/// forever.
 ///
 /// # Errors
 ///
@@ -66,15 +67,15 @@ fn read_whole(path: &Path, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, Bak
 /// Reads the first `most` bytes of a file.
 fn read_prefix(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
     let fail = |source| io_error(path, "read", source);
-    // Checked before opening, because opening a pipe waits for its writer.
+    // The file type is checked before opening, because opening a pipe waits for its writer.
     let found = std::fs::metadata(path).map_err(fail)?;
     if !may_be(&found.file_type()) {
-        // Systems report different errors for reading a folder, some of them as vague as "permission denied".
+        // Operating systems report different errors for reading a folder, some as vague as "permission denied".
         let kind = if found.is_dir() { io::ErrorKind::IsADirectory } else { io::ErrorKind::InvalidInput };
         let text = format!("it is {}, expected a file", kind_of(&found.file_type()));
         return Err(fail(io::Error::new(kind, text)));
     }
-    // The length is only a hint: files under /proc report 0, and any file may grow meanwhile.
+    // The length is only a hint: files under /proc report 0, and any file may grow during the read.
     let mut bytes = Vec::with_capacity(found.len().min(most) as usize);
     std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)).map_err(fail)?;
     io_trace::record_read(path, most, Some(&bytes));
@@ -91,7 +92,7 @@ fn is_pipe(_: &FileType) -> bool {
     false
 }
 
-/// Describes a file that is not a regular file, in words.
+/// Returns a description of a file that is not a regular file.
 fn kind_of(kind: &FileType) -> &'static str {
     if kind.is_dir() {
         "a folder"
@@ -113,7 +114,7 @@ pub enum Reach {
 }
 
 /// Reads a model and the files that it refers to, relative to its folder. All must be regular files. At most the
-/// declared length of a buffer is read.
+/// declared length of each buffer is read.
 ///
 /// # Errors
 ///
@@ -163,12 +164,12 @@ fn resolver<'a>(
     }
 }
 
-/// Extensions of models whose lines are read as strands.
+/// Extensions of strand files that are read as models, with each polyline as a strand.
 const LINE_EXTENSIONS: [&str; 2] = ["glb", "gltf"];
 
-/// Whether `folder` joined with `relative` is in `folder` or below, both lexically and after following links. A path
-/// that leaves the folder lexically is rejected even if no such file exists, so that the answer does not reveal which
-/// files exist.
+/// Whether `folder` joined with `relative` is inside `folder`, both lexically and after following links. A path that
+/// leaves the folder lexically is rejected even if no such file exists. So the answer does not reveal which files
+/// exist.
 fn stays_inside(folder: &Path, relative: &Path) -> bool {
     let mut depth = 0_usize;
     for component in relative.components() {
@@ -231,7 +232,7 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
     Ok(read)
 }
 
-/// Reads an image, PNG or EXR.
+/// Reads a PNG or EXR image.
 ///
 /// # Errors
 ///
@@ -263,15 +264,15 @@ fn relative_path(uri: &str) -> Result<PathBuf, String> {
     if decoded.contains('\0') {
         return Err("it contains a NUL byte; expected a relative path".to_owned());
     }
-    // Both kinds of slash, so that a model is rejected on every system alike.
+    // Check for both kinds of slash, so that every operating system rejects the same models.
     if decoded.starts_with(['/', '\\']) || Path::new(&*decoded).is_absolute() {
         return Err("it is an absolute path; expected a relative one: put the file beside the model".to_owned());
     }
     Ok(PathBuf::from(&*decoded))
 }
 
-/// Writes a file atomically, replacing an older one. A file that already has these bytes is left alone and keeps its
-/// modification time. So build systems do not rebuild its dependents.
+/// Writes a file atomically, replacing an existing one. A file that already has these bytes keeps its modification
+/// time, so that build systems do not rebuild its dependents.
 ///
 /// The bytes go to a temporary file in the same folder, which is then renamed, or removed on failure. A new file has
 /// the permissions that the umask leaves. Symbolic links are followed; devices and pipes are written to directly.
@@ -295,7 +296,7 @@ pub fn write_atomic_with(
     write_temporary(path, write)?.map_or(Ok(()), PendingFile::commit)
 }
 
-/// Writes several files, which appear only after all of them were written completely. If writing fails, none appears.
+/// Writes several files. They appear only after all of them were written completely; if writing fails, none appears.
 ///
 /// # Errors
 ///
@@ -309,9 +310,9 @@ pub fn write_all_atomic(files: &[(&Path, &[u8])]) -> Result<(), BakeError> {
 /// Prefix and suffix of the names of temporary files.
 pub const TEMP_FILE_AFFIXES: (&str, &str) = (".pelage-", ".tmp");
 
-/// Complete temporary file that is not yet renamed.
+/// Complete temporary file that has not been renamed yet.
 struct PendingFile {
-    // Drop order: the file is removed before its name is unregistered.
+    // Fields drop in order, so that the file is removed before its name is unregistered.
     file: tempfile::NamedTempFile,
     unfinished: TempFileGuard,
     target: PathBuf,
@@ -344,7 +345,7 @@ fn write_temporary(
         write(&mut out)?;
         out.flush()
     };
-    // A link is kept: its target is replaced.
+    // A symbolic link is kept; the file that it points to is replaced.
     let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     match std::fs::metadata(&target) {
         Ok(found) if found.is_dir() => {
@@ -368,7 +369,7 @@ fn write_temporary(
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMP_FILE_AFFIXES.0).suffix(TEMP_FILE_AFFIXES.1);
-    // Temporary files are private by default; request the usual permissions, from which the umask subtracts.
+    // Temporary files are private by default. Request the usual permissions, from which the umask subtracts.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(folder).map_err(|source| io_error(folder, "create a file in", source))?;
@@ -382,7 +383,7 @@ fn write_temporary(
 ///
 /// # Errors
 ///
-/// The error of the system if the file cannot be read.
+/// The operating system's error if the file cannot be read.
 pub fn digest(path: &Path, most: u64) -> io::Result<io_trace::Digest> {
     let mut hash = Sha256::new();
     io::copy(&mut std::fs::File::open(path)?.take(most), &mut hash)?;

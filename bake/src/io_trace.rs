@@ -1,7 +1,6 @@
-//! Trace of the files that this process has read and written, as a build system needs it.
+//! Trace of the files that this process has read and written, for build systems.
 //!
-//! [`crate::io`] records them once [`start`] has been called, so that every reader is covered. Nothing is recorded
-//! before.
+//! After a call of [`start`], all functions in [`crate::io`] record their accesses, so no reader has to do so itself.
 
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
@@ -42,14 +41,14 @@ pub struct TracedOutput {
     pub digest: Digest,
 }
 
-/// Everything recorded, in order.
+/// All recorded inputs and outputs, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IoTrace {
     /// Inputs.
     pub asked: Vec<TracedInput>,
     /// Outputs.
     pub written: Vec<TracedOutput>,
-    /// Whether some of the output existed before, so that `written` is incomplete.
+    /// Whether some of the output existed before the command ran, so that `written` is incomplete.
     pub in_part: bool,
 }
 
@@ -69,7 +68,7 @@ impl IoTrace {
 }
 
 fn traffic() -> MutexGuard<'static, Option<IoTrace>> {
-    // The list is valid even if a thread panicked while holding the lock.
+    // The trace is valid even if a thread panicked while holding the lock.
     TRAFFIC.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -78,7 +77,7 @@ pub fn start() {
     *traffic() = Some(IoTrace::default());
 }
 
-/// Stops recording and returns everything recorded so far.
+/// Stops recording and returns the trace recorded so far.
 pub fn take() -> IoTrace {
     traffic().take().unwrap_or_default()
 }
@@ -98,7 +97,7 @@ pub fn record_machine(what: &'static str, answer: &str) {
     }
 }
 
-/// Records that some of the output existed before.
+/// Records that some of the output existed before the command ran.
 pub fn mark_incomplete() {
     if let Some(traffic) = &mut *traffic() {
         traffic.in_part = true;

@@ -1,8 +1,8 @@
 //! Offline half of pelage: converts a glTF or OBJ model and a recipe into a `.pelage` package.
 //!
-//! [`pipeline`] reads top to bottom in the order of the [`stages`]; each stage is a function of plain data in its own
-//! module. [`strands`] turns the layers of a package into single strands on the baked mesh. No stage touches a file, a
-//! clock or a global. The same inputs give the same bytes with any number of threads.
+//! [`pipeline`] lists the steps in the order of the [`stages`]. Each stage is a function of plain data in its own
+//! module. [`strands`] turns the layers of a package into single strands on the baked mesh. No stage accesses a file, a
+//! clock or a global variable. The same inputs give the same bytes with any number of threads.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "packages made by tests are never kept"))]
 

@@ -27,7 +27,7 @@ impl<I: PartialEq, O: Clone> Memo<I, O> {
         Ok(made)
     }
 
-    /// Returns the result like [`Self::make`], for a computation that cannot fail.
+    /// Returns the result like [`Self::make`] does, for a computation that cannot fail.
     pub fn of(&mut self, input: I, make: impl FnOnce(&I) -> O) -> O {
         let Ok(made) = self.make(input, |input| Ok::<_, Infallible>(make(input)));
         made

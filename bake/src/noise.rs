@@ -13,7 +13,7 @@ pub fn hash(seed: u64, n: u64) -> u64 {
     mix(mix(seed.wrapping_add(0x9e37_79b9_7f4a_7c15)) ^ n.wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
-/// Returns a random number, uniform in 0..1, from the hash's top 24 bits, which an f32 holds exactly.
+/// Returns a random number, uniform in 0..1. It uses the top 24 bits of the hash, which an f32 holds exactly.
 pub fn uniform(seed: u64, n: u64) -> f32 {
     (hash(seed, n) >> 40) as f32 / (1 << 24) as f32
 }
@@ -25,8 +25,8 @@ pub fn vector(seed: u64, n: u64) -> Vec3 {
     Vec3::new(component(0), component(21), component(42))
 }
 
-/// Returns point `index` of `count` random points of the tile. They are stratified: the tile is divided into rows of
-/// cells of equal area, with one random point per cell. Unstratified points would leave bald spots.
+/// Returns point `index` of `count` stratified random points of the tile. The tile is divided into rows of cells of
+/// equal area, with one random point per cell. Unstratified points would leave bald spots.
 pub fn stratified(seed: u64, index: u32, count: u32) -> Vec2 {
     let (index, n) = (u64::from(index), u64::from(count));
     let rows = ((n as f64).sqrt().round() as u64).max(1);
@@ -44,8 +44,8 @@ pub fn smooth_step(low: f32, high: f32, at: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Returns the interpolation weight of the farther of two neighbours, 0..=1, with two continuous derivatives (Perlin
-/// 2002).
+/// Returns the interpolation weight, 0..=1, of the farther of two neighbours at a distance `t`, 0..=1, from the nearer.
+/// It has two continuous derivatives (Perlin 2002).
 pub fn smooth(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
@@ -57,7 +57,8 @@ pub fn noise_1d(seed: u64, x: f32) -> Vec3 {
     at(cell as i64).lerp(at(cell as i64 + 1), smooth(x - cell))
 }
 
-/// Returns smooth noise in -1..1 over the tile, with `cells` random values per width: periodic in u and v, not in h.
+/// Returns smooth noise in -1..1 over the tile, with `cells` random values per tile width. The noise is periodic in u
+/// and v but not in h.
 pub fn noise_in_tile(seed: u64, p: Vec3, cells: i64) -> Vec3 {
     let q = p * cells as f32;
     let cell = q.floor();

@@ -12,8 +12,8 @@ pub struct Picture {
     pub width: u32,
     /// Height, pixels.
     pub height: u32,
-    /// Texels: `width * height`, row-major from the top. Red, green and blue are linear, with sRGB primaries,
-    /// premultiplied by the fourth component, coverage, 0..=1.
+    /// Texels: `width * height`, row-major from the top. The fourth component is the coverage, 0..=1. Red, green and
+    /// blue are linear, with sRGB primaries, and premultiplied by the coverage.
     pub pixels: Vec<[f32; 4]>,
 }
 
@@ -34,8 +34,8 @@ fn premultiplied(rgb: [f32; 3], alpha: f32) -> [f32; 4] {
 }
 
 impl Picture {
-    /// Decodes a PNG of 8 or 16 bits (sRGB-encoded with straight alpha, its gAMA chunk ignored) or an EXR (linear and
-    /// premultiplied, the EXR convention).
+    /// Decodes a PNG or EXR. A PNG has 8 or 16 bits and is sRGB-encoded with straight alpha; its gAMA chunk is ignored.
+    /// An EXR is linear and premultiplied, as is its convention.
     ///
     /// # Errors
     ///
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn every_format_decodes_to_linear_premultiplied_pixels() -> Result<(), (String, String)> {
-        // 188 encodes half the light, which alpha halves again.
+        // Byte 188 encodes half the light, which an alpha of 128 halves again.
         let eight = RgbaImage::from_pixel(3, 2, Rgba([188, 0, 255, 128]));
         let alpha = 128.0 / 255.0;
         let expected = [0.5 * alpha, 0.0, alpha, alpha];
@@ -134,7 +134,7 @@ mod tests {
     fn background_is_blended_by_alpha() {
         let pixels = vec![[0.0; 4], [0.25, 0.25, 0.25, 0.5], [3.0, 0.0, 1.0, 1.0]];
         let picture = Picture { width: 3, height: 1, pixels };
-        // Half of white plus a quarter of its own light is three quarters, encoded as 225.
+        // Half of the white background plus the image's own quarter is three quarters of the light, encoded as 225.
         assert_eq!(picture.over([255; 3]), [255, 255, 255, 225, 225, 225, 255, 0, 255]);
     }
 

@@ -1,9 +1,8 @@
-//! Steps of a bake in their order, with their inputs and outputs; no mathematics.
+//! Steps of a bake in order, with their inputs and outputs. No mathematics is done here.
 //!
-//! The output of a step is stored under its name. A step runs if the package still to be made depends on its output and
-//! the output is missing. So a bake starts with the model alone. Slicing a package again starts with the package's
-//! contents ([`crate::reslice`]). After [`Outputs::invalidate`] the named output and everything derived from it is made
-//! again.
+//! The output of a step is stored under its name. A step runs if its output is missing and the package depends on it.
+//! So a bake starts with the model alone, and slicing a package again starts with the package's contents
+//! ([`crate::reslice`]). After [`Outputs::invalidate`], the named output and everything derived from it is made again.
 
 mod layout;
 mod outputs;
@@ -24,23 +23,25 @@ use pelage_params::{Knob, Tables as _};
 pub const STAGES: [&str; 10] =
     ["surface", "simulate", "visibility", "slice", "groom", "fins", "ink", "textures", "scatter", "pack"];
 
-/// Step of a stage, which makes one output.
+/// Step of a stage. Each step makes one output.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// Stage that contains the step, one of [`STAGES`].
     pub stage: &'static str,
-    /// Output.
+    /// Output that the step makes.
     pub makes: Output,
     /// Required inputs.
     pub reads: &'static [Output],
-    /// Recipe tables or single keys that affect the output, apart from those that affect the inputs.
+    /// Recipe tables or single keys that affect the output directly. Those that affect only the inputs are not
+    /// repeated.
     pub tables: &'static [&'static str],
     run: for<'a> fn(&BakeInput<'a>, &mut Outputs<'a>) -> Result<(), BakeError>,
 }
 
 use Output::*;
 
-/// Recipe tables and keys that lay out the hair tile on the model, which affects everything derived from it.
+/// Recipe tables and keys that determine how the hair tile is laid out on the model. They affect everything derived
+/// from the layout.
 const LAYING: &[&str] = &[
     "model",
     "surface",
@@ -66,7 +67,7 @@ const ALL_TABLES: &[&str] = &{
     names
 };
 
-/// All steps, in order. Each line names a step's output and inputs.
+/// All steps, in order. Each line names the stage, output, inputs and recipe tables of a step.
 pub const STEPS: &[Step] = &[
     Step { stage: "surface", makes: Layout, reads: &[Model], tables: LAYING, run: run_step::surface },
     Step { stage: "simulate", makes: Hair, reads: &[Layout], tables: &[], run: run_step::simulate },
@@ -242,7 +243,7 @@ impl Outputs<'_> {
         gone.into_iter().for_each(|output| self.clear(output));
     }
 
-    /// Drops the outputs affected by a change of recipe, so that [`run`] makes only those again.
+    /// Drops the outputs affected by the difference between two recipes, so that [`run`] makes only those again.
     pub fn invalidate_changes(&mut self, before: &Recipe, after: &Recipe) {
         let text = |recipe: &Recipe, knob: &'static Knob| knob.value(recipe);
         let changed = |name: &&str| {

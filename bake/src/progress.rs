@@ -1,4 +1,5 @@
-//! Progress of a long stage: counted where the work is done, and read by any waiting code. Independent of time.
+//! Progress of a long stage. The code that does the work counts its steps, and any other thread may read the counter.
+//! No clock is used.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,13 +16,13 @@ impl StageProgress {
         Self { done: AtomicU64::new(0), total: AtomicU64::new(0) }
     }
 
-    /// Returns a counter that nobody reads.
+    /// Returns a counter for callers that do not report progress.
     pub fn ignored() -> &'static Self {
         static UNSEEN: StageProgress = StageProgress::new();
         &UNSEEN
     }
 
-    /// Begins work of `total` steps of about equal duration; 0 if the number is unknown.
+    /// Begins work of `total` steps of about equal duration; 0 if their number is unknown.
     pub fn begin(&self, total: u64) {
         self.done.store(0, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);

@@ -6,7 +6,7 @@ use crate::stages::groom::MapImages;
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 
-/// Outputs of the last bake, reused by the next one: only those affected by a change of the recipe are made again.
+/// Outputs of the last bake, reused by the next one. Only outputs affected by a change of the recipe are made again.
 ///
 /// The package is always identical, byte for byte, to that of [`crate::pipeline::bake`].
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ impl<'a> Rebake<'a> {
     }
 
     /// Bakes the model with the recipe in `input`. If it fails, the outputs made so far are kept. Images are compared
-    /// by address: images that were read again count as changed.
+    /// by address, so images that were read again count as changed.
     ///
     /// # Errors
     ///

@@ -1,8 +1,8 @@
 //! Recipes: all parameters of a bake, as TOML.
 //!
-//! A recipe has one table per stage and one key per parameter. They are declared here only: from the declarations
-//! [`pelage_params`] derives the structs, defaults and checks, reading, writing, `--set key=value` and the reference
-//! page. Keys that a recipe leaves out keep their defaults.
+//! A recipe has one table per stage and one key per parameter. Both are declared only here. From the declarations,
+//! [`pelage_params`] derives the structs, defaults, checks, parser, writer, `--set key=value` and reference page. Keys
+//! that a recipe leaves out keep their defaults.
 //!
 //! ```
 //! use pelage_bake::recipe::{Recipe, Style};
@@ -58,7 +58,7 @@ pelage_params::tables! {
         surface: SurfaceParams,
         /// Strands of the tile.
         hair: HairParams,
-        /// Second layer of shorter hair below them.
+        /// Second layer of shorter hair below the strands of `hair`.
         underfur: UnderfurParams,
         /// Values that vary over the model.
         groom: GroomParams,
@@ -66,7 +66,7 @@ pelage_params::tables! {
         color: ColorParams,
         /// Shading of the hair.
         shading: ShadingParams,
-        /// Fibres of the hair.
+        /// Optical properties of the hair's fibres.
         fibre: FibreParams,
         /// Shell textures.
         slice: SliceParams,
@@ -82,7 +82,7 @@ pelage_params::tables! {
         ink: InkParams,
         /// Texture formats of the package.
         pack: PackParams,
-        /// Images by which a bake with limits is judged.
+        /// Images that measure the error of a bake with limits.
         judge: JudgeParams,
     }
 }
@@ -92,8 +92,8 @@ pub fn keys() -> impl Iterator<Item = &'static Knob> {
     pelage_params::knobs::<Recipe>()
 }
 
-/// Returns a Markdown page with every key of a recipe: meaning, default, type and range, and the images of the keys in
-/// [`KEY_PICTURES`].
+/// Returns the recipe reference as a Markdown page. For every key, it gives meaning, default, type and range, and the
+/// image if the key is in [`KEY_PICTURES`].
 pub fn reference_page() -> String {
     pelage_params::reference_page::<Recipe>("Recipe reference", &INTRODUCTION, |key| {
         KEY_PICTURES.iter().find(|picture| picture.key == key).map(KeyPicture::markdown)
@@ -113,7 +113,7 @@ const INTRODUCTION: [&str; 4] = [
     "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin chores write-docs`.",
 ];
 
-/// Returns each named path once, with the first key that names it.
+/// Returns each path once, with the first key that names it.
 fn each_once<'a>(named: impl IntoIterator<Item = (String, Option<&'a str>)>) -> Vec<(String, &'a str)> {
     let mut paths: Vec<(String, &str)> = Vec::new();
     for (key, path) in named {
@@ -124,7 +124,7 @@ fn each_once<'a>(named: impl IntoIterator<Item = (String, Option<&'a str>)>) -> 
     paths
 }
 
-/// Converts an error in a recipe; without a line it comes from the command line.
+/// Converts an error in a recipe. An error without a line comes from the command line.
 fn input(file: &str, fault: ParamError) -> BakeError {
     BakeError::Input { file: file.to_owned(), place: fault.location(), reason: fault.reason }
 }
@@ -148,8 +148,8 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// Parses the recipe recorded in a package; `file` is its name for messages. Packages older than coats omit keys
-    /// whose defaults were those of [`Coat::Natural`].
+    /// Parses the recipe recorded in a package; `file` is its name for messages. Packages written before coats existed
+    /// may omit keys. Such keys get the values of [`Coat::Natural`], which were the defaults then.
     ///
     /// # Errors
     /// The errors of [`Recipe::parse`].
@@ -159,7 +159,7 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// Returns the recipe that only names a coat.
+    /// Returns the recipe that names a coat and sets nothing else.
     ///
     /// # Errors
     /// [`BakeError::Internal`] if the coat's file is invalid.
@@ -169,9 +169,9 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// Reads a recipe over this one, in the format of [`Recipe::parse`]: keys in the text are set, all others stay. If
-    /// the text names a coat, keys that it does not name and that have the previous coat's value change to the new
-    /// coat's.
+    /// Reads a recipe over this one, in the format of [`Recipe::parse`]. Keys in the text are set, all others keep
+    /// their values. If the text changes the coat, keys that it does not name also change, if they have the previous
+    /// coat's value.
     ///
     /// # Errors
     /// The errors of [`Recipe::parse`]; keys before the error are already set.
@@ -188,8 +188,8 @@ impl Recipe {
         self.change_with_coat("--set", |recipe| pelage_params::set(recipe, assignment))
     }
 
-    /// Applies a change. If it changes the coat, keys with the previous coat's value get the new one's, unless the
-    /// change sets them.
+    /// Applies a change. If it changes the coat, keys with the previous coat's value get that of the new coat, unless
+    /// the change sets them.
     fn change_with_coat(
         &mut self,
         file: &str,
@@ -203,7 +203,7 @@ impl Recipe {
         }
         coats::change(self, before, coat)
             .map_err(|fault| BakeError::Internal(format!("the coat {:?}: {fault}", coat.word())))?;
-        // Apply it again: a key set explicitly may have had the previous coat's value.
+        // Apply the change again: a key that it sets may have had the previous coat's value.
         change(self).map_err(|fault| input(file, fault))
     }
 
@@ -294,7 +294,7 @@ impl Recipe {
     }
 }
 
-/// Returns the coat `natural`, for tests: one kind of strands, few and thick.
+/// Returns the recipe of the coat `natural`, for tests. Its strands are few, thick and of one kind.
 #[doc(hidden)]
 pub fn natural() -> Recipe {
     Recipe::of_coat(Coat::Natural).unwrap_or_else(|error| panic!("{error}"))

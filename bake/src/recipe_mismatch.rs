@@ -12,8 +12,8 @@ pub struct Mismatch {
     pub reason: String,
 }
 
-/// Returns the keys at which a recipe does not match the package's fur, because it was edited after the bake or belongs
-/// to another package. Only keys in the text are compared, because defaults differ between versions.
+/// Returns the keys whose recorded values do not match the package's fur, because the recipe was edited after the bake
+/// or belongs to another package. Only keys in the text are compared, because defaults differ between versions.
 ///
 /// Returns nothing for an invalid recipe, whose errors [`Recipe::parse`] reports.
 pub fn mismatches(manifest: &Manifest, text: &str) -> Vec<Mismatch> {
@@ -23,7 +23,7 @@ pub fn mismatches(manifest: &Manifest, text: &str) -> Vec<Mismatch> {
     };
     let fur = &manifest.fur;
     let tile_size_m = recipe.surface.tile_size_m.unwrap_or(fur.tile_size_m);
-    // The package's count includes underfur.
+    // The strand count in the package includes underfur.
     let guard_hairs = fur.strands.saturating_sub(recipe.underfur.density);
     let facts = [
         ("hair.density", recipe.hair.density.to_string(), guard_hairs.to_string(), "strands in the tile"),
@@ -35,7 +35,7 @@ pub fn mismatches(manifest: &Manifest, text: &str) -> Vec<Mismatch> {
         let (table, key) = key.split_once('.').unwrap_or_default();
         named.get(table).and_then(|table| table.get(key)).is_some()
     };
-    // A package without hair has no data about fur.
+    // A package without hair records no data about fur.
     let has_fur = fur.layers > 0;
     let differs = |(key, said, found, _): &(&str, String, String, &str)| has_fur && said != found && is_named(key);
     facts

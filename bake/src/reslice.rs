@@ -1,10 +1,10 @@
-//! Slicing of existing strands with other settings: layers, tile, filter, formats or fins.
+//! Slicing of existing strands again, with other settings for layers, tile, filter, formats or fins.
 //!
-//! [`reslice`] works on a package without the model that it was baked from. Mesh, materials and motion stay the same,
-//! byte for byte; strands are simulated again from the recorded recipe. From these the pipeline runs on from
+//! [`reslice`] works on a package, without the model from which it was baked. Mesh, materials and motion stay the same,
+//! byte for byte. The strands are simulated again from the recorded recipe, and the pipeline continues from
 //! `visibility`.
 //!
-//! A [`Slicer`] has the model, and keeps the outputs of a bake.
+//! A [`Slicer`] has the model and keeps the outputs of a bake.
 
 use crate::pipeline::{BakeInput, Output, Outputs, run};
 use crate::progress::StageProgress;
@@ -20,7 +20,8 @@ use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 
-/// Returns the package's mesh data unchanged, with or without simplified index lists according to `recipe`.
+/// Returns the mesh data of the package. All of it is copied except the simplified index lists, which are made again or
+/// left out, as `recipe` says.
 fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<ModelPart<'a>, FormatError> {
     let mut manifest = package.manifest().clone();
     // Textures of materials are copied. Several materials may share one, which is stored once in the package.
@@ -43,8 +44,9 @@ fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<ModelPart<'a>, For
     Ok(ModelPart { manifest, sections, images, ..ModelPart::default() })
 }
 
-/// Returns the textures of the ink style. They are painted again if the format in `recipe` differs from the package's;
-/// otherwise they are copied, as are textures that need a scan, because the package does not contain it.
+/// Returns the textures of the ink style. They are painted again if the format in `recipe` differs from that of the
+/// package; otherwise, they are copied. Textures that need a scan are always copied, because the package does not
+/// contain the scan.
 fn ink_files<'a>(
     file: &str,
     package: &Package<'a>,
@@ -72,9 +74,9 @@ fn fault(file: &str, source: FormatError) -> BakeError {
     BakeError::Package { file: file.to_owned(), source }
 }
 
-/// Slices a package with the tables `[slice]`, `[strands]`, `[fins]`, `[detail]` and `[pack]` of `recipe`, whose other
-/// tables should be those of the package. A package without fins stays without, because their edges are known only from
-/// the model.
+/// Slices a package with the tables `[slice]`, `[strands]`, `[fins]`, `[detail]` and `[pack]` of `recipe`. Its other
+/// tables should be those of the package. A package without fins gets none, because the edges are known only from the
+/// model.
 ///
 /// # Errors
 ///
@@ -88,12 +90,12 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         let reason = "there is none, expected a package with hair to slice".into();
         return Err(BakeError::Input { file: file.into(), place: "the manifest's fur".into(), reason });
     };
-    // Checked here, then copied unchanged.
+    // Fins are checked here and then copied unchanged.
     let fins = match package.fins().map_err(fault)? {
         Some(_) => copied_sections(package, |tag| tag == Tag::FINS).map_err(fault)?.pop(),
         None => None,
     };
-    // Ink depends on the mesh surface and the strands, which do not change; the format of its textures may.
+    // Ink data depends on mesh and strands, which do not change. Only the format of its textures may change.
     let (mut ink, mut ink_textures) = (None, None);
     if let Some(view) = package.ink().map_err(fault)? {
         ink_textures = Some(ink_files(file, package, &view.info, recipe, &hair.strands)?);
@@ -105,7 +107,7 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
             warnings: Vec::new(),
         });
     }
-    // Their motion is in a section that is copied.
+    // The motion of guide-driven hair is in a section that is copied.
     let guided = GuidedHair { groups: package.hair_groups().map_err(fault)?.to_vec(), ..GuidedHair::default() };
     let mut outputs = Outputs {
         hair: Some(hair),
@@ -127,8 +129,8 @@ fn finished(outputs: Outputs<'_>) -> Result<Vec<u8>, BakeError> {
     packed.ok_or_else(|| BakeError::Internal("the pipeline ended without a package".into()))
 }
 
-/// Model that is baked once and sliced many times. Outputs independent of layers, tile and fins (parameterization,
-/// strands, groom, positions of fins, ink, mesh) are made once.
+/// Model that is baked once and sliced many times. Outputs that do not depend on layers, tile and fins are made once:
+/// parameterization, strands, groom, positions of fins, ink and mesh.
 #[derive(Clone, Debug)]
 pub struct Slicer<'a> {
     input: BakeInput<'a>,
@@ -150,8 +152,8 @@ impl<'a> Slicer<'a> {
         Ok(Self { input, outputs })
     }
 
-    /// Returns a package identical, byte for byte, to that of a whole bake with `recipe`. Differences from the recipe
-    /// of the first bake outside `[slice]` and `[fins]` need a whole bake.
+    /// Returns a package identical, byte for byte, to that of a full bake with `recipe`. `recipe` may differ from the
+    /// first one only in `[slice]` and `[fins]`; other differences need a full bake.
     ///
     /// # Errors
     ///

@@ -18,15 +18,15 @@ pub(crate) enum Wrap {
 pub(crate) enum Encoding {
     /// All channels linear: 0..=255 maps to 0..=1.
     Linear,
-    /// Colour sRGB-encoded, alpha linear.
+    /// Colour is sRGB-encoded, alpha is linear.
     Srgb,
 }
 
-/// Samples the image at `uv`, bilinear, like the runtime's sampler: (0, 0) is the upper left corner of the image.
-/// Returns RGBA with linear colour; black for an image without texels.
+/// Returns a bilinear sample of the image at `uv`, computed like the runtime's sampler: (0, 0) is the upper left corner
+/// of the image. The result is RGBA with linear colour, black for an image without texels.
 pub(crate) fn bilinear(image: &Image, uv: Vec2, wrap: Wrap, encoding: Encoding) -> Vec4 {
     let size = Vec2::new(image.width as f32, image.height as f32);
-    // A float loses its fraction long before an index overflows.
+    // A float has lost its fractional part long before the index would overflow.
     let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
     let uv = if wrap == Wrap::Repeat { uv - uv.floor() } else { uv.clamp(Vec2::ZERO, Vec2::ONE) };
     let at = uv * size - 0.5;

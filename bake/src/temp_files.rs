@@ -1,8 +1,8 @@
-//! Temporary files being written, which a process removes when it is terminated.
+//! List of temporary files that are being written, for removal when the process is terminated.
 //!
 //! [`crate::io`] writes beside the target and renames complete files. After an error or a panic, the temporary file is
-//! removed during unwinding, but a signal skips that. So the names are kept here, and a program that handles signals
-//! calls [`remove_all`], as `pelage` does for INT and TERM.
+//! removed during unwinding, but a signal skips that. So this module keeps the names, and a program that handles
+//! signals calls [`remove_all`], as `pelage` does for INT and TERM.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -16,14 +16,14 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 pub struct TempFileGuard(PathBuf);
 
 fn list() -> MutexGuard<'static, Vec<PathBuf>> {
-    // The list is valid even if a thread panicked while holding the lock.
+    // The list is valid even if a thread panicked while it held the lock.
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl TempFileGuard {
-    /// Registers a file, or a folder with its future contents.
+    /// Registers a file, or a folder including files created in it later.
     pub fn new(path: &Path) -> Self {
-        // Absolute, in case the process changes its working directory.
+        // The path is absolute in case the process changes its working directory.
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         list().push(path.clone());
         Self(path)
@@ -39,8 +39,8 @@ impl Drop for TempFileGuard {
     }
 }
 
-/// Removes all temporary files; those that cannot be removed are left. While the returned guard exists, no write can be
-/// completed: writers block until the process ends.
+/// Removes all temporary files, except those that cannot be removed. No write can complete while the returned guard
+/// exists: writers block until the process ends.
 pub fn remove_all() -> impl Drop {
     let mut list = list();
     for path in list.drain(..).rev() {

@@ -1,13 +1,13 @@
 //! Uncompressed video: YUV4MPEG2, "Y4M", which ffmpeg and players read from a file or a pipe.
 //!
-//! Frames are 4:4:4 with 8 bits, in Y'CbCr of ITU-R BT.709 (§3: luma 0.2126, 0.7152, 0.0722) with limited range
-//! (16..=235 and 16..=240), as is usual for video. The header declares the range in the word `XCOLORRANGE`, introduced
-//! by ffmpeg. The format cannot declare the matrix, and many readers treat small undeclared video as BT.601: set BT.709
-//! in the reader explicitly.
+//! Frames are 4:4:4 with 8 bits, in Y'CbCr of ITU-R BT.709 (§3: luma 0.2126, 0.7152, 0.0722). The range is limited
+//! (16..=235 and 16..=240), as is usual for video. The header declares the range with the word `XCOLORRANGE`, which
+//! ffmpeg introduced. The format cannot declare the matrix, and many readers treat small undeclared video as BT.601.
+//! Set BT.709 in the reader explicitly.
 
 use std::io::{self, Write};
 
-/// Video writer, frame by frame.
+/// Video writer that writes frame by frame.
 #[derive(Debug)]
 pub struct Y4m<W> {
     out: W,
@@ -28,7 +28,8 @@ impl<W: Write> Y4m<W> {
     }
 
     /// Writes a frame of `3 * width * height` sRGB-encoded bytes, row-major from the top: red, green and blue of each
-    /// pixel. They are treated as BT.709's R'G'B', which has the same primaries, and on screens nearly the same curve.
+    /// pixel. The bytes are treated as R'G'B' of BT.709, which has the same primaries and, on screens, nearly the same
+    /// curve.
     ///
     /// # Errors
     ///
@@ -57,7 +58,7 @@ impl<W: Write> Y4m<W> {
     }
 }
 
-/// Converts to Y'CbCr of BT.709, limited range.
+/// Converts sRGB-encoded bytes to Y'CbCr of BT.709, limited range.
 fn ycbcr(rgb: [u8; 3]) -> [u8; 3] {
     let [r, g, b] = rgb.map(|byte| f32::from(byte) / 255.0);
     let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -88,7 +89,7 @@ mod tests {
 
     #[test]
     fn colour_bars_of_the_standard_are_reproduced() {
-        // Colour bars of 100 % and 75 % (SMPTE RP 219, table of 8-bit values in BT.709).
+        // The frames are colour bars of 100 % and 75 % (SMPTE RP 219, table of 8-bit values in BT.709).
         for (rgb, expected) in [
             ([255, 255, 0], [219, 16, 138]),
             ([0, 255, 255], [188, 154, 16]),

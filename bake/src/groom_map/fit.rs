@@ -1,16 +1,16 @@
-//! Painting of an image such that sampling it at the vertices returns the vertices' values.
+//! Paints an image such that sampling it at the vertices returns the vertices' values.
 //!
 //! Plain interpolation flattens ridges: a bilinear lookup at a vertex also mixes in the lower texels beside it. So the
-//! residual is added and the image painted again, a few times (Richardson's iteration). If triangles are much larger
-//! than texels, two or three rounds are enough. If they are smaller, no image can resolve the vertices, and the best
-//! round is used.
+//! residual is added to the values and the image is painted again, a few times (Richardson iteration). If triangles are
+//! much larger than texels, two or three rounds are enough. If they are smaller, no image can reproduce all vertex
+//! values, and the best round is used.
 
 use crate::stages::groom::canvas::Canvas;
 use glam::{Vec2, Vec4};
 
 /// Maximum number of rounds.
 const ROUNDS: usize = 12;
-/// Tolerance: a tenth of the error of rounding to bytes.
+/// Error at which the iteration stops: a tenth of the error of rounding to bytes.
 const ENOUGH: f32 = 0.05 / 255.0;
 
 /// Image to paint, and the points at which it is sampled.
@@ -18,9 +18,9 @@ pub(super) struct SampledImage<'a> {
     pub(super) canvas: &'a Canvas,
     /// Width and height, texels.
     pub(super) side: u32,
-    /// Index of the sample for each corner of each triangle.
+    /// Index of the sample at each corner of each triangle.
     pub(super) places: &'a [[u32; 3]],
-    /// Texture coordinates of each sample; the mean is taken if there are several.
+    /// Texture coordinates of each sample; if there are several, their mean value is used.
     pub(super) uvs: &'a [Vec<Vec2>],
 }
 
@@ -37,7 +37,7 @@ impl SampledImage<'_> {
             for ((value, target), uvs) in values.iter_mut().zip(&targets).zip(self.uvs) {
                 let missing = *target - self.read(&texels, uvs);
                 worst = worst.max(missing.abs().max_element());
-                // Samples that share texels cannot all be met; clamp so that the iteration does not diverge.
+                // Samples that share texels cannot all be matched. Clamping keeps the iteration from diverging.
                 *value = (*value + missing).clamp(Vec4::splat(-1.0), Vec4::splat(2.0));
             }
             let settled = worst > 0.98 * best.1;
@@ -70,7 +70,7 @@ impl SampledImage<'_> {
         })
     }
 
-    /// Returns the mean of the image at `uvs`: bilinear and repeating, the way groom maps are sampled.
+    /// Returns the mean of the image at `uvs`, sampled like a groom map: bilinear and repeating.
     fn read(&self, texels: &[Vec4], uvs: &[Vec2]) -> Vec4 {
         let n = i64::from(self.side);
         let one = |uv: &Vec2| {

@@ -1,8 +1,8 @@
-//! Groom maps as images to paint on: the values that the bake currently computes over a model. They use the model's own
-//! texture coordinates or the generated atlas.
+//! Groom maps as images to paint on, filled with the values that the bake currently computes over a model. They use the
+//! model's own texture coordinates or the generated atlas.
 //!
-//! Values are encoded as `[groom]` reads them. An image is sampled only at the vertices, between texels. So it is
-//! painted such that sampling it returns the vertices' values.
+//! Values are encoded as `[groom]` reads them. A bake samples these images only at vertices, which fall between texels.
+//! So each image is painted such that sampling it returns the vertices' values.
 
 mod fit;
 
@@ -18,9 +18,9 @@ use pelage_formats::meaning::linear_to_srgb;
 use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Mesh, Model, RestPose};
 
-/// Gutter around the charts of a model's own texture coordinates, as a share of the image's width.
+/// Gutter around the charts of a model's own texture coordinates, divided by the image's width.
 const GUTTER: f32 = 1.0 / 128.0;
-/// Maximum number of repeats of the image along each axis, for triangles outside 0..1.
+/// Maximum number of repeats of the image along each axis that are searched for triangles outside 0..1.
 const MOST_REPEATS: f32 = 16.0;
 
 /// Groom quantity to write.
@@ -69,7 +69,7 @@ impl Quantity {
 /// Image to paint on, with the mesh that it maps to.
 #[derive(Clone, Debug)]
 pub struct GroomMap {
-    /// Opaque image; grey for shares, sRGB for colours.
+    /// Opaque image. Scalars are stored as grey, colours in sRGB.
     pub image: Image,
     /// Texture coordinates that the image uses.
     pub coordinates: GroomCoordinates,
@@ -77,8 +77,8 @@ pub struct GroomMap {
     pub mesh: Mesh,
     /// Rest pose of the mesh, metres.
     pub rest: RestPose,
-    /// Largest error, 0..=1, between a vertex value and the image sampled there, before rounding to bytes; 0 for values
-    /// evaluated per texel.
+    /// Largest difference, 0..=1, between a vertex value and the image sampled there, before rounding to bytes. It is 0
+    /// for values evaluated per texel.
     pub misses_by: f32,
     /// Warnings.
     pub warnings: Vec<String>,
@@ -86,9 +86,9 @@ pub struct GroomMap {
 
 /// Writes a groom map of a model.
 ///
-/// * `coordinates`: texture coordinates to use, the model's own or the atlas. By default those of the recipe, or the
-///   atlas if a furred part has none. A projected image shows both sides of a body at once and cannot be painted, so a
-///   recipe with a projection uses the model's own.
+/// * `coordinates`: texture coordinates to use, the model's own or the atlas. The default is the recipe's choice, or
+///   the atlas if a furred part has no texture coordinates. A recipe with a projection uses the model's own: a
+///   projected image shows both sides of a body at once and cannot be painted.
 /// * `texels`: width and height of the image
 ///
 /// # Errors
@@ -101,7 +101,8 @@ pub fn groom_map(
     coordinates: Option<GroomCoordinates>,
     texels: u32,
 ) -> Result<GroomMap, BakeError> {
-    // The map shows the colours of the mesh surface, not those at the roots of the hair over it.
+    // Switch off root colours: the map shows the colours of the mesh surface, not those at the roots of the hair over
+    // it.
     let mut recipe = input.recipe.clone();
     recipe.color.at_root = false;
     let input = &BakeInput { recipe: &recipe, ..*input };
@@ -128,7 +129,8 @@ pub fn groom_map(
         }
         Values::PerTexel(value) => (canvas.paint(|spot, _| value(spot.clamped())), 0.0),
     };
-    // Rounding errors must not decide which way half a byte is rounded.
+    // Round to a fine grid first, so that rounding errors do not decide how values halfway between two bytes are
+    // rounded.
     let painted: Vec<Vec4> = painted.into_iter().map(|texel| (texel * 65536.0).round() / 65536.0).collect();
     let mut warnings = laid.warnings.clone();
     let own = input.recipe.groom.coordinates;
@@ -172,7 +174,7 @@ struct MapLayout {
     pieces: Vec<CanvasTriangle>,
     /// Width of the gutter around pieces, texels.
     gutter: u32,
-    /// Index of the sample for each corner of each triangle.
+    /// Index of the sample at each corner of each triangle.
     places: Vec<[u32; 3]>,
     /// Texture coordinates of each sample.
     uvs: Vec<Vec<Vec2>>,
@@ -188,7 +190,7 @@ impl MapLayout {
         Self { mesh: atlas.mesh, rest: atlas.rest, pieces, gutter, places, uvs }
     }
 
-    /// Lays out the furred parts that have texture coordinates of their own.
+    /// Lays out the furred parts that have their own texture coordinates.
     fn of_model(file: &str, laid: &Layout<'_>, texels: u32) -> Result<Self, BakeError> {
         let Surface { mesh, rest, .. } = &laid.surface;
         let parts = || mesh.parts.iter().filter(|part| is_furred(laid, part.material));
@@ -240,7 +242,7 @@ struct GroomedModel<'a> {
     groomed: &'a Groomed,
 }
 
-/// Values of a map as RGBA, 0..=1, in the encoding of the image.
+/// Values of a map as RGBA, 0..=1, encoded as in the image.
 enum Values<'a> {
     /// Values per vertex of the groomed surface.
     PerVertex(Vec<Vec4>),
@@ -270,13 +272,15 @@ impl<'a> GroomedModel<'a> {
         })
     }
 
-    /// Maps values per vertex of the imported mesh to the vertices of the groomed surface.
+    /// Maps values per vertex of the imported mesh to the vertices of the groomed surface. Vertices without a value get
+    /// `without`.
     fn pack_input_vertices<T: Copy>(&self, values: Option<&[T]>, without: T, write: impl Fn(T) -> Vec4) -> Vec<Vec4> {
         let value = |v: &u32| values.and_then(|all| all.get(*v as usize)).copied().unwrap_or(without);
         self.groomed.surface.input_vertex.iter().map(|v| write(value(v))).collect()
     }
 
-    /// Returns the comb map's directions, or else the direction in which hair was laid; zero if there is none.
+    /// Returns the directions of the comb map. Without a map, returns the directions along which the hair was laid out.
+    /// Both are zero where hair has no direction.
     fn comb(&self) -> Vec<Vec4> {
         let write = |direction: Vec3| (direction.clamp_length_max(1.0) * 0.5 + 0.5).extend(1.0);
         match &self.laid.lay.comb {
@@ -288,7 +292,8 @@ impl<'a> GroomedModel<'a> {
         }
     }
 
-    /// Returns the values per vertex, or the textures if there are any.
+    /// Returns the values per texel if there are groom textures, otherwise per vertex. A texel's value is the
+    /// interpolated vertex value plus that of the texture.
     fn per_texel_or_vertex(&self, of_vertices: &'a [f32], of_texel: fn(Vec4) -> f32) -> Values<'a> {
         let Groomed { surface, grooms, .. } = self.groomed;
         if grooms.images.is_empty() {
@@ -307,7 +312,7 @@ impl<'a> GroomedModel<'a> {
     /// Returns the base colours: product of factor, texture, vertex colour and pattern.
     fn colors(&self) -> Values<'a> {
         let Groomed { surface, colors, .. } = self.groomed;
-        // Divided out because reading the map back applies the gain again.
+        // Divide by the gain, because reading the map back applies it again.
         let laid = self.laid;
         let gain = |material| if is_furred(laid, material) { laid.hair_colors.gain } else { 1.0 };
         let factors: Vec<Vec4> = self.model.materials.iter().map(|m| Vec4::from(m.base_color)).collect();
@@ -342,8 +347,8 @@ fn read(mesh: &Mesh, spot: SurfacePoint, image: &Image, encoding: Encoding) -> V
     bilinear(image, a * spot.weights.x + b * spot.weights.y + c * spot.weights.z, Wrap::Repeat, encoding)
 }
 
-/// Returns for each vertex the unit direction, at rest, of increasing tile coordinate v, which is the comb direction;
-/// zero on bare parts.
+/// Returns the comb direction at each vertex: the unit direction, at rest, in which the tile coordinate v increases. It
+/// is zero on bare parts.
 fn comb_directions(surface: &Surface) -> Vec<Vec3> {
     let Surface { mesh, rest, .. } = surface;
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
@@ -354,7 +359,8 @@ fn comb_directions(surface: &Surface) -> Vec<Vec3> {
         let ([own1, own2], [rest1, rest2]) = (edges(&mesh.positions), edges(&rest.positions));
         let across = own1.cross(own2);
         for v in [a, b, c] {
-            // Tangents are in the mesh's own space: apply the same combination of edges to the rest pose.
+            // Tangents refer to the mesh before posing, so express them by the triangle's edges and combine the edges
+            // at rest in the same way.
             let tangent = surface.tangents[v].truncate();
             let share = |x: Vec3, y: Vec3| x.cross(y).dot(across) / across.length_squared();
             let along_u = rest1 * share(tangent, own2) + rest2 * share(own1, tangent);

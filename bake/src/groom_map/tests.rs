@@ -8,8 +8,8 @@ use pelage_import::mesh::{Material, MeshPart};
 const RINGS: u32 = 28;
 const SIDES: u32 = 14;
 
-/// Builds a torus about the y axis with radii 0.3 m and 0.12 m and noisy vertex colours. With texture coordinates it is
-/// one chart, cut along both circles.
+/// Builds a torus about the y axis with radii 0.3 m and 0.12 m and noisy vertex colours. With texture coordinates, it
+/// is a single chart, cut along both circles.
 fn torus(with_uvs: bool) -> Model {
     let mut mesh = Mesh::default();
     let seam = u32::from(with_uvs);
@@ -139,7 +139,7 @@ fn comb_without_a_map_is_the_hair_direction() {
     let lies = |text| written(&model, text, &none, Quantity::Comb, 512).unwrap();
     let down = lies("[surface]\ncomb = \"gravity\"");
     assert_eq!(down.coordinates, GroomCoordinates::Atlas);
-    // At the outer equator the surface is vertical, and hair points straight down.
+    // At the outer equator, the surface is vertical, so hair points straight down.
     let at = |map: &GroomMap, v: usize| {
         let uv = map.mesh.uvs[v];
         bilinear(&map.image, uv, Wrap::Repeat, Encoding::Linear).truncate() * 2.0 - 1.0

@@ -1,8 +1,8 @@
 //! Exact Euclidean distance transform: P. F. Felzenszwalb, D. P. Huttenlocher, *Distance Transforms of Sampled
 //! Functions*, Theory of Computing 8 (2012).
 //!
-//! The squared distance to a set of points is the lower envelope of parabolas over them. A grid is processed column by
-//! column, then row by row.
+//! The squared distance to a set of points is the lower envelope of one parabola per point. A grid is processed column
+//! by column, then row by row.
 
 /// Returns the squared distance of every grid point to the nearest point of a set; infinite if the set is empty.
 ///
@@ -27,7 +27,7 @@ pub(super) fn squared(width: usize, height: usize, is_in: impl Fn(usize) -> bool
     grid
 }
 
-/// Lower envelope: its parabolas from left to right.
+/// Lower envelope of parabolas, which are stored from left to right.
 #[derive(Default)]
 struct Envelope {
     /// Position and height of the vertex of each parabola.
@@ -45,7 +45,7 @@ impl Envelope {
             let q = q as f64;
             let mut from = f64::NEG_INFINITY;
             while let (Some((p, lowest)), Some(last)) = (self.feet.last(), self.from.last()) {
-                // Intersection of this parabola with the last one; to the right of it this one is lower.
+                // Intersection of this parabola with the last one, to the right of which this one is lower.
                 from = ((height + q * q) - (lowest + p * p)) / (2.0 * (q - p));
                 if from > *last {
                     break;

@@ -1,8 +1,7 @@
-//! Sets of pixels and distances between them, for measuring drawn lines.
+//! Sets of pixels and distances between them, for measuring lines in rendered images.
 //!
-//! Distances are exact ([`Mask::distances`], by lower envelopes of parabolas). Lines of any width are thinned to one
-//! pixel ([`Mask::core`]). The width of the widest stroke is the diameter of the largest disc that fits into ink
-//! ([`Mask::widest_stroke`]).
+//! [`Mask::distances`] returns exact distances, computed with lower envelopes of parabolas. [`Mask::core`] thins lines
+//! of any width to one pixel. [`Mask::widest_stroke`] returns the diameter of the largest disc that fits into the ink.
 
 mod distance;
 mod set;

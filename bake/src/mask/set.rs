@@ -15,7 +15,7 @@ pub struct Mask {
     pub pixels: Vec<bool>,
 }
 
-/// Widest part of a drawing.
+/// Widest place of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stroke {
     /// Diameter of the largest disc that fits into ink, pixels; 0 without any ink.
@@ -36,7 +36,7 @@ impl Mask {
         Self { width, height, pixels: places.map(|(x, y)| is_in(x, y)).collect() }
     }
 
-    /// Returns the pixels of a black-on-white drawing that are darker than `grey`, 0..=255, in their largest component.
+    /// Returns the pixels of a black-on-white drawing whose largest colour component is below `grey`, 0..=255.
     pub fn darker(picture: &RgbaImage, grey: u8) -> Self {
         let dark = |x, y| {
             let [r, g, b, _] = picture.get_pixel(x, y).0;
@@ -92,22 +92,22 @@ impl Mask {
         Err(BakeError::Params { what: "masks", reason })
     }
 
-    /// Returns the distance from each pixel's centre to the centre of the nearest pixel of the set, pixels; 0 in the
-    /// set, infinite if it is empty. Exact except for the rounding of one square root.
+    /// Returns the distance from each pixel's centre to the centre of the nearest pixel of the set, pixels. It is 0 in
+    /// the set, and infinite if the set is empty. It is exact except for the rounding of one square root.
     pub fn distances(&self) -> Vec<f64> {
         let mut squares = distance::squared(self.width as usize, self.height as usize, |i| self.pixels[i]);
         squares.iter_mut().for_each(|d| *d = d.sqrt());
         squares
     }
 
-    /// Returns the widest stroke of the set taken as ink: the largest disc in it, with pixels as squares. Pixels
-    /// outside the image are not ink. A line of n pixels along an axis has width n.
+    /// Returns the widest stroke of the set, whose pixels are ink: the largest disc of ink, with pixels as squares.
+    /// Pixels outside the image are not ink. A line of n pixels along an axis has width n.
     ///
-    /// If several are equally wide, the first from the top is returned.
+    /// If several strokes are equally wide, the first from the top is returned.
     pub fn widest_stroke(&self) -> Stroke {
-        // Points half a pixel apart: centres, corners and edge midpoints of pixels, surrounded by a border without ink.
-        // The centre of the largest disc is one of them or less than half a pixel away. The nearest point of a square
-        // without ink is always one of them.
+        // Sample at points half a pixel apart (centres, corners and edge midpoints of pixels), surrounded by a border
+        // without ink. The centre of the largest disc is less than half a pixel from one of these points. The point of
+        // an ink-free pixel that is nearest to a sample is always a sample too.
         let (w, h) = (self.width as usize, self.height as usize);
         let (columns, rows) = (2 * w + 1, 2 * h + 1);
         let mut paper = vec![false; columns * rows];

@@ -17,8 +17,9 @@ impl Mask {
 /// Removes border pixels of parts wider than one pixel, alternately from the lower right and the upper left, until none
 /// can be removed.
 ///
-/// All pixels of a pass are selected at once, which keeps the line in the middle. Each is checked again before removal,
-/// because a slanted line two pixels wide is all border and would vanish in the published form.
+/// All pixels of a pass are selected at once, which keeps the line in the middle. Each is checked again before removal.
+/// Without this check (as published), a slanted line two pixels wide would vanish, because all its pixels are border
+/// pixels.
 fn thinned(mask: &Mask) -> Mask {
     let mut out = mask.clone();
     let mut candidates: Vec<usize> = (0..out.pixels.len()).filter(|i| out.pixels[*i]).collect();
@@ -45,14 +46,14 @@ fn neighbours(mask: &Mask, i: usize) -> [bool; 8] {
     NEIGHBOUR_OFFSETS.map(|(dx, dy)| mask.contains(x + dx, y + dy))
 }
 
-/// Whether a pixel can be removed: it is neither an end nor a connection between two parts.
+/// Whether a pixel can be removed: it is neither the end of a line nor the connection between two parts.
 fn is_removable(n: &[bool; 8]) -> bool {
     let count = n.iter().filter(|set| **set).count();
     let begins = (0..8).filter(|k| !n[*k] && n[(k + 1) % 8]).count();
     (2..=6).contains(&count) && begins == 1
 }
 
-/// Whether a pixel can be removed and is on the side of this pass.
+/// Whether a pixel can be removed and is on the side that this pass removes.
 fn is_removable_in_pass(mask: &Mask, i: usize, turn: u32) -> bool {
     let n = neighbours(mask, i);
     let [above, _, right, _, below, _, left, _] = n;

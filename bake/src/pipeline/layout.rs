@@ -1,5 +1,5 @@
-//! Stage `surface`: lays out the hair tile on a model according to the recipe, the body and the marks in the model.
-//! Records what it chooses for values that the recipe leaves open.
+//! Stage `surface`: lays out the hair tile on a model according to the recipe, the shape of the body and the marks in
+//! the model. It records what it chooses for values that the recipe leaves open.
 
 use crate::decision::Decision;
 use crate::recipe::{
@@ -28,11 +28,11 @@ pub struct Layout<'a> {
     pub furred: Vec<bool>,
     /// Effective value of `model.bare`: the recipe's or the chosen one.
     pub bare: Vec<String>,
-    /// Lengths that the recipe may leave open, resolved.
+    /// Lengths with values for those that the recipe leaves open.
     pub lengths: Lengths,
     /// Recipe with hair density and radii converted to tile units.
     pub filled: Recipe,
-    /// Hair colours that the recipe may leave open, resolved.
+    /// Hair colours with values for those that the recipe leaves open.
     pub hair_colors: HairColors,
     /// Groom maps of the recipe.
     pub maps: Maps<'a>,
@@ -44,7 +44,8 @@ pub struct Layout<'a> {
     pub warnings: Vec<String>,
 }
 
-/// Runs the first stage alone: lays out the hair tile on a model. Arguments are those of [`Told`](super::Told).
+/// Runs the first stage alone: lays out the hair tile on a model. Arguments are those of
+/// [`BakeInput`](super::BakeInput).
 ///
 /// # Errors
 ///
@@ -59,7 +60,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let body = Body { mesh: &model.mesh, rest: &rest, animation, furred: &furred, bounds: &bounds };
     let mut by_body = BodyGroom::of(&body, recipe.groom.by_body);
     if recipe.surface.source == SurfaceSource::Model {
-        // The density follows from the model's own texture coordinates.
+        // With the model's own texture coordinates, the density follows from them and cannot be chosen.
         by_body.iter_mut().for_each(|body| body.density = None);
     }
     let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings)
@@ -77,8 +78,8 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     warnings.extend(of_hair);
     let lengths = Lengths::resolve(&filled, &bounds);
     let colored = groom::is_colored(model, &maps, &furred, &recipe.color);
-    // Hair without any colour source gets a brown root and tip colour, which would tint the colours of marks. With
-    // coloured marks the brown becomes the base colour instead.
+    // Without any colour source, hair gets a brown root and tip colour, which would tint the colours of marks. If marks
+    // have colours, brown becomes the base colour instead.
     let plain = maps.marks().has_color() && !colored && recipe.color.root.is_none() && recipe.color.tip.is_none();
     let (maps, colored) = if plain { (maps.with_plain_color(HairColors::PLAIN), true) } else { (maps, colored) };
     let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(&filled)).chain(of_tile).collect();
@@ -122,7 +123,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     Ok(Layout { surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
 }
 
-/// Reports that lines drawn in the model comb the hair, if the recipe leaves the source open.
+/// Reports that lines in the model comb the hair, if the recipe leaves the source of the comb direction open.
 fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[CombLine]) -> Option<Decision> {
     if params.comb != CombSource::Auto || drawn.is_empty() || !matches!(comb, Comb::Marks { .. }) {
         return None;
@@ -136,7 +137,7 @@ fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[CombLine]
     })
 }
 
-/// Formats a built-in colour, whose components are whole bytes, for a recipe.
+/// Formats a built-in colour for a recipe. Its components are multiples of 1/255.
 fn in_toml(color: SrgbColor) -> String {
     let [r, g, b] = color.0.map(|c| (255.0 * c).round() as u8);
     format!("\"#{r:02x}{g:02x}{b:02x}\"")

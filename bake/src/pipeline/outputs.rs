@@ -82,7 +82,7 @@ macro_rules! outputs {
 }
 
 outputs! {
-    /// Imported model; no step makes it.
+    /// Imported model, an input that no step makes.
     Model model: &'a Model,
     /// Model with the hair tile laid out on it.
     Layout laid: Layout<'a>,
@@ -94,7 +94,7 @@ outputs! {
     Shells shells: Shells,
     /// Strands in the package's format; `None` if the package is to have no strands.
     Single single: Option<StrandsData>,
-    /// Groomed model: the laid-out model with the values that vary over it.
+    /// Groomed model: the laid-out model with the groom values that vary over it.
     Groomed groomed: Arc<Groomed>,
     /// Guide-driven hair, with its warnings.
     Guided guided: GuidedHair,
@@ -106,7 +106,7 @@ outputs! {
     Ink ink: Option<VertexInk>,
     /// Textures of the ink style; `None` without the style.
     InkTextures ink_textures: Option<InkFiles<'a>>,
-    /// Mesh surface, with its textures in the package's formats.
+    /// Mesh with its textures in the package's formats.
     Skin skin: ModelPart<'a>,
     /// Scattering of light by the hair's fibres; `None` if the shading model does not use it.
     Fibres fibres: Option<FibreTables>,
@@ -117,11 +117,11 @@ outputs! {
 /// Expensive intermediate results that often stay the same when the hair changes.
 #[derive(Clone, Debug, Default)]
 pub struct CachedStages {
-    /// Textures of the ink style, without its fur.
+    /// Textures of the ink style except those of the fur.
     pub(super) painting: Memo<(InkParams, PackParams), PaintedTextures>,
     /// Textures of the mesh surface.
     pub(super) skin: Memo<SkinImages, Arc<SkinFiles>>,
-    /// Simplified index lists and openness.
+    /// Simplified index lists and openness of the mesh.
     pub(super) of_skin: ModelMemo,
 }
 
@@ -139,7 +139,7 @@ impl PartialEq for SkinImages {
     }
 }
 
-/// Those images, encoded as .ktx2 files.
+/// Images of [`SkinImages`], encoded as .ktx2 files.
 #[derive(Clone, Debug)]
 pub(super) struct SkinFiles {
     pub(super) base_colors: Vec<Vec<u8>>,
@@ -179,11 +179,11 @@ pub struct Shells {
 /// Output of the `groom` stage.
 #[derive(Clone, Debug)]
 pub struct Groomed {
-    /// Laid-out surface; with a pattern, it is cut along the borders of its charts.
+    /// Laid-out surface. With a pattern, it is cut along the borders of the pattern's charts.
     pub surface: Surface,
-    /// Groom values at its vertices.
+    /// Groom values at the vertices of the surface.
     pub coat: VertexGroom,
-    /// Colours of its materials and vertices.
+    /// Colours of the surface's materials and vertices.
     pub colors: Colors,
     /// Groom textures.
     pub grooms: GroomTextures,
@@ -191,7 +191,8 @@ pub struct Groomed {
     pub pattern_size_m: Option<f32>,
     /// Lookup of the colour at a hair's root, if it may differ from the colour below the hair.
     pub roots: Option<RootsInfo>,
-    /// Distance from bare materials at which hair reaches its full length, metres; `None` if no hair is near one.
+    /// Distance from bare materials at which hair reaches its full length, metres; `None` if no hair is near such a
+    /// material.
     pub bare_margin_m: Option<f32>,
     /// Values that the recipe left open and the bake chose.
     pub decisions: Vec<Decision>,

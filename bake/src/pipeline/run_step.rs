@@ -1,4 +1,4 @@
-//! Implementation of the steps: each takes its inputs, calls its stage and stores the output.
+//! Implementation of the steps. Each step reads its inputs, calls its stage and stores the output.
 
 use super::layout::{Layout, lay};
 use super::outputs::{
@@ -41,7 +41,7 @@ pub(super) fn visible(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Resul
     let (hair, params) = (required(&outputs.hair, Hair)?, &input.recipe.visibility);
     let find = || {
         let dry = visibility::visibility(&hair.strands, params, None)?;
-        // Both use one horizon, because they are blended.
+        // Dry and wet hair use the same horizon, because they are blended.
         let wet = |strands| visibility::visibility(strands, params, Some(dry.horizon));
         let wet = hair.wet.as_ref().map(wet).transpose()?;
         Ok::<_, BakeError>(self::StrandVisibility { dry, wet })
@@ -237,7 +237,7 @@ pub(super) fn pack(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(
     let ink = required(&outputs.ink, Ink)?.as_ref().zip(required(&outputs.ink_textures, InkTextures)?.as_ref());
     let (skin, hair) = (required(&outputs.skin, Skin)?, required(&outputs.hair, Hair)?);
     let shading = Shading::from(&input.recipe.shading);
-    // Without a furred material the strands are unused.
+    // Without a furred material, the strands are unused.
     let furred = skin.manifest.materials.iter().any(|material| material.furred);
     let packed = pack::pack(&PackInput {
         recipe: input.recipe,

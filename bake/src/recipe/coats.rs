@@ -1,18 +1,18 @@
 //! Coats: named kinds of hair, each a set of defaults.
 //!
-//! A coat is a partial recipe, a file in `coats/` beside this one. Its values replace the defaults of keys, so keys
-//! that a recipe sets itself take precedence. `animal` is the declared defaults and has no file.
+//! A coat is a partial recipe in a file in `coats/` beside this one. Its values replace the defaults of keys, so keys
+//! that a recipe sets take precedence. The coat `animal` has no file: it consists of the declared defaults.
 
 use pelage_params::{Choice, Control, Field, ParamError, Tables, knobs, read, words, wrap};
 
 words! {
     /// Kinds of hair that a recipe can start from.
     Coat {
-        /// Defaults of the recipe reference: underfur below guard hair, short on face and legs, long on neck and tail,
-        /// like a fox or a dog.
+        /// Default values of the recipe reference: underfur below guard hair, short on face and legs, long on neck and
+        /// tail, like a fox or a dog.
         #[default]
         Animal = "animal",
-        /// Thick hair of one length everywhere, like a toy. Recipes started from it before there were coats.
+        /// Thick hair of the same length everywhere, like a toy. Recipes were based on it before coats existed.
         Natural = "natural",
         /// Short and smooth, combed along the body, like a boxer or a horse in summer.
         Short = "short",
@@ -26,7 +26,7 @@ words! {
         Wire = "wire",
         /// Long, fine and very dense, like a wolf in winter.
         Winter = "winter",
-        /// Gathered into dark shiny locks, like an animal that comes out of the water.
+        /// Gathered into dark, shiny locks, like an animal that comes out of the water.
         Wet = "wet",
     }
 }
@@ -48,7 +48,8 @@ impl Coat {
     }
 }
 
-/// Changes the coat of a recipe: keys with the value of `before` get that of `after`, all others stay.
+/// Changes the coat of a recipe: keys that have the value of coat `before` get that of coat `after`, all others keep
+/// theirs.
 ///
 /// # Errors
 /// The error in the file of a coat.

@@ -1,4 +1,4 @@
-//! The files of coats, and recipes that name a coat.
+//! Tests of the coats' files and of recipes that name a coat.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::{Coat, coats_page};
@@ -32,7 +32,7 @@ fn every_coat_has_a_file_with_different_defaults() {
     assert_eq!(files, words);
 }
 
-/// Checks that no coat sets a key that may be left out: `to_toml` could not write it back.
+/// Checks that no coat sets an optional key: `to_toml` could not write the key back as absent.
 #[test]
 fn coats_set_keys_that_always_have_a_value() {
     let animal = Recipe::default();
@@ -47,7 +47,7 @@ fn coats_set_keys_that_always_have_a_value() {
 fn recipe_keys_override_the_coat() {
     let animal = Recipe::default();
     let winter = of(Coat::Winter);
-    // Keys before and after the coat, and one with exactly the value that the coat replaces.
+    // The text sets keys before and after the coat, and one key to exactly the value that the coat replaces.
     let text =
         format!("[slice]\nlayers = 9\n[hair]\ndensity = {}\ncoat = \"winter\"\nlean = 0.1\n", animal.hair.density);
     let recipe = Recipe::parse("r.toml", &text).unwrap();
@@ -100,7 +100,7 @@ fn recorded_recipes_without_a_coat_keep_the_old_defaults() {
     let natural = of(Coat::Natural);
     assert_eq!(recorded, Recipe { hair: crate::recipe::HairParams { lean: 0.7, ..natural.hair.clone() }, ..natural });
     assert_eq!((recorded.underfur.density, recorded.hair.density, recorded.groom.by_body), (0, 700, 0.0));
-    // Recipes recorded now name every key.
+    // Recipes that are recorded today name every key.
     for coat in Coat::ALL {
         let recipe = of(*coat);
         assert_eq!(Recipe::parse_recorded("new", &recipe.to_toml()).unwrap(), recipe);

@@ -12,8 +12,8 @@ named_table! {
     CombMarkParams of "a mark" checked by check_mark {
         /// Position near the mesh surface, metres in world space at rest. Required.
         at: [f32; 3], in PLACE;
-        /// Comb direction, any length but 0. Used if `surface.comb` is `"marks"`, or `"auto"`, which means `marks` if
-        /// any mark has a direction.
+        /// Comb direction, any length but 0. Used if `surface.comb` is `"marks"`. With `"auto"`, a mark with a
+        /// direction selects `marks`.
         direction: [f32; 3], in PLACE;
         /// Hair length, as a share of `hair.length_m`; overrides `[groom]`.
         length: f32, in SHARE;
@@ -21,13 +21,13 @@ named_table! {
         density: f32, in DENSITY;
         /// Extra lean; overrides `[groom]`.
         lean: f32, in SHARE;
-        /// sRGB colour instead of the model's or `groom.color`; multiplies root and tip colour. On a material with a
-        /// texture it multiplies the texture instead.
+        /// sRGB colour of the hair, instead of the model's or `groom.color`; root and tip colour are multiplied by it.
+        /// On a material with a texture, the texture is multiplied by it instead.
         color: SrgbColor, in ();
-        /// Reach along the surface, metres: full effect within a quarter of it, then fading to none. Default for
-        /// values: three tenths of the model's radius; for the direction: as far as the next mark.
+        /// Reach along the surface, metres. The effect is full within a quarter of it, then fades to none. Default:
+        /// three tenths of the model's radius; for the direction, the distance to the next mark.
         reach_m: f32, in 1e-6..=1e6;
-        /// Whether the mark also applies on the other side, mirrored in x.
+        /// Whether the mark also applies at its position mirrored in x.
         mirrored: bool = false, in ();
     }
 }

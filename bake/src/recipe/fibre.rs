@@ -9,11 +9,11 @@ use pelage_params::{PowerOfTwo, Range, SrgbColor, params};
 
 /// Range of indices of refraction.
 const ETA: Range<f32> = 1.2..=2.0;
-/// Range of widths along a fibre, degrees.
+/// Range of longitudinal roughnesses, degrees.
 const ALONG: Range<f32> = 1.0..=45.0;
-/// Range of tilts, degrees.
+/// Range of scale tilts, degrees.
 const TILT: Range<f32> = -15.0..=15.0;
-/// Range of shares.
+/// Range of the azimuthal roughness.
 const SHARE: Range<f32> = 0.0..=1.0;
 
 params! {
@@ -22,36 +22,37 @@ params! {
         /// Index of refraction: 1.55 for hair; lower is less glossy.
         eta: f32 = 1.55, in ETA;
         /// Longitudinal roughness: spread along the fibre of light reflected at its surface, degrees of the half angle.
-        /// 5 is glossy, 10 soft, 20 dull. Transmitted light spreads half as far, internally reflected light twice as
-        /// far.
+        /// 5 is glossy, 10 soft, 20 dull. Transmitted light spreads half as far, and internally reflected light twice
+        /// as far.
         along_deg: f32 = 7.5, in ALONG;
-        /// Tilt of that reflection towards the root, caused by the fibre's scales, degrees of the half angle. The
-        /// second highlight, in the hair's colour, moves the other way, so higher values separate the two more.
+        /// Tilt of the surface reflection towards the root, caused by the fibre's scales, degrees of the half angle.
+        /// The second highlight, which has the hair's colour, moves the other way. So higher values separate the two
+        /// highlights more.
         tilt_deg: f32 = 3.0, in TILT;
-        /// Azimuthal roughness of the fibre: 0 clear as glass, with glints, 1 matt.
+        /// Azimuthal roughness of the fibre: 0 is clear as glass, with glints; 1 is matt.
         around: f32 = 0.3, in SHARE;
-        /// Eumelanin, which makes hair brown and black: 0 white, 0.3 blond, 1.3 brown, 8 black. If this or
-        /// `fibre.pheomelanin` is given, the pigments replace the defaults of `color.root` and `color.tip`. Set
+        /// Concentration of eumelanin, which makes hair brown and black: 0 white, 0.3 blond, 1.3 brown, 8 black. If
+        /// this or `fibre.pheomelanin` is given, the pigments replace the defaults of `color.root` and `color.tip`. Set
         /// `color.base_color = false` to ignore the model's colours as well.
         eumelanin: Option<f32> = None, in 0.0..=100.0;
-        /// Pheomelanin, which makes hair yellow and red: 1 for a fox.
+        /// Concentration of pheomelanin, which makes hair yellow and red: 1 for a fox.
         pheomelanin: Option<f32> = None, in 0.0..=100.0;
         /// Width and height of the scattering lookup tables, texels.
         table_texels: u32 = 64, in 16..=256, as PowerOfTwo;
-        /// Fibres of the fur on single materials: `[[fibre.material]]` with the material's `name`, in which `*` matches
-        /// any characters and `?` one, and any of `eta`, `along_deg`, `tilt_deg`, `around`. Later tables take
+        /// Fibres of the fur on single materials: `[[fibre.material]]` with the material's `name`, and any of `eta`,
+        /// `along_deg`, `tilt_deg`, `around`. In the name, `*` matches any characters and `?` one. Later tables take
         /// precedence.
         material: Vec<OtherFibre> = Vec::new();
-        /// Fibres of guide-driven hair that differ from those of the fur: `[[fibre.group]]` with the `name` of a group
-        /// or tuft of `[strands]`, in which `*` matches any characters and `?` one, and any of `eta`, `along_deg`,
-        /// `tilt_deg`, `around`. Later tables take precedence.
+        /// Fibres of guide-driven hair, if they differ from those of the fur: `[[fibre.group]]` with the `name` of a
+        /// group or tuft of `[strands]`, and any of `eta`, `along_deg`, `tilt_deg`, `around`. In the name, `*` matches
+        /// any characters and `?` one. Later tables take precedence.
         group: Vec<OtherFibre> = Vec::new();
     }
 }
 
 named_table! {
-    /// Fibres of the groups, or of the fur on the materials, that `name` matches. Keys left out have the values of
-    /// `[fibre]`.
+    /// Fibres of the groups of hair, or of the fur on the materials, that `name` matches. Keys left out have the values
+    /// of `[fibre]`.
     OtherFibre of "a material or a group of hair" {
         /// Overrides `fibre.eta`.
         eta: f32, in ETA;
@@ -91,7 +92,7 @@ impl FibreParams {
         optics(eta, along_deg, tilt_deg, around)
     }
 
-    /// Returns the hair colours from the pigments; `None` if neither is given.
+    /// Returns the hair colours of the pigments; `None` if the recipe gives neither pigment.
     pub fn pigmented(&self) -> Option<HairColors> {
         if self.eumelanin.is_none() && self.pheomelanin.is_none() {
             return None;

@@ -4,8 +4,8 @@ use super::material_groom::{DENSITY, SHARE};
 use super::named_table::named_table;
 
 named_table! {
-    /// Groom of the mesh surface that follows the joints that `name` matches, and their descendants. `*` matches any
-    /// characters, `?` one.
+    /// Groom of the mesh surface that follows the joints matched by `name`, and their descendants. In `name`, `*`
+    /// matches any characters and `?` one.
     JointGroom of "a joint" {
         /// Overrides `groom.length`.
         length: f32, in SHARE;
@@ -13,9 +13,9 @@ named_table! {
         density: f32, in DENSITY;
         /// Overrides `groom.lean`.
         lean: f32, in SHARE;
-        /// Overrides `groom.wetness`; added to it if that is an image.
+        /// Overrides `groom.wetness`; if that is an image, the two are added.
         wetness: f32, in SHARE;
-        /// Overrides `groom.bare`; if that is an image, hair grows only where neither is bare.
+        /// Overrides `groom.bare`. If that is an image, hair grows only where neither is bare.
         bare: f32, in SHARE;
     }
 }

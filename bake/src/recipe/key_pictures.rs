@@ -1,16 +1,17 @@
-//! Images of the most important keys: one animal with three values of each.
+//! Images that show the effect of the most important keys: one animal with three values of each key.
 //!
-//! The reference page and the program that draws the images (`cargo run -p pelage-tests --bin chores -- key-pictures`)
-//! both read the table below. So captions and images always agree.
+//! The reference page and the program that renders the images (`cargo run -p pelage-tests --bin chores --
+//! key-pictures`) both read the table below. So captions and images always agree.
 
-/// Key drawn with three values, on the hare with all other keys at their defaults.
+/// Key and three values of it, each rendered on the hare with all other keys at their defaults.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyPicture {
     /// Name of the key, such as `hair.density`.
     pub key: &'static str,
     /// Values from left to right, in TOML.
     pub values: [&'static str; 3],
-    /// Whether the image shows the whole animal; otherwise only the shoulder, at which single hairs are visible.
+    /// Whether the image shows the whole animal. Otherwise, it shows only the shoulder, at which single hairs are
+    /// visible.
     pub whole: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Checks of the table of key images.
+//! Tests of the table of key images.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::KEY_PICTURES;

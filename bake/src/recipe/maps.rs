@@ -1,18 +1,17 @@
 //! Values that vary over the model: each is a constant, the model's vertex colours, or an image.
 //!
-//! In a recipe a map is a constant (`0.5`, `[0, 0, 1]`, `"#8c7c6c"`), `"vertex"` for the vertex colours, or the path of
-//! an image relative to the recipe's folder. A channel may follow: `"vertex#a"`, `"maps/coat.png#g"`; the default is
-//! red.
+//! In a recipe, a map is a constant (`0.5`, `[0, 0, 1]`, `"#8c7c6c"`), `"vertex"` for the vertex colours, or an image's
+//! path relative to the recipe. A channel other than red, the default, is appended: `"vertex#a"`, `"maps/coat.png#g"`.
 
 use pelage_params::{Field, Range, Raw, SrgbColor};
 
-/// Name of the vertex colours in a recipe.
+/// Word for the vertex colours in a recipe.
 const VERTEX: &str = "vertex";
 
 /// Channel of an image or of the vertex colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Channel {
-    /// `#r`, also the default.
+    /// `#r`, which is also the default.
     #[default]
     Red,
     /// `#g`.
@@ -44,7 +43,7 @@ impl Channel {
     }
 }
 
-/// Number per point of the model. Images and vertex colours are read as 0..=1, without sRGB decoding.
+/// Scalar that varies over the model. Images and vertex colours are read as 0..=1, without sRGB decoding.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScalarMap {
     /// Constant value.
@@ -60,7 +59,7 @@ pub enum ScalarMap {
     },
 }
 
-/// Direction per point of the model. Its length, up to 1, is its weight relative to its neighbours.
+/// Direction that varies over the model. Its length, up to 1, is its weight relative to neighbouring directions.
 #[derive(Clone, Debug, PartialEq)]
 pub enum VectorMap {
     /// Constant direction: x, y, z of the model at rest.
@@ -71,13 +70,13 @@ pub enum VectorMap {
     Image {
         /// Path relative to the recipe's folder.
         path: String,
-        /// Whether `#uv` follows: 2·rg − 1 points right and up on the image. Otherwise 2·rgb − 1 is x, y, z of the
-        /// model at rest.
+        /// Whether the suffix `#uv` is present. With it, 2·rg − 1 points right and up on the image; otherwise, 2·rgb −
+        /// 1 is x, y, z of the model at rest.
         flow: bool,
     },
 }
 
-/// Colour per point of the model.
+/// Colour that varies over the model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ColorMap {
     /// Constant colour.
@@ -97,16 +96,16 @@ fn split(text: &str) -> (&str, Option<&str>) {
     text.rsplit_once('#').map_or((text, None), |(path, suffix)| (path, Some(suffix)))
 }
 
-/// Returns the path if a recipe may name it.
+/// Returns the path if a recipe may name it; otherwise `None`.
 fn file_path(text: &str) -> Option<String> {
-    // Both kinds of slash, and drives, so that a recipe is rejected on every system alike.
+    // Check for both kinds of slash and for drive letters, so that every operating system rejects the same recipes.
     let drive = text.as_bytes().get(1) == Some(&b':');
     let legal = !text.is_empty() && text != VERTEX && !text.starts_with(['/', '\\']) && !drive;
     (legal && !text.contains(['#', '\0'])).then(|| text.to_owned())
 }
 
 impl ScalarMap {
-    /// Returns the path of the image, if it is one.
+    /// Returns the path of the image, if the map is an image.
     pub fn image(&self) -> Option<&str> {
         match self {
             Self::Image { path, .. } => Some(path),
@@ -114,7 +113,7 @@ impl ScalarMap {
         }
     }
 
-    /// Returns the string that denotes the map in a recipe, if it is written as a string.
+    /// Returns the string that denotes the map in a recipe, if the map is written as a string.
     fn name(&self) -> Option<String> {
         match self {
             Self::Constant(_) => None,
@@ -125,7 +124,7 @@ impl ScalarMap {
 }
 
 impl VectorMap {
-    /// Returns the path of the image, if it is one.
+    /// Returns the path of the image, if the map is an image.
     pub fn image(&self) -> Option<&str> {
         match self {
             Self::Image { path, .. } => Some(path),
@@ -133,7 +132,7 @@ impl VectorMap {
         }
     }
 
-    /// Returns the string that denotes the map in a recipe, if it is written as a string.
+    /// Returns the string that denotes the map in a recipe, if the map is written as a string.
     fn name(&self) -> Option<String> {
         match self {
             Self::Constant(_) => None,
@@ -144,7 +143,7 @@ impl VectorMap {
 }
 
 impl ColorMap {
-    /// Returns the path of the image, if it is one.
+    /// Returns the path of the image, if the map is an image.
     pub fn image(&self) -> Option<&str> {
         match self {
             Self::Image(path) => Some(path),
@@ -152,7 +151,7 @@ impl ColorMap {
         }
     }
 
-    /// Returns the string that denotes the map in a recipe, if it is written as a string.
+    /// Returns the string that denotes the map in a recipe, if the map is written as a string.
     fn name(&self) -> Option<String> {
         match self {
             Self::Constant(_) => None,

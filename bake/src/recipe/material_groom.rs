@@ -4,7 +4,7 @@ use super::maps::{ColorMap, ScalarMap, VectorMap};
 use super::named_table::named_table;
 use pelage_params::Range;
 
-/// Range of maps that are shares, such as length.
+/// Range of maps that are fractions, such as length.
 pub(super) const SHARE: Range<f32> = 0.0..=1.0;
 /// Range of the density map.
 pub(super) const DENSITY: Range<f32> = 0.25..=4.0;

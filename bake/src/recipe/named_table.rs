@@ -1,9 +1,9 @@
-//! Tables with a name: for single materials (`[[groom.material]]`, `[[ink.material]]` and `[[fibre.material]]`) and for
+//! Tables with a name, for single materials (`[[groom.material]]`, `[[ink.material]]` and `[[fibre.material]]`) and for
 //! groups of hair.
 
 /// Declares a named table, and how its list and its keys are read, checked and written. All keys but `name` are
-/// optional, unless the function after `checked by` requires them. A key with a default gets a method of the same name,
-/// which returns the value or the default.
+/// optional, unless the function after `checked by` requires them. A key with a default gets a method of the same name
+/// that returns the value or the default.
 macro_rules! named_table {
     ($(#[$struct_meta:meta])* $table:ident of $what:literal $(checked by $check:path)? {
         $($(#[doc = $doc:literal])+ $key:ident: $ty:ty $(= $default:expr)?, in $range:expr;)+

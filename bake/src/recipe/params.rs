@@ -1,4 +1,4 @@
-//! Parameters of each stage, each declared once with meaning, range and default.
+//! Parameters of the stages. Each is declared once, with meaning, range and default.
 
 use super::coats::Coat;
 use super::comb_marks::CombMarkParams;
@@ -14,14 +14,14 @@ use pelage_stage::Viewpoint;
 params! {
     /// `[model]`: import of the model.
     ModelParams in model {
-        /// Metres per unit of the model. glTF uses metres; set this if the exporter used another unit, and for OBJ,
-        /// which does not define one.
+        /// Length of one unit of the model, metres. glTF uses metres; set this if the exporter used another unit, and
+        /// for OBJ, which does not define one.
         unit_m: f32 = 1.0, in ImportOptions::UNIT_M;
         /// Names of materials where no hair grows, such as eyes and hooves. `*` matches any characters, `?` one; with
-        /// `[]` hair grows everywhere. Left out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and clothes
-        /// are detected by the names of materials, nodes and meshes in eight languages. Small parts are also detected
-        /// by gloss or by the shape of eyes. Hair grows on doubtful parts; the bake reports what it detected. Bare
-        /// parts of a furred material get names of their own, such as `Black/nose` or `Main/Eye_L`: a nose, eye rims,
+        /// `[]`, hair grows everywhere. If left out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and
+        /// clothes are detected by the names of materials, nodes and meshes in eight languages. Small parts are also
+        /// detected by gloss or by the shape of eyes. If in doubt, hair grows; the bake reports what it detected. Bare
+        /// parts of a furred material get their own names, such as `Black/nose` or `Main/Eye_L`: a nose, eye rims,
         /// claws, and parts named by a node or mesh. `Black` matches all of them.
         bare: Option<Vec<String>> = None;
     }
@@ -30,7 +30,7 @@ params! {
 words! {
     /// Source of the tile coordinates.
     SurfaceSource {
-        /// Lapped patches over any mesh.
+        /// Overlapping patches, grown over any mesh.
         #[default]
         Patches = "patches",
         /// The model's own texture coordinates, scaled.
@@ -41,16 +41,16 @@ words! {
 words! {
     /// Source of the comb direction.
     CombSource {
-        /// Marks if the recipe or the model has any, otherwise one direction.
+        /// Marks if the recipe or the model has any that set directions, otherwise one direction.
         #[default]
         Auto = "auto",
-        /// Single direction everywhere.
+        /// Same direction everywhere.
         Direction = "direction",
         /// Down.
         Gravity = "gravity",
-        /// Downwards in the model's own texture.
+        /// Downwards on the model's own texture.
         Tangents = "tangents",
-        /// Directions at a few points.
+        /// Directions at single points.
         Marks = "marks" was "guides",
         /// No comb direction: patches are laid out with the least distortion.
         None = "none",
@@ -60,39 +60,40 @@ words! {
 params! {
     /// `[surface]`: layout of the periodic hair tile on the model, and comb direction of the hair.
     SurfaceParams in surface {
-        /// Source of the tile coordinates: `patches` grows patches over any mesh and needs no texture coordinates,
+        /// Source of the tile coordinates. `patches` grows patches over any mesh and needs no texture coordinates;
         /// `model` uses the model's own.
         source: SurfaceSource = SurfaceSource::Patches;
-        /// Width of the tile on the mesh surface, metres. Left out, it is chosen from the model's size, and no wider
-        /// than `hair.density_mm2` and `hair.root_radius_m` allow. A small tile repeats visibly, a large one has a low
-        /// texel density.
+        /// Width of the tile on the mesh surface, metres. A small tile repeats visibly, a large one has a low texel
+        /// density. If left out, the width is chosen from the model's size, and limited by `hair.density_mm2` and
+        /// `hair.root_radius_m`.
         tile_size_m: Option<f32> = None, in 1e-6..=1e3;
-        /// Width of the tile if surface.tile_size_m is left out, as a share of the radius of the bounding sphere of the
-        /// model at rest.
+        /// Width of the tile if `surface.tile_size_m` is left out, as a share of the radius of the bounding sphere of
+        /// the model at rest.
         tile_size_per_radius: f32 = 0.15, in 1e-3..=10.0;
-        /// Source of the comb direction: `direction` (surface.comb_direction), `gravity`, `tangents` (downwards in the
-        /// model's own texture), `marks` (surface.comb_marks, and lines drawn in the model), or `none`. `none` lays out
-        /// patches with the least distortion and suits upright hair. `auto` is `marks` if a mark of the recipe has a
-        /// direction, or if the model has such lines and surface.comb_direction has its default; otherwise it is
-        /// `direction`.
+        /// Source of the comb direction: `direction` (`surface.comb_direction`), `gravity`, `tangents` (downwards on
+        /// the model's own texture), `marks` (`surface.comb_marks`, and lines drawn in the model), or `none`. `none`
+        /// lays out patches with the least distortion and suits upright hair. `auto` selects `marks` if a mark of the
+        /// recipe has a direction, or if the model has such lines and `surface.comb_direction` has its default.
+        /// Otherwise, `auto` selects `direction`.
         comb: CombSource = CombSource::Auto;
         /// Comb direction in world space at rest, any length but 0. The default runs from nose to tail and slightly
         /// down on an animal that faces +z.
         comb_direction: [f32; 3] = [0.0, -0.35, -1.0], in -1e6..=1e6;
         /// Hair properties at single points, spread over the surface: tables with `name`, `at` (metres), and any of
         /// `direction`, `length`, `density`, `lean`, `color`, `reach_m` and `mirrored`. They override `[groom]`.
-        /// Directions need `surface.comb = "marks"`, the others always apply.
+        /// Directions require that `surface.comb` is `"marks"` or selects it; the other keys always apply.
         comb_marks: Vec<CombMarkParams> = Vec::new(), was "guides";
-        /// Distance over which the comb direction is averaged where it is weak or discontinuous, tiles: a small value
-        /// keeps every direction, a large one gives broad strokes.
+        /// Distance over which the comb direction is averaged where it is weak or discontinuous, tiles. A small value
+        /// keeps all detail, a large one gives broad strokes.
         comb_smoothing: f32 = 1.0, in 0.01..=100.0;
-        /// Weight of the comb direction in patches: 1 follows it, 0 rotates every triangle to the least distortion.
+        /// Weight of the comb direction in patches: 1 follows it, 0 rotates every triangle for the least distortion.
         comb_weight: f32 = 0.5, in 0.0..=1.0;
-        /// Maximum distance that a patch grows from its seed, tiles. Large patches have few seams and more distortion.
+        /// Maximum distance between a patch's seed and its border, tiles. Large patches have fewer seams and more
+        /// distortion.
         patch_size: f32 = 4.0, in 0.05..=1000.0;
         /// Largest angle between a patch's hair and the comb direction, degrees.
         patch_turn_deg: f32 = 25.0, in 1.0..=60.0;
-        /// Largest stretch of a triangle in any direction; its reciprocal is the smallest.
+        /// Largest stretch of a triangle in any direction; the smallest is its reciprocal.
         patch_stretch: f32 = 1.5, in 1.01..=4.0;
     }
 }
@@ -102,36 +103,36 @@ params! {
     /// of the model's units.
     HairParams in hair {
         /// Kind of hair, which sets the defaults of other keys, listed in [coats](coats.md). Keys set in the recipe
-        /// take precedence, before or after this one. When `--set` changes the coat, keys that still have the previous
-        /// coat's value follow.
+        /// take precedence, whether they precede or follow this one. When `--set` changes the coat, keys that still
+        /// have the previous coat's value change too.
         coat: Coat = Coat::Animal;
-        /// Shape of the strands: `straight`, `curly`, `messy`, `wet` or `lying`. `wet` gathers strands into locks,
-        /// darkens their colour and makes the highlight stronger and narrower than `[shading]` defines; `lying` is
+        /// Shape of the strands: `straight`, `curly`, `messy`, `wet` or `lying`. `wet` gathers strands into locks and
+        /// darkens their colour. It also makes the highlight stronger and narrower than `[shading]` defines. `lying` is
         /// combed flat.
         style: Style = Style::Straight;
-        /// Random seed. Another seed gives other hair of the same kind.
+        /// Random seed. Another seed gives different hair of the same kind.
         seed: u64 = 1, in 0..=i64::MAX as u64;
         /// Number of strands in the tile.
         density: u32 = 600, in 1..=1_000_000;
-        /// Hairs per square millimetre, instead of `hair.density`: a dog's back has about 3 guard hairs and 40 hairs of
-        /// underfur. If `surface.tile_size_m` is left out, the tile is made as wide as some thousands of strands allow.
-        /// Applies where `groom.density` is 1.
+        /// Hairs per square millimetre where `groom.density` is 1, instead of `hair.density`. A dog's back has about 3
+        /// guard hairs and 40 hairs of underfur. If `surface.tile_size_m` is left out, the tile is made as wide as some
+        /// thousands of strands allow.
         density_mm2: Option<f32> = None, in 1e-6..=1e4;
-        /// Length of the longest strand along its curve, metres. Left out, it is chosen from the model's size.
+        /// Length of the longest strand along its curve, metres. If left out, it is chosen from the model's size.
         length_m: Option<f32> = None, in 1e-6..=1e3;
-        /// Length of the longest strand if hair.length_m is left out, as a share of the radius of the bounding sphere
-        /// of the model at rest: 0.02 for a short-haired animal, 0.15 for a long-haired one.
+        /// Length of the longest strand if `hair.length_m` is left out, as a share of the radius of the bounding sphere
+        /// of the model at rest. Examples: 0.02 for a short-haired animal, 0.15 for a long-haired one.
         length_per_radius: f32 = 0.05, in 1e-4..=10.0;
-        /// Variation in length: 0 all strands are equally long, 1 they may be arbitrarily short. Long strands are
-        /// rarer, so the fur thins towards its outside.
+        /// Variation in length: with 0, all strands are equally long; with 1, they may be arbitrarily short. Long
+        /// strands are rarer, so the fur thins towards its outside.
         length_variation: f32 = 0.5, in 0.0..=1.0;
         /// Radius at the root, fractions of the tile's width. Hair thinner than a texel fades instead of breaking up.
         root_radius: f32 = 0.0065, in 1e-5..=0.25;
         /// Radius at the tip, fractions of the tile's width.
         tip_radius: f32 = 0.0013, in 0.0..=0.25;
-        /// Radius at the root, metres, instead of `hair.root_radius`: 0.00003 for a dog's guard hair, 0.001 for a
-        /// hedgehog's spine. If `surface.tile_size_m` is left out, the tile is made so narrow that a hair is as wide as
-        /// a texel (`slice.tile_texels`).
+        /// Radius at the root, metres, instead of `hair.root_radius`. Examples: 0.00003 for a dog's guard hair, 0.001
+        /// for a hedgehog's spine. If `surface.tile_size_m` is left out, the tile is made narrow enough that a hair is
+        /// as wide as a texel (`slice.tile_texels`).
         root_radius_m: Option<f32> = None, in 1e-7..=0.1;
         /// Radius at the tip, metres, instead of `hair.tip_radius`.
         tip_radius_m: Option<f32> = None, in 0.0..=0.1;
@@ -141,27 +142,28 @@ params! {
         lean_direction_deg: f32 = 0.0, in -360.0..=360.0;
         /// Radius of the helix of `curly` strands, fractions of the tile's width.
         curl_radius: f32 = 0.03, in 0.0..=1.0;
-        /// Height of one turn of that helix along its axis, fractions of the tile's width. Small values are tight.
+        /// Height of one turn of the helix of `curly` strands along its axis, fractions of the tile's width. Small
+        /// values give tight curls.
         curl_pitch: f32 = 0.18, in 1e-3..=100.0;
-        /// Small random bends along a strand: 0 smooth, 1 woolly. `wet` and `lying` keep a third of it.
+        /// Small random bends along a strand: 0 smooth, 1 woolly. `wet` and `lying` strands have a third of it.
         frizz: f32 = 0.1, in 0.0..=1.0;
-        /// Clumping of `wet` hair: 0 none, 1 every lock ends in a point.
+        /// Clumping of `wet` hair: with 0 there is none, with 1 every lock ends in a point.
         clump: f32 = 0.9, in 0.0..=1.0;
-        /// Clumping of hair that is not wet towards its tips, typical of thick fur: 0 none, 1 every lock ends in a
-        /// point.
+        /// Clumping of dry hair towards its tips, typical of thick fur: with 0 there is none, with 1 every lock ends in
+        /// a point.
         dry_clump: f32 = 0.25, in 0.0..=1.0;
-        /// Number of locks in the tile, at most one per strand. Left out, it is chosen from the hair's length.
+        /// Number of locks in the tile, at most one per strand. If left out, it is chosen from the hair's length.
         clump_count: Option<u32> = None, in 1..=1_000_000;
     }
 }
 
 words! {
-    /// Texture coordinates of the images of `[groom]`.
+    /// Texture coordinates of the images in `[groom]`.
     GroomCoordinates {
         /// The model's own texture coordinates.
         #[default]
         Model = "model",
-        /// Atlas generated from the model alone.
+        /// Generated atlas, which depends on the model alone.
         Atlas = "atlas",
         /// Projection along x: y is up on the image.
         X = "x",
@@ -175,7 +177,7 @@ words! {
 }
 
 impl GroomCoordinates {
-    /// Returns the projection of images through space, if they are projected.
+    /// Returns the spatial projection of images; `None` if images use texture coordinates.
     pub fn projection(self) -> Option<PatternProjection> {
         match self {
             Self::Model | Self::Atlas => None,
@@ -188,8 +190,8 @@ impl GroomCoordinates {
 }
 
 params! {
-    /// `[underfur]`: short, fine and dense hair below the longer and coarser guard hair of `[hair]`, as most animals
-    /// have it. Keys left out have the values of `[hair]`; both gather in the same locks.
+    /// `[underfur]`: short, fine and dense hair below the longer and coarser guard hair of `[hair]`, as on most
+    /// animals. Keys left out have the values of `[hair]`. Underfur and guard hair gather in the same locks.
     UnderfurParams in underfur {
         /// Number of strands of underfur in the tile, in addition to `hair.density`. 0: guard hair only.
         density: u32 = 700, in 0..=1_000_000;
@@ -203,7 +205,8 @@ params! {
         root_radius: f32 = 0.005, in 1e-5..=0.25;
         /// Radius at the tip, fractions of the tile's width.
         tip_radius: f32 = 0.0015, in 0.0..=0.25;
-        /// Radius at the root, metres, instead of `underfur.root_radius`; see `hair.root_radius_m`. A dog's is 0.00001.
+        /// Radius at the root, metres, instead of `underfur.root_radius`; see `hair.root_radius_m`. Example: 0.00001
+        /// for a dog.
         root_radius_m: Option<f32> = None, in 1e-7..=0.1;
         /// Radius at the tip, metres, instead of `underfur.tip_radius`.
         tip_radius_m: Option<f32> = None, in 0.0..=0.1;
@@ -211,7 +214,7 @@ params! {
         style: Option<Style> = None;
         /// Bending from root to tip, if it differs from `hair.lean`.
         lean: Option<f32> = None, in 0.0..=1.0;
-        /// Small random bends along a strand: underfur is crimped.
+        /// Small random bends along a strand: 0 smooth, 1 woolly. Underfur is crimped.
         frizz: f32 = 0.3, in 0.0..=1.0;
         /// Clumping, if it differs from `hair.dry_clump`.
         dry_clump: Option<f32> = None, in 0.0..=1.0;
@@ -224,24 +227,25 @@ params! {
 
 params! {
     /// `[groom]`: values that vary over the model. A map is a number for the whole model, `"vertex"` for the vertex
-    /// colours, or the path of an image, relative to the recipe's folder. Images use the coordinates of
-    /// `groom.coordinates`. Append `#g` to read another channel than red.
+    /// colours, or the path of an image, relative to the recipe's folder. Images use the texture coordinates that
+    /// `groom.coordinates` selects. Append `#g`, `#b` or `#a` to read a channel other than red.
     GroomParams in groom {
-        /// Texture coordinates of images: `model` is the model's own. `atlas` is a generated atlas, which needs none
-        /// and depends on the model alone, not on the recipe. `pelage groom` writes maps to paint on for both. `x`, `y`
-        /// and `z` project each image once through the model at rest, along that axis; `box` projects it along all
-        /// three, blended by the normal (see `color.pattern_projection`). Except with `model`, all images are read at
-        /// the vertices, including those of wetness, bareness and colour.
+        /// Texture coordinates of images: `model` uses the model's own. `atlas` is a generated atlas, which depends on
+        /// the model alone, not on the recipe, and needs no texture coordinates. `pelage groom` writes maps to paint on
+        /// for both. `x`, `y` and `z` project each image once through the model at rest, along that axis. `box`
+        /// projects it along all three, blended by the normal (see `color.pattern_projection`). Except with `model`,
+        /// all images are read at the vertices, including those of wetness, bareness and colour.
         coordinates: GroomCoordinates = GroomCoordinates::Model;
         /// Hair length, as a share of `hair.length_m`: 0 no hair, 1 full length.
         length: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
-        /// Hairs per area relative to the rest of the fur. In a map, 0, 0.5 and 1 mean 0.25, 1 and 4.
+        /// Hairs per area relative to the rest of the fur. In images and vertex colours, 0, 0.5 and 1 mean 0.25, 1 and
+        /// 4.
         density: ScalarMap = ScalarMap::Constant(1.0), in DENSITY;
-        /// Extra lean towards the comb direction, beyond `hair.lean`: 0 none, 1 moves the tips sideways by a hair's
-        /// length.
+        /// Additional lean towards the comb direction, beyond `hair.lean`: 0 none, 1 moves the tips sideways by the
+        /// length of the hair.
         lean: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
         /// Comb direction, instead of `surface.comb`; its length, up to 1, is its weight. Vertex colours and images
-        /// hold x, y, z of the model at rest as 2·rgb − 1; an image with `#uv` holds right and up on the image as 2·rg
+        /// hold x, y, z of the model at rest as 2·rgb − 1. An image with `#uv` holds right and up on the image as 2·rg
         /// − 1.
         comb: Option<VectorMap> = None;
         /// Wetness: 0 dry, 1 wet like `hair.style` `wet`; values between blend both.
@@ -250,9 +254,8 @@ params! {
         /// are sampled per texel.
         bare: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
         /// Distance from bare materials at which hair reaches its full length, metres along the mesh surface. Towards
-        /// the border it gets shorter, down to nothing, so that long hair does not cover an eye. Evaluated at the
-        /// model's vertices. Left out, it is just wide enough that the hair hides no bare part. 0 leaves hair as long
-        /// as elsewhere.
+        /// the border, its length falls to zero, so that long hair does not cover an eye. Evaluated at the model's
+        /// vertices. If left out, it is just wide enough that hair hides no bare part. With 0, hair is not shortened.
         bare_margin_m: Option<f32> = None, in 0.0..=1e3;
         /// Colour of the hair on furred materials, instead of the model's base colour; multiplies root and tip colour.
         color: Option<ColorMap> = None;
@@ -260,13 +263,14 @@ params! {
         /// one, and any of the keys above. Later tables take precedence.
         material: Vec<MaterialGroom> = Vec::new();
         /// Groom of single joints of the skeleton: `[[groom.joint]]` with a `name`, in which `*` matches any characters
-        /// and `?` one, and numbers for any of length, density, lean, wetness and bare. A table also applies to the
-        /// joints below, unless a nearer table sets the key. Of several tables for one joint the last takes precedence.
-        /// Values are blended with each other and with those of materials by the skinning weights.
+        /// and `?` one, and numbers for any of length, density, lean, wetness and bare. A table also applies to
+        /// descendant joints, unless a table for a nearer joint sets the key. If several tables match a joint, the last
+        /// takes precedence. The skinning weights blend the values of joints with each other and with those of
+        /// materials.
         joint: Vec<JointGroom> = Vec::new();
-        /// Weight of the automatic groom, by the shape of the body and the names of its joints, where no map sets a
-        /// value: 0 none, 1 full. Hair is short and flat on legs, ears and muzzle and near small bare parts, and long
-        /// on neck, belly and tail. `hair.length_m` remains the length of the longest hair.
+        /// Weight of the automatic groom where no map sets a value: 0 none, 1 full. It follows the shape of the body
+        /// and the names of its joints. Hair is short and flat on legs, ears and muzzle and near small bare parts, and
+        /// long on neck, belly and tail. `hair.length_m` remains the length of the longest hair.
         by_body: f32 = 1.0, in SHARE;
     }
 }
@@ -274,39 +278,41 @@ params! {
 params! {
     /// `[color]`: colours of the strands.
     ColorParams in color {
-        /// sRGB colour at the root. Left out, it is near white if the model has colours of its own, which the hair then
-        /// takes, and otherwise brown.
+        /// sRGB colour at the root. If left out, it is near white for a model with colours, which then colour the hair,
+        /// and brown otherwise.
         root: Option<SrgbColor> = None;
-        /// sRGB colour at the tip. Left out, it is white if the model has colours of its own, and otherwise light
-        /// brown.
+        /// sRGB colour at the tip. If left out, it is white for a model with colours, and light brown otherwise.
         tip: Option<SrgbColor> = None;
-        /// Factor on the hair's colours. Compensates for the shadows that hairs cast on each other, so that fur looks
-        /// as light as the mesh surface below. Left out, it is chosen if the model has colours of its own and neither
-        /// `color.root` nor `color.tip` is set; otherwise it is 1. Bare materials are unaffected.
+        /// Factor on the hair's colours. It compensates for the shadows that hairs cast on each other, so that fur
+        /// looks as light as the mesh surface below. If left out, it is chosen if the model has colours of its own and
+        /// neither `color.root` nor `color.tip` is set; otherwise it is 1. Bare materials are unaffected.
         gain: Option<f32> = None, in 0.1..=4.0;
-        /// sRGB colour of a band across each guard hair, as in the agouti fur of wild animals: root, band, tip. Left
-        /// out, there is none.
+        /// sRGB colour of a band across each guard hair, between root and tip colour, as in the agouti fur of wild
+        /// animals. If left out, hairs have no band.
         band: Option<SrgbColor> = None;
         /// Position of the middle of the band: 0 at the root, 1 at the tip.
         band_at: f32 = 0.7, in 0.0..=1.0;
-        /// Width of the band, as a share of the hair's length. It fades over half of that to either side.
+        /// Width of the band, as a share of the hair's length. On either side, the band fades over half its width.
         band_width: f32 = 0.25, in 0.01..=1.0;
-        /// Variation in brightness between strands: 0 all alike, 1 from black to double.
+        /// Variation in brightness between strands: with 0, all strands are equally bright; with 1, they range from
+        /// black to twice the brightness.
         variation: f32 = 0.35, in 0.0..=1.0;
         /// Whether the model's base colour (factor, texture and vertex colours) multiplies the hair's colour.
         base_color: bool = true;
         /// Whether hair keeps the colour at its root where it hangs over another colour, so that colours blend hair by
-        /// hair. The colour is that of the model, `groom.color` or the pattern. The colours of the furred materials
-        /// concerned are then painted into a texture. If off, colours in layers end where they end on the mesh surface.
+        /// hair. The colour is that of the model, `groom.color` or the pattern. The colours of the affected furred
+        /// materials are painted into a texture. If off, the colours of layers end where they end on the mesh surface.
         at_root: bool = true;
-        /// Pattern of the fur: an image projected through the model at rest, which multiplies the hair's colour. It
+        /// Image of a fur pattern, projected through the model at rest, by which the hair's colour is multiplied. It
         /// needs no texture coordinates. The path is relative to the recipe's folder.
         pattern: Option<FilePath> = None;
-        /// Projection: `x`, `y` and `z` project along that axis, `box` along all three, softly blended by the normal.
+        /// Projection of the pattern: `x`, `y` and `z` project along that axis; `box` projects along all three, softly
+        /// blended by the normal.
         pattern_projection: PatternProjection = PatternProjection::Box;
-        /// Width of the image on the model, metres. Left out, the image spans the model once.
+        /// Width of the pattern image on the model, metres. If left out, the image spans the model once.
         pattern_size_m: Option<f32> = None, in 1e-6..=1e6;
-        /// Continuation beyond its border: `repeat` repeats the image, `clamp` extends the outermost texels.
+        /// Continuation of the pattern image beyond its border: `repeat` repeats it, `clamp` extends the outermost
+        /// texels.
         pattern_wrap: PatternWrap = PatternWrap::Repeat;
         /// Width and height of the texture that the pattern is painted into, texels; at most `pack.base_color_max`.
         pattern_texels: u32 = 1024, in 64..=8192, as PowerOfTwo;
@@ -327,22 +333,24 @@ pub struct HairColors {
 impl HairColors {
     /// Hair colours for a model without any colour: brown.
     pub const BROWN: Self = Self { gain: 1.0, root: SrgbColor::hex(0x4a_36_24), tip: SrgbColor::hex(0xe8_d2_ac) };
-    /// Apparent colour of fur in that brown. With [`Self::NEUTRAL`] hair it is the base colour beside coloured marks.
+    /// Apparent colour of fur with [`Self::BROWN`] hair. On a model without colours but with coloured marks, it is the
+    /// base colour, combined with [`Self::NEUTRAL`] hair.
     pub const PLAIN: SrgbColor = SrgbColor::hex(0xa8_8c_68);
-    /// Hair colours for a model with colours; roots are darkened only by the hairs' shadows. The gain is the value that
-    /// five animals need in the mean of four lights (`formats/docs/formulas.md`, 7.7).
+    /// Hair colours for a model with colours; roots are darkened only by the hairs' shadows. The gain makes fur as
+    /// bright as the mesh surface, measured on five animals in the mean of four lights (`formats/docs/formulas.md`,
+    /// 7.7).
     pub const NEUTRAL: Self = Self { gain: 1.3, root: SrgbColor::hex(0xd8_d8_d8), tip: SrgbColor::hex(0xff_ff_ff) };
 }
 
 impl HairColors {
-    /// Hair colours for a model with colours, with multiple scattering between hairs: no gain is needed.
+    /// Hair colours for a model with colours and multiple scattering between hairs, which makes a gain unnecessary.
     pub const SCATTERING: Self = Self { gain: 1.0, root: SrgbColor::hex(0xff_ff_ff), tip: SrgbColor::hex(0xff_ff_ff) };
 }
 
 impl ColorParams {
-    /// Returns the hair colours, with those of `open` for keys that are left out.
+    /// Returns the hair colours of the recipe; keys that it leaves out get the values in `open`.
     pub fn hair(&self, open: HairColors) -> HairColors {
-        // A recipe that sets a hair colour also determines its lightness.
+        // A recipe that sets a hair colour also determines its brightness, so the gain is 1.
         let is_said = self.root.is_some() || self.tip.is_some();
         HairColors {
             gain: self.gain.unwrap_or(if is_said { 1.0 } else { open.gain }),
@@ -381,36 +389,37 @@ words! {
 words! {
     /// Shading model of hair.
     ShadingModel {
-        /// Two lobes and constants.
+        /// Two lobes with constant coefficients (Kajiya and Kay).
         #[default]
         KajiyaKay = "kajiya-kay",
-        /// Scattering by fibres.
+        /// Scattering by fibres (Marschner et al.).
         Marschner = "marschner",
     }
 }
 
 params! {
-    /// `[shading]`: shading of hair. Constants are those of Yang 2006, eqs. (1)–(3); colours are linear RGB.
+    /// `[shading]`: shading of hair, with the constants of Yang 2006, eqs. (1)–(3). Colours are linear RGB.
     ShadingParams in shading {
         /// Shading model: `kajiya-kay` uses two lobes and the constants below (Yang 2006). `marschner` uses scattering
-        /// tables of the fibres in `[fibre]`, with multiple scattering between hairs. Hair colours are then those of
-        /// deep fur in uniform light, without a gain for shadows, and only the ambient constants are used.
+        /// tables of the fibres in `[fibre]`, with multiple scattering between hairs. With `marschner`, hair colours
+        /// are those of deep fur in uniform light, without a gain for shadows, and only the ambient constants are used.
         model: ShadingModel = ShadingModel::KajiyaKay;
         /// Ambient coefficient ka, multiplied by the hair's colour.
         ambient: [f32; 3] = pelage_formats::Shading::default().ambient, in 0.0..=100.0;
         /// Diffuse coefficient kd.
         diffuse: [f32; 3] = pelage_formats::Shading::default().diffuse, in 0.0..=100.0;
-        /// Specular coefficient ks. The highlight is white for any hair colour: on combed dark hair a high value looks
-        /// like dust.
+        /// Specular coefficient ks. The highlight is white for any hair colour, so on combed dark hair a high value
+        /// looks like dust.
         specular: [f32; 3] = [0.09; 3], in 0.0..=100.0;
-        /// Diffuse exponent pd: 0 lights all directions alike, higher values darken hair that points to the light.
+        /// Diffuse exponent pd: with 0, all directions of hair are lit equally; higher values darken hair that points
+        /// to the light.
         diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent,
             in pelage_formats::Shading::EXPONENT;
         /// Specular exponent ps: higher values give a narrower highlight.
         specular_exponent: f32 = 60.0, in pelage_formats::Shading::EXPONENT;
         /// Share of the ambient light that reaches the mesh surface: 0 gives black roots, values near 1 look flat.
         ambient_floor: f32 = pelage_formats::Shading::default().ambient_floor, in 0.0..=0.999;
-        /// Range of light past the terminator, as −N·L: small values give a hard edge.
+        /// Range of −N·L over which light reaches beyond the terminator. Small values give a hard edge.
         back_light_range: f32 = pelage_formats::Shading::default().back_light_range, in 0.001..=0.999;
     }
 }
@@ -430,28 +439,29 @@ impl From<&ShadingParams> for pelage_formats::Shading {
 }
 
 params! {
-    /// `[slice]`: shell textures. Defaults are those of Yang 2006, but with twice its texels, which cost no frame time
-    /// and show in close-ups.
+    /// `[slice]`: shell textures. Defaults are those of Yang 2006, except for twice as many texels, which cost no frame
+    /// time and show in close-ups.
     SliceParams in slice {
         /// Number of layers, including the one on the mesh surface. More layers are smoother from the side and cost
         /// frame time in proportion.
         layers: u32 = 16, in 4..=256;
         /// Width and height of a layer, texels.
         tile_texels: u32 = 128, in 16..=2048, as PowerOfTwo;
-        /// Standard deviation of the Gaussian that filters the strands, texels: small values are sharp and sparkle,
-        /// large ones are soft.
+        /// Standard deviation of the Gaussian that filters the strands, texels. Small values give sharp hair that
+        /// sparkles, large ones give soft hair.
         filter_width: f32 = 0.5, in 0.25..=4.0;
     }
 }
 
 params! {
     /// `[visibility]`: light that reaches the hair past other strands, computed by ray casting and stored in a texture.
-    /// No shadow map has to be drawn for it.
+    /// It needs no shadow map.
     VisibilityParams in visibility {
-        /// Whether the package has that texture. It adds half the size of the hair data and saves drawing a layer-wise
-        /// map when light or pose change.
+        /// Whether the package has the visibility texture. It adds half the size of the hair data. It also saves
+        /// rendering a map per layer when light or pose change.
         enabled: bool = true;
-        /// Number of ray directions per point of a strand. More reduce noise and take proportionally longer.
+        /// Number of ray directions per point of a strand. More directions reduce noise and increase the bake time in
+        /// proportion.
         directions: u32 = 12, in 8..=1024;
     }
 }
@@ -459,16 +469,16 @@ params! {
 params! {
     /// `[strands]`: hair as single strands, for close views.
     StrandParams in strands {
-        /// Whether the package has the strands of its tile: 16 bytes a point, 144 KB for 1000 strands. Without them,
+        /// Whether the package has the strands of the tile: 16 bytes per point, 144 KB for 1000 strands. Without them,
         /// layers are drawn at any distance.
         enabled: bool = true;
-        /// Points of each strand, preferably one more than a power of two: small strands are drawn with a half, a
-        /// quarter and so on of the segments.
+        /// Number of points of each strand, preferably one more than a power of two. Strands that are small on screen
+        /// are drawn with a half, a quarter and so on of the segments.
         points: u32 = 9, in 2..=33;
         /// Guide-driven hair: `[[strands.group]]` with a `name`, for manes, tails, a head of hair. Independent of
         /// `enabled`.
         group: Vec<HairGroupParams> = Vec::new();
-        /// A few thick hairs at one point: `[[strands.tuft]]` with a `name`, for whiskers, lashes and brows.
+        /// Small group of thick hairs at one point: `[[strands.tuft]]` with a `name`, for whiskers, lashes and brows.
         /// Independent of `enabled`.
         tuft: Vec<TuftParams> = Vec::new();
         /// Whether moving guide-driven hair collides with the body: a capsule is fitted to the mesh surface of each
@@ -482,35 +492,37 @@ params! {
 params! {
     /// `[fins]`: quads of hair on the edges of the mesh, visible where the layers are seen edge-on.
     FinParams in fins {
-        /// Whether there are fins: less blur and fewer visible layers along the outline, for a fifth of the frame time.
+        /// Whether there are fins. They reduce blur and make layers less visible along the outline, for a fifth of the
+        /// frame time.
         enabled: bool = false;
-        /// Depth of the slab of hair that the fins show, widths of the tile. Left out, it is chosen such that layers
-        /// and fins together cover the outline like much finer layers. Higher values are denser and crisper.
+        /// Depth of the hair that each fin shows, measured across the fin, widths of the tile. If left out, it is
+        /// chosen such that layers and fins together cover the outline like much finer layers. Higher values are denser
+        /// and crisper.
         depth: Option<f32> = None, in 1e-3..=8.0;
     }
 }
 
 params! {
-    /// `[detail]`: levels of detail for small fur. Sizes are the fur's height on screen, pixels, at a renderer's
-    /// default `bias`.
+    /// `[detail]`: levels of detail for fur that is small on screen. Sizes are the height of the fur on screen, pixels,
+    /// at a renderer's default `bias`.
     DetailParams in detail {
-        /// Whether the package has levels of detail: a chain of fewer layers, and a layer with the fur as seen from
-        /// afar.
+        /// Whether the package has levels of detail: a chain of levels with fewer layers, and a layer that shows the
+        /// fur as seen from afar.
         enabled: bool = true;
         /// Whether the package also has simplified index lists, for models whose triangles are smaller than pixels.
         simplified: bool = true;
-        /// Distance between two layers seen from the side, pixels: the number of layers is the fur's height divided by
-        /// this. Smaller is finer and more expensive. Larger leaves a visible gap below the outermost layer, which
-        /// shows as a line around the body.
+        /// Distance between two layers seen from the side, pixels. The number of layers is the height of the fur
+        /// divided by this distance. Smaller is finer and more expensive. If it is too large, a gap below the outermost
+        /// layer shows as a line around the body.
         gap_px: f32 = 1.15, in 0.05..=64.0;
-        /// Size at which the next level has taken over, as a share of the size at which a level is last drawn in full:
-        /// 1 switches at once, smaller values blend longer. Between both sizes layers are replaced one by one.
+        /// Size at which a level has been fully replaced by the next, divided by the size at which its replacement
+        /// begins. 1 switches at once, smaller values blend longer. Between both sizes, layers are replaced one by one.
         fade: f32 = 0.5, in 0.1..=1.0;
-        /// Fur height down to which fins are drawn with the layers. Without fins, the outline shows fewer and blurred
-        /// layers.
+        /// Height of the fur down to which fins are drawn with the layers. Without fins, the outline shows fewer,
+        /// blurred layers.
         fins_px: f32 = 0.0, in 0.0..=1e4;
-        /// Fur height down to which layers are drawn; below, the far-fur layer replaces them. 0 draws layers at any
-        /// size.
+        /// Height of the fur down to which layers are drawn; below it, the far-fur layer replaces them. 0 draws layers
+        /// at any size.
         coat_px: f32 = 1.2, in 0.0..=1e4;
     }
 }
@@ -534,7 +546,7 @@ words! {
         Bc5 = "bc5",
         /// RG8: two bytes per texel.
         Rg8 = "rg8",
-        /// RGBA8: four bytes per texel, with the confidence in the fourth.
+        /// RGBA8: four bytes per texel, with the confidence in alpha.
         Rgba8 = "rgba8",
     }
 }
@@ -580,18 +592,18 @@ params! {
 }
 
 params! {
-    /// `[judge]`: images by which a bake with limits (`--max-error`, `--max-frame-ms`, `--max-bytes`) is judged. Choose
-    /// views like those in the scene: a model that stays small on screen needs less.
+    /// `[judge]`: images by which the error of a bake with limits (`--max-error`, `--max-frame-ms`, `--max-bytes`) is
+    /// measured. Choose views like those in the scene: a model that stays small on screen needs less detail.
     JudgeParams in judge {
-        /// Viewpoints, each `"ex,ey,ez/tx,ty,tz/fov_deg"`, metres and degrees, with the model at rest. If empty, two
-        /// that frame the model, from its front left and from its back right.
+        /// Viewpoints, each `"ex,ey,ez/tx,ty,tz/fov_deg"` (eye, target, field of view), metres and degrees, with the
+        /// model at rest. If empty, two viewpoints frame the model, from its front left and from its back right.
         views: Vec<Viewpoint> = Vec::new();
         /// Width of each image, pixels.
         width: u32 = 834, in 16..=4096;
         /// Height of each image, pixels.
         height: u32 = 424, in 16..=4096;
-        /// Rays per pixel of the ray-traced reference images. A low number leaves noise, which counts as error of the
-        /// bake.
+        /// Number of rays per pixel of the ray-traced reference images. A low number leaves noise, which counts as
+        /// error of the bake.
         samples: u32 = 64, in 1..=65_536;
     }
 }

@@ -10,9 +10,9 @@ words! {
         Straight = "straight",
         /// Helices.
         Curly = "curly",
-        /// Bent by a smooth random field.
+        /// Bent by a smooth random field, in waves.
         Messy = "messy",
-        /// Gathered into pointed locks, low, dark and shiny.
+        /// Gathered into pointed locks that are flat, dark and shiny.
         Wet = "wet",
         /// Combed flat.
         Lying = "lying",

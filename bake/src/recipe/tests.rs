@@ -15,7 +15,7 @@ fn an_empty_recipe_is_the_default() {
     Recipe::default().validate().unwrap();
 }
 
-/// Checks that the former name `guides` of comb marks still works, in old recipes and in those recorded in packages.
+/// Checks that `guides`, the former name of comb marks, still works in recipes and in packages.
 #[test]
 fn deprecated_guides_key_reads_as_comb_marks() {
     let marks = "[{ name = \"nose\", at = [0, 1, 0.5], direction = [0, 0, -1] }]";
@@ -129,7 +129,7 @@ fn validate_names_the_key() {
 
 #[test]
 fn validate_looks_at_every_table() {
-    // A value far out of range in each table that has one; `detail` was once forgotten.
+    // Each entry sets a value far out of range in a table. All tables are covered, because `detail` was once forgotten.
     type Spoil = fn(&mut Recipe);
     let wrong: [(&str, Spoil); 16] = [
         ("model.unit_m", |r| r.model.unit_m = 0.0),

@@ -1,4 +1,4 @@
-//! Assembly of packages: from a bake, from slicing again, and from the folder written by `pelage unpack`.
+//! Assembly of packages: from a bake, from slicing again, and from a folder written by `pelage unpack`.
 
 use super::slice::ShellTextures;
 use pelage_formats::meaning::openness::Openness;
@@ -9,7 +9,7 @@ use pelage_formats::{
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Section of a package: newly made, or the bytes of a copied one.
+/// Section of a package: either new data, or bytes copied from another package.
 #[derive(Clone, Debug)]
 pub enum Content<'a> {
     /// Mesh.
@@ -26,7 +26,7 @@ pub enum Content<'a> {
     Simplified(Arc<[SimplifiedLevel]>),
     /// Strands of the tile.
     Strands(StrandsData),
-    /// Strands of the tile in the quantized form of the section.
+    /// Strands of the tile, quantized as they are stored in the section.
     StoredStrands(StoredStrands),
     /// Guide-driven hair.
     Hair(Vec<HairGroup>),
@@ -38,9 +38,9 @@ pub enum Content<'a> {
     Visibility(VisibilityInfo),
     /// Openness at each vertex: share of the environment that the body does not occlude.
     Openness(Arc<[Openness]>),
-    /// Displacement of hair relative to its root.
+    /// Lateral displacement of hair from its root.
     Roots(RootsInfo),
-    /// Complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
+    /// Complete .ktx2 file. The k-th texture section belongs to the k-th texture of the manifest.
     Texture(Cow<'a, [u8]>),
     /// Section with this tag, copied unchanged from another package or a file.
     Bytes(Tag, Cow<'a, [u8]>),
@@ -88,7 +88,8 @@ pub fn assemble<'a>(
     sections.into_iter().fold(writer, add).finish()
 }
 
-/// Copies the sections of a package whose tags `take` accepts, unchanged and in order, except the manifest.
+/// Copies the sections of a package whose tags `take` accepts, except the manifest. They are unchanged and keep their
+/// order.
 ///
 /// # Errors
 /// The error of a damaged section.

@@ -44,11 +44,11 @@ pub(crate) struct TriangleGrid {
     of_cell: HashMap<IVec3, Vec<u32>>,
 }
 
-/// Maximum mean number of cells per triangle; the cells are enlarged if a few triangles are far larger than the others.
+/// Maximum mean number of cells per triangle. Cells are enlarged if a few triangles are far larger than the rest.
 const MOST_CELLS: f64 = 64.0;
 
 impl TriangleGrid {
-    /// Builds the grid with cells of at least `size`. Triangles with non-finite corners are left out.
+    /// Builds the grid with cells of at least `size`. Triangles with non-finite corners are ignored.
     pub(crate) fn new(triangles: &[[u32; 3]], place: &dyn Fn(u32) -> Vec3, size: f32) -> Self {
         let corners_of = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(place);
@@ -88,7 +88,7 @@ impl TriangleGrid {
         let [low, high] = [p - reach, p + reach].map(|p| (p / self.size).floor().as_ivec3());
         let count = ((high.as_dvec3() - low.as_dvec3()) + 1.0).element_product();
         if count > self.of_cell.len() as f64 {
-            // For a large reach it is faster to iterate over the occupied cells.
+            // For a large reach, iterating over the occupied cells is faster.
             let is_within = move |cell: &IVec3| cell.cmpge(low).all() && cell.cmple(high).all();
             let cells = self.of_cell.iter().filter(move |(cell, _)| is_within(cell));
             return Box::new(cells.flat_map(|(_, triangles)| triangles).copied());
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn large_triangle_among_small_ones_fills_few_cells() {
-        // A thousand triangles of a millimetre, one of a hundred metres, and one with non-finite corners.
+        // The grid has a thousand triangles of a millimetre, one of a hundred metres, and one with non-finite corners.
         let mut places: Vec<Vec3> = (0..3000).map(|i| Vec3::new(i as f32, (i % 3) as f32, 0.0) * 1e-3).collect();
         places.extend([Vec3::ZERO, Vec3::X * 100.0, Vec3::ONE * 100.0, Vec3::ZERO, Vec3::X, Vec3::splat(f32::NAN)]);
         let triangles: Vec<[u32; 3]> = (0..1002).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
@@ -120,7 +120,7 @@ mod tests {
         let cells = TriangleGrid::new(&triangles, &place, 1e-3);
         let met: usize = cells.of_cell.values().map(Vec::len).sum();
         assert!(met <= 64 * 1001 && cells.size > 0.1, "{met} cells of {} m", cells.size);
-        // From nearby and from far away, where iterating over all occupied cells is faster.
+        // The queries are nearby and far away, where iterating over all occupied cells is faster.
         for (p, reach, expected) in [(Vec3::X * 0.5, 0.1, 166), (Vec3::NEG_X * 1e6, 1.1e6, 7), (Vec3::Y * 1e30, 1.0, 0)]
         {
             let found: std::collections::BTreeSet<u32> = cells.within(p, reach).collect();

@@ -1,13 +1,13 @@
-//! Levels of detail: selection of the levels of a package and their sizes on screen. The far-fur layer is the only
-//! texture made for them.
+//! Levels of detail: selects the levels of a package and their sizes on screen. The far-fur layer is the only texture
+//! that only they need.
 
 use crate::recipe::{DetailParams, Recipe};
 use crate::stages::slice::FarFurStats;
 use pelage_formats::DetailLevel;
 use pelage_formats::meaning::represented_layers;
 
-/// Minimum number of layers of a level, without the one on the mesh surface. A hundred distant hares take two thirds of
-/// the time with four that they take with six or more.
+/// Minimum number of layers of a level, without the one on the mesh surface. Drawn with four such layers, a hundred
+/// distant hares take two thirds of the time that they take with six or more.
 const FEWEST: u32 = 4;
 
 /// Maximum number of array layers that WebGPU guarantees.
@@ -18,11 +18,12 @@ pub fn has_far_layer(recipe: &Recipe) -> bool {
     recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS
 }
 
-/// Returns the chain of levels for `layers` layers, including the one on the mesh surface, with or without a far-fur
-/// layer. Empty if levels of detail are disabled.
+/// Returns the chain of levels for `layers` layers, including the one on the mesh surface. If `coat` is given and
+/// `coat_px` is above 0, the chain ends with the far-fur layer. The chain is empty if levels of detail are disabled.
 ///
-/// A level of step s is drawn in full where the gap of s layers is [`DetailParams::gap_px`] on screen. It is gone at
-/// [`DetailParams::fade`] of that size: at a half, the next level is then drawn in full.
+/// A level of step s is drawn in full down to the size at which s layers are [`DetailParams::gap_px`] apart on screen.
+/// At [`DetailParams::fade`] times that size, it has disappeared. With a fade of 0.5, the next level is then drawn in
+/// full.
 pub fn levels(params: &DetailParams, layers: u32, coat: Option<&FarFurStats>) -> Vec<DetailLevel> {
     if !params.enabled || layers < 2 {
         return Vec::new();
@@ -47,7 +48,7 @@ pub fn levels(params: &DetailParams, layers: u32, coat: Option<&FarFurStats>) ->
             (last.full_px, last.gone_px) = (0.0, 0.0);
         }
     }
-    // Levels must not overlap: each is complete before the next begins to fade in.
+    // Levels must not overlap, so each is complete before the next begins to fade in.
     for i in 1..chain.len() {
         chain[i].full_px = chain[i].full_px.min(chain[i - 1].gone_px);
         chain[i].gone_px = chain[i].gone_px.min(chain[i].full_px);
@@ -59,8 +60,10 @@ fn share_of_fins(params: &DetailParams, full_px: f32) -> f32 {
     if full_px > params.fins_px { 1.0 } else { 0.0 }
 }
 
-/// Returns the optical depth of all layers relative to that represented by the layers of a level; 1 for hair without
-/// any. `opacities`: from layer 1 outwards.
+/// Returns the optical depth of all layers, divided by the optical depth that the layers of a level represent. It is 1
+/// for hair without optical depth, and limited to 0.25..=4.
+///
+/// * `opacities`: opacity of each layer, from layer 1 outwards
 fn density(opacities: &[f32], step: u32) -> f32 {
     let layers = opacities.len() as u32 + 1;
     let depth = |opacity: f32| -f64::from(libm::log1pf(-opacity.min(0.999)));
@@ -69,7 +72,7 @@ fn density(opacities: &[f32], step: u32) -> f32 {
         all += depth(*opacity);
         drawn += f64::from(represented_layers(k, layers, step)) * depth(*opacity);
     }
-    // If a level's layers contain almost no hair, its density cannot be corrected.
+    // A level whose layers contain almost no hair cannot be corrected.
     if step == 1 || drawn <= 0.0 { 1.0 } else { (all / drawn).clamp(0.25, 4.0) as f32 }
 }
 
@@ -78,7 +81,7 @@ mod tests {
     use super::*;
     use pelage_formats::{FarLayerInfo, FurInfo, Manifest, PackageWriter, TextureEntry};
 
-    /// Returns opacities that increase towards the mesh surface, typical of hair of many lengths.
+    /// Returns statistics with opacities that increase towards the mesh surface, as is typical of hair of many lengths.
     fn coat() -> FarFurStats {
         FarFurStats { opacities: (1..16).map(|k| 0.3 - 0.02 * k as f32).collect(), ..FarFurStats::default() }
     }
@@ -94,7 +97,8 @@ mod tests {
             let all = total(&|_| 1.0);
             let kept = total(&|k| density(&opacities, step) * stood_for(k));
             assert!((kept / all - 1.0).abs() < 1e-4, "step {step}: {kept} of {all}");
-            // Without the factor, density is lost, because the outermost layers are the thinnest.
+            // Without the factor `density`, more than 3 % of the optical depth is lost, because the outermost layers
+            // are the most transparent.
             assert!(step == 1 || total(&stood_for) / all < 0.97, "step {step}");
         }
         assert_eq!(density(&[0.0; 15], 4), 1.0);
@@ -123,7 +127,7 @@ mod tests {
                     let params = DetailParams { gap_px, fade, coat_px, ..DetailParams::default() };
                     let chain = levels(&params, layers, coat.as_ref());
                     if layers > 0 {
-                        // Validating the manifest's chain precedes the check for the textures, which are missing here.
+                        // The manifest's chain is validated before the textures, which are missing here.
                         let texture = |name: &str| TextureEntry { name: name.into() };
                         let manifest = Manifest {
                             fur: FurInfo {

@@ -1,4 +1,4 @@
-//! `fins`: a quad of hair on every edge of the furred mesh (Lengyel et al. 2001, "fin rendering").
+//! Stage `fins`: makes a quad of hair on every edge of the furred mesh (Lengyel et al. 2001, "fin rendering").
 //!
 //! Silhouette edges are known only when the model is drawn. So every edge has a fin, and the runtime shows those that
 //! are seen from the side.
@@ -16,10 +16,10 @@ use std::collections::HashMap;
 pub struct EdgeFins {
     /// Fins, one per edge.
     pub fins: Vec<Fin>,
-    /// Triangle of each fin, which determines its material. Ascending.
+    /// Triangle of each fin, in ascending order. It determines the material of the fin.
     pub triangles: Vec<u32>,
-    /// Depth of the slab of hair for the densest fins, widths of the tile, in the range of the recipe's `fins.depth`.
-    /// Their opacity is 1, that of the others lower.
+    /// Depth of the hair that the densest fins show, measured across the fin, widths of the tile. It is in the range of
+    /// the recipe's `fins.depth`. The densest fins have opacity 1, the others less.
     pub depth: f32,
 }
 
@@ -30,12 +30,13 @@ pub struct EdgeFins {
 /// * `height_m`: height of the fur where `coat` does not shorten it, metres
 /// * `tile_size_m`: width of the tile on the mesh surface, metres, greater than 0
 ///
-/// Edges are joined by position: at a border between patches or a seam there is one fin. Its tile frame, material and
-/// colours come from the first triangle in mesh order. A boundary edge counts like any other.
+/// Edges are joined by position, so a border between patches or a seam has one fin. Its tile frame, material and
+/// colours come from the first triangle in mesh order. Boundary edges are treated like all others.
 ///
-/// The length of a fin in the texture is the edge's length at rest. Its start is random but deterministic for the mesh,
-/// so that neighbouring fins do not repeat (ibid.). The amount of hair on a fin depends on how many fins a view ray
-/// along the outline crosses. That follows from the edge's share of the surface and from the curvature.
+/// The length of a fin in the texture is the edge's length at rest. Its start in the texture is random but
+/// deterministic for the mesh, so that neighbouring fins do not repeat (ibid.). The amount of hair on a fin depends on
+/// how many fins a view ray along the outline crosses. This number is computed from the edge's share of the surface and
+/// from the curvature.
 pub fn fins(surface: &Surface, furred: &[bool], coat: &VertexGroom, height_m: f32, tile_size_m: f32) -> EdgeFins {
     let place = |vertex: u32| surface.rest.positions[vertex as usize];
     let height_at = |vertex: u32| {
@@ -78,27 +79,31 @@ pub fn fins(surface: &Surface, furred: &[bool], coat: &VertexGroom, height_m: f3
     out
 }
 
-/// Returns the depth of a fin's slab, metres, from the width `strip_m` of its strip of surface, the `curvature`, 1 /
-/// metres, and the fur's `height_m`.
+/// Returns the depth of the hair that a fin shows, metres.
 ///
-/// A tangential view ray at a surface of radius R passes through 2 √((R + H)² − R²) of fur of height H. The number of
-/// fins it crosses is proportional to that length over the strip's width. Together the fins should show as much hair as
-/// the layers it crosses. Their number is the same for any R, so that amount of hair grows on a length of surface
-/// proportional to H.
+/// * `strip_m`: width of the strip of surface that the fin represents, metres
+/// * `curvature`: curvature of the surface, 1 / metres
+/// * `height_m`: height of the fur, metres
+///
+/// At a surface of radius R, a tangential view ray passes through 2 √((R + H)² − R²) of fur of height H. The number of
+/// fins that it crosses is proportional to this length divided by the strip's width. Together, these fins should show
+/// as much hair as the layers that the ray crosses. The number of layers is the same for any R, so this amount of hair
+/// grows on a length of surface proportional to H.
 fn slab_depth(strip_m: f32, curvature: f32, height_m: f32) -> f32 {
     DENSITY * strip_m / (1.0 + 2.0 / (curvature * height_m).max(1e-3)).sqrt()
 }
 
-/// Measured by `stability/silhouette.rs`.
+/// Depth of the hair divided by the width of the strip, in the limit of high curvature. Measured by
+/// `stability/silhouette.rs`.
 const DENSITY: f32 = 0.6;
-/// Random stream of the fins' starts.
+/// Number of the random stream for the starts of fins in the texture.
 const START: u64 = 0x66_696e;
 
-/// Edge of the furred mesh, joined by position.
+/// Edge of the furred mesh, whose triangles are joined by position.
 struct Edge {
     /// Vertices of the first triangle at the edge, in the triangle's order.
     ends: [u32; 2],
-    /// Indices of the two distinct positions.
+    /// Indices of the distinct positions of the two ends.
     points: [usize; 2],
     /// First triangle at the edge.
     triangle: u32,
@@ -119,7 +124,7 @@ fn edges(surface: &Surface, furred: &[bool]) -> Vec<Edge> {
             let [p, q, r] = corners.map(place);
             let third = (q - p).cross(r - p).length() / 6.0;
             let [i, j, k] = corners.map(|vertex| {
-                // Adding zero turns -0 into +0.
+                // Adding zero turns −0 into +0, so that both have the same bits.
                 let key = (mesh.positions[vertex as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
                 let next = points.len();
                 *points.entry(key).or_insert(next)
@@ -145,8 +150,8 @@ fn edges(surface: &Surface, furred: &[bool]) -> Vec<Edge> {
     out
 }
 
-/// Returns the mean absolute curvature along the edges at each position, 1 / metres: the change of the normal per
-/// length.
+/// Returns the mean absolute curvature along the edges at each position, 1 / metres. The curvature along an edge is the
+/// change of the normal divided by the length.
 fn curvatures(surface: &Surface, edges: &[Edge]) -> Vec<f32> {
     let count = edges.iter().flat_map(|e| e.points).max().map_or(0, |last| last + 1);
     let mut sums = vec![(0f32, 0f32); count];

@@ -1,4 +1,4 @@
-//! `import`: reads a model and separates the features that the groom treats differently.
+//! `import`: reads a model and separates body parts that the groom treats differently.
 
 use crate::stages::groom;
 use pelage_import::BakeError;

@@ -1,8 +1,8 @@
-//! Conversion of metric hair settings, per square millimetre and in metres, to units of the tile.
+//! Conversion of metric hair settings (hairs per square millimetre, radii in metres) to units of the tile.
 //!
 //! A tile holds some thousands of strands, and its texels should not be wider than a hair. If the recipe does not set
-//! the tile's width, the tile is as wide as both limits allow. A narrow tile repeats more often, but over fewer pixels
-//! than its strands are worth.
+//! the tile's width, the tile is as wide as both limits permit. A narrow tile repeats more often, and covers fewer
+//! pixels than its number of strands justifies.
 
 use super::groom::Lengths;
 use crate::decision::{Decision, metres_in_words};
@@ -10,10 +10,11 @@ use crate::recipe::{Recipe, SurfaceSource};
 use pelage_formats::Bounds;
 use pelage_import::BakeError;
 
-/// Minimum width of a hair at its root, texels. A thinner hair fades instead of showing, in every mip level, and the
-/// fur becomes too transparent.
+/// Minimum width of a hair at its root, texels. A thinner hair fades in every mip level, which makes the fur too
+/// transparent.
 pub const LEAST_HAIR_TEXELS: f64 = 1.0;
-/// Maximum number of strands of a tile with a derived width: with more, the tile repeats less but a bake takes longer.
+/// Maximum number of strands in a tile whose width is derived. With more strands, the tile would repeat less often, but
+/// baking would take longer.
 const MOST_STRANDS: f64 = 20_000.0;
 /// Square millimetres per square metre.
 const MM2: f64 = 1e6;
@@ -21,7 +22,7 @@ const MM2: f64 = 1e6;
 /// Recipe converted to units of its tile.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TileRecipe {
-    /// Converted recipe; no hair is left per square millimetre or with a radius in metres.
+    /// Converted recipe, without densities per square millimetre and radii in metres.
     pub recipe: Recipe,
     /// Decisions made for the conversion.
     pub decisions: Vec<Decision>,
@@ -29,7 +30,7 @@ pub struct TileRecipe {
     pub warnings: Vec<String>,
 }
 
-/// Returns whether a recipe gives hair per square millimetre or with a radius in metres.
+/// Returns whether a recipe gives a density per square millimetre or a radius in metres.
 pub fn is_metric(recipe: &Recipe) -> bool {
     let (hair, under) = (&recipe.hair, &recipe.underfur);
     let radii = [hair.root_radius_m, hair.tip_radius_m, under.root_radius_m, under.tip_radius_m];
@@ -37,15 +38,15 @@ pub fn is_metric(recipe: &Recipe) -> bool {
     radii.iter().chain(&densities).any(Option::is_some)
 }
 
-/// Converts densities and radii to units of the tile; chooses the tile's width if the recipe does not. Settings already
-/// in these units are unchanged.
+/// Converts densities and radii to units of the tile. Chooses the width of the tile if the recipe does not set it.
+/// Settings already in units of the tile are unchanged.
 ///
 /// * `bounds`: bounds of the model at rest, metres
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] with the key, what was found and what would be possible, if a tile of the recipe's own width
-/// cannot hold the hair.
+/// [`BakeError::Params`] if a tile of the width set in the recipe cannot hold the hair. The message contains the key,
+/// what was found and what would be possible.
 pub fn to_tile_units(recipe: &Recipe, bounds: &Bounds) -> Result<TileRecipe, BakeError> {
     let mut done = TileRecipe { recipe: recipe.clone(), ..TileRecipe::default() };
     if !is_metric(recipe) {
@@ -131,16 +132,17 @@ fn tile_size(recipe: &Recipe, bounds: &Bounds) -> (f32, String) {
     (found.0 as f32, found.1)
 }
 
-/// Returns the root width of hair that the recipe gives in metres: of guard hair, or else of underfur, which is finer.
+/// Returns the width at the root, metres, if the recipe gives a radius in metres: that of guard hair, or else that of
+/// underfur, which is finer.
 pub fn hair_width_m(recipe: &Recipe) -> Option<f64> {
     let radius_m = recipe.hair.root_radius_m.or(recipe.underfur.root_radius_m)?;
     Some(2.0 * f64::from(radius_m))
 }
 
-/// Scales the reach of patches and comb, so that in metres it is the same as with the tile derived from the model's
-/// size.
+/// Scales the reach of patches and comb, in tiles, so that both keep the length in metres that they have with the
+/// default tile. The default tile is derived from the model's size.
 ///
-/// * `times`: width of that tile over the chosen one, at least 1
+/// * `times`: width of the default tile divided by that of the chosen tile; at least 1
 fn keep_metres(recipe: &mut Recipe, times: f32, decisions: &mut Vec<Decision>) {
     let surface = &mut recipe.surface;
     if times <= 1.0 || surface.source != SurfaceSource::Patches {
@@ -193,13 +195,13 @@ fn strands(key: &'static str, per_mm2: f32, tile_size_m: f32) -> Result<u32, Bak
 
 /// Returns a warning if hair is thinner than the texels of its tile.
 ///
-/// * `said`: the original recipe
-/// * `recipe`: the recipe in units of its tile
+/// * `said`: original recipe
+/// * `recipe`: recipe in units of its tile
 fn too_thin(said: &Recipe, recipe: &Recipe, tile_size_m: f32) -> Option<String> {
     let width_m = hair_width_m(said)?;
     let texels = recipe.slice.tile_texels;
     let texel_m = f64::from(tile_size_m) / f64::from(texels);
-    // Tolerance for the rounding of the tile's width: half a percent.
+    // Half a percent of tolerance covers the rounding of the tile's width.
     if width_m >= 0.995 * LEAST_HAIR_TEXELS * texel_m {
         return None;
     }

@@ -41,7 +41,7 @@ fn strand_count_of_a_fixed_tile_follows_its_area() {
 #[test]
 fn chosen_tile_fits_the_strands_and_resolves_each_hair() {
     let of = |sets: &[&str]| to_tile_units(&recipe(sets), &bounds(0.5)).unwrap();
-    // Derived from the model's size: 0.15 m.
+    // The width 0.15 m is derived from the model's size.
     assert_eq!(of(&["hair.density_mm2=0.1"]).recipe.surface.tile_size_m, Some(0.15));
     assert_eq!(of(&["hair.density_mm2=0.1"]).recipe.hair.density, 2250);
     let dense = of(&["hair.density_mm2=20"]).recipe;
@@ -57,7 +57,7 @@ fn chosen_tile_fits_the_strands_and_resolves_each_hair() {
         fine.decisions[0].chosen.ends_with("at which each of 256 texels is as wide as a hair of 60 µm"),
         "{fine:?}"
     );
-    // Underfur given per tile uses up its share of the strands.
+    // Underfur given per tile uses up part of the permitted strands.
     let shared = of(&["hair.density_mm2=20", "underfur.density=5000"]).recipe;
     assert!((f64::from(shared.hair.density) / (MOST_STRANDS - 5000.0) - 1.0).abs() < 1e-3);
 }

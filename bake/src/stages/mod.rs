@@ -1,7 +1,7 @@
-//! Stages of a bake, a folder or a file each; [`crate::pipeline`] defines their order.
+//! Stages of a bake, each in a folder or file of its own; [`crate::pipeline`] defines their order.
 //!
-//! A stage is a function of plain data: no file, no clock, no global, and random numbers from the recipe's seed. It
-//! depends on the stages whose results it reads, and on nothing that evaluates its own result.
+//! A stage is a function of plain data. It uses no file, no clock and no global state, and its random numbers come from
+//! the recipe's seed. It depends on the stages whose results it reads, and on nothing that evaluates its own result.
 
 pub mod assemble;
 mod cells;

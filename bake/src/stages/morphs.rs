@@ -1,11 +1,11 @@
-//! Morph targets on the vertices of a package: changes of positions, of normals and of the tile's axes.
+//! Morph targets on the vertices of a package: changes of positions, normals and the tile's axes.
 
 use glam::{DMat3, DVec3, Vec3};
 use pelage_formats::{MeshData, MorphDelta, Morphs};
 use pelage_import::mesh::Model;
 use std::collections::{BTreeMap, HashMap};
 
-/// Smallest change of a normal or a direction that is stored; smaller ones are invisible.
+/// Smallest change of a normal or a direction that is stored. Smaller changes are invisible.
 const LEAST: f32 = 1e-6;
 
 /// Effect of one target around one position.
@@ -13,25 +13,25 @@ const LEAST: f32 = 1e-6;
 struct VertexMorph {
     /// Change of the normals of adjacent triangles, each with a length of twice the triangle's area.
     normals: DVec3,
-    /// Change of a direction on the mesh surface, times twice the area.
+    /// Change of a direction on the mesh surface, weighted by twice the triangle's area.
     gradient: DMat3,
-    /// Sum of the normal changes that the file gives; `authored_count` is their number.
+    /// Sum of the normal changes given by the file; `authored_count` is their number.
     authored: DVec3,
     authored_count: u32,
 }
 
 impl VertexMorph {
-    /// No change. (The default of a matrix is the identity.)
+    /// No change. (A derived default is not possible: the default of a matrix is the identity.)
     const NOTHING: Self =
         Self { normals: DVec3::ZERO, gradient: DMat3::ZERO, authored: DVec3::ZERO, authored_count: 0 };
 }
 
-/// Returns the morph targets of a model over the vertices of its package; `None` for a model without any. `rows`: row
-/// of each vertex in [`Model::morph_rows`].
+/// Returns the morph targets of a model for the vertices of its package; `None` for a model without any. `rows`: row of
+/// each vertex in [`Model::morph_rows`].
 ///
 /// Vertices with the same position and normal share the change of the normal, so that fur stays closed over patch
-/// seams. The change is the file's, if given, otherwise derived from the triangles. The tile's axes follow the mesh
-/// surface.
+/// seams. The change is read from the file, if given, and otherwise derived from the triangles. The tile's axes follow
+/// the mesh surface.
 pub fn mesh_morphs(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
     let motion =
         model.animation.as_ref().map(|animation| &animation.morphs).filter(|motion| !motion.targets.is_empty())?;
@@ -183,12 +183,13 @@ mod tests {
 
     #[test]
     fn seam_vertices_share_a_normal_delta_and_distant_ones_have_none() {
-        // One vertex position on the split is lifted.
+        // Only the vertices at one position on the split are lifted.
         let lifted = Vec3::new(2.0, 2.0, 0.0);
         let position = |p: Vec3| if p == lifted { Vec3::Z } else { Vec3::ZERO };
         let plain = square(|p| Some(RowDelta { target: 0, position: position(p), normal: None }));
         let at = |morphs: &Morphs, p: [f32; 2]| {
-            // Vertices of the left half are in rows of three, and so are those of the right half, from column 2 on.
+            // Vertices are numbered in rows of three: first those of the left half, then those of the right half, which
+            // begins at column 2.
             let (x, y) = (p[0] as usize, p[1] as usize);
             let side = [(x <= 2).then_some(3 * y + x), (x >= 2).then(|| 15 + 3 * y + x - 2)];
             side.into_iter().flatten().map(|v| morphs.of_vertex(v).first().copied()).collect::<Vec<_>>()

@@ -1,7 +1,7 @@
-//! Openness: share of all directions that a body leaves open to its hair, at rest. Rays from the hair tips at each
-//! vertex find where ears, legs and belly occlude the hair, and how far light wraps around rounded parts.
+//! Openness: share of all directions in which the body does not occlude the hair at rest. Rays from the hair tips at
+//! each vertex find where ears, legs and belly occlude the hair, and how far light wraps around rounded parts.
 //!
-//! The occluder is the mesh surface raised to half the height of its hair, which is about how deep light enters fur.
+//! The occluder is the mesh surface raised by half the height of its hair, which is about how deep light enters fur.
 
 use glam::Vec3;
 use obvhs::BvhBuildParams;
@@ -15,17 +15,17 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::time::Duration;
 
-/// Maximum and minimum number of rays per vertex, and the maximum for all vertices together.
+/// Limits of the number of rays: maximum per vertex, minimum per vertex, and maximum for all vertices together.
 const RAYS: (usize, usize, usize) = (128, 24, 4_000_000);
-/// Golden angle, radians: directions along a spiral with this step are evenly distributed over a sphere.
+/// Golden angle, radians. Directions along a spiral with this step are distributed evenly over a sphere.
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 /// Height of the occluder above the mesh surface, as a share of the hair's height.
 const HIDES_TO: f32 = 0.5;
-/// Height above bare skin at which a ray starts, as a share of the model's radius.
+/// Height above bare skin at which a ray begins, as a share of the model's radius.
 const AWAY: f32 = 1e-3;
 
-/// Returns the openness of each vertex, with the mesh's triangles as occluders. `hides`: whether a triangle occludes;
-/// one with holes cut by a texture does not.
+/// Returns the openness of each vertex, with the triangles of the mesh as occluders. `hides` returns whether a triangle
+/// occludes; triangles with holes cut by a texture should not.
 pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(usize) -> bool) -> Vec<Openness> {
     let mut pose = Pose::default();
     if let Some(animation) = animation {
@@ -105,10 +105,11 @@ struct AtRest {
     tangent: [f32; 4],
 }
 
-/// Returns the share of all directions that is open from a point, and a unit vector towards their mean.
+/// Returns the share of all directions that is open from a point, and the unit vector along the mean of the open
+/// directions.
 fn open_share(tree: &CwBvh, facets: &[Triangle], place: Vec3, normal: Vec3, ways: &[Vec3], away: f32) -> (f32, Vec3) {
     let (along, across) = normal.any_orthonormal_pair();
-    // Slightly above the surface, so that the surface occludes the directions below it.
+    // The ray begins slightly above the surface, so that the surface occludes the directions below it.
     let from = place + normal * away;
     let mut middle = Vec3::ZERO;
     let mut open = 0;
@@ -153,7 +154,7 @@ mod tests {
 
     #[test]
     fn wall_hides_half_of_the_sky_at_its_foot() {
-        // A point on a floor beside a wall, both practically infinite.
+        // The point is on a floor beside a wall. Both are large enough to count as infinite.
         let (up, aside) = ([0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
         let points = [
             ([0.05, 0.0, 0.0], up),
@@ -169,11 +170,11 @@ mod tests {
         let mesh = mesh(&points, &[1, 2, 3, 1, 3, 4, 7, 8, 6, 7, 6, 5]);
         let found = openness(&mesh, None, |_| true);
         assert!((found[0].share - 0.25).abs() < 0.03, "{:?}", found[0]);
-        // The mean of a quarter of all directions points midway between both faces.
+        // A quarter of all directions is open, so their mean points midway between floor and wall.
         let frame = tile_frame(Vec3::Y, Vec3::from_slice(&mesh.geometry[0].tangent), 1.0);
         let middle = found[0].vector().normalize();
         assert!((middle.dot(to_tile(frame, Vec3::X)) - std::f32::consts::FRAC_1_SQRT_2).abs() < 0.05, "{middle}");
-        // Without occluders everything is open; a floor alone occludes half.
+        // Without occluders, everything is open; a floor alone occludes half of all directions.
         assert_eq!(openness(&mesh, None, |_| false)[0], Openness::default());
         let floor = openness(&mesh, None, |triangle| triangle > 1)[0];
         assert!((floor.share - 0.5).abs() < 0.02 && floor.tangential.iter().all(|x| x.abs() < 0.05), "{floor:?}");
@@ -182,7 +183,7 @@ mod tests {
     #[test]
     fn openness_on_a_ball_matches_the_formula_and_is_zero_inside() {
         let mut points = Vec::new();
-        // Fine enough for the facets to be near the ball.
+        // The mesh is fine enough for its facets to be close to the ball.
         let (rings, around) = (48, 64);
         for ring in 0..=rings {
             for k in 0..around {
@@ -206,7 +207,7 @@ mod tests {
         assert!(outside(&found).iter().all(|of| (of.share - 0.5).abs() < 0.04), "{found:?}");
         // A ray that hits an edge may pass between its triangles.
         assert!(found.last().expect("points").share < 0.01);
-        // Hair as high as half the ball's radius: tips are at radius 1.5, and the occluder is at 1.25.
+        // Hair is as high as half the ball's radius, so tips are at radius 1.5 and the occluder is at 1.25.
         ball.geometry.iter_mut().for_each(|vertex| vertex.fur_height = 0.5);
         let dip = (1.0 - (1.25_f32 / 1.5).powi(2)).sqrt();
         let found = openness(&ball, None, |_| true);

@@ -1,4 +1,4 @@
-//! `pack` stage: conversion of the stages' results to a package's data, and assembly of the package.
+//! `pack` stage: converts the stages' results to the data of a package, and assembles the package.
 
 use super::assemble::{Content, NamedTexture, Textures, assemble, borrowed_texture, copied_sections};
 use crate::memo::Memo;
@@ -29,14 +29,14 @@ use std::sync::Arc;
 /// Model part of a package, without hair.
 #[derive(Clone, Debug, Default)]
 pub struct ModelPart<'a> {
-    /// Manifest as far as the model determines it. Textures of materials are indices into `images`; of the fur it
-    /// contains the tile's size, the height, and the numbers of strands and patches.
+    /// Manifest, as far as the model determines it. Textures of materials are indices into `images`. Its fur part
+    /// contains only the tile's size, the height, and the numbers of strands and patches.
     pub manifest: Manifest,
-    /// Sections before the textures: mesh, skeleton and clips, and additions by other programs.
+    /// Sections before the textures: mesh, skeleton and clips, and sections added by other programs.
     pub sections: Vec<Content<'a>>,
     /// Textures of the materials.
     pub images: Vec<NamedTexture<'a>>,
-    /// Lengths that the recipe may leave open; `None` if the recipe gives them.
+    /// Lengths derived for settings that the recipe may leave open; `None` if the recipe gives all of them.
     pub lengths: Option<Lengths>,
     /// Colours of the hair; `None` if the recipe gives them.
     pub hair_colors: Option<HairColors>,
@@ -55,16 +55,16 @@ pub struct ModelPart<'a> {
 pub struct ModelFins<'a> {
     /// Section of the fins; `None` for a model without fins.
     pub section: Option<Content<'a>>,
-    /// Default depth of the slab of hair that the fins show, in tile widths; `None` if the recipe gives it.
+    /// Default depth of the layer of hair that a fin shows, tile widths; `None` if the recipe gives it.
     pub depth: Option<f32>,
 }
 
-/// Results of the stages for the model part of a package.
+/// Results of the stages that go into the model part of a package.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelResults<'a> {
     /// Model name, for the manifest.
     pub name: &'a str,
-    /// Model: materials and motions.
+    /// Model with its materials and motions.
     pub model: &'a Model,
     /// Files that the recipe names, besides the model.
     pub inputs: &'a [InputRecord],
@@ -72,7 +72,7 @@ pub struct ModelResults<'a> {
     pub surface: &'a Surface,
     /// Whether each material is furred.
     pub furred: &'a [bool],
-    /// Value of `model.bare`, or an equivalent one if it is not set.
+    /// Value of `model.bare`, or an equivalent value if the recipe does not set it.
     pub bare: &'a [String],
     /// Distance from bare materials at which hair has its full length, metres.
     pub bare_margin_m: Option<f32>,
@@ -90,25 +90,25 @@ pub struct ModelResults<'a> {
     pub hair_colors: HairColors,
     /// Height of the fur, metres.
     pub height_m: f32,
-    /// Number of strands in the tile.
+    /// Number of strands per tile.
     pub strands: u32,
     /// Width of the pattern, metres, if there is one.
     pub pattern_size_m: Option<f32>,
-    /// Lateral offsets of hair from its root, if hair has the colour of its root.
+    /// Lateral offsets of hair from its root; `None` unless hair has the colour of its root.
     pub roots: Option<&'a RootsInfo>,
-    /// Base-colour textures, a .ktx2 file per image of `colors`.
+    /// Base-colour textures: one .ktx2 file per image of `colors`.
     pub base_colors: &'a [Vec<u8>],
-    /// Groom textures, .ktx2 files.
+    /// Groom textures: .ktx2 files.
     pub groom_textures: &'a [Vec<u8>],
     /// Index into `groom_textures` for each material.
     pub groom_of_material: &'a [Option<usize>],
-    /// Whether to add simplified triangle lists to the mesh.
+    /// Whether simplified triangle lists are added to the mesh.
     pub simplified: bool,
     /// Warnings of earlier stages.
     pub warnings: &'a [String],
 }
 
-/// Input of the simplified triangle lists, besides the model's skeleton; compared to decide on reuse.
+/// Input of the simplified triangle lists, besides the model's skeleton. If it is unchanged, the lists are reused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimplifyInput {
     mesh: Arc<MeshData>,
@@ -119,7 +119,7 @@ pub struct SimplifyInput {
 /// Simplified triangle lists, by decreasing size.
 pub type SimplifiedLists = Arc<[SimplifiedLevel]>;
 
-/// Input of the openness, besides the model's skeleton; compared to decide on reuse.
+/// Input of the openness, besides the model's skeleton. If it is unchanged, the openness is reused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpennessInput {
     mesh: Arc<MeshData>,
@@ -130,7 +130,7 @@ pub struct OpennessInput {
 /// Openness of each vertex: share of all directions that the body leaves open to its hair.
 pub type VertexOpenness = Arc<[Openness]>;
 
-/// Reusable intermediate results for the same model.
+/// Intermediate results that can be reused for the same model.
 #[derive(Clone, Debug, Default)]
 pub struct ModelMemo {
     /// Simplified triangle lists.
@@ -139,7 +139,7 @@ pub struct ModelMemo {
     opened: Memo<OpennessInput, VertexOpenness>,
 }
 
-/// Converts the model part to a package's data. `kept`: reusable results from an earlier call with the same model.
+/// Converts the model part to the data of a package. `kept`: reusable results from an earlier call with the same model.
 pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<'static> {
     let ModelResults { model, surface, .. } = *pieces;
     let mut textures = Vec::new();
@@ -207,7 +207,8 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
     }
 }
 
-/// Makes the simplified triangle lists of a mesh; `None` if there are none. Reads parts and tile size of the manifest.
+/// Makes the simplified triangle lists of a mesh; `None` if there are none. Reads the parts and the tile size from the
+/// manifest.
 pub fn simplified(mesh: &MeshData, manifest: &Manifest, animation: Option<&Animation>) -> Option<Content<'static>> {
     in_section(simplify::levels(mesh, &manifest.parts, animation, manifest.fur.tile_size_m).into())
 }
@@ -216,20 +217,20 @@ fn in_section(lists: SimplifiedLists) -> Option<Content<'static>> {
     (!lists.is_empty()).then_some(Content::Simplified(lists))
 }
 
-/// Converts a model's fins to a package's data.
+/// Converts a model's fins to the data of a package.
 pub fn model_fins(surface: &Surface, fins: &EdgeFins) -> ModelFins<'static> {
     let section = || Content::Fins(fin_data(fins, &parts(surface)));
     ModelFins { section: (!fins.fins.is_empty()).then(section), depth: Some(fins.depth) }
 }
 
-/// Parts of a package, in its own data types.
+/// Parts of a package, in the data types of the bake.
 #[derive(Clone, Copy, Debug)]
 pub struct PackInput<'a> {
     /// Recipe; settings that it leaves open come from the other parts.
     pub recipe: &'a Recipe,
     /// Constants of the lighting equation.
     pub shading: Shading,
-    /// Model part.
+    /// Model part of the package.
     pub skin: &'a ModelPart<'a>,
     /// Shell textures.
     pub shells: &'a ShellTextures,
@@ -241,7 +242,7 @@ pub struct PackInput<'a> {
     pub hair: &'a GuidedHair,
     /// Fins.
     pub fins: &'a ModelFins<'a>,
-    /// Textures of the fins; without them the package has no fins.
+    /// Textures of the fins; without them, the package has no fins.
     pub fin_textures: Option<&'a FinTextures>,
     /// Scattering tables of the fibres, if any.
     pub fibres: Option<&'a FibreTables>,
@@ -249,11 +250,11 @@ pub struct PackInput<'a> {
     pub ink: Option<(&'a VertexInk, &'a InkFiles<'a>)>,
 }
 
-/// Writes the package, which opens and validates, and returns it with the warnings of all stages.
+/// Assembles and validates the package, and returns it with the warnings of all stages.
 ///
 /// # Errors
-/// [`BakeError::Params`] if a value derived from the model's size is out of a recipe's range; otherwise
-/// [`BakeError::Internal`], because earlier stages have checked all user input.
+/// [`BakeError::Params`] if a value derived from the model's size is outside the range of a recipe. All other errors
+/// are [`BakeError::Internal`], because earlier stages have checked all user input.
 pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
     let PackInput { recipe, skin, .. } = *pieces;
     let mut textures = Textures::default();
@@ -298,12 +299,12 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
     }
     let mut warnings = skin.manifest.warnings.clone();
     warnings.extend(pieces.hair.warnings.iter().cloned());
-    // A package that is sliced again already contains these warnings.
+    // If the package is sliced again, it already contains these warnings.
     let of_fibres = pieces.fibres.iter().flat_map(|made| &made.warnings).filter(|text| !warnings.contains(text));
     warnings.extend(of_fibres.cloned().collect::<Vec<_>>());
     warnings.extend(pieces.ink.iter().flat_map(|(ink, _)| ink.warnings.iter().cloned()));
     let (names, files) = textures.finish();
-    // Values derived from the model's size may be out of a recipe's range.
+    // Values derived from the model's size may be outside the range of a recipe.
     let recorded = resolved(pieces);
     recorded.validate()?;
     let moves = hair_motion(pieces);
@@ -336,7 +337,7 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
         ..skin.manifest.clone()
     };
     let fins = fins.map(|(_, section)| section);
-    // A hair motion section copied from an earlier package must be behind the hair.
+    // A hair motion section copied from an earlier package must come after the hair.
     let is_motion = |section: &&Content<'_>| matches!(section, Content::Bytes(Tag::HAIR_MOTION, _));
     let kept_motion = skin.sections.iter().filter(is_motion).cloned();
     let sections = skin.sections.iter().filter(|section| !is_motion(section)).cloned();
@@ -351,8 +352,8 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
 }
 
-/// Returns the motion of hair on guides; `None` if no hair moves, or if the model part is from another package that
-/// already contains the section.
+/// Returns the motion of hair on guides. The result is `None` if no hair moves, or if the model part is copied from a
+/// package that already contains the section.
 fn hair_motion(pieces: &PackInput<'_>) -> Option<(HairMotion, hair_motion::FittedColliders)> {
     let sections = &pieces.skin.sections;
     let mesh = sections.iter().find_map(|s| if let Content::Mesh(mesh) = s { Some(mesh) } else { None })?;
@@ -386,7 +387,7 @@ fn resolved(pieces: &PackInput<'_>) -> Recipe {
     recipe
 }
 
-/// Adds the evidence of how settings were chosen to a package.
+/// Adds the record of how settings were chosen to a package.
 ///
 /// # Errors
 ///
@@ -400,16 +401,17 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
     write().map_err(|fault| BakeError::Internal(format!("the package with its evidence cannot be read back: {fault}")))
 }
 
-/// Replaces the recipe recorded in a package, as if baked from the new one. The new recipe must state exactly what the
-/// earlier bake was given or chose. The evidence of chosen settings is removed, because nothing is left to choose.
+/// Replaces the recipe recorded in a package, as if the package had been baked from the new one. The new recipe must
+/// state exactly what the earlier bake was given or chose. The record of how settings were chosen is removed, because
+/// no setting is left to choose.
 ///
-/// * `file`: the recipe's name, for messages
-/// * `text`: the recipe
-/// * `inputs`: the files that such a bake reads, in the order of reading
+/// * `file`: name of the recipe, for messages
+/// * `text`: recipe
+/// * `inputs`: files that such a bake reads, in the order of reading
 ///
 /// # Errors
 ///
-/// Same as [`Recipe::parse`] for the text; [`BakeError::Internal`] if the package, which was just written, does not
+/// Errors of [`Recipe::parse`] for the text; [`BakeError::Internal`] if the package, which was just written, does not
 /// open.
 pub fn with_recipe(package: &[u8], file: &str, text: &str, inputs: Vec<InputRecord>) -> Result<Vec<u8>, BakeError> {
     let fault = |fault| BakeError::Internal(format!("the package with its recipe cannot be read back: {fault}"));
@@ -434,7 +436,7 @@ fn materials(pieces: &ModelResults<'_>, base_colors: &[u32], grooms: &[u32]) -> 
     pieces.model.materials.iter().enumerate().zip(&pieces.colors.materials).map(convert).collect()
 }
 
-/// Returns index ranges; neighbouring parts with the same material become one draw.
+/// Returns index ranges, one per draw call. Neighbouring parts with the same material are merged.
 fn parts(surface: &Surface) -> Vec<Part> {
     let mut out: Vec<Part> = Vec::new();
     for part in surface.mesh.parts.iter().filter(|p| p.triangle_count > 0) {
@@ -447,7 +449,7 @@ fn parts(surface: &Surface) -> Vec<Part> {
     out
 }
 
-/// Converts the fins, with their number on each part.
+/// Converts the fins, and counts those of each part.
 fn fin_data(fins: &EdgeFins, parts: &[Part]) -> FinData {
     let end = |part: &Part| fins.triangles.partition_point(|t| 3 * t < part.first_index + part.index_count) as u32;
     let mut first = 0;

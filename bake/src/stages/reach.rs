@@ -1,4 +1,4 @@
-//! Influence of marks by distance on the mesh surface, and combination of several marks that reach the same point.
+//! Influence of marks by distance along the mesh surface, and blending of several marks that reach the same point.
 
 use crate::noise::smooth_step;
 use std::ops::{Add, Mul};
@@ -7,7 +7,8 @@ use std::ops::{Add, Mul};
 const DEFAULT_REACH: f32 = 0.3;
 /// Share of the reach within which a mark has full weight.
 pub(crate) const FULL: f32 = 0.25;
-/// Lower limit of 1 − share in a mark's weight, so that two marks with full weight at one point share it.
+/// Lower limit of 1 − influence in a mark's weight, so that two marks with full influence at one point get equal
+/// weights.
 const MIN_REMAINDER: f32 = 1e-3;
 
 /// Returns the default reach of a mark, metres, on a model with the given radius.
@@ -15,18 +16,18 @@ pub(crate) fn default_reach_m(radius_m: f32) -> f32 {
     DEFAULT_REACH * if radius_m > 0.0 { radius_m } else { 1.0 }
 }
 
-/// Returns the influence of a mark at distance `way`: 1 within a quarter of its reach, falling to 0 at its reach. Both
-/// have the same unit; the reach is above 0.
+/// Returns the influence of a mark at distance `way`: 1 within a quarter of its reach, falling to 0 at its reach. `way`
+/// and `reach` have the same unit; `reach` is above 0.
 pub(crate) fn influence(way: f32, reach: f32) -> f32 {
     1.0 - smooth_step(FULL, 1.0, way / reach)
 }
 
-/// Accumulated values of several marks at one point.
+/// Weighted sum of the values of several marks at one point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MarkBlend<T> {
     sum: T,
     weight: f32,
-    /// Share left to the value that applies elsewhere.
+    /// Share that remains for the value that applies elsewhere, 0..=1.
     left: f32,
 }
 
@@ -37,7 +38,7 @@ impl<T: Default> Default for MarkBlend<T> {
 }
 
 impl<T: Copy + Add<Output = T> + Mul<f32, Output = T>> MarkBlend<T> {
-    /// Adds a mark with `value` and influence `share`. A mark with full influence outweighs all that have less.
+    /// Adds a mark with `value` and influence `share`, 0..=1. A mark with full influence outweighs all marks with less.
     pub(crate) fn add(&mut self, share: f32, value: T) {
         if share <= 0.0 {
             return;

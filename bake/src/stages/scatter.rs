@@ -1,5 +1,5 @@
-//! `scatter` stage: tables of light scattering in the hair's fibres (Marschner 2003; after Nguyen and Donnelly 2005),
-//! in the form that a package stores.
+//! `scatter` stage: tables of light scattering in hair fibres (Marschner 2003; after Nguyen and Donnelly 2005), in the
+//! form that a package stores.
 
 use crate::recipe::{BcQuality, FibreParams};
 use crate::stages::groom::report_unmatched;
@@ -14,9 +14,9 @@ use rayon::prelude::*;
 /// Fibres of a package, with their tables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FibreTables {
-    /// Distinct kinds of fibres; that of the fur is first.
+    /// Distinct kinds of fibres, beginning with that of the fur.
     pub fibres: Vec<FibreOptics>,
-    /// Mean values of each kind, which need no table.
+    /// Mean values of each kind of fibre, which need no table.
     pub means: Vec<FibreMeans>,
     /// Index of the fibre kind for each hair group.
     pub of_groups: Vec<u8>,
@@ -29,7 +29,7 @@ pub struct FibreTables {
 }
 
 impl FibreTables {
-    /// Returns the description that a package stores, with the index of the tables' texture.
+    /// Returns the description that a package stores. `texture`: index of the tables' texture.
     pub fn info(&self, texture: u32) -> FibreInfo {
         let Self { fibres, means, of_groups, of_materials, .. } = self.clone();
         FibreInfo { texture, fibres, means, of_groups, of_materials }
@@ -38,7 +38,8 @@ impl FibreTables {
 
 /// Makes the fibre tables.
 ///
-/// * `materials`, `groups`: names of the materials, and of the hair groups, in order
+/// * `materials`: names of the materials in order
+/// * `groups`: names of the hair groups in order
 ///
 /// # Errors
 /// [`BakeError::Params`] if there are more kinds of fibres than a package can hold.

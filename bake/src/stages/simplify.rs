@@ -1,8 +1,9 @@
 //! Simplified index lists: fewer triangles over the same vertices, for models that are small on screen.
 //!
-//! A layer of hair is above the mesh surface along the normals, at the height of the fur, and shows the tile. So a
-//! collapse of an edge must preserve more than surface positions: also the position of the outermost layer, the texels
-//! of the tile there, the colour of the surface, and its motion with joints. All of it is measured in metres.
+//! A layer of hair is a copy of the mesh surface, displaced along the normals by up to the fur's height, and shows the
+//! tile. So the collapse of an edge must preserve more than the position of the surface. It must also preserve the
+//! position of the outermost layer, the texels of the tile there, the colour of the surface, and its motion with
+//! joints. All of these are measured in metres.
 
 use super::cells::{TriangleGrid, closest_barycentric};
 use glam::{Mat4, Vec3};
@@ -10,22 +11,22 @@ use meshopt::{SimplifyOptions, VertexDataAdapter, simplify_scale, simplify_with_
 use pelage_formats::{Animation, MeshData, Part, SimplifiedLevel};
 use rayon::prelude::*;
 
-/// Number of values per vertex, besides its position, that a collapse preserves.
+/// Number of values per vertex, besides its position, that a collapse should preserve.
 const ATTRIBUTES: usize = 17;
-/// Weight of a shift of the tile along the mesh surface, relative to a displacement of the surface: a strand more or
-/// less is hardly visible.
+/// Weight of a shift of the tile along the mesh surface, relative to a displacement of the surface. It is low because a
+/// small shift of the strands is hardly visible.
 const TILE_SHARE: f32 = 0.3;
-/// Weight of a step from black to white or from full fur to none, as a share of the model's size; [`NORMAL_SHARE`] is
-/// that of a normal turned by a radian.
+/// Weight of a change from black to white or from full fur to none, as a share of the model's size. [`NORMAL_SHARE`] is
+/// that of a normal turned by one radian.
 const COLOR_SHARE: f32 = 0.03;
 const NORMAL_SHARE: f32 = 0.01;
-/// Minimum number of triangles of the smallest list. Fewer cost next to nothing.
+/// Minimum number of triangles in the smallest list. Rendering fewer saves next to nothing.
 const FEWEST: usize = 64;
-/// Maximum size of a list relative to the one before.
+/// Maximum size of a list relative to the previous one.
 const SHARE: f32 = 0.7;
 
 /// Returns lists of half, a quarter, an eighth … of the triangles, as far as patches, borders and materials permit.
-/// There are none if parts share vertices, because then a list's triangles could not be assigned to parts.
+/// There are none if parts share vertices, because the triangles of a list could then not be assigned to parts.
 pub fn levels(
     mesh: &MeshData,
     parts: &[Part],
@@ -51,14 +52,14 @@ pub fn levels(
             3 * triangles,
             f32::MAX,
             SimplifyOptions::None,
-            // The error output would cover positions only, not the attributes.
+            // The error output covers positions only, not the attributes.
             None,
         )
     };
     let halves: Vec<usize> =
         std::iter::successors(Some(mesh.indices.len() / 6), |n| Some(n / 2)).take_while(|n| *n >= FEWEST).collect();
     let (mut found, mut before, mut deviation_m) = (Vec::new(), mesh.indices.len(), 0.0f32);
-    // Each list is made from the whole mesh, so several are made in parallel, although some of them may prove useless.
+    // Each list is made from the whole mesh, so several lists are made in parallel, although some may prove useless.
     for some in halves.chunks(rayon::current_num_threads()) {
         let some: Vec<(Vec<u32>, f32)> = some
             .par_iter()
@@ -73,7 +74,7 @@ pub fn levels(
                 return found;
             }
             before = list.len();
-            // A flat sheet has no deviation, but every list needs a larger value than the one before.
+            // The deviation of a flat sheet is 0, but each list needs a larger value than the previous one.
             deviation_m = (size_m * measured).max(deviation_m * 1.01).max(1e-6 * size_m);
             let mut lists = vec![Vec::new(); parts.len()];
             for triangle in list.chunks_exact(3) {
@@ -86,14 +87,14 @@ pub fn levels(
     found
 }
 
-/// Maximum number of vertices whose deviation is measured: enough to determine the share of [`DEVIATING`] within a
-/// hundredth.
+/// Maximum number of vertices whose deviation is measured. It is enough to determine the share of [`DEVIATING`]
+/// vertices within 0.01.
 const MEASURED: usize = 20_000;
-/// Share of the removed vertices that may deviate by more than a list's stated value.
+/// Share of the removed vertices that may deviate by more than the value stated for a list.
 const DEVIATING: f32 = 0.05;
 
-/// Returns the deviation of a list from the mesh, as a share of the mesh's size. All removed vertices except a share of
-/// [`DEVIATING`] are within it, each compared with the most similar point on the list's triangles.
+/// Returns the deviation of a list from the mesh, as a share of the mesh's size. Each removed vertex is compared with
+/// the most similar point on the list's triangles. All but a share of [`DEVIATING`] are within the returned deviation.
 fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> f32 {
     let place = |v: u32| Vec3::from(mesh.geometry[v as usize].position) / size_m;
     let kept: Vec<bool> = list.iter().fold(vec![false; mesh.geometry.len()], |mut kept, v| {
@@ -112,8 +113,8 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
     let step = gone.len().div_ceil(MEASURED);
     let of = |v: &u32| {
         let numbers = |v: u32| &attributes[ATTRIBUTES * v as usize..][..ATTRIBUTES];
-        // Squared distance of a triangle from the vertex, including attributes; `best` if the position alone is
-        // farther.
+        // Squared distance of a triangle from the vertex, attributes included. It is `best` if the position alone is
+        // farther away.
         let nearer = |best: f32, t: u32| {
             let t = &triangles[t as usize];
             let [a, b, c] = t.map(place);
@@ -152,7 +153,7 @@ fn part_of_vertices(mesh: &MeshData, parts: &[Part]) -> Option<Vec<u32>> {
     Some(found)
 }
 
-/// Returns the values of each vertex that a collapse preserves, as lengths over the model's size.
+/// Returns the values of each vertex that a collapse should preserve, as lengths divided by the model's size.
 fn attributes(mesh: &MeshData, animation: Option<&Animation>, tile_size_m: f32, size_m: f32) -> Vec<f32> {
     let origin = |inverse_bind| Mat4::from_cols_array(inverse_bind).inverse().w_axis.truncate();
     let origins: Vec<Vec3> =
@@ -162,7 +163,8 @@ fn attributes(mesh: &MeshData, animation: Option<&Animation>, tile_size_m: f32, 
         let (at, skin) = (&mesh.geometry[i], &mesh.attributes[i]);
         let normal = Vec3::from(at.normal);
         let outermost = normal * at.fur_height / size_m;
-        // Weighted mean of the positions of a vertex's joints: vertices that move differently have different joints.
+        // Weighted mean of the positions of a vertex's joints. Vertices that move differently depend on different
+        // joints, so their means differ.
         let held = mesh.skin.get(i).map_or(Vec3::ZERO, |v| {
             let joints = v.joints.iter().zip(v.weights);
             joints.map(|(joint, weight)| weight * origins.get(usize::from(*joint)).copied().unwrap_or_default()).sum()
@@ -202,8 +204,8 @@ mod tests {
     use super::*;
     use pelage_formats::{AttributeVertex, GeometryVertex};
 
-    /// Makes a grid of n × n squares over a unit square, bulging by `bulge`, with red from `color`, in two parts side
-    /// by side.
+    /// Makes a grid of n × n squares over a unit square, in two parts side by side. The grid bulges by `bulge`, and
+    /// `color` returns its red channel.
     fn grid(n: usize, bulge: f32, color: impl Fn(f32, f32) -> u8) -> (MeshData, Vec<Part>) {
         let mut mesh = MeshData::default();
         let mut parts = Vec::new();
@@ -255,7 +257,7 @@ mod tests {
             let (first, second) = level.indices.split_at(level.part_counts[0] as usize);
             let vertices = mesh.geometry.len() as u32 / 2;
             assert!(first.iter().all(|i| *i < vertices) && second.iter().all(|i| *i >= vertices));
-            // No hole opens: seen from above, the square is still covered.
+            // No hole opens: seen from above, the list still covers the whole square.
             let corner = |i: u32| Vec3::from(mesh.geometry[i as usize].position).with_z(0.0);
             let area = |t: &[u32]| 0.5 * (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).z;
             let covered: f32 = level.indices.chunks_exact(3).map(area).sum();

@@ -1,4 +1,4 @@
-//! Checks of a model's size, position and winding: a size unsuitable for fur is an error, other oddities are warnings.
+//! Checks of a model's size, position and winding. A size unsuitable for fur is an error; other oddities are warnings.
 
 use super::groom::Lengths;
 use crate::recipe::{ModelParams, Recipe};
@@ -6,16 +6,16 @@ use glam::{DVec3, Vec3};
 use pelage_formats::Bounds;
 use pelage_import::BakeError;
 
-/// Range of the longest side without a warning, metres: all animals from mouse to whale.
+/// Range of the longest side without a warning, metres; covers all animals from mouse to whale.
 const ANIMALS_M: std::ops::RangeInclusive<f64> = 0.01..=30.0;
-/// Radius of an animal between cat and horse, metres; target for a suggested unit.
+/// Radius of an animal between cat and horse, metres. A suggested unit brings the model near this size.
 const ANIMAL_M: f64 = 0.5;
-/// Distance from the origin, in radii, beyond which a position resolves less than a thousandth of the radius: a float
-/// has 24 bits.
+/// Distance from the origin, in radii, beyond which the precision of a position is worse than a thousandth of the
+/// radius: a float has 24 bits.
 const FAR_RADII: f64 = 10_000.0;
-/// Largest sum of the area vectors of a closed surface, as a share of its area.
+/// Largest length of the sum of area vectors, as a share of the total area, for which a surface counts as closed.
 const CLOSED: f64 = 0.05;
-/// Volume over area to the power of 1.5, below which a closed surface is inside out. A ball has 0.094.
+/// Volume divided by area to the power of 1.5, below which a closed surface counts as inside out. A ball has 0.094.
 const INSIDE_OUT: f64 = -0.002;
 
 /// Returns the side lengths of the box along x, y and z, metres.
@@ -33,7 +33,7 @@ pub fn format_lengths(lengths_m: [f64; 3]) -> [String; 3] {
     lengths_m.map(meters)
 }
 
-/// Formats a length with three significant digits.
+/// Formats a length in metres with three significant digits.
 fn meters(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         let whole = libm::floor(libm::log10(value.abs().max(1e-3))) as i32;
@@ -43,12 +43,13 @@ fn meters(value: f64) -> String {
     }
 }
 
-/// Rejects a model whose size leads to lengths out of a recipe's range. Only settings that the recipe leaves open are
-/// derived from the model.
+/// Rejects a model if its size leads to lengths outside the range of a recipe. Only settings that the recipe leaves
+/// open are derived from the model.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] with the model's size, the derived value, and the unit that would give it an animal's size.
+/// [`BakeError::Input`] with the model's size, the derived value, and the unit that would give the model an animal's
+/// size.
 pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) -> Result<(), BakeError> {
     let mut told = recipe.clone();
     told.hair.length_m = Some(lengths.length_m);
@@ -70,23 +71,23 @@ pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) ->
     })
 }
 
-/// Returns the power of ten that as a unit brings the model nearest to an animal's size; `None` if out of a recipe's
-/// range.
+/// Returns the power of ten that, as a unit, brings the model's size nearest to an animal's; `None` if it is outside
+/// the range of a recipe.
 fn fitting_unit_m(bounds: &Bounds, unit_m: f32) -> Option<f32> {
     let radius = f64::from(bounds.radius);
     if !(radius.is_finite() && radius > 0.0) {
         return None;
     }
-    // Parsed from its decimal form, so that it prints as 0.001 and not as the product of floats.
+    // The number is parsed from its decimal form, so that it is printed as 0.001 and not as a product of floats.
     let power = libm::round(libm::log10(ANIMAL_M * f64::from(unit_m) / radius)) as i32;
     let unit_m: f32 = format!("1e{power}").parse().ok()?;
     ModelParams { unit_m, ..ModelParams::default() }.validate().ok().map(|()| unit_m)
 }
 
-/// Returns warnings about a model: a size unusual for an animal, a position far from the origin, triangles that face
+/// Returns warnings about a model: a size unusual for an animal, a position far from the origin, or triangles that face
 /// inwards.
 ///
-/// * `positions`, `triangles`: the mesh at rest, metres
+/// * `positions`, `triangles`: mesh at rest, metres
 pub fn warnings(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<String> {
     let mut out = Vec::new();
     let sides = sides_m(bounds);
@@ -105,7 +106,7 @@ pub fn warnings(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles:
              it to the origin",
             meters(away),
             away / radius,
-            // Value of the last of a float's 24 bits.
+            // Value of the last of a float's 24 bits at this distance.
             meters(away * libm::exp2(-24.0)),
         ));
     }
@@ -119,7 +120,7 @@ pub fn warnings(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles:
     out
 }
 
-/// Returns whether the surface is closed and faces inwards. For an open surface the sign of the volume has no meaning.
+/// Returns whether the surface is closed and faces inwards. The sign of the volume has no meaning for an open surface.
 fn is_inside_out(bounds: &Bounds, positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
     let center = DVec3::from(bounds.center.map(f64::from));
     let (mut vector, mut area, mut volume) = (DVec3::ZERO, 0.0, 0.0);
@@ -184,7 +185,7 @@ mod tests {
         assert!(found.len() == 1 && found[0].contains("from the origin"), "{found:?}");
         let found = remarks_of(ball(1.0, true));
         assert!(found.len() == 1 && found[0].contains("face inwards"), "{found:?}");
-        // An open sheet that faces down has a negative volume below its middle but is correct.
+        // An open sheet that faces down is correct, but has a negative volume below its middle.
         let (bounds, positions, triangles) = ball(1.0, true);
         assert!(remarks_of((bounds, positions, triangles[..4].to_vec())).is_empty());
     }

@@ -1,5 +1,5 @@
-//! Strands of the tile in the form that a package stores: a few points each, in an order in which every prefix is an
-//! even sample of the fur.
+//! Strands of the tile in the form that a package stores: a few points per strand. Every prefix of the list is an even
+//! sample of the fur.
 
 use crate::stages::simulate::{Strands, TileHair};
 use crate::stages::visibility::{Visibility, encode_visibility};
@@ -9,14 +9,14 @@ use pelage_formats::{StrandPoint, StrandsData};
 
 /// Converts the strands.
 ///
-/// * `visible`: visibility of dry and of wet hair, if the package has it; otherwise all light reaches every point
+/// * `visible`: visibility of dry and of wet hair, if the package has it; otherwise all light reaches each point
 /// * `points`: number of points per strand, 2 or more
 pub fn strands(hair: &TileHair, visible: [Option<&Visibility>; 2], points: u32) -> StrandsData {
     let dry = &hair.strands;
     let order = even_order(dry);
     let root = |strand: &u32| {
         let root = dry.points[dry.range(*strand as usize).start].truncate();
-        // The difference may round up to 1.
+        // The difference can round up to 1, which is outside of 0..1.
         (root - root.floor()).min(glam::Vec2::splat(1.0 - f32::EPSILON)).to_array()
     };
     let sets = std::iter::once(dry).chain(&hair.wet).zip(visible);
@@ -26,8 +26,8 @@ pub fn strands(hair: &TileHair, visible: [Option<&Visibility>; 2], points: u32) 
     StrandsData { points_per_strand: points, points: resampled.collect(), roots: order.iter().map(root).collect() }
 }
 
-/// Returns all strands that have points, ordered so that every prefix covers the tile as evenly as all do: by reversed
-/// bits of their rank along a Z-order curve.
+/// Returns the indices of all strands that have points, ordered so that every prefix covers the tile as evenly as the
+/// whole. The order is by the reversed bits of the strands' rank along a Z-order curve.
 fn even_order(strands: &Strands) -> Vec<u32> {
     let place = |strand: u32| {
         let root = strands.points[strands.range(strand as usize).start];
@@ -80,8 +80,8 @@ fn resampled(
 mod tests {
     use super::*;
 
-    /// Makes strands on a grid of `side` by `side` roots, in rows; each goes sideways and then up, and its brightness
-    /// increases with height.
+    /// Makes strands on a grid of `side` by `side` roots, in rows. Each strand goes sideways and then up, and its
+    /// brightness increases with height.
     fn grid(side: u32) -> TileHair {
         let mut strands = Strands { offsets: vec![0], height: 0.5, root_color: Vec3::ONE, ..Strands::default() };
         for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
@@ -100,7 +100,7 @@ mod tests {
     fn points_are_spaced_evenly_along_the_strand() {
         let made = strands(&grid(1), [None; 2], 5);
         assert_eq!((made.roots.as_slice(), made.points.len()), ([[0.5, 0.5]].as_slice(), 5));
-        // Length 0.8, of which 0.3 along the surface: a point every 0.2.
+        // The strand has a length of 0.8, of which 0.3 is along the surface. Points are 0.2 apart.
         let places = [[0.0, 0.0], [0.2, 0.0], [0.3, 0.2], [0.3, 0.6], [0.3, 1.0]];
         for (point, [aside, height]) in made.points.iter().zip(places) {
             assert!((point.aside[0] - aside).abs() < 1e-6 && point.aside[1] == 0.0, "{point:?}");
@@ -116,7 +116,7 @@ mod tests {
         let made = strands(&grid(8), [None; 2], 2);
         assert_eq!(made.roots.len(), 64);
         for quarter in [4, 16] {
-            // The same number in each cell.
+            // Each cell contains the same number of roots.
             let side = f64::from(quarter).sqrt() as f32;
             let mut cells = vec![0; quarter as usize];
             for [u, v] in &made.roots[..quarter as usize] {
@@ -124,7 +124,7 @@ mod tests {
             }
             assert!(cells.iter().all(|n| *n == 1), "{quarter}: {cells:?}");
         }
-        // Every strand occurs once, for any number of strands.
+        // Each strand occurs once, for any number of strands.
         let made = strands(&grid(7), [None; 2], 2);
         let mut roots: Vec<_> = made.roots.iter().map(|r| r.map(f32::to_bits)).collect();
         roots.sort_unstable();

@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec2, Vec3};
 use std::ops::Range;
 
-/// Name of the group of the tile's strands.
+/// Name of the group for the strands of the tile.
 pub const TILE_GROUP: &str = "coat";
-/// Default group name.
+/// Name of a group if none was begun.
 const UNNAMED: &str = "strands";
 
 /// Point of a strand.
@@ -17,18 +17,18 @@ pub struct CurvePoint {
     pub radius_m: f32,
     /// Colour, linear RGB.
     pub color: Vec3,
-    /// Height as a share of the fur's: 0 on the mesh surface, 1 at the outermost layer.
+    /// Height as a share of the fur's height: 0 on the mesh surface, 1 at the outermost layer.
     pub height: f32,
     /// Unit normal of the mesh surface under the point.
     pub normal_ws: Vec3,
 }
 
-/// Consecutive strands with a common name.
+/// Consecutive strands in a named group.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CurveGroup {
     /// Name, as passed to [`Curves::begin_group`].
     pub name: String,
-    /// Strands of the group.
+    /// Range of the strands in the group.
     pub strands: Range<u32>,
 }
 
@@ -37,14 +37,15 @@ pub struct CurveGroup {
 pub struct Curves {
     /// Points of all strands, each from the root.
     pub points: Vec<CurvePoint>,
-    /// Ranges of points: strand `i` is `offsets[i]..offsets[i + 1]`. One entry more than strands, or none.
+    /// Ranges of points: strand `i` is `offsets[i]..offsets[i + 1]`. There is one more entry than there are strands;
+    /// without strands, the list may be empty.
     pub offsets: Vec<u32>,
     /// Whether each strand is wet.
     pub wet: Vec<bool>,
-    /// Texture coordinates of the mesh surface at each strand's root, as in glTF: v downwards from the image's first
-    /// row.
+    /// Texture coordinates of the mesh surface at each strand's root, as in glTF: v points down from the first row of
+    /// the image.
     pub root_uv: Vec<Vec2>,
-    /// Groups, each starting where the one before it ends; only the last may be empty.
+    /// Groups, each starting where the previous one ends. Only the last group may be empty.
     groups: Vec<CurveGroup>,
 }
 
@@ -75,7 +76,7 @@ impl Curves {
             [self.offsets[group.strands.start as usize] as usize..self.offsets[group.strands.end as usize] as usize]
     }
 
-    /// Returns the named groups: none is empty, each starts where the one before it ends, and together they contain all
+    /// Returns the named groups. None is empty, each starts where the previous one ends, and together they contain all
     /// strands.
     pub fn groups(&self) -> &[CurveGroup] {
         match self.groups.split_last() {
@@ -84,8 +85,8 @@ impl Curves {
         }
     }
 
-    /// Begins a group for the strands added from now on. If the last group has the same name, it is continued. A group
-    /// without strands is removed. Without a call, strands are in a group named `strands`.
+    /// Begins a group for all strands added from now on, or continues the last group if it has the same name. A group
+    /// without strands is removed. If this method is not called, strands are in a group named `strands`.
     pub fn begin_group(&mut self, name: &str) {
         let end = self.len() as u32;
         self.groups.truncate(self.groups().len());
@@ -94,7 +95,7 @@ impl Curves {
         }
     }
 
-    /// Adds a strand; a strand of fewer than two points is left out.
+    /// Adds a strand. Strands of fewer than two points are omitted.
     ///
     /// * `root_uv`: as in [`Curves::root_uv`]
     pub fn push(&mut self, points: &[CurvePoint], wet: bool, root_uv: Vec2) {
@@ -116,12 +117,12 @@ impl Curves {
         }
     }
 
-    /// Returns every `step`-th strand, starting with the first; `step` 0 counts as 1. Strands keep their groups.
+    /// Returns every `step`-th strand, starting with the first; a `step` of 0 counts as 1. Strands keep their groups.
     pub fn every_nth(&self, step: usize) -> Self {
         self.chosen(&mut |_, i| i.is_multiple_of(step.max(1)))
     }
 
-    /// Returns the groups with the given names, with all their strands.
+    /// Returns the groups with the given names, including their strands.
     pub fn only_groups(&self, names: &[&str]) -> Self {
         self.chosen(&mut |group, _| names.contains(&group.name.as_str()))
     }
@@ -140,8 +141,8 @@ impl Curves {
         out
     }
 
-    /// Adds all strands of another list with their groups; its first group continues the last one here if both have the
-    /// same name.
+    /// Appends all strands of another list with their groups. Its first group continues the last group of this list if
+    /// both have the same name.
     pub fn append(&mut self, other: &Self) {
         for group in other.groups() {
             self.begin_group(&group.name);
@@ -152,8 +153,8 @@ impl Curves {
     }
 }
 
-/// Removes points that are on the line between the remaining ones, within `tolerance` of the strand's radius there
-/// (Ramer 1972; Douglas and Peucker 1973). The ends are kept.
+/// Removes points that are on the line between the remaining ones, with a tolerance of `tolerance` times the strand's
+/// radius there (Ramer 1972; Douglas and Peucker 1973). The ends are kept.
 pub fn simplified(points: &[CurvePoint], tolerance: f64) -> Vec<CurvePoint> {
     let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
     let mut stays = vec![false; points.len()];
@@ -163,7 +164,7 @@ pub fn simplified(points: &[CurvePoint], tolerance: f64) -> Vec<CurvePoint> {
         let (a, b) = (points[from].position_ws.as_dvec3(), points[to].position_ws.as_dvec3());
         let mut farthest = (1.0, None);
         for (i, point) in points.iter().enumerate().take(to).skip(from + 1) {
-            // A tip may end in a point, so the radius at the chord's thicker end is used.
+            // The radius may be 0 at a tip, so the radius at the thicker end of the chord is used.
             let radius = points[from].radius_m.max(points[to].radius_m);
             let excess = distance_to_segment(point.position_ws.as_dvec3(), a, b) / (tolerance * f64::from(radius));
             if excess > farthest.0 {

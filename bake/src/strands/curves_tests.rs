@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
 
-/// Adds strands of two points whose x counts the strands.
+/// Adds strands of two points. Their x is the index of the strand.
 fn add(curves: &mut Curves, count: usize) {
     for _ in 0..count {
         let x = curves.len() as f32;
@@ -32,13 +32,13 @@ fn groups_are_consecutive_and_cover_all_strands() {
     let curves = named(&[("none", 0), ("coat", 3), ("coat", 2), ("mane", 1), ("nothing", 0), ("tail", 4), ("end", 0)]);
     assert_eq!(found(&curves), [("coat", 0..5), ("mane", 5..6), ("tail", 6..10)]);
     assert_eq!(curves.points_of(&curves.groups()[1])[1].position_ws, Vec3::new(5.0, 1.0, 0.0));
-    // A name may occur again later, as another group.
+    // A name may occur again later and is then another group.
     assert_eq!(found(&named(&[("a", 1), ("b", 1), ("a", 1)])), [("a", 0..1), ("b", 1..2), ("a", 2..3)]);
     assert_eq!(found(&Curves::default()), []);
     let mut unnamed = Curves::default();
     add(&mut unnamed, 2);
     assert_eq!(found(&unnamed), [("strands", 0..2)]);
-    // A strand of one point is not added and begins no visible group.
+    // A strand of one point is not added, and its group is not visible.
     let mut short = named(&[("coat", 1), ("dots", 0)]);
     short.push(&[CurvePoint::default()], false, Vec2::ZERO);
     assert_eq!((found(&short), short.root_uv.len()), (vec![("coat", 0..1)], 1));

@@ -1,4 +1,4 @@
-//! Growth of hair on guides, hair by hair on a posed mesh.
+//! Growth of individual hairs on a posed mesh from guides.
 
 use super::curves::{CurvePoint, Curves, simplified};
 use super::plant::SIMPLIFICATION;
@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 /// Grows the hairs of hair groups.
 ///
-/// * `rest`: the mesh at rest, which determines the guides that each hair follows
-/// * `posed`: the same mesh in the wanted pose
+/// * `rest`: mesh at rest, which determines the guides that each hair follows
+/// * `posed`: same mesh in the pose to grow the hair in
 pub fn grow_groups(groups: &[HairGroup], rest: &PosedMesh, posed: &PosedMesh) -> Curves {
     let mut curves = Curves::default();
     let at_rest: Vec<Vec3> = rest.vertices.iter().map(|v| v.position_ws.as_vec3()).collect();

@@ -1,8 +1,8 @@
-//! Strands of a package, one by one on its mesh surface: the hair that layers approximate, that is exported, and that
-//! the ray-traced reference shows.
+//! Individual strands of a package on its mesh surface. Layers approximate this hair; exports and the ray-traced
+//! reference show it.
 //!
-//! [`grow_on`] grows the strands of the tile again from the package's own recipe and plants them on a posed
-//! [`PosedMesh`]. [`Curves`] hold them in world space, and [`export`] writes those for other programs.
+//! [`grow_on`] grows the strands of the tile again from the package's own recipe and plants them on a [`PosedMesh`].
+//! [`Curves`] contain them in world space, and [`export`] writes them for other programs.
 
 pub mod export;
 

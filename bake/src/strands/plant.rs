@@ -1,15 +1,16 @@
-//! Planting of a package's strands, one by one, on its mesh surface.
+//! Planting of a package's individual strands on its mesh surface.
 //!
-//! The strands are grown again from the recipe in the package, identical to those that were sliced. Every strand of the
-//! periodic tile occurs wherever its root is in a furred triangle. From there it follows the mesh surface, as
-//! [`pelage_formats::meaning::planting`] describes. At the share s of the fur's height a point is displaced as
-//! FORMAT.md defines for the layers: by s · H along the normal and s² · l · H along the comb, interpolated between the
-//! triangle's corners. So the reference fills the volume that the layers are drawn in.
+//! The strands are grown again from the recipe in the package and are identical to those that were sliced. Each strand
+//! of the periodic tile occurs wherever its root is in a furred triangle. From there it follows the mesh surface, as
+//! [`pelage_formats::meaning::planting`] describes. A point at the share s of the fur's height H is displaced as
+//! FORMAT.md defines for the layers. It moves by s · H along the normal and by s² · l · H along the comb, where l is
+//! the lean. Both are interpolated between the corners of the triangle. So the reference fills the same volume as the
+//! layers.
 //!
-//! * A strand's radius is that of the tile in metres, independent of the length map.
-//! * Its colour is its own times the mesh surface's at its root.
-//! * Where the groom grows a share of the hair, strands occur with that probability; where it is partly wet, they are
-//!   wet with that probability.
+//! * The radius of a strand is that of the tile in metres, whatever the length map.
+//! * The colour of a strand is its own colour times that of the mesh surface at its root.
+//! * If the groom grows only a share of the hair, each strand occurs with that probability. If the hair is partly wet,
+//!   each strand is wet with that probability.
 
 use super::curves::{CurvePoint, Curves, simplified};
 use super::skin::{PosedMesh, mix};
@@ -26,43 +27,44 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Tolerance for removing points near the line between their neighbours, in radii of the strand. A tenth moves no edge
-/// by more than a tenth of the hair's half width, far below what a pixel shows.
+/// Tolerance for removing points near the line between their neighbours, in radii of the strand. A tenth of the radius
+/// moves no outline by more than that, which is far less than a pixel.
 pub(super) const SIMPLIFICATION: f64 = 0.1;
-/// Maximum number of strands in a scene: about 12 GiB.
+/// Maximum number of strands in a scene, about 12 GiB of memory.
 const MAX_STRANDS: f64 = 2e7;
 
-/// Counts of the tile's strands as planted on the mesh surface.
+/// Statistics of the tile's strands planted on a mesh surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GroomReport {
-    /// Strands on the mesh surface.
+    /// Number of strands on the mesh surface.
     #[serde(skip)]
     pub strands: u64,
-    /// Straight segments after simplification.
+    /// Number of straight segments after simplification.
     #[serde(skip)]
     pub segments: u64,
-    /// Points of all strands before simplification, which omits points on a straight line.
+    /// Number of points of all strands before simplification, which removes points on a straight line.
     #[serde(rename = "points_before_simplification")]
     pub points_before: u64,
-    /// Strands that cross a border of patches.
+    /// Number of strands that cross a border of patches.
     pub crossed_patch_border: u64,
-    /// Strands that extend beyond the mesh or its furred part.
+    /// Number of strands that extend beyond the mesh or its furred part.
     pub crossed_mesh_border: u64,
-    /// Strands that slide along a border of patches, because its two sides lead against each other.
+    /// Number of strands that slide along a border of patches, because both sides lead towards it.
     pub slid_along_border: u64,
-    /// Strands that left the mesh surface after crossing edges endlessly, as around a corner that all patches lead to.
+    /// Number of strands that left the mesh surface after crossing edges endlessly, as around a corner that all patches
+    /// lead to.
     pub lost: u64,
-    /// Roots where the mesh surface is cut away.
+    /// Number of roots where the mesh surface is cut away.
     #[serde(rename = "dropped_cut_out")]
     pub dropped_cut: u64,
-    /// Roots where the hair has no length.
+    /// Number of roots where the hair has no length.
     #[serde(rename = "dropped_no_length")]
     pub dropped_bare: u64,
-    /// Roots that the groom thins out.
+    /// Number of roots removed because the groom thins out the hair.
     #[serde(rename = "dropped_thinned_out")]
     pub dropped_thinned: u64,
-    /// Furred triangles whose tile coordinates have no extent: no hair can root there.
+    /// Number of furred triangles whose tile coordinates have no extent, so that no hair can have its root there.
     pub triangles_without_coordinates: u64,
 }
 
@@ -85,7 +87,8 @@ impl std::ops::AddAssign for GroomReport {
 /// Grows the tile's strands of a package again from its recipe; `None` for a package without fur.
 ///
 /// # Errors
-/// [`BakeError::Input`] if the recipe cannot be read or gives other strands than the package was sliced from.
+/// [`BakeError::Input`] if the recipe cannot be read, or if it gives other strands than those the package was sliced
+/// from.
 pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, BakeError> {
     let fur = &manifest.fur;
     if fur.layers == 0 {
@@ -120,13 +123,13 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
 
 /// Plants the strands of a tile on a mesh.
 ///
-/// * `tile_size_m`: width of the tile on the mesh surface
+/// * `tile_size_m`: width of the tile on the mesh surface, metres
 ///
 /// Strands with the same fibre form one group, named by [`PosedMesh::fibre_group_name`]. The same arguments give the
-/// same strands in the same order on any number of threads.
+/// same strands in the same order, whatever the number of threads.
 ///
 /// # Errors
-/// [`BakeError::Params`] if that would be more strands than memory permits.
+/// [`BakeError::Params`] if there would be more strands than memory permits.
 pub fn grow_on(skin: &PosedMesh, hair: &TileHair, tile_size_m: f64) -> Result<(Curves, GroomReport), BakeError> {
     hair.strands.validate()?;
     let ground = skin.ground();

@@ -4,8 +4,8 @@ use crate::strands::TILE_GROUP;
 use crate::strands::{PosedMaterial, PosedVertex};
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
-/// Makes a flat sheet in the xz plane of `side` × `side` squares of two triangles, one tile per metre. Tile coordinates
-/// of squares with x beyond `border` squares are shifted by `shift`, as another patch.
+/// Makes a flat sheet in the xz plane of `side` × `side` squares of two triangles, with one tile per metre. Tile
+/// coordinates of the squares from column `border` on are shifted by `shift`, which makes them another patch.
 fn sheet(side: u32, border: u32, shift: DVec2) -> PosedMesh {
     let mut skin = PosedMesh {
         materials: vec![PosedMaterial { base_color: Vec4::ONE, furred: true, ..PosedMaterial::default() }],
@@ -38,7 +38,7 @@ fn sheet(side: u32, border: u32, shift: DVec2) -> PosedMesh {
     skin
 }
 
-/// Makes strands that lean far over, from roots spread over the tile.
+/// Makes strands that lean far over, with roots spread over the tile.
 fn leaning(count: u32) -> TileHair {
     let mut strands = Strands { offsets: vec![0], height: 0.5, root_color: Vec3::ONE, ..Strands::default() };
     for i in 0..count {
@@ -59,7 +59,7 @@ fn strands_continue_across_patch_borders() {
     let hair = leaning(40);
     let (whole, report) = grow_on(&sheet(6, 99, DVec2::ZERO), &hair, 1.0).unwrap();
     assert!(report.strands > 100 && report.crossed_patch_border == 0, "{report:?}");
-    // Shifted by whole tiles: the same roots, but an edge where coordinates jump.
+    // A shift by whole tiles gives the same roots, but an edge where coordinates jump.
     let (parted, report) = grow_on(&sheet(6, 3, DVec2::new(2.0, 5.0)), &hair, 1.0).unwrap();
     assert!(report.crossed_patch_border > 10 && report.slid_along_border == 0 && report.lost == 0, "{report:?}");
     assert_eq!(whole.len(), parted.len());
@@ -71,14 +71,14 @@ fn strands_continue_across_patch_borders() {
             assert!(p.position_ws.distance(q.position_ws) < 1e-5, "{p:?} and {q:?}");
         }
     }
-    // In every tile it is the tile's strand on a flat surface.
+    // On a flat surface, the planted strand equals that of the tile, in every tile.
     let strand = whole.strand(whole.len() / 2);
     let (root, tip) = (strand[0], strand[strand.len() - 1]);
     assert!((tip.position_ws - root.position_ws - Vec3::new(0.9, 0.5, -0.7)).length() < 1e-5, "{root:?} {tip:?}");
     assert_eq!((root.height, tip.height), (0.0, 1.0));
 }
 
-/// Checks that strands beyond the end of the mesh continue straight in the last triangle's plane.
+/// Checks that strands beyond the border of the mesh continue straight in the plane of the last triangle.
 #[test]
 fn strands_continue_past_the_mesh_border() {
     let (curves, report) = grow_on(&sheet(2, 9, DVec2::ZERO), &leaning(40), 1.0).unwrap();
@@ -92,7 +92,7 @@ fn strands_continue_past_the_mesh_border() {
 
 #[test]
 fn every_root_lies_in_exactly_one_triangle() {
-    // Roots on the grid lines, where four triangles meet and where two do.
+    // Roots are on the grid lines, where four triangles meet and where two do.
     let side = 8u32;
     let lattice = |shift: f32| {
         let mut strands = Strands { offsets: vec![0], height: 0.1, ..Strands::default() };
@@ -107,7 +107,7 @@ fn every_root_lies_in_exactly_one_triangle() {
     };
     let mut skin = sheet(side, 99, DVec2::ZERO);
     for v in &mut skin.vertices {
-        // From 0 to 2 tiles in steps of a quarter.
+        // Tile coordinates are from 0 to 2 in steps of a quarter.
         v.tile_uv = ((v.tile_uv - 0.011) / 0.37).round() * 0.25;
     }
     for shift in [0.0, 0.5] {
@@ -119,8 +119,8 @@ fn every_root_lies_in_exactly_one_triangle() {
         roots.sort_unstable();
         roots.dedup();
         assert_eq!(roots.len(), found, "a root stands twice");
-        // Two by two tiles, half open: each strand of the tile occurs four times, including those on the outer rim
-        // once.
+        // The sheet covers two by two tiles, half open. Each strand of the tile occurs four times, and strands on the
+        // outer rim are counted once.
         assert_eq!(report.strands, u64::from(4 * 16 * side * side), "{report:?}");
     }
 }
@@ -139,7 +139,7 @@ fn planted_strands_are_one_group_with_root_coordinates() {
     }
 }
 
-/// Checks that fur of a material with another fibre is a group of its own, with the same strands.
+/// Checks that the fur of a material with another fibre forms a group of its own, with the same strands.
 #[test]
 fn materials_with_other_fibres_form_their_own_groups() {
     let hair = leaning(40);
@@ -175,12 +175,12 @@ fn bareness_thins_strands_and_length_shortens_them() {
     assert_eq!(grow(&|v| v.groom.x = 0.0).1.strands, 0);
     let (_, bare) = grow(&|v| v.fur_height_m = 0.0);
     assert_eq!((bare.strands, bare.dropped_bare), (0, full.strands));
-    // Half the length gives half the height, and the same radius.
+    // Half the length gives half the height, but the same radius.
     let (short, _) = grow(&|v| v.fur_height_m = 0.25);
     let tip = |curves: &Curves| curves.strand(7)[curves.strand(7).len() - 1];
     assert!((tip(&short).position_ws.y - 0.5 * tip(&all).position_ws.y).abs() < 1e-6);
     assert_eq!(short.strand(7)[0].radius_m, all.strand(7)[0].radius_m);
-    // Lean displaces a point by the square of its share of the height.
+    // A point is displaced along the comb by the square of its share of the height.
     let (leant, _) = grow(&|v| v.lean = 1.0);
     let moved = tip(&leant).position_ws - tip(&all).position_ws;
     assert!(moved.distance(Vec3::new(0.0, 0.0, -0.5)) < 1e-5, "{moved}");

@@ -1,4 +1,4 @@
-//! Mesh of an opened package in one pose, as the ground for strands and as a receiver and caster of shadows.
+//! Mesh of an opened package in one pose: the surface for strands, and a receiver and caster of shadows.
 
 use super::curves::TILE_GROUP;
 use crate::sample::{Encoding, Wrap, bilinear};
@@ -10,19 +10,19 @@ use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Package, Pose, Skin
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 
-/// Mesh in world space with its per-vertex data. Per-vertex lists are as long as [`PosedMesh::vertices`], per-triangle
-/// lists as [`PosedMesh::triangles`].
+/// Mesh in world space with its per-vertex data. Per-vertex lists are as long as [`PosedMesh::vertices`], and
+/// per-triangle lists as long as [`PosedMesh::triangles`].
 #[derive(Clone, Debug, Default)]
 pub struct PosedMesh {
-    /// Vertices; a position occurs once for each patch, part and seam that meets there.
+    /// Vertices. A position occurs once for each patch, part and seam that meets there.
     pub vertices: Vec<PosedVertex>,
     /// Index of the first vertex with the same position and motion, for each vertex.
     pub same_place: Vec<u32>,
-    /// Corners, counter-clockwise as seen from outside.
+    /// Vertex indices of the corners of each triangle, counter-clockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Index into `materials` for each triangle.
     pub material_of: Vec<u32>,
-    /// Materials of the triangles.
+    /// Materials used by the triangles.
     pub materials: Vec<PosedMaterial>,
 }
 
@@ -31,15 +31,15 @@ pub struct PosedMesh {
 pub struct PosedVertex {
     /// Position, world space, metres.
     pub position_ws: DVec3,
-    /// Unit normal, outwards.
+    /// Unit normal, pointing outwards.
     pub normal_ws: DVec3,
     /// Unit tangent along +u of the tile, perpendicular to the normal.
     pub tangent_ws: DVec3,
-    /// Unit vector along +v.
+    /// Unit vector along +v of the tile.
     pub bitangent_ws: DVec3,
     /// Height of the outermost layer, metres; 0 where the mesh surface is bare.
     pub fur_height_m: f64,
-    /// Extra lean, 0..=1.
+    /// Additional lean of the hair, 0..=1.
     pub lean: f64,
     /// Coordinates in the hair tile; 1 is one tile.
     pub tile_uv: DVec2,
@@ -47,7 +47,7 @@ pub struct PosedVertex {
     pub base_uv: Vec2,
     /// Colour, linear RGBA, 0..=1.
     pub color: Vec4,
-    /// Share of the hair that grows, and wetness; 0..=1.
+    /// Share of the hair that grows, and wetness; both 0..=1.
     pub groom: Vec2,
 }
 
@@ -58,9 +58,9 @@ pub struct PosedMaterial {
     pub name: String,
     /// Base colour, linear RGBA.
     pub base_color: Vec4,
-    /// Base colour image, in the model's texture coordinates.
+    /// Image of the base colour, in the texture coordinates of the model.
     pub texture: Option<Image>,
-    /// Groom image. Red: share of the hair that grows; green: wetness.
+    /// Image of the groom. Red: share of the hair that grows; green: wetness.
     pub groom: Option<Image>,
     /// Opacity below which the mesh surface is cut away.
     pub alpha_cutoff: Option<f32>,
@@ -68,7 +68,7 @@ pub struct PosedMaterial {
     pub furred: bool,
     /// Whether back faces are visible.
     pub double_sided: bool,
-    /// Index of the fur's fibre among those of the package.
+    /// Index of the fur's fibre in the list of the package.
     pub fibre: u8,
 }
 
@@ -76,7 +76,7 @@ impl PosedMesh {
     /// Reads the mesh of a package and poses it.
     ///
     /// * `file`: the package's name as the user gave it, for messages
-    /// * `layers`: clips of the skeleton, as for [`Pose::blend`]; none for the rest pose
+    /// * `layers`: clips of the skeleton, as for [`Pose::blend`]; an empty list for the rest pose
     ///
     /// # Errors
     /// [`BakeError::Package`] for a damaged section.
@@ -84,8 +84,7 @@ impl PosedMesh {
         Self::morphed(file, package, layers, &[])
     }
 
-    /// Reads and poses the mesh like [`PosedMesh::posed`], with the caller's morph target weights as for
-    /// [`Pose::morph`].
+    /// Reads and poses the mesh like [`PosedMesh::posed`]. Morph target weights are given as for [`Pose::morph`].
     ///
     /// # Errors
     /// Same as [`PosedMesh::posed`].
@@ -145,7 +144,7 @@ impl PosedMesh {
         Ok(out)
     }
 
-    /// Returns the data that planting needs.
+    /// Returns the data of the mesh that planting needs.
     pub fn ground(&self) -> PlantingMesh {
         PlantingMesh {
             triangles: self.triangles.clone(),
@@ -161,8 +160,8 @@ impl PosedMesh {
         self.triangles[triangle].map(|v| &self.vertices[v as usize])
     }
 
-    /// Returns the group name for strands of the tile with the given fibre: it contains the first material with that
-    /// fibre, unless it is the fur's default fibre.
+    /// Returns the group name for strands of the tile with the given fibre. It contains the name of the first material
+    /// with that fibre, unless the fibre is the default of the fur.
     pub fn fibre_group_name(&self, fibre: u8) -> String {
         match self.materials.iter().find(|material| material.furred && material.fibre == fibre) {
             Some(material) if fibre > 0 => format!("{TILE_GROUP}/{}", material.name),
@@ -187,7 +186,7 @@ impl PosedMesh {
         }
     }
 
-    /// Returns whether the mesh surface is cut away at a base colour with the given opacity.
+    /// Returns whether the mesh surface is cut away where the base colour has the opacity `alpha`.
     pub fn is_cut(&self, triangle: usize, alpha: f32) -> bool {
         self.material(triangle).alpha_cutoff.is_some_and(|cutoff| alpha < cutoff)
     }
@@ -207,7 +206,8 @@ impl PosedMesh {
     }
 }
 
-/// Interpolates the values of a triangle's corners at a point.
+/// Interpolates values at a point of a triangle from the values at its corners. `weights`: barycentric coordinates of
+/// the point.
 pub(super) fn mix<T>(weights: DVec3, corners: [T; 3]) -> T
 where
     T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,

@@ -2,9 +2,9 @@
 //!
 //! A renderer of layers finds the root of a texel's hair by an offset in the tile ([`RootsInfo`]). It then reads the
 //! base colour there, which requires a texture laid out like the tile. So the colours of materials whose hair hangs
-//! over other colours are painted into an [`Atlas`] in tile coordinates. The gutter around a chart holds the colours
-//! that a walk over the surface ([`SurfaceWalk`]) reaches, in other patches and materials. The walk ends at bare
-//! materials and at the boundary of the mesh: there are no roots beyond.
+//! over other colours are painted into an [`Atlas`] in tile coordinates. The gutter around a chart holds the colours of
+//! adjacent patches and materials, which a walk over the surface ([`SurfaceWalk`]) reaches. The walk ends at bare
+//! materials and at the boundary of the mesh, because there are no roots beyond.
 
 use super::atlas::{Atlas, linear_image, srgb_image};
 use super::canvas::SurfacePoint;
@@ -18,18 +18,18 @@ use pelage_formats::meaning::linear_to_srgb;
 use pelage_formats::meaning::planting::{PlantingMesh, SurfaceWalk, WalkEvents, WalkPosition, same_places};
 use pelage_formats::{ROOT_HEIGHTS, RootOffset, RootsInfo};
 
-/// Sufficient resolution, texels per width of a tile: colour borders are sharper than hair blurs them.
+/// Resolution that suffices, texels per width of a tile. Colour borders are then sharper than hair blurs them.
 const ENOUGH_TEXELS: f32 = 16.0;
-/// Minimum resolution, texels per width of a tile: below, colour borders would be as coarse as hair is long.
+/// Minimum resolution, texels per width of a tile. Below it, colour borders would be as coarse as hair is long.
 const LEAST_TEXELS: f32 = 6.0;
 /// Largest difference at which two colours count as equal, in steps of an sRGB byte.
 const ONE_COLOR: u8 = 4;
-/// Sampled roots per area of a tile, for the test whether hair hangs over another colour.
+/// Number of roots to sample per area of a tile, to test whether hair hangs over another colour.
 const ROOTS_PER_TILE: f32 = 64.0;
 /// Maximum number of sampled roots per triangle.
 const MOST_ROOTS: usize = 256;
 
-/// Input for the colours at the roots.
+/// Input for painting the colours at the roots.
 #[derive(Clone, Copy, Debug)]
 pub struct RootColorInput<'a> {
     /// Whether hair grows on each material.
@@ -54,7 +54,7 @@ pub struct RootAtlas {
 
 impl RootAtlas {
     /// Lays out all materials whose hair hangs over another colour. Returns `None` if there are none, or if the charts
-    /// with the gutters for the hair's reach do not fit. On success, vertices of `surface` are duplicated along the
+    /// with gutters as wide as the hair's reach do not fit. On success, vertices of `surface` are duplicated along the
     /// borders of charts.
     ///
     /// * `colors`: colours of `surface`
@@ -65,7 +65,7 @@ impl RootAtlas {
             return None;
         }
         if rooting.pattern.is_some() {
-            // The pattern is in no other texture.
+            // A pattern is in no other texture, so all furred materials are painted.
             of_material.iter_mut().zip(rooting.furred).for_each(|(painted, furred)| *painted = *furred);
         }
         let is_painted = |material: usize| of_material.get(material).copied().unwrap_or(false);
@@ -81,11 +81,11 @@ impl RootAtlas {
         Some(Self { atlas, of_material })
     }
 
-    /// Paints factor, texture, vertex colours and pattern of the materials into the texture, and changes their texture
+    /// Paints factor, texture, vertex colours and pattern of the materials into the texture, and sets their texture
     /// coordinates to it. Groom textures are converted too.
     ///
     /// * `surface`: as left by [`Self::new`]
-    /// * `colors`: colours of that surface
+    /// * `colors`: colours of `surface`
     ///
     /// Call this after everything that reads the model's own texture coordinates.
     pub fn paint(
@@ -98,7 +98,7 @@ impl RootAtlas {
         let ground = WalkInput::new(surface, rooting.furred);
         let skin = ColoredSurface::new(surface, colors, rooting, &ground);
         let texels = self.atlas.paint(|spot, extent| {
-            // Four samples per texel for smooth borders.
+            // Average four samples per texel, for smooth borders.
             let samples = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(dx, dy)| {
                 skin.color(skin.on_adjacent_surface(SurfacePoint {
                     weights: spot.weights + extent[0] * dx + extent[1] * dy,
@@ -130,7 +130,7 @@ impl RootAtlas {
         assign_textures(&self.atlas, &self.of_material, (color, groom), surface, colors, grooms);
     }
 
-    /// Returns the root data for the renderer, with the displacements `asides`.
+    /// Returns the data with which a renderer finds roots, for the displacements `asides`.
     pub fn info(&self, asides: [RootOffset; ROOT_HEIGHTS]) -> RootsInfo {
         let uv_per_tile = self.atlas.scale / self.atlas.side as f32;
         let of_material = |painted: &bool| if *painted { uv_per_tile } else { 0.0 };
@@ -154,14 +154,14 @@ impl<'a> ColoredSurface<'a> {
         Self { surface, colors, pattern: rooting.pattern, material_of, walk: SurfaceWalk::new(ground) }
     }
 
-    /// Returns the end of a walk from a spot; it stops where the furred surface ends.
+    /// Returns the end of a walk from a point by the offset `by`. The walk stops where the furred surface ends.
     fn walk_end(&self, spot: SurfacePoint, by: DVec2) -> SurfacePoint {
         let mut at = WalkPosition { triangle: spot.triangle, weights: spot.weights.as_dvec3(), beyond: None };
         self.walk.step(&mut at, by, &mut WalkEvents::default());
         SurfacePoint { triangle: at.triangle, weights: at.weights.as_vec3() }
     }
 
-    /// Maps a spot outside its triangle to the adjacent surface.
+    /// Maps a point outside its triangle to the adjacent surface.
     fn on_adjacent_surface(&self, spot: SurfacePoint) -> SurfacePoint {
         let inside = spot.clamped();
         if spot.weights.min_element() >= 0.0 {
@@ -172,7 +172,7 @@ impl<'a> ColoredSurface<'a> {
         self.walk_end(inside, corners[0] * by.x + corners[1] * by.y + corners[2] * by.z)
     }
 
-    /// Returns the linear RGBA at a spot inside its triangle.
+    /// Returns the linear RGBA at a point inside its triangle.
     fn color(&self, spot: SurfacePoint) -> Vec4 {
         let Self { surface, colors, .. } = self;
         let Some(material) = colors.materials.get(self.material_of[spot.triangle]) else { return Vec4::ONE };
@@ -186,7 +186,8 @@ impl<'a> ColoredSurface<'a> {
         own * pattern.color(spot.interpolate(surface, &surface.rest.positions), normal).extend(1.0)
     }
 
-    /// Returns for each material whether its hair hangs over another colour, or hair of another colour hangs over it.
+    /// Returns for each material whether its hair hangs over another colour, or whether hair of another colour hangs
+    /// over it.
     fn overhanging_materials(&self, rooting: &RootColorInput<'_>) -> Vec<bool> {
         let mut mixed = vec![false; self.colors.materials.len()];
         if self.is_of_one_color(rooting.furred) {
@@ -211,7 +212,8 @@ impl<'a> ColoredSurface<'a> {
         mixed
     }
 
-    /// Whether all furred materials have the same colour and all their vertices too.
+    /// Whether all furred surfaces have the same colour: without a pattern or textures, and with equal material and
+    /// vertex colours.
     fn is_of_one_color(&self, furred: &[bool]) -> bool {
         let mut materials = self.colors.materials.iter().zip(furred).filter(|(_, furred)| **furred).map(|(m, _)| m);
         let first = materials.next();
@@ -225,7 +227,7 @@ impl<'a> ColoredSurface<'a> {
     }
 }
 
-/// Input of a surface walk.
+/// Mesh for surface walks.
 struct WalkInput {
     ground: PlantingMesh,
     /// Material of each triangle.
@@ -253,12 +255,12 @@ impl WalkInput {
     }
 }
 
-/// Returns spots spread over a triangle; their number is proportional to its area in the tile.
+/// Returns points spread over a triangle. Their number is proportional to its area in the tile.
 fn spots(surface: &Surface, triangle: usize) -> impl Iterator<Item = SurfacePoint> {
     let [a, b, c] = surface.mesh.triangles[triangle].map(|v| surface.tile_uvs[v as usize]);
     let area = 0.5 * (b - a).perp_dot(c - a).abs();
     let rows = ((ROOTS_PER_TILE * area).ceil() as usize).clamp(1, MOST_ROOTS).isqrt().max(1);
-    // Centres of rows² equal triangles, half of them upside down.
+    // The points are the centres of rows² equal triangles, about half of them upside down.
     (0..rows).flat_map(move |i| (0..2 * (rows - i) - 1).map(move |j| (i, j))).map(move |(i, j)| {
         let third = if j % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
         let (y, x) = ((i as f32 + third) / rows as f32, ((j / 2) as f32 + third) / rows as f32);

@@ -10,9 +10,9 @@ use pelage_import::mesh::{Image, Mesh, MeshPart, RestPose};
 const RED: Vec4 = Vec4::new(0.8, 0.1, 0.05, 1.0);
 const BLUE: Vec4 = Vec4::new(0.02, 0.05, 0.6, 1.0);
 const GREEN: Vec4 = Vec4::new(0.0, 1.0, 0.0, 1.0);
-/// Width of the tile, metres.
+/// Width of the hair tile, metres.
 const TILE_M: f32 = 0.25;
-/// Mean displacement at the mesh surface, halfway and at the tips, along +v.
+/// Mean displacement of hair at the mesh surface, halfway and at the tips, tiles, along +v.
 const ASIDES: [Vec2; 3] = [Vec2::ZERO, Vec2::new(0.0, 0.1), Vec2::new(0.0, 0.4)];
 
 /// Builds a strip 1 m wide along z, whose quarter-metre squares have the given materials. +v of the tile runs along +z.
@@ -76,7 +76,7 @@ fn at(surface: &Surface, spot: SurfacePoint) -> Vec3 {
     spot.interpolate(surface, &surface.rest.positions)
 }
 
-/// Returns the triangle at row and column, of the two in each square.
+/// Returns the index of the first of the two triangles in the square at that row and column.
 fn triangle(row: usize, column: usize) -> usize {
     8 * row + 2 * column
 }
@@ -92,11 +92,11 @@ fn walks_cross_materials_and_stop_at_bare_skin() {
         skin.walk_end(SurfacePoint { triangle: triangle(row, 1), weights: Vec3::splat(1.0 / 3.0) }, by.into())
     };
     let start = at(&surface, walk(1, [0.0, 0.0]));
-    // Across the border of two materials, at which tile coordinates jump.
+    // The walk crosses the border of two materials, at which tile coordinates jump.
     let over = walk(1, [0.2, 1.0]);
     assert!(at(&surface, over).distance(start + Vec3::new(0.05, 0.0, 0.25)) < 1e-5, "{over:?}");
     assert_eq!((skin.color(walk(1, [0.0, 0.0])), skin.color(over)), (RED, BLUE));
-    // To a bare material, and to the boundary of the mesh.
+    // Walks stop at a bare material and at the boundary of the mesh.
     let bare = walk(2, [0.0, 9.0]);
     assert!((at(&surface, bare).z - 0.75).abs() < 1e-5, "{}", at(&surface, bare));
     assert_eq!(skin.color(bare), BLUE);
@@ -111,7 +111,7 @@ fn texel_past_a_border_shows_the_adjacent_surface() {
     let rooting = rooting(&[true, true]);
     let ground = WalkInput::new(&surface, rooting.furred);
     let skin = ColoredSurface::new(&surface, &colors, &rooting, &ground);
-    // 0.1 m beyond the edge at z = 0.25, in the plane of the adjacent triangle.
+    // The point is 0.1 m beyond the edge of its triangle at z = 0.25, in the plane of the adjacent triangle.
     let beyond = SurfacePoint { triangle: triangle(0, 1), weights: Vec3::new(-0.9, 1.4, 0.5) };
     let place = skin.on_adjacent_surface(beyond);
     assert!(at(&surface, place).distance(at(&surface, beyond)) < 1e-5, "{place:?}");
@@ -130,7 +130,7 @@ fn only_hair_over_another_colour_is_painted() {
     };
     assert_eq!(mixed(&[0, 1], &[RED, RED], &[true; 2]), None);
     assert_eq!(mixed(&[0, 1], &[RED, BLUE], &[true, false]), None, "what is bare has no hair");
-    // Hair of material 0 hangs over 1, and hair of 1 over 2, which has the same colour.
+    // Hair of material 0 hangs over material 1. Hair of material 1 hangs over material 2, which has the same colour.
     assert_eq!(mixed(&[0, 1, 2], &[RED, BLUE, BLUE], &[true; 3]), Some(vec![false, true, false]));
     assert_eq!(mixed(&[0, 2, 1], &[RED, BLUE, GREEN], &[true, true, false]), None, "bare skin parts them");
     // A difference of one byte does not count as a border.
@@ -160,7 +160,7 @@ impl Painted {
         &self.colors.images[self.colors.materials[material].image.unwrap()]
     }
 
-    /// Returns the base colour of hair seen at a spot and displaced from its root by `aside`, computed according to
+    /// Returns the base colour of hair that is seen at a point and displaced from its root by `aside`, computed as in
     /// FORMAT.md.
     fn seen(&self, spot: SurfacePoint, aside: Vec2) -> Vec3 {
         let material = material_of_triangles(&self.surface)[spot.triangle];
@@ -184,7 +184,7 @@ fn hair_has_the_colour_of_its_root() {
         assert!(uv.distance(tile * painted.info.uv_per_tile[1]) < 1e-6, "{t}: coordinates do not run as the tile's");
         for spot in spots(surface, t) {
             for aside in [0.0, 0.1, 0.25, 0.45] {
-                // The border is at 0.5 m; texels on it are mixed.
+                // The border of the colours is at 0.5 m; skip texels that mix both.
                 let root_m = at(surface, spot).z - aside * TILE_M;
                 let texel_m = TILE_M / (painted.info.uv_per_tile[1] * painted.image(1).width as f32);
                 if (root_m - 0.5).abs() < 1.5 * texel_m {
@@ -200,7 +200,7 @@ fn hair_has_the_colour_of_its_root() {
 
 #[test]
 fn bare_skin_keeps_its_colour_and_colours_no_hair() {
-    // Hair of material 1 hangs over 2; bare material 0 is nearby.
+    // Hair of material 1 hangs over material 2; material 0, which is bare, is nearby.
     let painted = paint(&[0, 1, 2], &[GREEN, RED, BLUE], &[false, true, true]);
     assert_eq!(painted.colors.materials[0], MaterialColor { factor: GREEN.to_array(), image: None });
     assert_eq!(painted.colors.materials[2].factor, [1.0; 4]);

@@ -1,9 +1,9 @@
 //! Texture for the whole furred mesh: charts are packed side by side, painted, and extended past their borders.
 //!
-//! Charts are packed on shelves, the tallest first. Around each is a gutter, into which the triangles at its border are
-//! extended, for bilinear filtering and coarser mips. In an atlas for root colours the gutter is as wide as the reach
-//! of hair, so that roots beyond a chart's border are found. No chart is rotated then, so that an offset in the tile is
-//! the same in all charts.
+//! Charts are packed on shelves, the tallest first. Each has a gutter, into which the triangles at its border are
+//! extended, for bilinear filtering and coarser mips. In an atlas for root colours, the gutter is as wide as the reach
+//! of hair, so that roots beyond a chart's border are found. Its charts are not rotated, so that an offset in the tile
+//! is the same in all of them.
 
 use super::canvas::{Canvas, CanvasTriangle, SurfacePoint};
 use super::charts::{Spacing, bounds, charts};
@@ -17,8 +17,8 @@ use std::collections::BTreeMap;
 /// Width and height of the smallest texture for root colours, texels.
 const LEAST_SIDE: u32 = 64;
 
-/// Gutter between a chart and the border of its cell, texels: wide enough that bilinear filtering of mip level 2 reads
-/// no other chart. The smaller ones are used if many charts leave no room.
+/// Candidates for the gutter between a chart and the border of its cell, texels. With the first, bilinear filtering of
+/// mip level 2 reads no other chart. The others are used if many charts leave too little room.
 const GUTTERS: [u32; 4] = [8, 4, 2, 1];
 
 /// Texture in which the whole furred mesh is laid out.
@@ -28,7 +28,7 @@ pub struct Atlas {
     pub(super) side: u32,
     /// Gutter around each chart, texels.
     pub(super) gutter: u32,
-    /// Texels per width of a tile.
+    /// Scale: texels per width of a tile.
     pub(super) scale: f32,
     /// Texture coordinates of each vertex of the surface; `None` if the vertex is in no chart.
     pub(super) uvs: Vec<Option<Vec2>>,
@@ -36,7 +36,7 @@ pub struct Atlas {
     canvas: Canvas,
 }
 
-/// Packing error: there are too many charts even for the smallest gutters.
+/// Error of packing: the texture has no room for the charts even with the smallest gutters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TooManyCharts {
     /// Number of charts.
@@ -48,11 +48,11 @@ pub(super) struct TooManyCharts {
 pub(super) enum GutterKind {
     /// Widest gutter that fits.
     Room,
-    /// Gutter of `tiles` tiles; no chart is rotated. A tile is at most `most_texels` texels wide.
+    /// Gutter of a width of `tiles` tiles, without rotation of charts. A tile is at most `most_texels` texels wide.
     Reach { tiles: f32, most_texels: f32 },
 }
 
-/// Additional gutter of [`GutterKind::Reach`] for filters and mips, texels.
+/// Gutter that [`GutterKind::Reach`] adds for filters and mips, texels.
 const FILTER_GUTTER: u32 = 4;
 
 /// Placement of a chart in the texture.
@@ -60,9 +60,9 @@ const FILTER_GUTTER: u32 = 4;
 struct Placement {
     /// Upper left corner including the gutter, texels.
     at: (u32, u32),
-    /// Minimum of the tile coordinates.
+    /// Minimum of the chart's tile coordinates.
     min: Vec2,
-    /// Whether u and v are swapped.
+    /// Whether u and v are swapped, which rotates the chart.
     turned: bool,
 }
 
@@ -79,7 +79,8 @@ impl Atlas {
         })
     }
 
-    /// Packs like [`Self::new`], for callers that can choose another size. Vertices are duplicated even on failure.
+    /// Packs like [`Self::new`], for callers that can choose another size. Vertices are duplicated even if packing
+    /// fails.
     pub(super) fn pack(surface: &mut Surface, side: u32) -> Result<Self, TooManyCharts> {
         let patches = surface.patch_of_triangle.clone();
         let margin = spacing(surface, side);
@@ -91,13 +92,13 @@ impl Atlas {
     /// Packs some of the triangles with [`GutterKind::Reach`], so that the texture contains the surface at the hair's
     /// roots.
     ///
-    /// * `patches`: one per triangle, `u32::MAX` for those that are left out
+    /// * `patches`: one per triangle, `u32::MAX` for triangles to exclude
     /// * `reach`: largest displacement of hair, tiles
-    /// * `texels`: sufficient texels per width of a tile
-    /// * `most_side`: maximum width and height; the texture is the smallest power of two that reaches `texels`, up to
-    ///   this
+    /// * `texels`: minimum and sufficient number of texels per width of a tile
+    /// * `most_side`: maximum width and height. Up to this limit, the smallest power of two that gives the sufficient
+    ///   number is used
     ///
-    /// Returns `None` if a tile would have fewer than `least` texels. Vertices are duplicated even then.
+    /// Returns `None` if a tile would have fewer texels than the minimum. Vertices are duplicated even then.
     pub(super) fn for_roots(
         surface: &mut Surface,
         patches: &[u32],
@@ -106,7 +107,7 @@ impl Atlas {
         most_side: u32,
     ) -> Option<Self> {
         let margin = Spacing { margin: reach, ..spacing(surface, most_side) };
-        // With flat shading faces share no vertices, but are still connected.
+        // With flat shading, faces share no vertices but are still connected.
         let same = same_in_tile(surface);
         let charted = ChartedMesh::new(surface, patches, |v| same[v as usize], &margin);
         let around = GutterKind::Reach { tiles: reach, most_texels: texels };
@@ -139,8 +140,8 @@ impl Atlas {
         })
     }
 
-    /// Paints the texture. `color` returns linear RGBA at a spot; `extent` is the texel's size there: the change of the
-    /// barycentric coordinates over a texel to the right and one down.
+    /// Paints the texture. `color` returns linear RGBA at a point. Its second argument is the size of the texel there:
+    /// the change of the barycentric coordinates over one texel to the right and one texel down.
     ///
     /// Texels without a triangle get the mean of all others, so that the coarsest mips keep the colour.
     pub(super) fn paint(&self, color: impl Fn(SurfacePoint, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
@@ -148,7 +149,7 @@ impl Atlas {
     }
 }
 
-/// Triangles divided into charts that share no vertices.
+/// Mesh whose triangles are divided into charts that share no vertices.
 struct ChartedMesh {
     /// Chart of each triangle, `u32::MAX` for none.
     chart_of: Vec<u32>,
@@ -170,12 +171,12 @@ impl ChartedMesh {
             let found = &mut boxes[*chart as usize];
             *found = (found.0.min(min), found.1.max(max));
         }
-        // A triangle with invalid coordinates gets one texel.
+        // A chart with invalid coordinates gets one texel.
         boxes.iter_mut().filter(|(min, max)| !(*max - *min).is_finite()).for_each(|b| *b = (Vec2::ZERO, Vec2::ZERO));
         Self { chart_of, chart_of_vertex, boxes }
     }
 
-    /// Places the charts in a texture; returns the result of [`pack`].
+    /// Places the charts in a texture and returns the result of [`pack`].
     fn places(&self, side: u32, around: GutterKind) -> Option<(f32, u32, Vec<Placement>)> {
         pack(&self.boxes, side, around)
     }
@@ -197,19 +198,19 @@ impl ChartedMesh {
     }
 }
 
-/// Returns for each vertex the first with the same position and tile coordinates.
+/// Returns for each vertex the first vertex with the same position and tile coordinates.
 fn same_in_tile(surface: &Surface) -> Vec<u32> {
     let mut first_at = BTreeMap::new();
     let places = surface.mesh.positions.iter().zip(&surface.tile_uvs).zip(0..);
-    // Adding zero turns -0 into +0.
+    // Adding zero turns −0 into +0, so that both have the same bits.
     let bits = |x: f32| (x + 0.0).to_bits();
     let same =
         places.map(|((p, uv), v)| *first_at.entry((p.to_array().map(bits), uv.to_array().map(bits))).or_insert(v));
     same.collect()
 }
 
-/// Returns the spacing within charts, equal to the gutter between them. Their scale is only known after packing; the
-/// estimate from the areas is slightly below the final size of a texel.
+/// Returns the spacing within charts, equal to the gutter between them. The scale of the charts is only known after
+/// packing. Its estimate from the areas makes a texel slightly smaller than it will be.
 fn spacing(surface: &Surface, side: u32) -> Spacing {
     let (mut tile, mut skin) = (0.0, 0.0);
     let furred = surface.mesh.triangles.iter().zip(&surface.patch_of_triangle).filter(|(_, patch)| **patch != u32::MAX);
@@ -239,7 +240,7 @@ pub(crate) fn linear_image(side: u32, texels: &[Vec4]) -> Image {
     Image { width: side, height: side, rgba: texels.iter().flat_map(|t| t.to_array().map(byte)).collect() }
 }
 
-/// Duplicates vertices shared by several charts and returns the chart of each vertex, `u32::MAX` for none.
+/// Duplicates vertices shared by several charts and returns the chart of each vertex, `u32::MAX` for no chart.
 fn split_vertices(surface: &mut Surface, chart_of: &[u32]) -> Vec<u32> {
     const UNUSED: u32 = u32::MAX - 1;
     let mut chart_of_vertex = vec![UNUSED; surface.mesh.positions.len()];
@@ -261,8 +262,8 @@ fn split_vertices(surface: &mut Surface, chart_of: &[u32]) -> Vec<u32> {
     chart_of_vertex
 }
 
-/// Packs boxes of tile coordinates into a texture. Returns texels per tile, gutter and placements; `None` if they do
-/// not fit.
+/// Packs boxes of tile coordinates into a texture. Returns the texels per tile, the gutter and the placements; `None`
+/// if the boxes do not fit.
 fn pack(boxes: &[(Vec2, Vec2)], side: u32, around: GutterKind) -> Option<(f32, u32, Vec<Placement>)> {
     let sizes: Vec<Vec2> = boxes.iter().map(|(min, max)| *max - *min).collect();
     let area: f32 = sizes.iter().map(|s| s.x * s.y).sum();
@@ -284,8 +285,8 @@ fn pack(boxes: &[(Vec2, Vec2)], side: u32, around: GutterKind) -> Option<(f32, u
     }
 }
 
-/// Packs boxes on shelves, the tallest first, row after row. With `turned`, boxes are rotated to lie on their longer
-/// side.
+/// Packs boxes on shelves, the tallest first, row after row. With `turned`, boxes are rotated so that their longer side
+/// is horizontal.
 fn shelves(
     boxes: &[(Vec2, Vec2)],
     sizes: &[Vec2],

@@ -53,6 +53,6 @@ fn charts_with_room_for_roots_are_not_rotated() {
             assert!(end(place.at.0, size[0]).max(end(place.at.1, size[1])) <= side as f32, "{side}: {place:?}");
         }
     }
-    // At no scale there is room for the gutters of so many charts.
+    // So many charts have no room for their gutters at any scale.
     assert!(pack(&boxes(&[[1.0, 1.0]; 100]), 16, around).is_none());
 }

@@ -1,6 +1,7 @@
-//! Selection of furred materials: all except those that `model.bare` matches. If a recipe leaves it out, bare materials
-//! are detected by the names of materials, nodes and meshes, or as small and either glossy or eye-shaped. Noses, claws
-//! and eye rims that share a material were split off on import ([`super::features`]), and are bare too.
+//! Selection of furred materials: all except those that `model.bare` matches. If a recipe leaves `model.bare` out, bare
+//! materials are detected. The cues are the names of materials, nodes and meshes; small materials are also detected by
+//! gloss or by the shape of eyes. Noses, claws and eye rims that share a material were split off on import
+//! ([`super::features`]), and are bare too.
 //!
 //! A bald body is worse than a furred claw, so doubtful materials stay furred.
 
@@ -10,13 +11,13 @@ use crate::decision::Decision;
 use pelage_import::mesh::{Feature, Material, Mesh, MeshPart, Model, RestPose};
 use pelage_params::{Field, glob};
 
-/// Maximum share of the mesh's area for detection by gloss or shape: eyes, claws and a nose together cover less of most
+/// Maximum share of the mesh's area for detection by gloss or shape. Eyes, claws and nose together cover less of most
 /// animals.
 const SMALL: f64 = 0.03;
-/// Gloss: maximum roughness, and maximum ratio to the mean roughness of the furred materials.
+/// Maximum roughness of a glossy material, and maximum ratio of its roughness to the mean of the furred materials.
 const GLOSSY: f32 = 0.35;
 const GLOSSY_BESIDE: f32 = 0.6;
-/// Metal: minimum metalness, and maximum mean metalness of the furred materials.
+/// Minimum metalness of a metallic material, and maximum mean metalness of the furred materials beside it.
 const METAL: f32 = 0.9;
 const METAL_BESIDE: f32 = 0.3;
 
@@ -25,9 +26,9 @@ const METAL_BESIDE: f32 = 0.3;
 pub struct FurredMaterials {
     /// Whether hair grows on each material.
     pub furred: Vec<bool>,
-    /// Equivalent value of `model.bare`: the recipe's own list if there is one.
+    /// Equivalent value of `model.bare`: the recipe's own list, if there is one.
     pub bare: Vec<String>,
-    /// Choice made if the recipe leaves it open.
+    /// Choice that was made if the recipe leaves `model.bare` out.
     pub decision: Option<Decision>,
 }
 
@@ -66,7 +67,7 @@ impl BareReason {
 ///
 /// * `rest`: rest pose of the model's mesh
 /// * `bare`: patterns, in which `*` matches any characters and `?` one, ignoring case. With `None`, bare materials are
-///   detected and reported in [`FurredMaterials::decision`]; a single material is always furred, and so are all if none
+///   detected and reported in [`FurredMaterials::decision`]. All materials stay furred if there is only one, or if none
 ///   would be left.
 ///
 /// Patterns without a matching material, and models whose materials all look bare, are reported in `warnings`.
@@ -116,7 +117,7 @@ fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<
     materials.iter().map(|m| !bare.iter().any(|p| is_named(p, m))).collect()
 }
 
-/// Whether a pattern matches a material's name, with or without its feature.
+/// Whether a pattern matches a material's name, with or without the name of its feature.
 fn is_named(pattern: &str, material: &Material) -> bool {
     glob(pattern, &material.name) || (material.feature.is_some() && glob(pattern, &material.full_name()))
 }
@@ -124,7 +125,7 @@ fn is_named(pattern: &str, material: &Material) -> bool {
 /// Returns for each material the reason why it is bare, or `None`.
 fn bare_reasons(model: &Model, rest: &RestPose) -> Vec<Option<BareReason>> {
     let Model { mesh, materials, .. } = model;
-    // A single material is the animal, whatever its name.
+    // A single material covers the animal, whatever its name.
     if materials.len() < 2 {
         return vec![None; materials.len()];
     }
@@ -144,7 +145,7 @@ fn bare_reasons(model: &Model, rest: &RestPose) -> Vec<Option<BareReason>> {
             (NameMeaning::Furred, _) => never[m] = true,
             (NameMeaning::Bare { most }, _) if fits(most) => why[m] = Some(BareReason::Name),
             (NameMeaning::Nothing, NameMeaning::Bare { most }) if fits(most) => why[m] = Some(BareReason::PartName),
-            // A mesh named as a body may contain eyes with a material of their own.
+            // A mesh named as a body may contain eyes with their own material, so a furred part name decides nothing.
             _ => {}
         }
     }
@@ -186,8 +187,8 @@ pub(super) fn shares_of_parts(mesh: &Mesh, rest: &RestPose) -> Vec<f64> {
     areas.into_iter().map(|area| if whole > 0.0 { area / whole } else { 0.0 }).collect()
 }
 
-/// Removes the words that all things share, from the words of each of their names. Such a word names the animal:
-/// `Bighorn_Body`, `Bighorn_Eye`.
+/// Removes the words that all things share from the names of each thing. Such a word names the animal, as in
+/// `Bighorn_Body` and `Bighorn_Eye`.
 pub(super) fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<String>>> {
     let has = |thing: &Vec<Vec<String>>, word: &String| thing.iter().any(|name| name.contains(word));
     let first = things.first().into_iter().flatten().flatten();
@@ -196,7 +197,8 @@ pub(super) fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<Strin
     things.into_iter().map(|thing| thing.into_iter().map(keep).collect()).collect()
 }
 
-/// Combines the verdicts of several names of one thing: fur if any says so, otherwise the strictest bare verdict.
+/// Combines the meanings of several names of one thing: furred if any name says so, otherwise bare with the smallest
+/// maximum share.
 pub(super) fn combined_meaning(names: &[Vec<String>]) -> NameMeaning {
     names.iter().map(|name| meaning_of_words(name)).fold(NameMeaning::Nothing, |all, said| match (all, said) {
         (NameMeaning::Furred, _) | (_, NameMeaning::Furred) => NameMeaning::Furred,
@@ -206,7 +208,7 @@ pub(super) fn combined_meaning(names: &[Vec<String>]) -> NameMeaning {
     })
 }
 
-/// Combines the verdicts of the nodes and meshes that use a material: bare if all say so, fur if one does.
+/// Combines the meanings of the nodes and meshes that use a material: bare if all say so, furred if one does.
 fn meaning_of_parts(model: &Model, names: &[Vec<Vec<String>>], material: usize) -> NameMeaning {
     let parts = model.mesh.parts.iter().zip(names).filter(|(part, _)| part.material == material);
     let said = parts.map(|(_, names)| combined_meaning(names)).reduce(|all, said| match (all, said) {
@@ -217,9 +219,9 @@ fn meaning_of_parts(model: &Model, names: &[Vec<Vec<String>>], material: usize) 
     said.unwrap_or(NameMeaning::Nothing)
 }
 
-/// Whether a material is glossy or metallic while the furred materials are known not to be.
+/// Whether a material is glossy or metallic, while the furred materials are known to be neither.
 fn is_glossy(materials: &[Material], shares: &[f64], furred: &[bool], material: usize) -> bool {
-    // Mean over the other furred materials, most of whose area must have a known value.
+    // Mean over the other furred materials. The value must be known for more than half of their area.
     let rest = |value: fn(&Material) -> Option<f32>| {
         let others = || (0..materials.len()).filter(|m| *m != material && furred[*m]);
         let known: Vec<(f64, f64)> =
@@ -236,11 +238,11 @@ fn is_glossy(materials: &[Material], shares: &[f64], furred: &[bool], material: 
     smooth || metal
 }
 
-/// Makes a material furred again if its name would also match a furred material in `model.bare`, literally or as a
-/// pattern. Returns their names.
+/// Makes a bare material furred again if its name, literally or as a pattern, would also match a furred material in
+/// `model.bare`. Returns the names of such materials.
 fn unmark_ambiguous(materials: &[Material], why: &mut [Option<BareReason>]) -> Vec<String> {
     let mut alike = Vec::new();
-    // A material that becomes furred may be matched by another's name.
+    // Repeat, because a material that becomes furred may be matched by the name of another bare one.
     loop {
         let names_furred = |m: &usize| {
             why[*m].is_some()
@@ -255,7 +257,7 @@ fn unmark_ambiguous(materials: &[Material], why: &mut [Option<BareReason>]) -> V
     }
 }
 
-/// Describes the choice: `4 of 7 materials furred, 3 bare: Eyes (by name), Nose (small and glossy)`.
+/// Describes the choice, such as `4 of 7 materials furred, 3 bare: Eyes (by name), Nose (small and glossy)`.
 fn chosen(materials: &[Material], why: &[Option<BareReason>], alike: &[String]) -> String {
     let count = materials.len();
     let bare: Vec<String> = materials

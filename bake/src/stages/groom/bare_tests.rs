@@ -4,7 +4,7 @@ use super::*;
 use glam::Vec3;
 use pelage_import::mesh::{Mesh, MeshPart};
 
-/// Appends a sphere as a part of its own, without its lowest `missing` rings.
+/// Appends a sphere as a separate part, without its lowest `missing` rings.
 fn add_ball(mesh: &mut Mesh, material: usize, names: &[&str], center: Vec3, radius: f32, missing: u32) {
     let (rings, sides) = (12u32, 12u32);
     let (base, first_triangle) = (mesh.positions.len() as u32, mesh.triangles.len());
@@ -32,8 +32,8 @@ fn material(name: &str) -> Material {
     Material { name: name.into(), roughness: Some(0.9), metallic: Some(0.0), ..Material::default() }
 }
 
-/// Builds a body of radius 1 m, with a sphere of the given radius for each further name. Neither spheres nor part names
-/// are detected as bare.
+/// Builds a body of radius 1 m, and a sphere of the given radius for each further name. Spheres and part names alone
+/// are not detected as bare.
 fn animal(names: &[(&str, f32)]) -> Model {
     let mut model = Model { materials: names.iter().map(|(name, _)| material(name)).collect(), ..Model::default() };
     for (m, (_, radius)) in names.iter().enumerate() {
@@ -46,7 +46,7 @@ fn found(model: &Model) -> (FurredMaterials, Vec<String>) {
     let mut warnings = Vec::new();
     let rest = RestPose::of(&model.mesh, None);
     let growth = find_furred_materials(model, &rest, None, &mut warnings);
-    // The reported line gives the same result.
+    // The reported recipe line gives the same result.
     let said = super::find_furred_materials(model, &rest, Some(&growth.bare), &mut Vec::new());
     assert_eq!(said.furred, growth.furred, "{:?}", growth.decision);
     assert_eq!(said.decision, None);
@@ -85,10 +85,10 @@ fn recipe_list_is_used_and_missed_bare_parts_are_reported() {
 fn name_of_the_animal_is_not_a_part_name() {
     // A single material is the animal.
     assert_eq!(decided(&animal(&[("Horn", 1.0)])), ("the only material furred".into(), "model.bare = []".into()));
-    // A word that all names share.
+    // A word that all names share is ignored.
     let bighorn = animal(&[("Big_Horn_Ram", 1.0), ("Big_Horn_Ram_Eye", 0.1)]);
     assert_eq!(found(&bighorn).0.bare, ["Big_Horn_Ram_Eye"]);
-    // A bare name that covers too much: three quarters here.
+    // A material with a bare name stays furred if it covers too much, here three quarters of the area.
     let hornbill = animal(&[("Horn", 1.0), ("Wing", 0.5)]);
     assert_eq!(found(&hornbill).0.furred, [true, true]);
     let stag = animal(&[("Wing", 1.0), ("Horn", 0.5)]);
@@ -109,7 +109,7 @@ fn node_and_mesh_names_decide_for_neutral_material_names() {
     model.mesh.parts[0].names = vec!["Wolf".into()];
     model.mesh.parts[1].names = vec!["Claws.001".into(), "Cone".into()];
     assert_eq!(decided(&model).0, "1 of 2 materials furred, 1 bare: Black (by its mesh's name)");
-    // It is also used by another part, which would become bald.
+    // The material is also used by another part, which would become bald.
     add_ball(&mut model.mesh, 1, &["Stripes"], Vec3::Y * 3.0, 0.2, 0);
     assert_eq!(found(&model).0.furred, [true, true]);
     // The material's name takes precedence.
@@ -164,7 +164,7 @@ fn small_round_pairs_above_the_middle_are_eyes() {
     assert!(furred(&[(left, 0.1, 0), (left, 0.1, 0)]), "one about the other");
     assert!(furred(&[(left - Vec3::Y, 0.1, 0), (right - Vec3::Y, 0.1, 0)]), "feet");
     assert!(furred(&[(left, 0.2, 0), (right, 0.2, 0)]), "too large");
-    // They are round, but continue in the body's material.
+    // The pieces are round, but continue in the body's material.
     let mut grown = with(&[(left, 0.1, 6), (right, 0.1, 6)]);
     let rim = grown.mesh.triangles[grown.mesh.parts[1].first_triangle + grown.mesh.parts[1].triangle_count - 1];
     grown.mesh.triangles.push([rim[1], rim[2], 0]);
@@ -175,15 +175,15 @@ fn small_round_pairs_above_the_middle_are_eyes() {
 
 #[test]
 fn materials_with_ambiguous_names_stay_furred() {
-    // Two materials with the same name, one of which covers too much.
+    // Two materials have the same name, and one of them covers too much.
     let twins = animal(&[("Body", 1.0), ("Nose", 0.1), ("nose", 0.7), ("Eye", 0.1)]);
     let (growth, _) = found(&twins);
     assert_eq!((growth.furred, growth.bare), (vec![true, true, true, false], vec!["Eye".to_owned()]));
     assert!(decided(&twins).0.ends_with("other materials have the same name: Nose"), "{}", decided(&twins).0);
-    // A name that is a pattern matching another one.
+    // The name of a material is a pattern that matches another one.
     let star = animal(&[("Eye*", 0.1), ("Eyebrow", 0.1), ("Main", 1.0)]);
     assert_eq!(found(&star).0.furred, [true; 3]);
-    // One material without a name.
+    // The small material has no name.
     let mut nameless = animal(&[("Main", 1.0), ("", 0.1)]);
     nameless.mesh.parts[1].names = vec!["Eyes".into()];
     let (chosen, line) = decided(&nameless);

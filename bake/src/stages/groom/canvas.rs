@@ -1,4 +1,4 @@
-//! Square texture into which triangles are painted, and extended past their borders.
+//! Square texture into which triangles are painted. They are extended past their borders.
 
 use super::charts::{barycentric, bounds};
 use glam::{Vec2, Vec3, Vec4};
@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// Triangle in the plane of a canvas.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CanvasTriangle {
-    /// Triangle of the mesh. Several pieces may show the same one.
+    /// Index of the triangle in the mesh. Several canvas triangles may show the same one.
     pub(crate) triangle: u32,
     /// Corners, texels.
     pub(crate) corners: [Vec2; 3],
@@ -16,14 +16,14 @@ pub(crate) struct CanvasTriangle {
 /// Point of a triangle that a texel shows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfacePoint {
-    /// Triangle of the mesh.
+    /// Index of the triangle in the mesh.
     pub(crate) triangle: usize,
-    /// Barycentric coordinates; in gutters one of them is below 0.
+    /// Barycentric coordinates. In gutters, at least one of them is below 0.
     pub(crate) weights: Vec3,
 }
 
 impl SurfacePoint {
-    /// Returns the spot clamped to the triangle: the plane of a sliver soon leads far away from the surface.
+    /// Returns the point clamped to the triangle, because the plane of a sliver soon leads far away from the surface.
     pub(crate) fn clamped(self) -> Self {
         let weights = self.weights.max(Vec3::ZERO);
         Self { weights: weights / weights.element_sum().max(f32::MIN_POSITIVE), ..self }
@@ -36,13 +36,14 @@ pub(crate) struct Canvas {
     /// Width and height, texels.
     side: u32,
     pieces: Vec<CanvasTriangle>,
-    /// Piece shown by each texel, `u32::MAX` for none.
+    /// Index of the canvas triangle that each texel shows, `u32::MAX` for none.
     owner: Vec<u32>,
 }
 
 impl Canvas {
-    /// Creates a canvas with `side` texels in width and height and draws the pieces on it. Where several cover a texel,
-    /// the first wins. Each is extended over up to `gutter` free texels past its border.
+    /// Creates a canvas with `side` texels in width and height, and assigns its texels to the triangles `pieces`. If
+    /// several triangles cover a texel, the first wins. Each triangle is extended past its border, over up to `gutter`
+    /// free texels.
     pub(crate) fn new(side: u32, pieces: Vec<CanvasTriangle>, gutter: u32) -> Self {
         let owner = vec![u32::MAX; side as usize * side as usize];
         let mut canvas = Self { side, pieces, owner };
@@ -51,7 +52,7 @@ impl Canvas {
         canvas
     }
 
-    /// Assigns the texels whose centre a piece covers.
+    /// Assigns the texels whose centres a triangle covers.
     fn draw(&mut self, piece: usize) {
         let corners = self.pieces[piece].corners;
         let (min, max) = bounds(&corners);
@@ -67,13 +68,13 @@ impl Canvas {
         }
     }
 
-    /// Extends pieces to free neighbouring texels.
+    /// Extends triangles to free neighbouring texels.
     fn dilate(&mut self) {
         let n = self.side as usize;
         let before = self.owner.clone();
         self.owner.par_chunks_mut(n).enumerate().for_each(|(y, row)| {
             for (x, owner) in row.iter_mut().enumerate().filter(|(_, o)| **o == u32::MAX) {
-                // Direct neighbours first: they are nearer than diagonal ones.
+                // Direct neighbours come first, because they are nearer than diagonal ones.
                 let steps = [(0, -1), (-1, 0), (1, 0), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
                 let at = |(dx, dy): (isize, isize)| {
                     let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
@@ -86,10 +87,10 @@ impl Canvas {
         });
     }
 
-    /// Paints the texture. `color` returns the value at a spot; `extent` is the texel's size there: the change of the
-    /// barycentric coordinates over a texel to the right and one down.
+    /// Paints the texture. `color` returns the value at a point. Its second argument is the size of the texel there:
+    /// the change of the barycentric coordinates over one texel to the right and one texel down.
     ///
-    /// Texels without a piece get the mean of all others, so that the coarsest mips keep the colour.
+    /// Texels without a triangle get the mean of all others, so that the coarsest mips keep the colour.
     pub(crate) fn paint(&self, color: impl Fn(SurfacePoint, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
         let n = self.side as usize;
         let texel = |(i, owner): (usize, &u32)| {

@@ -1,14 +1,15 @@
 //! Charts: parts of the surface whose tile coordinates do not overlap, so that each can be laid out flat in a texture.
 //!
-//! The patches of the parameterization are nearly isometric, which suits a texture, but they may wind around and
-//! overlap themselves. A chart grows over edges within one patch. It takes a triangle only if it overlaps none of the
-//! chart, and is not close to one that is elsewhere on the surface: filtering would mix the two.
+//! The patches of the parameterization are nearly isometric, which suits a texture, but a patch may wind around and
+//! overlap itself. So charts are grown over edges within a patch. A chart accepts a triangle only if the triangle
+//! overlaps none of the chart. Also, the triangle must not be close in the tile to one that is far away on the surface,
+//! because filtering would mix the two.
 
 use glam::{Vec2, Vec3};
 use pelage_import::mesh::Mesh;
 use std::collections::{BTreeMap, VecDeque};
 
-/// Tolerance for rounding: triangles that overlap by less than this share of their size only touch.
+/// Tolerance for rounding. Triangles that overlap by less than this share of their size only touch.
 const TOUCH: f32 = 1e-3;
 
 /// Triangle in the tile and on the surface.
@@ -20,13 +21,13 @@ struct ChartTriangle {
 }
 
 impl ChartTriangle {
-    /// Returns the position on the triangle's plane for a point of the tile.
+    /// Returns the position on the plane of the triangle for a point of the tile.
     fn position_at(&self, p: Vec2) -> Vec3 {
         let w = barycentric(&self.uv, p).unwrap_or(Vec3::X);
         self.places[0] * w.x + self.places[1] * w.y + self.places[2] * w.z
     }
 
-    /// Returns the distance of a point of the tile from the triangle.
+    /// Returns the distance between a point of the tile and the triangle, tiles.
     fn distance(&self, p: Vec2) -> f32 {
         if barycentric(&self.uv, p).is_some_and(|w| w.min_element() >= 0.0) {
             return 0.0;
@@ -49,8 +50,8 @@ pub(super) struct Spacing {
     pub(super) tile_m: f32,
 }
 
-/// Returns the chart of each triangle, numbered from 0; `u32::MAX` where `patch_of_triangle` has it. Deterministic:
-/// each chart grows from the first triangle without one.
+/// Returns the chart of each triangle, numbered from 0; `u32::MAX` where `patch_of_triangle` is `u32::MAX`. The result
+/// is deterministic: each chart grows from the first triangle that has no chart yet.
 ///
 /// `positions` (metres) and `uvs` (tile coordinates) have one entry per vertex. Triangles with two vertices in common
 /// are neighbours; `same` maps each vertex to the one that represents it.
@@ -83,8 +84,8 @@ pub(super) fn charts(
             queue.extend(neighbors[t].iter().flatten().map(|n| *n as usize).filter(|n| chart_of[*n] == u32::MAX));
         }
         if chart_of[start] == u32::MAX {
-            // A triangle that overlaps nothing is always accepted; one with coordinates that are not numbers forms a
-            // chart of its own.
+            // The first triangle of a chart overlaps nothing, so the grid rejects it only if its coordinates are not
+            // finite or too large. It then forms a separate chart.
             chart_of[start] = count;
         }
         count += 1;
@@ -92,8 +93,8 @@ pub(super) fn charts(
     chart_of
 }
 
-/// Returns for each triangle the neighbours within its patch at its three edges. If more than two triangles share an
-/// edge, they are paired.
+/// Returns the neighbours of each triangle within its patch, one per edge. If more than two triangles share an edge,
+/// they are paired.
 fn neighbors(mesh: &Mesh, patch_of_triangle: &[u32], same: impl Fn(u32) -> u32) -> Vec<[Option<u32>; 3]> {
     let mut edges = Vec::new();
     for (t, triangle) in mesh.triangles.iter().enumerate().filter(|(t, _)| patch_of_triangle[*t] != u32::MAX) {
@@ -131,11 +132,12 @@ impl Grid {
         Self { cell, margin, triangles: Vec::new(), cells: BTreeMap::new() }
     }
 
-    /// Inserts a triangle that conflicts with none in the grid; returns `false` if it does, or if it is degenerate.
+    /// Inserts a triangle unless it conflicts with one in the grid, is too large for the grid, or has invalid
+    /// coordinates. Returns whether it was inserted.
     fn insert(&mut self, piece: ChartTriangle) -> bool {
         let (min, max) = bounds(&piece.uv);
         let (low, high) = (((min - self.margin) / self.cell).floor(), ((max + self.margin) / self.cell).floor());
-        // Beyond these limits cell indices are not exact in a float, or the cells too many.
+        // Beyond these limits, cell indices are inexact in a float, or the number of cells is too large.
         let small = (high - low).max_element() < 4096.0 && low.abs().max(high.abs()).max_element() < 1e6;
         if !(piece.uv.iter().all(|p| p.is_finite()) && small) {
             return false;
@@ -151,8 +153,8 @@ impl Grid {
         true
     }
 
-    /// Whether two triangles overlap, or are so near in the tile that filtering mixes them although they are apart on
-    /// the surface.
+    /// Whether two triangles overlap. Also true if they are so near in the tile that filtering mixes them, although
+    /// they are apart on the surface.
     fn conflicts(&self, a: &ChartTriangle, b: &ChartTriangle) -> bool {
         let elsewhere = |a: &ChartTriangle, b: &ChartTriangle| {
             let near = b.uv.iter().zip(&b.places).filter(|(uv, _)| a.distance(**uv) < self.margin);
@@ -167,8 +169,8 @@ pub(super) fn bounds(points: &[Vec2]) -> (Vec2, Vec2) {
     points.iter().fold((Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)), extend)
 }
 
-/// Whether the interiors of two triangles overlap or come closer than `margin`: no edge of either separates them
-/// (separating axis theorem).
+/// Whether the interiors of two triangles overlap or come closer than `margin`. This is the case if no edge of either
+/// separates them (separating axis theorem).
 fn overlap(a: &[Vec2; 3], b: &[Vec2; 3], margin: f32) -> bool {
     let axes = (0..6).map(|k| {
         let t = if k < 3 { a } else { b };
@@ -222,7 +224,8 @@ mod tests {
 
     #[test]
     fn charts_split_where_tile_neighbours_are_far_apart_on_the_surface() {
-        // The ends are a hundredth of a turn apart in the tile; on the surface the strip climbs a spiral.
+        // On the surface, the strip climbs a spiral. Its ends are far apart there, but a hundredth of a turn apart in
+        // the tile.
         let (mesh, uvs) = strip(60, 0.995);
         assert_eq!(in_plane(&mesh, &vec![0; mesh.triangles.len()], &uvs).iter().max(), Some(&0));
         let stair: Vec<Vec3> = uvs.iter().enumerate().map(|(i, uv)| uv.extend(i as f32 / 40.0)).collect();

@@ -21,8 +21,8 @@ pub struct Colors {
 }
 
 impl Colors {
-    /// Multiplies the colours of furred materials by `gain`. The result may exceed 1, because hair occludes part of its
-    /// own light.
+    /// Multiplies the colours of furred materials by `gain`. The result may exceed 1, because it compensates for hairs
+    /// shadowing each other.
     ///
     /// * `furred`: one per material
     pub fn lighten(&mut self, furred: &[bool], gain: f32) {
@@ -40,11 +40,11 @@ pub struct MaterialColor {
     pub image: Option<usize>,
 }
 
-/// Takes each material's colour from the model or from `groom.color`.
+/// Takes the colour of each material from the model or from `groom.color`.
 ///
 /// * `at`: vertices of the package
 /// * `furred`: one per material
-/// * `base_color`: whether furred materials show the model's own colours if `groom.color` sets none
+/// * `base_color`: whether furred materials show the model's own colours if `groom.color` is not set
 ///
 /// # Errors
 /// [`BakeError::Internal`] if an image was not read.
@@ -109,8 +109,8 @@ pub fn colors(
     Ok(colors)
 }
 
-/// Applies the colours of marks. On a material without a texture the factor moves into the vertices, so that a mark can
-/// replace it; a texture is multiplied.
+/// Applies the colours of marks. On a material without a texture, the factor moves into the vertex colours, so that a
+/// mark can replace it. A texture is multiplied by the colours.
 fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: &[bool]) {
     let said = |v: usize| maps.marks().color.get(at.input(v)).copied().filter(|(share, _)| *share > 0.0);
     for material in (0..colors.materials.len()).filter(|m| furred.get(*m) == Some(&true)) {
@@ -133,7 +133,7 @@ fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: 
             }
         };
         let painted: Vec<(usize, Vec3)> = vertices.into_iter().map(|v| (v, painted(v))).collect();
-        // Divide by the brightest colour, so that bytes use their full range.
+        // Divide by the maximum of each channel, so that bytes use their full range.
         let most = painted.iter().fold(Vec3::ZERO, |most, (_, color)| most.max(*color));
         factor[..3].copy_from_slice(&most.to_array());
         for (v, color) in painted {
@@ -145,8 +145,8 @@ fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: 
     }
 }
 
-/// Whether anything colours the hair besides its root and tip colour: a pattern, `groom.color`, or the model's factors,
-/// textures and vertex colours. Marks do not count, because they are local; neither does white.
+/// Whether hair has a colour source besides its root and tip colour: a pattern, `groom.color`, or the model's factors,
+/// textures and vertex colours. White does not count. Marks do not count either, because they are local.
 pub fn is_colored(model: &Model, maps: &Maps<'_>, furred: &[bool], params: &ColorParams) -> bool {
     let is_furred = |material: usize| furred.get(material).copied().unwrap_or(false);
     let by_material = |(i, material): (usize, &Material)| {
@@ -169,7 +169,7 @@ mod tests {
     use crate::stages::groom::MapImages;
     use pelage_import::mesh::Mesh;
 
-    /// Returns whether the hair of a triangle is coloured, after a change of the model and with a recipe.
+    /// Returns whether the hair of a triangle is coloured, for a modified model and a recipe.
     fn colored(change: impl FnOnce(&mut Model), recipe: &str) -> bool {
         let mesh = Mesh {
             positions: vec![glam::Vec3::X, glam::Vec3::Y, glam::Vec3::Z],

@@ -1,8 +1,8 @@
-//! Bare parts that no material name reveals: noses, eye rims and claws, detected by position, size and colour, and
-//! parts named by nodes and meshes that share their material with furred ones.
+//! Detection of bare parts that no material name reveals. Noses, eye rims and claws are detected by position, size and
+//! colour. Other parts are named by nodes and meshes, and share their material with furred ones.
 //!
-//! Materials are split along them on import, so that everything that works by material handles them. Each rule needs
-//! several cues, and doubtful parts stay with their material: a bald body is worse than a furred claw.
+//! Materials are split along these parts on import, so that everything that works by material handles them. Each rule
+//! needs several cues, and doubtful parts keep their material: a bald body is worse than a furred claw.
 
 use super::bare::{combined_meaning, shares_of_parts, without_common};
 use super::names::{NameMeaning, are_names_of_eyes, are_names_of_snout, meaning_of_words, words};
@@ -12,25 +12,25 @@ use glam::DVec3;
 use pelage_import::mesh::{Feature, Material, MeshPart, Model, RestPose};
 use std::collections::BTreeMap;
 
-/// Maximum share of the mesh's area for a dark material, a nose, a piece of an eye rim and a claw.
+/// Maximum shares of the mesh's area: for a dark material, a nose, a piece of an eye rim and a claw.
 const SMALL: f64 = 0.03;
 const NOSE: f64 = 0.01;
 const RIM: f64 = 0.005;
 const CLAW: f64 = 0.003;
-/// Maximum linear luminance of a dark patch, absolute and relative to its neighbours.
+/// Maximum linear luminance of a dark patch, and its maximum ratio to the luminance of the neighbours.
 const DARK: f64 = 0.06;
 const DARK_BESIDE: f64 = 0.45;
-/// Minimum number of claws; fewer patches may be dark paws.
+/// Minimum number of claws. Fewer patches may be dark paws.
 const LEAST_CLAWS: usize = 6;
-/// Maximum relative difference in area between two claws of the same size.
+/// Maximum relative difference in area between two claws that count as equally large.
 const ALIKE: f64 = 0.05;
-/// Height of the ground zone, as a share of the body's height.
+/// Height of the zone near the ground, as a share of the body's height.
 const GROUND: f64 = 0.1;
 
-/// Gives each bare part detected a material of its own that looks like its previous one.
+/// Gives each detected bare part a separate material that looks like its previous one.
 pub fn split_features(model: &mut Model) {
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
-    // Where several detections include a triangle, the last one wins.
+    // If several rules detect a triangle, the last one wins.
     let mut found: BTreeMap<usize, Feature> = named(model, &rest);
     found.extend(shaped(model, &rest));
     if !found.is_empty() {
@@ -38,7 +38,7 @@ pub fn split_features(model: &mut Model) {
     }
 }
 
-/// Returns the triangles named by nodes or meshes whose material others use as well.
+/// Returns the triangles that nodes or meshes name as bare and whose material other parts use as well.
 fn named(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     let parts = &model.mesh.parts;
     let names = without_common(parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
@@ -108,8 +108,8 @@ fn is_dark(patch: &Patch) -> bool {
     patch.luminance <= DARK && patch.beside.is_some_and(|beside| patch.luminance <= DARK_BESIDE * beside)
 }
 
-/// Whether all patches of a material are claws: many dark tips, smaller than a paw, each with others of its size, and
-/// some on the ground. Symmetry between left and right is not tested, because models may stand with one foot ahead.
+/// Whether all patches of a material are claws: many dark tips, smaller than a paw, each with another of its size, and
+/// some near the ground. Symmetry between left and right is not tested, because models may stand with one foot ahead.
 fn are_claws(skin: &FaceMesh, patches: &[Patch]) -> bool {
     let is_claw = |patch: &Patch| is_dark(patch) && patch.share <= CLAW && patch.is_tip();
     let (low, high) = skin.heights();
@@ -127,12 +127,12 @@ struct Face {
     eyes: DVec3,
     /// Forward direction, horizontal, unit length.
     forward: DVec3,
-    /// Half the distance between the eyes.
+    /// Half the distance between the eyes, metres.
     half: f64,
 }
 
 impl Face {
-    /// Derives the face; `None` without eyes, or if the eyes do not indicate the front.
+    /// Derives the face from the eyes. Returns `None` if there are no eyes, or if they do not indicate the front.
     fn of(skin: &FaceMesh, eyes: &[bool]) -> Option<Self> {
         let (mut sum, mut area) = (DVec3::ZERO, 0.0);
         let faces = || skin.faces.iter().filter(|face| eyes[face.material]);
@@ -148,8 +148,8 @@ impl Face {
         (half > 0.0).then_some(Self { eyes, forward, half })
     }
 
-    /// Whether a patch is a nose: in the middle in front of the eyes, below their tops, narrower than the distance
-    /// between them, and foremost in the face.
+    /// Whether a patch is a nose. A nose is in front of the midpoint between the eyes and foremost in the face. It is
+    /// not much higher than the eyes, and not wider than the distance between them.
     fn is_nose(&self, skin: &FaceMesh, patch: &Patch) -> bool {
         let away = patch.center - self.eyes;
         let aside = self.forward.cross(DVec3::Y);
@@ -165,7 +165,7 @@ impl Face {
     }
 }
 
-/// Assigns the new materials: parts are split into runs of one material each, unchanged triangles first.
+/// Assigns the new materials. Parts are split into runs of one material each; unchanged triangles come first.
 fn assign_materials(model: &mut Model, found: &BTreeMap<usize, Feature>) {
     let old = std::mem::take(&mut model.mesh.parts);
     let numbers = materials_of(&mut model.materials, &old, found);
@@ -188,8 +188,8 @@ fn assign_materials(model: &mut Model, found: &BTreeMap<usize, Feature>) {
     model.mesh.triangles = triangles;
 }
 
-/// Creates the materials; returns for each the original material, the feature and its index. If a material consists of
-/// features only, the first one takes over its index.
+/// Creates the materials. Returns the original material, feature and index of each. If a material consists of features
+/// only, the first one takes its index.
 fn materials_of(
     materials: &mut Vec<Material>,
     parts: &[MeshPart],
@@ -217,7 +217,7 @@ fn materials_of(
     numbers
 }
 
-/// Returns the triangles of a part.
+/// Returns the indices of the triangles of a part.
 fn range(part: &MeshPart) -> std::ops::Range<usize> {
     part.first_triangle..part.first_triangle + part.triangle_count
 }

@@ -6,9 +6,9 @@ use glam::Vec3;
 /// Name and grey of the materials: black, brown, and the white of eyes.
 const COLORS: [(&str, f32); 3] = [("Black", 0.02), ("Brown", 0.2), ("Eyes", 0.8)];
 
-/// Appends a sphere with its poles along z as one part per material that covers any of it.
+/// Appends a sphere with its poles along z, as one part per material.
 ///
-/// * `material`: selects the material by the z of a triangle's centre, relative to the radius
+/// * `material`: selects the material by the z coordinate of a triangle's centre relative to the sphere's, in radii
 fn add_ball(model: &mut Model, center: Vec3, radius: f32, names: &[&str], material: impl Fn(f32) -> usize) {
     let (rings, sides) = (24u32, 24u32);
     let mesh = &mut model.mesh;
@@ -43,7 +43,7 @@ fn add_ball(model: &mut Model, center: Vec3, radius: f32, names: &[&str], materi
     }
 }
 
-/// Builds a brown sphere with eyes in front; `is_black` selects the black part by z.
+/// Builds a brown sphere with eyes in front. Triangles are black where `is_black` returns true for their z coordinate.
 fn animal(is_black: impl Fn(f32) -> bool) -> Model {
     let material = |(name, grey): (&str, f32)| Material {
         name: name.into(),
@@ -124,7 +124,7 @@ fn eye_nodes_are_split_off_whatever_their_material_name() {
     parts.next().unwrap().names = vec!["Eye_L".into()];
     parts.next().unwrap().names = vec!["Eye_R".into(), "Sphere".into()];
     assert_eq!(names(model.clone()), ["Main", "Main/Eye_L", "Main/Eye_R"]);
-    // A part that covers a whole material is detected by its mesh's name.
+    // If a part covers a whole material, the name of its mesh decides.
     model.mesh.parts[0].material = 1;
     assert_eq!(names(model), ["Brown", "Main"]);
 }

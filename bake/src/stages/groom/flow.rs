@@ -3,8 +3,8 @@
 use glam::Vec3;
 use pelage_import::mesh::{Mesh, RestPose};
 
-/// Returns for each vertex the unit directions on the surface, at rest, that point right and up on the model's images:
-/// the gradients of the texture coordinates, averaged over its triangles; zero if undefined.
+/// Returns for each vertex the unit directions on the surface, at rest, that point right and up on the model's images.
+/// They are the gradients of the texture coordinates, averaged over the vertex's triangles; zero if undefined.
 pub(super) fn image_axes(mesh: &Mesh, rest: &RestPose) -> Vec<[Vec3; 2]> {
     let mut axes = vec![[Vec3::ZERO; 2]; mesh.positions.len()];
     for triangle in &mesh.triangles {

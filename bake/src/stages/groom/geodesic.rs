@@ -1,18 +1,19 @@
 //! Geodesic distances on the mesh surface, by fast marching over its faces.
 //!
-//! Paths along edges alone are a tenth too long or more, depending on the triangulation: a round spot becomes a polygon
-//! on a coarse mesh. So distances also propagate across faces. The triangle is unfolded into a plane, and the distance
-//! is straight from the virtual source of its two known corners (Kimmel and Sethian 1998; Novotni and Klein 2002).
+//! Depending on the triangulation, paths along edges alone are too long by a tenth or more. A circle becomes a polygon
+//! on a coarse mesh. So distances also propagate across faces. The triangle is unfolded into a plane. There, distance
+//! is measured straight from the virtual source of the two known corners (Kimmel and Sethian 1998; Novotni and Klein
+//! 2002).
 
 use super::body::WeldedMesh;
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Returns the geodesic distances of all vertices, in the mesh's unit; infinite beyond `reach` and where no seed is
+/// Returns the geodesic distances of all vertices, in mesh units; infinite beyond `reach` and where no seed is
 /// connected.
 ///
-/// * `seeds`: vertices with their initial distances, not negative
+/// * `seeds`: vertices with their initial distances, at least 0
 pub(super) fn ways(skin: &WeldedMesh, seeds: &[(u32, f32)], reach: f32) -> Vec<f32> {
     let faces_of = VertexFaces::new(skin);
     let mut ways = vec![f32::INFINITY; skin.len()];
@@ -45,14 +46,15 @@ pub(super) fn ways(skin: &WeldedMesh, seeds: &[(u32, f32)], reach: f32) -> Vec<f
     ways
 }
 
-/// Returns the distance of `c` across the triangle's side from `a` to `b`, measured from the virtual source of their
-/// known distances; `None` if the straight path does not cross that side.
+/// Returns the distance of corner `c`, measured through the side from `a` to `b`, from the virtual source of the
+/// distances at `a` and `b`. Returns `None` if the straight path does not cross that side.
 fn distance_across(a: Vec3, b: Vec3, c: Vec3, way_a: f32, way_b: f32) -> Option<f32> {
     let side = a.distance(b);
     if !(side > 0.0 && way_b.is_finite()) {
         return None;
     }
-    // In the triangle's plane: a at the origin, b on the x axis, c above it, the virtual source below.
+    // In the triangle's plane, a is at the origin and b on the x axis; c is above that axis and the virtual source
+    // below.
     let along = (b - a) / side;
     let x_c = (c - a).dot(along);
     let y_c = ((c - a) - along * x_c).length();
@@ -66,9 +68,9 @@ fn distance_across(a: Vec3, b: Vec3, c: Vec3, way_a: f32, way_b: f32) -> Option<
     (0.0..=side).contains(&crossing).then(|| ((x_c - x) * (x_c - x) + (y + y_c) * (y + y_c)).sqrt())
 }
 
-/// Faces around each vertex.
+/// Indices of the faces around each vertex.
 struct VertexFaces {
-    /// Ranges in `faces`: those of vertex `i` are `faces[starts[i]..starts[i + 1]]`.
+    /// Start of the faces of each vertex: vertex `i` has `faces[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     faces: Vec<u32>,
 }
@@ -102,7 +104,7 @@ mod tests {
     use super::*;
     use pelage_import::mesh::{Mesh, RestPose};
 
-    /// Returns a flat sheet of squares, 0.1 wide, all cut along the same diagonal and centred on the origin.
+    /// Builds a flat sheet of squares of width 0.1, centred on the origin. All squares are cut along the same diagonal.
     fn sheet(squares: u32) -> WeldedMesh {
         let half = 0.05 * squares as f32;
         let points = (0..=squares).flat_map(|i| (0..=squares).map(move |j| Vec3::new(i as f32, j as f32, 0.0) * 0.1));

@@ -1,4 +1,4 @@
-//! Texture coordinates of groom images, and their lookup at vertices.
+//! Texture coordinates of groom images, and sampling of the images at vertices.
 
 use super::model_atlas::ModelAtlas;
 use super::projection::{ImagePoint, Projection};
@@ -9,19 +9,19 @@ use glam::{Vec3, Vec4};
 use pelage_formats::Bounds;
 use pelage_import::mesh::{Image, Mesh, MeshPart, RestPose};
 
-/// Vertices at which a groom is evaluated: the model's, or those of its surface.
+/// Vertices at which a groom is evaluated: those of the model or of its laid-out surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertices<'m> {
     /// Mesh of the vertices.
     pub mesh: &'m Mesh,
     /// Rest pose of the mesh.
     pub rest: &'m RestPose,
-    /// Original vertex of the model for each vertex; `None` for the model's own vertices.
+    /// Original vertex of the model for each vertex; `None` if the vertices are the model's own.
     pub input_vertex: Option<&'m [u32]>,
 }
 
 impl<'m> Vertices<'m> {
-    /// Creates the model's own vertices.
+    /// Selects the vertices of the model itself.
     pub fn of_model(mesh: &'m Mesh, rest: &'m RestPose) -> Self {
         Self { mesh, rest, input_vertex: None }
     }
@@ -46,26 +46,28 @@ pub enum ImageCoordinates {
     Model,
     /// Atlas of a model.
     Atlas(Box<ModelAtlas>),
-    /// Projection: each image spans the model at rest once.
+    /// Projection through space, in which each image spans the model at rest once.
     Space {
-        /// Axes of the projection.
+        /// Axis or axes of the projection.
         along: PatternProjection,
         /// Bounding box of the mesh at rest.
         bounds: Bounds,
     },
 }
 
-/// Texel, with the unit directions on the surface or in space that point right and up on its image; zero if unknown.
+/// Sampled texel, with the unit directions on the surface or in space that point right and up on its image; zero if
+/// unknown.
 pub(super) type Texel = (Vec4, [Vec3; 2]);
 
 impl ImageCoordinates {
-    /// Whether images are read at vertices only: the runtime, which could sample them per texel, knows only the model's
-    /// own coordinates.
+    /// Whether images are read at vertices only. The runtime can sample images per texel only in the model's own
+    /// coordinates.
     pub(super) fn at_vertices(&self) -> bool {
         !matches!(self, Self::Model)
     }
 
-    /// Returns the mean of `read` over an image's texels at vertex `v`; `None` if the image does not cover it.
+    /// Returns the mean of `read` over the points of an image that correspond to vertex `v`; `None` if the image does
+    /// not cover the vertex.
     ///
     /// * `axes`: directions that point right and up on images in the model's own coordinates, one per vertex; may be
     ///   empty if `read` does not use them

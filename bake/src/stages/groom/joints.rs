@@ -1,21 +1,22 @@
-//! Values for single joints: `[[groom.joint]]` of the recipe, spread over the mesh by its skinning weights.
+//! Values for single joints (`[[groom.joint]]` in the recipe), spread over the mesh by its skinning weights.
 
 use crate::recipe::JointGroom;
 use pelage_formats::{Animation, SkinVertex};
 use pelage_params::glob;
 
-/// Values of the tables for the surface that follows each joint.
+/// Groom values of the tables for the surface that follows each joint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointValues {
-    /// Values of each joint: those of the nearest table up the skeleton, for each key; `name` is empty.
+    /// Values of each joint. For each key, they come from the nearest ancestor, or the joint itself, for which a table
+    /// sets it. The field `name` is empty.
     joints: Vec<JointGroom>,
 }
 
 impl JointValues {
-    /// Resolves the values of every joint: for each key that of the last table matching the joint itself, otherwise
-    /// that of its parent node.
+    /// Resolves the values of every joint. For each key, the last table that matches the joint applies. If no such
+    /// table has the key, the joint inherits the value of its parent node.
     ///
-    /// Tables that match no joint are reported in `warnings`, with the existing names.
+    /// Tables that match no joint are reported in `warnings`, with the names of the existing joints.
     pub fn new(tables: &[JointGroom], animation: Option<&Animation>, warnings: &mut Vec<String>) -> Self {
         let Some(animation) = animation.filter(|_| !tables.is_empty()) else {
             if !tables.is_empty() {
@@ -24,7 +25,7 @@ impl JointValues {
             return Self::default();
         };
         let mut nodes: Vec<JointGroom> = Vec::with_capacity(animation.nodes.len());
-        // Matching tables of each node.
+        // Indices of the tables that match each node.
         let mut holding: Vec<Vec<usize>> = Vec::with_capacity(animation.nodes.len());
         for node in &animation.nodes {
             let parent = node.parent.map(|parent| parent as usize);
@@ -55,16 +56,15 @@ impl JointValues {
         Self { joints: animation.joints.iter().map(|j| nodes.get(of_joint(j)).cloned().unwrap_or_default()).collect() }
     }
 
-    /// Whether any joint has a value of that key.
+    /// Whether any joint has a value for that key.
     pub fn say(&self, key: fn(&JointGroom) -> Option<f32>) -> bool {
         self.joints.iter().any(|joint| key(joint).is_some())
     }
 
-    /// Returns the value at a vertex: the mean over its joints by their weights, with `elsewhere` for joints without a
-    /// value.
+    /// Returns the mean over the joints of a vertex by their weights. Joints without a value count as `elsewhere`.
     pub fn mix(&self, skin: Option<&SkinVertex>, key: fn(&JointGroom) -> Option<f32>, elsewhere: f32) -> f32 {
         let Some(skin) = skin else { return elsewhere };
-        // Interpolated by differences, so that without any joint value the result is exactly `elsewhere`.
+        // Add weighted differences, so that without any joint value the result is exactly `elsewhere`.
         let differences = skin.joints.iter().zip(skin.weights).filter_map(|(joint, weight)| {
             let value = self.joints.get(usize::from(*joint)).and_then(key)?;
             (weight > 0.0).then_some(weight * (value - elsewhere))

@@ -4,8 +4,7 @@ use super::*;
 use crate::recipe::Recipe;
 use pelage_formats::{Joint, Node};
 
-/// Builds a rig: a root that is not a joint, a neck, a head and two ears; joints 0..=3 are neck, head, left and right
-/// ear.
+/// Builds a rig of a root, which is not a joint, and four joints: neck (0), head (1), left ear (2) and right ear (3).
 fn rig() -> Animation {
     let node = |name: &str, parent| Node {
         name: name.into(),
@@ -36,7 +35,7 @@ fn follows(a: (u16, f32), b: (u16, f32)) -> SkinVertex {
     SkinVertex { joints: [a.0, b.0, 0, 0], weights: [a.1, b.1, 0.0, 0.0] }
 }
 
-/// Returns the length at vertices that follow one joint each; it is 1 elsewhere.
+/// Returns the hair length at four vertices, each of which follows one joint. Without tables, it is 1.
 fn lengths(tables: &str) -> [f32; 4] {
     let (values, warnings) = values(tables);
     assert_eq!(warnings, Vec::<String>::new(), "{tables}");
@@ -47,16 +46,16 @@ fn lengths(tables: &str) -> [f32; 4] {
 fn joint_tables_apply_to_descendants_and_nearer_tables_win() {
     let head = "[[groom.joint]]\nname = \"head*\"\nlength = 0.25\n";
     assert_eq!(lengths(head), [1.0, 0.25, 0.25, 0.25]);
-    // The order of the tables does not matter for joints at different levels, but does for the same joint.
+    // Only for the same joint does the order of tables matter.
     let left = "[[groom.joint]]\nname = \"ear.l\"\nlength = 0.5\n";
     assert_eq!(lengths(&format!("{left}{head}")), [1.0, 0.25, 0.5, 0.25]);
     let ears = "[[groom.joint]]\nname = \"ear*\"\nlength = 0.75\n";
     assert_eq!(lengths(&format!("{left}{ears}{head}")), [1.0, 0.25, 0.75, 0.75]);
     assert_eq!(lengths(&format!("{ears}{left}{head}")), [1.0, 0.25, 0.5, 0.75]);
-    // Each key is inherited separately: a nearer table without a length keeps that of a farther one.
+    // Each key is inherited separately: a table for a nearer joint without a length keeps the length of the ancestor.
     let lean = "[[groom.joint]]\nname = \"ear*\"\nlean = 1\n";
     assert_eq!(lengths(&format!("{head}{lean}")), [1.0, 0.25, 0.25, 0.25]);
-    // A table for a node that is not a joint applies to the joints below.
+    // A table for a node that is not a joint applies to its descendants.
     assert_eq!(lengths("[[groom.joint]]\nname = \"armature\"\nlength = 0.5\n"), [0.5; 4]);
 }
 

@@ -1,5 +1,5 @@
-//! Evaluation of values that vary over the model: `[groom]` of the recipe, its tables for single materials and its
-//! images, at every vertex and, where needed, every texel.
+//! Evaluation of values that vary over the model. `[groom]` of the recipe, its tables for single materials and its
+//! images are evaluated at every vertex and, where needed, at every texel.
 
 use super::body::BodyGroom;
 use super::flow::image_axes;
@@ -22,9 +22,9 @@ use std::collections::BTreeMap;
 pub struct MapImages {
     /// Images by path as written in the recipe.
     pub images: BTreeMap<String, Image>,
-    /// Strands of files, by path as written in the recipe.
+    /// Strands by path of their file as written in the recipe.
     pub strands: BTreeMap<String, Guides>,
-    /// Records of the files, in the order of reading.
+    /// Records of the files read, in reading order.
     pub inputs: Vec<InputRecord>,
 }
 
@@ -38,25 +38,25 @@ impl MapImages {
     }
 }
 
-/// Density and comb direction: the maps that determine the layout of the tile.
+/// Density and comb direction, which determine the layout of the tile.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LayoutMaps {
-    /// Hairs per area relative to the rest of the fur, 0.25..=4, one per vertex; `None` for 1 everywhere.
+    /// Hairs per area relative to the rest of the fur, 0.25..=4, one per vertex; `None` if it is 1 everywhere.
     pub density: Option<Vec<f32>>,
-    /// Comb direction at rest in world space, one per vertex, with its length as weight; `None` if no map sets it.
+    /// Comb direction in world space at rest, one per vertex, with its weight as length; `None` if no map sets it.
     pub comb: Option<Vec<Vec3>>,
 }
 
 /// Groom values at every vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VertexGroom {
-    /// Hair length as a share of the longest, 0..=1; 0 on vertices without a furred material.
+    /// Hair length as a share of the longest hair, 0..=1; 0 on vertices without a furred material.
     pub length: Vec<f32>,
     /// Extra lean, 0..=1.
     pub lean: Vec<f32>,
-    /// Wetness, 0 dry to 1 wet. 0 if a texture sets it.
+    /// Wetness, 0 dry to 1 wet; 0 where a texture stores it instead.
     pub wetness: Vec<f32>,
-    /// Bareness, 1 where no hair grows. 0 if a texture sets it.
+    /// Bareness, 1 where no hair grows; 0 where a texture stores it instead.
     pub bareness: Vec<f32>,
 }
 
@@ -67,13 +67,13 @@ pub enum FurWetness {
     Dry,
     /// Wet everywhere.
     Wet,
-    /// Partly wet, by area or degree.
+    /// Neither dry everywhere nor wet everywhere.
     Mixed,
 }
 
 impl FurWetness {
-    /// Returns the wetness of the furred materials `names`. For joints only the tables are considered, so no skeleton
-    /// is needed.
+    /// Returns the wetness of the furred materials `names`. All tables for joints are considered, whether or not they
+    /// match one, so no skeleton is needed.
     pub fn of(groom: &GroomParams, names: &[&str]) -> Self {
         Self::over(
             names.iter().map(|name| last(&groom.material, name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness)),
@@ -96,12 +96,12 @@ impl FurWetness {
     }
 }
 
-/// Groom textures: share of hair and wetness per texel.
+/// Groom textures, which store the presence of hair and its wetness per texel.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct GroomTextures {
-    /// Images: red is the share of hair that grows, green is wetness; blue 0, alpha 255.
+    /// Images. Red is the share of hair that grows, 1 − bareness; green is wetness, blue is 0, and alpha is 255.
     pub images: Vec<Image>,
-    /// Index into `images` of each material.
+    /// Index into `images` for each material; `None` without a groom texture.
     pub of_material: Vec<Option<usize>>,
 }
 
@@ -114,7 +114,7 @@ pub struct Maps<'a> {
     joints: JointValues,
     body: Option<BodyGroom>,
     marks: MarkValues,
-    /// Colour of furred materials without any other colour.
+    /// Colour of furred materials that have no other colour source.
     plain: Option<ColorMap>,
     /// Texture coordinates of the images.
     over: ImageCoordinates,
@@ -147,8 +147,8 @@ impl<'a> Maps<'a> {
     ///
     /// * `furred`: one per material
     ///
-    /// Names that match no material are reported in `warnings`. So are images on parts without texture coordinates,
-    /// where they have no effect.
+    /// Tables whose names match no material are reported in `warnings`. So are images on parts without texture
+    /// coordinates, where they have no effect.
     pub fn new(
         mesh: &Mesh,
         materials: &[Material],
@@ -217,7 +217,7 @@ impl<'a> Maps<'a> {
         Self { marks, ..self }
     }
 
-    /// Sets a colour for furred materials without `groom.color`, instead of the model's.
+    /// Sets a colour that replaces the model's on furred materials without `groom.color`.
     #[must_use]
     pub fn with_plain_color(self, color: SrgbColor) -> Self {
         Self { plain: Some(ColorMap::Constant(color)), ..self }
@@ -233,19 +233,19 @@ impl<'a> Maps<'a> {
         self.materials.iter().any(|m| m.furred && m.comb.is_some())
     }
 
-    /// Describes the automatic groom, if it determines hair length anywhere. Arguments are those of
+    /// Describes the automatic groom if it determines hair length anywhere. Arguments are as in
     /// [`BodyGroom::decision`].
     pub fn decision(&self, share: f32, length_m: f32) -> Option<Decision> {
         let body = self.body.as_ref()?;
         self.materials.iter().any(|m| m.furred && m.silent.length).then(|| body.decision(share, length_m))
     }
 
-    /// Whether a map of a furred material is an image.
+    /// Whether a groom map of any furred material is an image.
     pub fn has_images(&self) -> bool {
         self.materials.iter().any(|m| m.furred && m.image().is_some())
     }
 
-    /// Sets the texture coordinates of images, instead of the model's own.
+    /// Sets the texture coordinates of images. By default, images use the model's own.
     #[must_use]
     pub fn over(self, over: ImageCoordinates) -> Self {
         Self { over, ..self }
@@ -268,7 +268,7 @@ impl<'a> Maps<'a> {
         let by_body = by_body.filter(|_| furred().any(|m| m.silent.density));
         let says = furred().any(|m| *m.density != ScalarMap::Constant(1.0)) || self.joints.say(|t| t.density);
         if says || by_body.is_some() || !self.marks.density.is_empty() {
-            // Maps are logarithmic: equal steps are equal ratios.
+            // Images and vertex colours are logarithmic: equal steps of a value multiply the density by equal factors.
             let hairs = |map: &ScalarMap, v: f32| {
                 if matches!(map, ScalarMap::Constant(_)) { v } else { libm::exp2f(4.0 * v - 2.0) }
             };
@@ -344,7 +344,7 @@ impl<'a> Maps<'a> {
         self.images.get(path)
     }
 
-    /// Combines the images of bareness and wetness into one texture per pair.
+    /// Combines the images of bareness and wetness into textures, one for each distinct pair of images.
     ///
     /// # Errors
     /// [`BakeError::Internal`] if an image was not read.
@@ -369,7 +369,7 @@ impl<'a> Maps<'a> {
         Ok(textures)
     }
 
-    /// Combines one pair into an image, with the larger width and the larger height of the two.
+    /// Combines the maps of bareness and wetness into one image. Its width and height are the larger of the two.
     fn join(&self, bare: Option<&ScalarMap>, wetness: Option<&ScalarMap>) -> Result<Image, BakeError> {
         let source = |map: Option<&ScalarMap>| -> Result<_, BakeError> {
             match map {
@@ -391,7 +391,8 @@ impl<'a> Maps<'a> {
         Ok(Image { width, height, rgba })
     }
 
-    /// Returns a value per vertex: the mean over the furred parts that contain it, `outside` if there are none.
+    /// Returns the mean of a value over the furred parts that contain a vertex, for each vertex. The value is `outside`
+    /// if no furred part contains the vertex.
     fn average<T: Averaged>(
         &self,
         mesh: &Mesh,
@@ -402,15 +403,15 @@ impl<'a> Maps<'a> {
         average(mesh, parts, outside, |part, maps, v| each(part, maps, v))
     }
 
-    /// Returns the value of a map at vertex `v`; `None` for an image that does not cover it.
+    /// Returns the value of a map at vertex `v`; `None` if the map is an image that does not cover the vertex.
     fn scalar(&self, at: &Vertices<'_>, part: &MeshPart, map: &ScalarMap, v: usize) -> Result<Option<f32>, BakeError> {
         let ScalarMap::Image { path, channel } = map else { return scalar_at(self.images, at.mesh, part, map, v) };
         let read = |(texel, _): Texel| texel[channel.index()];
         Ok(self.over.read(self.images.get(path)?, Encoding::Linear, (at, part, v), &[], read))
     }
 
-    /// Returns the direction of a map at vertex `v`, zero for an image that does not cover it; `axes` as in
-    /// [`ImageCoordinates::read`].
+    /// Returns the direction of a map at vertex `v`; zero if the map is an image that does not cover the vertex. `axes`
+    /// is as in [`ImageCoordinates::read`].
     fn vector(
         &self,
         at: &Vertices<'_>,
@@ -437,8 +438,8 @@ impl<'a> Maps<'a> {
         })
     }
 
-    /// Returns the colour of an image at vertex `v`, linear RGB, if images are read at the vertices; `None` if it does
-    /// not cover the vertex.
+    /// Returns the colour of an image at vertex `v`, linear RGB, for images that are read at the vertices. Returns
+    /// `None` if the image does not cover the vertex.
     pub(super) fn color_at(&self, image: &Image, at: &Vertices<'_>, part: &MeshPart, v: usize) -> Option<Vec3> {
         self.over.read(image, Encoding::Srgb, (at, part, v), &[], |(texel, _)| texel.truncate())
     }
@@ -450,7 +451,7 @@ impl<'a> Maps<'a> {
 }
 
 impl MaterialMaps<'_> {
-    /// Returns the path of the first image among the maps.
+    /// Returns the path of the first map that is an image.
     fn image(&self) -> Option<&str> {
         let scalars = [self.length, self.density, self.lean, self.wetness, self.bare];
         let vector = || self.comb.and_then(VectorMap::image);
@@ -463,8 +464,8 @@ pub(crate) trait Averaged: Copy + Default + std::ops::AddAssign + std::ops::Mul<
 
 impl<T: Copy + Default + std::ops::AddAssign + std::ops::Mul<f32, Output = T>> Averaged for T {}
 
-/// Returns a value per vertex: the mean over those of `parts` that contain it, `outside` if there are none. Each part
-/// is paired with the data that `each` needs.
+/// Returns the mean of a value over those of `parts` that contain a vertex, for each vertex; `outside` if there are
+/// none. Each part is paired with the data that `each` needs.
 pub(crate) fn average<'m, M, T: Averaged>(
     mesh: &'m Mesh,
     parts: impl Iterator<Item = (&'m MeshPart, M)>,
@@ -486,7 +487,7 @@ pub(crate) fn average<'m, M, T: Averaged>(
     Ok(sums.into_iter().map(|(sum, n)| if n == 0 { outside } else { sum * (n as f32).recip() }).collect())
 }
 
-/// Returns the value of a map at a vertex; `None` for an image without texture coordinates.
+/// Returns the value of a map at a vertex; `None` if the map is an image and the part has no texture coordinates.
 pub(crate) fn scalar_at(
     images: &MapImages,
     mesh: &Mesh,
@@ -504,7 +505,7 @@ pub(crate) fn scalar_at(
     })
 }
 
-/// Returns the value of the last table that matches the material and has the key.
+/// Returns the value from the last table that matches the material and has the key.
 pub(crate) fn last<'a, M: NamedTable, T>(
     tables: &'a [M],
     material: &str,
@@ -515,7 +516,7 @@ pub(crate) fn last<'a, M: NamedTable, T>(
 
 /// Reports tables whose name matches none of `names`; `key` is the recipe key of the tables.
 ///
-/// * `what`: kind of the named things, such as "material"
+/// * `what`: kind of things that the tables name, such as "material"
 pub(crate) fn report_unmatched<'n, M: NamedTable>(
     key: &str,
     tables: &[M],

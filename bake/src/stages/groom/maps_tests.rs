@@ -3,7 +3,8 @@
 use super::*;
 use crate::recipe::{Channel, Recipe};
 
-/// Builds a square of two triangles in two materials, "skin" and "Nose", that share the diagonal; uv is (x, 1 - y).
+/// Builds a square of two triangles that share the diagonal, in the materials "skin" and "Nose". Texture coordinates
+/// are (x, 1 − y).
 fn square() -> (Mesh, Vec<Material>, RestPose) {
     let positions = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
     let part = |material, first_triangle| MeshPart {
@@ -35,7 +36,8 @@ fn row(texels: &[[u8; 4]]) -> Image {
 
 fn images() -> MapImages {
     let mut images = MapImages::default();
-    // Red: black on the left, white on the right. Green: 0.6 everywhere. Flow: to the lower right.
+    // Red is black on the left and white on the right; green is 0.6 everywhere. As a flow map, the image points to the
+    // lower right.
     images.images.insert("a.png".into(), row(&[[0, 153, 0, 255], [255, 153, 0, 255]]));
     images.images.insert("flow.png".into(), row(&[[255, 0, 128, 255]]));
     images
@@ -85,7 +87,7 @@ fn constants_vertex_colours_and_images_are_read() {
     assert_eq!(found.coat.lean, [0.25; 4]);
     assert_eq!(found.coat.wetness, [0.4; 4]);
     assert_eq!(found.coat.bareness, [0.0, 1.0, 1.0, 0.0]);
-    // At u = 0 and 1 a repeating image mixes both of its sides: 0.5, which is a density of 1.
+    // At u = 0 and u = 1, a repeating image mixes its left and right side to 0.5, which is a density of 1.
     assert_eq!(found.lay.density.unwrap(), [1.0; 4]);
     assert_eq!((found.textures.images.len(), found.water), (0, FurWetness::Mixed));
     let lengths = evaluate("[groom]\nlength = \"a.png#g\"", [true, true]).coat.length;
@@ -121,7 +123,7 @@ fn body_groom_applies_where_no_map_is_set() {
         let images = images();
         let maps = Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut Vec::new());
         let maps = maps.with_body(Some(body.clone()));
-        // The surface's vertices have a different order from the model's.
+        // The order of vertices differs between the surface and the model.
         (
             maps.vertex_groom(&Vertices { input_vertex: Some(&[3, 2, 1, 0]), ..Vertices::of_model(&mesh, &rest) })
                 .unwrap(),
@@ -138,7 +140,8 @@ fn body_groom_applies_where_no_map_is_set() {
     let (coat, lay, said) = with("[groom]\nlength = 0.5\nlean = 0.25\ndensity = 3", &body);
     assert_eq!((coat.length, coat.lean, lay.density.unwrap()), (vec![0.5; 4], vec![0.25; 4], vec![3.0; 4]));
     assert_eq!(said, None);
-    // A table for one material overrides the automatic groom there only; shared vertices take the mean.
+    // A table for one material overrides the automatic groom on that material only. Shared vertices have the mean of
+    // both.
     let (coat, _, said) = with("[[groom.material]]\nname = \"Nose\"\nlength = 1", &body);
     assert_eq!(coat.length, [0.875, 0.25, 1.0, 1.0]);
     assert!(said.is_some());
@@ -184,11 +187,12 @@ fn combs_are_rest_pose_vectors_or_image_flow() {
     let comb = |comb: &str| evaluate(&format!("[groom]\ncomb = {comb}"), [true, true]).lay.comb.unwrap();
     assert_eq!(comb("[0, -2, 0]"), [Vec3::new(0.0, -2.0, 0.0); 4]);
     assert!(comb("\"vertex\"").iter().all(|v| (*v - Vec3::new(v.x, -0.6, -0.2)).length() < 1e-6));
-    // Right on the image is +x, up is +y: red 1 and green 0 point to the lower right.
+    // On the image, right is +x and up is +y, so red 1 and green 0 point to the lower right.
     for v in comb("\"flow.png#uv\"") {
         assert!((v.normalize() - Vec3::new(1.0, -1.0, 0.0).normalize()).length() < 1e-2, "{v}");
     }
-    // Materials without a map take the surface's comb direction; the diagonal takes the mean.
+    // Materials without a comb map use the comb direction of the surface. Vertices on the diagonal have the mean of
+    // both.
     let nose = evaluate("[[groom.material]]\nname = \"Nose\"\ncomb = [0, 1, 0]", [true, true]).lay.comb.unwrap();
     assert_eq!(nose, [Vec3::new(0.5, 0.5, 0.0), Vec3::X, Vec3::new(0.5, 0.5, 0.0), Vec3::Y]);
     assert!((comb("\"flow.png\"")[0] - Vec3::new(1.0, -1.0, 0.0)).length() < 0.01);
@@ -240,7 +244,7 @@ fn wetness_maps_classify_as_dry_wet_or_mixed() {
     let nose = "[[groom.material]]\nname = \"Nose\"\nwetness = 1";
     assert_eq!([water(nose, [true, true]), water(nose, [false, true])], [FurWetness::Mixed, FurWetness::Wet]);
     assert_eq!(water(nose, [true, false]), FurWetness::Dry);
-    // For joints only the tables count, so that a package without the model's names gives the same result.
+    // For joints, only the tables count, so a package without the model's joint names gives the same result.
     let joint = |wetness: f32| format!("[[groom.joint]]\nname = \"*\"\nwetness = {wetness}");
     assert_eq!([water(&joint(0.0), [true; 2]), water(&joint(1.0), [true; 2])], [FurWetness::Dry, FurWetness::Mixed]);
     let all = format!("[groom]\nwetness = 1\n{}", joint(1.0));
@@ -264,13 +268,13 @@ fn projected_images_need_no_texture_coordinates() {
     assert_eq!(warnings, [""; 0]);
     let at = Vertices::of_model(&mesh, &rest);
     let coat = maps.vertex_groom(&at).unwrap();
-    // Black on the left and white on the right, seen from +z.
+    // Seen from +z, the image is black on the left and white on the right.
     assert_eq!((&coat.length[..], &coat.bareness[..]), (&[0.0, 1.0, 1.0, 0.0][..], &[0.0, 1.0, 1.0, 0.0][..]));
     assert!(coat.lean.iter().all(|lean| (lean - 0.6).abs() < 1e-6), "{:?}", coat.lean);
     assert!(maps.textures().unwrap().images.is_empty(), "what vertices say no texture says again");
     let lay = maps.layout_maps(&mesh, &rest, Vec3::X).unwrap();
     assert_eq!(lay.density.unwrap(), [0.25, 4.0, 4.0, 0.25]);
-    // Red points right on the image and green down, which is +x and −y seen along z.
+    // Red points right on the image and green points down. Seen along z, that is +x and −y.
     assert!(lay.comb.unwrap().iter().all(|d| d.distance(Vec3::new(1.0, -1.0, 0.0)) < 1e-6));
     let color = maps.color_at(&images.images["a.png"], &at, &mesh.parts[0], 1).unwrap();
     assert!(color.x == 1.0 && color.z == 0.0, "{color}");

@@ -8,29 +8,29 @@ use pelage_import::mesh::{Mesh, RestPose};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashMap};
 
-/// Cosine of the angle from straight down within which a bare part counts as below the surface, such as teeth behind a
-/// cheek.
+/// Cosine of the half angle of a cone about the inward normal. A bare part in this cone counts as below the surface,
+/// such as teeth behind a cheek.
 const BELOW: f32 = 0.5;
-/// Share of the reach within which a bare part counts as beside the surface without being joined to it, such as an eye
-/// in its socket. A part below the surface by half this distance or more never counts as beside it.
+/// Share of the reach within which an unconnected bare part counts as beside the surface, such as an eye in its socket.
+/// A part that is deeper below the surface than half this distance never counts as beside it.
 const BESIDE: f32 = 0.5;
-/// Distance below which the direction to a bare part is noise, as a share of the reach.
+/// Distance from a bare part below which the direction to it is ignored as noise, as a share of the reach.
 const TOUCHING: f32 = 0.02;
 
 /// Maximum ratio of hair length to the root's distance from a bare part. An eye at the side of a head is seen past the
-/// hair in front of it, and upright hair covers part of it. Measured on ten animals from the front (`eyes-covered` in
-/// `tests/src/bin/chores/`).
+/// hair in front of it, so upright hair covers part of it. The value was measured on ten animals from the front
+/// (`eyes-covered` in `tests/src/bin/chores/`).
 const STEEPEST: f32 = 0.12;
-/// Number of iterations of the margin, each with the hair within the previous one.
+/// Number of iterations that determine the margin. Each measures the hair within the previous margin.
 const ROUNDS: usize = 2;
-/// Maximum of the chosen margin, radii of the model: the reach of the automatic groom around bare parts.
+/// Maximum of the chosen margin, in model radii. It is the reach of the automatic groom around bare parts.
 const WIDEST: f32 = 0.15;
 
 /// Distances of the furred surface from bare parts.
 ///
-/// A path starts where a bare part is joined to the surface, or is beside or above it within half the reach. It follows
-/// the edges of the furred surface. Distances are evaluated at vertices: a bare part in the middle of a large triangle
-/// is near none.
+/// A path starts where a bare part is joined to the surface, or is beside or above the surface within half the reach.
+/// It follows the edges of the furred surface. Distances are evaluated at vertices, so a bare part in the middle of a
+/// large triangle may be near no vertex.
 #[derive(Debug)]
 pub struct BareDistances {
     places: WeldedVertices,
@@ -62,7 +62,7 @@ impl BareDistances {
         Self { places, ways, reach_m }
     }
 
-    /// Scales `length`, one per vertex, smoothly from 0 at the border of a bare part to its full value at the reach.
+    /// Multiplies `length`, one per vertex, by a smooth factor from 0 at the border of a bare part to 1 at the reach.
     pub fn shorten(&self, length: &mut [f32]) {
         for (vertex, place) in &self.places.of_vertex {
             if let Some(length) = length.get_mut(*vertex as usize) {
@@ -71,7 +71,7 @@ impl BareDistances {
         }
     }
 
-    /// Returns the mean length of the hair within `within_m` of bare parts, metres; `None` if there is none.
+    /// Returns the mean length of the hair within `within_m` of bare parts, metres; `None` if no hair is so near.
     ///
     /// * `length`: one per vertex, share of the longest hair
     /// * `longest_m`: length of the longest hair, metres
@@ -83,8 +83,8 @@ impl BareDistances {
     }
 }
 
-/// Returns the margin for the hair of a model, metres: just wide enough that hair beside bare parts does not hide them.
-/// `None` if no hair is beside any.
+/// Returns the margin for the hair of a model, metres. It is just wide enough that hair beside bare parts does not hide
+/// them. Returns `None` if no hair is beside a bare part.
 ///
 /// * `rest`: rest pose of `mesh`, metres
 /// * `furred`: one per material
@@ -103,8 +103,8 @@ pub fn chosen_margin_m(
     }
     let widest_m = WIDEST * radius_m;
     let beside = BareDistances::new(mesh, rest, furred, widest_m);
-    // The steepest line from the origin to the smoothstep curve has slope 9/8, at three quarters. Hair gets longer away
-    // from bare parts, so a wider margin includes longer hair.
+    // Hair length rises along a smoothstep curve over the margin. The steepest line from its origin to the curve has
+    // slope 9/8, which limits the ratio of length to distance. A wider margin includes longer hair, so iterate.
     let mut margin_m = longest_m.min(widest_m);
     for _ in 0..ROUNDS {
         let length_m = beside.mean_m(length, longest_m, margin_m)?;
@@ -127,7 +127,7 @@ pub fn margin_decision(margin_m: f32) -> Decision {
 struct WeldedVertices {
     /// Welded vertex of each vertex.
     of_vertex: BTreeMap<u32, usize>,
-    /// First vertex of each welded vertex.
+    /// Index of the first vertex of each welded vertex.
     vertex: Vec<u32>,
 }
 
@@ -146,8 +146,8 @@ fn places(skin: &[[u32; 3]], positions: &[Vec3]) -> WeldedVertices {
     found
 }
 
-/// Returns the straight distance of each welded vertex to the nearest bare triangle that is not below the surface
-/// there, metres; infinite if none is near.
+/// Returns the straight distance of each welded vertex from the nearest bare triangle that is not below the surface
+/// there, metres. It is infinite if no such triangle is near.
 fn straight_distances(places: &WeldedVertices, bare: &[[u32; 3]], rest: &RestPose, margin_m: f32) -> Vec<f32> {
     let place = |vertex: u32| rest.positions[vertex as usize];
     let reach = BESIDE * margin_m;
@@ -191,7 +191,8 @@ impl Ord for QueueEntry {
     }
 }
 
-/// Shortens the distances to those along the edges of the surface (Dijkstra 1959), up to the margin.
+/// Replaces each distance by the shortest path along the edges of the surface (Dijkstra 1959), if that is shorter.
+/// Paths are at most as long as the margin.
 fn relax_along_edges(ways: &mut [f32], skin: &[[u32; 3]], places: &WeldedVertices, rest: &RestPose, margin_m: f32) {
     let mut neighbours: Vec<Vec<(usize, f32)>> = vec![Vec::new(); ways.len()];
     for triangle in skin {

@@ -1,8 +1,8 @@
 use super::*;
 use pelage_import::mesh::MeshPart;
 
-/// Builds a furred strip of 1 m along x from 0, with a vertex every centimetre and separate vertices for each triangle,
-/// and bare triangles.
+/// Builds a furred strip of 1 m along x from 0, and bare triangles. The strip has a vertex every centimetre and
+/// separate vertices for each triangle.
 fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
     let mut mesh = Mesh::default();
     let mut add = |corners: [Vec3; 3]| {
@@ -27,7 +27,8 @@ fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
     (mesh, rest)
 }
 
-/// Returns x, metres, and the shortened length of full-length hair for each vertex of the strip.
+/// Returns the x coordinate, metres, and the hair length after shortening for each vertex of the strip. Hair has full
+/// length before.
 fn faded(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
     let (mesh, rest) = strip(bare);
     let mut length = vec![1.0; mesh.positions.len()];
@@ -36,7 +37,7 @@ fn faded(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
     mesh.positions.iter().map(|p| p.x).zip(length).take(600).collect()
 }
 
-/// Triangle to the left of x = 0, which it touches along z.
+/// Bare triangle to the left of x = 0, where it touches the strip along z.
 const JOINED: [Vec3; 3] = [Vec3::ZERO, Vec3::new(0.0, 0.0, 0.01), Vec3::new(-0.1, 0.0, 0.0)];
 
 #[test]
@@ -54,7 +55,7 @@ fn length_grows_smoothly_over_the_margin() {
 
 #[test]
 fn margin_applies_to_disconnected_bare_parts() {
-    // A gap of 2 cm, with the bare part slightly higher.
+    // The bare part is separated by a gap of 2 cm and slightly higher.
     let apart = JOINED.map(|p| p + Vec3::new(-0.02, 0.005, 0.0));
     let at_rim = faded(&[apart], 0.2)[0];
     assert!(at_rim.1 > 0.0 && at_rim.1 < 0.05, "{at_rim:?}");
@@ -62,7 +63,7 @@ fn margin_applies_to_disconnected_bare_parts() {
 
 #[test]
 fn bare_parts_below_the_surface_do_not_shorten_hair() {
-    // Teeth 1.5 cm behind a cheek.
+    // The teeth are 1.5 cm behind a cheek.
     let teeth = [Vec3::new(0.4, -0.015, 0.0), Vec3::new(0.4, -0.015, 0.01), Vec3::new(0.41, -0.015, 0.0)];
     let near = |all: Vec<(f32, f32)>| all.into_iter().filter(|(x, _)| (*x - 0.4).abs() < 0.012).collect::<Vec<_>>();
     assert!(faded(&[teeth], 0.05).iter().all(|(_, length)| *length == 1.0));
@@ -72,14 +73,14 @@ fn bare_parts_below_the_surface_do_not_shorten_hair() {
 
 #[test]
 fn margin_distance_is_geodesic_where_the_line_is_blocked() {
-    // If all bare parts are below the surface, only the seam is a start, and paths lead along edges from there.
+    // If all bare parts are below the surface, paths start only at the seam and lead along edges from there.
     let (mesh, mut rest) = strip(&[JOINED]);
     rest.normals.fill(Vec3::X);
     let mut length = vec![1.0; mesh.positions.len()];
     BareDistances::new(&mesh, &rest, &[true, false], 0.2).shorten(&mut length);
     for (p, length) in mesh.positions.iter().zip(&length).take(600) {
         let t = (p.x / 0.2).min(1.0);
-        // Paths along edges are slightly longer than straight ones.
+        // The tolerance is needed because paths along edges are slightly longer than straight ones.
         assert!((length - t * t * (3.0 - 2.0 * t)).abs() < 0.1, "{length} at {p}");
     }
 }
@@ -99,7 +100,7 @@ fn chosen_margin_keeps_hair_clear_of_bare_parts() {
             assert!(share * length_m <= STEEPEST * p.x * 1.001 + 1e-6, "{share} of {length_m} m at {p}");
         }
     }
-    // Hair half as long near bare parts needs half the margin, however long it is elsewhere.
+    // If hair near bare parts is half as long, it needs half the margin, however long it is elsewhere.
     let short: Vec<f32> = mesh.positions.iter().map(|p| if p.x < 0.5 { 0.5 } else { 1.0 }).collect();
     assert_eq!(chosen_m(&short, 0.1, 100.0), chosen_m(&full, 0.05, 100.0));
     assert_eq!(chosen_m(&full, 0.1, 1.0), Some(WIDEST));

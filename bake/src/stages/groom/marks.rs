@@ -1,8 +1,8 @@
 //! Length, density, lean and colour of the recipe's comb marks, spread over the mesh.
 //!
-//! The weight of a mark depends on the distance along the surface from the nearest point to the mark: full nearby, zero
-//! from its reach on. It is smoothed slightly by heat diffusion, across gaps between connected components and corners
-//! of a coarse mesh.
+//! The weight of a mark depends on the distance along the surface from the point nearest to the mark. It is full
+//! nearby, and zero beyond the mark's reach. Heat diffusion smooths it slightly, across gaps between connected
+//! components and corners of a coarse mesh.
 
 use super::body::{Body, WeldedMesh, furred_faces};
 use super::geodesic::ways;
@@ -14,15 +14,15 @@ use glam::Vec3;
 use pelage_formats::meaning::srgb_value_to_linear;
 use pelage_import::mesh::CombLine;
 
-/// Width of the smoothing of weights, as a share of a mark's reach.
+/// Width of the smoothing of weights, divided by the reach of a mark.
 const SPREAD: f32 = 0.1;
-/// Distance from the surface above which a mark is reported as misplaced, radii of the body.
+/// Distance from the surface above which a mark is reported as misplaced, in body radii.
 const FAR: f32 = 0.1;
-/// Number of points of a drawn line that are tested.
+/// Number of points of a comb line that are tested for their distance from the surface.
 const LOOKED_AT: usize = 9;
 
-/// Combined values of all marks, one entry per vertex of the model: total weight, 0..=1, and value. Empty if no mark
-/// sets it.
+/// Combined values of all marks, one entry per vertex of the model: total weight, 0..=1, and value. A list is empty if
+/// no mark sets its value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MarkValues {
     /// Hair length, as a share of the longest.
@@ -36,8 +36,8 @@ pub struct MarkValues {
 }
 
 impl MarkValues {
-    /// Spreads marks over a body. Marks and lines far from its furred surface are reported in `warnings`, with the
-    /// distance.
+    /// Spreads marks over a body. Marks and comb lines far from the furred surface are reported in `warnings`, with
+    /// their distance.
     pub fn new(marks: &[CombMarkParams], drawn: &[CombLine], body: &Body<'_>, warnings: &mut Vec<String>) -> Self {
         let radius_m = body.bounds.radius;
         if marks.is_empty() && drawn.is_empty() || !(radius_m > 0.0 && radius_m.is_finite()) {
@@ -78,16 +78,16 @@ impl MarkValues {
     }
 }
 
-/// Blends `elsewhere` with the marks' value at a vertex of the model.
+/// Returns the value at a vertex of the model: `elsewhere`, blended with the marks' value by their weight.
 pub(super) fn blend_marks(values: &[(f32, f32)], vertex: usize, elsewhere: f32) -> f32 {
     match values.get(vertex) {
-        // Interpolated by differences, so that without any mark the result is exactly `elsewhere`.
+        // Add the weighted difference, so that without any mark the result is exactly `elsewhere`.
         Some((share, value)) if *share > 0.0 => elsewhere + share * (value - elsewhere),
         _ => elsewhere,
     }
 }
 
-/// Surface on which marks are placed; lengths are radii of the body.
+/// Surface on which marks are placed. Lengths are in body radii.
 struct MarkSurface {
     skin: WeldedMesh,
     /// Whether hair grows on each face.
@@ -97,14 +97,14 @@ struct MarkSurface {
 /// Placement of a mark on the surface.
 struct MarkPlacement {
     face: usize,
-    /// Nearest point of the surface.
+    /// Point of the surface nearest to the mark.
     on_skin: Vec3,
-    /// Distance to it.
+    /// Distance between the mark and that point.
     away: f32,
 }
 
 impl MarkSurface {
-    /// Returns the nearest point of the furred surface, in the first face if there are several.
+    /// Returns the point of the furred surface nearest to `at`. If several faces have it, the first one is returned.
     fn nearest(&self, at: Vec3) -> Option<MarkPlacement> {
         let mut best: Option<MarkPlacement> = None;
         for (face, places) in self.skin.faces.iter().enumerate().filter(|(face, _)| self.furred[*face]) {
@@ -119,16 +119,19 @@ impl MarkSurface {
         best
     }
 
-    /// Returns the weight at each welded vertex of a mark placed there.
+    /// Returns the weight of a mark at each welded vertex.
+    ///
+    /// * `found`: placement of the mark
+    /// * `reach`: reach of the mark
     fn weights(&self, found: &MarkPlacement, reach: f32) -> Vec<f32> {
         let skin = &self.skin;
         let straight = |place: u32| skin.positions[place as usize].distance(found.on_skin);
         let corners = skin.faces[found.face];
-        // Even on a coarse mesh the weight is full somewhere.
+        // The shift ensures that, even on a coarse mesh, some vertex has full weight.
         let least = corners.iter().map(|p| straight(*p)).fold(f32::INFINITY, f32::min);
         let shift = (least - reach::FULL * reach).max(0.0);
         let mut ways = ways(skin, &corners.map(|p| (p, straight(p) - shift)), reach);
-        // Other connected components, such as an ear inserted into the head, use the straight distance.
+        // Vertices of other connected components, such as an ear inserted into the head, use the straight distance.
         let piece = skin.pieces[corners[0] as usize];
         for (place, way) in ways.iter_mut().enumerate().filter(|(place, _)| skin.pieces[*place] != piece) {
             *way = straight(place as u32);
@@ -136,13 +139,13 @@ impl MarkSurface {
         let shares: Vec<f32> = ways.into_iter().map(|way| reach::influence(way, reach)).collect();
         let spread = skin.spread(&shares, SPREAD * reach);
         let most = spread.iter().copied().fold(0.0, f32::max);
-        // Tiny values that the solver leaves far away become zero.
+        // Set tiny values, which the solver leaves far away, to zero.
         let scaled = |share: f32| if share > 1e-3 * most { (share / most).min(1.0) } else { 0.0 };
         spread.into_iter().map(scaled).collect()
     }
 }
 
-/// Accumulated values of marks per welded vertex; lists are empty if no mark sets the value.
+/// Sums of the marks' values per welded vertex. A list is empty if no mark sets its value.
 #[derive(Default)]
 struct MarkSums {
     length: Vec<MarkBlend<f32>>,

@@ -6,7 +6,7 @@ use crate::stages::groom::{Colors, MapImages, Maps, Vertices, bounds, colors};
 use glam::Vec2;
 use pelage_import::mesh::{Material, Mesh, MeshPart, Model, RestPose};
 
-/// Builds a sphere of radius 1 m without texture coordinates. Vertices along its seam are duplicated.
+/// Builds a sphere of radius 1 m without texture coordinates. The vertices along one meridian are duplicated.
 fn ball() -> Model {
     let (rings, sides) = (32u32, 64u32);
     let mut mesh = Mesh::default();
@@ -44,7 +44,7 @@ fn at(model: &Model, place: Vec3) -> usize {
     (0..model.mesh.positions.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap()
 }
 
-/// Returns the point on the sphere's equator at an angle from the front, radians.
+/// Returns the point on the sphere's equator at that angle from the front, radians.
 fn round(angle: f32) -> Vec3 {
     Vec3::new(angle.sin(), 0.0, angle.cos())
 }

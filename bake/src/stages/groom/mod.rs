@@ -1,4 +1,5 @@
-//! Stage `groom`: placement, length and variation of hair over the model. Lengths are metres in the posed rest state.
+//! Stage `groom`: determines where hair grows on the model, how long it is and how it varies. Lengths are metres in the
+//! posed rest state.
 
 mod at_root;
 mod atlas;
@@ -44,7 +45,7 @@ use crate::recipe::Recipe;
 use pelage_formats::Bounds;
 use pelage_import::mesh::RestPose;
 
-/// Lengths that the recipe may leave open, resolved for one model.
+/// Lengths that the recipe may leave open, with their values for one model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lengths {
     /// Length of the longest strand, metres.
@@ -54,12 +55,13 @@ pub struct Lengths {
 }
 
 impl Lengths {
-    /// Takes the lengths in the recipe and derives the others from the model's size.
+    /// Returns the lengths in the recipe, and derives the missing ones from the model's size.
     ///
-    /// Models come in all units, whatever glTF specifies, so only a length relative to the model suits them all.
+    /// Models use all kinds of units, although glTF specifies metres, so only lengths relative to the model suit them
+    /// all.
     pub fn resolve(recipe: &Recipe, bounds: &Bounds) -> Self {
         let Recipe { hair, surface, .. } = recipe;
-        // A model of one point has no size; any positive number keeps the stages defined.
+        // A model of a single point has no size. Any positive number keeps the stages well-defined.
         let radius = if bounds.radius > 0.0 { bounds.radius } else { 1.0 };
         Self {
             length_m: hair.length_m.unwrap_or(hair.length_per_radius * radius),
@@ -67,7 +69,7 @@ impl Lengths {
         }
     }
 
-    /// Returns the lengths that the recipe left open.
+    /// Returns the lengths that were chosen because the recipe left them open.
     pub fn decisions(&self, recipe: &Recipe) -> Vec<Decision> {
         let mut decisions = Vec::new();
         if recipe.hair.length_m.is_none() {
@@ -80,7 +82,7 @@ impl Lengths {
     }
 }
 
-/// Returns the box and sphere around the mesh at rest.
+/// Returns the bounding box and bounding sphere of the mesh at rest.
 pub fn bounds(rest: &RestPose) -> Bounds {
     let mut points = rest.positions.iter().copied();
     let Some(first) = points.next() else { return Bounds::default() };

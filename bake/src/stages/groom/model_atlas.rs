@@ -2,8 +2,8 @@
 //! images remain valid.
 //!
 //! Patches with the least distortion are grown over the whole mesh, bare parts included, and packed as charts. Sizes
-//! derive from the model's, and all constants are defined here: changing a default of a recipe must not move painted
-//! images.
+//! are derived from the model's, and all constants are defined here, because a changed default of a recipe must not
+//! move painted images.
 
 use super::atlas::{Atlas, TooManyCharts};
 use super::flow::image_axes;
@@ -13,31 +13,33 @@ use pelage_import::BakeError;
 use pelage_import::mesh::{Mesh, Model, RestPose};
 use std::collections::BTreeMap;
 
-/// Maximum distance that a patch grows, as a share of the diagonal of the model's bounding box.
+/// Maximum distance of a patch's border from its seed, as a share of the diagonal of the model's bounding box.
 const PATCH_PER_DIAGONAL: f32 = 0.5;
-/// Largest stretch of a triangle in any direction; its reciprocal is the smallest.
+/// Largest stretch of a triangle in any direction; the smallest is its reciprocal.
 const STRETCH: f32 = 1.6;
-/// Sizes for which charts are packed, texels; the first that leaves wide gutters is used. Images may have any size.
+/// Texture sizes to try for packing the charts, texels. The first that leaves wide gutters is used. The image itself
+/// may have any size.
 const SIDES: [u32; 4] = [1024, 2048, 4096, 8192];
 
-/// Identity of a model's vertex, stable when the mesh is cut or welded: material, position, joints and weights.
+/// Identity of a model's vertex: material, position, joints and weights. It stays the same when the mesh is cut or
+/// welded.
 type Key = (usize, [u32; 3], [u16; 4], [u32; 4]);
 
 /// Atlas of a model.
 #[derive(Clone, Debug)]
 pub struct ModelAtlas {
-    /// Valid triangles of the model, in order, with the atlas as texture coordinates: vertices are duplicated at the
+    /// Valid triangles of the model, in order, with the atlas as texture coordinates. Vertices are duplicated at the
     /// borders of charts.
     pub mesh: Mesh,
     /// Rest pose of the mesh.
     pub rest: RestPose,
-    /// Width and height for which it was packed, texels.
+    /// Width and height for which the atlas was packed, texels.
     pub side: u32,
-    /// Gutter around each chart, texels at that size.
+    /// Gutter around each chart, texels of a texture of width `side`.
     pub gutter: u32,
-    /// Vertices of `mesh` for each vertex of the model, one per distinct texture coordinate.
+    /// Vertices of `mesh` that correspond to each vertex of the model, one per distinct texture coordinate.
     standing_for: BTreeMap<Key, Vec<u32>>,
-    /// Directions on the surface that point right and up on the atlas, per vertex.
+    /// Unit directions on the surface that point right and up on the atlas, per vertex of `mesh`.
     axes: Vec<[Vec3; 2]>,
 }
 
@@ -47,7 +49,7 @@ impl ModelAtlas {
     /// * `file`: the model as the user named it, for messages
     ///
     /// # Errors
-    /// [`BakeError::Input`] if no triangle has an area, or if there are too many separate pieces for any texture.
+    /// [`BakeError::Input`] if no triangle has an area, or if there are more separate charts than any texture can hold.
     pub fn new(file: &str, model: &Model) -> Result<Self, BakeError> {
         let diagonal_m = diagonal(&RestPose::of(&model.mesh, model.animation.as_ref()).positions);
         let patches = PatchParams { size: 1.0, turn_deg: 60.0, stretch: STRETCH, comb_weight: 0.0 };
@@ -77,8 +79,8 @@ impl ModelAtlas {
         Ok(Self { mesh, rest, side: atlas.side, gutter: atlas.gutter, standing_for, axes })
     }
 
-    /// Returns the vertices of the atlas for vertex `v` of `mesh`, the model's mesh after cutting or welding: one per
-    /// texture coordinate. Empty for a vertex whose triangles have no area.
+    /// Returns the vertices of the atlas that correspond to vertex `v` of `mesh`, the model's mesh after cutting or
+    /// welding. There is one per texture coordinate, and none if the vertex's triangles have no area.
     pub(super) fn standing_for(&self, mesh: &Mesh, material: usize, v: usize) -> &[u32] {
         self.standing_for.get(&key(mesh, material, v)).map_or(&[], Vec::as_slice)
     }
@@ -93,8 +95,8 @@ impl ModelAtlas {
         self.axes[vertex as usize]
     }
 
-    /// Returns for each triangle's corners the index of the model's vertex, numbered from 0, and for each index its
-    /// texture coordinates.
+    /// Returns two lists. The first has the number of the model's vertex at each corner of each triangle. The second
+    /// has the texture coordinates of each numbered vertex.
     pub fn corner_coordinates(&self) -> (Vec<[u32; 3]>, Vec<Vec<Vec2>>) {
         let mut number_of = vec![0; self.mesh.positions.len()];
         let mut coordinates = Vec::new();
@@ -116,7 +118,7 @@ fn diagonal(points: &[Vec3]) -> f32 {
     if points.is_empty() { 0.0 } else { min.distance(max) }
 }
 
-/// Packs charts at the smallest of [`SIDES`] that leaves wide gutters, otherwise at the largest.
+/// Packs the charts at the smallest of [`SIDES`] that leaves wide gutters. If none does, packs them at the largest.
 fn packed(uncut: Surface) -> Result<(Surface, Atlas), TooManyCharts> {
     let mut found = Err(TooManyCharts { charts: 0 });
     for side in SIDES {
@@ -136,7 +138,7 @@ fn key(mesh: &Mesh, material: usize, v: usize) -> Key {
     (material, mesh.positions[v].to_array().map(bits), joints, weights.map(bits))
 }
 
-/// Returns material and vertex of every corner.
+/// Returns material and vertex of every corner of every triangle.
 fn corners(mesh: &Mesh) -> impl Iterator<Item = (usize, usize)> {
     mesh.parts.iter().flat_map(|part| {
         let triangles = &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
@@ -144,7 +146,7 @@ fn corners(mesh: &Mesh) -> impl Iterator<Item = (usize, usize)> {
     })
 }
 
-/// Returns the vertices of each key, without duplicates of a texture coordinate.
+/// Returns the vertices of each key, one per distinct texture coordinate.
 fn by_key(mesh: &Mesh) -> BTreeMap<Key, Vec<u32>> {
     let mut found: BTreeMap<Key, Vec<u32>> = BTreeMap::new();
     for (material, v) in corners(mesh) {

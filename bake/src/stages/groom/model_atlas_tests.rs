@@ -38,8 +38,7 @@ fn torus() -> Model {
     Model { mesh, materials: vec![material("coat"), material("other")], ..Model::default() }
 }
 
-/// Paints a smooth image over the atlas with the values of `share` at the model's positions, in red; green and blue are
-/// 0.
+/// Paints a smooth image over the atlas. Red has the values of `share` at the model's positions; green and blue are 0.
 fn painted(atlas: &ModelAtlas, side: u32, share: impl Fn(Vec3) -> f32 + Sync) -> Image {
     use crate::stages::groom::canvas::{Canvas, CanvasTriangle};
     let corners = |t: &[u32; 3]| t.map(|v| atlas.uv(v) * side as f32);
@@ -131,7 +130,7 @@ fn painted_maps_apply_at_the_painted_position() {
 fn a_flow_image_points_along_the_atlas() {
     let model = torus();
     let atlas = ModelAtlas::new("torus", &model).unwrap();
-    // Points right on the image everywhere.
+    // The flow map points right on the image everywhere.
     let right = Image { width: 1, height: 1, rgba: vec![255, 128, 0, 255] };
     let file = MapImages { images: [("f.png".to_owned(), right)].into(), ..MapImages::default() };
     let groom = Recipe::parse("r.toml", "[groom]\ncoordinates = \"atlas\"\ncomb = \"f.png#uv\"").unwrap().groom;
@@ -163,7 +162,7 @@ fn atlas_depends_only_on_the_mesh() {
     let atlas = ModelAtlas::new("torus", &model).unwrap();
     let other = Model { warnings: vec!["something".into()], nodes: Vec::new(), ..model.clone() };
     assert_eq!(ModelAtlas::new("another name", &other).unwrap().mesh, atlas.mesh);
-    // Vertices are found however the recipe changes them.
+    // Vertices are found even if the recipe causes them to be duplicated.
     let mut cut = model.mesh.clone();
     let copy = cut.copy_vertex(5) as usize;
     assert_eq!(atlas.standing_for(&cut, 0, copy), atlas.standing_for(&model.mesh, 0, 5));

@@ -1,4 +1,4 @@
-//! Interpretation of the names of materials, nodes and meshes with respect to hair.
+//! Interpretation of the names of materials, nodes and meshes: whether they stand for furred or bare parts.
 
 use super::words::{
     BARE, BareWords, EYES, FURRED, FURRED_WITHIN, INSIDE, MOUTH, POSITION_CHARACTERS, POSITION_WORDS, SNOUT,
@@ -11,9 +11,9 @@ pub(super) enum NameMeaning {
     Nothing,
     /// Furred: `EyeFur`, `Body`.
     Furred,
-    /// Bare, if it covers at most a share of the mesh's area.
+    /// Bare, if the named part covers at most `most` of the mesh's area.
     Bare {
-        /// Maximum share, 0..=1.
+        /// Maximum share of the mesh's area, 0..=1.
         most: f32,
     },
 }
@@ -21,13 +21,14 @@ pub(super) enum NameMeaning {
 /// Script of a character, for splitting words.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Script {
-    /// Letters; words end at non-letters or at a capital.
+    /// Letters, whose words end at non-letters and before capitals.
     Letters { upper: bool },
-    /// Katakana; words run into each other.
+    /// Katakana, whose words are written without separators.
     Katakana,
-    /// Kanji and hiragana, likewise; kanji take hiragana as endings, so they form one class.
+    /// Kanji and hiragana, whose words are written without separators. Kanji have hiragana as endings, so both are one
+    /// class.
     HanAndHiragana,
-    /// Not part of a word.
+    /// Character that is not part of a word.
     None,
 }
 
@@ -42,11 +43,11 @@ fn script(c: char) -> Script {
     }
 }
 
-/// Splits a name into words in lower case without accents, except for `ñ`. `LeftEye.001`, `left_eye` and `LEFT-EYE2`
-/// give the same two.
+/// Splits a name into words in lower case without accents, except that `ñ` keeps its tilde. `LeftEye.001`, `left_eye`
+/// and `LEFT-EYE2` give the same two words.
 pub(super) fn words(name: &str) -> Vec<String> {
     let narrow = |c: char| match c {
-        // Full-width forms of ASCII.
+        // Full-width forms of ASCII become ASCII.
         '\u{ff01}'..='\u{ff5e}' => char::from_u32(c as u32 - 0xfee0).unwrap_or(c),
         _ => c,
     };
@@ -69,7 +70,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
         let goes_on = match (before, here) {
             (_, Script::None) => false,
             (Script::Letters { upper: false }, Script::Letters { upper: true }) => false,
-            // The last capital of a run begins a word: `LODEye`.
+            // The last capital of a run begins a word, as in `LODEye`.
             (Script::Letters { upper: true }, Script::Letters { upper: true }) => !next_is_lower,
             (Script::Letters { .. }, Script::Letters { .. }) => true,
             (before, here) => before == here,
@@ -102,8 +103,8 @@ fn fold(c: char, word: &mut String) {
     });
 }
 
-/// Interprets words from [`words`] together. A word for fur outweighs all others: a bald body is worse than a furred
-/// claw.
+/// Interprets words from [`words`] as one name. A word for fur outweighs all others, because a bald body is worse than
+/// a furred claw.
 pub(super) fn meaning_of_words<W: AsRef<str>>(words: &[W]) -> NameMeaning {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
     let is_furred = |word: &&str| is_one_of(word, FURRED) || FURRED_WITHIN.iter().any(|within| word.contains(within));
@@ -118,7 +119,7 @@ pub(super) fn meaning_of_words<W: AsRef<str>>(words: &[W]) -> NameMeaning {
     limits.reduce(f32::min).map_or(NameMeaning::Nothing, |most| NameMeaning::Bare { most })
 }
 
-/// Whether words from [`words`] name eyes or a part of them.
+/// Whether words from [`words`] name eyes or parts of eyes.
 pub(super) fn are_names_of_eyes(words: &[String]) -> bool {
     let is_eye = |word: &String| kind(word).is_some_and(|kind| kind.words == EYES);
     matches!(meaning_of_words(words), NameMeaning::Bare { .. }) && words.iter().any(is_eye)
@@ -141,11 +142,11 @@ fn kind(word: &str) -> Option<&'static BareWords> {
     of(word)
         .or_else(without_place)
         .or_else(|| of(characters))
-        // Genitive particles: 犬の目, 狗的眼睛.
+        // Split at genitive particles, as in 犬の目 and 狗的眼睛.
         .or_else(|| characters.split(['の', '的']).filter(|run| *run != characters).find_map(of))
 }
 
-/// Whether a word or its singular is in the list.
+/// Whether a word, or its stem without a plural ending, is in the list.
 fn is_one_of(word: &str, list: &[&str]) -> bool {
     let singular = |ending: &str| word.strip_suffix(ending).filter(|stem| stem.len() > 2);
     [Some(word), singular("s"), singular("es")].into_iter().flatten().any(|word| list.contains(&word))

@@ -12,7 +12,7 @@ fn material_names_are_split_into_words() {
     }
     assert_eq!(words("LODEyeM"), ["lod", "eye", "m"]);
     assert_eq!(words("犬の目マテリアル_L"), ["犬の目", "マテリアル", "l"]);
-    // Accents as one character and as combining characters, as some systems write them.
+    // Accents are written as one character or as combining characters, depending on the system.
     assert_eq!(words("Zähne Œil uña"), ["zahne", "oeil", "uña"]);
     assert_eq!(words("Za\u{308}hne un\u{303}a"), ["zahne", "uña"]);
     assert!(words("123_.-").is_empty() && words("").is_empty());
@@ -180,7 +180,7 @@ fn largest_share_of_a_nose_is_below_that_of_clothing() {
         other => panic!("{name}: {other:?}"),
     };
     assert!(most("Nose") < most("Horns") && most("Horns") < most("Shirt"));
-    // Of two verdicts the stricter one wins.
+    // If a name has two meanings, the stricter one wins.
     assert_eq!(most("ShirtNose"), most("Nose"));
 }
 
@@ -190,7 +190,7 @@ fn word_tables_are_folded_and_free_of_duplicates() {
     let all: Vec<&str> = bare.chain(MOUTH.words.iter().chain(FURRED).copied()).collect();
     for (i, word) in all.iter().enumerate() {
         assert!(!all[..i].contains(word), "{word} stands there twice");
-        // A word in another form would never match.
+        // A word that is not in the form returned by `words` would never match.
         let folded = words(word);
         assert!(folded == [*word] || folded.len() > 1 && !word.is_ascii(), "{word} is folded to {folded:?}");
     }

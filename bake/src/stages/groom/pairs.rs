@@ -1,15 +1,15 @@
-//! Detection of eye shapes: small round pieces in pairs, high on the body.
+//! Detection of eyes by shape: small round connected components in pairs, high on the body.
 
 use glam::{DVec3, Vec3};
 use pelage_import::mesh::Mesh;
 use std::collections::{BTreeMap, HashMap};
 
-/// Minimum roundness 36π V² / A³ of a piece: 1 for a sphere, 0.76 for one compressed to half its height, 0.52 for a
-/// cube, 0 for a sheet.
+/// Minimum roundness 36π V² / A³ of a piece (volume V, area A). It is 1 for a sphere, 0.76 for a sphere compressed to
+/// half its height, 0.52 for a cube, and 0 for a sheet.
 const ROUND: f64 = 0.6;
-/// Maximum relative difference in area between the pieces of a pair.
+/// Maximum relative difference in area between the two pieces of a pair.
 const ALIKE: f64 = 0.05;
-/// Maximum number of pieces: more than two eyes of a few layers are something else.
+/// Maximum number of pieces of a material. More pieces than two eyes of a few layers are something else.
 const MOST_PIECES: usize = 12;
 
 /// Connected component of triangles.
@@ -20,7 +20,7 @@ struct ComponentShape {
     roundness: f64,
 }
 
-/// Numbers the distinct positions: vertices at the same position have the same number.
+/// Numbers the distinct positions, so that vertices at the same position have the same number.
 pub(super) fn weld(positions: &[Vec3]) -> Vec<u32> {
     let mut seen: HashMap<[u32; 3], u32> = HashMap::new();
     let number = |p: &Vec3| {
@@ -32,7 +32,7 @@ pub(super) fn weld(positions: &[Vec3]) -> Vec<u32> {
 }
 
 /// Whether `material` covers only small round pieces in the upper half of the model, each with a partner of its size
-/// elsewhere. A piece may be open, such as an eye without its back, but must not continue in another material.
+/// beside it. A piece may be open, such as an eye without its back, but must not continue in another material.
 ///
 /// * `positions`: at rest, y up
 /// * `places`: numbers from [`weld`]
@@ -55,7 +55,8 @@ pub(super) fn are_round_pairs(mesh: &Mesh, positions: &[Vec3], places: &[u32], m
     some && !goes_on && pieces.iter().all(is_eye) && all_are_paired(&pieces)
 }
 
-/// Returns the triangles of a material, and those of the others, as welded vertices. Degenerate triangles are left out.
+/// Returns the triangles of a material, and those of all other materials, as indices of welded vertices. Degenerate
+/// triangles are ignored.
 fn faces(mesh: &Mesh, places: &[u32], material: usize) -> (Vec<[u32; 3]>, Vec<[u32; 3]>) {
     let (mut own, mut others) = (Vec::new(), Vec::new());
     for part in &mesh.parts {
@@ -67,12 +68,12 @@ fn faces(mesh: &Mesh, places: &[u32], material: usize) -> (Vec<[u32; 3]>, Vec<[u
     (own, others)
 }
 
-/// Returns the three edges of a face, each with the lower vertex first.
+/// Returns the three edges of a face, each with the lower vertex index first.
 pub(super) fn edges([a, b, c]: &[u32; 3]) -> [[u32; 2]; 3] {
     [[*a, *b], [*b, *c], [*c, *a]].map(|[p, q]| [p.min(q), p.max(q)])
 }
 
-/// Returns the edges that belong to one face only.
+/// Returns the edges that belong to a single face.
 fn borders(faces: &[[u32; 3]]) -> BTreeMap<[u32; 2], u32> {
     let mut count = BTreeMap::new();
     faces.iter().flat_map(edges).for_each(|edge| *count.entry(edge).or_insert(0) += 1);
@@ -85,7 +86,7 @@ pub(super) fn components(faces: &[[u32; 3]]) -> Vec<Vec<usize>> {
     let mut parent: BTreeMap<u32, u32> = BTreeMap::new();
     let root = |parent: &mut BTreeMap<u32, u32>, mut place: u32| {
         while let Some(up) = parent.get(&place).copied().filter(|up| *up != place) {
-            // Path halving keeps paths short.
+            // Path halving keeps the paths to the roots short.
             let above = parent.get(&up).copied().unwrap_or(up);
             parent.insert(place, above);
             place = above;
@@ -113,7 +114,7 @@ pub(super) fn components(faces: &[[u32; 3]]) -> Vec<Vec<usize>> {
     out
 }
 
-/// Measures a piece. A hole is closed by a fan around its centre, which is not counted in the area.
+/// Measures a connected component. A hole is closed by a fan around its centre, which does not count in the area.
 fn measure(faces: &[[u32; 3]], borders: &BTreeMap<[u32; 2], u32>, at: &dyn Fn(&u32) -> DVec3) -> ComponentShape {
     let mean = |places: &[u32]| places.iter().map(at).sum::<DVec3>() / places.len().max(1) as f64;
     let all: Vec<u32> = faces.iter().flatten().copied().collect();
@@ -129,7 +130,8 @@ fn measure(faces: &[[u32; 3]], borders: &BTreeMap<[u32; 2], u32>, at: &dyn Fn(&u
     ComponentShape { center: mean(&all), area, roundness }
 }
 
-/// Whether each piece has another of its size beside it, not around it.
+/// Whether every piece has a partner of its size. Their centres must be more than a diameter apart, so that the two are
+/// not concentric.
 fn all_are_paired(pieces: &[ComponentShape]) -> bool {
     let mut paired = vec![false; pieces.len()];
     for (i, piece) in pieces.iter().enumerate() {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// Triangle of the mesh at rest.
 #[derive(Clone, Debug)]
 pub(super) struct Face {
-    /// Corners, as welded vertices.
+    /// Indices of the corners, as welded vertices.
     places: [u32; 3],
     /// Index of the material.
     pub material: usize,
@@ -16,7 +16,7 @@ pub(super) struct Face {
     pub center: DVec3,
     /// Area, square metres.
     pub area: f64,
-    /// Linear luminance of the colour, 0..=1; `None` if an image determines it.
+    /// Linear luminance of the colour, 0..=1; `None` if the colour comes from an image.
     luminance: Option<f64>,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct FaceMesh {
     pub faces: Vec<Face>,
     /// Position of each welded vertex, metres.
     positions: BTreeMap<u32, DVec3>,
-    /// Triangles at each edge.
+    /// Indices of the triangles at each edge.
     at_edge: BTreeMap<[u32; 2], Vec<usize>>,
     /// Whether each material belongs to eyes.
     eyes: Vec<bool>,
@@ -38,9 +38,9 @@ pub(super) struct FaceMesh {
 /// Connected triangles of one material.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
-    /// Indices of the triangles in the mesh.
+    /// Indices of the patch's triangles in the mesh.
     pub triangles: Vec<usize>,
-    /// Share of the mesh's area, 0..=1.
+    /// Area as a share of the mesh's area, 0..=1.
     pub share: f64,
     /// Centroid of the area, metres.
     pub center: DVec3,
@@ -48,13 +48,13 @@ pub(super) struct Patch {
     pub lowest: f64,
     /// Mean linear luminance.
     pub luminance: f64,
-    /// Mean linear luminance of other materials along the border, except eyes; without such a border, of all other
-    /// materials. `None` if images determine it.
+    /// Mean linear luminance of the other materials along the border, except eyes. Without such a border, it is the
+    /// mean of all other materials. `None` if their colours come from images.
     pub beside: Option<f64>,
     /// Whether the patch borders on eyes.
     pub touches_eyes: bool,
     corners: Vec<DVec3>,
-    /// Vertices on the border.
+    /// Positions of the vertices on the border, metres.
     rim: Vec<DVec3>,
 }
 
@@ -101,17 +101,17 @@ impl FaceMesh {
         skin
     }
 
-    /// Returns the centre of the bounding box, metres.
+    /// Returns the centre of the model's bounding box, metres.
     pub(super) fn middle(&self) -> DVec3 {
         (self.low + self.high) / 2.0
     }
 
-    /// Returns half the diagonal of the bounding box, metres.
+    /// Returns half the diagonal of the model's bounding box, metres.
     pub(super) fn radius(&self) -> f64 {
         self.low.distance(self.high) / 2.0
     }
 
-    /// Returns the lowest and the highest y, metres.
+    /// Returns the lowest and the highest y coordinate, metres.
     pub(super) fn heights(&self) -> (f64, f64) {
         (self.low.y, self.high.y)
     }
@@ -164,12 +164,13 @@ impl FaceMesh {
 }
 
 impl Patch {
-    /// Returns the extent of the patch along a unit direction, from a point.
+    /// Returns how far the patch extends from a point in the direction of a unit vector, metres.
     pub(super) fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         self.corners.iter().map(|p| (*p - from).dot(direction)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Whether the patch extends beyond its border by at least the border's width: a cap or a thorn, not a spot.
+    /// Whether the patch protrudes from its border, like a cap or a thorn and unlike a flat spot. Its largest distance
+    /// from the centre of the border is then at least 1.3 times that of the border itself.
     pub(super) fn is_tip(&self) -> bool {
         let middle = self.rim.iter().sum::<DVec3>() / self.rim.len().max(1) as f64;
         let width = self.rim.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);

@@ -1,8 +1,8 @@
 //! Patterns of the fur: an image projected through space and painted onto the furred mesh.
 //!
 //! The colour is a function of position and normal alone. So it continues across the borders of charts without a seam,
-//! and a model needs no texture coordinates. If it has them, it keeps its base colour: both are painted into the same
-//! texture.
+//! and a model needs no texture coordinates. If the model has base-colour textures, they are painted into the same
+//! texture as the pattern.
 
 use super::atlas::{Atlas, linear_image, srgb_image};
 use super::canvas::SurfacePoint;
@@ -25,7 +25,7 @@ pub struct Pattern<'a> {
 }
 
 impl<'a> Pattern<'a> {
-    /// Returns the pattern of a recipe on a model with these bounds, if there is one.
+    /// Returns the pattern of a recipe on a model with these bounds; `None` if the recipe has no pattern.
     ///
     /// # Errors
     /// [`BakeError::Internal`] if the image was not read.
@@ -45,8 +45,8 @@ impl<'a> Pattern<'a> {
         self.projection.width_m()
     }
 
-    /// Returns linear RGB at a position, metres at rest, with that unit normal. Transparent texels are white: they
-    /// change nothing.
+    /// Returns linear RGB at a position, metres at rest, with that unit normal. Transparent texels count as white, so
+    /// that they change nothing.
     pub fn color(&self, position: Vec3, normal: Vec3) -> Vec3 {
         self.projection.read(position, normal, |at| {
             let texel = bilinear(self.image, at.uv, self.projection.wrap, Encoding::Srgb);
@@ -56,8 +56,8 @@ impl<'a> Pattern<'a> {
 }
 
 impl Pattern<'_> {
-    /// Paints the pattern, multiplied by existing colour textures, into one texture for all furred materials, and
-    /// changes their texture coordinates to it. Groom textures are converted too.
+    /// Paints the product of pattern and existing colour textures into one texture for all furred materials, and sets
+    /// their texture coordinates to it. Groom textures are converted too.
     ///
     /// * `furred`: one per material
     ///
@@ -74,7 +74,7 @@ impl Pattern<'_> {
         let material = |spot: SurfacePoint| material_of[spot.triangle];
         let texels = atlas.paint(|spot, extent| {
             let own = colors.materials.get(material(spot)).and_then(|m| m.image).map(|image| &colors.images[image]);
-            // Four samples per texel for smooth borders in the image.
+            // Average four samples per texel, for smooth borders in the image.
             let samples = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(dx, dy)| {
                 let at = SurfacePoint { weights: spot.weights + extent[0] * dx + extent[1] * dy, ..spot };
                 let normal = at.interpolate(surface, &surface.rest.normals).normalize_or(Vec3::Y);
@@ -98,9 +98,10 @@ impl Pattern<'_> {
     }
 }
 
-/// Assigns the painted colour and groom textures to some of the materials, and changes their texture coordinates.
+/// Assigns the painted colour and groom textures to some of the materials, and replaces the materials' texture
+/// coordinates.
 ///
-/// * `of_material`: whether each material is one of them
+/// * `of_material`: whether each material gets the textures
 pub(super) fn assign_textures(
     atlas: &Atlas,
     of_material: &[bool],
@@ -143,7 +144,7 @@ pub(super) fn material_of_triangles(surface: &Surface) -> Vec<usize> {
     materials
 }
 
-/// Assigns the image `new` to `materials`, and drops images that are no longer used.
+/// Assigns the image `new` to `materials`, and removes images that are no longer used.
 fn replace(images: &mut Vec<Image>, of_material: &mut [Option<usize>], materials: &[usize], new: Image) {
     materials.iter().for_each(|m| of_material[*m] = None);
     let mut kept = Vec::new();

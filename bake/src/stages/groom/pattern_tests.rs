@@ -10,7 +10,7 @@ use pelage_import::mesh::{Material, Mesh, MeshPart, Model};
 
 const SIDE: u32 = 512;
 
-/// Builds a torus about the y axis with radii 0.3 m and 0.12 m, without texture coordinates, with a bare patch of
+/// Builds a torus about the y axis with radii 0.3 m and 0.12 m, without texture coordinates. It has a bare patch of
 /// another material.
 fn torus() -> Model {
     let (rings, sides) = (40u32, 20u32);
@@ -42,7 +42,7 @@ fn torus() -> Model {
     Model { mesh, materials: vec![material("coat"), material("bare")], ..Model::default() }
 }
 
-/// Creates an image that is smooth in both directions, so that texels differ little from the values between them.
+/// Creates an image that is smooth in both directions, so that neighbouring texels differ little.
 fn waves() -> Image {
     let n = 256;
     let wave = |k: u32, times: f32| (times * k as f32 / n as f32 * std::f32::consts::TAU).sin() * 0.5 + 0.5;
@@ -81,7 +81,7 @@ fn paint(model: &Model, pattern: &Pattern<'_>) -> Painted {
     Painted { surface, colors, atlas }
 }
 
-/// Returns the image at half its size: the mean of four texels in linear light, the method of mips.
+/// Returns the image at half its size, as mips are made: each texel is the mean of four in linear light.
 fn halved(image: &Image) -> Image {
     let (width, height) = (image.width / 2, image.height / 2);
     let texel = |x: u32, y: u32, c: usize| f32::from(image.rgba[4 * (y * image.width + x) as usize + c]);
@@ -98,8 +98,8 @@ fn halved(image: &Image) -> Image {
     Image { width, height, rgba }
 }
 
-/// Returns the maximum and mean difference between texture and pattern, linear, over points of the furred surface:
-/// corners, edge midpoints, inside.
+/// Returns the maximum and mean difference between texture and pattern, linear. They are compared at the corners, edge
+/// midpoints and interior points of furred triangles.
 fn errors(painted: &Painted, pattern: &Pattern<'_>, level: u32) -> (f32, f32) {
     let Painted { surface, colors, .. } = painted;
     let mut image = colors.images[colors.materials[0].image.unwrap()].clone();
@@ -129,12 +129,13 @@ fn every_surface_point_shows_the_pattern_at_its_position() {
         let pattern = Pattern::new(&params(projection), &images, &BOUNDS).unwrap().unwrap();
         let painted = paint(&model, &pattern);
         assert_eq!(painted.atlas.gutter, 8, "{projection:?}");
-        // A texel is 2 mm here, over which the waves (period 0.28 m, steeper where box projections blend) change by at
-        // most 0.03. At the border of a chart the filter reads the gutter, into which the last triangle is extended in
-        // a straight line: slightly more there.
+        // Here, a texel is 2 mm wide. Over 2 mm, the waves change by at most 0.03 (period 0.28 m, steeper where box
+        // projections blend). The error is slightly larger at the border of a chart. There, the filter reads the
+        // gutter, into which the last triangle is extended in a straight line.
         let (worst, mean) = errors(&painted, &pattern, 0);
         assert!(worst < 0.1 && mean < 0.01, "{projection:?}: worst {worst}, mean {mean}");
-        // Four texels become one: at most four times that, and nothing of other charts or of the space between them.
+        // Texels of mip level 2 are four times as wide, so the error is at most four times larger. Other charts and the
+        // space between charts have no effect.
         let (worst, mean) = errors(&painted, &pattern, 2);
         assert!(worst < 0.2 && mean < 0.03, "{projection:?} at mip 2: worst {worst}, mean {mean}");
     }
@@ -142,7 +143,7 @@ fn every_surface_point_shows_the_pattern_at_its_position() {
 
 #[test]
 fn without_gutters_the_charts_bleed() {
-    // Control: with everything but the charts' own texels black, mip 2 shows black at their borders.
+    // Control: everything but the charts' own texels is black, and mip level 2 shows black at their borders.
     let (model, images) = (torus(), images(waves()));
     let pattern = Pattern::new(&params(PatternProjection::X), &images, &BOUNDS).unwrap().unwrap();
     let mut painted = paint(&model, &pattern);
@@ -161,7 +162,7 @@ fn without_gutters_the_charts_bleed() {
 #[test]
 fn base_colours_and_groom_maps_are_baked_into_the_pattern_texture() {
     let mut model = torus();
-    // Texture coordinates from the position: red to the right of the origin, bare to the left.
+    // Texture coordinates follow the position: right of the origin is red, left of it is bare.
     model.mesh.uvs = model.mesh.positions.iter().map(|p| Vec2::new((p.x / 0.42 + 1.0) / 2.0, 0.5)).collect();
     model.mesh.parts.iter_mut().for_each(|p| p.has_uvs = true);
     let row = |left: [u8; 4], right: [u8; 4]| Image {
@@ -209,7 +210,7 @@ fn base_colours_and_groom_maps_are_baked_into_the_pattern_texture() {
 
 #[test]
 fn patterns_are_oriented_as_seen() {
-    // Left half black, right half white; the upper row is darker than the lower.
+    // The left half is black and the right half is white. The upper row is darker than the lower.
     let image = Image {
         width: 2,
         height: 2,

@@ -1,6 +1,6 @@
-//! Projection of images through space: lookup of a surface point in an image.
+//! Projection of images through space: finds the image point for a surface point.
 //!
-//! The result is a function of position and normal alone, so that a model needs no texture coordinates.
+//! The result depends only on position and normal, so that a model needs no texture coordinates.
 
 use crate::recipe::PatternProjection;
 use crate::sample::Wrap;
@@ -9,8 +9,8 @@ use pelage_formats::Bounds;
 use pelage_import::mesh::Image;
 use std::ops::{Add, Div, Mul};
 
-/// Returns the weight of one of the three images of `box` from a component of the normal: its eighth power. A higher
-/// power gives a sharper border, a lower one a wider blend.
+/// Returns the weight of one of the three images of the projection `box`: the eighth power of the given component of
+/// the normal. A higher power would give a sharper border, a lower one a wider blend.
 fn box_weight(component: f32) -> f32 {
     let square = component * component;
     let fourth = square * square;
@@ -25,7 +25,7 @@ pub(super) struct Projection {
     center: Vec3,
     /// Width and height of the image, metres.
     size_m: Vec2,
-    /// Continuation beyond its border.
+    /// Continuation beyond the border of the image.
     pub(super) wrap: Wrap,
 }
 
@@ -34,11 +34,11 @@ pub(super) struct Projection {
 pub(super) struct ImagePoint {
     /// Coordinates right and down, 0..1 within the image.
     pub(super) uv: Vec2,
-    /// Unit directions at rest that point right and up on the image.
+    /// Unit directions in the rest pose that point right and up on the image.
     pub(super) axes: [Vec3; 2],
 }
 
-/// Returns the width of an image that spans a model once in this projection, metres.
+/// Returns the width, metres, at which an image spans a model exactly once in this projection.
 fn spanning_m(image: &Image, projection: PatternProjection, bounds: &Bounds) -> f32 {
     let extent = Vec3::from(bounds.max) - Vec3::from(bounds.min);
     let aspect = image.width as f32 / image.height.max(1) as f32;
@@ -59,8 +59,8 @@ enum Axis {
 }
 
 impl Axis {
-    /// Returns the two components in the image, right and down, as seen from the positive side of the axis: with y up,
-    /// and from above with z down.
+    /// Returns the two components of a vector in the image, right and down, as seen from the positive side of the axis.
+    /// In the image, y points up; seen from above, z points down.
     fn on_image(self, v: Vec3) -> Vec2 {
         match self {
             Self::X => Vec2::new(-v.z, -v.y),
@@ -122,8 +122,8 @@ impl Projection {
         self.size_m.x
     }
 
-    /// Returns the value of `read` at the point of the image for a position, metres at rest; with several axes the mean
-    /// weighted by the unit normal there.
+    /// Returns the value of `read` at the image point for a position at rest, metres. With several axes, it is the mean
+    /// weighted by the unit normal at the position.
     pub(super) fn read<T>(&self, position: Vec3, normal: Vec3, read: impl Fn(ImagePoint) -> T) -> T
     where
         T: Default + Add<Output = T> + Mul<f32, Output = T> + Div<f32, Output = T>,

@@ -21,7 +21,7 @@ fn projection_keeps_right_and_up_of_the_image() {
         let at = |p: Vec3| projection.read(p, Vec3::X, |at| at.uv);
         let middle = at(Vec3::ZERO);
         assert_eq!(middle, Vec2::splat(0.5), "{along:?}");
-        // A step along an axis is a step on the image, 2 m wide and 1 m high; v points down in images.
+        // The image is 2 m wide and 1 m high, and v points down: a step of 1 m changes u by 1/2 and v by -1.
         let [right, up] = [0, 1].map(|k| projection.read(Vec3::ZERO, Vec3::X, |at| at.axes[k]));
         assert!((at(right * 0.2) - middle - Vec2::new(0.1, 0.0)).length() < 1e-6, "{along:?}");
         assert!((at(up * 0.2) - middle - Vec2::new(0.0, -0.2)).length() < 1e-6, "{along:?}");

@@ -1,13 +1,13 @@
-//! Names of hairless body parts and of worn things, in the languages that models are named in.
+//! Names of hairless body parts and of worn things, in the languages in which models are named.
 //!
-//! English, German, French, Spanish, Italian, Portuguese, Japanese and Chinese. Letters have no accents (except `ñ`:
-//! `una` is not a nail). Words are singular where the plural adds an `s`. Words that mean something furred in another
-//! language or trade are left out on purpose: `muzzle`, `coat`, `canine`, `gum` (the colour), `rein` (German: pure),
-//! `robe` (French: a horse's coat), `hana`.
+//! The languages are English, German, French, Spanish, Italian, Portuguese, Japanese and Chinese. Letters have no
+//! accents, except `ñ` (`una` is not a nail). Words are singular if their plural adds an `s`. Words that mean something
+//! furred in another language or trade are omitted on purpose: `muzzle`, `coat`, `canine`, `gum` (the colour), `rein`
+//! (German: pure), `robe` (French: a horse's coat), `hana`.
 
 /// Words for one kind of thing, and the largest share of the mesh surface that it may cover.
 pub(super) struct BareWords {
-    /// Largest share of the mesh's area, 0..=1. Something that covers more is more likely the name of the whole animal.
+    /// Largest share of the mesh's area, 0..=1. A larger part is more likely the whole animal.
     pub most: f32,
     /// Words, folded as by [`super::names::words`].
     pub words: &'static [&'static str],
@@ -35,7 +35,7 @@ pub(super) const EYES: &[&str] = &[
 #[rustfmt::skip]
 pub(super) const BARE: &[BareWords] = &[
     BareWords { most: PART, words: EYES },
-    // Teeth, tongue, inside of the mouth.
+    // Teeth, tongue and inside of the mouth.
     BareWords { most: PART, words: &[
         "tooth", "teeth", "fang", "tusk", "molar", "incisor", "tongue", "gums", "palate", "innermouth", "mouthbag",
         "mouthcavity",
@@ -46,7 +46,7 @@ pub(super) const BARE: &[BareWords] = &[
         "kiba", "haguki", "yachi", "shetou",
         "歯", "牙", "舌", "歯茎", "歯ぐき", "奥歯", "前歯", "口内", "口腔", "口の中", "牙齿", "牙齒", "齿", "舌头", "舌頭", "牙龈", "牙齦", "べろ", "ベロ",
     ] },
-    // Claws, hooves, horns, beaks.
+    // Claws, hooves, horns and beaks.
     BareWords { most: PART, words: &[
         "claw", "talon", "nail", "toenail", "fingernail", "hoof", "hooves", "horn", "antler", "beak", "pad", "pawpad",
         "toebean",
@@ -102,12 +102,13 @@ pub(super) const INSIDE: &[&str] = &[
     "interna", "uchi",
 ];
 
-/// Snouts: such a name means the furred snout as often as the bare nose on it, so geometry never makes it bare.
+/// Snouts: such a name means the furred snout as often as the bare nose on it. The shape of a part so named never makes
+/// it bare.
 pub(super) const SNOUT: &[&str] =
     &["muzzle", "snout", "schnauze", "museau", "mufle", "hocico", "morro", "muso", "focinho", "hanazura", "kuchimoto"];
 
-/// Words that keep a part furred whatever else its name contains: words for hair and skin, and for the surroundings of
-/// bare parts.
+/// Words that keep a part furred, whatever else its name contains: words for hair, skin and the surroundings of bare
+/// parts.
 #[rustfmt::skip]
 pub(super) const FURRED: &[&str] = &[
     "fur", "furry", "body", "skin", "coat", "hair", "hairs", "hide", "pelt", "wool", "fleece", "mane", "tail", "fluff",
@@ -122,13 +123,14 @@ pub(super) const FURRED: &[&str] = &[
     "kegawa", "karada", "hada", "maofa", "pimao", "shenti", "pifu",
 ];
 
-/// Furred words of languages that do not separate words by spaces, matched anywhere within a run of characters.
+/// Words for furred parts in languages that do not separate words by spaces. They match anywhere within a run of
+/// characters.
 #[rustfmt::skip]
 pub(super) const FURRED_WITHIN: &[&str] = &[
     "毛", "体", "體", "皮", "肌", "髪", "发", "髮", "羽", "眉", "睫", "瞼", "睑", "まつげ", "まゆ", "まぶた", "からだ", "はだ",
 ];
 
-/// Position words that are joined to other words: `lefteye`.
+/// Position words that are joined to other words, as in `lefteye`.
 pub(super) const POSITION_WORDS: &[&str] =
     &["left", "right", "upper", "lower", "inner", "outer", "front", "back", "material", "mat"];
 

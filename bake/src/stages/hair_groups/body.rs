@@ -20,7 +20,7 @@ pub(super) struct SurfaceIndex<'a> {
 pub(super) struct SurfacePoint {
     pub(super) at: TrianglePoint,
     pub(super) place: Vec3,
-    /// Surface normal there, a unit vector.
+    /// Surface normal at that point, a unit vector.
     pub(super) normal: Vec3,
     pub(super) distance_m: f32,
 }
@@ -46,7 +46,7 @@ impl<'a> SurfaceIndex<'a> {
 
     /// Returns the nearest surface point within `reach_m` metres, on the triangles that `of` accepts.
     pub(super) fn nearest(&self, p: Vec3, reach_m: f32, of: impl Fn(u32) -> bool) -> Option<SurfacePoint> {
-        // Most query points are near the surface: the search widens only if it finds nothing.
+        // Most query points are near the surface, so the search starts small and widens only if it finds nothing.
         let mut reach = self.edge_m.min(reach_m);
         loop {
             let found = self.nearest_within(p, reach, &of);
@@ -71,16 +71,16 @@ impl<'a> SurfaceIndex<'a> {
         found.map(|near| SurfacePoint { normal: self.normal(&near.at), ..near })
     }
 
-    /// Returns the signed distance of `p` from the surface, metres, below 0 inside the body, with the nearest surface
-    /// point; `None` if farther than `reach_m`.
+    /// Returns the signed distance of `p` from the surface, metres, and the nearest surface point. The distance is
+    /// negative inside the body. The result is `None` if the surface is farther than `reach_m`.
     pub(super) fn signed_distance(&self, p: Vec3, reach_m: f32) -> Option<(f32, SurfacePoint)> {
         let near = self.nearest(p, reach_m, |_| true)?;
         let outside = (p - near.place).dot(near.normal) >= 0.0;
         Some((if outside { near.distance_m } else { -near.distance_m }, near))
     }
 
-    /// Converts guides to the form that a package stores: relative to their roots, in the frames of their triangles,
-    /// without the root.
+    /// Converts guides to the form that a package stores: points relative to the root, in the frame of its triangle,
+    /// without the root itself.
     pub(super) fn in_frames(&self, guides: &[(TrianglePoint, Vec<Vec3>)]) -> Vec<(TrianglePoint, Vec<Vec3>)> {
         let local = |(root, points): &(TrianglePoint, Vec<Vec3>)| {
             let frame = triangle_frame(self.corners(root.triangle)).transpose();

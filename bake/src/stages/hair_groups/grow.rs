@@ -1,5 +1,5 @@
-//! Growth of guides: each leaves the surface along its normal and turns to where it falls or is combed to, without
-//! entering the body.
+//! Growth of guides. Each guide leaves the surface along its normal, turns towards the direction in which it falls or
+//! is combed, and does not enter the body.
 
 use super::body::SurfaceIndex;
 use crate::noise::{noise_1d, uniform};
@@ -8,7 +8,7 @@ use glam::{Quat, Vec3};
 use pelage_formats::TrianglePoint;
 use pelage_formats::meaning::hair_groups::smoothed;
 
-/// Growth steps of a guide.
+/// Number of growth steps of a guide.
 const STEPS: usize = 48;
 /// Maximum number of times that a step is pushed out of the body.
 const PUSHES: usize = 3;
@@ -23,7 +23,8 @@ pub(super) struct Growth {
     pub(super) comb: Vec3,
     /// x of the plane from which guides are combed to both sides, metres.
     pub(super) parting_m: Option<f32>,
-    /// Steepness at which combed hair leaves the surface.
+    /// Steepness at which combed hair leaves the surface: weight of the normal relative to the direction along the
+    /// surface.
     pub(super) rise: f32,
     pub(super) length_m: f32,
     /// Length over which hair keeps its initial direction, as a share of the hair's length.
@@ -45,7 +46,7 @@ impl Growth {
     pub(super) fn guide(&self, body: &SurfaceIndex<'_>, root: &TrianglePoint, seed: u64) -> Vec<Vec3> {
         let start = root.position(body.corners(root.triangle));
         let step_m = self.length_m / STEPS as f32;
-        // Hair lies on hair: each guide keeps a different distance from the surface.
+        // Hair lies on other hair, so each guide keeps a different distance from the surface.
         let lift_m = self.lift * self.length_m * (0.25 + 0.75 * uniform(seed, 1));
         let forces = self.forces;
         let turned = 1.0 - libm::expf(-1.0 / (STEPS as f32 * self.stiffness * forces.stiffness));
@@ -63,7 +64,7 @@ impl Growth {
             }
             target += forces.waves * noise_1d(seed, WAVES * share);
             way = way.lerp(target.try_normalize().unwrap_or(way), turned).try_normalize().unwrap_or(way);
-            // Near its root, hair stays near the surface.
+            // Keeps hair near the surface at its root.
             let clear_m = lift_m * (4.0 * share).min(1.0) * forces.lift;
             let mut next = at + way * step_m;
             for _ in 0..PUSHES {
@@ -76,7 +77,7 @@ impl Growth {
                 let along_skin = (next - at).try_normalize().unwrap_or(near.normal);
                 next = at + along_skin * step_m;
             }
-            // A guide deflected by the body continues in the new direction.
+            // Continues a deflected guide in its new direction.
             way = (next - at).try_normalize().unwrap_or(way);
             points.push(next);
         }
@@ -86,13 +87,14 @@ impl Growth {
         smoothed(&points, self.guide_points)
     }
 
-    /// Returns the initial direction of hair: combed, or else the part of its fall direction along the surface.
+    /// Returns the initial direction of hair: the combed direction, or else the component of its fall direction along
+    /// the surface.
     fn initial_direction(&self, root: Vec3, normal: Vec3, seed: u64) -> Vec3 {
         let aside = self.parting_m.map_or(Vec3::ZERO, |x| if root.x < x { Vec3::NEG_X } else { Vec3::X });
-        // Hair combed straight away from the surface follows its fall direction.
+        // The fall direction decides if hair is combed straight away from the surface.
         let wanted = self.comb + aside + FALLING * self.fall;
         let along_skin = wanted.reject_from_normalized(normal);
-        // At the crown no direction is preferred: each hair takes a random one.
+        // No direction is preferred at the crown, so each hair takes a random one.
         let chance = 0.15 * noise_1d(seed, 0.5).reject_from_normalized(normal);
         (along_skin + chance)
             .normalize_or_zero()
@@ -101,7 +103,7 @@ impl Growth {
             .unwrap_or(normal)
     }
 
-    /// Winds the points into a helix around their curve, widening from the root.
+    /// Winds the points into a helix around their curve. Its radius increases from the root.
     fn curl(&self, points: &[Vec3], seed: u64) -> Vec<Vec3> {
         let begin = std::f32::consts::TAU * uniform(seed, 2);
         let mut before = (points[1] - points[0]).normalize_or(Vec3::Y);

@@ -1,7 +1,7 @@
-//! `groom`, hair on guides: `[[strands.group]]` and `[[strands.tuft]]` as the package stores them.
+//! `groom`, hair on guides: converts `[[strands.group]]` and `[[strands.tuft]]` to the form that a package stores.
 //!
-//! The package holds a group's scalp, guides and numbers; the hairs are derived from them when it is loaded
-//! ([`pelage_formats::meaning::hair_groups`]).
+//! The package contains a group's scalp, guides and parameters. The hairs are derived from them when the package is
+//! loaded ([`pelage_formats::meaning::hair_groups`]).
 
 mod body;
 mod ground;
@@ -30,12 +30,12 @@ use pelage_import::mesh::MeshPart;
 use rayon::prelude::*;
 use tuft::tuft_of;
 
-/// Largest distance between a file's guide roots and the scalp, as a share of the model's radius; guides farther away
-/// are left out.
+/// Largest distance between a file's guide roots and the scalp, as a share of the model's radius. Guides that are
+/// farther away are omitted.
 const MAX_ROOT_DISTANCE: f32 = 0.1;
-/// Share of a guide's points that is moved towards the scalp.
+/// Share of a guide, from the root, that is moved along when its root is moved to the scalp.
 const MOVED_SHARE: f32 = 0.4;
-/// Maximum number of guides of a group.
+/// Maximum number of guides per group.
 const MOST_GUIDES: usize = 1 << 16;
 /// Density below which no hair grows.
 const MIN_DENSITY: f32 = 0.01;
@@ -45,7 +45,7 @@ const MIN_DENSITY: f32 = 0.01;
 pub struct GuidedHair {
     /// Groups of the recipe, then its tufts.
     pub groups: Vec<HairGroup>,
-    /// Freedom of motion of each guide, per group, as in [`pelage_formats::HairMotion::freedom`].
+    /// Freedom of motion of each guide in each group, as in [`pelage_formats::HairMotion::freedom`].
     pub freedom: Vec<Vec<u8>>,
     /// Messages about repaired or skipped input.
     pub warnings: Vec<String>,
@@ -54,8 +54,8 @@ pub struct GuidedHair {
 /// Makes the hair groups of a recipe.
 ///
 /// # Errors
-/// [`BakeError::Input`] naming the table if nothing can grow: the material does not exist, or no triangle is left, or
-/// no guide touches the scalp.
+/// [`BakeError::Input`] naming the recipe table if nothing can grow: the material does not exist, no triangle is left,
+/// or no guide touches the scalp.
 pub fn groups(params: &StrandParams, ground: &GroomTarget<'_>) -> Result<GuidedHair, BakeError> {
     let mut hair = GuidedHair::default();
     if params.group.is_empty() && params.tuft.is_empty() {
@@ -87,7 +87,7 @@ fn input_error(ground: &GroomTarget<'_>, table: &str, number: usize, name: &str,
     }
 }
 
-/// Reason why a group cannot be made: a message about the group, or an error from elsewhere.
+/// Reason why a group cannot be made: a message about the group, or any other error.
 enum GroupError {
     Here(String),
     Elsewhere(BakeError),
@@ -178,7 +178,8 @@ fn scalp(params: &HairGroupParams, ground: &GroomTarget<'_>) -> Result<Vec<(u32,
     Ok(scalp)
 }
 
-/// Returns the freedom of motion of each guide of a group, read at its root; empty if all are free.
+/// Returns the freedom of motion of each guide of a group, sampled at its root. The list is empty if all guides are
+/// free.
 fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &GroomTarget<'_>) -> Result<Vec<u8>, BakeError> {
     let map = params.freedom();
     if map == ScalarMap::Constant(1.0) {
@@ -198,7 +199,7 @@ fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &GroomTarget<'_>
     group.roots().map(of_guide).collect()
 }
 
-/// Grows guides on a group's scalp, distributed like its hairs.
+/// Grows guides on a group's scalp, distributed like the group's hairs.
 fn grown_guides(
     group: &HairGroup,
     count: u32,
@@ -213,8 +214,8 @@ fn grown_guides(
     roots.par_iter().enumerate().map(grow).collect()
 }
 
-/// Reads the guides of a file. The beginning of each is moved to the scalp point nearest to its root; the rest keeps
-/// its position.
+/// Reads the guides of a file. The root of each guide is moved to the nearest scalp point. The points near the root
+/// move with it; the others keep their positions.
 fn read_guides(
     params: &HairGroupParams,
     group: &HairGroup,
@@ -285,11 +286,12 @@ fn read_guides(
     Ok(guides)
 }
 
-/// Largest distance from a file's roots at which hair still grows, over the median distance between neighbouring roots.
+/// Largest distance from a file's roots at which hair still grows, divided by the median distance between neighbouring
+/// roots.
 const MAX_SPACING_RATIO: f32 = 4.0;
 
-/// Returns the triangles of a scalp that have guide roots on or near them: a file that combs one part gives no
-/// information about the rest.
+/// Returns the triangles of a scalp that have guide roots on or near them. A file that combs one part says nothing
+/// about the rest.
 fn scalp_near_guides(
     scalp: &[(u32, u16)],
     guides: &[(TrianglePoint, Vec<Vec3>)],
@@ -307,6 +309,7 @@ fn scalp_near_guides(
         near.nearest::<1>(middle)[0].0.sqrt() <= reach_m + across
     };
     let beside: Vec<(u32, u16)> = scalp.iter().filter(is_beside).copied().collect();
-    // Guides moved to a scalp of large triangles are on it even if far from its triangles' centres.
+    // If no triangle is near a root, hair grows on the whole scalp: roots on large triangles can be far from the
+    // triangles' centres.
     if beside.is_empty() { scalp.to_vec() } else { beside }
 }

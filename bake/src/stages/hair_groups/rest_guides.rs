@@ -1,4 +1,4 @@
-//! Guides of a package in the rest pose, for editing in other programs: decoding to points and writing edited guides
+//! Guides of a package in the rest pose, for editing in other programs: decodes them to points and writes edited guides
 //! back.
 
 use super::body::SurfaceIndex;
@@ -7,13 +7,13 @@ use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::posed_vertices;
 use pelage_formats::{FormatError, HairGroup, Package, Pose, TrianglePoint};
 
-/// Largest distance of a root from the scalp, as a share of the model's size; a root farther away was not meant for the
-/// scalp.
+/// Largest distance of a root from the scalp, as a share of the model's size. A root farther away was not meant for
+/// this scalp.
 const MAX_ROOT_DISTANCE: f32 = 0.1;
 /// Tolerance for unmoved roots, as a share of the largest coordinate: other programs convert coordinates to another
-/// unit and back.
+/// unit and back, which rounds them.
 const UNMOVED_TOLERANCE: f32 = 4e-6;
-/// Largest stored offset; represents the group's reach.
+/// Largest stored component of an offset; represents the reach of the group.
 const MAX_STORED: f64 = 32767.0;
 
 /// Mesh of a package in the rest pose.
@@ -25,7 +25,7 @@ pub struct RestMesh {
 }
 
 impl RestMesh {
-    /// Reads the mesh of a package and poses it at rest.
+    /// Reads the mesh of a package in the rest pose.
     ///
     /// # Errors
     /// [`FormatError`] for a damaged section.
@@ -47,7 +47,7 @@ impl RestMesh {
     }
 }
 
-/// Quantised offsets of a guide as a package stores them, if known.
+/// Quantised offsets of a guide as stored in a package, if known.
 pub type StoredOffsets<'a> = Option<&'a [[i16; 3]]>;
 
 /// Converts a quantised offset to metres.
@@ -55,23 +55,24 @@ fn decoded(offset: &[i16; 3], reach_m: f32) -> DVec3 {
     DVec3::from(offset.map(|x| f64::from(x.max(-32767)) / MAX_STORED)) * f64::from(reach_m)
 }
 
-/// Guides on a mesh in the rest pose. All triangles that groups refer to must exist.
+/// Guides on a mesh in the rest pose. All triangles referenced by groups must exist.
 #[derive(Clone, Copy, Debug)]
 pub struct GuidesAtRest<'a>(pub &'a RestMesh);
 
 impl GuidesAtRest<'_> {
-    /// Returns the points of a guide with the given root and quantised offsets: world space, metres, root first.
+    /// Returns the points of a guide with the given root and quantised offsets, root first: world space, metres.
     pub fn points(&self, root: &TrianglePoint, offsets: &[[i16; 3]], reach_m: f32) -> Vec<Vec3> {
         let (start, frame) = (self.place(root), self.frame(root));
         let point = |offset: &[i16; 3]| (start + frame * decoded(offset, reach_m)).as_vec3();
         std::iter::once(start.as_vec3()).chain(offsets.iter().map(point)).collect()
     }
 
-    /// Writes edited guides into a group; each must have the group's number of points. A moved root is placed at the
-    /// nearest point of the scalp; the other points keep their positions. The group's reach grows if necessary.
+    /// Writes edited guides into a group. Each guide must have as many points as the guides of the group. A moved root
+    /// is placed at the nearest point of the scalp; the other points keep their positions. The group's reach grows if
+    /// necessary.
     ///
     /// * `guides`: points of each guide in world space, metres, all finite
-    /// * `exact`: quantised offsets of each guide, used if its points are still those that they decode to
+    /// * `exact`: quantised offsets of each guide, reused if the guide's points are still equal to the decoded ones
     ///
     /// # Errors
     /// The index of the guide, and the reason.
@@ -89,7 +90,7 @@ impl GuidesAtRest<'_> {
             .map(|((root, points), kept)| kept.filter(|offsets| self.points(&root, offsets, old_reach_m) == *points))
             .collect();
         self.move_roots(group, guides)?;
-        // Root weights are quantised: offsets are relative to the quantised root.
+        // Barycentric weights of roots are quantised, so offsets are relative to the quantised root.
         let local: Vec<Vec<DVec3>> = group
             .roots()
             .zip(guides.iter().zip(&exact))
@@ -107,7 +108,7 @@ impl GuidesAtRest<'_> {
             return Err((guide, format!("it reaches {far} m from its root, expected at most {most}")));
         }
         let farthest = local.iter().map(reach).fold(0.0, f64::max);
-        // Rounding recovers up to half a quantisation step.
+        // A point may exceed the reach by half a quantisation step, because rounding brings it back.
         if farthest > f64::from(group.reach_m) * (1.0 + 0.5 / MAX_STORED) {
             group.reach_m = farthest as f32;
         }

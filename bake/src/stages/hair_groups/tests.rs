@@ -5,7 +5,7 @@ use crate::stages::groom::MapImages;
 use pelage_formats::meaning::hair_groups::GrownGroup;
 use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPosition, RestPose};
 
-/// Makes a ball of radius 0.1 m around the origin: above y = 0.03 its material is "Scalp", below "Skin".
+/// Makes a ball of radius 0.1 m around the origin. Its material is "Scalp" above y = 0.03 and "Skin" below.
 fn ball() -> (Mesh, RestPose, Vec<Material>) {
     let (rings, around) = (24u32, 48u32);
     let place = |i: u32, j: u32| {
@@ -53,7 +53,7 @@ fn grown(recipe: &str, files: &MapImages) -> Result<GuidedHair, BakeError> {
     groups(&recipe.strands, &ground)
 }
 
-/// Returns the groups grown on the ball, and the warnings.
+/// Returns the groups that a recipe grows on the ball, and the warnings.
 fn made(recipe: &str, files: &MapImages) -> Result<(Vec<HairGroup>, Vec<String>), BakeError> {
     grown(recipe, files).map(|hair| (hair.groups, hair.warnings))
 }
@@ -150,7 +150,7 @@ fn imported_guides_are_attached_to_the_scalp() {
     };
     let recipe =
         |keys: &str| format!("[[strands.group]]\nname = \"hair\"\nmaterial = \"Scalp\"\nfile = \"guides.txt\"\n{keys}");
-    // In centimetres: one touches the surface, one hovers a little above it, and one is far away.
+    // In centimetres: one strand touches the surface, one begins a little above it, and one is far away.
     let files = file(&[strand(0.01, 0.0), strand(0.03, 0.05), strand(0.02, 3.0)]);
     let (groups, warnings) = made(
         &recipe("scale_m = 0.01\nhairs = 0\npoints = 9\nguide_points = 9\nlength_variation = 0\nstray = 0"),
@@ -164,17 +164,17 @@ fn imported_guides_are_attached_to_the_scalp() {
         let tip = *hair.last().unwrap();
         assert!(tip.distance(strand[2]) < 0.001, "{tip}, expected {}", strand[2]);
     }
-    // Hair grows near the guides only.
+    // Hair grows only near the guides.
     let few = file(&[strand(0.01, 0.0), strand(0.012, 0.0), strand(0.014, 0.0)]);
     let (many, _) = made(&recipe("scale_m = 0.01\nhairs = 200\nstray = 0\nclump = 0"), &few).unwrap();
     assert!(hairs(&many[0]).iter().all(|hair| hair[0].distance(Vec3::new(0.012, 0.1, 0.0)) < 0.035));
-    // With a larger tolerance all of them are moved to it.
+    // With a larger tolerance, all strands are moved to the scalp.
     let (groups, _) = made(&recipe("scale_m = 0.01\nhairs = 0\nloose_m = 0.5"), &files).unwrap();
     assert_eq!(groups[0].guide_roots.len(), 3);
     let error = made(&recipe("scale_m = 1000000\nloose_m = 1000000"), &file(&[[Vec3::ZERO, Vec3::X, 9.0 * Vec3::Y]]))
         .unwrap_err();
     assert!(error.to_string().contains("farther than 1000000 m from its root, expected a smaller scale_m"), "{error}");
-    // In metres by mistake: all are far away, and the error says where they are.
+    // The file is read in metres by mistake: all strands are far away, and the error gives their extent.
     let error = made(&recipe(""), &files).unwrap_err().to_string();
     assert!(error.contains("none of the 3 strands") && error.contains("scale_m"), "{error}");
 }
@@ -207,10 +207,10 @@ fn tufts_are_placed_at_joints_and_on_materials() {
     let (middle, _, warnings) = tuft("joint = \"ear.L\"");
     assert!(middle.distance(Vec3::new(0.0707, 0.0707, 0.0)) < 0.005, "{middle}");
     assert!(warnings.len() == 1 && warnings[0].contains("2 nodes are named \"ear.L\""), "{warnings:?}");
-    // Offset from the joint, and mirrored.
+    // The tuft is offset from the joint, and mirrored.
     let (middle, hairs, _) = tuft("joint = \"root\"\nat = [0.05, 0.0, 0.12]\nmirrored = true");
     assert!((hairs.len(), middle.x.abs() < 1e-3, middle.z > 0.08) == (16, true, true), "{middle}");
-    // The nearest surface has another material: the tuft is placed on the scalp's border, above it.
+    // The nearest surface has another material, so the tuft is placed on the border of the scalp above it.
     let (middle, hairs, _) = tuft("at = [0.0, 0.0, 0.12]\nmaterial = \"Sc*p\"");
     assert!(middle.z > 0.05 && hairs.iter().all(|hair| hair[0].y > 0.03), "{middle}");
 }

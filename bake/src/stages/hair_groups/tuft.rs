@@ -1,4 +1,4 @@
-//! Tufts: a few thick hairs around a point, each a guide.
+//! Tufts: a few thick hairs around a point, each of them a guide.
 
 use super::body::SurfaceIndex;
 use super::ground::{GroomTarget, bytes, parts_of};
@@ -9,7 +9,7 @@ use pelage_formats::{HairGroup, TrianglePoint};
 use pelage_params::closest;
 use std::collections::BTreeSet;
 
-/// Number of points per stored hair: enough for one that only bends.
+/// Number of points per stored hair: enough for a hair that only bends.
 const POINTS: usize = 4;
 
 /// Maximum number of joints listed in an error.
@@ -83,8 +83,8 @@ pub(super) fn tuft_of(
     Ok(group)
 }
 
-/// Returns the hairs of a tuft, each with its root and points. The tuft's centre is the point nearest to `middle` on
-/// the triangles that `of` accepts. `side`: −1 for the mirrored tuft.
+/// Returns the hairs of a tuft, each with its root and points. The centre of the tuft is the point nearest to `middle`
+/// on the triangles that `of` accepts. `side` is −1 for the mirrored tuft.
 fn hairs_about(
     params: &TuftParams,
     body: &SurfaceIndex<'_>,
@@ -100,7 +100,7 @@ fn hairs_about(
     let across = skin.normal.any_orthonormal_vector();
     let seed = u64::from(params.seed());
     let hair = |number: u32| {
-        // Spread over a disc like a sunflower's seeds (Vogel 1979); mirrored tufts are mirror images.
+        // Roots are spread over a disc like the seeds of a sunflower (Vogel 1979). Mirrored tufts are mirror images.
         let radius = libm::sqrtf((number as f32 + 0.5) / count as f32);
         let turn = 2.399_963_2 * number as f32 * side;
         let aside = across * libm::cosf(turn) + skin.normal.cross(across) * libm::sinf(turn);

@@ -4,17 +4,18 @@ use glam::{Mat3, Vec3};
 use pelage_formats::meaning::hair_motion::Capsule;
 use pelage_formats::{BodyCollider, MeshData, Pose};
 
-/// Minimum number of vertices that follow a joint; with fewer it has no capsule.
+/// Minimum number of vertices that follow a joint; joints with fewer vertices have no capsule.
 const FEWEST: usize = 8;
-/// Share of a joint's vertices inside the capsule's radius. The others stick out; hair may enter the body there but not
-/// pass through it.
+/// Share of a joint's vertices inside the capsule's radius. The other vertices stick out of the capsule: hair can enter
+/// the body there, but cannot pass through it.
 const INSIDE: f32 = 0.35;
-/// Share of a joint's vertices beyond each end.
+/// Share of a joint's vertices beyond each end of the capsule.
 const BEYOND: f32 = 0.05;
-/// Minimum remaining share of a capsule's radius after it is made thinner for hair at rest. A thinner capsule is left
-/// out: hair grows through it.
+/// Minimum radius of a capsule that was made thinner for hair at rest, as a share of the fitted radius. A thinner
+/// capsule is omitted: hair grows through it.
 const THINNEST: f32 = 0.25;
-/// Largest distance between hair and a capsule, over the hair's length.
+/// Largest distance between hair and a capsule, as a multiple of the longest guide's length. Capsules farther away are
+/// omitted.
 const NEAR: f32 = 1.5;
 /// Maximum number of capsules; the largest are kept.
 const MOST: usize = 24;
@@ -24,7 +25,7 @@ const MOST: usize = 24;
 pub struct FittedColliders {
     /// Capsules.
     pub colliders: Vec<BodyCollider>,
-    /// Largest distance of the mesh surface from its joint's capsule, metres.
+    /// Largest distance by which the mesh surface extends beyond its joint's capsule, metres.
     pub gap_m: f32,
     /// Warnings about recipe tables that match no joint.
     pub warnings: Vec<String>,
@@ -32,7 +33,7 @@ pub struct FittedColliders {
 
 /// Fits a capsule to the vertices that follow each joint, thin enough that hair at rest is outside.
 ///
-/// * `pose`: rest pose; a single matrix without a skeleton
+/// * `pose`: rest pose; a single matrix for a mesh without a skeleton
 /// * `guides`: movable points of each guide, in model space
 pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> FittedColliders {
     let mut of_joint: Vec<Vec<Vec3>> = vec![Vec::new(); pose.joints.len()];
@@ -54,7 +55,7 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> FittedCollider
         let scale = libm::cbrtf(volume);
         let fitted = capsule(points);
         let Capsule { from, to, radius_m: radius } = fitted;
-        // In model space, as the guides are.
+        // Guides are in model space, so the ends are too.
         let [there_from, there_to] = [from, to].map(|end| to_model.transform_point3(end));
         let there = Capsule { from: there_from, to: there_to, radius_m: radius * scale };
         let clear = guides.iter().flatten().map(|p| there.nearest(*p).distance(*p)).fold(f32::INFINITY, f32::min);
@@ -77,7 +78,7 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> FittedCollider
     }
 }
 
-/// Returns the capsule around points, in their own space.
+/// Returns the capsule around points, in the space of the points.
 fn capsule(points: &[Vec3]) -> Capsule {
     let middle = points.iter().sum::<Vec3>() / points.len() as f32;
     let axis = longest_axis(points, middle);

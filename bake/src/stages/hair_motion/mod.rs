@@ -1,5 +1,5 @@
-//! Motion of hair on guides, and the parts of the body that it stays out of: the recipe's settings, and capsules fitted
-//! to the mesh.
+//! Motion of hair on guides, and the parts of the body that it must not enter: the recipe's settings, and capsules
+//! fitted to the mesh.
 
 mod colliders;
 mod recipe_colliders;
@@ -13,7 +13,7 @@ use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::{posed, skin_matrix};
 use pelage_formats::{Animation, GroupMotion, HairGroup, HairMotion, MeshData, Pose, TrianglePoint};
 
-/// Returns the motion of a recipe's groups, from its settings and the body; `None` if no group moves.
+/// Returns the motion of a recipe's groups, derived from its settings and the body; `None` if no group moves.
 ///
 /// * `hair`: groups of the recipe in order, then its tufts, which are stiff
 pub fn group_motion(

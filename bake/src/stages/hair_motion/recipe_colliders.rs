@@ -5,10 +5,10 @@ use crate::recipe::HairColliderParams;
 use glam::{Mat3, Vec3};
 use pelage_formats::{Animation, BodyCollider, HairMotion, Pose};
 
-/// Merges the recipe's capsules with fitted ones of all other joints, up to the maximum of a package; the recipe's come
-/// first.
+/// Merges the recipe's capsules with the fitted ones of all other joints. The recipe's capsules come first; the total
+/// is limited to the maximum of a package.
 ///
-/// * `pose`: rest pose; a single matrix without a skeleton
+/// * `pose`: rest pose; a single matrix for a mesh without a skeleton
 pub fn merge(
     fitted: FittedColliders,
     given: &[HairColliderParams],

@@ -2,7 +2,7 @@
 use super::*;
 use pelage_formats::{BodyCollider, GeometryVertex, Joint, Node, SkinVertex};
 
-/// Makes a rod along x from -1 to 1, of radius 0.2: its left half follows joint 0 and its right half joint 1.
+/// Makes a rod along x from -1 to 1 of radius 0.2. The left half follows joint 0, the right half joint 1.
 fn rod() -> (MeshData, Pose) {
     let mut mesh = MeshData::default();
     for ring in 0..=40u16 {
@@ -40,7 +40,7 @@ fn a_rod_has_a_capsule_for_each_joint() {
     assert!(thinner.colliders.iter().any(|collider| collider.joint == 1 && collider.radius < 0.15));
     let through = vec![vec![Vec3::new(0.5, 0.01, 0.0), Vec3::new(0.5, 0.01, 0.5)]];
     assert!(fit(&mesh, &pose, &through).colliders.iter().all(|collider| collider.joint == 0));
-    // Far from all hair no capsule is needed.
+    // A capsule far from all hair is not needed.
     let far = vec![vec![Vec3::Y * 50.0, Vec3::Y * 50.1]];
     assert_eq!(fit(&mesh, &pose, &far), FittedColliders::default());
     assert_eq!(fit(&MeshData::default(), &pose, &hair), FittedColliders::default());
@@ -112,7 +112,7 @@ fn recipe_capsules_replace_fitted_ones() {
         "{:?}",
         found.warnings
     );
-    // The maximum number of a package.
+    // A recipe can fill a package with capsules up to the maximum.
     let many = vec![ball("skull", "head"); 70];
     let found = recipe_colliders::merge(fitted, &many, Some(&animation), &pose);
     assert!(found.colliders.len() == HairMotion::MOST_COLLIDERS && found.warnings[0].contains("70"));

@@ -1,18 +1,22 @@
 //! Choice of the wash's centre, if the recipe gives none.
 //!
-//! In Fang 2006, §3, the user picks a point CP on the model. Here evenly spread points of the washed mesh surface are
-//! scored. The best wash varies most over the surface (standard deviation of the clamped W, by area). It is darker
-//! above than below, because a painter loads back and head and leaves the belly to the paper; and it is pale rather
-//! than dark. Where (V − CP)·N is negative, behind a hollow, the wash can become black; that counts against a point.
+//! In Fang 2006, §3, the user picks a point CP on the model. Here, points spread evenly over the washed mesh surface
+//! are scored. A high score needs the following:
+//!
+//! * The wash W, clamped, varies strongly over the surface (standard deviation, weighted by area).
+//! * It is darker above than below, because a painter applies more ink to back and head and leaves the belly to the
+//!   paper.
+//! * It is pale rather than dark.
+//! * Little of the surface is black. The wash can become black where (V − CP)·N is negative, behind a hollow.
 
 use super::product::wash_product;
 use glam::Vec3;
 use pelage_formats::InkShading;
 use rayon::prelude::*;
 
-/// Number of points that are scored.
+/// Number of candidate points that are scored.
 const CANDIDATES: usize = 96;
-/// Bonus for a wash that is dark above and pale below, as a share of the deviation.
+/// Bonus for a wash that is dark above and pale below, as a share of the standard deviation.
 const DARK_ABOVE_BONUS: f64 = 0.6;
 /// Grey below which the wash counts as black.
 const BLACK: f32 = 0.3;
@@ -22,11 +26,11 @@ const BLACK: f32 = 0.3;
 pub(super) struct SurfaceSample {
     pub(super) place: Vec3,
     pub(super) normal: Vec3,
-    /// Area that the point represents, times its share of the wash.
+    /// Area represented by the point, times the share of wash there.
     pub(super) weight: f64,
 }
 
-/// Returns the best of the candidate centres; `None` if nothing is washed.
+/// Returns the best of the candidate centres; `None` if the model has no wash.
 ///
 /// * `radius`: radius of the model's bounding sphere, metres
 pub(super) fn pick(spots: &[SurfaceSample], radius: f32, shading: &InkShading) -> Option<Vec3> {
@@ -38,7 +42,7 @@ pub(super) fn pick(spots: &[SurfaceSample], radius: f32, shading: &InkShading) -
     best.map(|(_, i)| washed[i].place)
 }
 
-/// Returns indices of `count` spots far from each other, starting with the highest.
+/// Returns the indices of at most `count` samples far from each other, starting with the highest.
 fn spread(spots: &[SurfaceSample], count: usize) -> Vec<usize> {
     let mut away = vec![f32::INFINITY; spots.len()];
     let highest = (0..spots.len()).reduce(|a, b| if spots[b].place.y > spots[a].place.y { b } else { a });
@@ -60,7 +64,7 @@ fn score(spots: &[SurfaceSample], center: Vec3, radius: f32, shading: &InkShadin
     let grey = |spot: &SurfaceSample| {
         let [literal, normalised] = wash_product(spot.place, spot.normal, center, radius);
         let x = if shading.normalised { normalised } else { literal };
-        // Limited as in the runtime.
+        // Limits negative products as the runtime does.
         let x = if x < 0.0 { x / (1.0 - 2.0 * x) } else { x };
         x * shading.wash_speed + shading.wash_range
     };
@@ -83,7 +87,7 @@ fn score(spots: &[SurfaceSample], center: Vec3, radius: f32, shading: &InkShadin
     // Correlation of darkness with upward normals.
     let above = if deviation * slant > 1e-9 { (grey * y - both / weight) / (deviation * slant) } else { 0.0 };
     let drowned = 1.0 - black / weight;
-    // Cube of the mean grey, because most of a painting is paper.
+    // The cube of the mean grey favours pale washes: most of a painting is paper.
     deviation * (1.0 + DARK_ABOVE_BONUS * above) * (drowned * drowned) * (grey * grey * grey)
 }
 
@@ -109,7 +113,7 @@ mod tests {
 
     #[test]
     fn wash_centre_minimises_the_black_surface() {
-        // Two bodies facing each other: seen from a point on one, the hollow side of the other becomes black.
+        // Two bodies face each other: for a centre on one of them, the hollow side of the other becomes black.
         let spot = |y: f32, ny: f32| SurfaceSample { place: Vec3::new(0.0, y, 0.0), normal: ny * Vec3::Y, weight: 1.0 };
         let spots = [spot(1.0, 1.0), spot(0.4, -1.0), spot(-0.4, 1.0), spot(-1.0, -1.0)];
         let shading = InkShading { wash_speed: 1.0, wash_range: 0.3, ..InkShading::default() };

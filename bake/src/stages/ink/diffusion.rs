@@ -1,20 +1,20 @@
-//! Simulation of wet ink on paper until it is dry, on a tile that repeats.
+//! Simulation of wet ink on a repeating tile of paper until the ink is dry.
 //!
 //! A small version of the fluid layers of watercolour simulation (Curtis et al. 1997, §4; Chu and Tai 2005). Water
-//! seeps from wet texels into their neighbours, as far as the paper permits, and carries its ink along. It stops where
-//! dry paper holds it back, which frays the border. It dries faster at the border, so that more flows there from the
-//! middle, and its ink stays as a dark rim, a tide mark.
+//! seeps from wet texels into their neighbours, as far as the paper permits, and carries its ink along. Dry paper holds
+//! the water back, which frays the border. The border dries faster, so that more water flows there from the middle. The
+//! ink of this water stays as a dark rim, a tide mark.
 
 use super::plane::Plane;
 
-/// Steps until a layer is dry. Fronts advance about the square root of it in texels.
+/// Number of steps until a layer is dry. Fronts advance by about the square root of this number, texels.
 const STEPS: usize = 72;
 /// Water below which a texel counts as dry.
 const DRY: f32 = 0.02;
 /// Water that evaporates from a texel per step; [`EDGE_EVAPORATION`] is added for each dry neighbour.
 const EVAPORATION: f32 = 0.004;
 const EDGE_EVAPORATION: f32 = 0.018;
-/// Share of the difference in ink that diffuses between wet neighbours per step, without water flow.
+/// Share of the difference in ink that diffuses between wet neighbours per step, even if no water flows.
 const WANDERING: f32 = 0.025;
 /// Share of the carried ink that settles on the fibres per step.
 const SETTLING: f32 = 0.004;
@@ -24,7 +24,7 @@ const SETTLING: f32 = 0.004;
 pub(super) struct Paper<'a> {
     /// Permeability to water, 0..=1 per texel.
     pub permeability: &'a Plane,
-    /// Water that is needed to wet the next texel, 0..=1.
+    /// Amount of water that is needed to wet the next texel, 0..=1.
     pub threshold: &'a Plane,
 }
 
@@ -47,7 +47,7 @@ pub(super) fn simulate_drying(paper: Paper<'_>, water: &Plane, strength: &Plane,
                 let i = y * n + x;
                 let right = y * n + if x + 1 == n { 0 } else { x + 1 };
                 for j in [right, below + x] {
-                    // No flow between two dry texels.
+                    // Between two dry texels, nothing flows.
                     if water[i].max(water[j]) < DRY {
                         continue;
                     }
@@ -82,7 +82,7 @@ pub(super) fn simulate_drying(paper: Paper<'_>, water: &Plane, strength: &Plane,
                 let dry_sides = 4.0 - wet(y * n + left) - wet(y * n + right) - wet(above + x) - wet(below + x);
                 let loss = EVAPORATION + EDGE_EVAPORATION * edges * dry_sides;
                 water[i] = (water[i] - loss).max(0.0);
-                // The last of the water deposits all its ink.
+                // All ink settles when the last of the water is gone.
                 let share = if water[i] < DRY { 1.0 } else { SETTLING };
                 let settled = share * ink[i];
                 stain[i] += settled;
@@ -108,7 +108,7 @@ mod tests {
         let paper = Paper { permeability: &permeability, threshold: &threshold };
         let stain = simulate_drying(paper, &disc, &flat(1.0), 1.0);
         assert!((stain.mean() - disc.mean()).abs() < 1e-4, "{} of {}", stain.mean(), disc.mean());
-        // From the middle outwards: the border is the last texel with ink, and just inside it there is less.
+        // Profile from the middle outwards: the rim is the last texel with ink, and the ink just inside of it is paler.
         let rim = |stain: &Plane| {
             let row: Vec<f32> = (32..64).map(|x| stain.at(x, 32)).collect();
             let last = row.iter().rposition(|ink| *ink > 0.02).unwrap_or(0);

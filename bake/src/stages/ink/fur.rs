@@ -1,9 +1,9 @@
 //! Fur strokes: the strands of the tile as drawn with a brush, in four nested densities.
 //!
-//! A brush draws few hairs, each separately: it is pressed down near the root and lifted towards the tip, and where it
-//! runs dry its bristles part. So only some strands become strokes, spread evenly over the tile. The first strokes are
-//! the broadest; later ones fill the gaps until the density's share of the tile is inked. Each density includes the ink
-//! of all sparser ones.
+//! A brush draws few hairs, each separately. It is pressed down near the root and lifted towards the tip, and its
+//! bristles part where it runs dry. So only some of the strands become strokes, spread evenly over the tile. The first
+//! strokes are the broadest; later ones fill the gaps until the share of the tile for that density is inked. Each
+//! density includes the ink of all sparser ones.
 
 use super::noise::gradient;
 use super::plane::Plane;
@@ -13,20 +13,21 @@ use crate::stages::simulate::Strands;
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Share of the tile that each density inks, seen from above; [`SIDE_DENSITIES`] is the share seen from the side, where
+/// Inked share of the tile at each density, seen from above. [`SIDE_DENSITIES`] is the share seen from the side, where
 /// hairs overlap.
 const TOP_DENSITIES: [f32; 4] = [0.07, 0.17, 0.34, 0.58];
 const SIDE_DENSITIES: [f32; 4] = [0.12, 0.26, 0.44, 0.64];
-/// Maximum number of strokes. The tile is full earlier unless strokes are thinner than a texel.
+/// Maximum number of strokes. The tile is filled earlier unless strokes are thinner than a texel.
 const MOST_STROKES: usize = 2400;
 /// Number of candidate strands for each stroke.
 const CANDIDATES: u64 = 12;
-/// Half width of the first strokes over their length; [`FINE`] is that of the last.
+/// Half width of the first strokes, divided by their length; [`FINE`] is that of the last.
 const BROAD: f32 = 0.042;
 const FINE: f32 = 0.022;
-/// Length of a stroke seen from above, over its strand's: the brush draws a lock, of which the strand is one hair.
+/// Length of a stroke seen from above, divided by the length of its strand. The brush draws a lock, and the strand is
+/// one hair of it.
 const REACH: f32 = 1.9;
-/// Share of a strand's lateral offset that its stroke keeps when seen from the side.
+/// Share of a strand's lateral offset that remains in its stroke when seen from the side.
 const ASIDE: f32 = 0.3;
 /// Minimum length of a stroke, in tile widths.
 const SHORTEST: f32 = 0.05;
@@ -51,17 +52,17 @@ struct View {
     path: PathOf,
 }
 
-/// Function that makes a stroke's path. Arguments: points of the strand, root first; unit direction of the tile's mean
-/// lean, or zero; seed.
+/// Function that makes the path of a stroke. Arguments: points of the strand, root first; unit direction of the mean
+/// lean in the tile, or zero; seed.
 type PathOf = fn(&[Vec3], Vec2, u64) -> Vec<Vec2>;
 
-/// Draws the two array layers, each with one plane of ink (0..=1) per density, from sparse to dense.
+/// Draws the two array layers. Each has one plane of ink (0..=1) per density, from sparse to dense.
 ///
-/// * `side`: texels a side
+/// * `side`: texels per side
 ///
-/// The first layer is the tile seen from above, periodic both ways. The second is seen from the side, along v: the slab
-/// of the fin textures, in the default lean direction. Its u is periodic, row 0 is the mesh surface, and the last row
-/// is at [`Strands::height`].
+/// The first layer shows the tile from above and is periodic along both axes. The second shows it from the side, along
+/// v, like the fin texture for the default lean direction. It is periodic in u; row 0 is the mesh surface, and the last
+/// row is at the height [`Strands::height`].
 pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
     let side = side as usize;
     let order = drawing_order(strands, seed);
@@ -79,11 +80,11 @@ pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
     ];
     let lean = mean_lean(strands);
     let drawn: Vec<_> = looks.par_iter().map(|view| draw(strands, &order, view, lean, seed)).collect();
-    // Two views give two layers.
+    // Cannot fail: two views give two layers.
     <[_; 2]>::try_from(drawn).unwrap_or_else(|_| std::array::from_fn(|_| std::array::from_fn(|_| Plane::empty(side))))
 }
 
-/// Returns the mean direction that strands lean to: a unit vector, or zero where they cancel out.
+/// Returns the mean lean direction of the strands: a unit vector, or zero if the directions cancel out.
 fn mean_lean(strands: &Strands) -> Vec2 {
     let ends = (0..strands.len()).filter_map(|i| {
         let points = &strands.points[strands.range(i)];
@@ -92,8 +93,8 @@ fn mean_lean(strands: &Strands) -> Vec2 {
     ends.sum::<Vec2>().normalize_or_zero()
 }
 
-/// Returns strands in drawing order. Each is the one among random candidates that is farthest from the strands before
-/// it.
+/// Returns the indices of strands in drawing order. Each strand is the random candidate farthest from the strands
+/// before it.
 fn drawing_order(strands: &Strands, seed: u64) -> Vec<usize> {
     let count = strands.len();
     let roots: Vec<Vec2> = (0..count)
@@ -105,14 +106,14 @@ fn drawing_order(strands: &Strands, seed: u64) -> Vec<usize> {
         let mut best: Option<(f32, usize)> = None;
         for candidate in 0..CANDIDATES {
             let mut i = (hash(hash(seed, 1), n << 8 | candidate) % count as u64) as usize;
-            // Late in a small tile most are taken; the next free strand is used.
+            // In a small tile, most strands are taken late in the process; the next free one is used.
             for _ in 0..count {
                 if !taken[i] {
                     break;
                 }
                 i = (i + 1) % count;
             }
-            // The last few hundred strands represent the tile's coverage well enough.
+            // The last few hundred strands represent the coverage of the tile well enough.
             let recent = &order[order.len().saturating_sub(400)..];
             let away = recent.iter().map(|o| {
                 let d = roots[*o] - roots[i];
@@ -143,7 +144,7 @@ fn path_from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
     let turn = std::f32::consts::TAU * uniform(seed, 2);
     let somewhere = Vec2::new(libm::cosf(turn), libm::sinf(turn));
     let own = points.last().map_or(Vec2::ZERO, |tip| (*tip - *root).truncate()).normalize_or_zero();
-    // No two hand-drawn hairs are quite parallel.
+    // Hand-drawn hairs are never quite parallel.
     let to = (own + 0.6 * lean + 0.12 * somewhere).try_normalize().unwrap_or(somewhere);
     let bend = to.perp() * (0.24 * (uniform(seed, 6) - 0.5));
     let mut gone = 0.0;
@@ -155,14 +156,14 @@ fn path_from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
     path
 }
 
-/// Returns a strand's path seen from the side, along v. Its lateral offset is scaled by [`ASIDE`]: a fin shows a piece
-/// of this image, and strands that lean into the piece have no root there. The fin leans instead.
+/// Returns a strand's path seen from the side, along v. The lateral offset is scaled by [`ASIDE`]. A fin shows a
+/// section of this image, and strands leaning into the section have no root there. The fin itself leans instead.
 fn path_from_side(points: &[Vec3], _: Vec2, _: u64) -> Vec<Vec2> {
     let root = points.first().map_or(0.0, |p| p.y);
     points.iter().map(|p| Vec2::new(root + ASIDE * (p.y - root), p.z)).collect()
 }
 
-/// Draws strokes until each density has inked its share; denser planes include the ink of sparser ones.
+/// Draws strokes until each density has inked its share of the tile. Denser planes include the ink of sparser ones.
 fn draw(strands: &Strands, order: &[usize], view: &View, lean: Vec2, seed: u64) -> [Plane; 4] {
     let mut ink = Plane::empty(view.side);
     let mut touched = Stamp { ink: Plane::empty(view.side), texels: Vec::new() };
@@ -208,11 +209,12 @@ impl Stamp {
         }
     }
 
-    /// Inks the texels near a straight segment; `part`: shares of the stroke at which the segment begins and ends.
+    /// Inks the texels near a straight segment. `part` gives the beginning and end of the segment as shares of the
+    /// stroke's length.
     fn piece(&mut self, view: &View, stroke: &Stroke, (a, b): (Vec2, Vec2), part: (f32, f32)) {
         let n = view.side as i64;
         let along = b - a;
-        // Texels are not square from the side: half a texel, measured across the stroke.
+        // Seen from the side, texels are not square, so half a texel is measured across the stroke.
         let across = Vec2::new(-along.y, along.x).normalize_or(Vec2::X);
         let soft = 0.5 * (across / view.scale).length().max(1e-9);
         let reach = (stroke.half_width + 2.0 * soft) * view.scale;
@@ -225,7 +227,7 @@ impl Stamp {
                 let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / view.scale;
                 let t = ((at - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
                 let away = at - (a + along * t);
-                // Offset across the bristles. At the ends of a segment it differs from the distance to the path.
+                // Offset across the bristles. It differs from the distance to the path at the ends of a segment.
                 let side = along.perp_dot(at - a) / along.length().max(1e-12);
                 let ink = brush(stroke, part.0 + (part.1 - part.0) * t, (away.length(), side), soft);
                 if ink <= 0.0 {
@@ -242,17 +244,18 @@ impl Stamp {
     }
 }
 
-/// Returns the ink at share `t` of the stroke's length, at distance `away` from its path, on the bristle `side` to the
-/// left of it. `soft`: half a texel.
+/// Returns the ink at share `t` of the stroke's length, 0..=1. `away` is the distance from the stroke's path, `side`
+/// the offset of the bristle to the left of it, and `soft` half a texel.
 fn brush(stroke: &Stroke, t: f32, (away, side): (f32, f32), soft: f32) -> f32 {
-    // Pressure rises quickly and falls slowly.
+    // The pressure rises quickly and falls slowly.
     let press = smooth_step(-0.08, 0.24, t) * libm::powf((1.0 - t).max(0.0), 0.75);
     let half = stroke.half_width * press;
     let covered = ((half + soft - away) / (2.0 * soft)).clamp(0.0, 1.0) * (half / soft).min(1.0);
     if covered <= 0.0 {
         return 0.0;
     }
-    // Bristles run along the stroke and part as the ink runs out; the effect fades with too few texels to show them.
+    // Bristles run along the stroke and part as the ink runs out. The effect fades where there are too few texels to
+    // show them.
     let at = Vec2::new(0.11 * t, 0.5 + 0.5 * side / stroke.half_width) + uniform(stroke.seed, 4);
     let bristle = gradient(hash(stroke.seed, 5), at, UVec2::new(16, 5));
     let dry = smooth_step(0.05, 0.6, 0.8 * bristle + 0.9 * t - 0.35) * smooth_step(1.0, 5.0, stroke.half_width / soft);

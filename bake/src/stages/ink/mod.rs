@@ -1,9 +1,9 @@
 //! `ink`: textures and vertex data for drawing a model as an ink-wash painting (Fang 2006).
 //!
-//! Four textures, painted by the same rules at any size and seed ([`stroke`], [`wash`], [`paper`], [`fur`]) or made
-//! from scans; and the wash product of each vertex. Greys are as in the paper, 0 black and 1 white.
+//! There are four textures, painted by the same rules at any size and seed ([`stroke`], [`wash`], [`paper`], [`fur`])
+//! or made from scans. Each vertex stores its wash product. Greys are as in the paper: 0 is black, 1 is white.
 //!
-//! Everything random is a hash of seed, position and purpose. Functions beyond IEEE arithmetic and square roots come
+//! All random values are hashes of seed, position and purpose. Functions beyond IEEE arithmetic and square roots come
 //! from `libm`, so that the same recipe paints the same textures on every machine.
 
 mod center;
@@ -38,7 +38,7 @@ use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Model};
 use plane::{Channel, levels};
 
-/// Per-vertex part of the ink style, without its textures.
+/// Per-vertex data and settings of the ink style, without the textures.
 #[derive(Clone, Debug)]
 pub struct VertexInk {
     /// Period of the wash texture on the mesh surface, metres.
@@ -56,25 +56,25 @@ pub struct VertexInk {
 /// Textures of the ink style: names, and complete .ktx2 files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InkFiles<'a> {
-    /// Stroke of the sphere map.
+    /// Stroke for outlines, a sphere map.
     pub stroke: NamedTexture<'a>,
-    /// Wash.
+    /// Texture of the wash.
     pub wash: NamedTexture<'a>,
-    /// Paper.
+    /// Texture of the paper.
     pub paper: NamedTexture<'a>,
-    /// Strokes of fur, for a model with fur.
+    /// Strokes of fur; `None` if the model has no fur.
     pub fur: Option<NamedTexture<'a>>,
 }
 
-/// Default period of the wash texture on the mesh surface, as a share of the bounding sphere's radius: blotches are
-/// then a few times smaller than the body.
+/// Default period of the wash texture on the mesh surface, as a share of the bounding sphere's radius. It makes
+/// blotches a few times smaller than the body.
 const GRAIN_PER_RADIUS: f32 = 0.8;
 
-/// Returns the strength of the fur strokes, 0..=1: the recipe's value, if given. Otherwise the default strength if
-/// anything shows that the model has fur, else 0. A static mesh with default fur may as well be stone; unwanted hair is
-/// the worse guess.
+/// Returns the strength of the fur strokes, 0..=1: the recipe's value, if given. Otherwise it is the default strength
+/// if anything shows that the model has fur, else 0. A static mesh with default fur could be a stone, and unwanted hair
+/// would be the worse guess.
 ///
-/// `furred`: one entry per material. A model with a part detected as bare, such as eyes, counts as furred.
+/// `furred` has one entry per material. A model with a material detected as bare, such as eyes, counts as furred.
 pub fn fur_strength(recipe: &Recipe, model: &Model, furred: &[bool]) -> f32 {
     let speaks_of_fur = model.animation.is_some()
         || recipe.hair != HairParams::default()
@@ -108,13 +108,13 @@ pub fn vertex_ink(params: &InkParams, fur: f32, canvas: &InkTarget<'_>) -> Resul
     let shading = shading(params, fur);
     let mut warnings = Vec::new();
     let InkVertices { vertices, center } = vertices(params, &shading, canvas, &mut warnings)?;
-    // A model that is a single point has no size.
+    // A model that is a single point has no radius.
     let radius = if canvas.radius > 0.0 { canvas.radius } else { 1.0 };
     let grain_size_m = params.grain_size_m.unwrap_or(GRAIN_PER_RADIUS * radius);
     Ok(VertexInk { grain_size_m, shading, vertices, center: Some(center.into()), warnings })
 }
 
-/// Textures of the ink style that do not depend on strands: complete .ktx2 files.
+/// Textures of the ink style that do not depend on strands, as complete .ktx2 files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaintedTextures {
     stroke: Vec<u8>,
@@ -122,8 +122,8 @@ pub struct PaintedTextures {
     paper: Vec<u8>,
 }
 
-/// Paints and encodes the textures. `strands`: those of the tile of a furred model; the fur texture is painted only
-/// with them. `steps` counts each texture twice, when painted and when encoded.
+/// Paints and encodes the textures. `strands` are those of the tile of a furred model; the fur texture is painted only
+/// if they are given. `steps` counts each texture twice: when painted and when encoded.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] for a scan that cannot be used,
@@ -138,7 +138,7 @@ pub fn textures(
     textures_with_memo(params, pack, images, strands, steps, &mut Memo::default())
 }
 
-/// Does the same as [`textures`], and reuses the results in `painting` if tables and images are unchanged.
+/// Does the same as [`textures`], but reuses the results in `painting` if tables and images are unchanged.
 ///
 /// # Errors
 /// Same as [`textures`].
@@ -219,7 +219,8 @@ fn paint(
         || {
             rayon::join(
                 || encode(wash(params, tile.as_ref()), dry, AlphaMode::Straight, packed),
-                // Block compression handles four unrelated components badly: on blank paper the errors show as dashes.
+                // Uncompressed: block compression handles four unrelated channels badly, and on blank paper its errors
+                // show as dashes.
                 || encode(paper(params), dry, AlphaMode::Straight, TextureFormat::Rgba8Unorm),
             )
         },

@@ -1,4 +1,4 @@
-//! Smooth noise on a tile that repeats.
+//! Smooth noise on a repeating tile.
 
 use crate::noise::{hash, smooth};
 use glam::{UVec2, Vec2};
@@ -11,7 +11,7 @@ fn slope(seed: u64, x: u32, y: u32) -> Vec2 {
 }
 
 /// Returns gradient noise (Perlin 1985, with the smooth weights of 2002), roughly within -1..1 and 0 on average. The
-/// period is 1 along both axes, with `cells` lattice points each.
+/// period is 1 along both axes; each period has `cells` lattice points.
 pub(super) fn gradient(seed: u64, p: Vec2, cells: UVec2) -> f32 {
     let q = p * cells.as_vec2();
     let cell = q.floor();
@@ -26,8 +26,8 @@ pub(super) fn gradient(seed: u64, p: Vec2, cells: UVec2) -> f32 {
     1.6 * (row(0) + (row(1) - row(0)) * w.y)
 }
 
-/// Sums octaves of [`gradient`], each with twice the cells and `gain` times the strength, scaled to the strength of a
-/// single one.
+/// Sums octaves of [`gradient`]. Each octave has twice the cells and `gain` times the strength of the one before. The
+/// sum is scaled to the strength of a single octave.
 pub(super) fn octaves(seed: u64, p: Vec2, cells: UVec2, count: u32, gain: f32) -> f32 {
     let (mut sum, mut power, mut weight) = (0.0, 0.0, 1.0f32);
     for octave in 0..count {

@@ -1,4 +1,4 @@
-//! Paper texture: a tile of xuan paper, long soft fibres in a cloudy sheet.
+//! Paper texture: a tile of xuan paper, with long soft fibres in a cloudy sheet.
 
 use super::noise::octaves;
 use super::plane::Plane;
@@ -8,11 +8,11 @@ use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
 use std::f32::consts::TAU;
 
-/// Number of fibres in the tile at full setting.
+/// Number of fibres in the tile at the maximum setting.
 const FIBRES: f32 = 2600.0;
 /// Segments per fibre; the fibre may turn a little at each.
 const PIECES: u32 = 40;
-/// Number of ribs in the tile from the screen that the sheet was couched from.
+/// Number of ribs in the tile, left by the screen on which the sheet was made.
 const SCREEN_RIBS: f32 = 44.0;
 
 /// Tile that lines are drawn into.
@@ -21,7 +21,7 @@ struct Canvas {
 }
 
 impl Canvas {
-    /// Raises texels within `radius` texels of `at` softly to `height`; wraps around the tile.
+    /// Raises texels within `radius` texels of `at` to `height`, with a soft border. Coordinates wrap around the tile.
     fn dab(&mut self, at: Vec2, radius: f32, height: f32) {
         let n = self.plane.side as i64;
         let reach = radius + 0.8;
@@ -37,20 +37,20 @@ impl Canvas {
     }
 }
 
-/// Draws fibres as a soft relief, 0..1: long curves, each on top of those before it.
+/// Draws fibres as a soft relief, 0..1. Fibres are long curves, each on top of the earlier ones.
 fn fibres(side: usize, seed: u64, count: u32, (length, width): (f32, f32)) -> Plane {
     let mut canvas = Canvas { plane: Plane::empty(side) };
     for fibre in 0..u64::from(count) {
         let random = |n: u64| uniform(seed, fibre << 8 | n);
         let mut at = Vec2::new(random(1), random(2)) * side as f32;
-        // The vat is shaken to and fro: more fibres are along u than across it.
+        // The vat is shaken back and forth, so more fibres are along u than across it.
         let mut turn = TAU * random(3);
         turn -= 0.3 * libm::sinf(2.0 * turn);
         let bend = (random(4) - 0.5) * 0.07;
         let sway = (random(5) - 0.5) * 0.1;
         let long = length * (0.35 + 1.3 * random(6) * random(6)) * side as f32 / PIECES as f32;
         let thick = width * (0.5 + random(7)) * side as f32;
-        // Most are deep in the felt.
+        // Most fibres are deep in the sheet.
         let high = 0.1 + 0.65 * random(8) * random(8) * random(10);
         for piece in 0..PIECES {
             let t = (piece as f32 + 0.5) / PIECES as f32;
@@ -66,9 +66,12 @@ fn fibres(side: usize, seed: u64, count: u32, (length, width): (f32, f32)) -> Pl
     canvas.plane
 }
 
-/// Makes the paper's channels. Red: relief; green: absorbency (high draws ink in); both 0.5 on average. Blue: tone, 1
-/// the colour of the paper, lower for darker flecks and fibres. Alpha: threshold of a dry brush, all values equally
-/// frequent, low where ink takes first: on raised fibres.
+/// Makes the channels of the paper:
+///
+/// * red: relief, 0.5 on average
+/// * green: absorbency, 0.5 on average; high values draw ink in
+/// * blue: tone; 1 is the colour of the paper, and darker flecks and fibres are lower
+/// * alpha: threshold of a dry brush, with all values equally frequent; low where ink takes first, on raised fibres
 pub fn paper(params: &InkParams) -> [Plane; 4] {
     let side = params.paper_texels as usize;
     let seed = hash(params.seed, 0x9a9e);
@@ -78,7 +81,7 @@ pub fn paper(params: &InkParams) -> [Plane; 4] {
     let bast = fibres(side, hash(seed, 1), (0.3 * count) as u32, (0.36, 0.0008));
     let straw = fibres(side, hash(seed, 2), count as u32, (0.13, 0.0004));
     let fibres_all = bast.with(&straw, |bast, straw| bast.max(0.75 * straw));
-    // The sheet's thickness varies: against the light it looks cloudy.
+    // The sheet looks cloudy against the light, because its thickness varies.
     let cloud = Plane::from_fn(side, |uv| noise(3, uv, 6, 5));
     let tooth = Plane::from_fn(side, |uv| noise(4, uv, (params.paper_texels / 10).max(4), 3));
     let ribs = Plane::from_fn(side, |uv| {

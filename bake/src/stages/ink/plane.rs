@@ -1,4 +1,4 @@
-//! Channel of a square tile that repeats, and conversion of four channels to texels with mips.
+//! Channel of a square repeating tile, and conversion of four channels to texels with mips.
 
 use crate::noise::hash;
 use crate::stages::slice::gaussian_weights;
@@ -14,7 +14,7 @@ pub struct Plane {
     pub values: Vec<f32>,
 }
 
-/// Returns the mean, summed in the order of the values, so that the sum does not depend on the number of threads.
+/// Returns the mean. Values are summed in their order, so that the result does not depend on the number of threads.
 fn mean_of(values: impl Iterator<Item = f32>, count: usize) -> f32 {
     (values.map(f64::from).sum::<f64>() / count.max(1) as f64) as f32
 }
@@ -64,7 +64,7 @@ impl Plane {
 
     /// Resamples the plane to another size.
     pub(super) fn resized(&self, side: usize) -> Self {
-        // Without a filter, skipped texels would alias.
+        // Skipped texels would alias without a filter.
         let ratio = self.side as f32 / side as f32;
         if ratio > 1.5 {
             return self.blurred(0.4 * ratio).sampled_at(side);
@@ -108,12 +108,12 @@ impl Plane {
         mean_of(self.values.iter().map(|v| (v - mean) * (v - mean)), self.values.len()).max(0.0).sqrt()
     }
 
-    /// Shifts and scales to a mean of 0.5 and the given standard deviation, clamped to 0..=1.
+    /// Shifts and scales the values to a mean of 0.5 and the given standard deviation, clamped to 0..=1.
     pub(super) fn balanced(&self, deviation: f32) -> Self {
         let stretch = deviation / self.deviation().max(1e-6);
         let mean = self.mean();
         let mut out = self.map(|v| 0.5 + (v - mean) * stretch);
-        // Clamping the tails of a skewed histogram shifts the mean again.
+        // Clamping the tails of a skewed histogram shifts the mean again, so the shift is repeated.
         for _ in 0..8 {
             let shift = 0.5 - out.map(|v| v.clamp(0.0, 1.0)).mean();
             out = out.map(|v| v + shift);
@@ -121,8 +121,8 @@ impl Plane {
         out.map(|v| v.clamp(0.0, 1.0))
     }
 
-    /// Replaces each value by its rank, 0..1, so that all values are equally frequent. Equal values are ranked at
-    /// random, to avoid a ramp.
+    /// Replaces each value by its rank, 0..1, so that all values are equally frequent. Equal values are ranked in
+    /// random order, to avoid a ramp.
     pub(super) fn equalised(&self) -> Self {
         let mut order: Vec<u32> = (0..self.values.len() as u32).collect();
         order.par_sort_unstable_by(|a, b| {
@@ -136,7 +136,7 @@ impl Plane {
         Self { side: self.side, values }
     }
 
-    /// Halves the size by averaging two by two texels.
+    /// Halves the size by averaging 2 × 2 texels.
     fn halved(&self) -> Self {
         let n = self.side / 2;
         let mean = |x: usize, y: usize| {
@@ -152,8 +152,8 @@ impl Plane {
 pub(super) enum Channel {
     /// Quantity: mips are means.
     Value,
-    /// Threshold for comparisons: in every mip all values are equally frequent, so that the same share passes at any
-    /// distance. Means would concentrate around the middle, so that all would pass or none.
+    /// Threshold for comparisons. All values are equally frequent in every mip, so that the same share of texels passes
+    /// at any distance. Plain means would concentrate around the middle, so that all texels would pass or none.
     Threshold,
 }
 
@@ -218,7 +218,7 @@ mod tests {
             assert!((plane.mean() - 0.5).abs() < 0.01, "{} at {deviation}", plane.mean());
             assert!(plane.values.iter().all(|v| (0.0..=1.0).contains(v)));
         }
-        // A constant plane has no deviation to scale.
+        // Scaling must not divide by zero: a constant plane has no deviation.
         assert!((ramp(8).map(|_| 3.0).balanced(0.2).mean() - 0.5).abs() < 1e-3);
     }
 

@@ -1,15 +1,18 @@
-//! Product that determines the wash's grey (Fang 2006, §3).
+//! Product that determines the grey of the wash (Fang 2006, §3).
 
 use glam::Vec3;
 
-/// Distance from the centre, in radii, below which a vertex has no direction from it.
+/// Distance from the centre, in radii of the bounding sphere, below which the direction from the centre to a vertex is
+/// undefined.
 const NEAR: f32 = 1e-6;
 
-/// Returns the wash product at a surface point with unit `normal`, in two forms. First (V − CP)·N over the bounding
-/// sphere's radius, −2..=2 for centres within the model. Second, from the abstract, ((V − CP)/|V − CP|)·N, −1..=1, and
-/// 0 at the centre.
+/// Returns the wash product at a surface point with unit `normal`, in two forms:
 ///
-/// The paper prints (V − CP)·N in the model's units; divided by the radius, the same a and b suit models of any size.
+/// * (V − CP)·N divided by the bounding sphere's radius, −2..=2 for centres within the model
+/// * ((V − CP)/|V − CP|)·N, as in the abstract of the paper, −1..=1, and 0 at the centre
+///
+/// The published product (V − CP)·N is in the units of the model. Divided by the radius, the same constants a and b
+/// suit models of any size.
 pub(super) fn wash_product(place: Vec3, normal: Vec3, center: Vec3, radius: f32) -> [f32; 2] {
     let from = (place - center) / radius.max(f32::MIN_POSITIVE);
     let along = from.dot(normal);

@@ -1,9 +1,9 @@
-//! Scanned washes and strokes: conversion of a painting, or a part of one, to a grey tile.
+//! Scanned washes and strokes: conversion of a painting, or of a detail of one, to a grey tile.
 //!
-//! First the background is removed: silk and old paper are dark themselves, and unevenly so. Then the image is blended
-//! with a copy shifted by half; each copy fades at its own borders. A plain mean of the two would have less contrast
-//! than either. So both are first mapped to a normal distribution, the sum is restored to its variance, and the image's
-//! own histogram is applied again (Heitz and Neyret 2018).
+//! First, the background is removed: silk and old paper are dark themselves, and unevenly so. Then the image is blended
+//! with a copy shifted by half its size, where each copy fades at its own borders. A plain mean of the two would have
+//! less contrast than either. So both are first mapped to a normal distribution. The sum is restored to the variance of
+//! that distribution, and mapped back to the image's own histogram (Heitz and Neyret 2018).
 
 use super::plane::Plane;
 use crate::noise::smooth_step;
@@ -11,34 +11,34 @@ use glam::Vec2;
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 
-/// Minimum side of a scan, texels; smaller ones hold no brushwork.
+/// Minimum side of a scan, texels; smaller scans show no brushwork.
 const LEAST_SIDE: u32 = 48;
-/// Maximum side after downsampling, texels: the size of the largest texture made from a scan. Time and memory grow with
-/// its square.
+/// Maximum side after downsampling, texels; equals the side of the largest texture made from a scan. Time and memory
+/// grow with its square.
 const MOST_SIDE: usize = 2048;
-/// Maximum side for estimating the background, texels: it is smooth and has no details.
+/// Maximum side for estimating the background, texels; the background is smooth and has no details.
 const GROUND_SIDE: usize = 256;
-/// Minimum difference in grey, 0..=1, between the darkest and the lightest hundredth.
+/// Minimum difference in grey, 0..=1, between the darkest 1 % and the lightest 1 % of the texels.
 const LEAST_CONTRAST: f32 = 0.02;
 /// Blur width for estimating the background, as a share of the side.
 const GROUND: f32 = 0.16;
 
-/// Grey image of any shape.
+/// Grey image of any aspect ratio.
 struct Grey {
     width: usize,
     height: usize,
     values: Vec<f32>,
 }
 
-/// Converts to display luma, by which ink is judged, and downsamples to at most `width` by `height` texels by
-/// averaging.
+/// Converts an image to display luma, because ink is judged as displayed. Downsamples it by averaging to at most
+/// `width` by `height` texels.
 fn grey(image: &Image, width: usize, height: usize) -> Grey {
     let (columns, rows) = (image.width as usize, image.height as usize);
     let (width, height) = (width.min(columns), height.min(rows));
     let luma = |x: usize, y: usize| {
         let t = &image.rgba[4 * (y * columns + x)..][..4];
         let share = |i: usize| f32::from(t[i]) / 255.0;
-        // Transparent texels are paper.
+        // Transparent texels count as paper.
         let ink = 0.2126 * share(0) + 0.7152 * share(1) + 0.0722 * share(2);
         1.0 - (1.0 - ink) * share(3)
     };
@@ -46,8 +46,7 @@ fn grey(image: &Image, width: usize, height: usize) -> Grey {
     Grey { width, height, values }
 }
 
-/// Downsamples `value` from `from` to `to` texels (columns, rows) by averaging. With equal sizes the values are
-/// unchanged.
+/// Downsamples `value` from `from` to `to` texels (columns, rows) by averaging. Equal sizes leave the values unchanged.
 fn mean_texels(from: (usize, usize), to: (usize, usize), value: impl Fn(usize, usize) -> f32) -> Vec<f32> {
     let part = |i: usize, to: usize, from: usize| i * from / to..(i + 1) * from / to;
     let mean = |i: usize| {
@@ -74,7 +73,7 @@ fn check(key: &str, path: &str, image: &Image, grey: &Grey) -> Result<(), BakeEr
     Ok(())
 }
 
-/// Returns the greys below which the darkest hundredth is and above which the lightest.
+/// Returns the 1st and the 99th percentile of the greys.
 fn grey_range(values: &[f32]) -> (f32, f32) {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f32::total_cmp);
@@ -90,16 +89,16 @@ fn square(grey: &Grey) -> Plane {
     Plane { side, values }
 }
 
-/// Removes the background: the brightest parts near each texel become white.
+/// Removes the background: the brightest parts around each texel become white.
 fn remove_background(plane: &Plane) -> Plane {
-    // Bright parts weigh far more than dark ones: a soft maximum.
+    // Soft maximum: bright parts have far more weight than dark ones.
     let sharp = 24.0;
     let n = plane.side;
     let side = n.min(GROUND_SIDE);
     let small = Plane { side, values: mean_texels((n, n), (side, side), |x, y| plane.values[y * n + x]) };
     let sigma = GROUND * side as f32;
     let mirrored = Plane::from_fn(2 * side, |uv| {
-        // The background is mirrored at the borders; the tile of four copies has no seams.
+        // The background is mirrored at the borders, so the tile of four copies has no seams.
         let p = (uv * 2.0 - 1.0).abs();
         small.sample(p.min(Vec2::splat(1.0 - 0.5 / side as f32)))
     });
@@ -118,8 +117,8 @@ fn remove_background(plane: &Plane) -> Plane {
     Plane { side: n, values: values.collect() }
 }
 
-/// Makes a repeating tile from a scanned wash, as large as the image's shorter side, at most 2048 texels; mean grey
-/// 0.5.
+/// Makes a repeating tile from a scanned wash. The side is the image's shorter side, at most 2048 texels; the mean grey
+/// is 0.5.
 ///
 /// # Errors
 /// [`BakeError::Input`], naming file, key, what was found and what was expected, for an image that is too small or has
@@ -134,15 +133,15 @@ pub fn wash_tile(path: &str, image: &Image) -> Result<Plane, BakeError> {
     Ok(tile(&level, [true, true]).balanced(0.15))
 }
 
-/// Makes a plane from a scanned stroke: grey along it (u, which repeats) and across it (v, 0 the outer edge, 1 the
-/// inner), 0 ink to 1 paper; at most 2048 texels along each axis.
+/// Makes a plane from a scanned stroke, with greys from 0 (ink) to 1 (paper). u runs along the stroke and repeats; v
+/// runs across it, from 0 at the outer edge to 1 at the inner edge. The plane has at most 2048 texels along each axis.
 ///
 /// # Errors
 /// Same as [`wash_tile`].
 pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
     let grey = grey(image, MOST_SIDE, MOST_SIDE);
     check("ink.stroke_image", path, image, &grey)?;
-    // Rows that the stroke covers.
+    // Find the rows that the stroke covers.
     let (dark, light) = grey_range(&grey.values);
     let white = |v: f32| ((v - dark) / (light - dark)).clamp(0.0, 1.0);
     let rows: Vec<f32> = grey
@@ -151,7 +150,7 @@ pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
         .map(|row| row.iter().map(|v| 1.0 - white(*v)).sum::<f32>() / grey.width as f32)
         .collect();
     let most = rows.iter().copied().fold(0.0, f32::max);
-    // The outer edge is the outline, with full ink; the inner edge may fade.
+    // The outer edge is the outline, with full ink, while the inner edge may fade.
     let first = rows.iter().position(|ink| *ink > 0.5 * most).unwrap_or(0);
     let last = rows.iter().rposition(|ink| *ink > 0.1 * most).unwrap_or(grey.height - 1);
     let side = grey.width.max(last + 1 - first);
@@ -169,11 +168,12 @@ pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
     Ok(tile(&band, [true, false]))
 }
 
-/// Blends an image with shifted copies, so that it repeats along u and v as `wanted`; keeps its histogram.
+/// Blends an image with shifted copies and keeps its histogram. `wanted` selects the axes (u, v) along which the result
+/// repeats.
 fn tile(plane: &Plane, wanted: [bool; 2]) -> Plane {
     let n = plane.side;
     let normal = plane.equalised().map(normal_of_rank);
-    // Weight of the unshifted copy: 0 at the borders, 1 from a quarter on.
+    // Weight of the unshifted copy: 0 at the borders, 1 from a quarter of the side on.
     let weight = |i: usize, wanted: bool| {
         let from_border = (i as f32 + 0.5).min(n as f32 - i as f32 - 0.5) / n as f32;
         if wanted { smooth_step(0.0, 0.25, from_border) } else { 1.0 }
@@ -199,7 +199,8 @@ fn tile(plane: &Plane, wanted: [bool; 2]) -> Plane {
     ranks.map(|rank| sorted[((rank * (n * n) as f32) as usize).min(n * n - 1)])
 }
 
-/// Returns the quantile of the standard normal distribution at `rank` (Abramowitz and Stegun 26.2.23, within 5e-4).
+/// Returns the quantile of the standard normal distribution at `rank`, 0..1 (Abramowitz and Stegun 26.2.23; error below
+/// 5e-4).
 fn normal_of_rank(rank: f32) -> f32 {
     let p = rank.min(1.0 - rank).max(1e-7);
     let t = (-2.0 * libm::logf(p)).sqrt();

@@ -30,7 +30,7 @@ fn scanned_painting_becomes_an_even_seamless_tile() {
     assert_eq!(plane.side, 140);
     assert!(seam(&plane, true) < 1.35 && seam(&plane, false) < 1.35, "{} {}", seam(&plane, true), seam(&plane, false));
     assert!((plane.mean() - 0.5).abs() < 0.01 && plane.deviation() > 0.1);
-    // The silk is twice as dark on the right as on the left.
+    // The silk is twice as dark on the right as on the left before the background is removed.
     let part = |from: usize| {
         let columns = (0..140).flat_map(|y| (from..from + 35).map(move |x| (x, y)));
         columns.map(|(x, y)| plane.values[y * 140 + x]).sum::<f32>() / (35.0 * 140.0)
@@ -56,7 +56,7 @@ fn tiling_permutes_grey_values() {
 
 #[test]
 fn scanned_stroke_wraps_and_keeps_its_edges() {
-    // Dark in the middle rows, pale at the lower edge, paper above and below.
+    // The stroke is dark in the middle rows and pale at its lower edge, with paper above and below.
     let texel = |i: u32| {
         let (x, y) = (i % 120, i / 120);
         let grey = match y {
@@ -78,7 +78,7 @@ fn scanned_stroke_wraps_and_keeps_its_edges() {
 
 #[test]
 fn large_scans_are_reduced_to_the_largest_texture_size() {
-    // A JPEG of a few kilobytes may declare such a width.
+    // A JPEG of a few kilobytes can declare such a width.
     let wide = painting(16_384, 48);
     let band = stroke_band("s.png", &wide).unwrap();
     assert_eq!(band.side, MOST_SIDE);
@@ -90,7 +90,8 @@ fn large_scans_are_reduced_to_the_largest_texture_size() {
 
 #[test]
 fn background_of_large_and_small_scans_agrees() {
-    // The same texels, and each of them enlarged three times: one is used as it is, the other is downsampled.
+    // Both images have the same texels, enlarged three times in one: the small image is used as it is, the large one is
+    // downsampled.
     let small = painting(200, 200);
     let texel = |i: usize| small.rgba[4 * ((i / 1800) * 200 + i % 600 / 3)..][..4].to_vec();
     let large = Image { width: 600, height: 600, rgba: (0..600 * 600).flat_map(texel).collect() };
@@ -120,7 +121,7 @@ fn scan_errors_name_the_image_and_its_size() {
         ["s.png", "ink.stroke_image", "0.353 to 0.353", "light and dark"].iter().all(|p| text.contains(p)),
         "{text}"
     );
-    // A blank image is just as flat.
+    // A transparent image has no contrast either.
     let clear = Image { width: 64, height: 64, rgba: [0, 0, 0, 0].repeat(64 * 64) };
     assert!(wash_tile("c.png", &clear).is_err());
 }

@@ -1,9 +1,9 @@
-//! Stroke of the sphere map: a ring of ink along the rim of a disc, where every model's outline is looked up (Fang
+//! Stroke of the sphere map: a ring of ink along the rim of a disc. Outlines of all models are looked up there (Fang
 //! 2006, §2; Kang 2003).
 //!
-//! Texture coordinates (u, v) are half the unit normal across the view direction, plus one half. The disc's middle
-//! faces the eye; its rim, at distance one half, is the outline. The line is as wide as the ink extends inwards. Along
-//! the rim the width swells and thins like a line from a soft brush.
+//! Texture coordinates (u, v) are half the view-space components of the unit normal, plus one half. The middle of the
+//! disc faces the eye; its rim, at distance one half, is the outline. The width of the line is the distance that the
+//! ink extends inwards. It varies along the rim, like a line drawn with a soft brush.
 
 use super::noise::{gradient, octaves};
 use super::plane::Plane;
@@ -13,12 +13,12 @@ use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
 use std::f32::consts::TAU;
 
-/// Position along the rim, in turns, where the brush is pressed most: lower right, for a hand that comes from the upper
-/// left.
+/// Position along the rim, in turns, where the brush is pressed most. It is at the lower right, for a hand that comes
+/// from the upper left.
 const BELLY: f32 = 0.11;
 
-/// Returns polar coordinates on the disc: angle in turns, and distance inwards from the rim as a share of the radius,
-/// 0..=1; 0 outside the rim.
+/// Returns polar coordinates on the disc. The angle is in turns. The distance inwards from the rim is a share of the
+/// radius, 0..=1, and 0 outside the rim.
 fn polar(uv: Vec2) -> Vec2 {
     let p = uv - 0.5;
     let turns = libm::atan2f(p.y, p.x) / TAU;
@@ -35,7 +35,8 @@ struct Ring<'a> {
 }
 
 impl Ring<'_> {
-    /// Returns noise of the given kind along the rim and inwards; `cells`: cells per turn and per radius.
+    /// Returns noise along the rim and inwards. `kind` selects the noise; `cells` are the cells per turn and per
+    /// radius.
     fn noise(&self, kind: u64, at: Vec2, cells: (u32, u32), count: u32) -> f32 {
         octaves(hash(self.seed, kind), at, UVec2::new(cells.0, cells.1), count, 0.55)
     }
@@ -46,18 +47,19 @@ impl Ring<'_> {
         (1.0 + self.variation * swell).max(0.25)
     }
 
-    /// Returns the ink of the wet and of the dry stroke, 0 none to 1 black.
+    /// Returns the ink of the wet stroke and of the dry stroke, from 0 (none) to 1 (black).
     fn ink(&self, at: Vec2) -> [f32; 2] {
         let pressure = self.pressure(at.x);
         // Position within the stroke: 0..=1 from the rim to its frayed edge.
         let fray = 0.24 * self.noise(2, at, (40, 24), 3) + 0.1 * self.noise(3, at, (150, 60), 2);
         let across = at.y / (self.width * pressure) + fray * self.variation.min(1.0);
         let body = 1.0 - smooth_step(0.72, 1.12, across);
-        // Ink bleeds into the paper, fading outwards, and pools a little where it stops.
+        // Ink bleeds into the paper and fades outwards. It pools a little where it stops.
         let bleed = 0.22 * libm::expf(-3.0 * (across - 1.0).max(0.0)) * smooth_step(0.7, 1.0, across);
         let pool = 1.0 - 0.10 * smooth_step(0.15, 0.6, across) * (1.0 - smooth_step(0.6, 0.85, across));
         let wet = match self.scanned {
-            // The ends are at the centres of the first and last texel rows; beyond them the tile would repeat.
+            // The edges of the stroke are sampled at the centres of the first and last texel rows; beyond them, the
+            // tile would repeat.
             Some(band) if across < 1.0 => {
                 let half = 0.5 / band.side as f32;
                 1.0 - band.sample(Vec2::new(at.x, across.clamp(half, 1.0 - half)))
@@ -65,8 +67,8 @@ impl Ring<'_> {
             Some(_) => 0.0,
             None => (body * pool).max(bleed),
         };
-        // Bristles run along the rim. The drier the brush, the more of them leave no ink, first on the side with less
-        // pressure.
+        // Bristles run along the rim. The drier the brush, the more of them leave no ink, beginning on the side with
+        // less pressure.
         let bristles = gradient(hash(self.seed, 4), at, UVec2::new(9, 88))
             + 0.6 * gradient(hash(self.seed, 5), at, UVec2::new(23, 150));
         let load = self.noise(6, Vec2::new(at.x, 0.25), (6, 3), 2);
@@ -76,11 +78,15 @@ impl Ring<'_> {
     }
 }
 
-/// Makes the stroke's channels. Red: grey of the stroke, 0 black at the rim to 1 white inside; green: the same for a
-/// dry brush; blue: variation of the line's width, 0.5 on average; alpha: 1.
+/// Makes the channels of the stroke:
 ///
-/// `scanned`: replaces the painted stroke; along u, and from the outer to the inner edge along v, as returned by
-/// [`stroke_band`](super::stroke_band). The dry stroke is the scan with bristles lifted off.
+/// * red: grey of the stroke, from 0 (black) at the rim to 1 (white) inside
+/// * green: the same for a dry brush
+/// * blue: variation of the line's width, 0.5 on average
+/// * alpha: 1
+///
+/// `scanned` replaces the painted stroke. It runs along u, and along v from the outer to the inner edge, as returned by
+/// [`stroke_band`](super::stroke_band). The dry stroke is then the scan without the ink of some bristles.
 pub fn stroke(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
     let side = params.stroke_texels as usize;
     let ring = Ring {

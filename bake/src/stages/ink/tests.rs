@@ -7,7 +7,7 @@ use crate::stages::slice::decode_texture;
 use glam::Vec2;
 use pelage_formats::{Animation, Limits, Manifest, Package, PackageWriter, TextureEntry, TextureView};
 
-/// Returns textures small enough for a test and large enough to show seams.
+/// Returns parameters for textures that are small enough for a test, and large enough to show seams.
 fn small() -> InkParams {
     InkParams { stroke_texels: 128, wash_texels: 128, paper_texels: 128, fur_texels: 128, ..InkParams::default() }
 }
@@ -16,8 +16,8 @@ fn strands() -> Strands {
     simulate(&natural().hair, &ColorParams::default(), &VolumeParams { height: 0.15 }).unwrap()
 }
 
-/// Returns the mean difference of neighbours across the seam, and everywhere else. `columns`: compare texels side by
-/// side.
+/// Returns the mean difference of neighbouring texels across the seam, and everywhere else. `columns`: whether to
+/// compare texels side by side.
 fn seam(plane: &Plane, columns: bool) -> (f32, f32) {
     let n = plane.side as i64;
     let at = |along: i64, across: i64| if columns { plane.at(across, along) } else { plane.at(along, across) };
@@ -198,7 +198,7 @@ fn ink_fur_is_enabled_by_fur_keys_animation_or_bare_materials() {
         assert_eq!(fur_strength(&with(&[set]), &stone, &[true]), 1.0, "{set}");
     }
     assert_eq!(fur_strength(&with(&[]), &stone, &[true, false]), 1.0, "eyes were found");
-    // Neither settings of resolution nor disabled fins show that the model has fur.
+    // Resolution settings and disabled fins do not show that the model has fur.
     for set in ["slice.layers=8", "model.unit_m=0.01", "fins.enabled=false", "ink.line=2"] {
         assert_eq!(fur_strength(&with(&[set]), &stone, &[true]), 0.0, "{set}");
     }

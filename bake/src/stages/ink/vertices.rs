@@ -9,7 +9,7 @@ use pelage_formats::{InkShading, InkVertex};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Material, Mesh, MeshPart, RestPose};
 
-/// Ink data of all vertices.
+/// Ink data of all vertices, and the centre of the wash.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InkVertices {
     /// Ink data per vertex.
@@ -35,7 +35,7 @@ pub struct InkTarget<'a> {
 
 /// Ink settings of one material.
 struct MaterialPaint<'a> {
-    /// Map of the share of wash, with a factor of 0 or 1; `solid` is the same for full ink.
+    /// Map of the share of wash, and a factor of 0 or 1 on it; `solid` is the same for full ink.
     wash: (&'a ScalarMap, f32),
     solid: (&'a ScalarMap, f32),
     line: &'a ScalarMap,
@@ -57,10 +57,10 @@ impl<'a> MaterialPaint<'a> {
     }
 }
 
-/// Amount of [`InkFill::Solid`] if none is given.
+/// Amount of [`InkFill::Solid`] if the recipe gives none.
 static FULL: ScalarMap = ScalarMap::Constant(1.0);
 
-/// Evaluates the recipe at every vertex. Where several materials meet, a vertex gets their mean.
+/// Evaluates the recipe at every vertex. A vertex where several materials meet gets their mean.
 ///
 /// Names that match no material are reported in `warnings`.
 ///

@@ -4,8 +4,8 @@ use super::*;
 use crate::recipe::{MaterialInk, Recipe};
 use pelage_import::mesh::Image;
 
-/// Makes a sphere around the origin: rings of vertices from pole to pole along y; the second half of the triangles has
-/// another material.
+/// Makes a sphere around the origin, with rings of vertices from pole to pole along y. The second half of the triangles
+/// has another material.
 fn sphere(radius: f32) -> (Mesh, RestPose) {
     let (rings, around) = (24u32, 32u32);
     let mut mesh = Mesh::default();
@@ -64,8 +64,8 @@ fn evaluate(params: &InkParams, radius: f32, images: &MapImages) -> (InkVertices
 
 #[test]
 fn wash_of_a_sphere_matches_the_formula() {
-    // Wash products on a sphere of radius ρ at an arc β from the centre: ρ (1 − cos β) as printed, sin(β/2) by the
-    // angle alone.
+    // On a sphere of radius ρ, the wash product at an arc β from the centre is ρ (1 − cos β) as published, and sin(β/2)
+    // in the normalised form.
     for radius in [0.01f32, 1.0, 250.0] {
         let params = InkParams { center: Some([0.0, radius, 0.0]), ..InkParams::default() };
         let (found, _) = evaluate(&params, radius, &MapImages::default());
@@ -76,7 +76,7 @@ fn wash_of_a_sphere_matches_the_formula() {
             let (literal, angle) = (1.0 - cos, ((1.0 - cos) / 2.0).sqrt());
             let [a, b] = vertex.wash.map(|w| f64::from(w) / 32767.0);
             assert!((2.0 * a - literal).abs() < 1e-4, "{literal} came as {}", 2.0 * a);
-            // At the centre itself the angle is undefined and stored as 0.
+            // At the centre itself, the direction is undefined, and 0 is stored.
             assert!((b - angle).abs() < 2e-3, "{angle} came as {b}");
             pole += u32::from(vertex.wash == [0, 0]);
         }
@@ -114,7 +114,7 @@ fn materials_are_blank_washed_or_inked() {
         let params = InkParams { material, center: Some([0.0, 1.0, 0.0]), ..InkParams::default() };
         let (found, warnings) = evaluate(&params, 1.0, &MapImages::default());
         let of = |v: &InkVertex| (v.amount, v.solid, v.line);
-        // The poles belong to one material each, the equator to both.
+        // Each pole belongs to one material, the equator to both.
         ([of(&found.vertices[0]), of(&found.vertices[24 * 32]), of(&found.vertices[12 * 32])], found, warnings)
     };
     assert_eq!(of(vec![]).0, [(255, 0, 255); 3]);
@@ -142,7 +142,7 @@ fn materials_are_blank_washed_or_inked() {
 #[test]
 fn maps_are_read_at_the_vertices() {
     let mut images = MapImages::default();
-    // Black in the upper half, white in the lower.
+    // The image is black in the upper half and white in the lower half.
     let rgba = [[0, 0, 0, 255].repeat(4), [255, 255, 255, 255].repeat(4)].concat();
     images.images.insert("m.png".into(), Image { width: 1, height: 8, rgba });
     let set = |lines: &[&str]| {
@@ -153,7 +153,8 @@ fn maps_are_read_at_the_vertices() {
     };
     let found = set(&["ink.wash=m.png", "ink.solid=vertex#g", "ink.lines=0.25"]);
     let texel = |v: usize| (found.vertices[v].amount, found.vertices[v].solid, found.vertices[v].line);
-    // v = 0 is the image's upper border and the sphere's lower pole; both rows meet there.
+    // At the lower pole, v is 0, the upper border of the image. The image repeats, so its first and last row meet
+    // there.
     assert_eq!(texel(6 * 32), (255, 102, 64));
     assert_eq!(texel(18 * 32), (0, 102, 64));
     assert!(found.center.y > -0.75, "the centre is sought where there is wash: {}", found.center);

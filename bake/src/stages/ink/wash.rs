@@ -1,4 +1,4 @@
-//! Wash texture: a tile of dried ink wash, and the noise for lines and dry brushes on the surface.
+//! Wash texture: a tile of dried ink wash, and noise for lines and dry brushes on the surface.
 
 use super::diffusion::{Paper, simulate_drying};
 use super::noise::octaves;
@@ -8,32 +8,35 @@ use crate::noise::{hash, uniform};
 use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
 
-/// Side of the ink simulation, texels; the resulting blotches and marks are wider than one of them.
+/// Side of the ink simulation, texels. The blotches and marks are wider than one such texel.
 const WET_SIDE: usize = 256;
-/// Side at which soft noise is computed, texels; it has no finer details.
+/// Side at which soft noise is computed, texels. The noise has no finer details.
 const SOFT_SIDE: usize = 256;
-/// Number of wash layers, each applied when the one before is dry.
+/// Number of wash layers; each is applied when the previous one is dry.
 const LAYERS: u64 = 3;
 /// Number of puddles per layer.
 const PUDDLES: u64 = 4;
 
-/// Standard deviation of the grain; like [`BLOTCHES`] and [`PRESSURE`], large enough to be visible at half strength,
-/// and too small for spots.
+/// Standard deviation of the grain. Like [`BLOTCHES`] and [`PRESSURE`], it is large enough to be visible at half
+/// strength, but too small to cause spots.
 const GRAIN: f32 = 0.13;
 const BLOTCHES: f32 = 0.15;
 const PRESSURE: f32 = 0.17;
 
-/// Makes the wash's channels. Red: grain of the wash; green: blotches and tide marks, coarser; blue: brush pressure
-/// along lines. These are 0.5 on average, in grey (low is more ink, high is more paper). Alpha: threshold of a dry
-/// brush, all values equally frequent, low where ink takes first.
+/// Makes the channels of the wash. The first three are greys with a mean of 0.5: low is more ink, high is more paper.
 ///
-/// `scanned`: a tile of grey that replaces the painted wash.
+/// * red: grain of the wash
+/// * green: blotches and tide marks, which are coarser
+/// * blue: brush pressure along lines
+/// * alpha: threshold of a dry brush, with all values equally frequent; low where ink takes first
+///
+/// `scanned`: tile of grey that replaces the painted wash.
 pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
     let side = params.wash_texels as usize;
     let seed = hash(params.seed, 0x3a51);
     let noise =
         |kind: u64, uv: Vec2, cells: u32, count: u32| octaves(hash(seed, kind), uv, UVec2::splat(cells), count, 0.6);
-    // Fibres and sizing, on which soot particles settle.
+    // Soot particles settle on fibres and sizing.
     let tooth = Plane::from_fn(side, |uv| noise(1, uv, 40, 4));
     let soft = |f: &(dyn Fn(Vec2) -> f32 + Sync)| Plane::from_fn(side.min(SOFT_SIDE), f).resized(side);
     let cloud = soft(&|uv| noise(2, uv, 5, 5));
@@ -54,7 +57,7 @@ pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
             )
         }
     };
-    // Lower frequency than line widths: a change within a line's width would turn the line into beads.
+    // The frequency is lower than that of line widths: a change within a line's width would turn the line into beads.
     let pressure = soft(&|uv| noise(3, uv, 6, 2));
     let speckle = Plane::from_fn(side, |uv| noise(4, uv, (params.wash_texels / 8).max(4), 3));
     let dry_brush = speckle.with(&tooth, |speckle, tooth| speckle + 0.5 * tooth).with(&pressure, |v, p| v - 0.15 * p);
@@ -82,7 +85,7 @@ fn stain(seed: u64, edges: f32) -> Plane {
                 let random = |n: u64| uniform(seed, k << 8 | n);
                 let away = at - Vec2::new(random(1), random(2));
                 let radius = 0.1 + 0.2 * random(3);
-                // Some puddles have hard edges, on dry paper, and some soft ones, on damp paper.
+                // Puddles on dry paper have hard edges, those on damp paper soft ones.
                 let soft = 0.02 + 0.6 * radius * random(4) * random(4);
                 depth =
                     depth.max(1.0 - smooth_step(radius - soft, radius + 0.4 * soft, (away - away.round()).length()));
@@ -94,6 +97,6 @@ fn stain(seed: u64, edges: f32) -> Plane {
         let strength = Plane::from_fn(WET_SIDE, |uv| (0.55 + 0.5 * noise(21 + layer, uv, 4, 4)).clamp(0.06, 1.3));
         sum = sum.with(&simulate_drying(paper, &water, &strength, edges), |sum, ink| sum + ink);
     }
-    // Rims are sharp outside and soft inside; the paper softens everything slightly.
+    // Rims are sharp outside and soft inside. The paper softens both slightly.
     sum.blurred(0.7).map(|ink| 1.0 - libm::expf(-1.1 * ink))
 }

@@ -1,7 +1,8 @@
 use super::*;
 use glam::Vec3;
 
-/// Makes strands that bend along v with the square of their height; `bend` returns the strength for each.
+/// Makes strands that bend along v with the square of their height. `bend` returns the strength of the bend for each
+/// strand.
 fn bent(bend: impl Fn(usize) -> f32) -> Strands {
     let (count, points) = (400, 9);
     let mut strands = Strands { height: 0.4, offsets: vec![0], ..Strands::default() };
@@ -18,8 +19,8 @@ fn bent(bend: impl Fn(usize) -> f32) -> Strands {
     strands
 }
 
-/// Returns the greatest error of the estimated offset, first with the true directions and then, for comparison, with
-/// all directions upright.
+/// Returns the greatest error of the estimated offset, first with the true directions. The second value, for
+/// comparison, is the error if all directions are upright.
 fn worst(strands: &Strands, asides: &LateralOffsets, bend: impl Fn(usize) -> f32) -> [f32; 2] {
     let mut worst = [0.0f32; 2];
     for i in 0..strands.len() {
@@ -37,7 +38,7 @@ fn worst(strands: &Strands, asides: &LateralOffsets, bend: impl Fn(usize) -> f32
 
 #[test]
 fn hair_direction_predicts_the_root_offset() {
-    // Neighbours bend differently.
+    // Neighbouring strands bend differently.
     let bend = |i: usize| 0.05 + 0.01 * (i * 7 % 11) as f32;
     let strands = bent(bend);
     let asides = LateralOffsets::from_strands(&strands);

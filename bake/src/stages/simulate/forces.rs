@@ -9,17 +9,17 @@ use std::f32::consts::{PI, TAU};
 
 /// Minimum number of segments of a strand with frizz.
 const FRIZZ_SEGMENTS: f32 = 28.0;
-/// Segments per turn of a helix, so that its polyline is within 4 % of its radius.
+/// Segments per turn of a helix. The polyline deviates from the helix by at most 4 % of the radius.
 const SEGMENTS_PER_TURN: f32 = 12.0;
-/// Maximum turn of a helix in one segment. Tighter curls are loosened and keep their radius.
+/// Maximum turn of a helix in one segment, radians. Tighter curls are loosened and keep their radius.
 const MAX_TURN_RAD: f32 = PI / 3.0;
 const MAX_SEGMENTS: u32 = 192;
 /// Number of frizz bends along a strand.
 const FRIZZ_BENDS: f32 = 9.0;
-/// Rate at which a heading relaxes towards the forces, per strand length.
+/// Rate at which a heading relaxes towards the forces, per length of the strand.
 const RELAXATION: f32 = 7.0;
 
-/// Purposes of the random numbers of a strand; the first two are [`stratified`]'s.
+/// Purposes of a strand's random numbers. The first two numbers are used by [`stratified`].
 #[derive(Clone, Copy)]
 enum Draw {
     Length = 2,
@@ -31,7 +31,7 @@ enum Draw {
     Stray,
 }
 
-/// Value that the seed is hashed with for underfur: a number that no strand has.
+/// Value that the seed is hashed with for underfur. It is not the index of any strand.
 const UNDERFUR: u64 = u64::MAX - 4;
 
 /// Grows strands of one kind.
@@ -41,19 +41,19 @@ pub(super) struct Grower<'a> {
     height: f32,
     segments: u32,
     lean_to: Vec2,
-    /// Seed for everything that all strands of the tile share.
+    /// Seed for everything that the strands of the tile share.
     seed: u64,
-    /// Seed for the individual values of each strand of this kind: root, length, tilt.
+    /// Seed for the individual values of each strand of this kind: root, length and tilt.
     own_seed: u64,
-    /// Present if hairs gather in locks.
+    /// Locks of the tile; `None` if hairs do not gather in locks.
     locks: Option<&'a Locks>,
-    /// Guard hair above underfur, whose locks the underfur joins.
+    /// Grower of the guard hair above the underfur, which joins its locks; `None` for guard hair.
     leader: Option<&'a Grower<'a>>,
 }
 
 impl<'a> Grower<'a> {
-    /// Creates a grower. `height`: length of the longest strand, in tile widths; `max_segments`: maximum number of
-    /// segments of a strand.
+    /// Creates a grower. `height`: length of the longest strand, tile widths; `max_segments`: maximum number of
+    /// segments per strand.
     pub(super) fn new(params: &'a HairParams, height: f32, max_segments: u32, locks: Option<&'a Locks>) -> Self {
         let forces = StyleForces::of(params.style);
         let frizz = if params.frizz > 0.0 { FRIZZ_SEGMENTS } else { 0.0 };
@@ -74,7 +74,8 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// Returns the grower of the underfur below this guard hair: roots of its own, the same flow, the same locks.
+    /// Returns the grower of the underfur below this guard hair. The underfur has its own roots, but the same flow and
+    /// the same locks.
     pub(super) fn underfur<'b>(&'b self, params: &'b HairParams, height: f32, max_segments: u32) -> Grower<'b> {
         let own_seed = hash(self.seed, UNDERFUR);
         let locks = self.locks.filter(|_| forms_locks(params));
@@ -93,7 +94,7 @@ impl<'a> Grower<'a> {
     pub(super) fn brightness(&self, strand: u32) -> f32 {
         let own = 2.0 * self.draw(strand, Draw::Brightness) - 1.0;
         match self.locks {
-            // Hairs of one lock look alike, wet ones more so.
+            // Hairs of one lock look alike, and wet hairs even more so.
             Some(locks) => {
                 let [together, per_clump] = self.forces.lock_brightness;
                 let together = together + per_clump * self.params.dry_clump;
@@ -103,7 +104,8 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// Returns the offset of a strand's colour band, in -1..1: negative towards the root, positive towards the tip.
+    /// Returns the offset of a strand's colour band, in -1..1. Negative values are towards the root, positive ones
+    /// towards the tip.
     pub(super) fn stray(&self, strand: u32) -> f32 {
         2.0 * self.draw(strand, Draw::Stray) - 1.0
     }
@@ -123,8 +125,8 @@ impl<'a> Grower<'a> {
         self.height * share.max(0.01)
     }
 
-    /// Returns the direction of a strand at `t` (0 root, 1 tip) of its length under lean alone: upright at the root,
-    /// bending towards the tip. With a lean near 1 the root is combed over as well.
+    /// Returns the direction of a strand under lean alone, at share `t` of its length (0 root, 1 tip). It is upright at
+    /// the root and bends towards the tip. With a lean near 1, the root is combed over as well.
     fn lean(&self, t: f32) -> Vec3 {
         let StyleForces { lean: [least, span], root_deg, tip_deg, .. } = self.forces;
         let lean = least + span * self.params.lean;
@@ -134,8 +136,8 @@ impl<'a> Grower<'a> {
         (self.lean_to * libm::sinf(angle)).extend(libm::cosf(angle))
     }
 
-    /// Returns the relaxation factor of a heading for one step along a strand of `length`: the exact solution of the
-    /// relaxation, which never overshoots, however stiff it is or long the step.
+    /// Returns the share by which a heading approaches its target in one step along a strand of `length`. It is the
+    /// exact solution of the relaxation and never overshoots, however long the step.
     fn relaxation_factor(step: f32, length: f32) -> f32 {
         -libm::expm1f(-RELAXATION * step / length)
     }
@@ -166,7 +168,7 @@ impl<'a> Grower<'a> {
                     let target = if self.forces.wet {
                         (lock.target + tilt).lerp(into_lock, p.clump)
                     } else {
-                        // Dry hairs stand alone at their roots; only their tips gather.
+                        // Dry hairs are separate at their roots; only their tips gather.
                         (self.lean(t) + tilt + self.style_force(position, t)).lerp(into_lock, p.dry_clump * t)
                     };
                     lock.advance(leader, step);
@@ -177,7 +179,7 @@ impl<'a> Grower<'a> {
             axis = (axis + (target - axis) * follow).normalize_or(axis);
             let mut heading = axis;
             if self.forces.helix {
-                // The radius grows over the first third, so that the strand leaves the mesh surface at its root.
+                // The radius increases over the first third, so that the strand leaves the mesh surface at its root.
                 let radius = p.curl_radius * (3.0 * t).min(1.0);
                 let rate = (TAU / turn_length(p)).min(MAX_TURN_RAD / step);
                 let sin = (radius * rate).min(0.98);
@@ -194,7 +196,7 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// Returns the phase of a curl. Neighbouring curls turn together, as in a lock, with a little disorder.
+    /// Returns the phase of a curl, radians. Neighbouring curls turn together, as in a lock, with a little disorder.
     fn curl_phase(&self, strand: u32, root: Vec3) -> f32 {
         let together = noise_in_tile(hash(self.seed, u64::MAX), root, 3).x * TAU;
         together + (self.draw(strand, Draw::Phase) - 0.5) * 1.4
@@ -210,7 +212,7 @@ impl<'a> Grower<'a> {
     }
 }
 
-/// Curve that the strands of a lock gather on, advanced step by step with one of them.
+/// Curve on which the strands of a lock gather. It advances step by step together with one of the strands.
 struct LockAxis {
     position: Vec3,
     /// Unit vector.
@@ -218,7 +220,7 @@ struct LockAxis {
     /// Vector that the heading relaxes towards.
     target: Vec3,
     tilt: Vec3,
-    /// Arc length so far.
+    /// Arc length so far, tile widths.
     along: f32,
 }
 
@@ -230,8 +232,8 @@ impl LockAxis {
         Self { position: lock.center.extend(0.0), heading, target, tilt, along: 0.0 }
     }
 
-    /// Advances by one step. The axis bends as the longest strand does, so that all strands of the lock share one
-    /// curve, whatever their lengths.
+    /// Advances by one step. The axis bends as the longest strand does. So all strands of the lock share one curve,
+    /// whatever their lengths.
     fn advance(&mut self, grower: &Grower<'_>, step: f32) {
         let first = self.along == 0.0;
         let heading = keep_above_skin(self.heading, self.position.z, step, first, grower.lean_to);
@@ -249,7 +251,7 @@ fn turn_length(params: &HairParams) -> f32 {
     (params.curl_pitch * params.curl_pitch + around * around).sqrt()
 }
 
-/// Turns a unit `heading` up just far enough that a step from height `h` does not end below the mesh surface. The first
+/// Turns a unit `heading` up just enough that a step from height `h` does not end below the mesh surface. The first
 /// step always rises.
 fn keep_above_skin(heading: Vec3, h: f32, step: f32, first: bool, lean_to: Vec2) -> Vec3 {
     let least = if first { 0.2 } else { (-h / step).clamp(-1.0, 0.0) };

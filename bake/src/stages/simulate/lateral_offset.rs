@@ -1,9 +1,9 @@
-//! Lateral offset of hair from its root; renderers use it to find the root of the hair in a texel.
+//! Lateral offset of hair from its root. Renderers use it to find the root of the hair in a texel.
 //!
-//! A texel of a layer does not store its strand, only the direction of its hair; hair that points farther sideways is
-//! farther from its root. So at each of a few heights a line is fitted through the texels: lateral offset as a function
-//! of lateral direction. In combed fur the line leaves a seventh of the offset unexplained, which is less than the
-//! width of a lock.
+//! A texel of a layer does not store its strand, only the direction of its hair. Hair that points farther sideways is
+//! usually farther from its root. So at each of a few heights, a line is fitted through the texels: lateral offset as a
+//! function of lateral direction. In combed fur, the line leaves a seventh of the offset unexplained, which is less
+//! than the width of a lock.
 
 use super::Strands;
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -13,7 +13,7 @@ use pelage_formats::{ROOT_HEIGHTS, RootOffset};
 const TEXELS: usize = 128;
 /// Samples per segment.
 const PIECES: usize = 2;
-/// Variance of directions below which all are treated as equal.
+/// Variance of directions below which all directions are treated as equal.
 const ONE_DIRECTION: f64 = 1e-6;
 
 /// Lateral offset of hair from its root, in tile widths.
@@ -30,7 +30,7 @@ impl LateralOffsets {
     pub fn from_strands(strands: &Strands) -> Self {
         let texels = texels(strands);
         let mut out = Self::default();
-        // At the mesh surface hair is at its root.
+        // The offset is 0 on the mesh surface, because hair is at its root there.
         for (k, texels) in texels.iter().enumerate().skip(1) {
             (out.at[k], out.mean[k]) = fit(texels).unwrap_or((out.at[k - 1], out.mean[k - 1]));
         }
@@ -43,7 +43,7 @@ impl LateralOffsets {
     }
 }
 
-/// Hair in a texel: total weight, and the weighted sums of its directions and of its lateral offsets.
+/// Hair in a texel: total weight, and the weighted sums of directions and lateral offsets.
 #[derive(Clone, Copy, Default)]
 struct Texel {
     weight: f64,
@@ -60,7 +60,7 @@ fn texels(strands: &Strands) -> Vec<Vec<Texel>> {
         for i in range.start..range.end.saturating_sub(1) {
             let (from, to) = (strands.points[i], strands.points[i + 1]);
             let Some(tangent) = (to - from).try_normalize() else { continue };
-            // A texel does not record which end of its hair is up.
+            // Both ends of a hair are equivalent in a texel, so the direction is turned upwards.
             let direction: Vec3 = if tangent.z < 0.0 { -tangent } else { tangent };
             let weight = f64::from((to - from).length() * strands.radii[i].max(strands.radii[i + 1]));
             for piece in 0..PIECES {

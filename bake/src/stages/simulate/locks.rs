@@ -1,36 +1,37 @@
-//! Locks: wet hair sticks together, as do the tips of thick dry fur, so the strands of a tile gather into pointed
+//! Locks: wet hair sticks together, as do the tips of thick dry fur. So the strands of a tile gather into pointed
 //! locks.
 //!
 //! Each strand belongs to the lock whose centre is nearest to its root in the periodic tile. A lock has an axis, a
-//! curve that grows from its centre as a strand would. Its strands steer onto the axis while they grow, and follow it
-//! from then on. Because short strands end first, a lock thins out to a point.
+//! curve that grows from its centre as a strand would. Strands of the lock steer onto the axis while they grow, and
+//! follow it from then on. Because short strands end first, a lock tapers to a point.
 
 use super::styles::StyleForces;
 use crate::noise::{hash, stratified, uniform, vector};
 use crate::recipe::HairParams;
 use glam::{Vec2, Vec3};
 
-/// Approximate distance between lock centres where the recipe gives no number of locks, as a share of the hair's
+/// Approximate distance between lock centres if the recipe does not set the number of locks, as a share of the hair's
 /// length.
 const SPACING_PER_LENGTH: f32 = 0.5;
-/// Minimum number of strands per lock where the recipe gives no number of locks; fewer do not look like a lock.
+/// Minimum number of strands per lock if the recipe does not set the number of locks. Fewer strands do not look like a
+/// lock.
 const LEAST_STRANDS: u32 = 8;
 
 /// Locks of a tile.
 pub(super) struct Locks {
     seed: u64,
     count: u32,
-    /// Cells along u and v of the grid `cells` that covers the tile.
+    /// Number of cells along u and along v in the grid `cells`, which covers the tile.
     side: usize,
-    /// Indices of the locks whose centre is in each cell, row by row.
+    /// Indices of the locks with their centre in each cell, row by row.
     cells: Vec<Vec<u32>>,
 }
 
-/// Lock of a strand.
+/// Lock that a strand belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lock {
     pub(super) index: u32,
-    /// Lock centre: the periodic copy nearest to the root, not wrapped into the tile.
+    /// Centre of the lock: the periodic copy nearest to the root, not wrapped into the tile.
     pub(super) center: Vec2,
 }
 
@@ -45,7 +46,7 @@ impl Locks {
         forms_locks(guard).then(|| Self::new(guard.seed, guard.clump_count, guard.density, height))
     }
 
-    /// Creates `count` locks, or a number that suits `density` strands of length `height` (tile widths).
+    /// Creates `count` locks. If that is `None`, the number suits `density` strands of length `height` (tile widths).
     pub(super) fn new(seed: u64, count: Option<u32>, density: u32, height: f32) -> Self {
         let spacing = SPACING_PER_LENGTH * height;
         let suits = ((spacing * spacing).recip().round().min(1e9) as u32).min(density / LEAST_STRANDS);
@@ -66,7 +67,7 @@ impl Locks {
 
     /// Returns the lock of a strand with its root at `root` in the tile.
     pub(super) fn lock_at(&self, root: Vec2) -> Lock {
-        // Centres are stratified: the centre in a root's stratum is less than two grid cells away.
+        // Centres are stratified, so each root has a centre in its own stratum, less than two grid cells away.
         const REACH: i64 = 2;
         let side = self.side as i64;
         let cell = (root * self.side as f32).floor();
@@ -84,7 +85,7 @@ impl Locks {
         best
     }
 
-    /// Returns a lock's tilt, in the cube -1..1.
+    /// Returns a lock's tilt, a vector with components in -1..1.
     pub(super) fn tilt(&self, index: u32) -> Vec3 {
         vector(self.seed, 2 << 32 | u64::from(index))
     }
@@ -100,12 +101,12 @@ fn nearest_copy(point: Vec2, to: Vec2) -> Vec2 {
     point - (point - to).round()
 }
 
-/// Returns the heading that brings a strand at `position` onto its lock's axis by its end. The axis is now at `axis`
-/// and heads for `axis_heading`; `left` is the strand's remaining length. The gap closes with the square of the
-/// remaining length.
+/// Returns the heading that brings a strand at `position` onto the axis of its lock before the strand ends. The axis is
+/// now at `axis` and heads for `axis_heading`; `left` is the remaining length of the strand. The gap closes with the
+/// square of the remaining length.
 pub(super) fn heading_into_lock(position: Vec3, axis: Vec3, axis_heading: Vec3, left: f32) -> Vec3 {
     let pull = (axis - position) * (2.0 / left);
-    // Far from its lock a strand runs towards it along the mesh surface, but never backwards below it.
+    // A strand far from its lock's axis runs towards it along the mesh surface, but never turns back below the surface.
     axis_heading + pull.clamp_length_max(1.6)
 }
 

@@ -1,16 +1,16 @@
 //! `simulate`: style → strands.
 //!
-//! The hair of one tile is grown by a particle system (Reeves 1983; Lengyel et al. 2001): particles leave the mesh
-//! surface from stratified roots, and the trail of each is a strand. Their box is periodic in u and v, so that the tile
-//! can be repeated; trails are stored unwrapped. The length unit is the tile width, with u and v along the tile and h
-//! above the surface, so that tangents are metric directions.
+//! The hair of one tile is grown by a particle system (Reeves 1983; Lengyel et al. 2001). Particles leave the mesh
+//! surface from stratified roots, and the trail of each particle is a strand. Space is periodic in u and v, so that the
+//! tile can be repeated; trails are stored unwrapped. The length unit is the tile width, with u and v along the tile
+//! and h above the surface, so that tangents are metric directions.
 //!
 //! A particle has unit speed and only its heading is integrated, so a trail keeps its given length under any forces.
 //! The heading relaxes towards its target by the exact solution of the linear relaxation, which is stable at any step.
-//! The explicit form stretches and then diverges (`tests/tests/stability/rows.rs`, "hair simulation").
+//! The explicit form stretches the trail and then diverges (`tests/tests/stability/rows.rs`, "hair simulation").
 //!
-//! Everything random is a hash of seed, strand and purpose. All functions beyond IEEE arithmetic and square roots come
-//! from the `libm` crate: its results do not depend on the platform, as those of `std` may.
+//! All random values are hashes of seed, strand and purpose. Functions beyond IEEE arithmetic and square roots come
+//! from the `libm` crate. Unlike those of `std`, its results do not depend on the platform.
 
 mod forces;
 mod lateral_offset;
@@ -32,11 +32,11 @@ use pelage_import::BakeError;
 use rayon::prelude::*;
 use shades::Shades;
 
-/// Box that the strands grow in.
+/// Volume in which the strands grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeParams {
-    /// Height, which is also the length of the longest strand, in tile widths: `length_m / tile_size_m`. 0.001..=1000
-    /// (default 0.4).
+    /// Height, tile widths, 0.001..=1000 (default 0.4). It is also the length of the longest strand: `length_m /
+    /// tile_size_m`.
     pub height: f32,
 }
 
@@ -47,7 +47,7 @@ impl Default for VolumeParams {
 }
 
 impl VolumeParams {
-    /// Checks the range.
+    /// Checks that the height is within its range.
     ///
     /// # Errors
     /// [`BakeError::Params`] naming the recipe key.
@@ -75,9 +75,10 @@ pub struct Strands {
     pub radii: Vec<f32>,
     /// Colour at each point, linear RGB.
     pub colors: Vec<Vec3>,
-    /// Ranges of points: strand `i` is `offsets[i]..offsets[i + 1]`. One entry more than strands, or none.
+    /// Ranges of points: strand `i` is `offsets[i]..offsets[i + 1]`. There is one more entry than there are strands;
+    /// without strands, the list may be empty.
     pub offsets: Vec<u32>,
-    /// Height of the tallest strand, where the outermost layer is. Tile widths, above zero.
+    /// Height of the tallest strand and of the outermost layer, tile widths, above zero.
     pub height: f32,
     /// Linear RGB of the mesh surface under the hair.
     pub root_color: Vec3,
@@ -112,10 +113,10 @@ impl Strands {
         self.offsets.extend(more.offsets.iter().skip(1).map(|offset| first + offset));
     }
 
-    /// Checks that the lists fit together and every value is finite, as `slice` requires.
+    /// Checks that the lists have matching lengths and that all values are finite, as `slice` requires.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] naming what does not fit.
+    /// [`BakeError::Internal`] naming the list or value at fault.
     pub fn validate(&self) -> Result<(), BakeError> {
         let fail = |reason: String| Err(BakeError::Internal(format!("strands: {reason}")));
         let n = self.points.len();
@@ -138,17 +139,17 @@ impl Strands {
     }
 }
 
-/// Maximum number of points of all strands together: bounds memory to about 1 GiB at a million strands.
+/// Maximum number of points of all strands together. It limits memory to about 1 GiB for a million strands.
 const MAX_POINTS: u32 = 32 << 20;
 
-/// Grows the strands of one tile, guard hair alone.
+/// Grows the strands of one tile, guard hair only.
 ///
 /// * `params`: number, lengths, radii and style of the strands
-/// * `color`: their colour from root to tip
-/// * `volume`: length of the longest strand, in tile widths
+/// * `color`: colours of the strands from root to tip
+/// * `volume`: length of the longest strand, tile widths
 ///
-/// Each strand has its drawn arc length, no point is below the mesh surface or above [`Strands::height`], and all
-/// values are finite. The result depends on the arguments only, not on the number of threads.
+/// Each strand has its random arc length. No point is below the mesh surface or above [`Strands::height`], and all
+/// values are finite. The result depends only on the arguments, not on the number of threads.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range.
@@ -158,7 +159,7 @@ pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams)
 
 /// Grows all strands of one tile: guard hair, then underfur. Arguments and guarantees are those of [`simulate`].
 ///
-/// * `underfur`: the underfur; no strands by default
+/// * `underfur`: parameters of the underfur, which has no strands by default
 ///
 /// # Errors
 /// Same as [`simulate`].
@@ -186,7 +187,7 @@ pub fn simulate_with_underfur(
         strands.root_color = own_shades.root;
     }
     let tallest = strands.points.par_iter().map(|p| p.z).reduce(|| 0.0, f32::max);
-    // Flat hair still needs a volume to slice.
+    // Slicing needs a volume even if all hair is flat.
     strands.height = tallest.max(volume.height * 1e-3);
     Ok(strands)
 }
@@ -207,7 +208,7 @@ fn underfur_params(guard: &HairParams, fur: &UnderfurParams) -> HairParams {
     }
 }
 
-/// Grows the strands of one kind; their height is left at 0.
+/// Grows the strands of one kind. The caller must set their height, which is 0.
 fn grow_kind(grower: &Grower<'_>, shades: &Shades, variation: f32) -> Strands {
     let params = grower.params();
     let per_strand = grower.segments() + 1;

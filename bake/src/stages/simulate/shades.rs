@@ -3,8 +3,8 @@
 use crate::recipe::{ColorParams, HairColors, SrgbColor};
 use glam::Vec3;
 
-/// Largest offset of a hair's band from the recipe's position, as a share of the hair's length. If all hairs were
-/// banded at the same height, a ring would show.
+/// Largest offset of a hair's band from the recipe's position, as a share of the hair's length. A ring would show if
+/// all hairs were banded at the same height.
 const BAND_STRAYS: f32 = 0.08;
 
 /// Colours of one kind of hair.
@@ -27,21 +27,22 @@ struct Band {
 }
 
 impl Shades {
-    /// Returns the colours of guard hair, brown where the recipe gives none; `water`: share of the light left by a film
-    /// of water.
+    /// Returns the colours of guard hair, brown if the recipe gives none. `water`: share of the light that a film of
+    /// water transmits.
     pub(super) fn new(color: &ColorParams, water: f32) -> Self {
         let band = |band| Band { color: linear(band) * water, at: color.band_at, width: color.band_width };
         let HairColors { root, tip, .. } = color.hair(HairColors::BROWN);
         Self { root: linear(root) * water, tip: linear(tip) * water, band: color.band.map(band) }
     }
 
-    /// Replaces the colours that underfur has of its own, and removes the band.
+    /// Replaces colours by those that the recipe gives for underfur, and removes the band.
     pub(super) fn with_underfur_colors(self, root: Option<SrgbColor>, tip: Option<SrgbColor>, water: f32) -> Self {
         let own = |color: Option<SrgbColor>, else_: Vec3| color.map_or(else_, |color| linear(color) * water);
         Self { root: own(root, self.root), tip: own(tip, self.tip), band: None }
     }
 
-    /// Returns linear RGB at share `t` of a hair's length; `stray` is the hair's band offset, in -1..1.
+    /// Returns the colour at share `t` of a hair's length, linear RGB. `stray` is the band offset of the hair, in
+    /// -1..1.
     pub(super) fn at(&self, t: f32, stray: f32) -> Vec3 {
         let plain = self.root + (self.tip - self.root) * t;
         let Some(band) = self.band else { return plain };
@@ -70,7 +71,7 @@ mod tests {
         let (banded, plain) = (Shades::new(&color, 1.0), Shades::new(&ColorParams::default(), 1.0));
         assert_eq!(banded.at(0.7, 0.0), Vec3::ONE);
         assert_eq!((banded.at(0.5, 0.0), banded.at(0.9, 0.0)), (plain.at(0.5, 0.0), plain.at(0.9, 0.0)));
-        // At the band's border both colours are mixed half and half.
+        // The band's border is half of each colour.
         let border = banded.at(0.6, 0.0);
         assert!((border - plain.at(0.6, 0.0).midpoint(Vec3::ONE)).length() < 1e-5, "{border}");
         assert_ne!(banded.at(0.6, 1.0), banded.at(0.6, -1.0));

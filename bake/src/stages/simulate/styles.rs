@@ -6,12 +6,12 @@ use glam::Vec3;
 /// Style of the hair where `groom.wetness` is 1.
 pub const WET: Style = Style::Wet;
 
-/// Forces that shape the strands of a style.
+/// Forces that shape the strands of a style, and other properties of the style.
 #[derive(Clone, Copy, Debug)]
 pub struct StyleForces {
     /// Minimum number of segments of a strand.
     pub segments: f32,
-    /// Map of `hair.lean`: `lean[0] + lean[1] * lean`.
+    /// Mapping of `hair.lean` to the lean of strands: `lean[0] + lean[1] * lean`.
     pub lean: [f32; 2],
     /// Angle of the root from upright, degrees: coefficients of 1, lean and lean².
     pub root_deg: [f32; 3],
@@ -23,23 +23,23 @@ pub struct StyleForces {
     pub frizz: f32,
     /// Whether strands are helices.
     pub helix: bool,
-    /// Noise fields that displace strands: cells per tile, strength.
+    /// Noise fields that displace strands; each has a number of cells per tile and a strength.
     pub fields: &'static [(i64, f32)],
-    /// Factor on the fields for each axis.
+    /// Factor on the noise fields along each axis.
     pub field_scale: Vec3,
-    /// Factor on the fields at the root, and its increase towards the tip.
+    /// Factor on the noise fields at the root, and its increase towards the tip.
     pub field_growth: [f32; 2],
     /// Downward pull at the tip.
     pub droop: f32,
     /// Whether hair is wet. Wet strands gather in locks from the root by `hair.clump`, and the highlight is stronger
     /// and narrower. Dry strands gather towards their tips by `hair.dry_clump`.
     pub wet: bool,
-    /// Share of a strand's brightness that comes from its lock: constant, and per `hair.dry_clump`.
+    /// Share of a strand's brightness that comes from its lock: a constant, and the increase per `hair.dry_clump`.
     pub lock_brightness: [f32; 2],
     /// Random tilt of locks.
     pub lock_disorder: f32,
-    /// Share of the linear colour that remains. A film of water removes the diffuse surface reflection and lets more
-    /// light into the hair, which absorbs it.
+    /// Share of the linear colour that remains, 0..=1. A film of water removes the diffuse surface reflection and lets
+    /// more light into the hair, which absorbs it.
     pub color: f32,
     /// Forces on guides of `[[strands.group]]`.
     pub guides: GuideForces,
@@ -56,13 +56,13 @@ pub struct GuideForces {
     pub lift: f32,
     /// Whether guides follow the mesh surface where they are near it.
     pub follows_skin: bool,
-    /// Strength of waves.
+    /// Strength of the waves.
     pub waves: f32,
-    /// Radius of a helix, as a share of the guide's length; 0: none.
+    /// Radius of the helix, as a share of the guide's length; 0: none.
     pub curl: f32,
 }
 
-/// Row of `straight`; the others are variations of it.
+/// Forces of the style `straight`; the other styles are variations of it.
 const STRAIGHT: StyleForces = StyleForces {
     segments: 14.0,
     lean: [0.0, 1.0],
@@ -94,7 +94,8 @@ impl StyleForces {
                 segments: 28.0,
                 disorder: 0.4,
                 fields: &[(4, 1.5), (9, 1.0)],
-                // More sideways than up and down: hair that points into the surface looks broken. Long hair droops.
+                // Noise is stronger sideways than up and down, because hair that points into the surface looks broken.
+                // Long hair droops.
                 field_scale: Vec3::new(1.0, 1.0, 0.4),
                 field_growth: [0.35, 0.65],
                 droop: 0.3,
@@ -117,7 +118,7 @@ impl StyleForces {
                 tip_deg: [80.0, 8.0],
                 disorder: 0.06,
                 frizz: 0.35,
-                // A slow sideways flow, so that combed fur does not look like a printed pattern.
+                // A slowly varying sideways flow, so that combed fur does not look like a printed pattern.
                 fields: &[(3, 1.0)],
                 field_scale: Vec3::new(0.5, 0.5, 0.0),
                 guides: GuideForces { stiffness: 0.3, lift: 0.4, follows_skin: true, ..guides },

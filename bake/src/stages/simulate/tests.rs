@@ -91,14 +91,14 @@ fn curls_have_the_radius_and_pitch_asked_for() {
     assert!((along / pitch - 1.0).abs() < 0.05, "pitch {along}");
 }
 
-/// Returns the mean distance of strand tips from the mean tip of their lock, with locks as `wet` hair forms them.
+/// Returns the mean distance of strand tips from the mean tip of their lock. The locks are those of `wet` hair.
 fn spread_of_locks(params: &HairParams, height: f32) -> f32 {
     let strands = simulate(params, &ColorParams::default(), &VolumeParams { height }).unwrap();
     let locks = Locks::new(params.seed, params.clump_count, params.density, height);
     let mut tips: std::collections::BTreeMap<u32, Vec<Vec3>> = std::collections::BTreeMap::new();
     for range in (0..strands.len()).map(|i| strands.range(i)) {
         let lock = locks.lock_at(strands.points[range.start].truncate());
-        // Relative to the lock's centre, so that locks across the tile's border are whole.
+        // Tips are relative to the lock's centre, so that locks across the tile's border are not split.
         tips.entry(lock.index).or_default().push(strands.points[range.end - 1] - lock.center.extend(0.0));
     }
     let spread = |tips: &Vec<Vec3>| {
@@ -174,7 +174,7 @@ fn underfur_is_shorter_and_leaves_guard_hair_unchanged() {
     };
     assert_eq!(both.height, tallest(0, 200));
     assert!(tallest(200, 800) < 0.6 * both.height);
-    // Underfur has its own roots: none coincides with that of a guard hair.
+    // Underfur has its own roots: no root coincides with that of a guard hair.
     let root = |i: usize| both.points[both.range(i).start];
     assert!((200..800).all(|i| (0..200).all(|k| root(i) != root(k))));
 }
@@ -194,7 +194,7 @@ fn underfur_has_its_own_style_but_shares_wetness() {
 
 #[test]
 fn dry_hair_gathers_at_its_tips_and_underfur_in_the_same_locks() {
-    // Mean displacement of tips, or of middles, by clumping.
+    // Mean displacement by clumping, of the points that `at` selects: tips, or points near the root.
     let moved = |clump: f32, at: fn(std::ops::Range<usize>) -> usize, strands: std::ops::Range<usize>| {
         let [loose, gathered] = [0.0, clump].map(|dry_clump| guard_and_underfur(|hair, _| hair.dry_clump = dry_clump));
         let count = strands.len() as f32;

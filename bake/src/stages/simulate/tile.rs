@@ -1,4 +1,4 @@
-//! All the hair of a tile, as a resolved recipe describes it: the only source of strands for a bake and for the
+//! All hair of a tile, as a resolved recipe describes it. It is the only source of strands for a bake and for the
 //! ray-traced reference.
 
 use super::styles::{StyleForces, WET};
@@ -7,10 +7,10 @@ use crate::recipe::{HairParams, Recipe, Style};
 use crate::stages::groom::{FurWetness, Lengths};
 use pelage_import::BakeError;
 
-/// Strands of one tile: dry, and the same hairs wet if only parts of the fur are wet.
+/// Strands of one tile: dry, and also wet if only parts of the fur are wet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TileHair {
-    /// Dry strands, or the only ones there are.
+    /// Dry strands; the only strands if the fur is dry or wet everywhere.
     pub strands: Strands,
     /// Same hairs when wet, with the height of `strands`; `None` if the fur is dry or wet everywhere.
     pub wet: Option<Strands>,
@@ -30,7 +30,7 @@ impl TileHair {
         let mut strands = grow(style)?;
         let mut wet = if water == FurWetness::Mixed && !StyleForces::of(style).wet { Some(grow(WET)?) } else { None };
         if let Some(wet) = &mut wet {
-            // Mixed layers need the same heights.
+            // Layers that are mixed need the same heights.
             strands.height = strands.height.max(wet.height);
             wet.height = strands.height;
         }

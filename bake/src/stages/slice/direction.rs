@@ -3,15 +3,15 @@
 //! A direction is the unit tangent of a strand in the tile frame: x along u, y along v, z away from the mesh surface.
 //! Kajiya–Kay lighting depends on (T·L)² only, so T and −T are equivalent, and the one with z ≥ 0 is averaged.
 //!
-//! The mean of several unit vectors is shorter than one: its length is the confidence that they agree. Opposing hairs
-//! cancel out, and normalising the remainder would give noise or NaN; below `|mean|² = 1e-8` the isotropic direction
-//! (0, 0, 1) is used. Two-component formats store the direction, four-component ones the mean with its length
-//! ([`pelage_formats::encode_direction`]).
+//! The mean of several unit vectors is shorter than one. Its length is the confidence: 1 if all directions agree.
+//! Opposing hairs cancel out, and normalising the remainder would give noise or NaN. So if `|mean|² < 1e-8`, the
+//! isotropic direction (0, 0, 1) is used. Two-component formats store the direction, four-component ones the mean with
+//! its length ([`pelage_formats::encode_direction`]).
 
 use glam::Vec3;
 use pelage_formats::{TextureFormat, encode_direction};
 
-/// Squared length below which a mean has no direction.
+/// Squared length of a mean below which its direction is undefined.
 pub const MIN_LENGTH_SQUARED: f32 = 1e-8;
 
 /// Returns `t` or `-t`, whichever does not point into the surface.
@@ -19,10 +19,10 @@ pub fn upward(t: Vec3) -> Vec3 {
     if t.z < 0.0 { -t } else { t }
 }
 
-/// Returns the unit direction and the confidence (0..=1) of a mean of unit vectors.
+/// Returns the unit direction and the confidence (0..=1) for a mean of unit vectors.
 pub fn resolve(mean: Vec3) -> (Vec3, f32) {
     let length_squared = mean.length_squared();
-    // Written so that NaN also uses the fallback.
+    // The comparison is written so that NaN also uses the fallback.
     if length_squared >= MIN_LENGTH_SQUARED {
         let length = length_squared.sqrt();
         (mean / length, length.min(1.0))

@@ -1,4 +1,4 @@
-//! Encoding of texels to .ktx2 files, using the `ctt` crate (Intel's block encoder; KTX2 writer).
+//! Encoding of texels as .ktx2 files with the `ctt` crate (Intel's block encoder; KTX2 writer).
 //!
 //! Layers are encoded one at a time as they arrive, so that only the blocks of a large tile stay in memory.
 
@@ -22,8 +22,8 @@ pub struct RawLevel<'a> {
     pub width: u32,
     /// Height, texels.
     pub height: u32,
-    /// `width * height` texels, row-major: RGBA bytes, RG bytes for two-component formats, or half floats where the
-    /// format has those.
+    /// Texels, `width * height`, row-major: RGBA bytes, RG bytes for two-component formats, or half floats for
+    /// half-float formats.
     pub texels: &'a [u8],
 }
 
@@ -40,14 +40,15 @@ pub struct TextureEncoder {
     format: TextureFormat,
     alpha: AlphaMode,
     quality: Quality,
-    /// Encoded levels, one list per layer.
+    /// Encoded levels; one list per layer.
     layers: Vec<Vec<Surface>>,
 }
 
 impl From<BcQuality> for Quality {
     fn from(quality: BcQuality) -> Self {
         match quality {
-            // One step below ctt's names: its `Basic` takes 2 µs per texel, 47 s for a 512×512×64 tile on two cores.
+            // One step faster than the name in `ctt`: its `Basic` takes 2 µs per texel, 47 s for a 512×512×64 tile on
+            // two cores.
             BcQuality::Fast => Self::VeryFast,
             BcQuality::Basic => Self::Fast,
             BcQuality::Slow => Self::Basic,
@@ -56,8 +57,8 @@ impl From<BcQuality> for Quality {
 }
 
 impl TextureEncoder {
-    /// Creates a texture of `format` without layers. Premultiplied colour is recorded in the file's data format
-    /// descriptor; for opaque textures the block encoder tries fewer modes.
+    /// Creates a texture of `format` without layers. Premultiplied colour is recorded in the data format descriptor of
+    /// the file. For opaque textures, the block encoder tries fewer modes.
     pub fn new(format: TextureFormat, alpha: AlphaMode, quality: BcQuality) -> Self {
         Self { format, alpha, quality: quality.into(), layers: Vec::new() }
     }
@@ -83,7 +84,7 @@ impl TextureEncoder {
         FormatDesc { format, color_space: self.color_space(), alpha: self.alpha }
     }
 
-    /// Encodes one layer with its mip levels, largest first. All layers need the same sizes.
+    /// Encodes one layer with its mip levels, largest first. The sizes must be the same for all layers.
     pub fn push_layer(&mut self, levels: &[RawLevel<'_>]) -> Result<(), BakeError> {
         let (raw, bytes) = self.raw_format();
         let image = ImageRef {
@@ -114,8 +115,8 @@ impl TextureEncoder {
         }
     }
 
-    /// Encodes one layer, like [`TextureEncoder::push_layer`], from square levels of `texels * texels` down to one
-    /// texel.
+    /// Encodes one layer of square levels, from `texels * texels` down to one texel, like
+    /// [`TextureEncoder::push_layer`].
     pub fn push_square_layer(&mut self, texels: u32, levels: &[Vec<u8>]) -> Result<(), BakeError> {
         let sizes = (0..).map(|level| texels >> level);
         let raw = sizes.zip(levels).map(|(size, texels)| RawLevel { width: size, height: size, texels });
@@ -128,7 +129,7 @@ impl TextureEncoder {
         self.finish()
     }
 
-    /// Does the same as [`TextureEncoder::finish_reversed`], except that the layer pushed last stays the last.
+    /// Does the same as [`TextureEncoder::finish_reversed`], except that the layer pushed last remains the last.
     pub fn finish_reversed_but_last(mut self) -> Result<Vec<u8>, BakeError> {
         self.layers.reverse();
         self.layers.rotate_left(1);
@@ -154,7 +155,7 @@ fn internal(error: impl std::fmt::Display) -> BakeError {
 
 /// Encodes a base-colour image with mips filtered in linear light.
 ///
-/// Block formats need sides that are multiples of four (WebGPU, "texture creation"); other images are resampled to the
+/// Block formats need sides that are multiples of four (WebGPU, "texture creation"). Other images are resampled to the
 /// next larger multiple.
 pub fn encode_base_color(image: &Image, params: &PackParams) -> Result<Vec<u8>, BakeError> {
     let format = match params.base_color_format {

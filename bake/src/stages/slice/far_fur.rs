@@ -1,36 +1,37 @@
-//! Far fur: all layers merged into one, with the mean lighting inside them.
+//! Far fur: all layers merged into one, with their mean lighting.
 //!
 //! Where the layers are too small on screen to be distinguished, a renderer draws the mesh surface with this texture,
-//! raised slightly. Values that each layer has of its own (ambient light by height, key light through the hair above)
-//! become one number each. It is the mean over the visible hair, weighted by luminance, so that the mean brightness is
-//! preserved.
+//! raised slightly. Quantities that differ between layers (ambient light by height, key light through the hair above)
+//! become one number each. This number is the mean over the visible hair, weighted by luminance, so that the mean
+//! brightness is preserved.
 
 use super::splat::Sums;
 use pelage_formats::FarLayerInfo;
 use rayon::prelude::*;
 
-/// Maximum path of light through a layer, over the layer's thickness; limit of the runtime's `slanted_path`.
+/// Maximum path length of light through a layer, as a multiple of the layer's thickness; equals the limit of the
+/// runtime's `slanted_path`.
 const SLANTED: f32 = 4.0;
 
-/// Factor on the optical depth above a height, for a view along the silhouette: in and out again, each at a slant.
-/// Measured so that the mesh surface at the far fur's height covers as much as all layers and fins of hare, knot and
-/// torus.
+/// Factor on the optical depth above a height for a view along the silhouette, where the view enters and leaves the fur
+/// at a slant. The factor was measured: the mesh surface at the far fur's height then covers as much as all layers and
+/// fins of hare, knot and torus.
 const OUTLINE: f64 = 5.0;
 
-/// Statistics of the far fur and of the layers that it was made of.
+/// Statistics of the far fur and of the layers from which it was made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FarFurStats {
     /// Data for the package.
     pub info: FarLayerInfo,
-    /// Mean opacity of each layer, equal to its last mip level, from layer 1 outwards.
+    /// Mean opacity of each layer, from layer 1 outwards. It equals the layer's last mip level.
     pub opacities: Vec<f32>,
 }
 
-/// Accumulated appearance of the layers, from the outermost inwards.
+/// Accumulated appearance of the layers, beginning with the outermost.
 pub(super) struct FarFurSums {
-    /// Per texel: opacity, colour and direction times opacity, 1, and visibility times opacity.
+    /// Sums per texel: opacity, colour times opacity, direction times opacity, 1, and visibility times opacity.
     pub(super) sums: Vec<Sums>,
-    /// Per texel: transmittance of the layers so far, in the far view.
+    /// Transmittance of the layers so far, per texel, as seen in the far view.
     through: Vec<f32>,
     /// Luminance that the last layer added to the mean colour.
     added: f64,
@@ -41,7 +42,7 @@ pub(super) struct FarFurSums {
 struct LayerShare {
     /// Luminance added to the mean colour.
     luminance: f64,
-    /// Mean transmittance above the layer; `through` includes the layer itself.
+    /// Mean transmittance of the layers above this one; `through` includes the layer itself.
     above: f64,
     through: f64,
 }
@@ -62,9 +63,9 @@ impl FarFurSums {
                 return 0.0;
             }
             let opacity = (s[0] / s[7]).clamp(0.0, 1.0);
-            // Squared: averaged over the visible part of a round body, the view passes through a layer over twice its
-            // thickness. The far fur is the layers seen at 60°, not from straight above, where more of the dark roots
-            // is visible.
+            // The transmittance is squared: averaged over the visible part of a round body, the view passes through
+            // twice the thickness of a layer. The far fur thus shows the layers as seen at 60°. Seen from straight
+            // above, more of the dark roots would be visible.
             let blocked = *through * (1.0 - (1.0 - opacity) * (1.0 - opacity));
             *through -= blocked;
             sum[0] += blocked;
@@ -74,17 +75,17 @@ impl FarFurSums {
             let [r, g, b] = [1, 2, 3].map(|i| f64::from(blocked * s[i] / s[0]));
             0.2126 * r + 0.7152 * g + 0.0722 * b
         });
-        // Summed in the order of the texels, so that the result does not depend on the number of threads.
+        // Values are summed in the order of the texels, so that the result does not depend on the number of threads.
         self.added = luminance.collect::<Vec<f64>>().iter().sum::<f64>() / layer.len().max(1) as f64;
     }
 
-    /// Records what [`Self::gather`] added, with the mean transmittances above and through the layer for a view from
-    /// straight above.
+    /// Records the contribution that [`Self::gather`] added. `above` and `through` are the mean transmittances above
+    /// the layer and through it, as seen from straight above.
     pub(super) fn close(&mut self, above: f32, through: f32) {
         self.layers.push(LayerShare { luminance: self.added, above: above.into(), through: through.into() });
     }
 
-    /// Returns the means over the gathered layers, outermost layer first down to layer 1.
+    /// Returns the means over the gathered layers, which are ordered from the outermost down to layer 1.
     pub(super) fn finish(&self) -> FarFurStats {
         let count = self.layers.len().max(1) as f64;
         let total: f64 = self.layers.iter().map(|l| l.luminance).sum();
@@ -92,7 +93,7 @@ impl FarFurSums {
             let sum: f64 = self.layers.iter().enumerate().map(|(i, l)| l.luminance * of(i, l)).sum();
             if total > 0.0 { (sum / total) as f32 } else { empty as f32 }
         };
-        // Light reaches a layer through the layers above and, on average, through half of its own.
+        // Light reaches the hair of a layer through the layers above and, on average, through half of the layer itself.
         let light = |path: f64| {
             let share = |l: &LayerShare| {
                 let own = (l.through / l.above.max(1e-6)).clamp(0.0, 1.0);

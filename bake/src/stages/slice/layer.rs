@@ -1,14 +1,14 @@
 //! Conversion of one layer's sums to the texels of all its mip levels.
 //!
-//! Averaging opacities per layer makes distant fur too opaque, because the layers of one hair are above one another
-//! (measured in formulas 3.2: a mean transmittance of 0.84 becomes 0.51). From far above, the eye sees the mean of the
-//! product, so the *cumulative* transmittance is averaged. With P the transmittance of all layers outside of this one,
-//! a coarse texel gets α = ⟨Pα⟩/⟨P⟩ and the colour ⟨PαC⟩/⟨P⟩; the product over the layers is then exactly the mean of
-//! the products. Directions are averaged with the same weights.
+//! Averaging the opacities of each layer makes distant fur too opaque, because the parts of one hair in different
+//! layers are above one another (measured in formulas 3.2: a mean transmittance of 0.84 becomes 0.51). From far away,
+//! the eye sees the mean of the product of transmittances. So the *cumulative* transmittance is averaged. Let P be the
+//! transmittance of all layers outside of this one. A coarse texel gets α = ⟨Pα⟩/⟨P⟩ and the colour ⟨PαC⟩/⟨P⟩. The
+//! product over the layers is then exactly the mean of the products. Directions are averaged with the same weights.
 //!
-//! Bytes are rounded so that the error of one layer is compensated in the next. The product of the stored
-//! transmittances thus follows the true one at any number of layers; plain rounding would lose the faint hair of a fine
-//! stack completely.
+//! Opacity bytes are rounded so that the error of one layer is compensated in the next. The product of the stored
+//! transmittances thus follows the true product at any number of layers. Plain rounding would completely lose the faint
+//! hair of a stack of many layers.
 
 use super::direction;
 use super::far_fur::{FarFurStats, FarFurSums};
@@ -19,27 +19,27 @@ use pelage_formats::TextureFormat;
 use pelage_formats::meaning::linear_to_srgb;
 use rayon::prelude::*;
 
-/// Offset of the weights, so that a layer keeps its own opacity where it is hidden from above.
+/// Offset added to the averaging weights, so that a layer keeps its own opacity where it is hidden from above.
 const HIDDEN: f32 = 1e-4;
 
-/// Transmittance from outside down to the current layer, for every level.
+/// Transmittance from outside down to the current layer, for all levels.
 pub(super) struct Transmittance {
     direction_format: TextureFormat,
-    /// Transmittance of the texels that strands are drawn into.
+    /// Transmittance at the resolution that strands are rasterised to.
     drawn: Vec<f32>,
-    /// Number of times that those texels are halved to give the finest stored level.
+    /// Number of halvings from the resolution of `drawn` to the finest stored level.
     halvings: u32,
     /// Variance of the additional blur, in stored texels²; 0 for none.
     blur: f32,
     /// Transmittance of each stored level.
     levels: Vec<LevelTransmittance>,
-    /// Merged appearance of the layers so far.
+    /// Accumulated appearance of the layers so far.
     coat: FarFurSums,
 }
 
 struct LevelTransmittance {
     exact: Vec<f32>,
-    /// Transmittance as the product of the stored opacities.
+    /// Transmittance given by the product of the stored opacities.
     stored: Vec<f32>,
 }
 
@@ -53,8 +53,8 @@ pub(super) struct LevelBytes {
 }
 
 impl Transmittance {
-    /// Creates the state before any layer. Layers come with `texels << halvings` texels a side and are stored with
-    /// `texels`.
+    /// Creates the state before any layer. Layers have `texels << halvings` texels per side on input, and `texels` when
+    /// stored.
     pub(super) fn new(texels: u32, halvings: u32, blur: f32, direction_format: TextureFormat) -> Self {
         let drawn = vec![1.0; 1 << (2 * (texels.ilog2() + halvings))];
         let sizes = (0..=texels.ilog2()).map(|level| (texels >> level) as usize);
@@ -62,7 +62,7 @@ impl Transmittance {
         Self { direction_format, drawn, halvings, blur, levels, coat: FarFurSums::new(texels) }
     }
 
-    /// Merges all layers so far into one: the view of their hair from above. Its mips are plain means, with colours and
+    /// Merges all layers so far into one: their hair seen from above. Its mips are plain means, with colours and
     /// directions weighted by visible opacity.
     pub(super) fn coat(&self, texels: u32) -> (Vec<LevelBytes>, FarFurStats) {
         let mut alone = Self::new(texels, 0, 0.0, self.direction_format);
@@ -70,8 +70,8 @@ impl Transmittance {
         (alone.levels(&mut sums, texels), self.coat.finish())
     }
 
-    /// Converts the `sums` of the next layer inwards to texels of every level. With `skin`, the layer is opaque and has
-    /// that colour; its directions are those of the hair in `sums`, or their mean where there is none.
+    /// Converts the `sums` of the next layer inwards to texels of all levels. If `skin` is given, the layer is opaque
+    /// and has that colour. Its directions are those of the hair in `sums`, or their mean in texels without hair.
     pub(super) fn layer(&mut self, sums: &mut Vec<Sums>, texels: u32, skin: Option<Vec3>) -> Vec<LevelBytes> {
         weigh(sums, &mut self.drawn);
         let above = self.levels.last().map_or(1.0, |level| level.exact[0]);
@@ -119,8 +119,8 @@ impl Transmittance {
     }
 }
 
-/// Replaces depth, depth·colour, depth·direction by Wα, WαC, WαT, and stores W in the eighth component: all of these
-/// average linearly.
+/// Replaces depth, depth·colour, depth·direction by Wα, WαC, WαT, where W is the weight of the texel. Stores W in the
+/// eighth component. All of these can be averaged linearly.
 fn weigh(sums: &mut [Sums], outside: &mut [f32]) {
     sums.par_iter_mut().zip(outside).with_min_len(1024).for_each(|(s, outside)| {
         let w = *outside + HIDDEN;
@@ -139,8 +139,8 @@ fn weigh(sums: &mut [Sums], outside: &mut [f32]) {
     });
 }
 
-/// Gives the surface between the roots their mean direction. Directions of single roots, extended to texels without
-/// hair, would show as blocks under sparse hair.
+/// Fills the texels between the roots with the mean direction of the roots. If each root's direction were extended
+/// instead, blocks would show under sparse hair.
 fn fill_surface_directions(sums: &mut [Sums]) {
     let mut mean = [0.0f64; 4];
     for s in sums.iter() {
@@ -223,7 +223,7 @@ fn store(sums: &[Sums], transmittance: &mut LevelTransmittance, format: TextureF
                 }
                 color[3] = alpha;
             }
-            // In the far tail of a splat the sums are too small for a division.
+            // The sums in the far tail of a splat are too small to divide by.
             if s[0] > 1e-12 {
                 let mean = Vec3::new(s[4], s[5], s[6]) / s[0];
                 *has_direction = true;
@@ -236,8 +236,8 @@ fn store(sums: &[Sums], transmittance: &mut LevelTransmittance, format: TextureF
     (LevelBytes { color, direction: directions, visibility }, has_direction)
 }
 
-/// Returns the byte for `opacity`, within one step of it, that brings the stored product nearest to `exact`, the true
-/// transmittance down through this layer. Returns 0 without hair.
+/// Returns the byte for `opacity` that brings the stored product nearest to `exact`, the true transmittance down
+/// through this layer. The byte differs from plain rounding by at most one step; it is 0 without hair.
 fn round_opacity(opacity: f32, exact: f32, stored_outside: f32) -> u8 {
     let own = 255.0 * opacity;
     if own < 1e-3 {
@@ -247,10 +247,10 @@ fn round_opacity(opacity: f32, exact: f32, stored_outside: f32) -> u8 {
     (wanted.clamp(own - 1.0, own + 1.0).clamp(0.0, 255.0) + 0.5) as u8
 }
 
-/// Gives texels without hair the direction and visibility of the next coarser level, so that bilinear filtering at a
-/// hair's edge mixes in nothing unrelated.
+/// Fills texels without hair with the direction and visibility of the next coarser level, so that bilinear filtering at
+/// a hair's edge mixes in nothing unrelated.
 ///
-/// `size`: width and height of a level, powers of two, each half of the one before, down to 1.
+/// `size`: width and height of a level. Both are powers of two, and each is half of the previous one, down to 1.
 pub(super) fn fill_empty(
     levels: &mut [(LevelBytes, Vec<bool>)],
     size: impl Fn(usize) -> (usize, usize),
@@ -260,7 +260,7 @@ pub(super) fn fill_empty(
         && !has[0]
     {
         bytes.direction.copy_from_slice(&direction::encode_mean(Vec3::ZERO, format));
-        // A single texel; for textures without visibility there is nothing to write.
+        // The level has a single texel. Textures without visibility have nothing to write.
         bytes.visibility.iter_mut().zip(encode_visibility(Vec4::ZERO)).for_each(|(byte, none)| *byte = none);
     }
     for level in (0..levels.len().saturating_sub(1)).rev() {

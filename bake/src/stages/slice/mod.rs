@@ -1,8 +1,7 @@
-//! `slice`: strands → shell, fin and direction texture arrays with mips; and the encoding of all textures as .ktx2
-//! files.
+//! `slice`: strands → shell, fin and direction texture arrays with mips. Also encodes all textures as .ktx2 files.
 //!
 //! [`slice()`] outputs one layer at a time, outermost first, so that a volume larger than memory can be written.
-//! [`shell_textures`] combines it with the encoder and is what a bake calls. [`fin_textures`] cuts the same strands
+//! [`shell_textures`] combines it with the encoder and is called by a bake. [`fin_textures`] shows the same strands
 //! from the side.
 
 mod decode;

@@ -1,4 +1,4 @@
-//! Slicing combined with encoding: for a volume of any size, only one layer is in memory as texels.
+//! Slicing combined with encoding. Only one layer is in memory as texels, whatever the size of the volume.
 
 use super::encode::{AlphaMode, TextureEncoder};
 use super::far_fur::FarFurStats;
@@ -12,22 +12,22 @@ use pelage_import::BakeError;
 /// Light that reaches the hair of a shell volume.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisibilityTexture {
-    /// Complete .ktx2 file: [`pelage_formats::meaning::encode_visibility`] of each texel.
+    /// Complete .ktx2 file with the encoded visibility of each texel ([`pelage_formats::meaning::encode_visibility`]).
     pub file: Vec<u8>,
     /// Constant k of [`pelage_formats::meaning::above_horizon`].
     pub horizon: f32,
 }
 
-/// Texture arrays of a shell volume: complete .ktx2 files, mesh surface first.
+/// Texture arrays of a shell volume: complete .ktx2 files, with the mesh surface as the first layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShellTextures {
     /// Premultiplied colour and opacity.
     pub color: Vec<u8>,
     /// Hair directions.
     pub direction: Vec<u8>,
-    /// Light that reaches the hair; `None` if unknown.
+    /// Visibility: light that reaches the hair; `None` if unknown.
     pub visibility: Option<VisibilityTexture>,
-    /// Statistics of the far fur, which is then the last array layer; `None` without it.
+    /// Statistics of the far fur, which is then the last array layer; `None` without far fur.
     pub coat: Option<FarFurStats>,
 }
 
@@ -50,7 +50,7 @@ impl From<DirectionFormat> for TextureFormat {
     }
 }
 
-/// Returns the size of one volume's shell textures, with mip levels, in bytes: output of [`shell_textures`] without
+/// Returns the size of one volume's shell textures with mip levels, bytes: the output of [`shell_textures`] without
 /// file headers.
 ///
 /// * `with_coat`: whether the far fur is added as the last array layer
@@ -110,7 +110,7 @@ pub fn shell_textures(
     })
 }
 
-/// Returns the format of the visibility, which is as exact as that of the colours.
+/// Returns the format of the visibility, which is as precise as that of the colours.
 fn visibility_format(pack: &PackParams) -> TextureFormat {
     match pack.shell_format {
         ShellFormat::Bc7 => TextureFormat::Bc7Unorm,

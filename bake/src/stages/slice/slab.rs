@@ -1,13 +1,13 @@
 //! Fin textures: the strands of the tile seen from the side (Lengyel et al. 2001, "fin texture").
 //!
-//! A slab is cut upright through the tile, and its strands are projected onto the cut. Hair leans in the tile, so a
-//! slab along the lean shows it bent over and one across it does not. There are [`SLABS`] slabs, along directions in
-//! which the periodic tile is closed, and a fin uses the slab most parallel to its edge.
+//! A slab is a vertical slice of the tile, and its strands are projected onto the plane of the cut. Hair leans in the
+//! tile: a slab along the lean shows it bent over, and one across the lean does not. There are [`SLABS`] slabs, along
+//! directions in which a line through the periodic tile closes. A fin uses the slab most parallel to its edge.
 //!
-//! Whole strands are drawn, chosen by their roots, so that the faces of a slab cut no hair in two. Texels are averaged
-//! from [`SUPERSAMPLES`]² finer ones: a coarse texel keeps the share that its hairs cover, not the opacity of their
-//! mean density, which would be more. Further mips are plain means of premultiplied texels, so the covered share is the
-//! same in all.
+//! Whole strands are drawn, chosen by their roots, so that no hair is cut at the faces of a slab. Each texel is the
+//! average of [`SUPERSAMPLES`]² finer ones. So a coarse texel keeps the share that its hairs cover; the opacity of
+//! their mean density would be higher. Further mips are plain means of premultiplied texels, so the covered share is
+//! the same in all of them.
 
 use super::direction;
 use super::encode::{AlphaMode, RawLevel, TextureEncoder};
@@ -22,15 +22,15 @@ use pelage_formats::meaning::linear_to_srgb;
 use pelage_import::BakeError;
 use rayon::prelude::*;
 
-/// Direction through the tile: `(p, q)`, whole steps along u and v after which a line returns to its start.
+/// Direction through the tile: `(p, q)`, numbers of tiles along u and v after which a line returns to its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slab {
     step: [i8; 2],
-    /// Neighbouring tile, one period of the slab's depth away: −q·m + p·n = 1.
+    /// Offset (m, n) to the neighbouring tile that is one period away across the slab: −q·m + p·n = 1.
     neighbour: [i8; 2],
 }
 
-/// Slabs of a fin texture in the order of its array layers: 45° apart.
+/// Slabs of a fin texture, in the order of its array layers. Their directions are 45° apart.
 pub const SLABS: [Slab; 4] = [
     Slab { step: [1, 0], neighbour: [0, 1] },
     Slab { step: [1, 1], neighbour: [0, 1] },
@@ -38,27 +38,28 @@ pub const SLABS: [Slab; 4] = [
     Slab { step: [-1, 1], neighbour: [0, -1] },
 ];
 
-/// Fine texels per texel and axis, reduced if the fine texture would exceed [`MAX_FINE`] texels a side.
+/// Fine texels per texel and axis. The number is reduced if the fine texture would exceed [`MAX_FINE`] texels per side.
 const SUPERSAMPLES: u32 = 4;
 const MAX_FINE: u32 = 1024;
-/// Texels of a fin texture per texel of the shells. Here hair is seen from the side, outlined against its background,
-/// and the whole texture is smaller than one layer of the shells.
+/// Texels of a fin texture per texel of the shells. Hair in fins is seen from the side, outlined against its
+/// background, so it needs a finer resolution. The whole texture is still smaller than one layer of the shells.
 const TEXELS_PER_SHELL_TEXEL: u32 = 2;
 
 impl Slab {
-    /// Returns the length of one period, in tile widths.
+    /// Returns the length of one period, tile widths.
     pub fn period(self) -> f32 {
         let [p, q] = self.step.map(f32::from);
         (p * p + q * q).sqrt()
     }
 
-    /// Returns the unit direction in the tile.
+    /// Returns the unit direction of the slab in the tile.
     pub fn direction(self) -> Vec2 {
         Vec2::from(self.step.map(f32::from)) / self.period()
     }
 }
 
-/// Returns the slab most parallel to `direction`, which may have any length, and whether the two are opposed.
+/// Returns the slab most parallel to `direction`, which may have any length, and whether the two have opposite
+/// directions.
 pub fn slab_along(direction: Vec2) -> (usize, bool) {
     let mut best = (0, 0.0f32);
     for (index, slab) in SLABS.iter().enumerate() {
@@ -70,22 +71,22 @@ pub fn slab_along(direction: Vec2) -> (usize, bool) {
     (best.0, best.1 < 0.0)
 }
 
-/// Fin textures.
+/// Fin textures of all slabs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinTextures {
-    /// Complete .ktx2 files, one array layer per slab.
+    /// Complete .ktx2 files; one array layer per slab.
     pub textures: ShellTextures,
-    /// Width, texels: one period of the slab.
+    /// Width, texels. It spans one period of the slab.
     pub width: u32,
-    /// Height, texels: up to [`Strands::height`].
+    /// Height, texels. It spans the height from 0 to [`Strands::height`].
     pub height: u32,
 }
 
-/// Optical depth, depth times linear RGB, depth times direction, padding; after [`Raster::resolve`] opacity instead of
-/// depth.
+/// Optical depth, depth times linear RGB, depth times direction, and padding. After [`Raster::resolve`], opacity
+/// replaces depth.
 type Sums = [f32; 8];
 
-/// Draws the slabs, `depth` tile widths deep, and encodes them.
+/// Draws and encodes the slabs; each is `depth` tile widths deep.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands or if the
@@ -123,27 +124,28 @@ pub fn fin_textures(
     Ok(FinTextures { textures, width, height })
 }
 
-/// Returns width and height of the textures: powers of two, so that every mip level halves the one before, and whole
-/// blocks of the encoders.
+/// Returns width and height of the textures. Both are powers of two, so that each mip level halves the one before, and
+/// multiples of the encoders' block size.
 fn size(strands: &Strands, slice: &SliceParams) -> (u32, u32) {
     let width = (TEXELS_PER_SHELL_TEXEL * slice.tile_texels).min(MAX_FINE);
     let height = (strands.height * width as f32).ceil().clamp(8.0, MAX_FINE as f32) as u32;
     (width, height.next_power_of_two().min(MAX_FINE))
 }
 
-/// Draws one slab at the texture's size and returns sums of opacity, opacity times colour, opacity times direction.
+/// Draws one slab at the texture's size. Returns sums of opacity, opacity times colour, and opacity times direction.
 fn draw(strands: &Strands, slab: Slab, depth: f32, (width, height): (u32, u32), filter_width: f32) -> Vec<Sums> {
     let samples = (MAX_FINE / width.max(height)).clamp(1, SUPERSAMPLES);
     let (w, h) = ((width * samples) as usize, (height * samples) as usize);
     let mut raster = Raster { width: w, height: h, sums: vec![[0.0; 8]; w * h], weights: Default::default() };
-    // Fine texels per tile width.
+    // Number of fine texels per tile width.
     let scale = Vec2::new(w as f32 / slab.period(), h as f32 / strands.height);
     let [p, q] = slab.step.map(f32::from);
     let [m, n] = slab.neighbour.map(f32::from);
     for strand in 0..strands.len() {
         let range = strands.range(strand);
         let Some(root) = strands.points.get(range.start) else { continue };
-        // Position across the slab, in periods: 0..1 is in the tile itself, each whole number is one neighbour further.
+        // Position across the slab, in periods. It is 0..1 in the tile itself; each whole number is one neighbour
+        // farther.
         let across = p * root.y - q * root.x;
         let mut image = -across.floor();
         while across + image < depth * slab.period() {
@@ -157,7 +159,7 @@ fn draw(strands: &Strands, slab: Slab, depth: f32, (width, height): (u32, u32), 
                 let Some(tangent) = (b - a).try_normalize() else { continue };
                 let radius = 0.5 * (strands.radii[i] + strands.radii[i + 1]);
                 let variance = scale * scale * (0.5 * radius * radius) + filter_width * filter_width;
-                // Same total optical depth as from above: density times the cylinder's volume.
+                // The total optical depth equals that seen from above: density times the volume of the cylinder.
                 let sharpness = radius * (scale.x * scale.y / (variance.x * variance.y).sqrt()).sqrt();
                 let density = extinction(sharpness);
                 let volume = density * std::f32::consts::PI * radius * (b - a).length() * scale.x * scale.y;
@@ -182,8 +184,8 @@ struct Raster {
 }
 
 impl Raster {
-    /// Adds `values`, spread along the line from `a` to `b` with a Gaussian around it. u wraps; whatever extends beyond
-    /// the texture at the surface or above the hair is lost.
+    /// Adds `values`, spread along the line from `a` to `b` with a Gaussian around it. u wraps. Contributions below the
+    /// surface or above the texture are discarded.
     fn streak(&mut self, a: Vec2, b: Vec2, variance: Vec2, values: Sums) {
         let spacing = SPACING * variance.min_element().sqrt();
         let pieces = ((b - a).length() / spacing).ceil().max(1.0);
@@ -204,7 +206,8 @@ impl Raster {
         }
     }
 
-    /// Converts depth to opacity, reduced by the share of the height above, and averages `samples`² texels into one.
+    /// Converts depth to opacity, times a factor that falls linearly from 1 at the surface to 0 at the top. Averages
+    /// `samples`² texels into one.
     fn resolve(mut self, samples: usize) -> Vec<Sums> {
         for (y, row) in self.sums.chunks_exact_mut(self.width).enumerate() {
             let above = 1.0 - (y as f32 + 0.5) / self.height as f32;
@@ -219,7 +222,7 @@ impl Raster {
     }
 }
 
-/// Averages `(x, y)` texels of an image `width` texels wide.
+/// Averages blocks of `x` by `y` texels of an image that is `width` texels wide.
 fn shrink(fine: &[Sums], width: usize, (x, y): (usize, usize)) -> Vec<Sums> {
     let columns = width / x;
     let share = 1.0 / (x * y) as f32;
@@ -231,10 +234,10 @@ fn shrink(fine: &[Sums], width: usize, (x, y): (usize, usize)) -> Vec<Sums> {
     out
 }
 
-/// Width, height and texels of each level, finest first.
+/// Levels of a texture, finest first: width, height and texels.
 type Levels = Vec<(u32, u32, Vec<u8>)>;
 
-/// Returns the bytes of all mip levels: colour, and directions in as many components as `format` has.
+/// Returns the bytes of all mip levels, of colour and of direction. Directions have as many components as `format`.
 fn levels(sums: Vec<Sums>, (mut width, mut height): (u32, u32), format: TextureFormat) -> (Levels, Levels) {
     let mut sums = sums;
     let mut sizes = Vec::new();
@@ -261,7 +264,7 @@ fn levels(sums: Vec<Sums>, (mut width, mut height): (u32, u32), format: TextureF
     out
 }
 
-/// Returns the bytes without visibility, and whether each texel has a direction of its own.
+/// Returns the bytes of one level, without visibility, and whether each texel has a direction of its own.
 fn store(sums: &[Sums], format: TextureFormat) -> (LevelBytes, Vec<bool>) {
     let mut out = (LevelBytes::default(), Vec::new());
     for s in sums {

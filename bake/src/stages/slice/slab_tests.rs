@@ -73,10 +73,10 @@ fn edges_select_the_slab_parallel_to_them() {
 
 #[test]
 fn hair_in_a_slab_is_drawn_at_its_root() {
-    // Upright, at u = 0.3, v = 0.1.
+    // An upright hair at u = 0.3, v = 0.1.
     let strands = hair(Vec3::new(0.3, 0.1, 0.0), Vec3::new(0.3, 0.1, 0.5));
-    // Along (1, 1) its offset across is 0.1 − 0.3, so the copy in the tile above is used: (0.3 + 1.1) / 2. Along (−1,
-    // 1) the offset is −0.1 − 0.3, so the copy in the tile below is used: (−0.3 − 0.9) / 2, which wraps to 0.4.
+    // Along (1, 1), the offset across is 0.1 − 0.3, so the copy in the tile above is used: (0.3 + 1.1) / 2. Along (−1,
+    // 1), the offset is −0.1 − 0.3, so the copy in the tile below is used: (−0.3 − 0.9) / 2, which wraps to 0.4.
     for (index, expected) in [(0, 0.3), (1, 0.7), (2, 0.1), (3, 0.4)] {
         let found = column(&slab(&strands, index, 1.0).0[0]);
         assert!((found - expected).abs() < 0.02, "slab {index}: {found}, expected {expected}");
@@ -87,12 +87,12 @@ fn hair_in_a_slab_is_drawn_at_its_root() {
 fn slabs_wrap_at_tile_borders() {
     let strands = coat();
     let mut moved = strands.clone();
-    // Shifted by whole tiles: the same hair.
+    // The strands are shifted by whole tiles, so the hair is the same.
     moved.points.iter_mut().for_each(|p| *p += Vec3::new(3.0, -2.0, 0.0));
     for index in 0..SLABS.len() {
         let (a, b) = (slab(&strands, index, 0.3), slab(&moved, index, 0.3));
         let differing = |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 2).count();
-        // Rounding may move a hair at the face of the slab in or out of it.
+        // Rounding may move a hair near the face of the slab in or out of it.
         let share = differing(&a.0[0].2, &b.0[0].2) as f32 / a.0[0].2.len() as f32;
         assert!(share < 0.02, "slab {index}: {share} of the texels differ");
     }
@@ -100,7 +100,7 @@ fn slabs_wrap_at_tile_borders() {
 
 #[test]
 fn lean_is_visible_in_the_parallel_slab() {
-    // Leaning towards +v.
+    // The hair leans towards +v.
     let strands = hair(Vec3::new(0.5, 0.2, 0.0), Vec3::new(0.5, 0.5, 0.5));
     let rows = |index: usize| {
         let level = &slab(&strands, index, 1.0).0[0];
@@ -115,7 +115,7 @@ fn lean_is_visible_in_the_parallel_slab() {
     assert!(rows(0).abs() < 0.01, "across its lean the hair stands upright, not {}", rows(0));
     assert!((rows(2) - 0.15).abs() < 0.02, "half of its lean of 0.3 between the quarters, not {}", rows(2));
     assert!(rows(1) > 0.05 && rows(1) < rows(2), "at 45 degrees less of it, not {}", rows(1));
-    // The direction is in the tile's frame for every slab.
+    // Directions are in the tile frame for all slabs.
     for index in 0..SLABS.len() {
         let (color, direction) = slab(&strands, index, 1.0);
         let (at, _) = alpha(&color[0]).iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
@@ -144,7 +144,7 @@ fn mips_keep_the_covered_share() {
     }
 }
 
-/// Checks that the covered share does not depend on the resolution, as the opacity of a mean density would.
+/// Checks that the covered share does not depend on the resolution. The opacity of a mean density would depend on it.
 #[test]
 fn coverage_does_not_depend_on_resolution() {
     let strands = coat();
@@ -164,13 +164,13 @@ fn a_deeper_slab_has_more_hair() {
     let share = |depth: f32| mean(&alpha(&slab(&strands, 0, depth).0[0]));
     let shares = [0.01, 0.02, 0.1, 1.0, 3.0].map(share);
     assert!(shares.windows(2).all(|w| w[0] < w[1]), "{shares:?}");
-    // Proportional, because hairs do not overlap yet.
+    // Shares are proportional to the depth of the slab, because hairs do not overlap yet.
     assert!((shares[1] / shares[0] - 2.0).abs() < 0.5, "{shares:?}");
 }
 
 #[test]
 fn slab_opacity_falls_to_zero_at_the_tips() {
-    // Hair as high as the volume everywhere.
+    // All hair is as high as the volume.
     let strands = simulate(
         &HairParams { length_variation: 0.0, lean: 0.0, frizz: 0.0, ..natural().hair },
         &ColorParams::default(),
@@ -180,7 +180,7 @@ fn slab_opacity_falls_to_zero_at_the_tips() {
     let level = &slab(&strands, 0, 0.05).0[0];
     let rows: Vec<_> = alpha(level).chunks_exact(level.0 as usize).map(mean).collect();
     assert!(rows[1] > 0.1 && rows[rows.len() - 1] < 0.1 * rows[1], "{rows:?}");
-    // The first row loses the half of a hair's blur that extends below the surface.
+    // The first row lacks the part of a hair's blur that extends below the surface.
     assert!(rows[1..].windows(2).all(|w| w[1] <= w[0] + 0.02), "{rows:?}");
 }
 

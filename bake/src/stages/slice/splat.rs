@@ -1,13 +1,13 @@
-//! Drawing of strands as Gaussian splats in the texels of one layer.
+//! Rasterisation of strands as Gaussian splats in the texels of one layer.
 //!
-//! Hair is a volume of extinction. A layer represents the slab of height around it. It takes the optical depth of every
-//! segment in its slab, by arc length, so that slanted hair draws a connected streak and not a row of dots.
-//! [`extinction`] gives a strand's depth such that a single one blocks as much light as an opaque strand. Two
-//! consequences are exact, up to the rounding of stored opacities:
+//! Hair is a volume with an extinction. Each layer represents a slab, the range of heights around it. It receives the
+//! optical depth of all segments in its slab, measured by arc length. So slanted hair appears as a connected streak and
+//! not as a row of dots. [`extinction`] returns a strand's depth such that a single strand blocks as much light as an
+//! opaque one. Two consequences are exact, up to the rounding of stored opacities:
 //!
-//! * the depths of all layers have the same sum at any number of layers: opacity per layer follows α' = 1 − (1 −
-//!   α)^(n₀/n) (formulas 4.6, 3.2);
-//! * a splat's depth has the same sum over texels of any size and for any position of its centre between them.
+//! * The depths of all layers have the same sum at any number of layers: the opacity per layer follows α' = 1 − (1 −
+//!   α)^(n₀/n) (formulas 4.6, 3.2).
+//! * The depth of a splat has the same sum over texels of any size, wherever its centre is between them.
 
 use crate::stages::simulate::Strands;
 use crate::stages::slice::direction;
@@ -15,23 +15,24 @@ use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Returns the density of a strand times its radius. A strand across the ray, drawn as a Gaussian of that density,
-/// blocks as much light as an opaque one of its radius: the integral of 1 − exp(−depth) across it equals its width.
+/// blocks as much light as an opaque strand of the same radius. So the integral of 1 − exp(−depth) across the strand
+/// equals its width.
 ///
-/// * `sharpness`: radius over the standard deviation that the strand is drawn with, 0..=√2. At 0 the strand is thinner
-///   than a texel and its depth is small; 2/π makes the depth itself integrate to the width. At √2 it is a Gaussian of
-///   the strand's own variance, which needs 1.8 times as much, because its middle is dark already.
+/// * `sharpness`: radius divided by the standard deviation that the strand is drawn with, 0..=√2. At 0, the strand is
+///   thinner than a texel and its depth is small; with 2/π, the integral of the depth itself is the width. At √2, it is
+///   a Gaussian of the strand's own variance. It then needs 1.8 times the density, because its middle is already dark.
 ///
-/// A polynomial fit of that integral's inverse, accurate within 2 %.
+/// The function is a polynomial fit to the inverse of that integral, accurate within 2 %.
 pub fn extinction(sharpness: f32) -> f32 {
     let s = sharpness.clamp(0.0, std::f32::consts::SQRT_2);
     std::f32::consts::FRAC_2_PI * (1.0 + s * (0.282 + s * (0.098 + s * 0.078)))
 }
 
-/// Cutoff of a drawn Gaussian, standard deviations; the sum over texels is normalised afterwards.
+/// Cutoff of a drawn Gaussian, standard deviations. The weights are then normalised to a sum of one.
 const CUTOFF: f32 = 3.0;
-/// Distance between splats along a streak, standard deviations; their sum is then uniform to one in 10⁴.
+/// Distance between splats along a streak, standard deviations. At this distance, their sum varies by less than 10⁻⁴.
 pub(super) const SPACING: f32 = 1.2;
-/// Number of segments that one task converts to splats. Fixed, because streaks are merged within a task only.
+/// Number of segments that one task converts to splats. It is fixed, because streaks are merged only within a task.
 const CHUNK: usize = 4096;
 /// Number of segments whose splats are in memory at once.
 const BATCH: usize = 64 * CHUNK;
@@ -40,7 +41,7 @@ const BATCH: usize = 64 * CHUNK;
 /// the layers' weights, and depth times the visibility coefficients.
 pub(super) type Sums = [f32; 12];
 
-/// Input of drawing: strands and, if known, the visibility coefficients at each of their points.
+/// Input for rasterisation: strands and, if known, the visibility coefficients at each of their points.
 #[derive(Clone, Copy)]
 pub(super) struct DrawInput<'a> {
     pub(super) strands: &'a Strands,
@@ -49,7 +50,7 @@ pub(super) struct DrawInput<'a> {
 
 /// Index of the segments of each layer.
 pub(super) struct LayerIndex {
-    /// Segments by layer, as indices of their first points. A segment that crosses several slabs is in each.
+    /// Segments by layer, as indices of their first points. A segment that crosses several slabs is listed in each.
     segments: Vec<u32>,
     /// Ranges in `segments`: those of layer `k` are `segments[starts[k]..starts[k + 1]]`.
     starts: Vec<usize>,
@@ -58,8 +59,8 @@ pub(super) struct LayerIndex {
 }
 
 impl LayerIndex {
-    /// Sorts the segments of `strands` into the slabs of `layers` layers. Layer 0 is the mesh surface and has no slab;
-    /// layer 1's slab extends down to the surface, so that no segment is lost.
+    /// Assigns the segments of `strands` to the slabs of `layers` layers. Layer 0 is the mesh surface and has no slab.
+    /// The slab of layer 1 extends down to the surface, so that no segment is lost.
     pub(super) fn new(strands: &Strands, layers: u32) -> Self {
         let mut index = Self {
             segments: Vec::new(),
@@ -97,15 +98,16 @@ impl LayerIndex {
         ((h / self.spacing + 0.5) as u32).clamp(1, self.layers - 1) as usize
     }
 
-    /// Returns the lower and upper end of a layer's slab; the first and the last slab include everything beyond.
+    /// Returns the lower and upper end of a layer's slab. The first slab has no lower limit, the last one no upper
+    /// limit.
     fn slab(&self, layer: usize) -> (f32, f32) {
         let below = if layer <= 1 { f32::NEG_INFINITY } else { (layer as f32 - 0.5) * self.spacing };
         let above = if layer + 1 >= self.layers as usize { f32::INFINITY } else { (layer as f32 + 0.5) * self.spacing };
         (below, above)
     }
 
-    /// Fills `sums`, `texels * texels` row-major, with one layer's hair. The result does not depend on the number of
-    /// threads.
+    /// Fills `sums`, `texels * texels` row-major, with the hair of one layer. The result does not depend on the number
+    /// of threads.
     pub(super) fn draw(&self, drawn: DrawInput<'_>, layer: usize, texels: u32, filter_width: f32, sums: &mut [Sums]) {
         sums.par_iter_mut().with_min_len(4096).for_each(|s| *s = Sums::default());
         let entries = &self.segments[self.starts[layer]..self.starts[layer + 1]];
@@ -114,7 +116,7 @@ impl LayerIndex {
         }
     }
 
-    /// Returns the splats of some of a layer's segments, in their order.
+    /// Returns the splats of a range of a layer's segments, in order.
     fn splats(
         &self,
         drawn: DrawInput<'_>,
@@ -158,7 +160,7 @@ struct Splat {
 /// Segments of one strand being converted to splats: short neighbouring segments are drawn as one.
 struct Streak {
     splats: Vec<Splat>,
-    /// Depth-weighted sums, and the horizontal extent.
+    /// Pending splat with depth-weighted sums, and its horizontal extent.
     open: Option<(Splat, f32)>,
     filter_width: f32,
 }
@@ -193,8 +195,8 @@ impl Streak {
         let length = (q - p).length() * share;
         let middle = from + 0.5 * share;
         let radius = strands.radii[i] + (strands.radii[i + 1] - strands.radii[i]) * middle;
-        // A disc of uniform density and a Gaussian of variance r²/2 with the same depth at the centre have the same
-        // integral.
+        // A disc of uniform density and a Gaussian of variance r²/2 have the same integral if the depth at their
+        // centres is equal.
         let variance = radius * radius * 0.5 * texels * texels + self.filter_width * self.filter_width;
         let density = extinction(radius * texels / variance.sqrt());
         let depth = density * std::f32::consts::PI * radius * length * texels * texels;
@@ -253,7 +255,7 @@ fn add(splats: &[Splat], texels: u32, sums: &mut [Sums]) {
         let (first, count) = span(splat.center.y, splat.variance);
         let mut row = wrap(first, n);
         let mut left = count.min(n + rows);
-        // Steps from band to band; a splat taller than the tile returns to its first band, once.
+        // Advance from band to band. A splat taller than the tile returns once to its first band.
         loop {
             let band = row / rows;
             if lists[band].last().is_none_or(|&l| l != i as u32) {
@@ -317,7 +319,8 @@ fn span(center: f32, variance: f32) -> (i64, usize) {
     (first as i64, (last - first) as usize + 1)
 }
 
-/// Fills `out` with the Gaussian at the texel centres from the returned texel on, normalised to a sum of one.
+/// Fills `out` with the Gaussian at the texel centres, normalised to a sum of one. Returns the index of the first
+/// texel.
 pub(crate) fn weights(center: f32, variance: f32, out: &mut Vec<f32>) -> i64 {
     let (first, count) = span(center, variance);
     out.clear();

@@ -15,11 +15,11 @@ pub struct Layer {
     /// Index, 0 on the mesh surface.
     pub index: u32,
     /// Colour per mip level, finest first down to 1×1: `size * size` RGBA8 texels, row-major, v down. Colour is linear
-    /// light times opacity, then sRGB-encoded; alpha is linear opacity.
+    /// light times opacity, then sRGB-encoded. Alpha is linear opacity.
     pub color: Vec<Vec<u8>>,
-    /// Directions per mip level, `size * size` in the requested format, with as many bytes as it has components.
+    /// Directions per mip level, `size * size` texels in the requested format, with one byte per component.
     pub direction: Vec<Vec<u8>>,
-    /// Visibility coefficients per mip level, `size * size` of four bytes each; empty if not requested.
+    /// Visibility coefficients per mip level, `size * size` texels of four bytes; empty if not requested.
     pub visibility: Vec<Vec<u8>>,
 }
 
@@ -28,17 +28,17 @@ pub struct Layer {
 pub struct ShellSet {
     /// Width and height of a layer at level 0, texels.
     pub texels: u32,
-    /// Layers, that of the mesh surface first.
+    /// Layers, beginning with that of the mesh surface.
     pub layers: Vec<Layer>,
 }
 
-/// Slices strands into layers, outermost first, and passes each to `sink` with all mip levels.
+/// Slices strands into layers, outermost first, and passes each layer to `sink` with all mip levels.
 ///
-/// * `direction_format`: a format of two or four components; only four components keep the length of mean directions
+/// * `direction_format`: format of two or four components; only four components preserve the length of mean directions
 ///
-/// The layers are evenly spaced from the mesh surface (layer 0, opaque) to `strands.height`; texels wrap at the tile's
-/// borders. Memory in addition to the strands: about 80 bytes per texel of one layer, and 4 bytes of index for each
-/// segment and layer that it crosses.
+/// The layers are evenly spaced from the mesh surface (layer 0, opaque) to `strands.height`. Texels wrap at the tile's
+/// borders. The memory needed in addition to the strands is about 80 bytes per texel of one layer, and 4 bytes for each
+/// segment in each layer that it crosses.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands, and any error
@@ -52,8 +52,8 @@ pub fn slice(
     slice_layers(strands, None, params, direction_format, sink).map(drop)
 }
 
-/// Does the same as [`slice()`], and adds the coefficients of `visibility` if given. With `with_coat` it then passes
-/// the far fur to `sink` as a further layer, of index `params.layers`, and returns its statistics.
+/// Does the same as [`slice()`], and adds the coefficients of `visibility` if given. If `with_coat` is set, it also
+/// passes the far fur to `sink` as a last layer with index `params.layers`, and returns its statistics.
 ///
 /// # Errors
 /// Same as [`slice()`].
@@ -74,7 +74,7 @@ pub fn slice_for_package(
     Ok(Some(coat))
 }
 
-/// Converts a layer to its output form: directions have as many bytes as their format has components.
+/// Converts a layer to its output form. Directions have one byte for each component of their format.
 fn layer(index: u32, levels: Vec<LevelBytes>, direction_format: TextureFormat, with_visibility: bool) -> Layer {
     let (mut color, mut direction, mut visibility) = (Vec::new(), Vec::new(), Vec::new());
     for level in levels {
@@ -113,13 +113,13 @@ fn slice_layers(
     let mut transmittance = Transmittance::new(n, halvings, blur, direction_format);
     let mut sums = Vec::new();
     for k in (0..params.layers).rev() {
-        // The mesh surface is opaque; its hair direction is that of the roots just above it.
+        // The mesh surface is opaque. Its hair direction is that of the roots just above it.
         sums.resize(fine as usize * fine as usize, Sums::default());
         index.draw(drawn, k.max(1) as usize, fine, fine_filter, &mut sums);
         let skin = (k == 0).then_some(strands.root_color);
         let mut levels = transmittance.layer(&mut sums, n, skin);
         if let Some(visibility) = visibility.filter(|_| k == 0) {
-            // Between the roots is the mesh surface, which has its own visibility.
+            // The texels between the roots show the mesh surface, which has its own visibility.
             levels.iter_mut().zip(visibility.skin_levels(n)).for_each(|(level, bytes)| level.visibility = bytes);
         }
         sink(layer(k, levels, direction_format, visibility.is_some()))?;
@@ -127,19 +127,20 @@ fn slice_layers(
     Ok(transmittance)
 }
 
-/// Oversampling of the texels that strands are drawn into, halvings. The transmittance of a coarse texel is the mean of
-/// its fine ones; that of their mean depth would be lower. So fur is as dense in coarse texels as in fine ones.
+/// Oversampling of the texels that strands are rasterised to, as a number of halvings. The transmittance of a coarse
+/// texel is the mean of its fine ones; the transmittance of their mean depth would be lower. So fur is as dense in
+/// coarse texels as in fine ones.
 const OVERSAMPLING: u32 = 2;
-/// Texels a side that are fine enough to resolve any relevant strand.
+/// Texels per side at which any relevant strand is resolved; finer textures are not oversampled.
 const FINE: u32 = 512;
 
 fn halvings(texels: u32) -> u32 {
     OVERSAMPLING.min((FINE / texels).max(1).ilog2())
 }
 
-/// Returns the standard deviation of the filter for drawing strands, fine texels, and the variance of the blur after
-/// the halving, stored texels. Up to half a texel the filter only keeps strands from breaking up between fine texels;
-/// any larger width becomes blur.
+/// Returns two widths of the filter for drawing strands: the standard deviation before the halvings, in fine texels,
+/// and the variance of the blur after them, in stored texels². A width of up to half a texel only keeps strands from
+/// breaking up between fine texels; any excess becomes blur.
 fn filter(width: f32, halvings: u32) -> (f32, f32) {
     if halvings == 0 { (width, 0.0) } else { (width.min(0.5), (width * width - 0.25).max(0.0)) }
 }

@@ -61,7 +61,8 @@ fn layers_have_all_mip_levels_and_an_opaque_skin_layer() {
 
 #[test]
 fn hair_wraps_at_the_borders() {
-    // A strand on the corner shows equally in all four corners; strands a whole tile apart look the same.
+    // A strand on the corner of the tile shows equally in all four corners. Strands shifted by a whole tile look the
+    // same.
     let corner = layers(&one(Vec3::ZERO, Vec3::Z * 0.4, 0.03, 0.4), &params(4, 32)).unwrap();
     let level = &corner.layers[2].color[0];
     let alpha = |x: usize, y: usize| level[4 * (32 * y + x) + 3];
@@ -73,7 +74,7 @@ fn hair_wraps_at_the_borders() {
 
 #[test]
 fn slanted_hair_is_drawn_without_gaps() {
-    // A strand that crosses half the tile in one slab of 4 layers is a streak without gaps between its texels.
+    // A strand that crosses half the tile within one slab of 4 layers is a streak without gaps.
     let set = layers(&one(Vec3::new(0.1, 0.5, 0.2), Vec3::new(0.7, 0.5, 0.25), 0.01, 0.6), &params(4, 64)).unwrap();
     let level = &set.layers[1].color[0];
     let alphas: Vec<_> = (9..44).map(|x| (31..33).map(|y| level[4 * (64 * y + x) + 3]).max().unwrap()).collect();
@@ -84,7 +85,8 @@ fn slanted_hair_is_drawn_without_gaps() {
 
 #[test]
 fn blocked_light_equals_strand_width_at_any_resolution() {
-    // Within one layer, straight across the tile, from far thinner than a fine texel to much wider.
+    // The strand is within one layer, straight across the tile; its radius is from far below a fine texel to much
+    // wider.
     for radius in [0.001, 0.004, 0.02] {
         for texels in [16, 32, 64, 128, 512] {
             for v in [0.5, 0.5 + 0.3 / 64.0, 0.9993] {
@@ -93,7 +95,7 @@ fn blocked_light_equals_strand_width_at_any_resolution() {
                 let alphas = set.layers[1].color[0].chunks_exact(4).map(|t| f64::from(t[3]) / 255.0);
                 let blocked = alphas.sum::<f64>() / f64::from(texels * texels);
                 let width = 2.0 * f64::from(radius);
-                // In a coarse texel, a thin strand's opacity is only a few steps of its byte.
+                // A thin strand's opacity in a coarse texel is only a few steps of a byte.
                 let tolerance = 0.04 * width + 0.5 / 255.0 * width.max(3.0 / f64::from(texels));
                 assert!((blocked - width).abs() < tolerance, "{radius} in {texels} texels at {v}: {blocked}");
             }
@@ -105,7 +107,8 @@ fn blocked_light_equals_strand_width_at_any_resolution() {
 fn extinction_makes_a_strand_as_opaque_as_it_is_wide() {
     for i in 1..=40 {
         let sharpness = std::f64::consts::SQRT_2 * f64::from(i) / 40.0;
-        // In standard deviations: the depth in the middle, and the light blocked in total.
+        // Lengths are in standard deviations. `middle` is the optical depth in the middle, `width` the total light
+        // blocked.
         let density = f64::from(crate::stages::slice::extinction(sharpness as f32));
         let middle = density * std::f64::consts::PI * sharpness / (2.0 * std::f64::consts::PI).sqrt();
         let step = 1e-3;
@@ -124,7 +127,7 @@ fn directions_follow_the_strand() {
             for texel in level.chunks_exact(4) {
                 let values = [texel[0], texel[1], texel[2], texel[3]].map(|b| f32::from(b) / 255.0);
                 let back = pelage_formats::decode_direction(values, TextureFormat::Rgba8Unorm);
-                // Also between hairs: gaps are filled from the surrounding hair.
+                // Gaps between hairs are filled from the hairs around them.
                 assert!(back.distance(tangent) < 0.02, "{texel:?}");
             }
         }
@@ -161,7 +164,7 @@ fn broken_strands_are_errors() {
 
 #[test]
 fn wide_hair_on_a_small_tile_covers_it() {
-    // The Gaussian is wider than the tile: all its periodic copies add up.
+    // The Gaussian is wider than the tile, so all its periodic copies add up.
     let set = layers(&one(Vec3::splat(0.0), Vec3::Z * 0.4, 0.25, 0.4), &params(4, 16)).unwrap();
     let column = |texel: usize| set.layers[1..].iter().map(|layer| u32::from(layer.color[0][4 * texel + 3])).sum();
     let alphas: Vec<u32> = (0..256).map(column).collect();

@@ -1,4 +1,4 @@
-//! Comb directions: wishes per face, before they are smoothed into a field.
+//! Comb directions: a wanted direction for each face, before smoothing into a field.
 
 use super::furred_mesh::FurredMesh;
 use super::marks::{self, CombMark};
@@ -12,11 +12,11 @@ const STEP: f32 = 0.125;
 /// Maximum number of samples of a drawn line.
 const MOST_PLACES: usize = 256;
 
-/// Direction in which hair is combed. Directions are in world space at rest; only their component along the mesh
-/// surface counts.
+/// Direction in which hair is combed. Directions are in world space at rest; only the component along the mesh surface
+/// counts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Comb {
-    /// The same direction everywhere, any length but 0.
+    /// Same direction everywhere, with any length but 0.
     Direction(Vec3),
     /// Down: −y.
     Gravity,
@@ -24,21 +24,22 @@ pub enum Comb {
     Tangents,
     /// A vector per vertex of the input mesh; its length, up to 1, is its weight.
     PerVertex(Vec<Vec3>),
-    /// Directions at a few points, spread by distance along the mesh surface (formulas 6.1, after Praun et al. 2000).
+    /// Directions at a few points, interpolated by distance along the mesh surface (formulas 6.1, after Praun et al.
+    /// 2000).
     Marks {
-        /// Marks; at least one.
+        /// Marks, at least one.
         marks: Vec<CombMark>,
-        /// Direction beyond the reach of all marks, if they all have a reach; any length but 0.
+        /// Direction beyond the reach of all marks, if all of them have a reach; any length but 0.
         elsewhere: Vec3,
     },
-    /// No direction: patches have minimal distortion, which suits upright hair (the isotropic mode of Lengyel et al.
+    /// No direction. Patches have minimal distortion, which suits upright hair (the isotropic mode of Lengyel et al.
     /// 2001).
     None,
 }
 
 impl Comb {
-    /// Returns the comb of a recipe and of lines drawn in a model with the given radius. If `surface.comb` is `auto`, a
-    /// mark with a direction selects `marks`; drawn lines do so if `surface.comb_direction` is unchanged.
+    /// Returns the comb for a recipe and for lines drawn in a model with the given radius. If `surface.comb` is `auto`,
+    /// a mark with a direction selects `marks`. Drawn lines also select it if `surface.comb_direction` is unchanged.
     pub fn of_recipe(recipe: &SurfaceParams, drawn: &[CombLine], radius_m: f32) -> Self {
         let of_recipe = recipe.comb_marks.iter().flat_map(CombMarkParams::with_mirror_image).filter_map(|mark| {
             Some(CombMark {
@@ -69,7 +70,7 @@ impl Comb {
         }
     }
 
-    /// Returns the unit direction that applies everywhere; zero if there is none.
+    /// Returns the unit direction that applies everywhere; zero if the comb has none.
     pub fn global_direction(&self) -> Vec3 {
         match self {
             Self::Direction(direction) => direction.normalize_or_zero(),
@@ -79,7 +80,7 @@ impl Comb {
     }
 }
 
-/// Samples a drawn line, ends included, about every `step_m` and at most [`MOST_PLACES`] times.
+/// Samples a drawn line, including its ends, about every `step_m` metres and at most [`MOST_PLACES`] times.
 fn sample_line(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
     let lengths: Vec<f32> = places.windows(2).map(|ends| ends[0].0.distance(ends[1].0)).collect();
     let total: f32 = lengths.iter().sum();
@@ -103,7 +104,7 @@ fn sample_line(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
     found
 }
 
-/// Returns one wish per furred face; lengths up to 1.
+/// Returns the wanted direction of each furred face, with a length of up to 1.
 pub(super) fn wishes(
     skin: &FurredMesh,
     mesh: &Mesh,
@@ -130,7 +131,7 @@ pub(super) fn wishes(
                 let uv = mesh.triangles[skin.triangles[f] as usize].map(|v| mesh.uvs[v as usize].as_dvec2());
                 let p = skin.topology.corners(f);
                 let (d1, d2) = (uv[1] - uv[0], uv[2] - uv[0]);
-                // dP/dv; its sign is also correct for mirrored charts.
+                // Derivative dP/dv; its sign is also correct for mirrored charts.
                 let along_v = (p[2] - p[0]) * d1.x - (p[1] - p[0]) * d2.x;
                 (along_v * d1.perp_dot(d2).signum()).normalize_or_zero()
             })
@@ -153,7 +154,7 @@ mod tests {
             other => vec![(99, Some(if other == Comb::Gravity { 1.0 } else { 2.0 }))],
         };
         assert_eq!(marks(&open, &[]), []);
-        // A line of one metre with a reach of 0.6 m, in steps below 75 mm.
+        // The line is one metre long with a reach of 0.6 m, so the steps are at most 75 mm.
         assert_eq!(marks(&open, &drawn), [(15, Some(0.6))]);
         let turned = SurfaceParams { comb_direction: [1.0, 0.0, 0.0], ..open.clone() };
         assert_eq!(marks(&turned, &drawn), []);

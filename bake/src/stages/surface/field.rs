@@ -1,16 +1,16 @@
 //! Comb field: a unit tangent per face, along which the hair is combed.
 //!
-//! Wishes are projected to the faces and smoothed: where a wish is weak (its direction nearly along the normal) or
-//! wishes disagree, the neighbours decide. The smoothing is a hierarchical Gauss–Seidel iteration on unit vectors, as
-//! in Instant Meshes (Jakob et al. 2015), linear in the number of faces. By the Poincaré–Hopf theorem, a field on a
-//! closed surface of genus g has singularities whose indices sum to 2 − 2g. They stay where wishes vanish, such as at
-//! nose and tail.
+//! Wanted directions are projected to the faces and smoothed. Neighbours decide where a wanted direction is weak
+//! (nearly along the normal) or wanted directions disagree. The smoothing is a hierarchical Gauss–Seidel iteration on
+//! unit vectors, as in Instant Meshes (Jakob et al. 2015). Its time is linear in the number of faces. By the
+//! Poincaré–Hopf theorem, a field on a closed surface of genus g has singularities whose indices sum to 2 − 2g. They
+//! remain where the wanted directions vanish, such as at nose and tail.
 
 use super::topology::{NONE, Topology, prev};
 use glam::DVec3;
 use pelage_import::angle::between;
 
-/// Gauss–Seidel sweeps per level: enough for each level to converge, because the coarser one provides the low
+/// Gauss–Seidel sweeps per level. Each level converges with these, because the coarser level provides the low
 /// frequencies.
 const SWEEPS: usize = 6;
 /// Number of nodes below which coarsening stops.
@@ -21,18 +21,18 @@ const COARSEST: usize = 8;
 struct Level {
     normals: Vec<DVec3>,
     areas: Vec<f64>,
-    /// Wish of each node times its area.
+    /// Wanted direction of each node, times its area.
     wishes: Vec<DVec3>,
     /// Ranges in `links`: the neighbours of node i, with their weights, are `links[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     links: Vec<(u32, f64)>,
 }
 
-/// Smooths wishes into a field.
+/// Smooths wanted directions into a field.
 ///
-/// * `wishes`: one per face, any direction; only the component in the face's plane counts, with its length (0..=1) as
+/// * `wishes`: wanted direction of each face; only the component in the face's plane counts, with its length (0..=1) as
 ///   weight
-/// * `smoothing_m`: reach of the neighbours' influence against a wish of length 1, metres, above 0
+/// * `smoothing_m`: reach of the neighbours' influence against a wanted direction of length 1, metres, above 0
 ///
 /// Returns one unit vector in the plane of each face.
 pub(super) fn comb_field(topology: &Topology, wishes: &[DVec3], smoothing_m: f64) -> Vec<DVec3> {
@@ -80,7 +80,8 @@ fn sweep(level: &Level, field: &mut [DVec3], data_weight: f64) {
 
 /// Rotates `x` by the smallest rotation from `from` to `to`.
 pub(super) fn transported(x: DVec3, from: DVec3, to: DVec3) -> DVec3 {
-    // Rodrigues' formula with sine and cosine from the normals; antiparallel normals have no smallest rotation.
+    // Rodrigues' formula, with sine and cosine derived from the normals. No smallest rotation exists for antiparallel
+    // normals.
     let (axis, cosine) = (from.cross(to), from.dot(to));
     if cosine < -0.999 { x } else { x * cosine + axis.cross(x) + axis * (axis.dot(x) / (1.0 + cosine)) }
 }
@@ -93,7 +94,8 @@ fn finest(topology: &Topology, wishes: &[DVec3]) -> Level {
     level.starts.push(0);
     for f in 0..topology.faces.len() {
         for (h, g) in topology.neighbors(f) {
-            // Dual edge weight of a finite-volume Laplacian, clamped so that slivers neither bind nor separate.
+            // Weight of a dual edge in a finite-volume Laplacian. It is clamped, so that slivers neither bind nor
+            // separate faces.
             let across = topology.centroid(f).distance(topology.centroid(g));
             let weight = (topology.edge_length(h) / across.max(f64::MIN_POSITIVE)).clamp(0.01, 100.0);
             level.links.push((g as u32, weight));
@@ -103,7 +105,8 @@ fn finest(topology: &Topology, wishes: &[DVec3]) -> Level {
     level
 }
 
-/// Joins each node with its most strongly bound free neighbour. Returns the coarser level and the parent of each node.
+/// Joins each node with the free neighbour that it is bound to most strongly. Returns the coarser level and the parent
+/// of each node.
 fn coarsen(fine: &Level) -> (Level, Vec<u32>) {
     let n = fine.areas.len();
     let mut parent = vec![NONE; n];
@@ -114,7 +117,7 @@ fn coarsen(fine: &Level) -> (Level, Vec<u32>) {
         }
         let links = &fine.links[fine.starts[i] as usize..fine.starts[i + 1] as usize];
         let free = links.iter().filter(|(j, _)| parent[*j as usize] == NONE && *j as usize != i);
-        // Parallel and small neighbours first, so that clusters stay round and flat.
+        // Prefers parallel and small neighbours, so that clusters stay round and flat.
         let score = |(j, w): &(u32, f64)| {
             w * (1.0 + fine.normals[i].dot(fine.normals[*j as usize])) / fine.areas[*j as usize].sqrt()
         };
@@ -163,8 +166,8 @@ fn coarsen(fine: &Level) -> (Level, Vec<u32>) {
 pub(super) fn singularities(topology: &Topology, field: &[DVec3]) -> Vec<(u32, i32)> {
     let mut out = Vec::new();
     let mut done = vec![false; topology.points.len()];
-    // Half-edges whose walk came to a border. A walk that reaches one of them ends at the border too, so a fan of many
-    // triangles is walked once, not once per triangle.
+    // Half-edges whose walk reached a border. A later walk that reaches one of them also ends at the border. So a fan
+    // of many triangles is walked once, not once per triangle.
     let mut open = vec![false; 3 * topology.faces.len()];
     for start in 0..3 * topology.faces.len() as u32 {
         let point = topology.ends(start)[0];
@@ -172,7 +175,8 @@ pub(super) fn singularities(topology: &Topology, field: &[DVec3]) -> Vec<(u32, i
             continue;
         }
         let (mut h, mut turned, mut angles) = (start, 0.0, 0.0);
-        // Counter-clockwise around the point: out along h, back along the half-edge before it, and over to its twin.
+        // Walks counter-clockwise around the point: out along h, back along the half-edge before it, and over to its
+        // twin.
         let closed = loop {
             if std::mem::replace(&mut open[h as usize], true) {
                 break false;
@@ -224,8 +228,8 @@ mod tests {
 
     #[test]
     fn border_vertex_of_many_triangles_takes_linear_time() {
-        // A polygon cut as a fan: all triangles meet in one point on the border. With one walk per triangle, this test
-        // would take minutes.
+        // A polygon is cut as a fan, so all triangles meet in one point on the border. With one walk per triangle, this
+        // test would take minutes.
         let count = 200_000;
         let mut points = vec![DVec3::ZERO];
         points.extend((0..=count).map(|i| {

@@ -15,12 +15,12 @@ pub(super) fn area2(positions: &[Vec3], triangle: &[u32; 3]) -> f32 {
     (b - a).cross(c - a).length()
 }
 
-/// Returns the factors from texture coordinates to tile coordinates, the same for the whole model, so that charts with
-/// equal texel density have equal hair density.
+/// Returns the factors from texture coordinates to tile coordinates. They are the same for the whole model, so that
+/// charts with equal texel density have equal hair density.
 ///
-/// The factor of u is negative if most of the furred surface is unwrapped mirrored as seen from outside. This is the
-/// rule in glTF, whose v points down: then +v of the tile follows the hair of an animal painted upright, and frames are
-/// right-handed.
+/// The factor of u is negative if most of the furred surface is unwrapped mirrored as seen from outside. This is normal
+/// in glTF, whose v points down. With this sign, +v of the tile follows the hair of an animal painted upright, and
+/// frames are right-handed.
 pub(super) fn tile_scale(
     mesh: &Mesh,
     rest: &RestPose,
@@ -41,15 +41,15 @@ pub(super) fn tile_scale(
         warnings
             .push(format!("{collapsed} furred triangles have no area in texture coordinates; their hair is stretched"));
     }
-    // All charts are collapsed to points or lines: no scale is better than another, and hair will be streaks. One tile
-    // per texture keeps it finite.
+    // All charts are collapsed to points or lines. No scale is better than another, and hair will be streaks. A scale
+    // of one tile per texture keeps the coordinates finite.
     let metres_per_uv = if texture > 0.0 { (skin / texture).sqrt() as f32 } else { tile_size_m };
     let scale = metres_per_uv / tile_size_m;
     Vec2::new(if turned > 0.0 { -scale } else { scale }, scale)
 }
 
-/// Returns the unit tangent along +u of each vertex, in the mesh's own space, with the handedness in the posed rest
-/// state. A vertex without a sound triangle gets an arbitrary tangent.
+/// Returns the unit tangent along +u of each vertex, in the mesh's own space, and the handedness in the posed rest
+/// state. Vertices without a sound triangle get an arbitrary tangent.
 pub(super) fn tangents(mesh: &Mesh, tile_uvs: &[Vec2]) -> Vec<Vec4> {
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
     let mut hands = vec![0f32; mesh.positions.len()];
@@ -61,7 +61,7 @@ pub(super) fn tangents(mesh: &Mesh, tile_uvs: &[Vec2]) -> Vec<Vec4> {
         let [a, b, c] = triangle.map(|i| i as usize);
         let (e1, e2) = (mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
         let (d1, d2) = (tile_uvs[b] - tile_uvs[a], tile_uvs[c] - tile_uvs[a]);
-        // dP/du from the two edges, weighted by area so that slivers do not turn the frame.
+        // Derivative dP/du from the two edges, weighted by area so that slivers do not turn the frame.
         let along_u = ((e1 * d2.y - e2 * d1.y) / det).normalize_or_zero() * e1.cross(e2).length();
         for i in [a, b, c] {
             sums[i] += along_u;
@@ -78,8 +78,8 @@ pub(super) fn tangents(mesh: &Mesh, tile_uvs: &[Vec2]) -> Vec<Vec4> {
         .collect()
 }
 
-/// Gives mirrored triangles vertices of their own: appends copies to `mesh` and `tile_uvs`, and returns the original
-/// vertices.
+/// Gives mirrored triangles separate vertices: appends copies to `mesh` and `tile_uvs`, and returns the index of each
+/// copy's original.
 pub(super) fn split_by_handedness(
     mesh: &mut Mesh,
     rest: &RestPose,
@@ -110,7 +110,7 @@ pub(super) fn split_by_handedness(
     }
     let area = |wanted: bool| -> f64 {
         let chosen = mesh.triangles.iter().zip(&mirrored).filter(|(_, m)| **m == wanted);
-        // Copies have the positions of their originals, so the originals' rest pose can be used.
+        // Copies have the positions of their originals, so the rest pose of the originals can be used.
         let original = |i: u32| (i as usize).checked_sub(before).map_or(i, |copy| originals[copy]);
         chosen.map(|(t, _)| f64::from(area2(&rest.positions, &t.map(original)))).sum()
     };

@@ -5,7 +5,7 @@ use super::topology::{NONE, Topology};
 /// Furred part of a repaired mesh.
 pub(super) struct FurredMesh {
     pub(super) topology: Topology,
-    /// Mesh triangle of each face.
+    /// Index of the mesh triangle of each face.
     pub(super) triangles: Vec<u32>,
 }
 

@@ -1,10 +1,10 @@
-//! Patches that grow from seeds, all at once, until they would turn or extend too far (Lengyel et al. 2001; Praun et
+//! Patches that grow from seeds, all at once, until a patch would turn or extend too far (Lengyel et al. 2001; Praun et
 //! al. 2000, §4.1).
 //!
-//! Every face belongs to the nearest seed, measured by distance along the mesh surface and by the rotation of its frame
-//! from the seed's. New seeds are added where no patch reaches within the limits, until every face is covered. Patches
-//! that grow side by side are rounder than patches grown one after the other, which leave slits and slivers between
-//! them.
+//! Each face belongs to the nearest seed. Nearness combines the distance along the mesh surface with the rotation of
+//! the face's frame from that of the seed. New seeds are added where no patch reaches within the limits, until all
+//! faces are covered. Patches that grow side by side are rounder than patches grown one after the other, which leave
+//! slits and slivers between them.
 
 use super::solve::FaceFrame;
 use super::topology::{Key, NONE, Topology};
@@ -12,19 +12,19 @@ use pelage_import::angle::between;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Limits of a patch's growth from its seed. The shares of both limits are added: half the distance leaves half the
-/// rotation.
+/// Limits of a patch's growth from its seed. The used shares of both limits are added: at half the distance, half the
+/// rotation remains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reach {
-    /// Distance along the mesh surface, tiles.
+    /// Distance along the mesh surface, tile widths.
     pub(super) tiles: f64,
-    /// Rotation between the frames of the seed and of a face, rad.
+    /// Rotation between the frames of the seed and of a face, radians.
     pub(super) turn_rad: f64,
-    /// Whether the frames follow a comb; without one only the rotation of normals counts.
+    /// Whether the frames follow a comb; without a comb, only the rotation of the normals counts.
     pub(super) combed: bool,
 }
 
-/// Grows patches and returns the patch of each face, numbered from 0 without gaps; each is connected by edges.
+/// Grows patches and returns the patch of each face, numbered from 0 without gaps. Each patch is connected by edges.
 pub(super) fn grow(topology: &Topology, frames: &[FaceFrame], reach: &Reach) -> Vec<u32> {
     let everywhere: Vec<u32> = (0..topology.faces.len() as u32).collect();
     let mut flood = Flood::new(topology, frames, reach, everywhere.len());
@@ -48,7 +48,7 @@ pub(super) fn grow(topology: &Topology, frames: &[FaceFrame], reach: &Reach) -> 
 }
 
 /// Splits a connected patch in two: one part grows from one end, the other from the face farthest from it. Returns
-/// whether each face belongs to the second part; both have at least one face, and each may be disconnected.
+/// whether each face belongs to the second part. Both parts have at least one face, and each may be disconnected.
 pub(super) fn split(topology: &Topology, frames: &[FaceFrame], reach: &Reach, faces: &[u32]) -> Vec<bool> {
     let mut sorted: Vec<u32> = faces.to_vec();
     sorted.sort_unstable();
@@ -58,7 +58,7 @@ pub(super) fn split(topology: &Topology, frames: &[FaceFrame], reach: &Reach, fa
         let costs = flood.cost.iter().zip(&sorted);
         costs.max_by(|a, b| a.0.total_cmp(b.0).then(b.1.cmp(a.1))).map_or(sorted[0], |(_, f)| *f)
     };
-    // The face farthest from any start is one end; the face farthest from that is the other end.
+    // The face farthest from any start is one end; the face farthest from this end is the other.
     flood.grow_from(sorted[0], 0, local);
     let one_end = farthest(&flood);
     flood.cost.fill(f64::INFINITY);
@@ -73,7 +73,7 @@ struct Flood<'a> {
     topology: &'a Topology,
     frames: &'a [FaceFrame],
     reach: &'a Reach,
-    /// Cost of each face relative to its seed; 1 is the full reach.
+    /// Cost of reaching each face from its seed; 1 is the full reach.
     cost: Vec<f64>,
     seed_of: Vec<u32>,
 }
@@ -84,8 +84,8 @@ impl<'a> Flood<'a> {
         Self { topology, frames, reach, cost: vec![f64::INFINITY; n], seed_of: vec![NONE; n] }
     }
 
-    /// Assigns to `seed` all faces connected to it that are nearer to it than to their owner. `slot` returns a face's
-    /// index in the lists, `None` for faces to ignore.
+    /// Assigns to `seed` all faces connected to it that are nearer to it than to their owner. `slot` returns the index
+    /// of a face in the lists, or `None` for faces to ignore.
     fn grow_from(&mut self, seed: u32, id: u32, slot: impl Fn(usize) -> Option<usize>) {
         let mut heap = BinaryHeap::from([Reverse((Key(0.0), Key(0.0), seed))]);
         while let Some(Reverse((cost, way, f))) = heap.pop() {
@@ -106,7 +106,7 @@ impl<'a> Flood<'a> {
         }
     }
 
-    /// Returns the angle of the rotation between the frames of two faces, rad.
+    /// Returns the angle of the rotation between the frames of two faces, radians.
     fn turn(&self, f: usize, g: usize) -> f64 {
         let (a, b) = (&self.frames[f], &self.frames[g]);
         if !self.reach.combed {

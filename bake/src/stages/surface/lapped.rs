@@ -1,8 +1,8 @@
 //! Lapped patches over any surface: the variant without overlap of Lengyel et al. 2001.
 //!
-//! Patches grow ([`super::grow`]), each is solved ([`super::solve`]), and small ones are merged into neighbours if the
-//! union is still good. Then the patches are shifted against each other, so that the tile continues across as much
-//! border as possible.
+//! Patches grow ([`super::grow`]), each is solved ([`super::solve`]), and small ones are merged with neighbours if the
+//! union is still good. Then the patches are shifted relative to each other, so that the tile continues across as much
+//! of the borders as possible.
 
 use super::field::transported;
 use super::grow::{Reach, grow, split};
@@ -12,13 +12,13 @@ use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
-/// Maximum number of merge passes; each at most halves the number of patches, and few models need all.
+/// Maximum number of merge passes. Each pass at most halves the number of patches; few models need all passes.
 const MERGE_PASSES: usize = 8;
-/// Rounds of rotating faces towards minimal distortion; the first rounds bring nearly all of the gain.
+/// Rounds of rotating faces towards minimal distortion. The first rounds bring nearly all of the gain.
 const ROUNDS: usize = 4;
-/// Share of a patch's area that may exceed the bounds, so that single odd triangles do not split a good patch.
+/// Share of a patch's area that may exceed the bounds, so that a few odd triangles do not split a good patch.
 const ODD_SHARE: f64 = 0.01;
-/// Minimum singular value of any face's map.
+/// Smallest permitted singular value of the map of any face.
 const LEAST_SQUEEZE: f64 = 0.4;
 
 /// Parameters of lapped patches.
@@ -28,7 +28,7 @@ pub(super) struct LappedParams {
     pub(super) reach: Reach,
     /// Bounds on a patch's distortion; a patch that exceeds them is split.
     pub(super) bounds: Bounds,
-    /// Weight of the field: 1 follows it, 0 is as rigid as possible.
+    /// Weight of the field: 1 follows the field, 0 is as rigid as possible.
     pub(super) comb_weight: f64,
 }
 
@@ -50,10 +50,10 @@ impl Bounds {
     }
 }
 
-/// Result: patches and tile coordinates per corner.
+/// Result of the parameterization: patches, and tile coordinates per corner.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lapped {
-    /// Patch of each face.
+    /// Index of the patch of each face.
     pub(super) patch_of: Vec<u32>,
     /// Tile coordinates of each face's corners.
     pub(super) corners: Vec<[DVec2; 3]>,
@@ -66,7 +66,7 @@ pub(super) struct Lapped {
 #[derive(Clone, Debug)]
 struct Solved {
     faces: Vec<u32>,
-    /// Points in ascending order, with tile coordinates.
+    /// Points of the patch in ascending order, with tile coordinates.
     points: Vec<(u32, DVec2)>,
 }
 
@@ -92,7 +92,7 @@ pub(super) fn lapped_patches(topology: &Topology, frames: &[FaceFrame], params: 
     out
 }
 
-/// Returns the faces of each owner; owners are numbered from 0 without gaps.
+/// Returns the faces of each owner. Owners are numbered from 0 without gaps.
 fn members(owner: &[u32]) -> Vec<Vec<u32>> {
     let mut out: Vec<Vec<u32>> = Vec::new();
     for (f, o) in owner.iter().enumerate() {
@@ -120,7 +120,7 @@ struct PatchBuilder<'a> {
 
 /// Reason why faces cannot be one patch.
 enum Refusal {
-    /// Not a disc, or too many faces exceed the bounds.
+    /// Faces that are not a disc, or of which too many exceed the bounds.
     Shape,
     /// Equations without a reliable solution.
     Equations,
@@ -140,13 +140,13 @@ impl PatchBuilder<'_> {
         let maps: Vec<(f64, DMat2)> =
             (0..faces.len()).map(|k| (self.topology.areas[faces[k] as usize], system.jacobian(k, &uvs))).collect();
         let area: f64 = maps.iter().map(|(area, _)| area).sum();
-        // Where the field turns, gradients average out and least squares shrinks the patch: hair would be coarser on
-        // curved surfaces.
+        // Gradients average out where the field turns, and least squares shrinks the patch. Without this scale, hair
+        // would be coarser on curved surfaces.
         let scale = (area / maps.iter().map(|(area, map)| area * map.determinant()).sum::<f64>()).sqrt();
         let mut odd = 0.0;
         for (face_area, map) in maps {
             let (largest, least) = singular_values(map * scale);
-            // Written so that NaN is rejected.
+            // The comparison is written so that NaN is rejected.
             if !(least >= LEAST_SQUEEZE && largest * LEAST_SQUEEZE <= 1.0) {
                 return Err(Refusal::Shape);
             }
@@ -159,7 +159,7 @@ impl PatchBuilder<'_> {
         }
     }
 
-    /// Returns the frames of the faces; without a comb, the first face's frame is transported over the patch.
+    /// Returns the frames of the faces. Without a comb, the frame of the first face is transported over the patch.
     fn frames_of(&self, faces: &[u32]) -> Vec<FaceFrame> {
         let frame = |f: u32| self.frames[f as usize];
         if self.params.reach.combed {
@@ -195,8 +195,8 @@ impl PatchBuilder<'_> {
         points
     }
 
-    /// Solves the faces as one patch if possible; otherwise splits them in two, recursively. Also returns how many
-    /// systems could not be solved.
+    /// Solves the faces as one patch if possible; otherwise splits them in two, recursively. Also returns the number of
+    /// systems that could not be solved.
     fn solve_or_split(&self, faces: Vec<u32>) -> (Vec<Solved>, usize) {
         let (mut out, mut unsolved) = (Vec::new(), 0);
         let mut todo = vec![faces];
@@ -246,10 +246,10 @@ impl PatchBuilder<'_> {
         out
     }
 
-    /// Merges neighbours whose union is a valid patch. Pairs with the longest border for their size come first; each
+    /// Merges neighbours whose union is a valid patch. Pairs with the longest border for their size come first. Each
     /// patch is in at most one pair per pass, so that a pass runs on all cores. Rejected pairs are not tried again.
     fn merge(&self, patches: &mut Vec<Solved>) {
-        // Stable identifiers: a merged patch gets a new one.
+        // Identifiers are stable; a merged patch gets a new one.
         let mut names: Vec<u32> = (0..patches.len() as u32).collect();
         let mut next_name = patches.len() as u32;
         let mut refused: HashSet<[u32; 2]> = HashSet::new();
@@ -281,7 +281,7 @@ impl PatchBuilder<'_> {
         }
     }
 
-    /// Returns pairs of neighbours, with each patch at most once, without the `refused` pairs.
+    /// Returns pairs of neighbouring patches. Each patch occurs at most once, and `refused` pairs are excluded.
     fn pairs_to_merge(&self, patches: &[Solved], refused: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
         let owner = patch_of(self.topology, patches);
         let mut borders: Vec<([u32; 2], f64)> = Vec::new();
@@ -321,9 +321,9 @@ impl Solved {
 }
 
 /// Shifts patches so that the mean difference of tile coordinates across borders vanishes, along a spanning tree of the
-/// longest borders (Kruskal). Where the field crosses such a border straight, the seam is hardly visible.
+/// longest borders (Kruskal). If the field crosses such a border without a turn, the seam is hardly visible.
 fn align(topology: &Topology, patch_of: &[u32], patches: &mut [Solved]) {
-    // Per pair of patches: length of the border, and the integral of the difference in tile coordinates along it.
+    // For each pair of patches: length of the border, and integral of the difference in tile coordinates along it.
     let mut borders: Vec<([u32; 2], f64, DVec2)> = Vec::new();
     for h in 0..topology.twins.len() as u32 {
         let twin = topology.twins[h as usize];
@@ -354,9 +354,9 @@ fn align(topology: &Topology, patch_of: &[u32], patches: &mut [Solved]) {
             continue;
         }
         let gap = difference / length + shifts[a as usize] - shifts[b as usize];
-        // A border without length has no mean.
+        // The mean is undefined for a border of length 0.
         let gap = if length > 0.0 { gap } else { DVec2::ZERO };
-        // The smaller group is shifted: n log n in total.
+        // The smaller group is shifted, which takes O(n log n) in total.
         let (stays, moves, by) = if members[ga].len() >= members[gb].len() { (ga, gb, gap) } else { (gb, ga, -gap) };
         for i in std::mem::take(&mut members[moves]) {
             shifts[i as usize] += by;
@@ -365,7 +365,7 @@ fn align(topology: &Topology, patch_of: &[u32], patches: &mut [Solved]) {
         }
     }
     for (patch, shift) in patches.iter_mut().zip(shifts) {
-        // Shifts by whole tiles are invisible; removing them keeps the coordinates small and precise.
+        // Shifts by whole tiles are invisible. Removing them keeps the coordinates small and precise.
         let middle = patch.points.iter().map(|(_, uv)| *uv).sum::<DVec2>() / patch.points.len().max(1) as f64 + shift;
         let shift = shift - middle.round();
         patch.points.iter_mut().for_each(|(_, uv)| *uv += shift);
@@ -377,7 +377,8 @@ mod tests {
     use super::*;
     use glam::{DVec3, dvec3};
 
-    /// Makes a strip of four triangles whose inner edge has length `least`; the repair would drop much thinner ones.
+    /// Makes a strip of four triangles whose inner edge has length `least`. The mesh repair would remove much thinner
+    /// triangles.
     fn strip(least: f64) -> Topology {
         let places = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, least), (2.0, 0.0), (2.0, 1.0)];
         let points = places.map(|(x, z)| dvec3(x, 0.0, z)).to_vec();
@@ -404,8 +405,8 @@ mod tests {
     fn ill_conditioned_systems_split_the_patch_and_are_counted() {
         let sound = laid(&strip(0.5));
         assert_eq!((sound.patches, sound.unsolved), (1, 0));
-        // The gradients of an edge of 1e-170 overflow when squared: factorisation fails or gives NaN, which must not
-        // reach a vertex.
+        // Gradients for an edge of length 1e-170 overflow when squared. The factorisation fails or gives NaN, which
+        // must not reach a vertex.
         let broken = laid(&strip(1e-170));
         assert!(broken.unsolved > 0 && broken.patches > 1, "{broken:?}");
         assert!(broken.corners.iter().flatten().all(|uv| uv.is_finite()), "{broken:?}");

@@ -1,4 +1,4 @@
-//! Comb directions at a few points, spread over the mesh surface.
+//! Comb directions at a few points, extended over the mesh surface.
 
 use super::topology::{Key, Topology};
 use crate::stages::reach::{MarkBlend, influence};
@@ -7,24 +7,24 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Direction at a point, or directions along a line.
+/// Mark: a direction at a point, or directions along a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CombMark {
     /// Name, for messages.
     pub name: String,
-    /// Points near the mesh surface, world space at rest, metres, each with a direction of any length but 0. At least
-    /// one.
+    /// Points near the mesh surface, at least one: world space at rest, metres. Each has a direction of any length but
+    /// 0.
     pub places: Vec<(Vec3, Vec3)>,
-    /// Reach along the mesh surface, metres, fading to the direction elsewhere; `None`: unlimited, shared with other
-    /// such marks.
+    /// Reach along the mesh surface, metres; the mark fades towards the direction elsewhere. `None`: unlimited, and the
+    /// surface is shared with other such marks.
     pub reach_m: Option<f32>,
 }
 
-/// Index for no mark.
+/// Index that stands for no mark.
 const NONE: u32 = u32::MAX;
 
-/// Returns one wish per face. Marks without a reach share the whole surface, or `elsewhere` applies if there are none.
-/// Marks with a reach override that within their reach.
+/// Returns the wanted direction of each face. Marks without a reach share the whole surface; if there are none,
+/// `elsewhere` applies. Marks with a reach override this within their reach.
 pub(super) fn spread(
     topology: &Topology,
     marks: &[CombMark],
@@ -41,7 +41,7 @@ pub(super) fn spread(
     for mark in near {
         let Some(reach) = mark.reach_m else { continue };
         let starts = faces.nearest_faces(mark, warnings);
-        // A separate search per mark is cheap, because it ends at the mark's reach.
+        // A search for each mark is cheap, because it ends at the reach of the mark.
         for (f, (way, place)) in faces.distances(mark, &starts, f64::from(reach)).into_iter().enumerate() {
             let Some((_, direction)) = mark.places.get(place as usize) else { continue };
             said[f].add(influence(way as f32, reach), direction.normalize_or_zero());
@@ -55,8 +55,8 @@ pub(super) fn spread(
     wishes
 }
 
-/// Combines directions by Shepard's inverse-distance weights, with distances along the mesh surface; for other
-/// components distances are straight through space.
+/// Combines directions by Shepard's inverse-distance weights, with distances along the mesh surface. On components
+/// without a mark, distances are straight through space.
 fn blend_unlimited(faces: &Faces<'_>, marks: &[&CombMark], warnings: &mut Vec<String>) -> Vec<DVec3> {
     let n = faces.centers.len();
     let mut sums = vec![DVec3::ZERO; n];
@@ -77,9 +77,9 @@ fn blend_unlimited(faces: &Faces<'_>, marks: &[&CombMark], warnings: &mut Vec<St
 struct Faces<'t> {
     topology: &'t Topology,
     centers: Vec<DVec3>,
-    /// All faces, sorted by x of their centres.
+    /// Indices of all faces, sorted by the x of their centres.
     by_x: Vec<u32>,
-    /// Connected region of each face.
+    /// Index of the connected region of each face.
     regions: Vec<u32>,
 }
 
@@ -92,7 +92,7 @@ impl<'t> Faces<'t> {
         Self { topology, centers, by_x, regions }
     }
 
-    /// Returns the face with the nearest centre; the first if several are equally near.
+    /// Returns the face with the nearest centre, or the first of several equally near ones.
     fn nearest(&self, at: DVec3) -> Option<u32> {
         let middle = self.by_x.partition_point(|f| self.centers[*f as usize].x < at.x);
         let mut best: Option<(f64, u32)> = None;
@@ -105,7 +105,7 @@ impl<'t> Faces<'t> {
             }
             !farther
         };
-        // Searches outwards on both sides, until the difference in x alone is larger.
+        // Searches outwards on both sides, until the difference in x alone exceeds the distance found.
         let _ = self.by_x[middle..].iter().all(|f| look(*f));
         let _ = self.by_x[..middle].iter().rev().all(|f| look(*f));
         best.map(|(_, f)| f)
@@ -129,9 +129,9 @@ impl<'t> Faces<'t> {
         starts
     }
 
-    /// Returns for each face the shortest distance over face centres from a point of a mark, and the index of that
-    /// point. For faces not connected to any point the distance is straight through space. Beyond `reach` it is
-    /// infinite.
+    /// Returns the shortest distance of each face from a point of a mark, over face centres, and the index of that
+    /// point. For faces not connected to any point, the distance is straight through space. Distances beyond `reach`
+    /// are infinite.
     fn distances(&self, mark: &CombMark, starts: &[u32], reach: f64) -> Vec<(f64, u32)> {
         let mut ways = vec![(f64::INFINITY, NONE); self.centers.len()];
         let mut heap = BinaryHeap::new();

@@ -1,7 +1,7 @@
 use super::*;
 
-/// Makes a strip of squares along x, 0.1 m each, two triangles per square, in the xy plane, and a separate triangle one
-/// metre above its middle.
+/// Makes a strip of squares along x in the xy plane, 0.1 m per side, with two triangles per square. A separate triangle
+/// is one metre above the middle of the strip.
 fn strip(squares: u32) -> Topology {
     let mut points: Vec<DVec3> =
         (0..=squares).flat_map(|i| [0.0, 0.1].map(|y| DVec3::new(0.1 * f64::from(i), y, 0.0))).collect();
@@ -35,7 +35,7 @@ fn mark_with_a_reach_fades_to_the_default_direction() {
     assert!((0.1..0.9).contains(&at(2.4).y) && at(2.4).y > at(2.5).y, "{} {}", at(2.4), at(2.5));
     assert_eq!([at(0.5), at(3.5)], [DVec3::X; 2]);
     assert_eq!(wishes[80], DVec3::X, "the triangle apart is a metre away");
-    // Within this reach, the separate triangle is affected through space.
+    // With this reach, the mark also affects the separate triangle, straight through space.
     let far = spread(&skin, &[mark(&[(Vec3::new(2.0, 0.05, 0.01), Vec3::Y)], Some(4.0))], Vec3::X, &mut warnings);
     assert!(far[80].y > 0.9, "{}", far[80]);
     assert_eq!(warnings, [""; 0]);

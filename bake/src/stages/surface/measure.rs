@@ -1,13 +1,13 @@
-//! Quality measures of a parameterization, on the furred triangles in the posed rest state (Sander et al. 2001 for the
-//! stretch).
+//! Quality measures of a parameterization, for the furred triangles in the posed rest state. The stretch is that of
+//! Sander et al. 2001.
 
 use super::solve::{FaceFrame, gradients, jacobian, singular_values};
 use super::topology::{NONE, Topology};
 use glam::{DMat2, DVec2};
 use serde::Serialize;
 
-/// Measures of the map from the mesh surface to its tile coordinates, after one global scale that equalises the total
-/// areas. Means are weighted by area on the surface.
+/// Measures of the map from the mesh surface to its tile coordinates. Before measuring, one global scale makes the
+/// total areas equal. Means are weighted by area on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measures {
@@ -24,14 +24,15 @@ pub struct Measures {
     /// Sander's L² stretch, sqrt(mean of (σ1² + σ2²)/2); 1 for an isometry.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub stretch_l2: f64,
-    /// Length of edges whose two sides differ in tile coordinates by other than whole tiles, over sqrt(surface area).
+    /// Length of edges on whose two sides tile coordinates differ by anything but whole tiles, divided by sqrt(surface
+    /// area).
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub seam_length_ratio: f64,
     /// Mean angle between the comb field and the tile's v direction, degrees; `None` without a comb.
     pub comb_misalignment_deg: Option<f64>,
     /// Number of points around which the comb field turns: sources, sinks, whorls and saddles.
     pub singularities: u32,
-    /// Share of the furred surface excluded from the means because a triangle has no area on the surface or in the
+    /// Share of the furred surface that the means exclude, because its triangles have no area on the surface or in the
     /// tile, 0..=1.
     #[serde(skip)]
     pub collapsed_area: f64,
@@ -40,9 +41,10 @@ pub struct Measures {
 /// Ratio of singular values below which a triangle counts as collapsed.
 const COLLAPSED: f64 = 1e-9;
 
-/// Returns the measures, and for each face its region of continuous tile coordinates.
+/// Returns the measures, and the region of continuous tile coordinates of each face.
 ///
-/// * `frames`, `corners`: comb frame and tile coordinates of each face's corners
+/// * `frames`: comb frame of each face
+/// * `corners`: tile coordinates of each face's corners
 /// * `combed`: whether the frames follow a comb
 pub(super) fn measure(
     topology: &Topology,
@@ -68,7 +70,7 @@ pub(super) fn measure(
         }
     }
     if skin > 0.0 && tile > 0.0 {
-        // Factor that equalises the total areas.
+        // Scale that makes the total areas equal.
         let k = (skin / tile).sqrt();
         let (mut l2, mut misaligned) = (0.0, 0.0);
         for (area, map) in maps {
@@ -77,7 +79,7 @@ pub(super) fn measure(
             out.angle_distortion += area * ((s1 / s2 + s2 / s1) / 2.0 - 1.0) / skin;
             out.area_distortion += area * ((s1 * s2 + 1.0 / (s1 * s2)) / 2.0 - 1.0) / skin;
             l2 += area * (s1 * s1 + s2 * s2) / 2.0 / skin;
-            // Direction of the tile's v on the mesh surface, in the comb's frame, compared with (0, 1).
+            // Direction of the tile's v on the mesh surface, in the frame of the comb, whose own direction is (0, 1).
             let along_v = map.inverse().y_axis;
             misaligned += area * libm::atan2(along_v.x.abs(), along_v.y).to_degrees() / skin;
         }
@@ -93,7 +95,8 @@ pub(super) fn measure(
     (out, regions)
 }
 
-/// Returns the total length of the seams, and the regions between them, numbered in the order of their first faces.
+/// Returns the total length of the seams, and the region of each face. Regions are separated by seams and numbered in
+/// the order of their first faces.
 fn seams_and_regions(topology: &Topology, corners: &[[DVec2; 3]]) -> (f64, Vec<u32>) {
     let end_uvs = |h: u32| {
         let (uvs, k) = (&corners[h as usize / 3], h as usize % 3);
@@ -101,7 +104,7 @@ fn seams_and_regions(topology: &Topology, corners: &[[DVec2; 3]]) -> (f64, Vec<u
     };
     let continuous = |h: u32, twin: u32| {
         let ([a, b], [c, d]) = (end_uvs(h), end_uvs(twin));
-        // The tile repeats: a difference of whole tiles, equal at both ends, is not visible.
+        // The tile repeats, so a difference of whole tiles is invisible if it is the same at both ends.
         let offset = a - d;
         (offset - offset.round()).abs().max_element() < 1e-3 && (b - c - offset).abs().max_element() < 1e-3
     };
@@ -124,7 +127,7 @@ mod tests {
 
     const SQUARE: [DVec3; 4] = [dvec3(0., 0., 0.), dvec3(1., 0., 0.), dvec3(1., 1., 0.), dvec3(0., 1., 0.)];
 
-    /// Measures a square; `corners`: tile coordinates of its two triangles.
+    /// Measures a square. `corners`: tile coordinates of its two triangles.
     fn measured(corners: [[DVec2; 3]; 2]) -> Measures {
         let topology = repair(&SQUARE, &[[0, 1, 2], [0, 2, 3]]).topology;
         let frame = FaceFrame { s: DVec3::X, t: DVec3::Y, tile_m: 1.0 };
@@ -145,7 +148,8 @@ mod tests {
 
     #[test]
     fn two_to_one_stretch_has_the_expected_measures() {
-        // σ = (√2, 1/√2) after equalising areas: (2 + 1/2)/2 − 1 = 0.25, (2 + 0.5)/2 = 1.25.
+        // After equalising areas, σ = (√2, 1/√2): the angle distortion is (2 + 1/2)/2 − 1 = 0.25, and the mean of the
+        // squares is (2 + 0.5)/2 = 1.25.
         let m = joined([dvec2(0., 0.), dvec2(2., 0.), dvec2(2., 1.), dvec2(0., 1.)]);
         assert!((m.angle_distortion - 0.25).abs() < 1e-6, "{m:?}");
         assert!(m.area_distortion.abs() < 1e-6 && (m.stretch_l2 - 1.25f64.sqrt()).abs() < 1e-6, "{m:?}");

@@ -1,12 +1,12 @@
-//! `surface` stage: from a mesh to hair-tile coordinates and tile frames.
+//! `surface` stage: computes hair-tile coordinates and tile frames for a mesh.
 //!
-//! The mesh is repaired, never rejected. A comb field is computed on it, and tile coordinates come from lapped patches
-//! that follow the field, or from the model's own texture coordinates. The results are:
+//! The mesh is repaired, never rejected. A comb field is computed on it. Tile coordinates come from lapped patches that
+//! follow the field, or from the model's own texture coordinates. The results are:
 //!
-//! * vertices, joined if nothing distinguishes them and split where two sides differ;
-//! * per vertex a tile coordinate, a tangent (+u) and a handedness;
+//! * vertices, joined if nothing distinguishes them, and split where two sides differ;
+//! * a tile coordinate, a tangent (+u) and a handedness for each vertex;
 //! * normals that agree across seams, so that the shells have no gaps;
-//! * the measures of the parameterization.
+//! * measures of the parameterization.
 
 mod comb;
 mod field;
@@ -38,23 +38,23 @@ use solve::FaceFrame;
 /// Mesh with hair-tile coordinates.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// Mesh: vertices renumbered and faulty triangles removed; the other triangles and the parts keep the input's
+    /// Mesh with renumbered vertices and without faulty triangles. The other triangles and the parts keep the input's
     /// order.
     pub mesh: Mesh,
     /// Rest pose of `mesh`.
     pub rest: RestPose,
-    /// Index of the input vertex that each vertex came from.
+    /// Index of the input vertex that each vertex was copied from.
     pub input_vertex: Vec<u32>,
     /// Tile coordinates per vertex; 1 is one tile.
     pub tile_uvs: Vec<Vec2>,
-    /// Unit tangent of each vertex along +u in the mesh's own space; fourth component ±1, bitangent = w · normal ×
-    /// tangent.
+    /// Unit tangent of each vertex along +u, in the mesh's own space. The fourth component w is ±1: bitangent = w ·
+    /// normal × tangent.
     pub tangents: Vec<Vec4>,
-    /// Patch of each triangle in which its tile coordinates are continuous, from 0 without gaps; `u32::MAX` on bare
-    /// parts.
+    /// Patch of each triangle, from 0 without gaps; `u32::MAX` on bare parts. Tile coordinates are continuous within a
+    /// patch.
     pub patch_of_triangle: Vec<u32>,
-    /// Points where the comb field has no direction: position at rest, metres, and index (1 source, sink or whorl, −1
-    /// saddle).
+    /// Points where the comb field has no direction: position at rest, metres, and index (1 for a source, sink or
+    /// whorl, −1 for a saddle).
     pub singularities: Vec<(Vec3, i32)>,
     /// Quality of the parameterization on the furred parts.
     pub measures: Measures,
@@ -62,7 +62,7 @@ pub struct Surface {
     pub warnings: Vec<String>,
 }
 
-/// Lays the hair's tile on a model.
+/// Computes hair-tile coordinates for a model.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a parameter outside its range. [`BakeError::Input`], naming the primitive, if a furred
@@ -139,7 +139,7 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
 }
 
 impl Surface {
-    /// Copies vertex `v` to the end of all streams and returns the copy's index.
+    /// Appends a copy of vertex `v` to all streams and returns the index of the copy.
     pub fn copy_vertex(&mut self, v: u32) -> u32 {
         let at = v as usize;
         self.rest.positions.push(self.rest.positions[at]);

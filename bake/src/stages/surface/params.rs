@@ -1,4 +1,4 @@
-//! Parameters of the stage: which parts are furred, the tile's size, and how hair is combed.
+//! Parameters of the stage: furred parts, tile size, and comb of the hair.
 
 use super::comb::Comb;
 use super::grow::Reach;
@@ -11,22 +11,22 @@ use pelage_import::mesh::Mesh;
 /// Parameters of the `surface` stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceParams {
-    /// Width of a tile on the mesh surface, metres, greater than 0: the reciprocal of tiles per metre.
+    /// Width of a tile on the mesh surface, metres, greater than 0. It is the reciprocal of the tiles per metre.
     pub tile_size_m: f32,
     /// Whether hair grows on each material; materials beyond the end of the list are bare.
     pub furred: Vec<bool>,
     /// Source of the tile coordinates.
     pub source: Source,
-    /// Comb direction of the hair.
+    /// Direction in which hair is combed.
     pub comb: Comb,
-    /// Reach of the neighbours' influence where the comb is weak or broken, tiles, greater than 0 (default 1).
+    /// Reach of the neighbours' influence where the comb is weak or inconsistent, tiles, greater than 0 (default 1).
     pub comb_smoothing: f32,
-    /// Hairs per area relative to the recipe's, one per vertex of the input mesh, greater than 0; `None` for 1
-    /// everywhere. No effect with the model's own coordinates.
+    /// Density of hairs relative to the recipe's, one value per vertex of the input mesh, greater than 0; `None` for 1
+    /// everywhere. It has no effect with the model's own coordinates.
     pub density: Option<Vec<f32>>,
 }
 
-/// Defaults of a recipe, with tiles of 0.1 m and no furred material.
+/// Uses the defaults of a recipe, with tiles of 0.1 m and no furred material.
 impl Default for SurfaceParams {
     fn default() -> Self {
         Self::from_recipe(&recipe::SurfaceParams::default(), 0.1, Vec::new())
@@ -67,7 +67,7 @@ impl From<&recipe::SurfaceParams> for PatchParams {
     }
 }
 
-/// Recipe with these patches, and everything else at its default.
+/// Converts the patch parameters to a recipe in which everything else has its default.
 impl From<&PatchParams> for recipe::SurfaceParams {
     fn from(patches: &PatchParams) -> Self {
         Self {
@@ -80,7 +80,7 @@ impl From<&PatchParams> for recipe::SurfaceParams {
     }
 }
 
-/// Defaults of a recipe.
+/// Uses the defaults of a recipe.
 impl Default for PatchParams {
     fn default() -> Self {
         Self::from(&recipe::SurfaceParams::default())
@@ -88,8 +88,8 @@ impl Default for PatchParams {
 }
 
 impl SurfaceParams {
-    /// Converts a recipe's parameters, with the tile's width resolved for the model and `furred` for its materials.
-    /// Lines drawn in a model are added by [`Comb::of_recipe`].
+    /// Converts a recipe's parameters. `tile_size_m` is the tile's width resolved for the model, and `furred` has one
+    /// entry per material. Lines drawn in a model are added by [`Comb::of_recipe`].
     pub fn from_recipe(recipe: &recipe::SurfaceParams, tile_size_m: f32, furred: Vec<bool>) -> Self {
         Self {
             tile_size_m,
@@ -148,7 +148,7 @@ impl SurfaceParams {
             return fail("groom.density", format!("{bad}, expected numbers greater than 0"));
         }
         if let Source::Patches(p) = &self.source {
-            // The recipe's declaration is the only definition of the ranges.
+            // Ranges are only defined in the declaration of the recipe.
             recipe::SurfaceParams::from(p).validate()?;
         }
         Ok(())

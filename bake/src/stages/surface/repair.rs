@@ -1,20 +1,21 @@
-//! Mesh repair: faults are corrected, never a reason to reject the mesh.
+//! Mesh repair: faults are corrected, and no mesh is rejected.
 //!
-//! Corners are joined into points by position. Triangles without area and duplicates are dropped. An edge of more than
-//! two triangles keeps the pair that bends least and is cut for the others. A triangle wound against its neighbours is
-//! flipped.
+//! Corners with equal positions are joined into points. Triangles without area and duplicates are removed. If an edge
+//! has more than two triangles, the pair that bends least stays connected, and the edge is cut for the others. A
+//! triangle wound against its neighbours is flipped.
 
 use super::topology::{NONE, Topology};
 use glam::DVec3;
 use pelage_import::mesh::Mesh;
 use std::collections::HashMap;
 
-/// Largest distance at which positions are joined, as a share of the mesh's extent: a few steps of an f32.
+/// Largest distance at which positions are joined, as a share of the mesh's extent: a few rounding steps of an f32.
 const JOIN_PER_EXTENT: f64 = 2e-7;
-/// Height below which a triangle counts as flat, as a share of the extent: it has no area that an f32 could represent.
+/// Height below which a triangle counts as flat, as a share of the extent. Its area is too small to be represented by
+/// an f32.
 const FLAT_PER_EXTENT: f64 = 4e-7;
 
-/// Faults found in one component: triangles connected by their points.
+/// Faults found in one component. A component consists of triangles connected by their points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Faults {
     /// Number of triangles before the repair.
@@ -25,15 +26,15 @@ pub(super) struct Faults {
     /// Number of edges with more than two triangles.
     pub(super) non_manifold_edges: u32,
     pub(super) flipped: u32,
-    /// Number of edges cut because no winding suits both sides (a Möbius strip).
+    /// Number of edges that were cut because no winding suits both sides, as in a Möbius strip.
     pub(super) one_sided_edges: u32,
 }
 
-/// Sound mesh, and its relation to the input.
+/// Repaired mesh, and its relation to the input.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repaired {
     pub(super) topology: Topology,
-    /// Input triangle of each face.
+    /// Index of the input triangle of each face.
     pub(super) triangles: Vec<u32>,
     /// Whether each face's corners 1 and 2 were swapped.
     pub(super) flipped: Vec<bool>,
@@ -41,7 +42,7 @@ pub(super) struct Repaired {
     pub(super) faults: Vec<Faults>,
 }
 
-/// Repairs the mesh of `triangles`, indices into `positions` (metres, at rest).
+/// Repairs the mesh of `triangles`, which are indices into `positions` (metres, at rest).
 pub(super) fn repair(positions: &[DVec3], triangles: &[[u32; 3]]) -> Repaired {
     let (points, point_of, extent) = join_points(positions, triangles);
     let faces: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| point_of[v as usize])).collect();
@@ -69,10 +70,10 @@ pub(super) fn repair(positions: &[DVec3], triangles: &[[u32; 3]]) -> Repaired {
     out
 }
 
-/// Number of components reported separately; the rest is summed up in one line.
+/// Number of components that are reported separately; one line sums up the rest.
 const REPORTED: usize = 8;
 
-/// Adds warnings about repairs, one per component. `mesh`: the mesh before its repair.
+/// Adds warnings about repairs, one per component. `mesh` is the mesh before the repair.
 pub(super) fn report(mesh: &Mesh, faults: &[Faults], warnings: &mut Vec<String>) {
     let faulty: Vec<(usize, &Faults)> = faults.iter().enumerate().filter(|(_, f)| !f.summary().is_empty()).collect();
     for (index, fault) in faulty.iter().take(REPORTED) {
@@ -109,7 +110,7 @@ impl Faults {
         }
     }
 
-    /// Describes the faults; empty if there are none.
+    /// Describes the faults; the text is empty if there are none.
     fn summary(&self) -> String {
         let said = [
             (self.zero_area, "triangles without area dropped"),
@@ -123,13 +124,13 @@ impl Faults {
     }
 }
 
-/// Joins the used vertices by position. Returns the points, the point of each vertex, and the extent of the mesh.
+/// Joins the vertices in use by position. Returns the points, the point of each vertex, and the extent of the mesh.
 fn join_points(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<u32>, f64) {
     let used = || triangles.iter().flatten().map(|v| positions[*v as usize]);
     let (min, max) = used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
     let extent = if min.x <= max.x { (max - min).max_element() } else { 0.0 };
-    // Rounding to a grid can separate two points on either side of a grid line; they then meet in a seam, as they would
-    // without joining.
+    // Rounding to a grid can separate two close points if a grid line is between them. They then meet in a seam, as
+    // they would without joining.
     let cell = (JOIN_PER_EXTENT * extent).max(f64::MIN_POSITIVE);
     let (mut points, mut point_of) = (Vec::new(), vec![NONE; positions.len()]);
     let mut seen = HashMap::new();
@@ -145,7 +146,8 @@ fn join_points(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<
     (points, point_of, extent)
 }
 
-/// Returns the component of each face, connected by shared points, and a fault counter for each component.
+/// Returns the component of each face, and a fault counter for each component. Faces of a component are connected by
+/// shared points.
 fn components(points: usize, faces: &[[u32; 3]]) -> (Vec<u32>, Vec<Faults>) {
     let mut parent: Vec<u32> = (0..points as u32).collect();
     fn root(parent: &mut [u32], mut i: u32) -> u32 {
@@ -180,11 +182,11 @@ fn components(points: usize, faces: &[[u32; 3]]) -> (Vec<u32>, Vec<Faults>) {
 fn is_flat([a, b, c]: [DVec3; 3], least_height: f64) -> bool {
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
     let height = (b - a).cross(c - a).length() / longest;
-    // NaN if all three points are equal.
+    // The height is NaN if all three points are equal.
     height.is_nan() || height <= least_height
 }
 
-/// Rotates the face so that its smallest point is first; equal for equal triangles with the same winding.
+/// Rotates the face so that its smallest point is first. The result is equal for equal triangles with the same winding.
 fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]
@@ -195,8 +197,8 @@ fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// Returns all half-edges in a fixed order, with those of one edge adjacent. An entry is the edge's points, smaller
-/// first, and the half-edge.
+/// Returns all half-edges in a fixed order, with those of one edge adjacent. Each entry consists of the edge's points,
+/// smaller first, and the half-edge.
 fn sorted_edges(faces: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
     let mut edges = Vec::with_capacity(3 * faces.len());
     for (f, face) in faces.iter().enumerate() {
@@ -218,15 +220,15 @@ fn face_normal(points: &[DVec3], face: [u32; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// Flips triangles until neighbours agree; in each component the side with less area is flipped. Returns which faces
-/// were flipped.
+/// Flips triangles until neighbours agree. In each component, the side with less area is flipped. Returns whether each
+/// face was flipped.
 fn make_windings_agree(
     points: &[DVec3],
     faces: &mut [[u32; 3]],
     component_of: &[u32],
     faults: &mut [Faults],
 ) -> Vec<bool> {
-    // Only edges of exactly two triangles determine the winding: at other edges any winding finds a partner.
+    // Only edges of exactly two triangles determine the winding; at other edges, any winding finds a partner.
     let mut links: Vec<Vec<(u32, bool)>> = vec![Vec::new(); faces.len()];
     let mut any = false;
     for pair in sorted_edges(faces).chunk_by(|a, b| a.0 == b.0).filter(|g| g.len() == 2) {
@@ -278,8 +280,8 @@ fn make_windings_agree(
     flipped
 }
 
-/// Returns the twins of all half-edges. If an edge has more than two, the pairs that bend least are joined first;
-/// `on_fault` gets a face of each such edge.
+/// Returns the twins of all half-edges. If an edge has more than two half-edges, the pairs that bend least are joined
+/// first, and `on_fault` is called with a face of the edge.
 fn pair(points: &[DVec3], faces: &[[u32; 3]], mut on_fault: impl FnMut(usize)) -> Vec<u32> {
     let mut twins = vec![NONE; 3 * faces.len()];
     for group in sorted_edges(faces).chunk_by(|a, b| a.0 == b.0) {
@@ -292,7 +294,7 @@ fn pair(points: &[DVec3], faces: &[[u32; 3]], mut on_fault: impl FnMut(usize)) -
         if group.len() > 2 {
             on_fault(group[0].1 as usize / 3);
         }
-        // Cosine of the bend for each pair with the same winding, flattest first.
+        // Cosine of the bend for each pair with consistent winding, flattest first.
         let normal = |h: u32| face_normal(points, faces[h as usize / 3]);
         let mut pairs = Vec::new();
         for (i, (_, h)) in group.iter().enumerate() {

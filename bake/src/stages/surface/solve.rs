@@ -1,7 +1,7 @@
 //! Tile coordinates of one patch by least squares (Praun, Finkelstein and Hoppe 2000, §4.2).
 //!
-//! Let S, T be a face's tile frame and s the tile's width. On each face the map should take S to (1/s, 0) and T to (0,
-//! 1/s). Weighted by area, the normal equations have the cotangent Laplacian as their matrix, the same for u and v. So
+//! Let S, T be a face's tile frame and s the tile's width. On each face, the map should take S to (1/s, 0) and T to (0,
+//! 1/s). With weights by area, the matrix of the normal equations is the cotangent Laplacian, the same for u and v. So
 //! one sparse Cholesky factorisation serves both, and also every later round with rotated targets.
 
 use super::sparse::Symmetric;
@@ -13,11 +13,11 @@ use glam::{DMat2, DVec2, DVec3};
 pub(super) struct FaceFrame {
     pub(super) s: DVec3,
     pub(super) t: DVec3,
-    /// Width of a tile on the face, metres.
+    /// Width of a tile on the mesh surface, metres.
     pub(super) tile_m: f64,
 }
 
-/// Returns the gradients of the three barycentric coordinates in the frame: column i is (∇λᵢ·S, ∇λᵢ·T).
+/// Returns the gradients of the three barycentric coordinates in the frame; column i is (∇λᵢ·S, ∇λᵢ·T).
 pub(super) fn gradients(topology: &Topology, face: usize, frame: &FaceFrame) -> [DVec2; 3] {
     let p = topology.corners(face);
     let (n, double) = (topology.normals[face], 2.0 * topology.areas[face]);
@@ -27,8 +27,8 @@ pub(super) fn gradients(topology: &Topology, face: usize, frame: &FaceFrame) -> 
     })
 }
 
-/// Returns the map of a face from its frame, in tiles: columns φ(S) and φ(T), times the tile's width. Identity for an
-/// undistorted face that follows the field.
+/// Returns the Jacobian of a face's map from its frame to tiles: columns φ(S) and φ(T), times the tile's width. It is
+/// the identity for an undistorted face that follows the field.
 pub(super) fn jacobian(gradients: &[DVec2; 3], uvs: [DVec2; 3], tile_m: f64) -> DMat2 {
     let mut columns = [DVec2::ZERO; 2];
     for (g, uv) in gradients.iter().zip(uvs) {
@@ -51,10 +51,11 @@ fn rotation_of(m: DMat2) -> DMat2 {
     DMat2::from_cols(axis, axis.perp())
 }
 
-/// Residual above which a solution is rejected: several digits more than any sound patch leaves.
+/// Relative residual above which a solution is rejected. It is several orders of magnitude above the residual of any
+/// sound patch.
 const WORST_RESIDUAL: f64 = 1e-6;
 
-/// Equations of one patch.
+/// System of equations of one patch.
 pub(super) struct PatchSystem<'a> {
     topology: &'a Topology,
     faces: &'a [u32],
@@ -68,7 +69,7 @@ pub(super) struct PatchSystem<'a> {
 }
 
 impl<'a> PatchSystem<'a> {
-    /// Sets up the equations. `faces` must be connected; `frames` has one entry for each of them.
+    /// Sets up the equations. `faces` must be connected; `frames` has one entry per face.
     pub(super) fn new(topology: &'a Topology, faces: &'a [u32], frames: Vec<FaceFrame>) -> Self {
         let mut points: Vec<u32> = faces.iter().flat_map(|f| topology.faces[*f as usize]).collect();
         points.sort_unstable();
@@ -84,7 +85,7 @@ impl<'a> PatchSystem<'a> {
         &self.points
     }
 
-    /// Returns the number of points, minus edges, plus faces: 1 for a disc.
+    /// Returns the Euler characteristic: points minus edges plus faces, 1 for a disc.
     pub(super) fn euler_characteristic(&self) -> i64 {
         let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * self.corners.len());
         for c in &self.corners {
@@ -95,8 +96,9 @@ impl<'a> PatchSystem<'a> {
         self.points.len() as i64 - edges.len() as i64 + self.corners.len() as i64
     }
 
-    /// Returns tile coordinates, one per entry of [`Self::points`], with the first at 0. `comb_weight` 1 follows the
-    /// field, 0 rotates every face towards minimal distortion (as rigid as possible, Liu et al. 2008), `rounds` times.
+    /// Returns tile coordinates, one per entry of [`Self::points`], with the first at 0. At `comb_weight` 1, the map
+    /// follows the field. At 0, every face is rotated towards minimal distortion, `rounds` times (as rigid as possible,
+    /// Liu et al. 2008).
     ///
     /// `None` if the system cannot be solved to a small residual.
     pub(super) fn solve(&self, comb_weight: f64, rounds: usize) -> Option<Vec<DVec2>> {
@@ -143,14 +145,14 @@ impl<'a> PatchSystem<'a> {
         right
     }
 
-    /// Returns the map of the k-th face of the patch.
+    /// Returns the Jacobian of the k-th face of the patch.
     pub(super) fn jacobian(&self, k: usize, uvs: &[DVec2]) -> DMat2 {
         let corners = self.corners[k].map(|c| uvs[c as usize]);
         jacobian(&self.gradients[k], corners, self.frames[k].tile_m)
     }
 }
 
-/// Returns whether the solution solves the system: with slivers a factor can consist of rounding errors only.
+/// Returns whether `x` solves the system. With slivers, a factor can consist of rounding errors only.
 fn is_solved(matrix: &Symmetric, x: &[DVec2], right: &[DVec2]) -> bool {
     let error: f64 = matrix.times(x).iter().zip(right).map(|(found, wanted)| found.distance_squared(*wanted)).sum();
     let size: f64 = right.iter().map(|r| r.length_squared()).sum();

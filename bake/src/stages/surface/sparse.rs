@@ -1,18 +1,18 @@
-//! Sparse symmetric systems with two right-hand sides: up-looking LDLᵀ (Davis 2005, "Algorithm 849") in a
+//! Sparse symmetric systems with two right-hand sides: up-looking LDLᵀ factorisation (Davis 2005, "Algorithm 849") in a
 //! nested-dissection order (George 1973).
 
 use glam::DVec2;
 
-/// Largest set of unknowns that is not dissected.
+/// Maximum number of unknowns in a set that is not dissected further.
 const LEAF: usize = 24;
 
-/// Symmetric matrix. A row lists its entries of both triangles by rising column.
+/// Symmetric matrix. Each row lists its entries in both triangles of the matrix, by increasing column.
 pub(super) struct Symmetric {
     rows: Vec<Vec<(u32, f64)>>,
 }
 
 impl Symmetric {
-    /// Makes an `n` × `n` matrix of entries (row, column, value) in both triangles. Entries with equal indices are
+    /// Makes an `n` × `n` matrix from entries (row, column, value) in both triangles. Entries with equal indices are
     /// added.
     pub(super) fn new(n: usize, entries: impl Iterator<Item = (usize, usize, f64)>) -> Self {
         let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); n];
@@ -34,12 +34,12 @@ impl Symmetric {
         self.rows.iter().map(|row| row.iter().map(|(j, value)| x[*j as usize] * *value).sum()).collect()
     }
 
-    /// Returns the unknowns in an elimination order with little fill: two halves, then the level of a breadth-first
-    /// search between them.
+    /// Returns the unknowns in an elimination order with little fill-in: first two halves, then their separator, a
+    /// level of a breadth-first search.
     fn order(&self) -> Vec<u32> {
         let n = self.rows.len();
         let mut order = vec![0; n];
-        // Current set of each unknown, and its level in the search through that set.
+        // Current set of each unknown, and its level in the breadth-first search through that set.
         let (mut part, mut level) = (vec![0usize; n], vec![0u32; n]);
         let (mut parts, mut todo) = (1, vec![((0..n as u32).collect::<Vec<_>>(), n)]);
         while let Some((set, end)) = todo.pop() {
@@ -139,7 +139,7 @@ impl Symmetric {
     }
 }
 
-/// Factors L and D of a matrix with reordered unknowns.
+/// Factors L and D of a matrix, with reordered unknowns.
 pub(super) struct Factor {
     order: Vec<u32>,
     /// Entries of each column of L below the unit diagonal.
@@ -171,8 +171,8 @@ mod tests {
     use super::*;
     use crate::noise::uniform;
 
-    /// Makes the Laplacian of a triangulated grid with random weights plus `hold` on the diagonal, and five unconnected
-    /// unknowns.
+    /// Makes the Laplacian of a triangulated grid with random weights, plus `hold` on the diagonal. Five more unknowns
+    /// are unconnected.
     fn sheet(side: usize, hold: f64) -> Symmetric {
         let n = side * side;
         let edges = (0..n).flat_map(move |i| {
@@ -188,7 +188,7 @@ mod tests {
         Symmetric::new(n + 5, entries.chain((0..n).map(|i| (i, i, hold))).chain((n..n + 5).map(|i| (i, i, 2.0))))
     }
 
-    /// Solves by dense Gaussian elimination without pivoting.
+    /// Solves a system by dense Gaussian elimination without pivoting.
     fn dense(matrix: &Symmetric, right: &[DVec2]) -> Vec<DVec2> {
         let n = right.len();
         let mut full = vec![vec![0.0; n]; n];
@@ -233,7 +233,7 @@ mod tests {
         let mut order = matrix.order();
         let factor = matrix.factor().unwrap();
         let entries: usize = factor.columns.iter().map(Vec::len).sum();
-        // The natural order has a band of `side + 1`.
+        // In the natural order, the bandwidth would be `side + 1`.
         assert!(entries < side * side * side / 2, "{entries}");
         order.sort_unstable();
         assert!(order.iter().enumerate().all(|(k, i)| k == *i as usize));

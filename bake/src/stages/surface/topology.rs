@@ -1,19 +1,20 @@
-//! Connectivity of the mesh surface: points joined by position, triangles joined by edges, each edge by at most two.
+//! Connectivity of the mesh surface. Triangles share points, which are joined by position, and edges; an edge has at
+//! most two triangles.
 
 use glam::DVec3;
 
-/// No half-edge: the edge is a border of the mesh.
+/// Index for no half-edge: the edge is a border of the mesh.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Half-edge mesh of triangles. Half-edge `3 f + k` leads from corner `k` of face `f` to the next corner,
 /// counter-clockwise.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Topology {
-    /// Positions at rest, metres. No two are equal up to rounding.
+    /// Positions at rest, metres. All positions differ by more than rounding errors.
     pub(super) points: Vec<DVec3>,
-    /// Points of each face, three different ones.
+    /// Indices of the three different points of each face.
     pub(super) faces: Vec<[u32; 3]>,
-    /// Half-edge in the opposite direction along the same edge, for each half-edge, or [`NONE`].
+    /// Twin of each half-edge, which runs in the opposite direction along the same edge, or [`NONE`].
     pub(super) twins: Vec<u32>,
     /// Unit normal of each face.
     pub(super) normals: Vec<DVec3>,
@@ -22,7 +23,7 @@ pub(super) struct Topology {
 }
 
 impl Topology {
-    /// Creates the topology. `faces` must be sound: three different points, and an area.
+    /// Creates the topology. Each of `faces` must have three different points and an area.
     pub(super) fn new(points: Vec<DVec3>, faces: Vec<[u32; 3]>, twins: Vec<u32>) -> Self {
         let mut out = Self { points, faces, twins, ..Self::default() };
         for f in 0..out.faces.len() {
@@ -78,7 +79,7 @@ impl Topology {
         region
     }
 
-    /// Returns the up to three faces across the edges of `face`, each with the half-edge of `face` that leads to it.
+    /// Returns up to three faces across the edges of `face`, each with the half-edge of `face` that leads to it.
     pub(super) fn neighbors(&self, face: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
         (3 * face as u32..3 * face as u32 + 3).filter_map(|h| {
             let twin = self.twins[h as usize];
@@ -87,7 +88,7 @@ impl Topology {
     }
 }
 
-/// Heap key, never NaN.
+/// Distance used as a heap key; never NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Key(pub(super) f64);
 

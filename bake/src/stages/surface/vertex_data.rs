@@ -1,5 +1,5 @@
-//! Conversion from faces to vertices: repaired triangles, splits where sides disagree, tile coordinates and tangents
-//! per vertex.
+//! Conversion from faces to vertices: applies the repair, splits vertices where sides disagree, and computes tile
+//! coordinates and tangents per vertex.
 
 use super::frames;
 use super::furred_mesh::FurredMesh;
@@ -17,7 +17,7 @@ pub(super) struct Emitted {
     pub(super) tangents: Vec<Vec4>,
 }
 
-/// Keeps the triangles that the repair kept, with its windings. Normals of flipped triangles are recomputed.
+/// Keeps the triangles that the repair kept, with their repaired windings. Normals of flipped triangles are recomputed.
 pub(super) fn apply_repair(mesh: &mut Mesh, animation: Option<&Animation>, repaired: &Repaired) {
     let mut kept = vec![false; mesh.triangles.len()];
     repaired.triangles.iter().for_each(|t| kept[*t as usize] = true);
@@ -38,7 +38,7 @@ pub(super) fn apply_repair(mesh: &mut Mesh, animation: Option<&Animation>, repai
     }
 }
 
-/// Recomputes the normals at flipped triangles, which were computed from, or averaged with, a wrong side.
+/// Recomputes the normals at flipped triangles: they were computed from a wrong side, or averaged with it.
 fn recompute_normals(mesh: &mut Mesh, animation: Option<&Animation>, flipped: &[bool]) {
     let mut touched = vec![false; mesh.positions.len()];
     for (triangle, _) in mesh.triangles.iter().zip(flipped).filter(|(_, f)| **f) {
@@ -61,15 +61,15 @@ fn recompute_normals(mesh: &mut Mesh, animation: Option<&Animation>, flipped: &[
             mesh.normals[v] = normal;
         }
     }
-    // Windings are correct in the posed state; a mirroring joint reverses the winding in the mesh's own space.
+    // Windings are correct in the posed state. A joint that mirrors reverses the winding in the mesh's own space.
     let turned = RestPose::of(mesh, animation).normals;
     for v in (0..touched.len()).filter(|v| touched[*v] && turned[*v].dot(posed[*v]) < 0.0) {
         mesh.normals[v] = -mesh.normals[v];
     }
 }
 
-/// Makes tile coordinates from lapped patches. `field`, one vector per face, gives the frames; without it they follow
-/// each patch's own coordinates.
+/// Makes tile coordinates from lapped patches. `field` has one vector per face and determines the frames. Without it,
+/// frames follow the coordinates of each patch.
 pub(super) fn patches(
     mesh: &mut Mesh,
     input_vertex: &mut Vec<u32>,
@@ -77,7 +77,7 @@ pub(super) fn patches(
     lapped: &Lapped,
     field: Option<&[DVec3]>,
 ) -> Emitted {
-    // Patch that uses a vertex first; bare triangles count as one more patch.
+    // First patch that uses each vertex; bare triangles count as one more patch.
     let bare = lapped.patches as u32;
     let mut face_of = vec![NONE; mesh.triangles.len()];
     skin.triangles.iter().enumerate().for_each(|(f, t)| face_of[*t as usize] = f as u32);
@@ -110,8 +110,8 @@ pub(super) fn patches(
     Emitted { tile_uvs, tangents }
 }
 
-/// Returns tangents along S = T × N, with T the mean of the comb field around each point, so that light is smooth
-/// across patch borders. Where the mean has no direction, the patch's own coordinates are used.
+/// Returns tangents along S = T × N, where T is the mean of the comb field around each point. This makes lighting
+/// smooth across patch borders. Where the mean has no direction, the coordinates of the patch are used.
 fn field_tangents(mesh: &Mesh, skin: &FurredMesh, field: &[DVec3], tile_uvs: &[Vec2]) -> Vec<Vec4> {
     let topology = &skin.topology;
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0.0); topology.points.len()];
@@ -133,7 +133,8 @@ fn field_tangents(mesh: &Mesh, skin: &FurredMesh, field: &[DVec3], tile_uvs: &[V
             if comb.length() < 0.5 * area {
                 continue;
             }
-            // Converted from rest to the mesh's own space: the same linear combination of the edges there.
+            // The vector is converted from rest to the mesh's own space: the same linear combination of the edges
+            // there.
             let s = comb.cross(normal).reject_from_normalized(n).normalize_or_zero();
             let (a, b) = (s.cross(e2).dot(n) / e1.cross(e2).dot(n), e1.cross(s).dot(n) / e1.cross(e2).dot(n));
             along_u[v as usize] += (((q1 - q0) * a + (q2 - q0) * b).normalize_or_zero() * topology.areas[f]).as_vec3();

@@ -1,20 +1,20 @@
-//! Joining of what exporters split: vertices with equal attributes, and normals across seams.
+//! Joining of vertices that exporters split: vertices with equal attributes, and normals across seams.
 
 use glam::Vec3;
 use pelage_import::mesh::Mesh;
 use std::collections::HashMap;
 
 fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
-    // Adding zero turns -0 into +0, which would otherwise split a seam into every mirrored model.
+    // Adding zero turns -0 into +0. A -0 would otherwise split a seam into every mirrored model.
     values.map(|v| (v + 0.0).to_bits())
 }
 
-/// Joins vertices of one material that agree bit for bit in position, normal, texture coordinates, colour, skin and
+/// Joins vertices of one material that are equal bit for bit in position, normal, texture coordinates, colour, skin and
 /// morph targets.
 ///
-/// Files without indices store every corner of every triangle, and only joined corners can share a tile frame. The
-/// first of equal vertices is kept, so the order does not depend on the hash map. Vertices without a triangle are
-/// removed.
+/// Files without indices store each corner of each triangle separately, and only joined corners can share a tile frame.
+/// The first of several equal vertices is kept, so the order does not depend on the hash map. Vertices without a
+/// triangle are removed.
 ///
 /// Returns the mesh, and for each of its vertices the first input vertex that it replaces.
 pub(super) fn join_equal_vertices(mesh: &Mesh) -> (Mesh, Vec<u32>) {
@@ -51,7 +51,7 @@ pub(super) fn join_equal_vertices(mesh: &Mesh) -> (Mesh, Vec<u32>) {
     (out, origin)
 }
 
-/// Returns the number of vertices that a triangle uses.
+/// Returns the number of vertices that triangles use.
 pub(super) fn used_vertices(mesh: &Mesh) -> usize {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
@@ -61,11 +61,11 @@ pub(super) fn used_vertices(mesh: &Mesh) -> usize {
 /// Gives all furred vertices at one position the same normal, so that the shells above a seam or a hard edge stay
 /// closed.
 ///
-/// The mean is weighted by the angle of each triangle's corner, which makes it independent of the triangulation. Hair
+/// The mean is weighted by the angle of each triangle at the vertex, so it does not depend on the triangulation. Hair
 /// has no creases, so flat-shaded input is smoothed as well. Bare parts keep their normals.
 ///
 /// `faces`: triangles of points at rest, with one index per position. Only vertices that also agree in the mesh's own
-/// space are averaged: two touching rigid parts have different spaces.
+/// space are averaged, because two touching rigid parts have different spaces.
 pub(super) fn smooth_normals_over_seams(mesh: &mut Mesh, faces: &[[u32; 3]], furred: &[bool]) {
     let mut sums: HashMap<(u32, [u32; 3]), Vec3> = HashMap::new();
     let mut corners = Vec::new();

@@ -1,25 +1,26 @@
-//! Fit of visibility, as a function of the light's direction, to the results of rays.
+//! Fit of visibility as a function of the light's direction to the results of rays.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec3, Vec4};
 use pelage_formats::meaning::above_horizon;
 
-/// Smallest cosine of a ray's angle to the normal: rays at lower elevation are long, and nearly all are blocked.
+/// Smallest cosine of the angle between a ray and the normal. Rays at lower elevation are long, and nearly all of them
+/// are blocked.
 const LEAST_COSINE: f64 = 0.04;
-/// Candidate values of `horizon`, 1 / z, where z is the height over which a sinking light fades. The last means
+/// Candidate values of `horizon`: 1 / z, where z is the height over which a sinking light fades. The last value means
 /// practically no fading.
 const HORIZONS: [f32; 7] = [4.0, 6.0, 8.0, 12.0, 16.0, 32.0, 1000.0];
 
-/// Sample directions over the upper hemisphere, and the contribution of each to the four coefficients.
+/// Sample directions over the upper hemisphere, and the contribution of each direction to the four coefficients.
 #[derive(Clone, Debug)]
 pub(super) struct Fit {
-    /// Unit vectors in the tile's frame, evenly spaced.
+    /// Unit vectors in the tile frame, evenly spaced.
     directions: Vec<Vec3>,
-    /// Least-squares contribution of each direction: change of the coefficients for a visibility of 1 in that direction
-    /// alone.
+    /// Least-squares contribution of each direction: the coefficients that result from a visibility of 1 in that
+    /// direction and 0 in all others.
     shares: Vec<DVec4>,
 }
 
-/// Returns `count` directions of equal solid angle, on a spiral (Vogel 1979).
+/// Returns `count` directions on a spiral, each for an equal solid angle (Vogel 1979).
 fn spiral(count: u32) -> Vec<DVec3> {
     let golden = std::f64::consts::PI * (3.0 - libm::sqrt(5.0));
     let direction = |i| {
@@ -30,9 +31,10 @@ fn spiral(count: u32) -> Vec<DVec3> {
     (0..count).map(direction).collect()
 }
 
-/// Returns the horizon for a mean visibility: the least-squares fit of s(z) (a + b z), with s of [`above_horizon`].
+/// Returns the horizon for a mean visibility. It is the least-squares fit of s(z) (a + b z), with the function s of
+/// [`above_horizon`].
 ///
-/// `seen`: z of directions, and the mean visibility in each.
+/// `seen`: z of each direction, and the mean visibility there.
 pub(super) fn horizon(seen: &[(f32, f64)]) -> f32 {
     let residual = |horizon: f32| {
         let basis = |z: f32| DVec2::new(1.0, f64::from(z)) * f64::from(above_horizon(z, horizon));
@@ -50,7 +52,8 @@ pub(super) fn horizon(seen: &[(f32, f64)]) -> f32 {
     };
     let errors = HORIZONS.map(|horizon| (residual(horizon), horizon));
     let least = errors.iter().fold(f64::INFINITY, |least, (error, _)| least.min(*error));
-    // Among several good ones, the one with the gentlest fading: excess light beyond the horizon is conspicuous.
+    // Among several good horizons, the one with the gentlest fading is used: excess light beyond the horizon is
+    // conspicuous.
     let good = |error: f64| error <= 1.25 * least + 1e-9;
     errors.into_iter().find(|(error, _)| good(*error)).map_or(HORIZONS[6], |(_, horizon)| horizon)
 }
@@ -75,8 +78,8 @@ impl Fit {
     }
 
     /// Returns the coefficients (c₀, c) of the visibilities that `lit` returns for the directions. All directions are
-    /// rotated around the normal by the angle with the given sine and cosine, so that neighbours use different
-    /// directions and their mean covers all.
+    /// rotated around the normal by the angle with the given sine and cosine. So neighbouring points use different
+    /// directions, and their mean covers all.
     pub(super) fn coefficients(&self, (sin, cos): (f32, f32), mut lit: impl FnMut(Vec3) -> bool) -> Vec4 {
         let mut sum = DVec4::ZERO;
         for (way, share) in self.rotated_directions((sin, cos)).zip(&self.shares) {
@@ -99,7 +102,7 @@ mod tests {
         assert!(fit.directions.iter().all(|d| (d.length() - 1.0).abs() < 1e-6 && d.z > 0.04));
         assert!((fit.coefficients((0.0, 1.0), |_| true) - Vec4::X).length() < 1e-3);
         assert_eq!(fit.coefficients((0.6, 0.8), |_| false), Vec4::ZERO);
-        // Visible from one side only: more from that side, equal from the two perpendicular ones.
+        // The light is visible from one side only: the fit is higher there, and equal from the two perpendicular sides.
         let half = |turn| fit.coefficients(turn, |d| d.x > 0.0);
         let [plain, turned] = [half((0.0, 1.0)), half((0.8, 0.6))];
         assert!(plain.y > 0.5 && plain.z.abs() < 0.1 && (plain - turned).length() < 0.25, "{plain} {turned}");
@@ -109,7 +112,7 @@ mod tests {
     fn horizon_follows_the_falloff_towards_grazing_light() {
         let seen = |t: fn(f64) -> f64| spiral(48).iter().map(|d| (d.z as f32, t(d.z))).collect::<Vec<_>>();
         assert_eq!(horizon(&seen(|z| 0.6 * (1.0 - libm::exp(-8.0 * z)))), 8.0);
-        // Hair so thin that light passes from all sides.
+        // The hair is so thin that light passes from all sides.
         assert_eq!(horizon(&seen(|_| 1.0)), 1000.0);
     }
 }

@@ -1,10 +1,10 @@
-//! Visibility: the share of a distant light that reaches each point of a tile's hair past the other strands, for all
+//! Visibility: share of a distant light that reaches each point of a tile's hair past the other strands, for all
 //! directions at once.
 //!
-//! Rays to the light start at points along every strand and on the mesh surface between the roots. Their results are a
-//! function of the direction ω towards the light, t = s(ω.z) clamp(c₀ + c · ω, 0, 1), of which four numbers are stored.
-//! More numbers hardly describe it better (nine spherical harmonics: 4 %), because a single point is shadowed by a few
-//! single strands. A strand does not shadow itself, as in the ray-traced reference: for a thin hair, the sine of the
+//! Rays to the light start at points along every strand and on the mesh surface between the roots. A function of the
+//! direction ω towards the light is fitted to their results: t = s(ω.z) clamp(c₀ + c · ω, 0, 1). Four numbers of it are
+//! stored. More numbers hardly improve the fit (nine spherical harmonics: 4 %), because a point is shadowed by only a
+//! few strands. A strand does not shadow itself, as in the ray-traced reference. For a thin hair, the sine in the
 //! lighting equation already accounts for the light on its round surface.
 
 mod fit;
@@ -20,21 +20,23 @@ use pelage_import::BakeError;
 use rayon::prelude::*;
 use rays::StrandTree;
 
-/// Maximum number of rays. Points of very many strands use fewer directions each, and their neighbours use others.
+/// Maximum number of rays. If there are very many strands, each point uses fewer directions, and its neighbours use
+/// others.
 const MOST_RAYS: usize = 1 << 24;
-/// Minimum number of directions per point: four determine the coefficients, and these suppress noise.
+/// Minimum number of directions per point. Four would determine the coefficients; the others suppress noise.
 const LEAST_DIRECTIONS: usize = 8;
-/// Number of points that the horizon is chosen by; [`HORIZON_DIRECTIONS`] is the number of directions.
+/// Maximum number of points from which the horizon is chosen; [`HORIZON_DIRECTIONS`] is the number of directions.
 const HORIZON_PLACES: usize = 1000;
 const HORIZON_DIRECTIONS: u32 = 32;
-/// Grid of sample points on the mesh surface, points per side: neighbours see nearly the same.
+/// Points per side of the grid of sample points on the mesh surface. Neighbouring points have nearly the same
+/// visibility.
 const SIDE: u32 = 64;
 
-/// Coefficients (c₀, c) of t = s(ω.z) clamp(c₀ + c · ω, 0, 1), with ω the unit vector towards the light in the tile's
+/// Coefficients (c₀, c) of t = s(ω.z) clamp(c₀ + c · ω, 0, 1). ω is the unit vector towards the light in the tile
 /// frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visibility {
-    /// Elevation at which a light begins to fade: k of [`pelage_formats::meaning::above_horizon`].
+    /// Reciprocal of the elevation at which a light begins to fade: k of [`pelage_formats::meaning::above_horizon`].
     pub horizon: f32,
     /// Coefficients at each point of the strands.
     pub points: Vec<Vec4>,
@@ -43,7 +45,8 @@ pub struct Visibility {
 }
 
 impl Visibility {
-    /// Returns the encoded coefficients of the mesh surface for each mip level of `texels * texels`, finest first.
+    /// Returns the encoded coefficients of the mesh surface for each mip level of a texture of `texels * texels`,
+    /// finest first.
     pub(crate) fn skin_levels(&self, texels: u32) -> Vec<Vec<u8>> {
         let mut levels = Vec::new();
         let (mut side, mut places) = (SIDE as usize, self.skin.clone());
@@ -67,7 +70,7 @@ impl Visibility {
 
 /// Computes the visibility for the strands of a tile.
 ///
-/// * `horizon`: fixed horizon; `None` chooses a suitable one
+/// * `horizon`: fixed horizon; if `None`, a suitable one is chosen
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands.

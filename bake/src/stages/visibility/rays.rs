@@ -8,10 +8,10 @@ use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
 use std::time::Duration;
 
-/// Maximum horizontal length of a ray, tiles.
+/// Maximum horizontal length of a ray, tile widths.
 const MAX_TILES: f32 = 8.0;
 
-/// Segment of a strand: a round, tapered stick.
+/// Segment of a strand: a tapered cylinder.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     from: Vec3,
@@ -28,14 +28,14 @@ impl Boundable for Piece {
 }
 
 impl Piece {
-    /// Returns whether the ray, with unit direction, hits the segment: at their closest points, their distance is below
-    /// its radius.
+    /// Returns whether a ray with unit direction hits the segment: the distance between the closest points is below the
+    /// segment's radius there.
     fn is_hit(&self, origin: Vec3, way: Vec3, reach: f32) -> bool {
         let axis = self.to - self.from;
         let from = origin - self.from;
         let (length, along, from_axis, from_way) = (axis.dot(axis), axis.dot(way), axis.dot(from), way.dot(from));
         let across = length - along * along;
-        // If parallel, all points are equally near.
+        // If both are parallel, all points are equally near.
         let share =
             if across > 1e-6 * length { ((from_axis - along * from_way) / across).clamp(0.0, 1.0) } else { 0.5 };
         let place = self.from + axis * share;
@@ -47,12 +47,13 @@ impl Piece {
     }
 }
 
-/// All strands of a tile, in a ray-tracing structure.
+/// All strands of a tile in an acceleration structure for ray tracing.
 pub(super) struct StrandTree {
     /// Segments in the order of the tree's leaves.
     pieces: Vec<Piece>,
     tree: Option<CwBvh>,
-    /// Lower corner of the bounds of one tile's strands, without neighbours; [`Self::high`] is the upper one.
+    /// Lower corner of the bounds of one tile's strands, without neighbouring tiles; [`Self::high`] is the upper
+    /// corner.
     low: Vec2,
     high: Vec2,
     top: f32,
@@ -82,20 +83,20 @@ impl StrandTree {
         Self { pieces, tree, low, high, top }
     }
 
-    /// Returns whether a distant light in the upward unit direction `way` is visible from `origin` past all strands
-    /// except `own`. Copies of `own` in other tiles count as other strands. A ray still inside the hair after
-    /// [`MAX_TILES`] tiles is blocked.
+    /// Returns whether a distant light is visible from `origin` past all strands except `own`. `way` is the unit
+    /// direction towards the light and points upwards. Copies of `own` in other tiles count as other strands. A ray
+    /// that is still inside the hair after [`MAX_TILES`] tiles counts as blocked.
     pub(super) fn is_lit(&self, origin: Vec3, way: Vec3, own: Option<u32>) -> bool {
         let reach = ((self.top - origin.z) / way.z).max(0.0);
         let aside = reach * way.truncate().length();
-        // Tile by tile: most rays end near their start.
+        // The ray is traced tile by tile, because most rays end near their start.
         let steps = aside.ceil().clamp(1.0, MAX_TILES);
         let step = if aside > MAX_TILES { MAX_TILES / aside } else { 1.0 } * reach / steps;
         let free = |n: u16| self.is_clear(origin + way * (step * f32::from(n)), way, step, own);
         (0..steps as u16).all(free) && aside <= MAX_TILES
     }
 
-    /// Returns whether there is nothing between `origin` and the point at distance `reach`.
+    /// Returns whether nothing is between `origin` and the point at distance `reach`.
     fn is_clear(&self, origin: Vec3, way: Vec3, reach: f32, own: Option<u32>) -> bool {
         let Some(tree) = &self.tree else { return true };
         let end = origin + way * reach;

@@ -1,8 +1,8 @@
 //! Export of strands as binary glTF 2.0: lines with a colour and a radius per point.
 //!
-//! Each group is a node and a mesh of its name, whose strands are one primitive of separate lines with indices. Line
-//! strips would need one primitive per strand, because core glTF cannot restart a strip within a primitive; viewers
-//! take minutes to open files with tens of thousands of primitives.
+//! Each group is a node and a mesh with the group's name. Its strands are one primitive of separate lines with indices.
+//! Line strips would need one primitive per strand, because core glTF cannot restart a strip within a primitive.
+//! Viewers take minutes to open files with tens of thousands of primitives.
 
 use super::write_floats;
 use crate::strands::{CurveGroup, Curves};
@@ -31,7 +31,7 @@ pub fn write_glb(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
         .unzip();
     let asset = json!({ "version": "2.0", "generator": concat!("pelage ", env!("CARGO_PKG_VERSION")) });
     let document = if nodes.is_empty() {
-        // glTF does not allow empty lists.
+        // An empty file has no lists, because glTF does not allow empty ones.
         json!({ "asset": asset })
     } else {
         json!({
@@ -49,7 +49,8 @@ pub fn write_glb(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     curves.groups().iter().try_for_each(|group| write_group(curves, group, out))
 }
 
-/// Adds the views and accessors of a group, in the order in which [`write_group`] writes; returns its primitive.
+/// Adds the buffer views and accessors of a group, in the order in which [`write_group`] writes the data. Returns the
+/// primitive of the group.
 fn lay_out(curves: &Curves, group: &CurveGroup, layout: &mut Layout) -> Value {
     let points = curves.points_of(group);
     let lines = points.len() - group.strands.len();
@@ -75,7 +76,7 @@ fn lay_out(curves: &Curves, group: &CurveGroup, layout: &mut Layout) -> Value {
 fn write_group(curves: &Curves, group: &CurveGroup, out: &mut dyn Write) -> io::Result<()> {
     let points = curves.points_of(group);
     points.iter().try_for_each(|p| write_floats(&p.position_ws.to_array(), out))?;
-    // The format allows 0..=1.
+    // The format only allows colours in 0..=1.
     points.iter().try_for_each(|p| write_floats(&p.color.clamp(Vec3::ZERO, Vec3::ONE).to_array(), out))?;
     points.iter().try_for_each(|p| write_floats(&[p.radius_m], out))?;
     let offsets = &curves.offsets[group.strands.start as usize..=group.strands.end as usize];

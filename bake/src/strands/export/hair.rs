@@ -1,19 +1,19 @@
-//! Export to the binary format of Cem Yuksel's hair models: a header of 128 bytes, points of each strand, positions,
-//! thickness, colours.
+//! Export to the binary format of Cem Yuksel's hair models: a header of 128 bytes, number of segments of each strand,
+//! positions, thickness, colours.
 //!
-//! It has no groups: the header's text lists each name with its first strand, counted from 0, as far as 88 bytes
-//! permit.
+//! The format has no groups. Instead, the header's text lists each name with its first strand, counted from 0, as far
+//! as 88 bytes permit.
 
 use super::{allowed, plain_names, too_many, write_floats};
 use crate::strands::Curves;
 use std::io::{self, Write};
 
-/// Flags of the arrays in the file: segments, points, thickness, colours.
+/// Flags of the arrays in the file: segments, points, thickness and colours.
 const ARRAYS: u32 = 1 | 2 | 4 | 16;
 /// Length of the header's text, bytes, padded with zeros.
 const INFO: usize = 88;
 
-/// Returns the header's text, shorter than [`INFO`], so that it is zero-terminated for readers in C.
+/// Returns the text of the header. It is shorter than [`INFO`], so that it is zero-terminated for readers in C.
 fn info(curves: &Curves) -> String {
     const MORE: &str = "; ...";
     let mut text = concat!("pelage ", env!("CARGO_PKG_VERSION"), ": metres, y up, diameters, linear RGB").to_owned();
@@ -29,11 +29,11 @@ fn info(curves: &Curves) -> String {
     text
 }
 
-/// Writes strands. Thickness is the hair's diameter, colours are linear RGB.
+/// Writes strands. Thickness is the diameter of the hair; colours are linear RGB.
 ///
 /// # Errors
-/// Errors of `out`; [`io::ErrorKind::InvalidInput`] for a strand of more than 65 535 segments or for more than 2³² − 1
-/// points, the limits of the format.
+/// Errors of `out`; [`io::ErrorKind::InvalidInput`] if a strand has more than 65 535 segments or all strands together
+/// more than 2³² − 1 points, the limits of the format.
 pub fn write_hair(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     let points =
         u32::try_from(curves.points.len()).map_err(|_| too_many("points", curves.points.len(), u32::MAX.into()))?;
@@ -41,7 +41,7 @@ pub fn write_hair(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     for number in [curves.len() as u32, points, ARRAYS, 0] {
         out.write_all(&number.to_le_bytes())?;
     }
-    // Defaults for missing arrays: thickness, transparency, colour.
+    // Defaults for missing arrays: thickness, transparency and colour.
     write_floats(&[1.0, 0.0, 1.0, 1.0, 1.0], out)?;
     let mut text = info(curves).into_bytes();
     text.resize(INFO, 0);

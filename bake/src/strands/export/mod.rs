@@ -1,8 +1,8 @@
-//! Export of strands and mesh to formats of other programs: the same hair as in the ray-traced reference, so that
-//! others can judge it.
+//! Export of strands and mesh to formats of other programs. The hair is the same as in the ray-traced reference, so
+//! that other renderers can be compared with it.
 //!
-//! Each writer streams to any [`Write`]; lengths are metres in world space, y up, as in the package. All formats name
-//! the [groups](Curves::groups), except text, which stores points only.
+//! Each writer streams to any [`Write`]. Lengths are metres in world space, y up, as in the package. All formats name
+//! the [groups](Curves::groups), except text, which only stores points.
 
 mod glb;
 mod hair;
@@ -25,7 +25,7 @@ use std::io::{self, Write};
 /// File formats for strands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrandFormat {
-    /// Text: a line `x y z radius` per point, root first, and a blank line between strands.
+    /// Text: a line `x y z radius` per point, root first. A blank line separates strands.
     Text,
     /// Curves of pbrt-v4.
     Pbrt,
@@ -68,7 +68,8 @@ fn write_floats(numbers: &[f32], out: &mut dyn Write) -> io::Result<()> {
     numbers.iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))
 }
 
-/// Returns the names of the groups in the form that a format permits; a repeated name gets a number.
+/// Returns the names of the groups, converted by `plain` to the form that a format permits. A repeated name gets a
+/// number.
 fn plain_names(curves: &Curves, plain: impl Fn(&str) -> String) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let mut name = |group: &CurveGroup| {

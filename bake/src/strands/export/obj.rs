@@ -1,11 +1,11 @@
-//! Export of the posed mesh as Wavefront OBJ, with its materials in a second file.
+//! Export of the posed mesh as Wavefront OBJ, with its materials in a separate file.
 
 use crate::strands::PosedMesh;
 use glam::{DVec3, Vec4};
 use std::io::{self, Write};
 
-/// Writes the mesh: positions, texture coordinates and normals, triangles grouped by material. `materials` is the name
-/// of the .mtl file that [`write_mtl`] writes.
+/// Writes the mesh: positions, texture coordinates, normals, and triangles grouped by material. `materials` is the name
+/// of the .mtl file written by [`write_mtl`].
 ///
 /// # Errors
 /// Errors of `out`.
@@ -36,7 +36,7 @@ pub fn write_obj(skin: &PosedMesh, materials: &str, out: &mut dyn Write) -> io::
     Ok(())
 }
 
-/// Writes the mesh's materials: `Kd` is the mean of their base colour over the mesh surface, by area.
+/// Writes the mesh's materials. `Kd` is the mean base colour of a material over the mesh surface, weighted by area.
 ///
 /// # Errors
 /// Errors of `out`.

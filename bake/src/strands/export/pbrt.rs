@@ -1,24 +1,24 @@
 //! Export of curves for pbrt-v4, to be included in a scene.
 //!
 //! Each segment of a strand is a cubic Bézier curve whose inner control points are on the line at one and two thirds.
-//! This is exactly the line, with the width at its two ends. In a single curve of many segments, the width would change
-//! uniformly from root to tip, which is wrong once points were removed. `splitdepth 0`: straight segments gain nothing
-//! from being split.
+//! Such a curve is exactly the line, with the given width at each end. In a single curve of many segments, the width
+//! would change uniformly from root to tip, which is wrong if points were removed. `splitdepth` is 0, because splitting
+//! straight segments has no benefit.
 
 use super::{allowed, plain_names};
 use crate::strands::{CurvePoint, Curves};
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 
-/// Writes strands as `Shape "curve"` directives, each group in its own attribute block. A group's material is named
-/// `strands/` and the group's name. It is diffuse in the mean colour of the group's points, because pbrt supports a
-/// material, but no colour, per curve.
+/// Writes strands as `Shape "curve"` directives, with an attribute block for each group. The material of a group is
+/// named `strands/` followed by the group's name. It is diffuse, in the mean colour of the group's points, because pbrt
+/// supports a material, but no colour, per curve.
 ///
 /// # Errors
 /// Errors of `out`.
 pub fn write_pbrt(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# {} strands in {} straight pieces, metres, y up", curves.len(), curves.segments())?;
-    // Used within a quoted string and on a comment line.
+    // Names are used within a quoted string and on a comment line.
     let names = plain_names(curves, |name| allowed(name, |c| !c.is_control() && !"\"\\".contains(c)));
     for (group, name) in curves.groups().iter().zip(names) {
         let mean = mean_color(curves.points_of(group));

@@ -1,13 +1,13 @@
-//! Export of curves as text: a line `x y z radius` per point, metres in world space, root first; a blank line between
+//! Export of curves as text: a line `x y z radius` per point, metres in world space, root first. A blank line separates
 //! strands.
 //!
-//! Groups are not named, because readers of this form, such as Mitsuba's `linearcurve`, reject every line that is not a
-//! point. Their strands are in the order of [`Curves::groups`].
+//! Groups are not named, because readers of this format, such as Mitsuba's `linearcurve`, reject all lines that are not
+//! points. Strands are in the order of [`Curves::groups`].
 
 use crate::strands::Curves;
 use std::io::{self, Write};
 
-/// Writes strands as text. Numbers read back to the same bits.
+/// Writes strands as text. Parsing the numbers gives the same bits.
 ///
 /// # Errors
 /// Errors of `out`.

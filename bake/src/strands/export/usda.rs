@@ -1,4 +1,4 @@
-//! Export as USD text: `BasisCurves`, which Blender opens as hair curves with radius, colour and root coordinates.
+//! Export as USD text with `BasisCurves`, which Blender opens as hair curves with radius, colour and root coordinates.
 //!
 //! <https://openusd.org/release/api/class_usd_geom_basis_curves.html>. Each group is a prim below `/strands`, the
 //! default prim. Curves are linear, because strands are polylines.
@@ -8,13 +8,16 @@ use crate::strands::{CurveGroup, Curves};
 use glam::Vec3;
 use std::io::{self, Write};
 
-/// Number of items per line, for lists without a line per strand.
+/// Number of items per line, for lists that have no line of their own for each strand.
 const ITEMS_PER_LINE: usize = 16;
 
-/// Writes strands. Each point has its width (the hair's diameter, metres) and `primvars:displayColor` (linear RGB).
-/// Each strand has `primvars:surface_uv_coordinate`: the mesh's texture coordinates at its root, v upwards as in USD,
-/// under the name that Blender's own curves use. A group's name is converted to an identifier; if that changes it, the
-/// prim's `displayName` keeps the original.
+/// Writes strands.
+///
+/// * Each point has a width (diameter of the hair, metres) and `primvars:displayColor` (linear RGB).
+/// * Each strand has `primvars:surface_uv_coordinate`: the mesh's texture coordinates at its root, with v upwards as in
+///   USD. Blender's own curves use the same name.
+/// * The name of a group is converted to an identifier. If the conversion changes it, the `displayName` of the prim
+///   keeps the original.
 ///
 /// # Errors
 /// Errors of `out`.
@@ -59,7 +62,8 @@ fn write_group(curves: &Curves, group: &CurveGroup, name: &str, out: &mut dyn Wr
     writeln!(out, "    }}")
 }
 
-/// Returns the box around all points, extended by the largest radius, as USD computes it for curves.
+/// Returns the box around all points, extended by the largest radius. USD computes the extent of curves in the same
+/// way.
 fn extent(curves: &Curves, group: &CurveGroup) -> [Vec3; 2] {
     let points = curves.points_of(group);
     let places = || points.iter().map(|p| p.position_ws);
@@ -69,7 +73,7 @@ fn extent(curves: &Curves, group: &CurveGroup) -> [Vec3; 2] {
     [low - radius, high + radius]
 }
 
-/// Writes a list attribute: `declaration = [...]`, with each of `lines` on a line.
+/// Writes a list attribute, `declaration = [...]`, with one line for each of `lines`.
 fn write_list<T>(
     declaration: &str,
     interpolation: Option<&str>,
@@ -95,7 +99,7 @@ fn write_list<T>(
     }
 }
 
-/// Comma-separated numbers, which read back to the same bits.
+/// Numbers separated by commas; parsing them gives the same bits.
 struct Join<const N: usize>([f32; N]);
 
 impl<const N: usize> std::fmt::Display for Join<N> {
@@ -107,7 +111,7 @@ impl<const N: usize> std::fmt::Display for Join<N> {
     }
 }
 
-/// Returns a non-empty name of ASCII letters, digits and `_` that does not begin with a digit.
+/// Returns a non-empty name of ASCII letters, digits and `_`. It does not begin with a digit.
 fn identifier(name: &str) -> String {
     let name = allowed(name, |c| c.is_ascii_alphanumeric() || c == '_');
     if name.starts_with(|c: char| !c.is_ascii_digit()) { name } else { format!("_{name}") }

@@ -1,16 +1,15 @@
-//! Proximity to eyes, nose and mouth, that is to small bare parts of the mesh.
+//! Proximity to eyes, nose and mouth, which are small bare parts of the mesh.
 
 use super::input::Body;
 use super::welded_mesh::WeldedMesh;
 use crate::noise::smooth_step;
 use crate::stages::cells::{TriangleGrid, closest_barycentric};
 
-/// Distance from bare parts within which hair is shortened, radii of the body.
+/// Distance from bare parts within which hair is shortened, in body radii.
 const REACH: f32 = 0.15;
-/// Maximum gap between a bare part and the surrounding surface, such as around an eyeball in its socket, radii of the
-/// body.
+/// Maximum gap between a bare part and the surrounding surface, such as around an eyeball in its socket, in body radii.
 const GAP: f32 = 0.03;
-/// Maximum share of the whole area for a bare part: larger ones are garments or shells, beside which hair is not
+/// Maximum share of the whole area for a bare part. Larger ones are garments or shells, beside which hair is not
 /// shortened.
 const LARGEST: f32 = 0.04;
 
@@ -31,8 +30,8 @@ pub(super) fn furred_places(body: &Body<'_>, skin: &WeldedMesh) -> Vec<bool> {
     places
 }
 
-/// Returns how near each welded vertex is to a small bare part, along the surface: 1 at its border, 0 from [`REACH`]
-/// on.
+/// Returns the proximity of each welded vertex to a small bare part, along the surface. It is 1 at the border of the
+/// part, and 0 from [`REACH`] on.
 pub(super) fn nearness(body: &Body<'_>, skin: &WeldedMesh) -> Vec<f32> {
     let furred = furred_faces(body);
     let bare: Vec<[u32; 3]> = skin.faces.iter().zip(&furred).filter(|(_, furred)| !**furred).map(|(f, _)| *f).collect();
@@ -58,7 +57,7 @@ pub(super) fn nearness(body: &Body<'_>, skin: &WeldedMesh) -> Vec<f32> {
 
 /// Returns the bare triangles whose connected part is small.
 fn small_parts(skin: &WeldedMesh, bare: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    // Union-find; the smallest vertex represents each part.
+    // Find connected components (union-find); the smallest vertex index represents each of them.
     let mut least: Vec<u32> = (0..skin.len() as u32).collect();
     fn find(least: &mut [u32], mut place: u32) -> u32 {
         while least[place as usize] != place {

@@ -1,4 +1,4 @@
-//! Body to derive a groom from.
+//! Body from which a groom is derived.
 
 use pelage_formats::{Animation, Bounds};
 use pelage_import::mesh::{Mesh, RestPose};
@@ -6,7 +6,7 @@ use pelage_import::mesh::{Mesh, RestPose};
 /// Body from the `import` stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Body<'a> {
-    /// The mesh.
+    /// Mesh of the body.
     pub mesh: &'a Mesh,
     /// Rest pose of the mesh, metres.
     pub rest: &'a RestPose,

@@ -1,13 +1,13 @@
-//! Automatic groom: length, lean and density of hair by the shape of the body, where a recipe sets nothing. Hair is
-//! short and flat on legs, ears and muzzle and around eyes, and long on neck, belly and tail.
+//! Automatic groom: length, lean and density of hair, derived from the shape of the body where a recipe sets nothing.
+//! Hair is short and flat on legs, ears and muzzle and around eyes, and long on neck, belly and tail.
 //!
-//! * `parts`, `words`, `regions`: the body part that each joint moves, by its name and its ancestors
+//! * `parts`, `words`, `regions`: the body part that each joint moves, from its name and its ancestors
 //! * `thickness`: thickness of the body at each welded vertex, the only cue for limbs and trunk without names
 //! * `bare`: distance from eyes, nose and mouth
-//! * `skin`: welded vertices, neighbours, distances along the surface, and smoothing
+//! * `welded_mesh`: welded vertices, neighbours, distances along the surface, and smoothing
 //!
-//! The result is approximate: photographs of animals agree in little more than the order of lengths. It must not have
-//! jumps, must leave shapes without limbs even, and must not change the length of the longest hair.
+//! The result is approximate, because photographs of animals agree in little more than the order of lengths. The groom
+//! must not have jumps, must be even on shapes without limbs, and must not change the length of the longest hair.
 
 mod bare;
 mod input;
@@ -26,24 +26,25 @@ use parts::{PartGroom, Region};
 use pelage_formats::Pose;
 pub(super) use welded_mesh::WeldedMesh;
 
-/// Width of the smoothing over the surface, radii of the body.
+/// Width of the smoothing over the surface, in body radii.
 const SPREAD: f32 = 0.05;
-/// Range of thickness, relative to thick parts, over which the hair length rises from its shortest to its longest.
+/// Range of thickness over which the hair length rises from its minimum to its maximum. Thickness is relative to thick
+/// parts.
 const THIN: [f32; 2] = [0.15, 0.65];
 /// Hair length on the thinnest parts relative to the thickest.
 const SHORTEST: f32 = 0.25;
 /// Lean and density on the thinnest parts.
 const THIN_LEAN: f32 = 0.5;
 const THIN_DENSITY: f32 = 1.7;
-/// Groom beside bare parts; the length is relative to that far from them.
+/// Groom beside bare parts, with a length relative to hair far from them.
 const BARE: PartGroom = PartGroom { length: 0.15, lean: 0.5, density: 1.8, by_thickness: 0.0 };
 /// Hair length on the underside of a trunk relative to its back.
 const UNDERSIDE: f32 = 1.1;
-/// Minimum relative difference between the longest and the shortest hair: bodies that vary less have no distinct parts.
+/// Minimum relative difference between the longest and the shortest hair. Bodies that vary less have no distinct parts.
 const LEAST_SPREAD: f32 = 0.1;
-/// Lower limit of thick and upper limit of thin parts in reports about bodies without named parts.
+/// Minimum relative thickness of thick parts, and maximum of thin parts, in reports about bodies without named parts.
 const REPORTED_THICKNESS: [f32; 2] = [0.9, 0.45];
-/// Minimum share of the area for a part to be reported.
+/// Minimum share of the body's area for a part to be reported.
 const MIN_REPORTED_SHARE: f64 = 0.002;
 /// Number of body parts.
 const PARTS: usize = Region::Unknown as usize + 1;
@@ -55,7 +56,7 @@ pub struct BodyGroom {
     pub length: Vec<f32>,
     /// Extra lean, 0..=1.
     pub lean: Vec<f32>,
-    /// Hairs per area relative to the back, 0.25..=4; `None` if it must not vary.
+    /// Hairs per area relative to the back, 0.25..=4; `None` if the density must not vary.
     pub density: Option<Vec<f32>>,
     /// Names of the body parts found, with the mean of `length` on each.
     pub parts: Vec<(&'static str, f32)>,
@@ -64,7 +65,7 @@ pub struct BodyGroom {
 impl BodyGroom {
     /// Derives a groom from a body.
     ///
-    /// * `share`: weight of the result, 0..=1
+    /// * `share`: weight of the automatic groom, 0..=1
     ///
     /// Returns `None` if no hair grows on the body, or if its parts do not differ.
     pub fn of(body: &Body<'_>, share: f32) -> Option<Self> {
@@ -100,8 +101,8 @@ impl BodyGroom {
         if high - low < LEAST_SPREAD * high {
             return None;
         }
-        // After the test above, because a sphere has an underside as well. No smoothing is needed: normals are already
-        // smooth.
+        // The underside follows the test above, because even a sphere has one. The factor needs no smoothing, because
+        // normals are smooth.
         let has_names = has_specific_parts(&parts);
         for (place, length) in length.iter_mut().enumerate() {
             let trunk = if has_names { trunk(&parts[place]) } else { thick[place] };
@@ -122,7 +123,7 @@ impl BodyGroom {
         })
     }
 
-    /// Describes the chosen lengths, if the longest hair has length `length_m`.
+    /// Describes the chosen lengths for a longest hair of length `length_m`, metres.
     pub fn decision(&self, share: f32, length_m: f32) -> Decision {
         let parts: Vec<String> =
             self.parts.iter().map(|(part, length)| format!("{part} {}", metres_in_words(length * length_m))).collect();
@@ -138,15 +139,15 @@ impl BodyGroom {
 fn relative_thickness(skin: &WeldedMesh, furred: &[bool]) -> Vec<f32> {
     let thickness = thickness::thickness(skin);
     let on_fur: Vec<Option<f32>> = thickness.iter().zip(furred).map(|(t, furred)| t.filter(|_| *furred)).collect();
-    // A quantile instead of the maximum: a few rays along the trunk are very long.
+    // Use a quantile instead of the maximum, because a few rays along the trunk are very long.
     let Some(thickest) = skin.quantile(&on_fur, 0.9).filter(|t| *t > 0.0) else { return vec![1.0; skin.len()] };
-    // On a logarithmic scale: a leg is to a trunk what an ear is to a leg.
+    // Interpolate logarithmically: the ratio of leg to trunk is about that of ear to leg.
     let place = |t: f32| libm::logf((t / thickest).max(1e-6));
     let [low, high] = THIN.map(libm::logf);
     thickness.into_iter().map(|t| t.map_or(1.0, |t| smooth_step(low, high, place(t)))).collect()
 }
 
-/// Returns the weight of each body part at each welded vertex; the weights sum to 1.
+/// Returns the weights of all body parts at each welded vertex; they sum to 1.
 fn parts_of_places(body: &Body<'_>, skin: &WeldedMesh, to_skin: impl Fn(Vec3) -> Vec3) -> Vec<[f32; PARTS]> {
     let mut unknown = [0.0; PARTS];
     unknown[Region::Unknown as usize] = 1.0;
@@ -162,7 +163,8 @@ fn parts_of_places(body: &Body<'_>, skin: &WeldedMesh, to_skin: impl Fn(Vec3) ->
         for (joint, weight) in weights.joints.iter().zip(weights.weights) {
             shares[of_joint(*joint).unwrap_or(Region::Unknown) as usize] += weight;
         }
-        // The ruff begins behind the cheeks, but weights of the head fade far down the neck.
+        // Move weight from the head to the neck: the ruff begins behind the cheeks, but the head's weights fade far
+        // down the neck.
         let [head, neck] = [Region::Head, Region::Neck].map(|r| shares[r as usize]);
         if head > 0.0 && neck > 0.0 {
             let given = head * neck / (head + neck);
@@ -187,14 +189,15 @@ fn parts_of_places(body: &Body<'_>, skin: &WeldedMesh, to_skin: impl Fn(Vec3) ->
     parts
 }
 
-/// Whether any welded vertex belongs to a part that identifies its location on the body.
+/// Whether any welded vertex belongs mostly to a part that identifies its location on the body.
 fn has_specific_parts(parts: &[[f32; PARTS]]) -> bool {
     let told = |p: &[f32; PARTS]| Region::ALL.iter().any(|r| r.is_specific() && p[*r as usize] > 0.5);
     parts.iter().any(told)
 }
 
-/// Separates the muzzle from the head, because few rigs have a joint for it: the part in front of the head's centre,
-/// seen from the head's joint. Heads upright on their joint, such as human ones, have none.
+/// Separates the muzzle from the head, because few rigs have a joint for it. The muzzle is the part in front of the
+/// head's centre, seen from the head's joint. Heads that are upright on their joint, such as human ones, have no
+/// muzzle.
 fn split_muzzle(skin: &WeldedMesh, joint: Vec3, parts: &mut [[f32; PARTS]]) {
     let head = Region::Head as usize;
     if parts.iter().any(|p| p[Region::Muzzle as usize] > 0.5) {
@@ -222,7 +225,10 @@ fn split_muzzle(skin: &WeldedMesh, joint: Vec3, parts: &mut [[f32; PARTS]]) {
     }
 }
 
-/// Returns the groom for a mixture of parts.
+/// Returns the groom of a mixture of body parts.
+///
+/// * `thick`: relative thickness of the body, 0..=1
+/// * `parts`: weight of each part
 fn growth(thick: f32, parts: &[f32; PARTS]) -> PartGroom {
     let mut sum = PartGroom { length: 0.0, lean: 0.0, density: 0.0, by_thickness: 0.0 };
     for region in Region::ALL {
@@ -235,17 +241,17 @@ fn growth(thick: f32, parts: &[f32; PARTS]) -> PartGroom {
     sum
 }
 
-/// Returns the weight of the trunk.
+/// Returns the total weight of the parts of the trunk.
 fn trunk(parts: &[f32; PARTS]) -> f32 {
     Region::ALL.iter().filter(|r| r.is_trunk()).map(|r| parts[*r as usize]).sum()
 }
 
-/// Returns how far a normal points down, 0..=1.
+/// Returns how far a normal points down, 0..=1, with a smooth transition.
 fn underside(normal: Vec3) -> f32 {
     smooth_step(0.2, 0.8, -normal.y)
 }
 
-/// Returns the parts found, with the mean of `length` on each.
+/// Returns the body parts found, with the mean of `length` on each.
 fn reported_parts(
     skin: &WeldedMesh,
     furred: &[bool],

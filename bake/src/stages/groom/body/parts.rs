@@ -12,7 +12,7 @@ pub(super) enum Region {
     Foot,
     LowerLeg,
     UpperLeg,
-    /// Leg or arm whose name does not distinguish upper from lower; `regions::of_nodes` resolves it by its parent.
+    /// Leg or arm whose name does not distinguish upper from lower. `regions::of_nodes` uses the parent to resolve it.
     Limb,
     Shoulder,
     Neck,
@@ -20,7 +20,7 @@ pub(super) enum Region {
     Chest,
     Belly,
     Torso,
-    /// Part without a known name.
+    /// Part whose name is not known.
     Unknown,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct PartGroom {
     pub lean: f32,
     /// Hairs per area relative to the back: shorter hair is finer and denser.
     pub density: f32,
-    /// Influence of the thickness, 0..=1, for parts that contain thick and thin regions.
+    /// Influence of the thickness, 0..=1. It is above 0 for parts with thick and thin regions.
     pub by_thickness: f32,
 }
 
@@ -58,8 +58,8 @@ impl Region {
         Self::Unknown,
     ];
 
-    /// Returns the groom of the part. The values are what photographs of dogs, wolves, horses, cattle, foxes and cats
-    /// agree in.
+    /// Returns the groom of the part. The values are common to photographs of dogs, wolves, horses, cattle, foxes and
+    /// cats.
     pub(super) fn growth(self) -> PartGroom {
         let grows = |length, lean, density, by_thickness| PartGroom { length, lean, density, by_thickness };
         match self {

@@ -6,7 +6,7 @@ use crate::stages::groom::bounds;
 use pelage_formats::{Animation, Joint, Node, SkinVertex};
 use pelage_import::mesh::{Mesh, MeshPart, RestPose};
 
-/// Builds a closed surface of revolution about z through rings (z, radius); both ends are closed by a point.
+/// Builds a closed surface of revolution about z through rings (z, radius). Each end is closed by a point.
 fn turned(rings: &[(f32, f32)]) -> Mesh {
     const AROUND: u32 = 24;
     let mut mesh = Mesh::default();
@@ -64,7 +64,7 @@ fn groom(mesh: &Mesh, animation: Option<&Animation>, share: f32) -> Option<BodyG
     BodyGroom::of(&Body { mesh, rest: &rest, animation, furred: &[true, false], bounds: &bounds }, share)
 }
 
-/// Returns the mean of a value over the vertices between two z.
+/// Returns the mean of a value over the vertices between two z coordinates.
 fn between(mesh: &Mesh, values: &[f32], low: f32, high: f32) -> f32 {
     let there: Vec<f32> =
         mesh.positions.iter().zip(values).filter(|(p, _)| (low..=high).contains(&p.z)).map(|(_, v)| *v).collect();
@@ -76,7 +76,7 @@ fn node(name: &str, parent: Option<u32>) -> Node {
     Node { name: name.into(), parent, translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] }
 }
 
-/// Builds a rig of the given nodes, each with its parent; all are joints.
+/// Builds a rig of the given nodes, each with its parent. All nodes are joints.
 fn rig(nodes: &[(&str, Option<u32>)]) -> Animation {
     Animation {
         nodes: nodes.iter().map(|(name, parent)| node(name, *parent)).collect(),
@@ -164,7 +164,7 @@ fn names_of_many_rigs_and_languages_are_understood() {
         ("骨盆", Torso),
     ] {
         let found = region(name);
-        // Only the accent of `ě` in this name is not removed.
+        // The accent of `ě` is the only one in this name that is not removed, so the name has no known word.
         let expected = if name == "wěiba" { None } else { Some(expected) };
         assert_eq!(found, expected, "{name}");
     }
@@ -219,7 +219,7 @@ fn thickness_is_the_distance_through_the_body() {
     };
     assert!((0.5..0.8).contains(&of(0.5)), "barrel of 0.6: {}", of(0.5));
     assert!((0.05..0.08).contains(&of(1.5)), "rod of 0.06: {}", of(1.5));
-    // A sheet has no far side.
+    // A sheet has no far side, so its thickness is unknown.
     let sheet = Mesh {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         normals: vec![Vec3::Z; 3],
@@ -233,7 +233,7 @@ fn thickness_is_the_distance_through_the_body() {
 #[test]
 fn vertices_are_welded_and_distances_are_geodesic() {
     let mesh = barrel_with_rod();
-    // The same mesh with separate vertices for every triangle.
+    // This mesh has the same triangles but shares no vertices.
     let torn = Mesh {
         positions: mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]).collect(),
         triangles: (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
@@ -317,7 +317,7 @@ fn uniform_bodies_get_no_groom() {
     assert_eq!(groom(&Mesh::default(), None, 1.0), None);
 }
 
-/// Builds the barrel and rod with one joint for the barrel's end and one for the rod, with the given names.
+/// Builds the barrel with its rod, and a joint for the end of the barrel and one for the rod, with the given names.
 fn rigged(end: &str, rod: &str) -> (Mesh, Animation) {
     let mut mesh = barrel_with_rod();
     let follows = |joint| SkinVertex { joints: [joint, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] };
@@ -359,7 +359,7 @@ fn muzzles_are_split_from_forward_facing_heads() {
 
 #[test]
 fn hair_is_short_beside_small_bare_parts_only() {
-    // A few bare triangles in the middle of a barrel.
+    // The barrel has a few bare triangles in its middle.
     let bared = |count: usize| {
         let mut mesh = turned(&(0..=40).map(|i| (0.05 * i as f32, 0.3)).collect::<Vec<_>>());
         let first = mesh.triangles.len() / 2;
@@ -383,7 +383,7 @@ fn hair_is_short_beside_small_bare_parts_only() {
     assert!(at_distance(0.0, 0.01).1 < 0.2, "{:?}", at_distance(0.0, 0.01));
     assert!(at_distance(0.4, 5.0).0 > 0.85, "{:?}", at_distance(0.4, 5.0));
     assert!(by_body.decision(1.0, 0.1).chosen.contains("near bare parts"));
-    // A third of the area is a garment.
+    // A bare third of the area is a garment, not an eye or a nose.
     assert_eq!(bared(700).0, None);
 }
 

@@ -1,4 +1,4 @@
-//! Thickness of a body at its welded vertices: the shape diameter function (Shapira, Shamir and Cohen-Or 2008).
+//! Thickness of a body at its welded vertices, by the shape diameter function (Shapira, Shamir and Cohen-Or 2008).
 
 use super::welded_mesh::WeldedMesh;
 use glam::Vec3;
@@ -9,17 +9,17 @@ use obvhs::{Boundable, BvhBuildParams};
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Maximum number of rays per vertex, and of all vertices together: vertices are close to each other, and the result is
-/// smoothed later.
+/// Maximum number of rays per vertex, and of all vertices together. Few rays suffice, because vertices are close to
+/// each other and the result is smoothed later.
 const RAYS: (usize, usize) = (12, 150_000);
 /// Minimum number of rays per vertex.
 const FEWEST: usize = 4;
 /// Cosine of half the angle of the cone of rays: 50°.
 const CONE: f32 = 0.642_787_6;
-/// Golden angle, radians: directions along a spiral with it fill a cone evenly.
+/// Golden angle, radians. Directions along a spiral with steps of this angle fill a cone evenly.
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
-/// Distance below which a ray counts as leaving immediately, radii of the mesh.
+/// Distance below which a ray counts as leaving the body immediately, in mesh radii.
 const AT_ONCE: f32 = 2e-3;
 
 /// Triangle of the mesh.
@@ -32,21 +32,22 @@ struct Facet {
 impl Boundable for Facet {
     fn aabb(&self) -> Aabb {
         let [a, b, c] = self.corners;
-        // Rounding must not make a ray miss a flat box.
+        // The padding keeps rays from missing a flat box due to rounding.
         let pad = 1e-5;
         Aabb::new((a.min(b).min(c) - pad).into(), (a.max(b).max(c) + pad).into())
     }
 }
 
 impl Facet {
-    /// Returns the distance at which a ray leaves the body through the triangle (Möller and Trumbore 1997); `None` if
-    /// it enters there or misses.
+    /// Returns the distance at which a ray leaves the body through the triangle (Möller and Trumbore 1997). Returns
+    /// `None` if the ray enters there or misses the triangle.
     fn exit_distance(&self, origin: Vec3, way: Vec3) -> Option<f32> {
         let [a, b, c] = self.corners;
         let (e, f) = (b - a, c - a);
         let p = way.cross(f);
         let det = e.dot(p);
-        // Below zero, the ray comes from the side on which the corners run clockwise.
+        // A non-negative determinant means that the ray enters or is parallel. If it is negative, the corners are
+        // clockwise as seen from the ray's origin.
         if det >= 0.0 {
             return None;
         }
@@ -55,15 +56,15 @@ impl Facet {
         let q = from.cross(e);
         let third = way.dot(q);
         let distance = f.dot(q);
-        // Better to hit an edge twice than to pass between two triangles.
+        // Enlarge the triangle, because hitting an edge twice is better than passing between two triangles.
         let seam = -1e-5;
         (distance > 0.0 && second >= seam && third >= seam && second + third <= 1.0 - seam).then_some(distance)
     }
 }
 
-/// Returns the thickness of the body at each welded vertex, radii of the mesh: the median length of rays inwards.
-/// `None` if most rays hit nothing, for example on an open sheet. A ray ends at the far side of its own connected
-/// component.
+/// Returns the thickness of the body at each welded vertex, in mesh radii: the median length of rays inwards. A ray
+/// ends at the far side of its own connected component. The thickness is `None` if most rays hit nothing, for example
+/// on an open sheet.
 pub(super) fn thickness(skin: &WeldedMesh) -> Vec<Option<f32>> {
     let corners = |face: &[u32; 3]| face.map(|p| skin.positions[p as usize]);
     let facets: Vec<Facet> =
@@ -88,7 +89,8 @@ pub(super) fn thickness(skin: &WeldedMesh) -> Vec<Option<f32>> {
             let mut found: Vec<f32> =
                 ways.map(|way| distance_to_far_side(&tree, &facets, origin, way, skin.pieces[place])).collect();
             found.sort_unstable_by(f32::total_cmp);
-            // On a sharp edge some rays leave immediately. They are ignored unless most do, as in a very thin ear.
+            // On a sharp edge, some rays leave immediately. They are ignored unless most rays do, as in a very thin
+            // ear.
             let first = found.partition_point(|distance| *distance < AT_ONCE);
             if 3 * (found.len() - first) >= found.len() {
                 found.drain(..first);
@@ -101,7 +103,8 @@ pub(super) fn thickness(skin: &WeldedMesh) -> Vec<Option<f32>> {
         .collect()
 }
 
-/// Returns the distance at which a ray leaves its own connected component, otherwise any; infinite if it hits nothing.
+/// Returns the distance at which a ray leaves its own connected component. If it does not, returns the distance at
+/// which it leaves any other; infinite if it hits nothing.
 fn distance_to_far_side(tree: &CwBvh, facets: &[Facet], origin: Vec3, way: Vec3, piece: u32) -> f32 {
     let (mut own, mut any) = (f32::INFINITY, f32::INFINITY);
     let ray = Ray::new(origin.into(), way.into(), 0.0, f32::INFINITY);
@@ -117,7 +120,7 @@ fn distance_to_far_side(tree: &CwBvh, facets: &[Facet], origin: Vec3, way: Vec3,
     if own.is_finite() { own } else { any }
 }
 
-/// Returns unit directions in a cone about z, each for an equal solid angle.
+/// Returns unit directions in a cone about z, each for the same solid angle.
 fn directions(count: usize) -> Vec<Vec3> {
     let direction = |i: usize| {
         let z = 1.0 - (1.0 - CONE) * (i as f32 + 0.5) / count as f32;

@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Limits of the edges' cotangents: those of degenerate triangles are unbounded, and averages over neighbours must stay
-/// averages.
+/// Limits of the cotangents at edges. Those of degenerate triangles are unbounded. A positive lower limit ensures that
+/// averages over neighbours stay within their range.
 const COTANGENTS: (f64, f64) = (0.02, 20.0);
 /// Maximum number of solver steps, and relative residual at which the solver stops.
 const SOLVER: (usize, f64) = (100, 1e-4);
 
-/// Welded mesh at rest and its connectivity. Lengths are in radii of the mesh around its centre, so that constants suit
+/// Welded mesh at rest and its connectivity. Lengths are in mesh radii around the mesh's centre, so that constants suit
 /// all models.
 #[derive(Clone, Debug, Default)]
 pub(in crate::stages::groom) struct WeldedMesh {
@@ -22,18 +22,18 @@ pub(in crate::stages::groom) struct WeldedMesh {
     pub positions: Vec<Vec3>,
     /// Normal of each welded vertex: unit length, outward.
     pub normals: Vec<Vec3>,
-    /// Area of each welded vertex: a third of the adjacent triangles.
+    /// Area of each welded vertex: a third of the area of its triangles.
     pub areas: Vec<f32>,
     /// Triangles of the mesh, in its order, with indices of welded vertices.
     pub faces: Vec<[u32; 3]>,
     /// Connected component of each welded vertex.
     pub pieces: Vec<u32>,
-    /// Start of each welded vertex in `neighbors`: those of `i` are `neighbors[starts[i]..starts[i + 1]]`.
+    /// Start of the neighbours of each welded vertex: vertex `i` has `neighbors[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     neighbors: Vec<Neighbor>,
 }
 
-/// Neighbour at the other end of an edge.
+/// Neighbour of a welded vertex, at the other end of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Neighbor {
     place: u32,
@@ -135,11 +135,11 @@ impl WeldedMesh {
         &self.neighbors[self.starts[place] as usize..self.starts[place + 1] as usize]
     }
 
-    /// Returns the distance of each welded vertex from the nearest of `seeds` along the edges (Dijkstra 1959); infinite
-    /// beyond `reach`. Each seed has an initial distance.
+    /// Returns the distance of each welded vertex from the nearest of `seeds` along the edges (Dijkstra 1959). It is
+    /// infinite beyond `reach`. Each seed has an initial distance.
     pub(in crate::stages::groom) fn distances(&self, seeds: impl Iterator<Item = (u32, f32)>, reach: f32) -> Vec<f32> {
         let mut distances = vec![f32::INFINITY; self.len()];
-        // The bits of non-negative numbers have the same order as the numbers.
+        // For non-negative floats, the bit patterns sort like the values.
         let mut front: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
         for (place, distance) in seeds {
             let distance = distance.max(0.0);
@@ -164,16 +164,16 @@ impl WeldedMesh {
         distances
     }
 
-    /// Smooths values over the surface by heat diffusion with a width of about `width`: the implicit step (A + t·L)·x =
-    /// A·values with t = width² / 2 (Desbrun et al. 1999), solved by conjugate gradients. The result stays within the
-    /// range of the values.
+    /// Smooths values over the surface by heat diffusion, with a Gaussian width of about `width`. It solves one
+    /// implicit step (Desbrun et al. 1999), (A + t·L)·x = A·values with t = width² / 2, by conjugate gradients. The
+    /// result stays within the range of the values.
     pub(in crate::stages::groom) fn spread(&self, values: &[f32], width: f32) -> Vec<f32> {
         let time = 0.5 * f64::from(width) * f64::from(width);
-        // A vertex without area has no weight of its own, but must get a value.
+        // A vertex without area has no weight, but must get a value.
         let areas: Vec<f64> = self.areas.iter().map(|a| f64::from(*a).max(1e-12)).collect();
         let flow = |place: usize| self.around(place).iter().map(|n| n.weight).sum::<f64>();
         let diagonal: Vec<f64> = areas.iter().enumerate().map(|(i, a)| a + time * flow(i)).collect();
-        // Rows are independent, so that the result does not depend on the number of threads.
+        // Rows are independent, so the result does not depend on the number of threads.
         let apply = |x: &[f64]| -> Vec<f64> {
             let row = |i: usize| {
                 diagonal[i] * x[i] - time * self.around(i).iter().map(|n| n.weight * x[n.place as usize]).sum::<f64>()

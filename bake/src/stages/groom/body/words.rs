@@ -3,8 +3,8 @@
 
 use super::parts::Region;
 
-/// Words of each part, in lower case without accents. The first part with a word of the name wins, so specific parts
-/// precede general ones: the "back leg" is a leg, "LeftHandIndex" a hand.
+/// Words of each part, in lower case without accents. The first part that has a word of the name wins, so specific
+/// parts precede general ones: a "back leg" is a leg, "LeftHandIndex" is a hand.
 #[rustfmt::skip]
 const WORDS: &[(Region, &[&str])] = &[
     (Region::Muzzle, &[
@@ -89,7 +89,7 @@ const WORDS: &[(Region, &[&str])] = &[
     ]),
 ];
 
-/// Words in scripts without word separators: the longest one contained in the name wins.
+/// Words in scripts without word separators. The longest word in the name wins.
 #[rustfmt::skip]
 const CHARACTERS: &[(Region, &[&str])] = &[
     (Region::Muzzle, &[
@@ -142,7 +142,7 @@ const CHARACTERS: &[(Region, &[&str])] = &[
     ]),
 ];
 
-/// Words for control handles; that of a limb is at its end.
+/// Words for control handles. The handle of a limb is at its end.
 const HANDLES: &[&str] = &["ik", "pole", "target"];
 
 /// Returns the part that a name denotes; `None` if it contains no known word.
@@ -160,7 +160,7 @@ pub(super) fn region(name: &str) -> Option<Region> {
                 .map(|word| (word.chars().count(), *region))
                 .max_by_key(|found| found.0)
         };
-        // Among words of equal length the earlier part wins.
+        // If words have the same length, the earlier part wins.
         CHARACTERS.iter().filter_map(within).rev().max_by_key(|found| found.0).map(|found| found.1)
     };
     let is_handle = HANDLES.iter().any(has);
@@ -185,7 +185,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
         }
         let before = i.checked_sub(1).and_then(|b| folded.get(b));
         let after = folded.get(i + 1);
-        // "LeftArm" splits between t and A, "IKFront" between K and F.
+        // "LeftArm" is split between t and A, "IKFront" between K and F.
         let begins = c.is_uppercase()
             && (before.is_some_and(|b| b.is_lowercase())
                 || (before.is_some_and(|b| b.is_uppercase()) && after.is_some_and(|a| a.is_lowercase())));
@@ -200,7 +200,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Returns a letter without its accent; full-width letters become narrow.
+/// Returns a letter without its accent. Full-width letters become half-width.
 fn fold(c: char) -> impl Iterator<Item = char> {
     let plain = match c {
         '\u{ff01}'..='\u{ff5e}' => char::from_u32(c as u32 - 0xfee0).unwrap_or(c),
